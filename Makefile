@@ -1,0 +1,51 @@
+# Everything a fresh machine needs: python3 (3.11 or newer, with its venv module) and make.
+#   make setup      environment in .venv with the `caramelo` command (the other targets call it when needed)
+#   make demo       walks the robot over a 2 cm step in the simulator, results in out/demo
+#   make test       linter, type checker and all tests
+#   make setup-pi   what a Raspberry Pi runs, without simulator, firmware tools and tests
+#   make lock       writes constraints.txt again from pyproject.toml (needs the network)
+#   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
+
+PYTHON ?= python3
+EXTRAS ?= sim,web,record,firmware,test
+JOBS ?= 2
+BIN := .venv/bin
+comma := ,
+STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
+
+.PHONY: setup setup-pi demo test lock pi-wheels clean
+.DELETE_ON_ERROR:
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	@command -v $(PYTHON) >/dev/null || { echo "make setup: $(PYTHON) not found: install Python 3.11 or newer, or name one: make setup PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "make setup: $$($(PYTHON) -V 2>&1) is too old: 3.11 or newer is needed, name one: make setup PYTHON=python3.12" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make setup: $(PYTHON) comes without its venv module: on Debian, apt-get install python3-venv" >&2; exit 1; }
+	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[$(EXTRAS)]'
+	@touch $@
+
+setup-pi:
+	@$(MAKE) --no-print-directory setup EXTRAS=web,record,pi
+
+demo: setup
+	$(BIN)/caramelo walk --terrain step --height 0.02 --out out/demo
+
+# All three run even when one fails, so that one call shows everything; pytest's closing line comes last.
+test: setup
+	@failed=; \
+	$(BIN)/ruff check . || failed="$$failed ruff"; \
+	$(BIN)/mypy || failed="$$failed mypy"; \
+	$(BIN)/pytest -n $(JOBS) --dist worksteal || failed="$$failed pytest"; \
+	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; fi
+
+lock: setup
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+	$(BIN)/python .ci/lock.py
+
+pi-wheels: setup
+	$(BIN)/python .ci/pi_wheels.py
+
+clean:
+	rm -rf .venv out build *.egg-info .pytest_cache .ruff_cache .mypy_cache .hypothesis
