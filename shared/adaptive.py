@@ -1,0 +1,442 @@
+"""The adaptive trot: a trot of four segments that feels load, ground and motion, and acts on them.
+
+    BODY (four feet, the body moves on and sways over the coming diagonal), SWING FR + RL, BODY, SWING FL + RR
+
+It is a table gait (shared/gaits.py) whose segments are re-timed by speed, plus: sag fed forward,
+speed corrected by the legs' odometry, centre of mass learnt from tipping, footholds that follow the
+ground's twist, higher steps where it is rough, a body that rises with load and crouches before a leg
+is straight, and that turns about the ground when it levels. A swing of 0.2 s is one and a half time
+constants sqrt(height / g) of tipping: the shorter it is, the less the robot tips.
+
+Without measured joints it walks on expectations (no odometry, the own weight); without turning
+rates it holds no heading and learns no centre of mass; without attitude it does not level.
+"""
+
+from array import array
+
+from .body import POSE_X, POSE_Y, POSE_Z
+from .fixed import cos_q15, mul_q15, saturate, sin_q15
+from .gait import (
+    CLOCK_SEGMENT,
+    CLOCK_TICK,
+    G_CYCLE,
+    G_ROWS,
+    G_STANCE_Q10,
+    ROW_ADVANCE_Q4,
+    ROW_SIZE,
+    ROW_START,
+    ROW_SWING_Q10,
+    ROW_TICKS,
+)
+from .ground import extra_lift, follow_twist, press_feet, roughness, twist
+from .load import L_FORCE_Q12, LOAD_SIZE, STANDS_Q8, load_share, load_slew
+from .navigate import NAV_SIZE, NAV_X, drive_as_told, follow_reference, hold, navigate_reset
+from .params import (
+    JOINTS,
+    LEG_HIP,
+    LEG_REST,
+    LEG_SIDE_L1,
+    LEG_SIZE,
+    LEGS,
+    LF_BITS,
+    P_ADVICE_TICKS,
+    P_BODY_FAST,
+    P_BODY_SLOW,
+    P_COM_X,
+    P_COM_Y,
+    P_FAST_SPEED,
+    P_FORWARD,
+    P_HEIGHT_SLEW,
+    P_LATERAL_Q12,
+    P_LEG_LENGTH,
+    P_LEG_LONGEST,
+    P_LOAD_GAIN_Q15,
+    P_LOAD_SLEW_Q12,
+    P_RAISE,
+    P_SAGS,
+    P_SIZE_BODY,
+    P_SLOW_SPEED,
+    P_STAND_TICKS,
+    P_START_SLEW,
+    P_START_SPEED,
+    P_SWAY_SLEW,
+    P_SWING_FAST,
+    P_SWING_SLOW,
+    P_TIP_TICKS,
+)
+from .runtime import const, hot, ptr32
+from .sensing import (
+    M_FORCE_Q12,
+    M_KNOWN,
+    M_MOVED_X,
+    M_MOVED_Y,
+    SENSING_SIZE,
+    sense_legs,
+    sense_moved,
+    sensing_reset,
+)
+from .stability import support_margin
+from .steps import SPEED_X, SPEED_Y
+from .sway import diagonal_y, next_sway, smooth_q12
+from .tipping import TIP_COM_X, TIP_COM_Y, TIP_SIZE, tip_add, tip_learn, tip_reset
+
+W_WEIGHT_Q12 = const(0)  # measured weight, of the own weight
+W_RAISED = const(1)  # lu, body above the rest height
+W_AHEAD = const(2)  # lu, body ahead of the feet
+W_SWAY = const(3)  # lu, body to the left of the feet
+W_SWAY_FROM = const(4)
+W_SWAY_TO = const(5)
+W_TWIST = const(6)  # lf, of the ground
+W_ROUGH = const(7)  # 1/16 brad, largest tilt of late
+W_LIFT = const(8)  # lu, added to the swing's height
+W_FASTEST = const(9)  # lf / tick, grows after a start
+W_AGE = const(10)  # 4 values: ticks since the planned touchdown, 0 in swing, up to 1000
+W_TURNED = const(14)  # 3 values: turn of this tick, 2^-18 rad
+W_RATES = const(17)  # 1: they are measured
+W_BEHIND = const(18)  # ticks behind the reference, twice, less those not behind
+W_MARGIN = const(19)  # lu, of the centre of mass in the support
+W_ADVICE = const(20)  # ADVICE_...
+W_ACTIVE = const(21)  # 1: the body is not where a table gait wants it
+W_SIZE = const(22)
+
+ADVICE_FINE = const(0)
+ADVICE_BEHIND = const(1)  # held up: another gait may get on
+ADVICE_TILTED = const(2)  # tilted: another gait may be safer
+
+_TILT_ADVICE = const(17472)  # 6 deg, 1/16 brad
+_WEIGHT_LEAST_Q12 = const(3277)  # 0.8 of the own weight: the measurement reads low, not the robot light
+_WEIGHT_MOST_Q12 = const(9830)  # 2.4 times: beyond it the legs are too weak anyway
+_AGE_MAX = const(1000)
+
+
+class Adaptive:
+    """All that the adaptive trot remembers, preallocated; the planner holds one."""
+
+    def __init__(self, params):
+        self.sensing = array("i", [0] * SENSING_SIZE)
+        self.load = array("i", [0] * LOAD_SIZE)
+        self.nav = array("i", [0] * NAV_SIZE)
+        self.tip = array("i", [0] * TIP_SIZE)
+        self.state = array("i", [0] * W_SIZE)
+        self.body = array("i", [0] * JOINTS)  # the planned feet in the body
+        self.firm = array("i", [0] * LEGS)  # 1: the foot surely stands
+        self.stands = array("i", [0] * LEGS)  # 256: the foot is planned to stand
+        adaptive_reset(params, self)
+
+
+@hot
+def adaptive_reset(params, walk) -> int:
+    """Forget everything: the own weight, a level ground, no motion; return 0."""
+    w = ptr32(walk.state)
+    f = ptr32(walk.load)
+    for at in range(W_SIZE):
+        w[at] = 0
+    for at in range(LOAD_SIZE):
+        f[at] = 0
+    w[W_WEIGHT_Q12] = 4096
+    sensing_reset(walk.sensing)
+    navigate_reset(walk.nav)
+    tip_reset(walk.tip, 1)
+    adaptive_start(params, walk)
+    return 0
+
+
+@hot
+def adaptive_start(params, walk) -> int:
+    """Begin to walk from a stand: slowly, the reference where the robot is; return 0."""
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    w[W_FASTEST] = p[P_START_SPEED]
+    w[W_SWAY_FROM] = w[W_SWAY]
+    w[W_SWAY_TO] = w[W_SWAY]
+    w[W_BEHIND] = 0
+    w[W_LIFT] = 0
+    navigate_reset(walk.nav)
+    tip_reset(walk.tip, 0)
+    return 0
+
+
+@hot
+def feel_legs(params, walk, joints, first: int, known: int, roll_brad: int, pitch_brad: int) -> int:
+    """Take the measured joints ``joints[first] ...`` (if ``known``): feet, odometry, weight; return 1 if they were.
+
+    roll, pitch: brad within +-32768. The weight follows the sum of the feet's forces, slowly and only while all feet
+    surely stand; it reads 5 to 18 % low in simulation. Intermediates below those of sense_legs.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    m = ptr32(walk.sensing)
+    firm = ptr32(walk.firm)
+    if known == 0:
+        m[M_KNOWN] = 0
+        m[M_MOVED_X] = 0
+        m[M_MOVED_Y] = 0
+        return 0
+    sense_legs(params, joints, first, roll_brad, pitch_brad, walk.sensing)
+    youngest = _AGE_MAX
+    for leg in range(LEGS):
+        age = w[W_AGE + leg]
+        firm[leg] = 0
+        if age > p[P_STAND_TICKS]:
+            firm[leg] = 1
+        if age < youngest:
+            youngest = age
+    sense_moved(walk.sensing, walk.firm)
+    if youngest > p[P_STAND_TICKS] and p[P_SAGS]:
+        force = m[M_FORCE_Q12] + m[M_FORCE_Q12 + 1] + m[M_FORCE_Q12 + 2] + m[M_FORCE_Q12 + 3]
+        force = saturate(force, _WEIGHT_LEAST_Q12, _WEIGHT_MOST_Q12) - w[W_WEIGHT_Q12]
+        w[W_WEIGHT_Q12] += force * p[P_LOAD_GAIN_Q15] + 0x4000 >> 15
+    return 1
+
+
+@hot
+def feel_ground(params, walk, steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int) -> int:
+    """Follow the ground's twist and roughness, and set the footholds' heights by them; return the twist, lu.
+
+    roll, pitch: the measured tilt; plane_...: how the feet's plane lies against the level, all brad.
+    """
+    w = ptr32(walk.state)
+    m = ptr32(walk.sensing)
+    firm = ptr32(walk.firm)
+    w[W_ROUGH] = roughness(params, w[W_ROUGH], roll_brad, pitch_brad)
+    if m[M_KNOWN] and firm[0] and firm[1] and firm[2] and firm[3]:
+        w[W_TWIST] = follow_twist(params, w[W_TWIST], twist(walk.sensing, plane_roll, plane_pitch))
+    press_feet(params, steps, w[W_TWIST] >> LF_BITS)
+    return w[W_TWIST] >> LF_BITS
+
+
+@hot
+def drive_speed(params, walk, speed, drive) -> int:
+    """Write the corrected speeds for this tick into ``drive`` (3 values); return 1 if they are corrected.
+
+    Without odometry the speeds are the commanded ones.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    m = ptr32(walk.sensing)
+    e = ptr32(walk.nav)
+    w[W_FASTEST] = saturate(w[W_FASTEST] + p[P_START_SLEW], 0, 0x7FFFF)
+    if m[M_KNOWN] < 2:
+        navigate_reset(walk.nav)
+        drive_as_told(speed, drive)
+        return 0
+    follow_reference(params, speed, m[M_MOVED_X], m[M_MOVED_Y], w[W_TURNED + 2], w[W_RATES], walk.nav)
+    hold(params, speed, w[W_SWAY], walk.nav, drive)
+    step = -1
+    if e[NAV_X] > p[P_LEG_LENGTH] * 3 << LF_BITS - 5:
+        step = 2
+    w[W_BEHIND] = saturate(w[W_BEHIND] + step, 0, 0xFFFF)
+    w[W_ADVICE] = ADVICE_FINE
+    if w[W_BEHIND] > p[P_ADVICE_TICKS]:
+        w[W_ADVICE] = ADVICE_BEHIND
+    elif w[W_ROUGH] > _TILT_ADVICE:
+        w[W_ADVICE] = ADVICE_TILTED
+    return 1
+
+
+@hot
+def retime(params, gait, speed) -> int:
+    """Give the gait's segments the lengths for the present speed; return the ticks of half a cycle.
+
+    The body moves on in the swings at half its mean speed: faster in the swing tips more, slower jerks. Only at the
+    start of a segment. Intermediates: 2^19 * 2^10.
+    """
+    p = ptr32(params)
+    g = ptr32(gait)
+    v = ptr32(speed)
+    now = v[SPEED_X]
+    if now < 0:
+        now = -now
+    if v[SPEED_Y] < 0:
+        now -= v[SPEED_Y]
+    else:
+        now += v[SPEED_Y]
+    span = p[P_FAST_SPEED] - p[P_SLOW_SPEED]
+    if span < 1:
+        span = 1
+    now = saturate(now - p[P_SLOW_SPEED], 0, span)
+    body = p[P_BODY_SLOW] + ((p[P_BODY_FAST] - p[P_BODY_SLOW]) * now + (span >> 1)) // span
+    swing = p[P_SWING_SLOW] + ((p[P_SWING_FAST] - p[P_SWING_SLOW]) * now + (span >> 1)) // span
+    for row in range(G_ROWS, G_ROWS + 4 * ROW_SIZE, 2 * ROW_SIZE):
+        g[row + ROW_TICKS] = body
+        g[row + ROW_ADVANCE_Q4] = (body << 4) + (swing << 3)
+        g[row + ROW_SIZE + ROW_TICKS] = swing
+        g[row + ROW_SIZE + ROW_ADVANCE_Q4] = swing << 3
+        for leg in range(LEGS):
+            if g[row + ROW_SIZE + ROW_START + leg]:
+                g[row + ROW_SIZE + ROW_START + leg] = swing
+                g[row + ROW_SIZE + ROW_SWING_Q10 + leg] = swing << 9
+    for leg in range(LEGS):
+        g[G_STANCE_Q10 + leg] = (body + swing << 11) - (swing << 9)
+    g[G_CYCLE] = body + swing << 1
+    return body + swing
+
+
+@hot
+def begin_segment(params, walk, gait, clock, speed, drive) -> int:
+    """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
+
+    speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    c = ptr32(clock)
+    g = ptr32(gait)
+    e = ptr32(walk.nav)
+    t = ptr32(walk.tip)
+    v = ptr32(drive)
+    half = retime(params, gait, speed)
+    segment = c[CLOCK_SEGMENT]
+    if segment & 1:
+        w[W_LIFT] = extra_lift(params, w[W_ROUGH], e[NAV_X], v[SPEED_X])
+        return 0
+    front = 1 - (segment >> 1)
+    swing = g[G_ROWS + ROW_SIZE + ROW_TICKS]
+    ahead_q1 = saturate((half << 1) - (swing >> 1), 0, 0x3FF)
+    ahead = saturate(v[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
+    com_x = p[P_COM_X] + (t[TIP_COM_X] >> LF_BITS)
+    com_y = p[P_COM_Y] + (t[TIP_COM_Y] >> LF_BITS)
+    line = diagonal_y(walk.body, front, 3 - front, saturate(ahead, -32767, 32767), com_x)
+    w[W_SWAY_FROM] = w[W_SWAY]
+    w[W_SWAY_TO] = next_sway(params, w[W_SWAY], line, com_y)
+    return 0
+
+
+@hot
+def sway_body(params, walk, gait, clock, walking: int) -> int:
+    """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
+
+    Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    c = ptr32(clock)
+    g = ptr32(gait)
+    if walking == 0:
+        step = p[P_SWAY_SLEW]
+        w[W_SWAY] -= saturate(w[W_SWAY], -step, step)
+    elif c[CLOCK_SEGMENT] & 1 == 0:
+        share = smooth_q12(c[CLOCK_TICK] + 1, g[G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS])
+        w[W_SWAY] = w[W_SWAY_FROM] + ((w[W_SWAY_TO] - w[W_SWAY_FROM]) * share >> 12)
+    return w[W_SWAY]
+
+
+@hot
+def learn_centre(params, walk, clock) -> int:
+    """Sum up how the robot tips over a swing and learn from it; return the tip it learnt from, 2^-18 rad, else 0.
+
+    What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
+    without turning rates, nor in the plane, where nothing tips about a diagonal.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    c = ptr32(clock)
+    if w[W_RATES] == 0 or p[P_LATERAL_Q12] == 0:
+        return 0
+    tick = c[CLOCK_TICK] + 1
+    swings = c[CLOCK_SEGMENT] & 1
+    late = p[P_TIP_TICKS]
+    if (swings and tick >= late) or (swings == 0 and tick < late):
+        tip_add(walk.tip, w[W_TURNED], w[W_TURNED + 1])
+    elif swings == 0 and tick == late:
+        front = c[CLOCK_SEGMENT] >> 1
+        return tip_learn(params, walk.body, front, 3 - front, walk.tip)
+    return 0
+
+
+@hot
+def raise_body(params, walk, reached, own: int) -> int:
+    """Move height and lead of the body by one tick; return 1 while they are not those of a table gait.
+
+    own: 1 for the adaptive stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
+    shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
+    reached: 12 lu from the hips, as planned in the tick before. Intermediates: squares of a leg, below 2^30.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    f = ptr32(reached)
+    forces = ptr32(walk.load)
+    up = p[P_HEIGHT_SLEW]
+    wanted = 0
+    ahead = 0
+    if own:
+        ahead = p[P_FORWARD]
+        leg = p[P_LEG_LENGTH]
+        wanted = p[P_RAISE] + saturate((w[W_WEIGHT_Q12] - 4096) * (leg >> 3) >> 12, 0, leg // 10)
+        longest = p[P_LEG_LONGEST]
+        far = 0
+        for at in range(0, JOINTS, 3):
+            side = p[P_SIZE_BODY + at // 3 * LEG_SIZE + LEG_SIDE_L1]
+            square = f[at] * f[at] + f[at + 1] * f[at + 1] + f[at + 2] * f[at + 2] - side * side
+            if square > far:
+                far = square
+        over = (far - longest * longest) // (2 * longest + 1)
+        if over > 0:
+            wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - over)
+        elif wanted > w[W_RAISED]:
+            wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - (over >> 1))
+    w[W_RAISED] += saturate(wanted - w[W_RAISED], -2 * up, up)
+    w[W_AHEAD] += saturate(ahead - w[W_AHEAD], -up, up)
+    w[W_ACTIVE] = own
+    if w[W_RAISED] or w[W_AHEAD] or w[W_SWAY] or forces[L_FORCE_Q12] or forces[L_FORCE_Q12 + 1]:
+        w[W_ACTIVE] = 1
+    if forces[L_FORCE_Q12 + 2] or forces[L_FORCE_Q12 + 3] or w[W_TWIST]:
+        w[W_ACTIVE] = 1
+    return w[W_ACTIVE]
+
+
+@hot
+def pose_body(params, walk, roll_brad: int, pitch_brad: int, posed) -> int:
+    """Add lead, sway and height to the pose, and turn it about the ground below the body instead of its middle.
+
+    roll, pitch: the part of the pose that levels the body, brad. Turning about the hips would move the centre of
+    mass off the feet on a slope. Returns 0. Intermediates: 32767 * 32767 + 2^14.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    c = ptr32(posed)
+    height = saturate(w[W_RAISED] - p[P_SIZE_BODY + LEG_REST + 2], 0, 32767)
+    cosine = cos_q15(pitch_brad)
+    c[POSE_X] += w[W_AHEAD] + mul_q15(height, sin_q15(pitch_brad))
+    c[POSE_Y] += w[W_SWAY] - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
+    c[POSE_Z] += w[W_RAISED] - height + mul_q15(height, mul_q15(cos_q15(roll_brad), cosine))
+    return 0
+
+
+@hot
+def carry(params, walk, reached, swinging: int, own: int) -> int:
+    """Share the weight out over the standing feet, slew it, and tell the stability margin; return the margin, lu.
+
+    reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to carry, so the sag fades.
+    """
+    p = ptr32(params)
+    w = ptr32(walk.state)
+    f = ptr32(reached)
+    body = ptr32(walk.body)
+    stands = ptr32(walk.stands)
+    t = ptr32(walk.tip)
+    for leg in range(LEGS):
+        at = leg * 3
+        hip = P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP
+        body[at] = saturate(f[at] + p[hip], -32767, 32767)
+        body[at + 1] = saturate(f[at + 1] + p[hip + 1], -32767, 32767)
+        stands[leg] = 0
+        if swinging >> leg & 1:
+            w[W_AGE + leg] = 0
+        else:
+            stands[leg] = STANDS_Q8
+            if w[W_AGE + leg] < _AGE_MAX:
+                w[W_AGE + leg] += 1
+    com_x = p[P_COM_X] + (t[TIP_COM_X] >> LF_BITS)
+    com_y = p[P_COM_Y] + (t[TIP_COM_Y] >> LF_BITS)
+    planar = 0
+    if p[P_LATERAL_Q12] == 0:
+        planar = 1
+    weight = 0
+    if own:
+        weight = w[W_WEIGHT_Q12]
+    if w[W_ACTIVE]:
+        load_share(walk.body, walk.stands, com_x, com_y, weight, planar, walk.load)
+        load_slew(walk.load, w[W_WEIGHT_Q12] * p[P_LOAD_SLEW_Q12] >> 12)
+    w[W_MARGIN] = support_margin(walk.body, walk.stands, com_x, com_y)
+    return w[W_MARGIN]

@@ -1,0 +1,84 @@
+"""Six-degree-of-freedom body pose over feet that stay put (paper A, eqs 7-10).
+
+R = Rx(roll) Ry(pitch) Rz(yaw): intrinsic x-y'-z'' order as the paper prints it (its eq 8), not the
+fixed-axis roll-pitch-yaw of ROS. A foot at p in the base frame (the body frame at rest) is at
+R^T (p - c) - h from a hip at h, with c the commanded translation (its eqs 9 and 10).
+"""
+
+from .fixed import cos_q15, saturate, sin_q15
+from .params import LEG_HIP, LEG_SIZE, P_SIZE_BODY
+from .runtime import const, hot, ptr32
+
+POSE_X = const(0)  # lu
+POSE_Y = const(1)
+POSE_Z = const(2)
+POSE_ROLL = const(3)  # brad
+POSE_PITCH = const(4)
+POSE_YAW = const(5)
+POSE_SIZE = const(6)
+
+
+@hot
+def mul_unit(a_q15: int, b_q15: int) -> int:
+    """Return the product of two Q15 numbers within +-32767, where 32767 stands for exactly 1.
+
+    Keeps a rotation by nothing exactly nothing. Error at most 1/2 LSB beyond that reading.
+    """
+    if a_q15 == 32767:
+        return b_q15
+    if b_q15 == 32767:
+        return a_q15
+    return (a_q15 * b_q15 + 0x4000) >> 15
+
+
+@hot
+def body_rotation(pose, rotation) -> int:
+    """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``; return 0.
+
+    pose: POSE_SIZE values, angles in brad, any value. Each entry is within 2.5 LSB of Q14
+    (1.5e-4). Intermediates below 2^30.
+    """
+    w = ptr32(pose)
+    r = ptr32(rotation)
+    sa = sin_q15(w[POSE_ROLL])
+    ca = cos_q15(w[POSE_ROLL])
+    sb = sin_q15(w[POSE_PITCH])
+    cb = cos_q15(w[POSE_PITCH])
+    sg = sin_q15(w[POSE_YAW])
+    cg = cos_q15(w[POSE_YAW])
+    r[0] = (mul_unit(cb, cg) + 1) >> 1
+    r[1] = (1 - mul_unit(cb, sg)) >> 1
+    r[2] = (sb + 1) >> 1
+    sasb = mul_unit(sa, sb)
+    casb = mul_unit(ca, sb)
+    r[3] = (mul_unit(ca, sg) + mul_unit(sasb, cg) + 1) >> 1
+    r[4] = (mul_unit(ca, cg) - mul_unit(sasb, sg) + 1) >> 1
+    r[5] = (1 - mul_unit(sa, cb)) >> 1
+    r[6] = (mul_unit(sa, sg) - mul_unit(casb, cg) + 1) >> 1
+    r[7] = (mul_unit(sa, cg) + mul_unit(casb, sg) + 1) >> 1
+    r[8] = (mul_unit(ca, cb) + 1) >> 1
+    return 0
+
+
+@hot
+def body_to_hip(params, leg: int, pose, rotation, feet, hip_feet) -> int:
+    """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9); return 0.
+
+    feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
+    to +-65535 lu an axis. Error at most 0.08 mm at the foot for Caramelo and Parallel.
+    Intermediates: 65535 * 16384 + 2^13 < 2^30 in each product.
+    """
+    p = ptr32(params)
+    c = ptr32(pose)
+    r = ptr32(rotation)
+    foot = ptr32(feet)
+    out = ptr32(hip_feet)
+    hip = P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP
+    at = leg * 3
+    x = saturate(foot[at] - c[POSE_X], -65535, 65535)
+    y = saturate(foot[at + 1] - c[POSE_Y], -65535, 65535)
+    z = saturate(foot[at + 2] - c[POSE_Z], -65535, 65535)
+    for axis in range(3):
+        turned = (x * r[axis] + 0x2000 >> 14) + (y * r[axis + 3] + 0x2000 >> 14) + (z * r[axis + 6] + 0x2000 >> 14)
+        out[at + axis] = turned - p[hip + axis]
+    return 0

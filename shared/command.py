@@ -1,0 +1,71 @@
+"""The command as the core takes it, limited and slewed: nothing a driver sends acts at once.
+
+A command is one block. Speeds are slewed to what was asked for within the gait's and the robot's
+limits, the body pose likewise, so a step of the stick is a ramp of the robot.
+"""
+
+from .body import POSE_SIZE
+from .fixed import saturate
+from .gait import G_VX_MAX
+from .params import P_POSE_MAX, P_POSE_SLEW, P_VX_SLEW
+from .runtime import const, hot, ptr32
+from .steps import SPEED_SIZE
+
+C_MODE = const(0)  # MODE_...
+C_GAIT = const(1)  # index into gaits.GAITS
+C_SPEED = const(2)  # 3 values: vx, vy in lf / tick, wz in yaw18 / tick
+C_POSE = const(5)  # 6 values: x, y, z in lu; roll, pitch, yaw in brad
+C_BALANCE = const(11)  # 1: keep the body level by the measured attitude
+C_HEIGHT = const(12)  # lu, swing height; 0: the gait's own
+COMMAND_SIZE = const(13)
+
+MODE_LIMP = const(0)  # drive nothing: the joints are not held
+MODE_STAND = const(1)
+MODE_WALK = const(2)
+MODE_SIT = const(3)
+
+
+@hot
+def slew(now: int, wanted: int, step: int) -> int:
+    """Return ``now`` moved towards ``wanted`` by at most ``step`` (>= 0). Exact, any unit within +-2^29."""
+    return now + saturate(wanted - now, -step, step)
+
+
+@hot
+def slew_speed(params, gait, command, halves: int, speed) -> int:
+    """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
+
+    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to what robot and gait
+    allow. Half an odd speed is rounded towards 0, so that left and right mirror.
+    """
+    p = ptr32(params)
+    g = ptr32(gait)
+    c = ptr32(command)
+    v = ptr32(speed)
+    still = 1
+    for axis in range(SPEED_SIZE):
+        top = g[G_VX_MAX + axis]
+        wanted = saturate(c[C_SPEED + axis], -top, top) * halves
+        if wanted < 0:
+            wanted = -(-wanted >> 1)
+        else:
+            wanted >>= 1
+        v[axis] = slew(v[axis], wanted, p[P_VX_SLEW + axis])
+        if v[axis]:
+            still = 0
+    return still
+
+
+@hot
+def slew_pose(params, command, standing: int, pose) -> int:
+    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
+    p = ptr32(params)
+    c = ptr32(command)
+    w = ptr32(pose)
+    for axis in range(POSE_SIZE):
+        wanted = 0
+        if standing:
+            top = p[P_POSE_MAX + axis]
+            wanted = saturate(c[C_POSE + axis], -top, top)
+        w[axis] = slew(w[axis], wanted, p[P_POSE_SLEW + axis])
+    return 0

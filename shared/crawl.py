@@ -1,0 +1,174 @@
+"""The crawl over obstacles: one leg at a time, three always down, every hind foot in a front foot's print.
+
+    measured joints, tilt -> forces, map -> state machine -> pose loop -> load shares -> joint goals
+
+It needs measured joints and attitude. It walks straight ahead along the line it was started on; how a
+phase follows a phase is in crawl_steps.py.
+"""
+
+from array import array
+
+from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE
+from .crawl_goals import bridge, legs_goals, share_load
+from .crawl_layout import (
+    C_BODY,
+    C_CMD,
+    C_FOOT,
+    C_FORCE,
+    C_GOAL,
+    C_HEAVY,
+    C_LAGGED,
+    C_REF,
+    C_SHARE,
+    C_SIZE,
+    C_STANDS,
+    C_WEIGHT,
+    C_WEIGHT_FINE,
+    K_FORCE,
+    K_PLANAR,
+    K_SIZE,
+    K_WEIGHT,
+)
+from .crawl_map import fit_body, follow_slips, rebase, roll_feet
+from .crawl_pose import hold_pose
+from .crawl_setup import crawl_setup
+from .crawl_steps import machine, start_machine
+from .filters import fraction
+from .fixed import saturate
+from .footholds import prints_start
+from .load import LOAD_SIZE
+from .params import JOINTS, LEGS, LF_BITS
+from .runtime import const, hot, ptr32
+from .sensing import M_FORCE_Q12, M_LEVEL
+
+_OWN_Q12 = const(4096)
+_LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
+_MOST_WEIGHT_Q12 = const(10240)
+_EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empty
+
+
+class Crawl:
+    """The crawl of one robot at one rate: its settings, state and scratch blocks. ``crawl_tick`` allocates nothing."""
+
+    def __init__(self, params):
+        self.settings = array("i", [0] * K_SIZE)
+        self.limbs = array("i", [0] * len(params))
+        self.state = array("i", [0] * C_SIZE)
+        self.load = array("i", [0] * LOAD_SIZE)
+        self.weights = array("i", [0] * LEGS)
+        self.point = array("i", [0] * 2)
+        self.pose = array("i", [0] * POSE_SIZE)
+        self.level = array("i", [0] * POSE_SIZE)
+        self.rotation = array("i", [0] * 9)
+        self.feet = array("i", [0] * JOINTS)
+        self.hip_feet = array("i", [0] * JOINTS)
+        self.reached = array("i", [0] * JOINTS)
+        self.joints = array("i", [0] * JOINTS)
+        self.measured = array("i", [0] * JOINTS)
+        crawl_setup(params, self.settings, self.limbs)
+
+
+@hot
+def crawl_start(crawl, sensing, joints, first: int, goals, roll_brad: int, pitch_brad: int) -> int:
+    """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
+
+    joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
+    z = 0 at the mean of the feet; the goals do not jump.
+    """
+    c = ptr32(crawl.state)
+    m = ptr32(sensing)
+    ptr32(joints)
+    g = ptr32(goals)
+    k = ptr32(crawl.settings)
+    for at in range(C_SIZE):
+        c[at] = 0
+    c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
+    measure(crawl, joints, first)
+    roll_feet(crawl.settings, crawl.measured, crawl.state)
+    height = m[M_LEVEL + 2] + m[M_LEVEL + 5] + m[M_LEVEL + 8] + m[M_LEVEL + 11] >> 2
+    total = 0
+    for leg in range(LEGS):
+        for axis in range(3):
+            c[C_FOOT + leg * 3 + axis] = m[M_LEVEL + leg * 3 + axis] << LF_BITS
+        c[C_FOOT + leg * 3 + 2] -= height << LF_BITS
+        c[C_STANDS + leg] = 1
+        c[C_SHARE + leg] = _OWN_Q12
+        total += m[M_FORCE_Q12 + leg]
+    c[C_WEIGHT] = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    c[C_WEIGHT_FINE] = c[C_WEIGHT] << 8
+    c[C_BODY + 2] = -height << LF_BITS
+    if k[K_PLANAR] == 0:
+        c[C_BODY + POSE_ROLL] = roll_brad << LF_BITS
+    for axis in range(POSE_SIZE):
+        c[C_REF + axis] = c[C_BODY + axis]
+        c[C_LAGGED + axis] = c[C_BODY + axis]
+        c[C_CMD + axis] = c[C_BODY + axis]
+    for joint in range(JOINTS):
+        c[C_GOAL + joint] = g[joint]
+    prints_start(crawl.limbs, crawl.state)
+    start_machine(crawl)
+    share_load(crawl.settings, crawl.state, crawl.feet, crawl.weights, crawl.load)
+    for leg in range(LEGS):
+        bridge(crawl, leg, 0)
+    return 0
+
+
+@hot
+def measure(crawl, joints, first: int) -> int:
+    """Copy 12 measured joints (brad) from ``joints[first]`` on, limited to +-32768; return 0."""
+    q = ptr32(joints)
+    m = ptr32(crawl.measured)
+    for joint in range(JOINTS):
+        m[joint] = saturate(q[first + joint], -32768, 32767)
+    return 0
+
+
+@hot
+def crawl_tick(crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int, way_lf: int, joints) -> int:
+    """Take one tick: 12 measured joints from ``sensed[first]`` on, in; 12 goals into ``joints``; return flags.
+
+    sensing: the block of sense_legs after this tick's reading. way_lf: how far the command wants to go in
+    this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
+    limit_joints.
+    """
+    estimate(crawl, sensing, sensed, first, roll_brad, pitch_brad)
+    machine(crawl, way_lf)
+    hold_pose(crawl.settings, crawl.state)
+    share_load(crawl.settings, crawl.state, crawl.feet, crawl.weights, crawl.load)
+    return legs_goals(crawl, joints)
+
+
+@hot
+def estimate(crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
+    """Bring the map, the forces and the weight up to date with what is measured; return 0."""
+    k = ptr32(crawl.settings)
+    c = ptr32(crawl.state)
+    c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
+    c[C_BODY + POSE_ROLL] = 0
+    if k[K_PLANAR] == 0:
+        c[C_BODY + POSE_ROLL] = roll_brad << LF_BITS
+    measure(crawl, sensed, first)
+    rebase(crawl.settings, crawl.state)
+    roll_feet(crawl.settings, crawl.measured, crawl.state)
+    fit_body(crawl.settings, sensing, crawl.state)
+    follow_slips(crawl.settings, crawl.state)
+    weigh(crawl.settings, sensing, crawl.state)
+    return 0
+
+
+@hot
+def weigh(settings, sensing, state) -> int:
+    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
+    k = ptr32(settings)
+    m = ptr32(sensing)
+    c = ptr32(state)
+    total = 0
+    for leg in range(LEGS):
+        c[C_FORCE + leg] += fraction(m[M_FORCE_Q12 + leg] - c[C_FORCE + leg], k[K_FORCE])
+        if c[C_STANDS + leg]:
+            total += c[C_FORCE + leg]
+    gap = (saturate(total, 0, 16383) << 8) - c[C_WEIGHT_FINE]
+    c[C_WEIGHT_FINE] += fraction(gap, k[K_WEIGHT])
+    c[C_WEIGHT] = saturate(c[C_WEIGHT_FINE] >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    c[C_HEAVY] = saturate((saturate(c[C_WEIGHT], _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12) * 2, 0, 4096)
+    return 0

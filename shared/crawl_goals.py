@@ -1,0 +1,206 @@
+"""The joint goals of the crawl: every leg by inverse kinematics, sag fed forward, and no jump anywhere.
+
+Stance feet stay at their map places under the commanded pose; the swing foot follows its path under the
+wanted pose, corrected by what the measured one was off it lately. Where a leg changes from one to the
+other, and at the start, the goal's jump is taken into an offset that fades.
+"""
+
+from .body import POSE_PITCH, POSE_SIZE, POSE_YAW, body_rotation, body_to_hip
+from .compliance import sag_leg
+from .crawl_layout import (
+    C_CLIPPED,
+    C_CMD,
+    C_FOOT,
+    C_GOAL,
+    C_LEG,
+    C_LENGTH,
+    C_LOAD,
+    C_LOW,
+    C_MARGIN,
+    C_OFFSET,
+    C_POS,
+    C_REF,
+    C_SHARE,
+    C_STANDS,
+    C_WARP,
+    C_WEIGHT,
+    K_COM_X,
+    K_COM_Z,
+    K_FADE,
+    K_PLANAR,
+)
+from .filters import fraction
+from .fixed import cos_q15, isqrt, mul_q15, saturate, sin_q15
+from .leg import leg_inverse, limit_joints
+from .load import L_WANTED_Q12, load_share
+from .params import JOINTS, LEG_SIDE_L1, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY
+from .reach import reach_foot
+from .runtime import const, hot, ptr32
+from .stability import support_margin
+
+_WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
+
+
+@hot
+def warped(state, leg: int) -> int:
+    """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
+    c = ptr32(state)
+    if _WARP_SIGNS >> leg & 1:
+        return -c[C_WARP]
+    return c[C_WARP]
+
+
+@hot
+def share_load(settings, state, feet, weights, load) -> int:
+    """Write into C_LOAD what each foot should carry under the wanted pose, and the margin; return the margin, lu.
+
+    feet (12 lu), weights (4) and load (LOAD_SIZE) are scratch. The middle of mass is (K_COM_X, K_COM_Z) in
+    the body, turned by the wanted pitch.
+    """
+    k = ptr32(settings)
+    c = ptr32(state)
+    f = ptr32(feet)
+    w = ptr32(weights)
+    b = ptr32(load)
+    pitch = c[C_REF + POSE_PITCH] >> LF_BITS
+    ahead = mul_q15(k[K_COM_X], cos_q15(pitch)) + mul_q15(k[K_COM_Z], sin_q15(pitch))
+    for leg in range(LEGS):
+        w[leg] = 0
+        if c[C_STANDS + leg]:
+            w[leg] = c[C_SHARE + leg] >> 4
+        for axis in range(3):
+            away = c[C_FOOT + leg * 3 + axis] - c[C_REF + axis] >> LF_BITS
+            f[leg * 3 + axis] = saturate(away, -32767, 32767)
+    load_share(feet, weights, ahead, 0, saturate(c[C_WEIGHT], 0, 16383), k[K_PLANAR], load)
+    for leg in range(LEGS):
+        c[C_LOAD + leg] = b[L_WANTED_Q12 + leg]
+        w[leg] = c[C_STANDS + leg]
+    c[C_MARGIN] = support_margin(feet, weights, ahead, 0)
+    return c[C_MARGIN]
+
+
+@hot
+def take_pose(state, swings: int, pose, rotation) -> int:
+    """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
+
+    The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
+    """
+    c = ptr32(state)
+    w = ptr32(pose)
+    for axis in range(POSE_SIZE):
+        value = c[C_CMD + axis]
+        if swings:
+            value = c[C_REF + axis] + c[C_LOW + axis]
+        w[axis] = value + 128 >> LF_BITS
+    heading = w[POSE_YAW]
+    w[POSE_YAW] = 0
+    body_rotation(pose, rotation)
+    w[POSE_YAW] = heading
+    return 0
+
+
+@hot
+def foot_in_body(state, leg: int, swings: int, pose, feet) -> int:
+    """Write the map place of a foot as seen from the body's place, turned back by its heading; return 0.
+
+    feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
+    """
+    c = ptr32(state)
+    w = ptr32(pose)
+    f = ptr32(feet)
+    at = leg * 3
+    if swings:
+        x = c[C_POS]
+        y = c[C_POS + 1]
+        z = c[C_POS + 2]
+    else:
+        x = c[C_FOOT + at]
+        y = c[C_FOOT + at + 1]
+        z = c[C_FOOT + at + 2] + warped(state, leg)
+    x = saturate((x + 128 >> LF_BITS) - w[0], -32767, 32767)
+    y = saturate((y + 128 >> LF_BITS) - w[1], -32767, 32767)
+    cosine = cos_q15(w[POSE_YAW]) + 1 >> 1
+    sine = sin_q15(w[POSE_YAW]) + 1 >> 1
+    f[at] = x * cosine + y * sine >> 14
+    f[at + 1] = y * cosine - x * sine >> 14
+    f[at + 2] = saturate((z + 128 >> LF_BITS) - w[2], -32767, 32767)
+    return 0
+
+
+@hot
+def leg_goal(crawl, leg: int, swings: int) -> int:
+    """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
+    c = ptr32(crawl.state)
+    leg * 3
+    ptr32(crawl.level)
+    ptr32(crawl.hip_feet)
+    r = ptr32(crawl.rotation)
+    foot_in_body(crawl.state, leg, swings, crawl.pose, crawl.feet)
+    body_to_hip(crawl.limbs, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
+    if swings:
+        c[C_LENGTH] = plane_length(crawl.limbs, leg, crawl.hip_feet)
+    flags = reach_foot(crawl.limbs, leg, crawl.hip_feet, crawl.reached)
+    leg_inverse(crawl.limbs, leg, crawl.reached, crawl.joints)
+    if swings == 0:
+        load = c[C_LOAD + leg]
+        fx = load * r[6] + 0x2000 >> 14
+        fy = load * r[7] + 0x2000 >> 14
+        fz = load * r[8] + 0x2000 >> 14
+        sag_leg(crawl.limbs, leg, crawl.reached, fx, fy, fz, crawl.joints)
+    return flags
+
+
+@hot
+def plane_length(params, leg: int, hip_feet) -> int:
+    """Return the distance from thigh joint to foot, lu, of a wanted foot; error at most 4 lu up to 32767 lu."""
+    p = ptr32(params)
+    h = ptr32(hip_feet)
+    at = leg * 3
+    x = saturate(h[at] >> 1, -16383, 16383)
+    y = saturate(h[at + 1] >> 1, -16383, 16383)
+    z = saturate(h[at + 2] >> 1, -16383, 16383)
+    side = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_SIDE_L1] >> 1
+    return 2 * isqrt(x * x + y * y + z * z - side * side)
+
+
+@hot
+def bridge(crawl, leg: int, swings: int) -> int:
+    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
+    c = ptr32(crawl.state)
+    q = ptr32(crawl.joints)
+    take_pose(crawl.state, swings, crawl.pose, crawl.rotation)
+    leg_goal(crawl, leg, swings)
+    for joint in range(leg * 3, leg * 3 + 3):
+        c[C_OFFSET + joint] = saturate(c[C_GOAL + joint] - q[joint], -32768, 32767) << LF_BITS
+    return 0
+
+
+@hot
+def legs_goals(crawl, joints) -> int:
+    """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
+    k = ptr32(crawl.settings)
+    c = ptr32(crawl.state)
+    q = ptr32(crawl.joints)
+    out = ptr32(joints)
+    c[C_CLIPPED] = 0
+    together = 0
+    take_pose(crawl.state, 0, crawl.pose, crawl.rotation)
+    for leg in range(LEGS):
+        if c[C_STANDS + leg]:
+            together |= leg_goal(crawl, leg, 0)
+    for leg in range(LEGS):
+        if c[C_STANDS + leg] == 0:
+            take_pose(crawl.state, 1, crawl.pose, crawl.rotation)
+            together |= leg_goal(crawl, leg, 1)
+    for joint in range(JOINTS):
+        offset = c[C_OFFSET + joint]
+        out[joint] = saturate(q[joint] + (offset + 128 >> LF_BITS), -32768, 32767)
+        c[C_OFFSET + joint] = offset - fraction(offset, k[K_FADE])
+    for leg in range(LEGS):
+        limited = limit_joints(crawl.limbs, leg, joints)
+        if limited and leg == c[C_LEG]:
+            c[C_CLIPPED] = 1
+        together |= limited
+    for joint in range(JOINTS):
+        c[C_GOAL + joint] = out[joint]
+    return together

@@ -1,0 +1,260 @@
+"""Where the body is among its footholds: odometry of a walk with at least three feet down.
+
+The tilt comes from the attitude filter as R = Rx(roll) Ry(pitch), the heading about the world's z is in
+front of it, so a foot of the map is at b + Rz(heading) Rx Ry (hip + leg). For the small tilts of a walk this
+is the ROS order but for roll times pitch. Stance feet stay where they are in the map, except that a round
+foot rolls when its shank turns and that a foot which has slipped is followed slowly.
+"""
+
+from .body import POSE_PITCH, POSE_YAW
+from .crawl_layout import (
+    C_BODY,
+    C_CMD,
+    C_EXPECT,
+    C_FOOT,
+    C_FROM,
+    C_LAGGED,
+    C_ON_PRINT,
+    C_PAST,
+    C_POS,
+    C_PRINT,
+    C_PRINTS,
+    C_REF,
+    C_SEEN,
+    C_SHANK,
+    C_SHARE,
+    C_SOURCE,
+    C_STANDS,
+    C_STOOD_Z,
+    C_TARGET,
+    C_TO,
+    C_TOP,
+    K_FAR,
+    K_PLANAR,
+    K_REBASE,
+    K_ROLL_Q8,
+    K_SLIP_FAR,
+    K_SLIP_XY,
+    K_SLIP_Z,
+    PAST_SIZE,
+)
+from .filters import fraction
+from .fixed import atan2_brad18, cos_q15, saturate, sin_q15
+from .params import LEGS, LF_BITS
+from .runtime import const, hot, ptr32
+from .sensing import M_LEVEL
+
+_LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
+_HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one may have risen
+_NEAR_LU = const(16383)
+
+
+@hot
+def roll_feet(settings, joints, state) -> int:
+    """Move the map places of the stance feet by how far their round feet have rolled; return 0.
+
+    The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
+    heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
+    """
+    k = ptr32(settings)
+    q = ptr32(joints)
+    c = ptr32(state)
+    pitch = c[C_BODY + POSE_PITCH] >> LF_BITS
+    yaw = c[C_BODY + POSE_YAW] >> LF_BITS
+    for leg in range(LEGS):
+        shank = pitch + q[leg * 3 + 1] + q[leg * 3 + 2]
+        turn = saturate(shank - c[C_SHANK + leg], -840, 840)
+        c[C_SHANK + leg] = shank
+        if c[C_STANDS + leg]:
+            way = saturate(turn * k[K_ROLL_Q8] >> 8, -32767, 32767)
+            c[C_FOOT + leg * 3] += way * cos_q15(yaw) >> 15
+            c[C_FOOT + leg * 3 + 1] += way * sin_q15(yaw) >> 15
+    return 0
+
+
+@hot
+def foot_weight_q8(state, leg: int) -> int:
+    """Return how much a foot counts in the fit, 0 in the air, 13 .. 256 by its share of the load."""
+    c = ptr32(state)
+    if c[C_STANDS + leg] == 0:
+        return 0
+    weight = c[C_SHARE + leg] >> 4
+    if weight < _LEAST_SHARE_Q8:
+        return _LEAST_SHARE_Q8
+    return weight
+
+
+@hot
+def fit_heading(sensing, state) -> int:
+    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
+
+    Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
+    Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
+    """
+    m = ptr32(sensing)
+    c = ptr32(state)
+    total = 0
+    mx = 0
+    my = 0
+    fx = 0
+    fy = 0
+    for leg in range(LEGS):
+        w = foot_weight_q8(state, leg)
+        at = leg * 3
+        total += w
+        mx += w * m[M_LEVEL + at]
+        my += w * m[M_LEVEL + at + 1]
+        fx += w * (c[C_FOOT + at] - c[C_BODY] >> LF_BITS)
+        fy += w * (c[C_FOOT + at + 1] - c[C_BODY + 1] >> LF_BITS)
+    if total == 0:
+        return 0
+    mx = mx // total
+    my = my // total
+    fx = fx // total
+    fy = fy // total
+    across = 0
+    along = 0
+    for leg in range(LEGS):
+        w = foot_weight_q8(state, leg)
+        at = leg * 3
+        ax = saturate(m[M_LEVEL + at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
+        ay = saturate(m[M_LEVEL + at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((c[C_FOOT + at] - c[C_BODY] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((c[C_FOOT + at + 1] - c[C_BODY + 1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        across += w * (ax * by - ay * bx >> 10)
+        along += w * (ax * bx + ay * by >> 10)
+    return atan2_brad18(across, along) << 6
+
+
+@hot
+def fit_body(settings, sensing, state) -> int:
+    """Update the heading and place of the body from the stance feet; return 0.
+
+    The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
+    each within +-32767 lu. Intermediates: 45000 * 16383 * sqrt 2 < 2^30, 2^19 * 256 * 4 = 2^29.
+    """
+    k = ptr32(settings)
+    m = ptr32(sensing)
+    c = ptr32(state)
+    yaw = 0
+    if k[K_PLANAR] == 0:
+        yaw = fit_heading(sensing, state)
+    c[C_BODY + POSE_YAW] = yaw
+    cosine = cos_q15(yaw >> LF_BITS) >> 1
+    sine = sin_q15(yaw >> LF_BITS) >> 1
+    total = 0
+    dx = 0
+    dy = 0
+    dz = 0
+    for leg in range(LEGS):
+        at = leg * 3
+        x = m[M_LEVEL + at]
+        y = m[M_LEVEL + at + 1]
+        turned_x = x * cosine - y * sine + 32 >> 6
+        turned_y = x * sine + y * cosine + 32 >> 6
+        c[C_SEEN + at] = turned_x
+        c[C_SEEN + at + 1] = turned_y
+        c[C_SEEN + at + 2] = m[M_LEVEL + at + 2] << LF_BITS
+        w = foot_weight_q8(state, leg)
+        total += w
+        for axis in range(3):
+            gap = c[C_FOOT + at + axis] - c[C_BODY + axis] - c[C_SEEN + at + axis] + 8 >> 4
+            gap = w * saturate(gap, -0x7FFFF, 0x7FFFF)
+            if axis == 0:
+                dx += gap
+            elif axis == 1:
+                dy += gap
+            else:
+                dz += gap
+    if total:
+        c[C_BODY] += dx // total << 4
+        c[C_BODY + 1] += dy // total << 4
+        c[C_BODY + 2] += dz // total << 4
+    for at in range(LEGS * 3):
+        c[C_SEEN + at] += c[C_BODY + at % 3]
+    return 0
+
+
+@hot
+def follow_slips(settings, state) -> int:
+    """Let the map's places of loaded feet follow slowly where the feet are seen, and prints their feet; return 0.
+
+    Only feet with more than half their share count. A foot more than K_FAR off in height is followed fast: it
+    stood on something that gave way.
+    """
+    k = ptr32(settings)
+    c = ptr32(state)
+    for leg in range(LEGS):
+        at = leg * 3
+        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12:
+            for axis in range(3):
+                gap = saturate(c[C_SEEN + at + axis] - c[C_FOOT + at + axis], -0xFFFFFF, 0xFFFFFF)
+                gain = k[K_SLIP_XY]
+                if axis == 2:
+                    gain = k[K_SLIP_Z]
+                    if gap > k[K_FAR] or gap < -k[K_FAR]:
+                        gain = k[K_SLIP_FAR]
+                c[C_FOOT + at + axis] += fraction(gap, gain)
+        if leg < 2 and c[C_STANDS + leg] and c[C_ON_PRINT + leg] and c[C_PRINTS + leg]:
+            last = C_PRINT + leg * 12 + (c[C_PRINTS + leg] - 1) * 3
+            for axis in range(3):
+                c[last + axis] = c[C_FOOT + at + axis]
+    return 0
+
+
+@hot
+def shift_points(state, at: int, count: int, dx: int, dy: int, dz: int) -> int:
+    """Subtract (dx, dy, dz) from ``count`` points of three values from ``at`` on; return 0. Exact."""
+    c = ptr32(state)
+    for _ in range(count):
+        c[at] -= dx
+        c[at + 1] -= dy
+        c[at + 2] -= dz
+        at += 3
+    return 0
+
+
+@hot
+def rebase(settings, state) -> int:
+    """Move the map's origin to the body's x and z if those are farther than K_REBASE; return 1 if it was moved.
+
+    y stays, because its axis is the line that is walked along, until the body is twice as far off it: a new line.
+
+    Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
+    motion changes, and the numbers stay within 2^16 lu however far it walks.
+    """
+    k = ptr32(settings)
+    c = ptr32(state)
+    far = 0
+    for axis in range(3):
+        most = k[K_REBASE]
+        if axis == 1:
+            most += most
+        if c[C_BODY + axis] > most or c[C_BODY + axis] < -most:
+            far = 1
+    if far == 0:
+        return 0
+    dx = c[C_BODY]
+    dy = 0
+    if c[C_BODY + 1] > 2 * k[K_REBASE] or c[C_BODY + 1] < -2 * k[K_REBASE]:
+        dy = c[C_BODY + 1]
+    dz = c[C_BODY + 2]
+    shift_points(state, C_FOOT, 4, dx, dy, dz)
+    shift_points(state, C_SEEN, 4, dx, dy, dz)
+    shift_points(state, C_PRINT, 8, dx, dy, dz)
+    shift_points(state, C_BODY, 1, dx, dy, dz)
+    shift_points(state, C_REF, 1, dx, dy, dz)
+    shift_points(state, C_FROM, 1, dx, dy, dz)
+    shift_points(state, C_TO, 1, dx, dy, dz)
+    shift_points(state, C_LAGGED, 1, dx, dy, dz)
+    shift_points(state, C_CMD, 1, dx, dy, dz)
+    shift_points(state, C_POS, 1, dx, dy, dz)
+    shift_points(state, C_TARGET, 1, dx, dy, dz)
+    c[C_SOURCE] -= dx
+    c[C_SOURCE + 1] -= dy
+    c[C_EXPECT] -= dz
+    c[C_TOP] -= dz
+    c[C_STOOD_Z] -= dz
+    for at in range(PAST_SIZE):
+        c[C_PAST + at] -= dx
+    return far

@@ -1,0 +1,107 @@
+"""Trot and crawl take over from each other: when, and so that no joint goal jumps.
+
+The crawl starts from the measured joints, wherever the feet are. The trot gets the crawl's feet as its
+footholds; what its goals then differ by (height, lead, tilt) fades over half a second.
+"""
+
+from .command import C_SPEED
+from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
+from .fixed import cos_q15, saturate, sin_q15
+from .params import JOINTS, LEG_REST, LEG_SIZE, LEGS, LF_BITS, P_RATE_HZ, P_SIZE_BODY, P_WZ_MAX
+from .runtime import const, hot, ptr32
+from .steps import STEP_SIZE, STEP_TICK, STEP_TICKS, STEP_TO_Z, STEP_X, STEP_Y, STEP_Z
+
+# Why the gait was changed
+REASON_NONE = const(0)
+REASON_BEHIND = const(1)  # held up: the trot fell behind its reference
+REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot go
+REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
+REASON_NAMES = ("none", "behind", "commanded", "even ground")
+
+F_LEFT = const(0)  # ticks to go; -1: the jump is still to be taken
+F_TICKS = const(1)
+F_JUMP = const(2)  # 12 brad
+FADE_SIZE = const(14)
+
+_LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
+
+
+@hot
+def straight_on(params, command) -> int:
+    """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
+    p = ptr32(params)
+    c = ptr32(command)
+    ahead = c[C_SPEED]
+    aside = c[C_SPEED + 1]
+    turn = saturate(c[C_SPEED + 2], -0xFFFFF, 0xFFFFF) * 4
+    if ahead <= 0 or aside > ahead or aside < -ahead:
+        return 0
+    if turn > p[P_WZ_MAX] or turn < -p[P_WZ_MAX]:
+        return 0
+    return 1
+
+
+@hot
+def ground_even(state) -> int:
+    """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
+    c = ptr32(state)
+    if c[C_STEPS_EVEN] >= _LEGS_EVEN:
+        return 1
+    return 0
+
+
+@hot
+def steps_from_crawl(params, state, ahead_lu: int, sway_lu: int, steps) -> int:
+    """Write the crawl's feet into the trot's footholds, level and at rest height; return 0.
+
+    A foothold is where the foot is from the crawl's wanted body, turned back by its heading, plus the trot's
+    lead and sway (lu, within 32767), which its pose adds again. Feet within 32767 lu.
+    Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
+    """
+    p = ptr32(params)
+    c = ptr32(state)
+    s = ptr32(steps)
+    yaw = c[C_REF + 5] >> LF_BITS
+    cosine = cos_q15(yaw) + 1 >> 1
+    sine = sin_q15(yaw) + 1 >> 1
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        x = saturate(c[C_FOOT + leg * 3] - c[C_REF] >> LF_BITS, -32767, 32767)
+        y = saturate(c[C_FOOT + leg * 3 + 1] - c[C_REF + 1] >> LF_BITS, -32767, 32767)
+        s[at + STEP_X] = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
+        s[at + STEP_Y] = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
+        rest_z = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_REST + 2]
+        s[at + STEP_Z] = rest_z
+        s[at + STEP_TO_Z] = rest_z
+        s[at + STEP_TICKS] = 0
+        s[at + STEP_TICK] = 0
+    return 0
+
+
+@hot
+def fade_start(params, fade, joints) -> int:
+    """Keep the goals sent last (12 brad): the next ones are to go on from there; return the ticks of the fade."""
+    p = ptr32(params)
+    f = ptr32(fade)
+    q = ptr32(joints)
+    for joint in range(JOINTS):
+        f[F_JUMP + joint] = q[joint]
+    f[F_LEFT] = -1
+    f[F_TICKS] = (p[P_RATE_HZ] >> 1) + 1
+    return f[F_TICKS]
+
+
+@hot
+def fade_out(fade, joints) -> int:
+    """Add what is left of the jump to the goals (12 brad); return the ticks to go. Exact to 1 brad."""
+    f = ptr32(fade)
+    q = ptr32(joints)
+    if f[F_LEFT] < 0:
+        for joint in range(JOINTS):
+            f[F_JUMP + joint] = saturate(f[F_JUMP + joint] - q[joint], -65535, 65535)
+        f[F_LEFT] = f[F_TICKS]
+    if f[F_LEFT] > 0:
+        for joint in range(JOINTS):
+            q[joint] = saturate(q[joint] + f[F_JUMP + joint] * f[F_LEFT] // f[F_TICKS], -32768, 32767)
+        f[F_LEFT] -= 1
+    return f[F_LEFT]

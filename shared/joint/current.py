@@ -1,0 +1,293 @@
+"""The current step: Clarke, Park, two PI controllers, inverse Park and SVPWM in one function, 10 000 times a second.
+
+``current_step`` is written for few instructions: in viper its two integer parameters live in
+registers and hold the pair it works on (currents, errors, voltages, then the extremes of the
+phases), it calls nothing and reads each place once or twice. What is rare is left to
+``current_repair``, and the step says so by its result:
+
+    code = current_step(rotor, invalid, foc, SINE)
+    if code: code = current_repair(code, rotor, invalid, foc, SINE)
+    if code: switch the bridge off
+"""
+
+from ..fixed import round_sqrt
+from ..runtime import const, hot, ptr16, ptr32
+from .layout import (
+    F_D_REF,
+    F_DUTY_A,
+    F_DUTY_B,
+    F_DUTY_C,
+    F_ELEC_GAIN,
+    F_ELEC_OFFSET,
+    F_FEED_D,
+    F_FEED_Q,
+    F_GAIN_ALPHA,
+    F_GAIN_BETA,
+    F_GLITCHES,
+    F_HALF,
+    F_I_D,
+    F_I_Q,
+    F_INTEGRAL_D,
+    F_INTEGRAL_Q,
+    F_KI,
+    F_KP,
+    F_LIMIT,
+    F_LIMIT_SQUARE,
+    F_LIMITED,
+    F_MASKED,
+    F_OFFSET_A,
+    F_OFFSET_ALPHA,
+    F_OFFSET_B,
+    F_OFFSET_BETA,
+    F_OFFSET_C,
+    F_PERIOD,
+    F_Q_REF,
+    F_RAW_A,
+    F_RAW_B,
+    F_RAW_C,
+    F_ROTOR,
+    F_ROTOR_SEEN,
+    F_SPAN,
+    F_TRIP_SQUARE,
+    F_TRIPPED,
+    F_V_D,
+    F_V_Q,
+)
+from .sine import SINE_BIAS
+from .svpwm import svpwm
+
+STEP_DONE = const(0)
+STEP_INPUT = const(1)  # a rotor reading or a current sample cannot be used as it is
+STEP_LIMIT = const(2)  # the voltage vector is longer than the bus allows
+STEP_SHAPE = const(3)  # a pulse is near an end of the period
+STEP_TRIP = const(4)  # the current is above the trip level: switch the bridge off
+
+_JUMP = const(512)  # rc a step; 31 turns a ms, faster than any rotor here
+_JUMP_OUTSIDE = const(0x3C00)  # bits of (jump + _JUMP) that are 0 for jumps within +-_JUMP
+_SQRT3_Q14 = const(28378)
+_RAD_Q22 = const(402)  # rad per brad
+
+
+@hot
+def current_step(d: int, q: int, foc, sine) -> int:
+    """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
+
+    Reads F_RAW_*, F_D_REF and F_Q_REF, writes F_DUTY_*, F_I_*, F_V_*. Returns STEP_DONE, or what
+    current_repair has to finish. ``sine`` is SINE of sine.py.
+
+    Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
+    phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
+    than 13800, the sums of Park stay below 13800 * 32769 < 2^29, the currents within 27600 and their
+    squares below 2^30. The host chooses vu and checks that (F_KP e + F_INTEGRAL) stays below 2^30 for
+    currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
+    """
+    block = ptr32(foc)
+    table = ptr16(sine)
+    if (d - block[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | block[F_MASKED] | q:
+        return STEP_INPUT
+    block[F_ROTOR] = d
+    d = d * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
+    q = ((d & 63) - 32) * _RAD_Q22
+    c = d >> 6 & 1023
+    s = table[c] - SINE_BIAS
+    y = table[c + 256] - SINE_BIAS
+    c = y - (s * q >> 22)
+    s += y * q >> 22
+    x = (block[F_RAW_A] << 1) - block[F_RAW_B] - block[F_RAW_C] - block[F_OFFSET_ALPHA]
+    y = ((block[F_RAW_B] - block[F_RAW_C]) * _SQRT3_Q14 - block[F_OFFSET_BETA]) >> 14
+    d = (c * x + s * y + 8192) >> 14
+    q = (c * y - s * x + 8192) >> 14
+    block[F_I_D] = d
+    block[F_I_Q] = q
+    if d * d + q * q > block[F_TRIP_SQUARE]:
+        return STEP_TRIP
+    d = block[F_D_REF] - d
+    block[F_INTEGRAL_D] = d * block[F_KI] + block[F_INTEGRAL_D]
+    d = ((d * block[F_KP] + block[F_INTEGRAL_D] + 4096) >> 13) + block[F_FEED_D]
+    q = block[F_Q_REF] - q
+    block[F_INTEGRAL_Q] = q * block[F_KI] + block[F_INTEGRAL_Q]
+    q = ((q * block[F_KP] + block[F_INTEGRAL_Q] + 4096) >> 13) + block[F_FEED_Q]
+    block[F_V_D] = d
+    block[F_V_Q] = q
+    if d * d + q * q > block[F_LIMIT_SQUARE]:
+        return STEP_LIMIT
+    y = ((c * d - s * q) >> 11) * block[F_GAIN_ALPHA] >> 14
+    q = ((c * q + s * d) >> 11) * block[F_GAIN_BETA] >> 14
+    d = y >> 1
+    c = 0 - q - d
+    s = q - d
+    d = s
+    if q < 0:
+        d = c
+        q = s
+    else:
+        q = c
+    if y > d:
+        d = y
+    elif y < q:
+        q = y
+    if d - q > block[F_SPAN]:
+        return STEP_SHAPE
+    d = block[F_HALF] - ((d + q) >> 1)
+    block[F_DUTY_A] = (y + d) >> 4
+    block[F_DUTY_B] = (s + d) >> 4
+    block[F_DUTY_C] = (c + d) >> 4
+    return STEP_DONE
+
+
+@hot
+def current_repair(code: int, rotor: int, invalid: int, foc, sine) -> int:
+    """Finish what ``current_step`` left with the same arguments; return STEP_DONE or STEP_TRIP.
+
+    A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
+    one and counted. A phase that had no time to be sampled is the negative sum of the others; if
+    two had none, the voltage of the last step is turned on with the rotor. A voltage vector that is
+    too long is cut, d first. After a trip all duties are equal, and F_TRIPPED tells the motion tick.
+    """
+    block = ptr32(foc)
+    if code == STEP_INPUT:
+        if (rotor - block[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | invalid:
+            block[F_GLITCHES] += 1
+            if invalid == 0:
+                block[F_ROTOR_SEEN] = rotor
+            rotor = block[F_ROTOR]
+        if _complete_currents(foc) == 0:
+            block[F_ROTOR] = rotor
+            return turn_voltage(foc, sine)
+        code = current_step(rotor, 0, foc, sine)
+    if code == STEP_LIMIT:
+        limit_voltage(foc)
+        return turn_voltage(foc, sine)
+    if code == STEP_SHAPE:
+        return turn_voltage(foc, sine)
+    if code == STEP_TRIP:
+        block[F_TRIPPED] = 1
+        _equal_duties(foc)
+    return code
+
+
+@hot
+def turn_voltage(foc, sine) -> int:
+    """Write the duties for F_V_D, F_V_Q (no longer than F_LIMIT) at the angle of F_ROTOR; return STEP_DONE."""
+    block = ptr32(foc)
+    table = ptr16(sine)
+    angle = block[F_ROTOR] * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
+    rest = ((angle & 63) - 32) * _RAD_Q22
+    index = angle >> 6 & 1023
+    sine0 = table[index] - SINE_BIAS
+    cosine0 = table[index + 256] - SINE_BIAS
+    c = cosine0 - (sine0 * rest >> 22)
+    s = sine0 + (cosine0 * rest >> 22)
+    d = block[F_V_D]
+    q = block[F_V_Q]
+    svpwm(foc, (c * d - s * q) >> 11, (c * q + s * d) >> 11)
+    return STEP_DONE
+
+
+@hot
+def limit_voltage(foc) -> int:
+    """Cut F_V_D, F_V_Q to the length F_LIMIT, d first; return F_LIMITED.
+
+    Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
+    step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
+    """
+    block = ptr32(foc)
+    limit = block[F_LIMIT]
+    block[F_LIMITED] += 1
+    error = block[F_D_REF] - block[F_I_D]
+    v = block[F_V_D]
+    if v > limit or v < 0 - limit:  # not -limit: viper on x64 would negate the local itself
+        if (v ^ error) >= 0:
+            block[F_INTEGRAL_D] -= error * block[F_KI]
+        if v > 0:
+            v = limit
+        else:
+            v = 0 - limit
+        block[F_V_D] = v
+    limit = round_sqrt(block[F_LIMIT_SQUARE] - v * v)
+    error = block[F_Q_REF] - block[F_I_Q]
+    v = block[F_V_Q]
+    if v > limit or v < 0 - limit:
+        if (v ^ error) >= 0:
+            block[F_INTEGRAL_Q] -= error * block[F_KI]
+        if v > 0:
+            v = limit
+        else:
+            v = 0 - limit
+        block[F_V_Q] = v
+    return block[F_LIMITED]
+
+
+@hot
+def current_reset(foc, rotor: int) -> int:
+    """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties. Return 0."""
+    block = ptr32(foc)
+    block[F_ROTOR] = rotor
+    block[F_ROTOR_SEEN] = -1
+    block[F_MASKED] = 0
+    block[F_GLITCHES] = 0
+    block[F_LIMITED] = 0
+    block[F_TRIPPED] = 0
+    block[F_I_D] = 0
+    block[F_I_Q] = 0
+    block[F_D_REF] = 0
+    block[F_Q_REF] = 0
+    block[F_FEED_D] = 0
+    block[F_FEED_Q] = 0
+    return current_relax(foc)
+
+
+@hot
+def current_relax(foc) -> int:
+    """Forget integrals and voltage and write equal duties: for a bridge that is off. Return 0."""
+    block = ptr32(foc)
+    block[F_INTEGRAL_D] = 0
+    block[F_INTEGRAL_Q] = 0
+    block[F_V_D] = 0
+    block[F_V_Q] = 0
+    return _equal_duties(foc)
+
+
+@hot
+def set_offsets(foc, a_q4: int, b_q4: int, c_q4: int) -> int:
+    """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
+    block = ptr32(foc)
+    block[F_OFFSET_A] = a_q4
+    block[F_OFFSET_B] = b_q4
+    block[F_OFFSET_C] = c_q4
+    block[F_OFFSET_ALPHA] = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
+    block[F_OFFSET_BETA] = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
+    return 0
+
+
+@hot
+def current_sum(foc) -> int:
+    """Return a + b + c of the last sample in counts; 0 within noise if the sensing is sound. Error 1/2 count."""
+    block = ptr32(foc)
+    offsets = block[F_OFFSET_A] + block[F_OFFSET_B] + block[F_OFFSET_C]
+    return block[F_RAW_A] + block[F_RAW_B] + block[F_RAW_C] - ((offsets + 8) >> 4)
+
+
+@hot
+def _equal_duties(foc) -> int:
+    block = ptr32(foc)
+    half = block[F_PERIOD] >> 1
+    for phase in range(3):
+        block[F_DUTY_A + phase] = half
+    return 0
+
+
+@hot
+def _complete_currents(foc) -> int:
+    """Rebuild the one phase that F_MASKED names from the others and clear the mask; 0 if it names more."""
+    block = ptr32(foc)
+    masked = block[F_MASKED]
+    block[F_MASKED] = 0
+    if masked == 0:
+        return 1
+    if masked & (masked - 1):
+        return 0
+    wrong = current_sum(foc)
+    phase = masked >> 1
+    block[F_RAW_A + phase] = block[F_RAW_A + phase] - wrong
+    return 1

@@ -1,0 +1,60 @@
+"""Fault codes of a joint: one byte on the wire, with one value of 24 bits; host/joint_faults.py has the words.
+
+The unit of the value is given with each code. Faults at FAULT_COAST_FROM and above end the torque
+at once; below, the joint damps first, because its sensing can still be trusted.
+"""
+
+from ..runtime import const, hot
+
+FAULT_NONE = const(0)
+# damp, then coast
+FAULT_WATCHDOG = const(1)  # ms without a set-point
+FAULT_OVER_SPEED = const(2)  # rate
+FAULT_POSITION_LIMIT = const(3)  # rc, joint-signed
+FAULT_STALL = const(4)  # cu
+FAULT_WINDING_HOT = const(5)  # t16
+FAULT_MCU_HOT = const(6)  # t16
+FAULT_THERMISTOR_OPEN = const(7)  # count
+FAULT_THERMISTOR_SHORT = const(8)  # count
+FAULT_DUPLICATE_ID = const(9)  # node
+FAULT_OVERRUN = const(10)  # late interrupts counted
+FAULT_MCU_SENSOR = const(11)  # count
+# coast at once
+FAULT_COAST_FROM = const(32)
+FAULT_EMERGENCY_STOP = const(32)  # 0
+FAULT_OVER_CURRENT = const(33)  # cu, length of the vector
+FAULT_UNDER_VOLTAGE = const(34)  # vu
+FAULT_OVER_VOLTAGE = const(35)  # vu
+FAULT_ENCODER_LOST = const(36)  # readings rejected in the last ms
+FAULT_ENCODER_DISAGREE = const(37)  # rc, joint encoder minus rotor
+FAULT_CURRENT_SENSE = const(38)  # count, sum of the phases
+FAULT_DRIVER = const(39)  # fault registers of the gate driver
+FAULT_DRIVER_SETUP = const(40)  # address of the register that reads back differently
+FAULT_EXCEPTION = const(41)  # where: 1 current step, 2 motion tick, 3 slow tick, 4 bus
+FAULT_POSITION_RANGE = const(42)  # turns at which the position left its range
+FAULT_STORAGE = const(43)  # 0
+FAULT_INTERRUPT_STOPPED = const(44)  # ms without a current step
+# calibration and homing: the joint was asked to, and refuses
+FAULT_CAL_OFFSET = const(64)  # count, reading at no current
+FAULT_CAL_NOISE = const(65)  # count, peak to peak at no current
+FAULT_CAL_SUM = const(66)  # count, sum of the phases under current
+FAULT_CAL_BUS = const(67)  # vu
+FAULT_CAL_ENCODER = const(68)  # rc, noise at rest
+FAULT_CAL_NO_CURRENT = const(69)  # cu reached: a phase is open
+FAULT_CAL_NOT_FREE = const(70)  # rc moved instead of following the field
+FAULT_CAL_POLE_PAIRS = const(71)  # pole pairs found
+FAULT_CAL_PHASE_ORDER = const(72)  # direction found, +-1
+FAULT_CAL_SPREAD = const(73)  # brad, how far the offsets found lie apart
+FAULT_CAL_JOINT_ENCODER = const(74)  # 1/16384 joint turn moved
+FAULT_CAL_MOVING = const(75)  # rate at the start
+FAULT_CAL_OFFSET_CHANGED = const(76)  # brad, found minus stored
+FAULT_HOME_NO_STOP = const(77)  # ms looked for
+FAULT_HOME_AMBIGUOUS = const(78)  # rc left between stop and nearest position
+
+
+@hot
+def damps_first(code: int) -> int:
+    """Return 1 if the joint may damp before it coasts after fault ``code`` (any number), else 0."""
+    if code > FAULT_NONE and code < FAULT_COAST_FROM:
+        return 1
+    return 0

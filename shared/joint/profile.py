@@ -1,0 +1,88 @@
+"""The trajectory limiter: a position that follows a target, also a moving one, within a speed and an acceleration.
+
+Each tick the wanted speed is the target's own plus what can still be braked away over the distance
+left, sqrt(2 a d), no more than the limit; the speed goes there by at most the acceleration.
+"""
+
+from ..fixed import isqrt, saturate
+from ..runtime import const, hot, ptr32
+from .layout import S_PROFILE, S_PROFILE_RATE
+
+_DISTANCE_MOST = const(0x1FFFFFFF)  # rc/256
+
+
+@hot
+def braking_rate(distance_rc256: int, accel: int, rate_max: int) -> int:
+    """Return the rate from which ``accel`` per tick stops within the distance, at most rate_max.
+
+    distance 0 .. 2^29 - 1 rc/256, accel 1 .. 65535 and rate_max 1 .. 2^18 - 1 in rate units. In whole
+    ticks a rate v needs v (v + a) / 2a: v = sqrt(a^2/4 + 2 a d) - a/2. Rounded down to 1/16 rc, so at
+    most 48 rate units short. A distance that is long enough is not multiplied; squares below 2^29.
+    """
+    if accel < 1:
+        return 0
+    d = distance_rc256 >> 8
+    fraction = distance_rc256 & 255
+    half = accel >> 1
+    enough = (rate_max + half >> 4) + 1
+    enough = (enough * enough >> 1) // accel + 1
+    if d >= enough:
+        return rate_max
+    square = (d * accel << 1) + (accel * fraction >> 7) + (half * half >> 8)
+    rate = (isqrt(square) << 4) - half
+    if rate < 1 and distance_rc256 > 0:
+        return 1
+    if rate < 0:
+        return 0
+    if rate > rate_max:
+        return rate_max
+    return rate
+
+
+@hot
+def profile_reset(state, position_rc: int, rate: int) -> int:
+    """Start at a position within +-2^21 rc with a rate; return 0."""
+    s = ptr32(state)
+    s[S_PROFILE] = position_rc << 8
+    s[S_PROFILE_RATE] = rate
+    return 0
+
+
+@hot
+def profile_step(state, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
+    """Advance S_PROFILE and S_PROFILE_RATE one tick towards the target; return the change of rate.
+
+    target_rc256 within +-2^29 rc/256, where the target will be after this tick, target_rate its own
+    rate within +-rate_max; accel, rate_max as braking_rate. The result is the acceleration used, within
+    +-accel. The target is met exactly when it can be reached by this tick's move and held by the
+    next, each a change of at most ``accel``; S_PROFILE_RATE is then already the target's.
+    """
+    s = ptr32(state)
+    rate = s[S_PROFILE_RATE]
+    left = target_rc256 - s[S_PROFILE]
+    change = left - rate
+    follow = target_rate - left
+    near = saturate(left, -rate_max, rate_max) == left
+    if near and change <= accel and change >= -accel and follow <= accel and follow >= -accel:
+        s[S_PROFILE] = target_rc256
+        s[S_PROFILE_RATE] = target_rate
+        return saturate(target_rate - rate, -accel, accel)
+    ahead = left - target_rate
+    if ahead >= 0:
+        wanted = target_rate + braking_rate(saturate(ahead, 0, _DISTANCE_MOST), accel, rate_max)
+    else:
+        wanted = target_rate - braking_rate(saturate(-ahead, 0, _DISTANCE_MOST), accel, rate_max)
+    wanted = saturate(wanted, -rate_max, rate_max)
+    change = saturate(wanted - rate, -accel, accel)
+    s[S_PROFILE_RATE] = rate + change
+    s[S_PROFILE] += rate + change
+    return change
+
+
+@hot
+def slew_rate(state, wanted: int, accel: int) -> int:
+    """Move S_PROFILE_RATE towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
+    s = ptr32(state)
+    change = saturate(wanted - s[S_PROFILE_RATE], 0 - accel, accel)
+    s[S_PROFILE_RATE] += change
+    return change

@@ -1,0 +1,75 @@
+"""Space-vector modulation by min-max injection: duty = 1/2 + (v - (max + min) / 2) / V_bus, linear to V_bus / sqrt 3.
+
+A duty is the time the high side is on, in compare counts 0 .. F_PERIOD. The current step does the
+same for the common case; this is the full form, with the shortest pulses and the sampling windows.
+"""
+
+from ..runtime import hot, ptr32
+from .layout import (
+    F_DUTY_A,
+    F_GAIN_ALPHA,
+    F_GAIN_BETA,
+    F_HALF,
+    F_MASKED,
+    F_PERIOD,
+    F_PULSE,
+    F_WINDOW,
+)
+
+
+@hot
+def shape_pulse(duty: int, pulse: int, period: int) -> int:
+    """Return the duty the bridge can make that is nearest to ``duty``, within 0 .. period.
+
+    A pulse, high or low, is at least ``pulse`` counts long or absent; 0 <= 2 pulse <= period < 2^15.
+    duty: any within +-(2^29 - 1). Error at most pulse / 2 for duties within 0 .. period.
+    """
+    if duty + duty < pulse:
+        return 0
+    if duty < pulse:
+        return pulse
+    rest = period - duty
+    if rest + rest < pulse:
+        return period
+    if rest < pulse:
+        return period - pulse
+    return duty
+
+
+@hot
+def svpwm(foc, alpha: int, beta: int) -> int:
+    """Write the three duties for the voltage (alpha, beta) in 1/16 vu; return F_MASKED.
+
+    Range: a vector no longer than 16 F_LIMIT; a longer one, up to twice that, is cut phase by phase
+    and never leaves 0 .. F_PERIOD. F_MASKED gets a bit for each phase whose low side is on for less
+    than F_WINDOW, so that its next current sample is not valid. Error at most 1/2 + 1/8 compare
+    count plus F_PULSE / 2 near the ends. Intermediates: the host chooses F_GAIN_ALPHA = 2^14
+    F_PERIOD / bus, so the products stay below 2^14 * 16 F_PERIOD / sqrt 3 < 2^30 up to F_PERIOD 7000.
+    """
+    block = ptr32(foc)
+    a = alpha * block[F_GAIN_ALPHA] >> 14
+    b = beta * block[F_GAIN_BETA] >> 14
+    c = -b - (a >> 1)
+    b -= a >> 1
+    high = b
+    low = c
+    if b < c:
+        high = c
+        low = b
+    if a > high:
+        high = a
+    elif a < low:
+        low = a
+    middle = block[F_HALF] - ((high + low) >> 1)
+    period = block[F_PERIOD]
+    pulse = block[F_PULSE]
+    block[F_DUTY_A] = shape_pulse((a + middle) >> 4, pulse, period)
+    block[F_DUTY_A + 1] = shape_pulse((b + middle) >> 4, pulse, period)
+    block[F_DUTY_A + 2] = shape_pulse((c + middle) >> 4, pulse, period)
+    period -= block[F_WINDOW]
+    masked = 0
+    for phase in range(3):
+        if block[F_DUTY_A + phase] > period:
+            masked |= 1 << phase
+    block[F_MASKED] = masked
+    return masked

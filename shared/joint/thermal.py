@@ -1,0 +1,132 @@
+"""Temperatures: sensors through curves that are data, a two-node model of the winding, derating, I2t.
+
+Model, per slow tick (J/K and K/W are in the gains the host made): the winding is heated by 1.5 R i^2
+and leaks to the housing, the housing to the air. A thermistor between the windings lags behind the
+copper, so the hotter of sensor and model counts.
+"""
+
+from ..runtime import const, hot, ptr32
+from .cascade import fall_q15
+from .layout import (
+    K_HEAT,
+    K_HEAT_SHIFT,
+    K_HOUSING_GAIN,
+    K_HOUSING_LEAK,
+    K_I2T_CURRENT,
+    K_I2T_MAX,
+    K_LEAK_SHIFT,
+    K_WINDING_LEAK,
+    S_AIR,
+    S_I2T,
+    S_MODEL_HOUSING,
+    S_MODEL_WINDING,
+)
+
+CURVE_SIZE = const(65)  # temperatures in t16 at 0, 64, 128 .. 4096 counts
+
+_NODE_MOST = const(0x3FFFFFF)  # t16/2^14: 256 degrees above the air
+_SQUARE_MOST = const(0x7FFFF)
+
+
+@hot
+def thermistor_t16(curve, raw: int) -> int:
+    """Return the temperature of a reading 0 .. 4095 from a curve of CURVE_SIZE points; readings beyond are cut.
+
+    The curve is data, so NTC and PTC are the same here. Linear between points; points within +-2^20.
+    Error at most 1 t16 plus the curve's own.
+    """
+    table = ptr32(curve)
+    if raw < 0:
+        raw = 0
+    if raw > 4095:
+        raw = 4095
+    index = raw >> 6
+    value = table[index]
+    return value + ((table[index + 1] - value) * (raw & 63) + 32 >> 6)
+
+
+@hot
+def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
+    """Return the STM32F405's temperature from its sensor: 30 + (raw - cal1) 80 / (cal2 - cal1) degrees C.
+
+    cal1 and cal2 are the factory's readings at 30 and 110 degrees C (datasheet section 5.3.22); all
+    0 .. 4095. Error 1 t16. With cal1 = cal2 there is no calibration: 32767, which nothing takes for cold.
+    """
+    span = cal2 - cal1
+    if span == 0:
+        return 32767
+    return 480 + (raw - cal1) * 1280 // span
+
+
+@hot
+def model_reset(state, air_t16: int) -> int:
+    """Start the model with everything at ``air_t16``; return it."""
+    s = ptr32(state)
+    s[S_AIR] = air_t16
+    s[S_MODEL_WINDING] = 0
+    s[S_MODEL_HOUSING] = 0
+    return air_t16
+
+
+@hot
+def model_step(cfg, state, square: int) -> int:
+    """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
+
+    Ranges: K_HEAT 0 .. 2047 with K_HEAT_SHIFT 0 .. 24, the leaks 0 .. 16383 with K_LEAK_SHIFT 13 .. 30. Both
+    nodes stay within 0 .. 256 degrees above the air. Error of the end temperature below 1 degree C.
+    Intermediates: 2^19 * 2047 below 2^30.
+    """
+    k = ptr32(cfg)
+    s = ptr32(state)
+    if square > _SQUARE_MOST:
+        square = _SQUARE_MOST
+    winding = s[S_MODEL_WINDING]
+    housing = s[S_MODEL_HOUSING]
+    flow = winding - housing
+    shift = k[K_LEAK_SHIFT]
+    winding += (square * k[K_HEAT] >> k[K_HEAT_SHIFT]) - scaled(flow, k[K_WINDING_LEAK], shift)
+    housing += scaled(flow, k[K_HOUSING_GAIN], shift) - scaled(housing, k[K_HOUSING_LEAK], shift)
+    s[S_MODEL_WINDING] = _node(winding)
+    s[S_MODEL_HOUSING] = _node(housing)
+    return s[S_AIR] + (s[S_MODEL_WINDING] >> 14)
+
+
+@hot
+def scaled(value: int, factor: int, shift: int) -> int:
+    """Return value x factor / 2^shift for value within +-2^26, factor 0 .. 16383, shift 13 .. 30. Error below 1.
+
+    In two halves, so that no product reaches 2^30: each is 2^13 * 2^14 at most.
+    """
+    return (value >> 13) * factor + ((value & 8191) * factor >> 13) >> shift - 13
+
+
+@hot
+def i2t_step(cfg, state, square: int) -> int:
+    """Add i^2 minus the lasting current's to S_I2T; return the share in Q15 of the excess current still allowed.
+
+    square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of K_I2T_MAX, then linearly to 0 at K_I2T_MAX
+    (2 .. 2^29), where only K_I2T_CURRENT is left. Error 2^-14.
+    """
+    k = ptr32(cfg)
+    s = ptr32(state)
+    current = k[K_I2T_CURRENT]
+    total = s[S_I2T] + square - (current * current >> 8)
+    if total < 0:
+        total = 0
+    top = k[K_I2T_MAX]
+    if total > top:
+        total = top
+    s[S_I2T] = total
+    shift = 0
+    while (top >> shift) > 32767:
+        shift += 1
+    return fall_q15(total >> shift, top >> shift + 1, top >> shift)
+
+
+@hot
+def _node(value: int) -> int:
+    if value < 0:
+        return 0
+    if value > _NODE_MOST:
+        return _NODE_MOST
+    return value

@@ -1,0 +1,141 @@
+"""One leg: forward and inverse kinematics, joint limits, and robot B's coupled calf.
+
+Paper A, eqs 1-6, in the form that is right in every quadrant: with s = +1 left, -1 right and
+k = -1 knee behind, +1 in front, the foot from the hip in body axes is
+
+    a = L2 cos q2 + L3 cos(q2 + q3)
+    x = -L2 sin q2 - L3 sin(q2 + q3),  y = s L1 cos q1 + a sin q1,  z = s L1 sin q1 - a cos q1
+
+The paper's theta1 = q1, theta2 = -q2, theta3 = -q3. Paper B's leg (its eqs 1-12) is the same leg
+in other axes. All four knee configurations differ only in the k of each leg.
+"""
+
+from .fixed import atan2_brad18, cos_q15, mul_q15, round_brad, round_sqrt, sin_q15
+from .params import (
+    LEG_HALF_DIFF,
+    LEG_INNER_SQ,
+    LEG_KNEE,
+    LEG_L2,
+    LEG_L3,
+    LEG_MAX,
+    LEG_MIN,
+    LEG_OUTER_SQ,
+    LEG_SIDE_L1,
+    LEG_SIZE,
+    P_SIZE_BODY,
+)
+from .runtime import const, hot, ptr32
+
+LIMIT_HIP = const(8)
+LIMIT_THIGH = const(16)
+LIMIT_CALF = const(32)
+
+
+@hot
+def leg_forward(params, leg: int, joints, feet) -> int:
+    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
+
+    joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
+    Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
+    Paper A eqs 1-6 inverted (joint to foot).
+    """
+    p = ptr32(params)
+    q = ptr32(joints)
+    out = ptr32(feet)
+    base = P_SIZE_BODY + leg * LEG_SIZE
+    at = leg * 3
+    l2 = p[base + LEG_L2]
+    l3 = p[base + LEG_L3]
+    l1 = p[base + LEG_SIDE_L1]
+    thigh = q[at + 1]
+    shank = thigh + q[at + 2]
+    out[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
+    drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
+    sine = sin_q15(q[at])
+    cosine = cos_q15(q[at])
+    out[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
+    out[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
+    return 0
+
+
+@hot
+def leg_inverse(params, leg: int, feet, joints) -> int:
+    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return 0.
+
+    feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
+    outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
+    Foot error through an exact forward kinematics: at most 0.05 mm for Caramelo and Parallel.
+    Paper A eqs 1-6 without arccos: with d^2 = x^2 + a^2,
+    |q3| = 2 atan2(sqrt((L2+L3)^2 - d^2), sqrt(d^2 - (L2-L3)^2)), and the two arctangents of q1 as
+    one, of the product of two complex numbers. Intermediates: products of two sides of one
+    triangle, below (L1^2 + (L2+L3)^2) < 2^30.
+    """
+    p = ptr32(params)
+    foot = ptr32(feet)
+    q = ptr32(joints)
+    base = P_SIZE_BODY + leg * LEG_SIZE
+    at = leg * 3
+    x = foot[at]
+    y = foot[at + 1]
+    z = foot[at + 2]
+    l1 = p[base + LEG_SIDE_L1]
+    drop_sq = y * y + z * z - l1 * l1
+    if drop_sq < 0:
+        drop_sq = 0
+    drop = round_sqrt(drop_sq)
+    length_sq = x * x + drop_sq
+    outer = round_sqrt(p[base + LEG_OUTER_SQ] - length_sq)
+    inner = round_sqrt(length_sq - p[base + LEG_INNER_SQ])
+    bend = 2 * atan2_brad18(outer, inner)
+    half_diff = p[base + LEG_HALF_DIFF]
+    if half_diff:
+        lead = atan2_brad18(outer * inner >> 1, (length_sq >> 1) + half_diff)
+    else:
+        lead = bend >> 1
+    if p[base + LEG_KNEE] < 0:
+        bend = -bend
+        lead = -lead
+    q[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
+    q[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
+    q[at + 2] = round_brad(bend)
+    return 0
+
+
+@hot
+def limit_joints(params, leg: int, joints) -> int:
+    """Limit the three angles of ``leg`` in ``joints`` to the robot's joint limits; return what acted.
+
+    joints: 12 brad within -32768 .. 32767, changed in place. Returns 0 or LIMIT_HIP, LIMIT_THIGH,
+    LIMIT_CALF or several. Exact.
+    """
+    p = ptr32(params)
+    q = ptr32(joints)
+    low = P_SIZE_BODY + leg * LEG_SIZE + LEG_MIN
+    at = leg * 3
+    flags = 0
+    bit = LIMIT_HIP
+    for joint in range(3):
+        angle = q[at + joint]
+        if angle < p[low + joint]:
+            q[at + joint] = p[low + joint]
+            flags |= bit
+        elif angle > p[low + joint + LEG_MAX - LEG_MIN]:
+            q[at + joint] = p[low + joint + LEG_MAX - LEG_MIN]
+            flags |= bit
+        bit <<= 1
+    return flags
+
+
+@hot
+def calf_motor(thigh_brad: int, calf_brad: int) -> int:
+    """Return the calf motor's angle of a rod-driven leg, wrapped: thigh + calf (paper B, section II).
+
+    Both motors sit at the hip, so the calf motor sets the calf's angle against the body. Exact.
+    """
+    return (thigh_brad + calf_brad + 0x8000 & 0xFFFF) - 0x8000
+
+
+@hot
+def calf_joint(thigh_brad: int, motor_brad: int) -> int:
+    """Return the calf joint's angle from the motors' of a rod-driven leg: inverse of calf_motor. Exact."""
+    return (motor_brad - thigh_brad + 0x8000 & 0xFFFF) - 0x8000

@@ -1,0 +1,150 @@
+"""Which foot carries how much: the robot's weight shared out over any set of standing feet.
+
+Weighted minimum norm, F_k = w_k (a + b x_k + c y_k) with sum F = W and no moment about the centre
+of mass: continuous from four feet (all w = 1) to three (one w going to 0). Two feet, or feet in
+one line, carry by the lever along that line; what tips about the line no force can hold.
+Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
+"""
+
+from .fixed import saturate
+from .params import LEGS
+from .runtime import const, hot, ptr32
+
+L_WANTED_Q12 = const(0)  # 4 values: the share of each foot
+L_FORCE_Q12 = const(4)  # 4 values: the same, slewed
+L_MIDDLE = const(8)  # 2 values: the weighted middle of the feet, lu
+L_MOMENT = const(10)  # 3 values: second moments xx, xy, yy about it
+L_SHIFT = const(13)  # how many bits the moments were shortened by
+L_ALONG = const(14)  # 2 values: how the share grows along x and y
+LOAD_SIZE = const(16)
+
+STANDS_Q8 = const(256)  # the weight of a foot that stands
+_UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
+_UNIT_HALF = const(16)
+
+
+@hot
+def load_even(block, weight_q12: int) -> int:
+    """Let every foot carry a quarter, at once; return 0. weight: Q12 of the own weight, 0 .. 16383."""
+    b = ptr32(block)
+    for leg in range(LEGS):
+        b[L_WANTED_Q12 + leg] = weight_q12 >> 2
+        b[L_FORCE_Q12 + leg] = weight_q12 >> 2
+    return 0
+
+
+@hot
+def load_share(feet, weights, com_x: int, com_y: int, weight_q12: int, planar: int, block) -> int:
+    """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
+
+    feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
+    com_x, com_y: lu in the same frame; all within +-32767 lu. weight: 0 .. 16383, Q12 of the own weight.
+    planar: 1 leaves out y, because something else holds the roll. No foot pulls: shares are limited to
+    0 .. weight. Error at most 1 % of the weight where four feet span 0.2 of the largest leg or more.
+    Intermediates: 4096 * 16383 + 2^11, and those of load_moments and load_slope.
+    """
+    w = ptr32(weights)
+    f = ptr32(feet)
+    b = ptr32(block)
+    total = load_moments(feet, weights, planar, block)
+    if total <= 0:
+        for leg in range(LEGS):
+            b[L_WANTED_Q12 + leg] = 0
+        return 0
+    load_slope(com_x, com_y, planar, block)
+    even = 0x100000 // total
+    shift = b[L_SHIFT] + 6
+    for leg in range(LEGS):
+        share = 0
+        if w[leg] > 0:
+            x = saturate(f[leg * 3] - b[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+            tilt = b[L_ALONG] * x
+            if planar == 0:
+                y = saturate(f[leg * 3 + 1] - b[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+                tilt += b[L_ALONG + 1] * y
+            share = saturate(even + saturate(tilt >> shift, -0x200000, 0x200000), 0, 0x200000) * w[leg] >> 8
+            share = saturate(share, 0, 4096) * weight_q12 + 2048 >> 12
+        b[L_WANTED_Q12 + leg] = share
+    return 1
+
+
+@hot
+def load_moments(feet, weights, planar: int, block) -> int:
+    """Write the weighted middle of the feet and their second moments about it; return the sum of the weights.
+
+    Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
+    """
+    f = ptr32(feet)
+    w = ptr32(weights)
+    b = ptr32(block)
+    total = w[0] + w[1] + w[2] + w[3]
+    if total <= 0:
+        return 0
+    middle_x = (f[0] * w[0] + f[3] * w[1] + f[6] * w[2] + f[9] * w[3]) // total
+    middle_y = (f[1] * w[0] + f[4] * w[1] + f[7] * w[2] + f[10] * w[3]) // total
+    xx = 0
+    xy = 0
+    yy = 0
+    for leg in range(LEGS):
+        if w[leg] > 0:
+            x = saturate(f[leg * 3] - middle_x + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+            y = 0
+            if planar == 0:
+                y = saturate(f[leg * 3 + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+            xx += x * x * w[leg] >> 8
+            xy += x * y * w[leg] >> 8
+            yy += y * y * w[leg] >> 8
+    shift = 0
+    while xx + yy > 16383:
+        xx >>= 1
+        xy >>= 1
+        yy >>= 1
+        shift += 1
+    b[L_MIDDLE] = middle_x
+    b[L_MIDDLE + 1] = middle_y
+    b[L_MOMENT] = xx
+    b[L_MOMENT + 1] = xy
+    b[L_MOMENT + 2] = yy
+    b[L_SHIFT] = shift
+    return total
+
+
+@hot
+def load_slope(com_x: int, com_y: int, planar: int, block) -> int:
+    """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
+
+    Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
+    take the part along the line. Slopes are in Q18 per 32 lu, shifted by L_SHIFT, limited to +-0x3FFFF.
+    Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
+    """
+    b = ptr32(block)
+    off_x = saturate(com_x - b[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    off_y = 0
+    if planar == 0:
+        off_y = saturate(com_y - b[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    xx = b[L_MOMENT]
+    xy = b[L_MOMENT + 1]
+    yy = b[L_MOMENT + 2]
+    square = (xx + yy) * (xx + yy)
+    det = xx * yy - xy * xy
+    if det > square >> 6:
+        along_x = yy * off_x - xy * off_y
+        along_y = xx * off_y - xy * off_x
+    else:
+        along_x = xx * off_x + xy * off_y
+        along_y = xy * off_x + yy * off_y
+        det = square
+    det = (det >> 14) + 1
+    b[L_ALONG] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
+    b[L_ALONG + 1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
+    return 0
+
+
+@hot
+def load_slew(block, step_q12: int) -> int:
+    """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
+    b = ptr32(block)
+    for leg in range(LEGS):
+        force = b[L_FORCE_Q12 + leg]
+        b[L_FORCE_Q12 + leg] = force + saturate(b[L_WANTED_Q12 + leg] - force, -step_q12, step_q12)
+    return 0

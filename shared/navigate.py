@@ -1,0 +1,94 @@
+"""Holds position and heading: the walk's reference runs ahead at the commanded speed, the robot follows.
+
+Kept in the robot's own level axes, as the error to the reference: each tick adds what the
+reference moved, takes off what the legs say the body moved, and turns with the gyro. So nothing
+wraps and nothing is far away. The correction is a small part of the speed (Raibert's velocity
+feedback with a position term), and feet are placed for the corrected speed.
+"""
+
+from .fixed import saturate
+from .params import LF_BITS, P_HOLD_Q16, P_LEG_LENGTH, P_START_SPEED, P_VY_MAX, P_WZ_MAX
+from .runtime import const, hot, ptr32
+from .steps import SPEED_SIZE, SPEED_WZ, SPEED_X, SPEED_Y
+
+NAV_X = const(0)  # lf, the reference from the robot, level axes
+NAV_Y = const(1)
+NAV_YAW = const(2)  # yaw18
+NAV_SIZE = const(3)
+
+_YAW_MAX = const(91750)  # yaw18, 0.35 rad: further the reference waits
+_TURN_MAX = const(0x7FFF)  # yaw18 a tick, 1/8 rad
+
+
+@hot
+def navigate_reset(nav) -> int:
+    """Put the reference where the robot is; return 0."""
+    e = ptr32(nav)
+    for axis in range(NAV_SIZE):
+        e[axis] = 0
+    return 0
+
+
+@hot
+def follow_reference(params, speed, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav) -> int:
+    """Update the errors by one tick; return 0.
+
+    speed: the reference's, 3 values within +-2^19; moved: lf, within +-2^22; turned: yaw18, limited to 1/8 rad.
+    The reference waits where it would be more than a sixth of the leg's length or 0.35 rad away. Without
+    yaw the heading's error is 0. Error at most 2 lf a tick while turning. Intermediates: 2^15 * 2^13.
+    """
+    p = ptr32(params)
+    v = ptr32(speed)
+    e = ptr32(nav)
+    yaw = 0
+    turned = 0
+    if yaw_known:
+        turned = saturate(turned_yaw18, -_TURN_MAX, _TURN_MAX)
+        yaw = saturate(e[NAV_YAW] + v[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
+    e[NAV_YAW] = yaw
+    most = (p[P_LEG_LENGTH] << LF_BITS) // 6
+    x = e[NAV_X] + v[SPEED_X] - ((v[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
+    y = e[NAV_Y] + v[SPEED_Y] + ((v[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
+    x = saturate(x, -most, most)
+    y = saturate(y, -most, most)
+    e[NAV_X] = x + ((y >> LF_BITS) * turned >> 10)
+    e[NAV_Y] = y - ((x >> LF_BITS) * turned >> 10)
+    return 0
+
+
+@hot
+def hold(params, speed, sway_lu: int, nav, drive) -> int:
+    """Write the speeds to walk with into ``drive``: the reference's plus the errors times a gain, limited.
+
+    sway: lu, within +-32767, the body's planned way to the left, which is no error. Corrections are limited to a
+    fifth of the speed along x (of the starting speed if that is more), two fifths of the largest speed along
+    y, three quarters of the largest turn. Returns 0. Intermediates: 2^18 * 2^11 (20 Hz, the slowest rate).
+    """
+    p = ptr32(params)
+    v = ptr32(speed)
+    e = ptr32(nav)
+    d = ptr32(drive)
+    gain = p[P_HOLD_Q16]
+    most = v[SPEED_X]
+    if most < 0:
+        most = -most
+    if most < p[P_START_SPEED]:
+        most = p[P_START_SPEED]
+    most = most // 5
+    d[SPEED_X] = v[SPEED_X] + saturate((e[NAV_X] >> 4) * gain >> 12, -most, most)
+    most = p[P_VY_MAX] * 2 // 5
+    y = saturate(e[NAV_Y] + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
+    d[SPEED_Y] = v[SPEED_Y] + saturate((y >> 4) * gain >> 12, -most, most)
+    most = p[P_WZ_MAX] * 3 // 4
+    d[SPEED_WZ] = v[SPEED_WZ] + saturate((e[NAV_YAW] >> 4) * gain >> 12, -most, most)
+    return 0
+
+
+@hot
+def drive_as_told(speed, drive) -> int:
+    """Walk with the commanded speeds, uncorrected; return 0."""
+    v = ptr32(speed)
+    d = ptr32(drive)
+    for axis in range(SPEED_SIZE):
+        d[axis] = v[axis]
+    return 0

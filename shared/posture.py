@@ -1,0 +1,75 @@
+"""Slow moves of all twelve joints at once: standing up and sitting down.
+
+They start from the joints as measured, end in a goal pose, and take as long as the joint with the
+longest way needs at the robot's slow joint speed; all joints start and arrive together, on the
+cycloid's profile, so nothing jerks.
+"""
+
+from .params import JOINTS, P_JOINT_STEP
+from .runtime import const, hot, ptr32
+from .swing import cycloid_q15
+
+MOVE_FROM = const(0)  # 12 brad
+MOVE_TO = const(12)  # 12 brad
+MOVE_TICKS = const(24)
+MOVE_TICK = const(25)
+MOVE_SIZE = const(26)
+
+
+@hot
+def posture_start(params, move, joints, goal) -> int:
+    """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.
+
+    The peak speed of a cycloid is twice its mean, hence twice the ticks of an even move.
+    """
+    p = ptr32(params)
+    m = ptr32(move)
+    q = ptr32(joints)
+    to = ptr32(goal)
+    longest = 0
+    for joint in range(JOINTS):
+        m[MOVE_FROM + joint] = q[joint]
+        m[MOVE_TO + joint] = to[joint]
+        gap = to[joint] - q[joint]
+        if gap < 0:
+            gap = -gap
+        if gap > longest:
+            longest = gap
+    step = p[P_JOINT_STEP]
+    if step < 1:
+        step = 1
+    m[MOVE_TICKS] = 1 + 2 * longest // step
+    m[MOVE_TICK] = 0
+    return m[MOVE_TICKS]
+
+
+@hot
+def posture_step(move, joints) -> int:
+    """Write the move's next 12 joint angles into ``joints``; return the ticks still to come.
+
+    Error at most 1.5 brad against the cycloid; the last angles are the goal's. Intermediates: the way of a
+    joint is below 65536 brad and is taken in halves: 32768 * 32768.
+    """
+    m = ptr32(move)
+    q = ptr32(joints)
+    m[MOVE_TICK] += 1
+    left = m[MOVE_TICKS] - m[MOVE_TICK]
+    if left <= 0:
+        for joint in range(JOINTS):
+            q[joint] = m[MOVE_TO + joint]
+        m[MOVE_TICK] = m[MOVE_TICKS]
+        return 0
+    share = cycloid_q15(phase_of(m[MOVE_TICK], m[MOVE_TICKS]))
+    for joint in range(JOINTS):
+        gap = m[MOVE_TO + joint] - m[MOVE_FROM + joint]
+        q[joint] = m[MOVE_FROM + joint] + (((gap >> 1) * share + 0x2000) >> 14)
+    return left
+
+
+@hot
+def phase_of(tick: int, ticks: int) -> int:
+    """Return tick / ticks in Q16 for 0 <= tick <= ticks, ticks 1 .. 2^28. Error at most 4 LSB below 2^20 ticks."""
+    while ticks > 16383:
+        ticks >>= 1
+        tick >>= 1
+    return (tick << 16) // ticks

@@ -1,0 +1,151 @@
+"""Brings a wanted foot into the leg's reachable shell, along the hip-foot ray, and says why.
+
+The shell of the leg of paper A (eqs 1-6): its foot is never farther than
+sqrt(L1^2 + (L2 + L3)^2), never nearer than sqrt(L1^2 + (L2 - L3)^2), and never inside the
+cylinder of radius L1 about the hip axis. No public implementation does both: clamp and report.
+"""
+
+from .fixed import isqrt, round_sqrt
+from .params import (
+    LEG_L2,
+    LEG_L3,
+    LEG_NEAR,
+    LEG_REACH,
+    LEG_SIDE_L1,
+    LEG_SIZE,
+    P_SIZE_BODY,
+)
+from .runtime import const, hot, ptr32
+
+TOO_FAR = const(1)
+TOO_NEAR = const(2)
+INSIDE_HIP = const(4)
+
+
+@hot
+def scale_down(value: int, numerator: int, denominator: int) -> int:
+    """Return value * numerator / denominator rounded towards 0; a denominator below 1 gives 0.
+
+    Range: \\|value * numerator\\| < 2^30, any common unit.
+    """
+    if denominator < 1:
+        return 0
+    if value < 0:
+        return -(-value * numerator // denominator)
+    return value * numerator // denominator
+
+
+@hot
+def reach_foot(params, leg: int, feet, reached) -> int:
+    """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why.
+
+    feet, reached: 12 lu, x y z of each leg from its hip in body axes; any 30-bit value.
+    Returns 0, or TOO_FAR, TOO_NEAR, INSIDE_HIP or several. A foot too far or too near moves along
+    the ray from the hip to the boundary, ending within 5 lu of it; one inside the hip offset
+    moves out along the ray too, unless the ray leaves the shell before it leaves the cylinder:
+    then it goes straight out from the hip axis and x is limited, and TOO_FAR is set as well.
+    A foot less than 1 lu outside the shell is what rounding makes of one on it: it passes as is, and
+    one more than 3 lu outside never does.
+    Intermediates: 32767 * 32767 at most, or three quarters of 2^30 in the sum of squares.
+    """
+    p = ptr32(params)
+    wanted = ptr32(feet)
+    out = ptr32(reached)
+    base = P_SIZE_BODY + leg * LEG_SIZE
+    at = leg * 3
+    x = wanted[at]
+    y = wanted[at + 1]
+    z = wanted[at + 2]
+    flags = 0
+    while x > 32767 or x < -32767 or y > 32767 or y < -32767 or z > 32767 or z < -32767:
+        x >>= 1
+        y >>= 1
+        z >>= 1
+        flags = TOO_FAR
+    reach = p[base + LEG_REACH]
+    quarter = (x * x >> 2) + (y * y >> 2) + (z * z >> 2)
+    if flags or quarter > (reach + 2) * (reach + 2) >> 2:
+        flags = TOO_FAR
+        distance = 2 * isqrt(quarter) + 1
+        x = scale_down(x, reach, distance)
+        y = scale_down(y, reach, distance)
+        z = scale_down(z, reach, distance)
+    out[at] = x
+    out[at + 1] = y
+    out[at + 2] = z
+    radius = p[base + LEG_SIDE_L1]
+    if radius < 0:
+        radius = -radius
+    if radius > 1 and y * y + z * z < (radius - 1) * (radius - 1):
+        flags |= leave_hip(params, base, radius, reached, at)
+        x = out[at]
+        y = out[at + 1]
+        z = out[at + 2]
+    near = p[base + LEG_NEAR]
+    if near > 2 and x * x + y * y + z * z < (near - 2) * (near - 2):
+        flags |= leave_centre(near, reached, at)
+    return flags
+
+
+@hot
+def leave_hip(params, base: int, radius: int, reached, at: int) -> int:
+    """Move the foot at ``reached[at]`` out of the hip offset; return INSIDE_HIP, with TOO_FAR if x gave way.
+
+    Used by reach_foot, on a foot within reach. Without a ray, on the hip axis, the way out is down. y and z
+    are first doubled until one has 14 bits, so that a foot close to the axis keeps its direction.
+    Intermediates: 32767 * 32767 at most.
+    """
+    p = ptr32(params)
+    out = ptr32(reached)
+    y = out[at + 1]
+    z = out[at + 2]
+    doubled = 0
+    if y == 0 and z == 0:
+        z = -radius
+    while y < 0x2000 and y > -0x2000 and z < 0x2000 and z > -0x2000:
+        y <<= 1
+        z <<= 1
+        doubled += 1
+    around = round_sqrt(y * y + z * z)
+    out[at + 1] = scale_down(y, radius, around)
+    out[at + 2] = scale_down(z, radius, around)
+    x = out[at]
+    size = x
+    if size < 0:
+        size = -size
+    limit = p[base + LEG_L2] + p[base + LEG_L3]
+    whole = size * radius // around
+    flags = INSIDE_HIP
+    if whole <= limit:
+        size = (whole << doubled) + ((size * radius - whole * around << doubled) // around)
+    if whole > limit or size > limit:
+        size = limit
+        flags |= TOO_FAR
+    if x < 0:
+        size = -size
+    out[at] = size
+    return flags
+
+
+@hot
+def leave_centre(near: int, reached, at: int) -> int:
+    """Move the foot at ``reached[at]`` out along its ray to the shortest leg; return TOO_NEAR.
+
+    Used by reach_foot, on a foot outside the hip offset. At the hip itself there is no ray: straight down.
+    """
+    out = ptr32(reached)
+    x = out[at]
+    y = out[at + 1]
+    z = out[at + 2]
+    if x == 0 and y == 0 and z == 0:
+        out[at + 2] = -near
+        return TOO_NEAR
+    while x < 0x2000 and x > -0x2000 and y < 0x2000 and y > -0x2000 and z < 0x2000 and z > -0x2000:
+        x <<= 1
+        y <<= 1
+        z <<= 1
+    distance = isqrt(x * x + y * y + z * z)
+    out[at] = scale_down(x, near, distance)
+    out[at + 1] = scale_down(y, near, distance)
+    out[at + 2] = scale_down(z, near, distance)
+    return TOO_NEAR

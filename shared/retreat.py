@@ -1,0 +1,59 @@
+"""Before the crawl the held-up trot backs off: it walks back a third of a leg and comes to a stand.
+
+Held up means that a foot is jammed at an edge, the trunk leaning on it. A crawl begun there lifts its first
+foot while the robot's weight is across the other diagonal, and it tips over; begun from a level stand clear
+of the edge it does not. The way back is measured by the legs' odometry, so slip does not count.
+"""
+
+from .command import C_SPEED, COMMAND_SIZE
+from .fixed import saturate
+from .params import LF_BITS, P_LEG_LENGTH, P_RATE_HZ, P_VX_MAX
+from .runtime import const, hot, ptr32
+
+# The block begins with the command that the trot is given instead of the driver's, COMMAND_SIZE values
+R_MOVED = const(13)  # lf, how far back it has come
+R_TICKS = const(14)
+R_ENDS = const(15)  # 1: far enough, or for long enough: stop
+R_STOOD = const(16)  # ticks in a row that it has stood since
+RETREAT_SIZE = const(17)
+
+_LONGEST_S = const(6)  # then the ground behind does not let it back off, and it stops where it is
+
+
+@hot
+def retreat_start(retreat) -> int:
+    """Begin: nothing gone yet; return 0."""
+    r = ptr32(retreat)
+    for at in range(RETREAT_SIZE):
+        r[at] = 0
+    return 0
+
+
+@hot
+def retreat_step(params, command, moved_lf: int, standing: int, retreat) -> int:
+    """Write this tick's command for the trot: backwards, then nothing; return 1 once it has stood for half a second.
+
+    moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
+    Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed; all else as commanded.
+    Intermediates: 3 * 2^15 * 2^8 lf.
+    """
+    p = ptr32(params)
+    c = ptr32(command)
+    r = ptr32(retreat)
+    for at in range(COMMAND_SIZE):
+        r[at] = c[at]
+    r[R_MOVED] = saturate(r[R_MOVED] - saturate(moved_lf, -0x3FFFFF, 0x3FFFFF), -0xFFFFFFF, 0xFFFFFFF)
+    r[R_TICKS] = saturate(r[R_TICKS] + 1, 0, 0xFFFF)
+    if r[R_MOVED] >= (p[P_LEG_LENGTH] * 3 << LF_BITS) // 10 or r[R_TICKS] > p[P_RATE_HZ] * _LONGEST_S:
+        r[R_ENDS] = 1
+    r[C_SPEED] = -(p[P_VX_MAX] * 3 // 10)
+    r[C_SPEED + 1] = 0
+    r[C_SPEED + 2] = 0
+    if r[R_ENDS]:
+        r[C_SPEED] = 0
+    r[R_STOOD] = saturate(r[R_STOOD] + 1, 0, 0xFFFF)
+    if r[R_ENDS] == 0 or standing == 0:
+        r[R_STOOD] = 0
+    if r[R_STOOD] > p[P_RATE_HZ] >> 1:
+        return 1
+    return 0

@@ -1,0 +1,30 @@
+"""The only file that knows which Python runs it.
+
+The core is plain Python. Four names carry what a MicroPython build needs to know about it:
+
+``const``  marks a private module constant, which MicroPython folds at compile time.
+``hot``    marks a function of the inner loops. It is the identity here; the firmware build
+           (host/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
+``ptr16``  and ``ptr32`` alias an array inside a hot function for fast element access. They are
+           the identity here and raw pointers in viper: ptr16 reads unsigned, ptr32 signed.
+"""
+
+
+def const(value):
+    """Return ``value``: MicroPython's compiler replaces ``_NAME = const(...)`` by the number."""
+    return value
+
+
+def hot(function):
+    """Return ``function`` unchanged: the firmware build turns this mark into an emitter."""
+    return function
+
+
+def ptr16(block):
+    """Return ``block``: in viper a pointer to unsigned 16-bit elements."""
+    return block
+
+
+def ptr32(block):
+    """Return ``block``: in viper a pointer to signed 32-bit elements."""
+    return block

@@ -1,0 +1,276 @@
+"""Where the four feet are: footholds that pass under the body, and swings to the next ones.
+
+A stance foot stays on the ground, so in the base frame it moves against the body. A swing foot
+does the same, plus a cycloid to its next foothold; so it touches down with the ground's speed.
+Each next foothold is the rest position plus half of what the body will do during the coming
+stance (the symmetric point of Raibert's foot placement), so nothing accumulates.
+"""
+
+from .fixed import saturate
+from .gait import (
+    CLOCK_MADE_Q10,
+    CLOCK_SEGMENT,
+    CLOCK_TICK,
+    G_CYCLOID,
+    G_P_N_Q16,
+    G_P_T_Q16,
+    G_ROWS,
+    G_STANCE_Q10,
+    ROW_ADVANCE_Q4,
+    ROW_SIZE,
+    ROW_START,
+    ROW_SWING_Q10,
+    ROW_TICKS,
+)
+from .params import LEG_REST, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY
+from .runtime import const, hot, ptr32
+from .swing import cycloid_q15, lift_q15, swing_phase_q16
+
+STEP_X = const(0)  # lf, the foothold in the base frame
+STEP_Y = const(1)
+STEP_Z = const(2)  # lu, its height in the base frame
+STEP_TICKS = const(3)  # samples of the swing, 0 in stance
+STEP_TICK = const(4)  # the sample to come
+STEP_LEFT_Q10 = const(5)  # body advance still to come during the swing, ticks
+STEP_TO_Z = const(6)  # lu, height of the next foothold
+STEP_HEIGHT = const(7)  # lu, lift of the swing, as it was when the foot left
+STEP_SIZE = const(8)
+STEPS_SIZE = const(32)  # 4 * STEP_SIZE
+
+SPEED_X = const(0)  # lf / tick
+SPEED_Y = const(1)
+SPEED_WZ = const(2)  # yaw18 / tick
+SPEED_SIZE = const(3)
+
+_TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
+
+
+@hot
+def steps_reset(params, steps) -> int:
+    """Put all four feet at rest, standing; return 0."""
+    p = ptr32(params)
+    s = ptr32(steps)
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
+        s[at + STEP_X] = p[rest] << LF_BITS
+        s[at + STEP_Y] = p[rest + 1] << LF_BITS
+        s[at + STEP_Z] = p[rest + 2]
+        s[at + STEP_TO_Z] = p[rest + 2]
+        s[at + STEP_TICKS] = 0
+        s[at + STEP_TICK] = 0
+    return 0
+
+
+@hot
+def steps_at_rest(params, steps) -> int:
+    """Return 1 if all four feet stand within 1/16 lu of their rest positions, else 0."""
+    p = ptr32(params)
+    s = ptr32(steps)
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
+        if s[at + STEP_TICKS]:
+            return 0
+        for axis in range(2):
+            away = s[at + axis] - (p[rest + axis] << LF_BITS)
+            if away > 16 or away < -16:
+                return 0
+    return 1
+
+
+@hot
+def start_swings(gait, clock, steps) -> int:
+    """Lift the legs whose swing starts in the clock's segment; return their bits."""
+    g = ptr32(gait)
+    c = ptr32(clock)
+    s = ptr32(steps)
+    row = G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE
+    lifted = 0
+    for leg in range(LEGS):
+        ticks = g[row + ROW_START + leg]
+        if ticks:
+            at = leg * STEP_SIZE
+            s[at + STEP_TICKS] = ticks
+            s[at + STEP_TICK] = 0
+            s[at + STEP_LEFT_Q10] = g[row + ROW_SWING_Q10 + leg]
+            lifted |= 1 << leg
+    return lifted
+
+
+@hot
+def lift_at_once(steps, height_lu: int) -> int:
+    """Leave out the first sample of swings that have just started, where the foot still stands; return 0.
+
+    For swings with both their ends among the samples: such a foot moves in every tick of its segment.
+    """
+    s = ptr32(steps)
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        if s[at + STEP_TICKS] and s[at + STEP_TICK] == 0:
+            s[at + STEP_TICKS] += 1
+            s[at + STEP_TICK] = 1
+            s[at + STEP_HEIGHT] = height_lu
+    return 0
+
+
+@hot
+def body_advance(gait, clock) -> int:
+    """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
+
+    Summed over a segment exactly ROW_ADVANCE_Q4. 0 .. 8192, because compile_gait refuses faster segments.
+    Intermediates below 4096 * 32768 + 2^15.
+    """
+    g = ptr32(gait)
+    c = ptr32(clock)
+    row = G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE
+    advance_q4 = g[row + ROW_ADVANCE_Q4]
+    if advance_q4 == 0:
+        return 0
+    ticks = g[row + ROW_TICKS]
+    tick = c[CLOCK_TICK]
+    share = ((tick + 1) << 15) // ticks
+    if g[G_CYCLOID] and ticks > 1:
+        share = cycloid_q15(swing_phase_q16(tick, ticks, 65536, 65536))
+    made = (advance_q4 >> 6) * share + ((advance_q4 & 63) * share >> 6) + 4 >> 3
+    advance = made - c[CLOCK_MADE_Q10]
+    c[CLOCK_MADE_Q10] = made
+    return advance
+
+
+@hot
+def way(speed: int, ticks_q10: int) -> int:
+    """Return speed * ticks: lf from lf / tick and ticks in Q10.
+
+    Range: \\|speed\\| < 2^19, ticks_q10 < 2^24, and the way below 2^29 lf. Error at most 1/2 lf. Whole ticks
+    and the rest of one are taken apart: the largest intermediate is below the way + 2^29.
+    """
+    return speed * (ticks_q10 >> 10) + (speed * (ticks_q10 & 1023) + 512 >> 10)
+
+
+@hot
+def turned_way(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
+    """Return the way in lf of a foot at ``arm_lf`` from the turning body: turn * ticks * arm.
+
+    Range: \\|turn\\| * ticks below 1 rad = 2^18, beyond which it is taken as 1 rad; arm within 65535 lu. Error
+    at most 2 lf + 1/30000 of the arm. Largest intermediate 65535 * 2^14 < 2^30.
+    """
+    angle_yaw14 = saturate(way(turn_yaw18, ticks_q10), -0x3FFFF, 0x3FFFF) + 8 >> 4
+    return (arm_lf >> LF_BITS) * angle_yaw14 >> (14 - LF_BITS)
+
+
+@hot
+def move_feet(steps, speed, ticks_q10: int) -> int:
+    """Move all footholds against the body by ``ticks_q10`` of its speed; return 0.
+
+    A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
+    neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
+    Range: feet within 65535 lu. Largest intermediate 65535 * 16384 + 2^14 < 2^30.
+    """
+    s = ptr32(steps)
+    v = ptr32(speed)
+    dx = way(v[SPEED_X], ticks_q10)
+    dy = way(v[SPEED_Y], ticks_q10)
+    turn = saturate(way(v[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
+    shift = 22 - LF_BITS
+    while turn > 16383 or turn < -16383:
+        turn >>= 1
+        shift -= 1
+    half = 1 << shift
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        x = s[at + STEP_X] + ((s[at + STEP_Y] + 128 >> LF_BITS) * turn + half >> shift + 1)
+        y = s[at + STEP_Y] - ((x + 128 >> LF_BITS) * turn + (half >> 1) >> shift)
+        s[at + STEP_X] = x + ((y + 128 >> LF_BITS) * turn + half >> shift + 1) - dx
+        s[at + STEP_Y] = y - dy
+        if s[at + STEP_TICKS]:
+            s[at + STEP_LEFT_Q10] -= ticks_q10
+    return 0
+
+
+@hot
+def place_feet(params, gait, steps, speed, height_lu: int, feet) -> int:
+    """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
+
+    feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
+    """
+    s = ptr32(steps)
+    out = ptr32(feet)
+    swinging = 0
+    for leg in range(LEGS):
+        at = leg * STEP_SIZE
+        if s[at + STEP_TICKS]:
+            swinging |= 1 << leg
+            swing_foot(params, gait, steps, speed, leg, height_lu, feet)
+        else:
+            out[leg * 3] = s[at + STEP_X] >> LF_BITS
+            out[leg * 3 + 1] = s[at + STEP_Y] >> LF_BITS
+            out[leg * 3 + 2] = s[at + STEP_Z]
+    return swinging
+
+
+@hot
+def swing_foot(params, gait, steps, speed, leg: int, height_lu: int, feet) -> int:
+    """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
+
+    Its next foothold is followed while the command changes, so it lands where it should; its height is that
+    of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
+    which is where the foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
+    """
+    g = ptr32(gait)
+    s = ptr32(steps)
+    out = ptr32(feet)
+    at = leg * STEP_SIZE
+    samples = s[at + STEP_TICKS]
+    sample = s[at + STEP_TICK]
+    if sample == 0:
+        s[at + STEP_HEIGHT] = height_lu
+    ends = samples
+    if g[G_P_T_Q16] >= 65536 or g[G_P_N_Q16] >= 65536:
+        ends = samples + 1
+    phase = swing_phase_q16(sample, ends, g[G_P_T_Q16], g[G_P_N_Q16])
+    share = cycloid_q15(phase)
+    sample += 1
+    if sample >= samples:
+        s[at + STEP_LEFT_Q10] = 0
+    ahead = (g[G_STANCE_Q10 + leg] >> 1) + s[at + STEP_LEFT_Q10]
+    to_x = foothold_x(params, leg, speed, ahead)
+    to_y = foothold_y(params, leg, speed, ahead)
+    out[leg * 3] = between(s[at + STEP_X], to_x, share)
+    out[leg * 3 + 1] = between(s[at + STEP_Y], to_y, share)
+    rise = (s[at + STEP_TO_Z] - s[at + STEP_Z]) * share + 0x4000 >> 15
+    out[leg * 3 + 2] = s[at + STEP_Z] + rise + (s[at + STEP_HEIGHT] * lift_q15(phase) + 0x4000 >> 15)
+    s[at + STEP_TICK] = sample
+    if sample >= samples:
+        s[at + STEP_X] = to_x
+        s[at + STEP_Y] = to_y
+        s[at + STEP_Z] = s[at + STEP_TO_Z]
+        s[at + STEP_TICKS] = 0
+    return samples - sample
+
+
+@hot
+def between(from_lf: int, to_lf: int, share_q15: int) -> int:
+    """Return the point ``share`` of the way, in lu. The way is limited to +-32767 lu, share 0 .. 32768."""
+    gap = saturate((to_lf - from_lf) >> LF_BITS, -32767, 32767)
+    return (from_lf >> LF_BITS) + (gap * share_q15 + 0x4000 >> 15)
+
+
+@hot
+def foothold_x(params, leg: int, speed, ahead_q10: int) -> int:
+    """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
+    p = ptr32(params)
+    v = ptr32(speed)
+    rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
+    turned = turned_way(v[SPEED_WZ], p[rest + 1] << LF_BITS, ahead_q10)
+    return (p[rest] << LF_BITS) + way(v[SPEED_X], ahead_q10) - turned
+
+
+@hot
+def foothold_y(params, leg: int, speed, ahead_q10: int) -> int:
+    """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
+    p = ptr32(params)
+    v = ptr32(speed)
+    rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
+    turned = turned_way(v[SPEED_WZ], p[rest] << LF_BITS, ahead_q10)
+    return (p[rest + 1] << LF_BITS) + way(v[SPEED_Y], ahead_q10) + turned
