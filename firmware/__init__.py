@@ -1,0 +1,1 @@
+"""What runs on the boards: applications, chip drivers and boards. Imports shared/ and nothing else."""

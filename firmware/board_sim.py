@@ -1,0 +1,176 @@
+"""A joint's board that is not there: the interface of firmware/board_stm32f405.py, its readings set from outside.
+
+The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``compare`` and ``bridge``. Time is what
+``now_us`` says. It runs on MicroPython too, so that allocation can be looked at there.
+"""
+
+from array import array
+
+from shared.joint.layout import F_DUTY_A, F_DUTY_B, F_DUTY_C, F_RAW_A, F_RAW_B, F_RAW_C
+
+_QUEUE = 64  # frames
+
+
+class SimBoard:
+    """All a joint's application needs of its board."""
+
+    STEP_US = 100
+    MCU_CAL1 = 943  # typical factory readings at 30 and 110 degrees C
+    MCU_CAL2 = 1194
+    RESET_CAUSE = 0
+
+    def __init__(self, unique_id=bytes(range(12))):
+        self._unique_id = unique_id
+        self.raw = array("i", [2048, 2048, 2048])
+        self.rotor = 0  # rc, -1: the reading failed its check
+        self.joint = 0
+        self.bus = 2291
+        self.thermistor = 2048
+        self.mcu = 980
+        self.driver = 0
+        self.driver_wrong = -1  # register that reads back differently
+        self.compare = array("i", [0, 0, 0])
+        self.bridge = 0
+        self.now_us = 0
+        self.handler = None
+        self.fed = 0
+        self.resets = 0
+        self.to_loader = False
+        self.can_length = 0
+        self.filters = 0
+        self._in = Frames()
+        self.sent = Frames()
+
+    def start(self, handler):
+        """Call ``handler`` for every current step from now on."""
+        self.handler = handler
+
+    def pwm_on(self):
+        """Let the bridge follow the compare registers."""
+        self.bridge = 1
+
+    def pwm_off(self):
+        """Open all six switches."""
+        self.bridge = 0
+
+    def pwm_write(self, foc):
+        """Set the compare registers from F_DUTY_*."""
+        self.compare[0] = foc[F_DUTY_A]
+        self.compare[1] = foc[F_DUTY_B]
+        self.compare[2] = foc[F_DUTY_C]
+
+    def read_currents(self, foc):
+        """Write the last conversions of the three shunt amplifiers to F_RAW_*."""
+        foc[F_RAW_A] = self.raw[0]
+        foc[F_RAW_B] = self.raw[1]
+        foc[F_RAW_C] = self.raw[2]
+
+    def read_rotor(self):
+        """Return the rotor encoder's angle, 0 .. 16383, or -1 if the reading failed its check."""
+        return self.rotor
+
+    def read_joint(self):
+        """Return the joint encoder's angle, 0 .. 16383, or -1."""
+        return self.joint
+
+    def read_bus(self):
+        """Return the bus voltage in ADC counts."""
+        return self.bus
+
+    def read_thermistor(self):
+        """Return the thermistor in ADC counts."""
+        return self.thermistor
+
+    def read_mcu(self):
+        """Return the microcontroller's temperature sensor in ADC counts."""
+        return self.mcu
+
+    def driver_setup(self):
+        """Write and read back the gate driver's registers; return the first that differs, -1 if none."""
+        return self.driver_wrong
+
+    def driver_check(self):
+        """Read the registers again; return the first that differs, -1 if none."""
+        return self.driver_wrong
+
+    def driver_fault(self):
+        """Return both fault registers of the gate driver in one number, 0 if it reports none."""
+        return self.driver
+
+    def ticks_us(self):
+        """Return microseconds modulo 2^30."""
+        return self.now_us & 0x3FFFFFFF
+
+    def ticks_ms(self):
+        """Return milliseconds modulo 2^30."""
+        return self.now_us // 1000 & 0x3FFFFFFF
+
+    def unique_id(self):
+        """Return the chip's twelve bytes."""
+        return self._unique_id
+
+    def bus_off(self):
+        """Return how often the CAN controller was bus-off."""
+        return 0
+
+    def can_filters(self, pairs, count):
+        """Set the hardware filters; a simulated bus hands over every frame."""
+        self.filters = count
+
+    def can_receive(self, frame):
+        """Copy the oldest frame into ``frame`` and its length to ``can_length``; return its identifier, or -1."""
+        identifier = self._in.take(frame)
+        self.can_length = self._in.length
+        return identifier
+
+    def can_send(self, identifier, frame, length):
+        """Send a frame; return 0 if there is no room for it."""
+        return self.sent.put(identifier, frame, length)
+
+    def deliver(self, identifier, frame, length):
+        """Let a frame arrive from the bus; return 0 if the receive queue is full."""
+        return self._in.put(identifier, frame, length)
+
+    def feed_watchdog(self):
+        """Put the watchdog off."""
+        self.fed = (self.fed + 1) & 0x3FFFFFFF
+
+    def reset(self, to_loader):
+        """Start the board anew."""
+        self.resets += 1
+        self.to_loader = to_loader
+
+
+class Frames:
+    """A queue of frames in preallocated memory."""
+
+    def __init__(self):
+        self._words = array("H", [0] * (4 * _QUEUE))
+        self._heads = array("i", [0] * (2 * _QUEUE))
+        self._first = 0
+        self.count = 0
+        self.length = 0
+
+    def put(self, identifier, frame, length):
+        """Append a frame; return 0 if there is no room."""
+        if self.count >= _QUEUE:
+            return 0
+        at = (self._first + self.count) % _QUEUE
+        for word in range(4):
+            self._words[4 * at + word] = frame[word]
+        self._heads[2 * at] = identifier
+        self._heads[2 * at + 1] = length
+        self.count += 1
+        return 1
+
+    def take(self, frame):
+        """Copy the oldest frame out and forget it; return its identifier, or -1. ``length`` is its length."""
+        if self.count == 0:
+            return -1
+        at = self._first
+        for word in range(4):
+            frame[word] = self._words[4 * at + word]
+        self.length = self._heads[2 * at + 1]
+        self._first = (at + 1) % _QUEUE
+        self.count -= 1
+        return self._heads[2 * at]

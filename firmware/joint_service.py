@@ -1,0 +1,305 @@
+"""Service requests to a joint: discover, set id, arm, disarm, clear, parameters, calibrate, home, reboot.
+
+A request repeated bit by bit is answered again and not done again. To all nodes only discover, set_id and
+reboot_to_loader are obeyed; the last two carry the board's number, and a board with another one stays silent.
+"""
+
+from array import array
+
+from shared.joint.calibration import C_POSE, C_POSE_GIVEN, CAL_FULL, CAL_VERIFY
+from shared.joint.cascade import position_from_wire
+from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
+from shared.joint.encoder import home_at, home_by_encoder
+from shared.joint.layout import (
+    IO_HASH_OK,
+    IO_SESSION,
+    K_CALIBRATED,
+    K_GEAR_Q8,
+    S_FAULT_CODE,
+    S_FAULT_TICK,
+    S_FAULT_VALUE,
+    S_TICK,
+)
+from shared.joint.tick import begin_calibration
+from shared.runtime import const
+from shared.wire.access import is_stored, may_read, may_write
+from shared.wire.codec import decode_service_request, encode_service_response
+from shared.wire.framing import NODES
+from shared.wire.identity import board_id, discover_delay_ms
+from shared.wire.names import (
+    COMMAND_ARM,
+    COMMAND_CALIBRATE,
+    COMMAND_CLEAR_FAULT,
+    COMMAND_DISARM,
+    COMMAND_DISCOVER,
+    COMMAND_HOME,
+    COMMAND_QUICK_STOP,
+    COMMAND_READ_PARAMETER,
+    COMMAND_REBOOT,
+    COMMAND_REBOOT_TO_LOADER,
+    COMMAND_RESTORE_DEFAULTS,
+    COMMAND_SAVE_PARAMETERS,
+    COMMAND_SET_ID,
+    COMMAND_WRITE_PARAMETER,
+    MODE_CALIBRATING,
+    MODE_HOMING,
+    MODE_OFF,
+    PROTOCOL_HASH,
+    RESULT_NEEDS_DISARMED,
+    RESULT_NOT_CALIBRATED,
+    RESULT_NOT_HOMED,
+    RESULT_OK,
+    RESULT_OUT_OF_RANGE,
+    RESULT_STORAGE_FAILED,
+    RESULT_UNKNOWN_COMMAND,
+    RESULT_WRONG_KEY,
+    RESULT_WRONG_STATE,
+    SERVICE_REQUEST_COMMAND,
+    SERVICE_REQUEST_FIELDS,
+    SERVICE_REQUEST_INDEX,
+    SERVICE_REQUEST_SEQUENCE,
+    SERVICE_REQUEST_SESSION,
+    SERVICE_REQUEST_VALUE,
+    SERVICE_RESPONSE_COMMAND,
+    SERVICE_RESPONSE_FIELDS,
+    SERVICE_RESPONSE_INDEX,
+    SERVICE_RESPONSE_RESULT,
+    SERVICE_RESPONSE_SEQUENCE,
+    SERVICE_RESPONSE_VALUE,
+)
+from shared.wire.parameters import (
+    PARAMETER_BAD_FRAMES,
+    PARAMETER_BUILD_ID,
+    PARAMETER_BUS_OFF,
+    PARAMETER_FAULT_CODE,
+    PARAMETER_FAULT_TICK,
+    PARAMETER_FAULT_VALUE,
+    PARAMETER_LOST_SYNC,
+    PARAMETER_OVERRUNS,
+    PARAMETER_RESET_CAUSE,
+    PARAMETER_SEND_FAILURES,
+    PARAMETER_UNIQUE_ID_0,
+    PARAMETER_UNIQUE_ID_3,
+    PARAMETER_UPTIME,
+)
+from shared.wire.receive import LINK_BAD, LINK_LOST, start_session
+
+# Index of a home request
+HOME_ENCODER = const(0)  # by the joint encoder
+HOME_POSE = const(1)  # the joint stands at value, brad
+HOME_STOP = const(2)  # look for the stop; needs a session as arming does
+# Index of a calibrate request: CAL_FULL, CAL_SMALL, CAL_VERIFY; with this bit value is the joint's angle now, brad
+CALIBRATE_AT_POSE = const(16)
+
+SILENT = const(-1)  # no answer
+ANSWER = const(0)
+ANSWER_LATER = const(1)  # after discover_ms
+
+BUILD_ID = const(1)
+
+
+class Service:
+    """Answers requests; ``frame`` holds the answer. ``joint`` is firmware/joint.py."""
+
+    def __init__(self, joint, control, parameters, unique_id):
+        self._joint = joint
+        self._control = control
+        self._parameters = parameters
+        self.board = board_id(unique_id)
+        self._unique = array("i", [_three_bytes(unique_id, 3 * i) for i in range(4)])
+        self._request = array("i", [0] * SERVICE_REQUEST_FIELDS)
+        self._response = array("i", [0] * SERVICE_RESPONSE_FIELDS)
+        self.frame = array("H", [0] * 4)
+        self._last = array("H", [0] * 4)
+        self._answered = False
+        self.discover_ms = 0
+        self.reboot = 0  # COMMAND_REBOOT or COMMAND_REBOOT_TO_LOADER once one was accepted
+
+    def take(self, frame, to_all):
+        """Do what a request frame says; return SILENT, ANSWER or ANSWER_LATER."""
+        r = self._request
+        if decode_service_request(frame, r, 0):
+            return SILENT
+        command = r[SERVICE_REQUEST_COMMAND]
+        if to_all and not self._is_for_all(command):
+            return SILENT
+        if not (self._answered and self._is_repeated(frame)):
+            for word in range(4):
+                self._last[word] = frame[word]
+            self._answered = True
+            self._answer(command, self._do(command))
+        if command == COMMAND_DISCOVER:
+            self.discover_ms = discover_delay_ms(self.board, r[SERVICE_REQUEST_SEQUENCE])
+            return ANSWER_LATER
+        return ANSWER
+
+    def _is_for_all(self, command):
+        if command == COMMAND_DISCOVER:
+            return True
+        if command == COMMAND_SET_ID or command == COMMAND_REBOOT_TO_LOADER:
+            return self._request[SERVICE_REQUEST_VALUE] == self.board
+        return False
+
+    def _is_repeated(self, frame):
+        differences = 0
+        for word in range(4):
+            differences |= frame[word] ^ self._last[word]
+        return differences == 0
+
+    def _answer(self, command, result):
+        response = self._response
+        response[SERVICE_RESPONSE_COMMAND] = command
+        response[SERVICE_RESPONSE_SEQUENCE] = self._request[SERVICE_REQUEST_SEQUENCE]
+        response[SERVICE_RESPONSE_RESULT] = result
+        encode_service_response(self.frame, response, 0)
+
+    def _do(self, command):
+        """Do one request; return RESULT_*. The answer's index and value are the request's unless set here."""
+        r = self._request
+        index = r[SERVICE_REQUEST_INDEX]
+        value = r[SERVICE_REQUEST_VALUE]
+        self._response[SERVICE_RESPONSE_INDEX] = index
+        self._response[SERVICE_RESPONSE_VALUE] = value
+        if command == COMMAND_DISCOVER:
+            self._response[SERVICE_RESPONSE_INDEX] = self._parameters.node
+            self._response[SERVICE_RESPONSE_VALUE] = self.board
+            return RESULT_OK
+        if command == COMMAND_READ_PARAMETER:
+            return self._read(index)
+        if command == COMMAND_WRITE_PARAMETER:
+            return self._write(index, value)
+        if command == COMMAND_DISARM:
+            return drive_disarm(self._control.state)
+        if command == COMMAND_CLEAR_FAULT:
+            return drive_clear(self._control.state)
+        if command == COMMAND_QUICK_STOP:
+            return drive_quick_stop(self._control.state)
+        if command == COMMAND_ARM:
+            return self._arm(MODE_OFF, value)
+        return self._do_disarmed(command, index, value)
+
+    def _do_disarmed(self, command, index, value):
+        if self._control.armed():
+            return RESULT_NEEDS_DISARMED
+        if command == COMMAND_SET_ID:
+            return self._set_id(index, value)
+        if command == COMMAND_SAVE_PARAMETERS:
+            return RESULT_OK if self._parameters.save() else RESULT_STORAGE_FAILED
+        if command == COMMAND_RESTORE_DEFAULTS:
+            self._parameters.defaults()
+            return RESULT_OK
+        if command == COMMAND_CALIBRATE:
+            return self._calibrate(index, value)
+        if command == COMMAND_HOME:
+            return self._home(index, value)
+        if command == COMMAND_REBOOT:
+            self.reboot = command
+            return RESULT_OK
+        if command == COMMAND_REBOOT_TO_LOADER:
+            if value != self.board:
+                return RESULT_WRONG_KEY
+            self.reboot = command
+            return RESULT_OK
+        return RESULT_UNKNOWN_COMMAND
+
+    def _arm(self, purpose, value):
+        """Ask the states for torque in the session of the request; nothing of it stays when refused."""
+        io = self._control.io
+        session = self._request[SERVICE_REQUEST_SESSION]
+        if self._control.armed():
+            return RESULT_WRONG_STATE
+        io[IO_HASH_OK] = 1 if value == PROTOCOL_HASH else 0
+        io[IO_SESSION] = session
+        result = drive_arm(self._control.cfg, self._control.state, io, purpose)
+        if result == RESULT_OK:
+            start_session(self._joint.link, session)
+        else:
+            io[IO_HASH_OK] = 0
+            io[IO_SESSION] = 0
+            self._response[SERVICE_RESPONSE_VALUE] = self._control.state[S_FAULT_CODE]
+        return result
+
+    def _calibrate(self, index, value):
+        """Start a calibration; the request needs a session, its value is a pose and not the hash."""
+        kind = index & ~CALIBRATE_AT_POSE
+        if kind < CAL_FULL or kind > CAL_VERIFY:
+            return RESULT_OUT_OF_RANGE
+        cal = self._control.cal
+        if begin_calibration(self._control.state, cal, kind) == 0:
+            return RESULT_WRONG_STATE
+        cal[C_POSE_GIVEN] = 0
+        if index & CALIBRATE_AT_POSE:
+            if value < -32767 or value > 32767:
+                return RESULT_OUT_OF_RANGE
+            cal[C_POSE_GIVEN] = 1
+            cal[C_POSE] = position_from_wire(value, self._control.cfg[K_GEAR_Q8])
+        return self._arm(MODE_CALIBRATING, PROTOCOL_HASH)
+
+    def _home(self, index, value):
+        c = self._control
+        if c.cfg[K_CALIBRATED] == 0:
+            return RESULT_NOT_CALIBRATED
+        if index == HOME_STOP:
+            return self._arm(MODE_HOMING, PROTOCOL_HASH)
+        if index == HOME_ENCODER:
+            return RESULT_OK if home_by_encoder(c.cfg, c.state, c.io) else RESULT_NOT_HOMED
+        if index != HOME_POSE or value < -32767 or value > 32767:
+            return RESULT_OUT_OF_RANGE
+        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(value, c.cfg[K_GEAR_Q8])) else RESULT_NOT_HOMED
+
+    def _set_id(self, index, value):
+        if value != self.board:
+            return RESULT_WRONG_KEY
+        if index > NODES:
+            return RESULT_OUT_OF_RANGE
+        self._joint.set_node(index)
+        return RESULT_OK
+
+    def _write(self, parameter, value):
+        result = may_write(parameter, value, self._control.armed())
+        if result == RESULT_OK:
+            self._parameters.put(parameter, value)
+        return result
+
+    def _read(self, parameter):
+        result = may_read(parameter)
+        if result == RESULT_OK:
+            self._response[SERVICE_RESPONSE_VALUE] = self._value(parameter)
+        return result
+
+    def _value(self, parameter):
+        state = self._control.state
+        if is_stored(parameter):
+            return self._parameters.get(parameter)
+        if parameter >= PARAMETER_UNIQUE_ID_0 and parameter <= PARAMETER_UNIQUE_ID_3:
+            return self._unique[parameter - PARAMETER_UNIQUE_ID_0]
+        if parameter == PARAMETER_BUILD_ID:
+            return BUILD_ID
+        if parameter == PARAMETER_FAULT_CODE:
+            return state[S_FAULT_CODE]
+        if parameter == PARAMETER_FAULT_VALUE:
+            return state[S_FAULT_VALUE]
+        if parameter == PARAMETER_FAULT_TICK:
+            return state[S_FAULT_TICK]
+        if parameter == PARAMETER_UPTIME:
+            return state[S_TICK]
+        return self._count(parameter)
+
+    def _count(self, parameter):
+        if parameter == PARAMETER_RESET_CAUSE:
+            return self._control.board.RESET_CAUSE
+        if parameter == PARAMETER_LOST_SYNC:
+            return self._joint.link[LINK_LOST]
+        if parameter == PARAMETER_BAD_FRAMES:
+            return self._joint.link[LINK_BAD]
+        if parameter == PARAMETER_SEND_FAILURES:
+            return self._joint.send_failures
+        if parameter == PARAMETER_BUS_OFF:
+            return self._control.board.bus_off()
+        if parameter == PARAMETER_OVERRUNS:
+            return self._control.late
+        return 0
+
+
+def _three_bytes(data, at):
+    return data[at] | data[at + 1] << 8 | data[at + 2] << 16

@@ -1,0 +1,135 @@
+"""The joint's parameters: where each lives in the blocks, and the file that keeps them over a power cycle.
+
+File: magic, protocol hash, number of records, then (id, value) pairs, then CRC-32, all little-endian. It is written
+beside the old one, read back, and renamed over it, so that a power cut leaves either the old or the new.
+"""
+
+import binascii
+import os
+import struct
+
+from shared.joint.calibration import set_commutation
+from shared.joint.layout import (
+    F_HALF,
+    F_KI,
+    F_KP,
+    F_PERIOD,
+    F_PULSE,
+    F_SPAN,
+    F_TRIP_SQUARE,
+    F_WINDOW,
+)
+from shared.joint.thermal import CURVE_SIZE
+from shared.runtime import const
+from shared.wire.access import is_stored
+from shared.wire.names import PROTOCOL_HASH
+from shared.wire.parameters import (
+    PARAMETER_CURRENT_KP,
+    PARAMETER_DEFAULT,
+    PARAMETER_HIGH,
+    PARAMETER_LOW,
+    PARAMETER_NODE_ID,
+    PARAMETER_POLE_PAIRS,
+    PARAMETER_THERMISTOR_CURVE,
+    PARAMETERS,
+)
+
+LOADED = const(1)
+MISSING = const(2)
+BROKEN = const(3)
+
+_MAGIC = const(0x4A50)
+_HEAD = "<HHH"
+_RECORD = "<Hi"
+# Places in foc of the parameters current_kp .. trip_square, in their order
+_STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_SQUARE)
+
+
+class Parameters:
+    """Reads and writes the stored kind of parameters in the blocks of ``control``; ``node`` is the first of them."""
+
+    def __init__(self, control, path):
+        self._control = control
+        self._path = path
+        self.node = 0
+
+    def get(self, parameter):
+        """Return the raw value of a stored parameter."""
+        if parameter == PARAMETER_NODE_ID:
+            return self.node
+        if parameter < PARAMETER_THERMISTOR_CURVE:
+            return self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]]
+        if parameter < PARAMETER_THERMISTOR_CURVE + CURVE_SIZE:
+            return self._control.curve[parameter - PARAMETER_THERMISTOR_CURVE]
+        return self._control.cfg[parameter - PARAMETER_POLE_PAIRS]
+
+    def put(self, parameter, value):
+        """Set one stored parameter; its limits are the caller's to check."""
+        if parameter == PARAMETER_NODE_ID:
+            self.node = value
+        elif parameter < PARAMETER_THERMISTOR_CURVE:
+            self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]] = value
+        elif parameter < PARAMETER_THERMISTOR_CURVE + CURVE_SIZE:
+            self._control.curve[parameter - PARAMETER_THERMISTOR_CURVE] = value
+        else:
+            self._control.cfg[parameter - PARAMETER_POLE_PAIRS] = value
+            if self._control.armed() == 0:
+                set_commutation(self._control.foc, self._control.cfg)
+
+    def defaults(self):
+        """Set every stored parameter but the node to that of a fresh board."""
+        for parameter in range(PARAMETER_CURRENT_KP, PARAMETERS):
+            self.put(parameter, PARAMETER_DEFAULT[parameter])
+
+    def load(self):
+        """Read the file over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""
+        self.defaults()
+        try:
+            with open(self._path, "rb") as file:
+                data = file.read()
+        except OSError:
+            return MISSING
+        if not _sound(data):
+            return BROKEN
+        for at in range(struct.calcsize(_HEAD), len(data) - 4, struct.calcsize(_RECORD)):
+            parameter, value = struct.unpack_from(_RECORD, data, at)
+            if not is_stored(parameter) or not PARAMETER_LOW[parameter] <= value <= PARAMETER_HIGH[parameter]:
+                self.defaults()
+                self.node = 0
+                return BROKEN
+            self.put(parameter, value)
+        return LOADED
+
+    def save(self):
+        """Write the file anew; return 1, or 0 if the file system refused or reads back differently."""
+        data = self._packed()
+        draft = self._path + ".new"
+        try:
+            with open(draft, "wb") as file:
+                file.write(data)
+            with open(draft, "rb") as file:
+                if file.read() != data:
+                    return 0
+            os.rename(draft, self._path)
+            if hasattr(os, "sync"):
+                os.sync()
+        except OSError:
+            return 0
+        return 1
+
+    def _packed(self):
+        stored = [parameter for parameter in range(PARAMETERS) if is_stored(parameter)]
+        data = struct.pack(_HEAD, _MAGIC, PROTOCOL_HASH, len(stored))
+        for parameter in stored:
+            data += struct.pack(_RECORD, parameter, self.get(parameter))
+        return data + struct.pack("<I", binascii.crc32(data))
+
+
+def _sound(data):
+    head = struct.calcsize(_HEAD)
+    if len(data) < head + 4:
+        return False
+    magic, protocol, count = struct.unpack_from(_HEAD, data, 0)
+    if magic != _MAGIC or protocol != PROTOCOL_HASH or len(data) != head + count * struct.calcsize(_RECORD) + 4:
+        return False
+    return struct.unpack_from("<I", data, len(data) - 4)[0] == binascii.crc32(data[:-4])
