@@ -1,0 +1,98 @@
+"""The joint drives as the plane sees them: goals and joint state in, torques out, once per sub-step.
+
+Every sequence has PLANAR_JOINTS entries (thigh and calf of FR, FL, RR, RL). A drive may keep state of its
+own (a joint controller, a rotor): ``dt_s`` is the time since its last call.
+"""
+
+from collections.abc import MutableSequence, Sequence
+from typing import Protocol
+
+from .model import PLANAR_JOINTS, PlanarRobot, ServoModel
+
+
+class Actuator(Protocol):
+    """All eight drives of the plane."""
+
+    def torques(
+        self,
+        goal_rad: Sequence[float],
+        position_rad: Sequence[float],
+        speed_rad_s: Sequence[float],
+        dt_s: float,
+        torque_Nm: MutableSequence[float],
+    ) -> None:
+        """Write into ``torque_Nm`` what each drive gives for the coming ``dt_s``; positive about +y."""
+
+
+class PositionServos:
+    """Eight position servos: duty = clip(error x stiffness / stall), torque = stall x duty - b x speed.
+
+    It has no integral term and no speed loop, so it sags under load, as the real one does.
+    """
+
+    def __init__(self, servos: Sequence[ServoModel]) -> None:
+        if len(servos) != PLANAR_JOINTS:
+            raise ValueError(f"actuator: {len(servos)} servos, must be {PLANAR_JOINTS}")
+        self._rows = [(i, s.stiffness_Nm_rad, s.stall_torque_Nm, s.damping_Nms_rad) for i, s in enumerate(servos)]
+
+    def torques(
+        self,
+        goal_rad: Sequence[float],
+        position_rad: Sequence[float],
+        speed_rad_s: Sequence[float],
+        dt_s: float,
+        torque_Nm: MutableSequence[float],
+    ) -> None:
+        """See ``Actuator``. Written without calls: this runs eight thousand times per simulated second."""
+        for i, stiffness, stall, damping in self._rows:
+            drive = stiffness * (goal_rad[i] - position_rad[i])
+            if drive > stall:
+                drive = stall
+            elif drive < -stall:
+                drive = -stall
+            torque_Nm[i] = drive - damping * speed_rad_s[i]
+
+
+class CalfOnTorso:
+    """Drives of a leg whose calf motor sits at the hip (paper B): motor calf = thigh + calf.
+
+    The wrapped drives work in motor angles. By virtual work the thigh joint carries both motors' torques and
+    the calf joint the calf motor's alone.
+    """
+
+    def __init__(self, motors: Actuator) -> None:
+        self._motors = motors
+        self._goal = [0.0] * PLANAR_JOINTS
+        self._position = [0.0] * PLANAR_JOINTS
+        self._speed = [0.0] * PLANAR_JOINTS
+
+    def torques(
+        self,
+        goal_rad: Sequence[float],
+        position_rad: Sequence[float],
+        speed_rad_s: Sequence[float],
+        dt_s: float,
+        torque_Nm: MutableSequence[float],
+    ) -> None:
+        """See ``Actuator``; joint angles and joint torques outside, motor ones inside."""
+        _to_motor(goal_rad, self._goal)
+        _to_motor(position_rad, self._position)
+        _to_motor(speed_rad_s, self._speed)
+        self._motors.torques(self._goal, self._position, self._speed, dt_s, torque_Nm)
+        for thigh in range(0, PLANAR_JOINTS, 2):
+            torque_Nm[thigh] += torque_Nm[thigh + 1]
+
+
+def _to_motor(joint: Sequence[float], motor: MutableSequence[float]) -> None:
+    """Write motor values (thigh, thigh + calf) from joint values (thigh, calf), leg by leg."""
+    for thigh in range(0, PLANAR_JOINTS, 2):
+        motor[thigh] = joint[thigh]
+        motor[thigh + 1] = joint[thigh] + joint[thigh + 1]
+
+
+def servos_of(robot: PlanarRobot, supply_voltage_V: float) -> Actuator:
+    """Return the robot's own position servos at a supply voltage, coupled if its calves are."""
+    thigh = robot.thigh_servo.at_voltage(supply_voltage_V)
+    calf = robot.calf_servo.at_voltage(supply_voltage_V)
+    servos = PositionServos([thigh, calf] * 4)
+    return CalfOnTorso(servos) if robot.calf_on_torso else servos

@@ -1,0 +1,132 @@
+"""Figures of a recording. All are counted over its rows, so at the controller's rate.
+
+A swing is a stretch of rows in which a foot does not touch and goes at least SWING_MIN_TRAVEL_M up or along:
+a foot that hovers a hair above the ground while others take its load is not swinging, one that is dragged is.
+"""
+
+import itertools
+import math
+
+import numpy as np
+
+from .recording import Array, Recording
+
+SWING_MIN_TRAVEL_M = 0.010
+
+
+def duration_s(rec: Recording) -> float:
+    """Simulated time from the first row to the last."""
+    return float(rec.time_s[-1] - rec.time_s[0])
+
+
+def distance_m(rec: Recording) -> float:
+    """How far the torso went forward."""
+    return float(rec.torso_x_m[-1] - rec.torso_x_m[0])
+
+
+def mean_speed_m_s(rec: Recording) -> float:
+    """Distance over duration; 0 for a run of one row."""
+    seconds = duration_s(rec)
+    return distance_m(rec) / seconds if seconds > 0 else 0.0
+
+
+def pitch_range_deg(rec: Recording, skip_s: float = 0.0) -> float:
+    """Largest minus smallest pitch, after the first ``skip_s``."""
+    pitch = rec.torso_pitch_rad[rec.time_s >= rec.time_s[0] + skip_s]
+    return math.degrees(float(np.ptp(pitch))) if len(pitch) else 0.0
+
+
+def _runs(flags: np.ndarray) -> list[tuple[int, int]]:
+    """Half-open stretches [start, end) of True that begin and end inside the rows."""
+    change = np.flatnonzero(np.diff(flags.astype(np.int8)))
+    return [(int(a) + 1, int(b) + 1) for a, b in itertools.pairwise(change) if flags[a + 1]]
+
+
+def swings(rec: Recording, leg: int) -> list[tuple[int, int]]:
+    """Row ranges [start, end) of the leg's complete swings."""
+    foot = rec.foot_xz_m[:, leg]
+    found = _runs(~rec.contact[:, leg])
+    return [(a, b) for a, b in found if np.ptp(foot[a - 1 : b + 1], axis=0).max() >= SWING_MIN_TRAVEL_M]
+
+
+def swing_clearances_m(rec: Recording) -> list[float]:
+    """For every complete swing: the foot's highest underside above the highest ground from lift-off to landing."""
+    heights = []
+    for leg in range(4):
+        foot = rec.foot_xz_m[:, leg]
+        for start, end in swings(rec, leg):
+            ground = rec.terrain.highest_m(foot[start - 1, 0], foot[end, 0])
+            heights.append(float(foot[start:end, 1].max() - rec.foot_radius_m - ground))
+    return heights
+
+
+def min_clearance_m(rec: Recording) -> float:
+    """Smallest of all swings' clearances; 0 if no foot ever swung. Negative: a foot never cleared its edge."""
+    return min(swing_clearances_m(rec), default=0.0)
+
+
+def torque_rms_Nm(rec: Recording) -> Array:
+    """Root mean square of each joint's torque."""
+    return np.asarray(np.sqrt(np.mean(rec.torque_Nm**2, axis=0)))
+
+
+def torque_rms_fraction(rec: Recording) -> Array:
+    """The same as a share of the joint's stall torque; 0 for the hips, which the plane does not have."""
+    return np.divide(torque_rms_Nm(rec), rec.stall_Nm, out=np.zeros(len(rec.stall_Nm)), where=rec.stall_Nm > 0)
+
+
+def mechanical_work_J(rec: Recording) -> tuple[Array, Array]:
+    """Work of each drive, (given, taken back): sums of mean torque x angle turned from row to row, both >= 0."""
+    torque = 0.5 * (rec.torque_Nm[1:] + rec.torque_Nm[:-1])
+    work = torque * np.diff(rec.joint_rad, axis=0)
+    return np.asarray(np.maximum(work, 0).sum(axis=0)), np.asarray(np.maximum(-work, 0).sum(axis=0))
+
+
+def foot_slip_m(rec: Recording) -> Array:
+    """Slip of each foot from row to row (n - 1, 4): the part of its path that rolling does not explain, >= 0.
+
+    Rolling about +y by an angle moves the foot's centre by radius x angle along the ground. Rows in which the
+    foot does not touch at both ends count 0.
+    """
+    turn = rec.torso_pitch_rad[:, None] + rec.joint_rad[:, 1::3] + rec.joint_rad[:, 2::3]
+    moved = np.diff(rec.foot_xz_m, axis=0)
+    rolled = rec.foot_radius_m * np.diff(turn, axis=0)
+    along = np.hypot(moved[:, :, 0], moved[:, :, 1]) * np.sign(moved[:, :, 0])
+    standing = rec.contact[1:] & rec.contact[:-1]
+    return np.asarray(np.abs(along - rolled) * standing)
+
+
+def foot_skate_m(rec: Recording, cycle_s: float, min_load_N: float = 0.0) -> float:
+    """Worst foot's slip per gait cycle, while it carries at least ``min_load_N``.
+
+    Feet that carry next to nothing slide by Coulomb's law; a foot under load must not.
+    """
+    load = rec.foot_force_N[:, :, 1]
+    carrying = (load[1:] >= min_load_N) & (load[:-1] >= min_load_N)
+    cycles = duration_s(rec) / cycle_s
+    return float((foot_slip_m(rec) * carrying).sum(axis=0).max() / cycles) if cycles > 0 else 0.0
+
+
+def max_joint_opening_m(rec: Recording) -> float:
+    """Largest gap of any pin."""
+    return float(rec.joint_opening_m.max())
+
+
+def max_penetration_m(rec: Recording) -> float:
+    """Deepest overlap of any contact."""
+    return float(rec.penetration_m.max())
+
+
+def summary(rec: Recording) -> dict[str, object]:
+    """The figures of a walk in SI units and degrees, ready for JSON."""
+    return {
+        "mean_speed_m_s": mean_speed_m_s(rec),
+        "distance_m": distance_m(rec),
+        "duration_s": duration_s(rec),
+        "pitch_range_deg": pitch_range_deg(rec),
+        "min_clearance_m": min_clearance_m(rec),
+        "torque_rms_fraction": [float(share) for share in torque_rms_fraction(rec)],
+        "ok": rec.outcome.ok,
+        "reason": rec.outcome.sentence,
+        "real_time_factor": rec.real_time_factor,
+    }

@@ -1,0 +1,177 @@
+"""What a run leaves behind: one row per control tick, as numpy arrays in SI units.
+
+A row is the instant the controller was asked: states before its answer, and the answer itself as the goal.
+Legs FR, FL, RR, RL; joints hip, thigh, calf; the plane has no hips, so they repeat their goal and carry no
+torque. Angles about +y, pitch > 0 is nose down.
+"""
+
+import hashlib
+import math
+import struct
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from .model import CALF, HIP, JOINTS, THIGH
+from .referee import Outcome
+from .terrain import Terrain
+from .world import BODY_FIELDS, ROBOT_BODIES, Contacts, World
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+Array = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
+Setting = float | str
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A finished run. Shapes: n rows, 4 legs, 12 joints, 2 = (x, z); stones as in ``terrain.loose``.
+
+    ``stone_turn_rad`` is how far a loose stone has turned counter-clockwise from its corners' first position.
+    """
+
+    time_s: Array
+    torso_x_m: Array
+    torso_z_m: Array
+    torso_pitch_rad: Array
+    torso_speed_m_s: Array
+    joint_rad: Array
+    joint_speed_rad_s: Array
+    goal_rad: Array
+    torque_Nm: Array
+    hip_xz_m: Array
+    knee_xz_m: Array
+    foot_xz_m: Array
+    foot_force_N: Array
+    contact: Flags
+    joint_opening_m: Array
+    penetration_m: Array
+    stone_xz_m: Array
+    stone_turn_rad: Array
+    stall_Nm: Array
+    foot_radius_m: float
+    terrain: Terrain
+    settings: dict[str, Setting]
+    outcome: Outcome
+    real_time_factor: float
+
+    def digest(self) -> str:
+        """SHA-256 of every array's bytes: equal for equal runs on the same machine."""
+        return arrays_digest(self)
+
+
+def arrays_digest(recording: "DataclassInstance") -> str:
+    """Return the SHA-256 of the bytes and names of all of a recording's arrays."""
+    sha = hashlib.sha256()
+    for item in fields(recording):
+        value = getattr(recording, item.name)
+        if isinstance(value, np.ndarray):
+            sha.update(item.name.encode() + np.ascontiguousarray(value).tobytes())
+    return sha.hexdigest()
+
+
+class Log:
+    """Gathers raw rows during a run, as cheaply as it can, and turns them into a Recording at its end."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._origin_x_m, self._origin_z_m = world.parts.torso_origin_m
+        self._times: list[float] = []
+        self._states: list[bytes] = []
+        self._contacts: list[Contacts] = []
+        self._goals: list[list[float]] = []
+        self._torques: list[list[float]] = []
+
+    def torso_of(self, state: bytes) -> tuple[float, float]:
+        """Return x of the middle of the hips and the pitch from a raw state."""
+        x, _, angle = struct.unpack_from("3d", state)
+        return x + math.cos(angle) * self._origin_x_m - math.sin(angle) * self._origin_z_m, -angle
+
+    def add(self, time_s: float, state: bytes, contacts: Contacts, goals_rad: list[float]) -> None:
+        """Keep one tick."""
+        self._times.append(time_s)
+        self._states.append(state)
+        self._contacts.append(contacts)
+        self._goals.append(goals_rad)
+        self._torques.append(self._world.torque_Nm.copy())
+
+    def close(self, outcome: Outcome, wall_s: float, settings: dict[str, Setting]) -> Recording:
+        """Return the recording; ``wall_s`` is what the ticks took on the clock on the wall."""
+        world, robot, parts = self._world, self._world.robot, self._world.parts
+        everything = np.frombuffer(b"".join(self._states)).reshape(len(self._states), -1, BODY_FIELDS)
+        state, loose = everything[:, :ROBOT_BODIES], everything[:, ROBOT_BODIES:]
+        goals = np.array(self._goals)
+        torso, thighs, calves = state[:, 0:1], state[:, 1::2], state[:, 2::2]
+        origin = _points(torso, (parts.torso_origin_m,))[:, 0]
+        hips = _points(torso, parts.hip_anchor_m)
+        knees = _points(thighs, (parts.thigh_knee_m,))
+        simulated_s = self._times[-1] - self._times[0]
+        voltage_V = world.supply_voltage_V
+        return Recording(
+            time_s=np.array(self._times),
+            torso_x_m=origin[:, 0],
+            torso_z_m=origin[:, 1],
+            torso_pitch_rad=-state[:, 0, 2],
+            torso_speed_m_s=state[:, 0, 3].copy(),
+            joint_rad=_twelve(state[:, :, 2], goals[:, HIP::3]),
+            joint_speed_rad_s=_twelve(state[:, :, 5], np.zeros((len(goals), 4))),
+            goal_rad=goals,
+            torque_Nm=_spread(np.array(self._torques)),
+            hip_xz_m=hips,
+            knee_xz_m=knees,
+            foot_xz_m=_points(calves, (parts.calf_foot_m,)),
+            foot_force_N=np.array([c.foot_force_N for c in self._contacts]),
+            contact=np.array([c.foot_touches for c in self._contacts]),
+            joint_opening_m=np.maximum(
+                _largest(hips - _points(thighs, (parts.thigh_top_m,))),
+                _largest(knees - _points(calves, (parts.calf_knee_m,))),
+            ),
+            penetration_m=np.array([c.penetration_m for c in self._contacts]),
+            stone_xz_m=loose[:, :, 0:2].copy(),
+            stone_turn_rad=loose[:, :, 2].copy(),
+            stall_Nm=np.array(
+                [0.0, robot.thigh_servo.at_voltage(voltage_V).stall_torque_Nm,
+                 robot.calf_servo.at_voltage(voltage_V).stall_torque_Nm] * 4
+            ),
+            foot_radius_m=robot.foot_radius_m,
+            terrain=world.terrain,
+            settings={"robot": robot.name, "terrain": world.terrain.name, **settings},
+            outcome=outcome,
+            real_time_factor=simulated_s / wall_s if wall_s > 0 else 0.0,
+        )
+
+
+def _points(bodies: Array, anchors_m: tuple[tuple[float, float], ...]) -> Array:
+    """World points (n, legs, 2) of local anchors on bodies (n, bodies, fields); one of either may be shared."""
+    anchors = np.array(anchors_m)
+    x, z, angle = bodies[:, :, 0], bodies[:, :, 1], bodies[:, :, 2]
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack(
+        [x + cos * anchors[:, 0] - sin * anchors[:, 1], z + sin * anchors[:, 0] + cos * anchors[:, 1]], axis=2
+    )
+
+
+def _largest(offsets_m: Array) -> Array:
+    """Longest of each row's offsets (n, legs, 2)."""
+    return np.hypot(offsets_m[:, :, 0], offsets_m[:, :, 1]).max(axis=1)
+
+
+def _twelve(turned: Array, hips: Array) -> Array:
+    """Joint values (n, 12) from bodies' pymunk angles or turn rates (n, 9), and hips (n, 4)."""
+    result = np.empty((len(turned), JOINTS))
+    result[:, HIP::3] = hips
+    result[:, THIGH::3] = turned[:, 0:1] - turned[:, 1::2]
+    result[:, CALF::3] = turned[:, 1::2] - turned[:, 2::2]
+    return result
+
+
+def _spread(planar: Array) -> Array:
+    """Planar values (n, 8) at their places among twelve, hips 0."""
+    result = np.zeros((len(planar), JOINTS))
+    result[:, THIGH::3] = planar[:, 0::2]
+    result[:, CALF::3] = planar[:, 1::2]
+    return result
