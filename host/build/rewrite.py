@@ -1,0 +1,172 @@
+"""Turns the neutral marks of the core into an emitter's own, by editing the text and not the layout.
+
+Edits are made at the positions the syntax tree gives, lines stay where they are, so an error on
+the board names the line of the source.
+"""
+
+import ast
+from dataclasses import dataclass
+
+from .rules import POINTERS, aliases, check_hot, hot_arity
+from .source import Module, hot_functions
+
+EMITTERS = ("bytecode", "native", "viper")
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Replace ``length`` bytes at ``offset`` by ``text``; ``rank`` orders edits at one place."""
+
+    offset: int
+    length: int
+    text: str
+    rank: int = 0
+
+
+def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str) -> bytes:
+    """Return the module's text for ``emitter``; BuildError with file, line and rule if it breaks one.
+
+    Every emitter: constants become their numbers in all functions. native and viper: the mark
+    becomes the emitter's. native and bytecode: ptr16(x) becomes x. viper: results of hot
+    functions become int(...), and on x64, where ptr32 reads unsigned, elements are sign-extended,
+    and -x becomes (0 - x), because MicroPython's x64 viper (1.28) negates the local x itself.
+    """
+    place = _Places(module.text)
+    edits: list[Edit] = []
+    for function in _functions(module.tree):
+        edits += _inline_constants(module, function, place)
+    hot = hot_functions(module.tree)
+    for function in hot:
+        check_hot(module, function, modules)
+        if emitter == "bytecode":
+            edits += _strip_pointers(function, place)
+            continue
+        for mark in function.decorator_list:
+            if isinstance(mark, ast.Name) and mark.id == "hot":
+                edits.append(Edit(place.start(mark), len("hot"), f"micropython.{emitter}"))
+        if emitter == "native":
+            edits += _strip_pointers(function, place)
+        else:
+            edits += _wrap_calls(module, function, modules, place)
+            if arch == "x64":
+                edits += _extend_signs(function, place)
+                edits += _subtract_from_zero(function, place)
+    text = _apply(module.text, edits)
+    if emitter == "viper" and arch == "x64":
+        text = _expand_augmented(module, text)
+    return text
+
+
+class _Places:
+    """Byte offsets of the nodes of one text."""
+
+    def __init__(self, text: bytes) -> None:
+        self._lines = [0]
+        for line in text.splitlines(keepends=True):
+            self._lines.append(self._lines[-1] + len(line))
+
+    def start(self, node: ast.AST) -> int:
+        return self._lines[node.lineno - 1] + node.col_offset  # type: ignore[attr-defined]
+
+    def end(self, node: ast.AST) -> int:
+        return self._lines[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
+
+
+def _functions(tree: ast.Module) -> list[ast.FunctionDef]:
+    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+
+
+def _inline_constants(module: Module, function: ast.FunctionDef, place: _Places) -> list[Edit]:
+    """Numbers instead of names: saves a look-up in bytecode, and viper would see an object."""
+    local = {a.arg for a in function.args.args}
+    local |= {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    known = {name: value for name, value in module.constants.items() if name not in local}
+    edits = []
+    for statement in function.body:
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in known:
+                value = known[node.id]
+                text = str(value) if value >= 0 else f"({value})"
+                edits.append(Edit(place.start(node), len(node.id), text))
+    return edits
+
+
+def _strip_pointers(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+    """``ptr16(x)`` is x outside viper; without the call it costs nothing."""
+    edits = []
+    for node in ast.walk(function):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in POINTERS:
+            edits.append(Edit(place.start(node), place.start(node.args[0]) - place.start(node), ""))
+            edits.append(Edit(place.end(node.args[0]), place.end(node) - place.end(node.args[0]), ""))
+    return edits
+
+
+def _wrap_calls(
+    module: Module, function: ast.FunctionDef, modules: dict[str, Module], place: _Places
+) -> list[Edit]:
+    dropped = {id(node.value) for node in ast.walk(function) if isinstance(node, ast.Expr)}
+    edits = []
+    for node in ast.walk(function):
+        if not isinstance(node, ast.Call) or id(node) in dropped or not isinstance(node.func, ast.Name):
+            continue
+        if hot_arity(module, node.func.id, modules) is not None:
+            edits.append(Edit(place.start(node), 0, "int(", rank=-1))
+            edits.append(Edit(place.end(node), 0, ")", rank=1))
+    return edits
+
+
+def _extend_signs(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+    signed = {name for name, kind in aliases(function).items() if kind == "ptr32"}
+    edits = []
+    for node in ast.walk(function):
+        if (
+            isinstance(node, ast.Subscript)
+            and isinstance(node.ctx, ast.Load)
+            and isinstance(node.value, ast.Name)
+            and node.value.id in signed
+        ):
+            edits.append(Edit(place.start(node), 0, "((", rank=-1))
+            edits.append(Edit(place.end(node), 0, " << 32) >> 32)", rank=1))
+    return edits
+
+
+def _subtract_from_zero(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+    edits = []
+    for node in ast.walk(function):
+        negates = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
+        if negates and not isinstance(node.operand, ast.Constant):  # type: ignore[attr-defined]
+            edits.append(Edit(place.start(node), 1, "(0 - "))
+            edits.append(Edit(place.end(node), 0, ")", rank=2))
+    return edits
+
+
+def _expand_augmented(module: Module, text: bytes) -> bytes:
+    """``p[i] >>= n`` would shift the unsigned word: spell it with a sign-extended read (x64 only)."""
+    tree = ast.parse(text, module.path)
+    place = _Places(text)
+    signs = {ast.RShift: ">>", ast.FloorDiv: "//", ast.Mod: "%"}
+    edits = []
+    for function in _functions(tree):
+        signed = {name for name, kind in aliases(function).items() if kind == "ptr32"}
+        for node in ast.walk(function):
+            if (
+                isinstance(node, ast.AugAssign)
+                and type(node.op) in signs
+                and isinstance(node.target, ast.Subscript)
+                and isinstance(node.target.value, ast.Name)
+                and node.target.value.id in signed
+            ):
+                start, value = place.end(node.target), place.start(node.value)
+                again = text[place.start(node.target) : start].decode()
+                sign = signs[type(node.op)]
+                edits.append(Edit(start, value - start, f" = (({again} << 32) >> 32) {sign} ("))
+                edits.append(Edit(place.end(node), 0, ")", rank=1))
+    return _apply(text, edits)
+
+
+def _apply(text: bytes, edits: list[Edit]) -> bytes:
+    result, at = [], 0
+    for edit in sorted(set(edits), key=lambda e: (e.offset, e.rank)):
+        result += [text[at : edit.offset], edit.text.encode()]
+        at = edit.offset + edit.length
+    return b"".join([*result, text[at:]])

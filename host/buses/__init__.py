@@ -1,0 +1,1 @@
+"""The ways to the joints: one class per kind of bus behind base.Bus."""

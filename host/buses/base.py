@@ -1,0 +1,147 @@
+"""One interface to the joints of any robot: read what they measure, write goals, let go.
+
+Twelve joints, index leg * 3 + joint (legs FR, FL, RR, RL; hip, thigh, calf), SI units, the signs of the robot
+file. One call per tick each: ``measured = bus.read()``, then ``bus.write(goals)``. Nothing here blocks longer than
+a tick: a joint that does not answer keeps its last values and grows old.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from math import inf, isfinite
+from types import TracebackType
+from typing import Self
+
+from ..robot_model import JOINT_NAMES, LEG_NAMES
+
+JOINTS = 12
+JOINT_LABELS = tuple(f"{leg} {joint}" for leg in LEG_NAMES for joint in JOINT_NAMES)
+NEVER = (inf,) * JOINTS
+UNKNOWN = (0.0,) * JOINTS
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What the joints said last; twelve values each.
+
+    ``load`` is the drive's share of its stall torque, -1 .. 1. ``error`` is "" or what the joint itself complains
+    of, such as "overload" or "hot". ``age_s`` is how old position, speed and load are, ``slow_age_s`` how old
+    temperature, voltage and error; inf for a joint that never answered.
+    """
+
+    time_s: float = 0.0
+    position_rad: tuple[float, ...] = UNKNOWN
+    speed_rad_s: tuple[float, ...] = UNKNOWN
+    load: tuple[float, ...] = UNKNOWN
+    temperature_C: tuple[float, ...] = UNKNOWN
+    voltage_V: tuple[float, ...] = UNKNOWN
+    error: tuple[str, ...] = ("",) * JOINTS
+    age_s: tuple[float, ...] = NEVER
+    slow_age_s: tuple[float, ...] = NEVER
+
+    @property
+    def complete(self) -> bool:
+        """True once every joint has told its position."""
+        return inf not in self.age_s
+
+    @property
+    def battery_V(self) -> float | None:
+        """Highest voltage any joint reports (cables only lose some), or None before the first report."""
+        known = [volts for volts, age in zip(self.voltage_V, self.slow_age_s, strict=True) if age < inf]
+        return max(known, default=None)
+
+
+@dataclass
+class Counters:
+    """What went over the bus, and what of it was bad. Bad answers are counted and never obeyed."""
+
+    sent: int = 0
+    answered: int = 0
+    lost: int = 0
+    corrupted: int = 0
+    wrong: int = 0
+    refused: int = 0
+    per_joint_lost: list[int] = field(default_factory=lambda: [0] * JOINTS)
+
+    @property
+    def errors(self) -> int:
+        """All bad or missing answers."""
+        return self.lost + self.corrupted + self.wrong + self.refused
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the counters as plain values for JSON."""
+        return {**asdict(self), "errors": self.errors}
+
+
+class Bus(ABC):
+    """The joints behind one kind of bus. Use it as a context manager: leaving the block lets go of the joints."""
+
+    kind = "abstract"
+
+    def __init__(self) -> None:
+        self.counters = Counters()
+
+    @abstractmethod
+    def open(self) -> None:
+        """Connect, check that all joints are there and set them up, torque off. UserError says what is wrong."""
+
+    @abstractmethod
+    def read(self) -> Measured:
+        """Ask all joints and return what is known now."""
+
+    @abstractmethod
+    def write(self, goals_rad: Sequence[float]) -> None:
+        """Send twelve goals; they are held only while torque is on. ValueError for anything but finite angles."""
+
+    @abstractmethod
+    def torque(self, on: bool) -> None:
+        """Let the joints hold their goals, starting from where they are, or let go."""
+
+    @abstractmethod
+    def limit_torque(self, fraction: float) -> None:
+        """Limit every drive to a share of its stall torque, 0 .. 1: the robot file's stand.torque_fraction."""
+
+    @abstractmethod
+    def emergency_stop(self) -> None:
+        """Let go at once, whatever else is going on; may be called twice, and from another thread than the rest."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Let go and disconnect; may be called twice."""
+
+    @abstractmethod
+    def now(self) -> float:
+        """Return the bus's time, s: monotonic, or simulated."""
+
+    def name(self, joint: int) -> str:
+        """Return how to call a joint, leg first; buses with numbered joints add the number."""
+        return JOINT_LABELS[joint]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What ``open`` found that works, but badly: one sentence each, with what to do."""
+        return ()
+
+    def __enter__(self) -> Self:
+        self.open()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+
+def checked_goals(goals_rad: Sequence[float]) -> Sequence[float]:
+    """Return twelve finite angles or raise ValueError: a wrong goal must never reach a joint."""
+    if len(goals_rad) != JOINTS:
+        raise ValueError(f"{len(goals_rad)} goals, must be {JOINTS}")
+    for joint, angle_rad in enumerate(goals_rad):
+        if not isfinite(angle_rad):
+            raise ValueError(f"goal of joint {joint} is {angle_rad}, must be a finite angle")
+    return goals_rad
+
+
+def checked_fraction(fraction: float) -> float:
+    """Return a share 0 .. 1 or raise ValueError."""
+    if not 0.0 <= fraction <= 1.0:
+        raise ValueError(f"torque fraction {fraction} must be within 0 .. 1")
+    return fraction

@@ -1,0 +1,224 @@
+"""The robot of twelve brushless joints on CAN behind the one interface to a robot's joints.
+
+The planner's 50 goals a second become 200 set-points by the cycle (host/joints/cycle.py). With ``threaded`` it runs in
+a thread of its own, as on the robot; without, whoever drives calls ``run_until``, as in simulated time.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from math import inf, tau
+
+from shared.joint.layout import K_CURRENT_MAX
+from shared.wire import names as w
+from shared.wire.parameters import PARAMETER_CURRENT_MAX
+
+from ..can.port import Port
+from ..errors import NOT_ACHIEVED, UserError
+from ..joint_gains import joint_blocks
+from ..joints.body import to_joint, to_motor
+from ..joints.cycle import Cycle
+from ..joints.guard import Notice
+from ..joints.host_loops import HostLoops
+from ..joints.link import JointLink
+from ..joints.service import Requests, joint_name
+from ..joints.setups import joint_setups
+from ..robot_model import Robot
+from .base import JOINTS, Bus, Measured, checked_fraction, checked_goals
+
+LISTEN_S = 0.45  # two heartbeats of every joint
+APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
+ENABLE_S = 0.05
+HOME_POSE = 1  # index of a home request: the joint stands at the value
+
+_RAD_PER_BRAD = tau / 65536
+_RAD_S_PER_WIRE = tau / 4096
+
+
+class CanJoints(Bus):
+    """``pose_rad`` is where the robot sits when it is switched on: joints without an encoder home on it."""
+
+    kind = "can"
+
+    def __init__(
+        self,
+        robot: Robot,
+        port: Port,
+        session: int,
+        pose_rad: Sequence[float] | None = None,
+        threaded: bool = False,
+        loops: str | None = None,
+        report: Callable[[Notice], None] | None = None,
+    ) -> None:
+        super().__init__()
+        if robot.bus.kind != "can" or robot.actuator.kind != "bldc":
+            raise UserError(f"{robot.name} has no joints on CAN")
+        self.robot, self.port, self._pose = robot, port, pose_rad
+        self._blocks = [joint_blocks(robot.actuator, setup) for setup in joint_setups(robot)]
+        self.link = JointLink(port, session)
+        on_host = (loops or robot.bus.loops) == "host"
+        host_loops = HostLoops(self._blocks, robot.bus.rate_hz) if on_host else None
+        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, host_loops, report)
+        self.requests = Requests(self.link, self.cycle.run_until)
+        self._tick_s = 1 / robot.control.rate_hz
+        self._fraction = 1.0
+        self._full_current = [block.cfg[K_CURRENT_MAX] for block in self._blocks]
+        self._lock = threading.RLock()
+        self._threaded, self._over = threaded, threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def open(self) -> None:
+        """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
+        self.run_for(LISTEN_S)
+        boards = self.requests.discover()
+        wrong = self.cycle.guard.before_arming(boards)
+        if wrong:
+            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+        self._home()
+        if self._threaded:
+            self._thread = threading.Thread(target=self._run, name="can-cycle", daemon=True)
+            self._thread.start()
+
+    def _home(self) -> None:
+        lost = [n for n in self.link.nodes if self.link.views[n].reply[w.REPLY_POSITION] == w.NOT_AVAILABLE]
+        if lost and self._pose is None:
+            raise UserError(f"{joint_name(lost[0])} does not know its angle: put the robot into its sitting pose")
+        motors = to_motor(self.robot, self._pose) if self._pose is not None else []
+        for node in lost:
+            self.requests.demand(node, w.COMMAND_HOME, HOME_POSE, round(motors[node - 1] / _RAD_PER_BRAD))
+        self.run_for(2 * self.cycle.period_s)
+
+    def _run(self) -> None:
+        while not self._over.is_set():
+            with self._lock:
+                self.cycle.run_until(self.port.now() + self.cycle.period_s)
+            time.sleep(0)
+
+    def run_for(self, seconds: float) -> None:
+        """Go on with the cycle for a time."""
+        self.run_until(self.port.now() + seconds)
+
+    def run_until(self, time_s: float) -> None:
+        """Go on with the cycle until a time of ``now``."""
+        if self._thread is not None:
+            self.port.wait_until(time_s)
+            return
+        self.cycle.run_until(time_s)
+
+    def now(self) -> float:
+        """See Bus."""
+        return self.port.now()
+
+    def read(self) -> Measured:
+        """See Bus."""
+        with self._lock:
+            self.link.receive()
+            return self._measured()
+
+    def _measured(self) -> Measured:
+        now, views = self.now(), [self.link.views[node] for node in self.link.nodes]
+        self._count()
+        position = [_known(view.reply[w.REPLY_POSITION]) * _RAD_PER_BRAD for view in views]
+        speed = [_known(view.reply[w.REPLY_VELOCITY]) * _RAD_S_PER_WIRE for view in views]
+        drive = self.robot.actuator
+        assert drive.kind == "bldc"
+        amperes = drive.drive.current_limit_A
+        return Measured(
+            time_s=now,
+            position_rad=tuple(to_joint(self.robot, position)),
+            speed_rad_s=tuple(to_joint(self.robot, speed)),
+            load=tuple(max(-1.0, min(1.0, _known(v.reply[w.REPLY_CURRENT]) / 4096 / amperes)) for v in views),
+            temperature_C=tuple(max(v.status[0], v.status[1]) / 16 for v in views),
+            voltage_V=tuple(v.status[w.SLOW_STATUS_BUS_VOLTAGE] / 16 for v in views),
+            error=tuple(self.cycle.guard.fault_text(v) if v.heartbeat[w.HEARTBEAT_FAULT] else "" for v in views),
+            age_s=tuple(now - v.reply_s if v.reply_s > -inf else inf for v in views),
+            slow_age_s=tuple(now - v.status_s if v.status_s > -inf else inf for v in views),
+        )
+
+    def _count(self) -> None:
+        counters, views = self.counters, self.link.views
+        counters.sent = self.link.syncs * JOINTS
+        counters.answered = sum(views[node].replies for node in self.link.nodes)
+        counters.per_joint_lost = [views[node].lost for node in self.link.nodes]
+        counters.lost = sum(counters.per_joint_lost)
+        counters.corrupted = sum(views[node].bad for node in self.link.nodes)
+
+    def write(self, goals_rad: Sequence[float]) -> None:
+        """See Bus; nothing is sent while the joints are not armed."""
+        motors = to_motor(self.robot, checked_goals(goals_rad))
+        with self._lock:
+            if self.cycle.armed:
+                self.cycle.set_goals(motors, self._tick_s)
+
+    def torque(self, on: bool) -> None:
+        """See Bus: arm all joints where they are, or none; or disarm all."""
+        with self._lock:
+            if on:
+                self._arm()
+            else:
+                self._disarm()
+
+    def _arm(self) -> None:
+        wrong = self.cycle.guard.before_arming()
+        if wrong:
+            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+        self._write_current_limits()
+        self.cycle.reaction = "none"
+        views = self.link.views
+        self.cycle.follow()
+        self.cycle.run_until(self.now() + APPROACH_S)
+        try:
+            for node in self.link.nodes:
+                self.requests.demand(node, w.COMMAND_ARM, value=w.PROTOCOL_HASH)
+            self.cycle.run_until(self.now() + ENABLE_S)
+            for node in self.link.nodes:
+                if not views[node].enabled:
+                    why = self.cycle.guard.fault_text(views[node])
+                    raise UserError(f"{joint_name(node)} accepted to be armed but is not: {why}", NOT_ACHIEVED)
+        except UserError:
+            self._disarm()
+            raise
+        self.cycle.set_goals([_known(views[n].reply[w.REPLY_POSITION]) * _RAD_PER_BRAD for n in self.link.nodes])
+        self.cycle.armed = True
+
+    def _write_current_limits(self) -> None:
+        for node, full in zip(self.link.nodes, self._full_current, strict=True):
+            self.requests.demand(node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, round(full * self._fraction))
+
+    def _disarm(self) -> None:
+        self.cycle.armed = False
+        self.cycle.set_goals(None)
+        for node in self.link.nodes:
+            self.requests.ask(node, w.COMMAND_DISARM)
+
+    def limit_torque(self, fraction: float) -> None:
+        """See Bus; a joint takes another current limit only while it is disarmed, so it holds from the next arming."""
+        self._fraction = checked_fraction(fraction)
+
+    def clear(self) -> None:
+        """Clear the joints' latched faults; arming is another step."""
+        with self._lock:
+            for node in self.link.nodes:
+                if self.link.views[node].state == w.STATE_FAULT:
+                    self.requests.demand(node, w.COMMAND_CLEAR_FAULT)
+            self.cycle.run_until(self.now() + ENABLE_S)
+
+    def emergency_stop(self) -> None:
+        """See Bus: one frame to all, before any other."""
+        self.cycle.armed = False
+        self.cycle.set_goals(None)
+        self.link.emergency_stop()
+
+    def close(self) -> None:
+        """See Bus."""
+        if self._thread is not None:
+            self._over.set()
+            self._thread.join()
+            self._thread = None
+        if self.link.syncs:
+            self._disarm()
+        self.port.close()
+
+
+def _known(raw: int) -> int:
+    return 0 if raw == w.NOT_AVAILABLE else raw

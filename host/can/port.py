@@ -1,0 +1,71 @@
+"""One interface to a CAN bus as the host sees it: send without waiting, receive what has come, wait for a moment.
+
+Times are monotonic seconds, of the machine or of the simulation; nothing here reads the clock on the wall.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass
+from types import TracebackType
+from typing import NamedTuple, Self
+
+
+class Received(NamedTuple):
+    """A frame and when it came."""
+
+    time_s: float
+    identifier: int
+    data: bytes
+
+
+@dataclass
+class PortCounters:
+    """What became of the frames: ``full`` found no room in the send buffer, ``bus_off`` how often the node was off."""
+
+    sent: int = 0
+    received: int = 0
+    full: int = 0
+    bus_off: int = 0
+
+    def as_dict(self) -> dict[str, int]:
+        """Return plain values for JSON."""
+        return asdict(self)
+
+
+class Port(ABC):
+    """A node on a CAN bus. Use it as a context manager."""
+
+    name = "abstract"
+
+    def __init__(self) -> None:
+        self.counters = PortCounters()
+
+    @abstractmethod
+    def send(self, identifier: int, data: bytes) -> bool:
+        """Put a frame into the send buffer; False, and counted, if there is no room or the node is bus-off."""
+
+    @abstractmethod
+    def receive(self) -> Received | None:
+        """Return the oldest frame that has come, or None; does not wait."""
+
+    @abstractmethod
+    def now(self) -> float:
+        """Return the time, s."""
+
+    @abstractmethod
+    def wait_until(self, time_s: float) -> None:
+        """Wait for a moment; one that is over returns at once."""
+
+    @property
+    def trouble(self) -> str:
+        """Return what is wrong with the bus now, as a sentence with what to do, or ""."""
+        return ""
+
+    def close(self) -> None:
+        """Leave the bus; may be called twice."""
+        return
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()

@@ -1,0 +1,100 @@
+"""The `caramelo` command: gathers host/commands, and is the one place where errors become a line and an exit code."""
+
+import importlib
+import pkgutil
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from . import commands
+from .console import write_error
+from .errors import INTERRUPTED, WRONG_USE, UserError
+from .extras import missing_library
+
+HELP = """Control software of two walking robots, and a simulator to try it in.
+
+Start here:
+
+[bold]caramelo walk[/] walks Caramelo over flat ground in the simulator and shows the figures.
+
+[bold]caramelo walk --terrain step --height 0.02 --out out/demo[/] climbs 2 cm and writes an animation.
+
+[bold]caramelo robots show caramelo[/] shows a robot's data; [bold]caramelo robots check my.toml[/] checks yours.
+"""
+EPILOG = (
+    "Every command explains itself with --help, with examples. With --json a command prints exactly one JSON object. "
+    "Exit codes: 0 done, 1 not achieved, 2 wrong use or bad input, 130 stopped by Ctrl-C."
+)
+
+
+def build_app() -> typer.Typer:
+    """Return the app with the commands of every file in host/commands."""
+    app = typer.Typer(
+        name="caramelo",
+        help=HELP,
+        epilog=EPILOG,
+        rich_markup_mode="rich",
+        pretty_exceptions_enable=False,
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+    app.callback(invoke_without_command=True)(_top)
+    for module in pkgutil.iter_modules(commands.__path__):
+        importlib.import_module(f"{commands.__name__}.{module.name}").register(app)
+    return app
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        print(version("caramelo"))
+        raise typer.Exit
+
+
+def _top(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; errors are printed as one line on stderr."""
+    try:
+        code = build_app()(args=arguments, prog_name="caramelo", standalone_mode=False)
+    except UserError as error:
+        write_error(str(error))
+        return error.exit_code
+    except ModuleNotFoundError as error:
+        missing = missing_library(error)
+        if missing is None:
+            raise
+        write_error(str(missing))
+        return missing.exit_code
+    except typer.Abort:
+        write_error("stopped: no answer")
+        return WRONG_USE
+    except typer.TyperException as error:
+        write_error(_wrong_use(error))
+        return WRONG_USE
+    except KeyboardInterrupt:
+        code = INTERRUPTED
+    if code == INTERRUPTED:
+        write_error("stopped by Ctrl-C")
+    return code if isinstance(code, int) else 0
+
+
+def _wrong_use(error: typer.TyperException) -> str:
+    """Return a wrong command line's error and where its help is."""
+    context = getattr(error, "ctx", None)
+    command = context.command_path if context else "caramelo"
+    return f"{error.format_message().rstrip('.')} (see {command} --help)"
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,114 @@
+"""`caramelo bench`: what the core costs in every runtime here, how exact it is, how fast the simulator runs."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import progress, screen, write_json
+from ..errors import NOT_ACHIEVED
+from . import CHECKS
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ..parity.bench import Bench
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]
+Update = Annotated[bool, typer.Option("--update-budget", help="Take today's costs as the budget.")]
+
+COLUMNS = ("cpython_us", "fuel", "bytecode_us", "native_us", "viper_us", "float_us", "float_ratio")
+WIDTH = 130  # characters; a table is not cut when the output is no terminal
+HEADS = ("CPython us", "fuel", "bytecode us", "native us", "viper us", "floats us", "floats/viper")
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("bench", rich_help_panel=CHECKS)(bench)
+
+
+def bench(simulator: Simulator = True, update_budget: Update = False, as_json: Json = False) -> int:
+    """Measure the core: time of each function in each runtime, exact cost, accuracy; and the simulator's speed.
+
+    Fuel is what the WASI VM burns, the same in every run; more than 5 % over the budget in the
+    repository, or a figure that misses its bar, makes the exit code 1. Bytecode, native, viper and
+    floats are measured in one VM, MicroPython's unix port.
+
+    Examples: caramelo bench; caramelo bench --json
+    """
+    import tempfile
+    from pathlib import Path
+
+    from ..parity.bench import run_bench
+    from ..parity.budget import write_budget
+
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, progress("bench", 1.0) as done:
+        found = run_bench(Path(folder), simulator, done)
+    burnt = {name: int(row["fuel"]) for name, row in found.cost.items() if "fuel" in row}
+    if update_budget and burnt:
+        write_budget(burnt)
+        found.over = []
+    if as_json:
+        write_json(_summary(found))
+    else:
+        _print(found)
+    return NOT_ACHIEVED if found.missed else 0
+
+
+def _summary(found: "Bench") -> dict[str, Any]:
+    return {
+        "cost": found.cost,
+        "accuracy": [
+            {"name": a.name, "unit": a.unit, "worst": a.worst, "median": a.median, "bar": a.bar, "cmsis_worst": a.cmsis}
+            for a in found.accuracy
+        ],
+        "tick_us": found.ticks,
+        "simulator": found.simulator,
+        "skipped": found.skipped,
+        "missed": found.missed,
+    }
+
+
+def _print(found: "Bench") -> None:
+    from rich.table import Table
+
+    from ..parity.bench import TICK_US
+
+    console = screen()
+    console.width = max(console.width, WIDTH)
+    table = Table("function", *HEADS, box=None, pad_edge=False)
+    for name, row in found.cost.items():
+        table.add_row(name, *(_cell(column, row.get(column)) for column in COLUMNS))
+    console.print(table, soft_wrap=True)
+    _print_accuracy(console, found)
+    ticks = ", ".join(f"{walk} {us:.0f}" for walk, us in found.ticks.items())
+    console.print(f"\nwhole tick on CPython, us (wanted: at most {TICK_US:g}): {ticks}", soft_wrap=True)
+    if found.simulator:
+        row = found.simulator
+        console.print(
+            f"simulator: {row['robot']} walks {row['duration_s']:.1f} s ({row['gait']}, {row['terrain']} ground) "
+            f"at {row['real_time_factor']:.1f} x real time"
+        )
+    for name, reason in found.skipped.items():
+        console.print(f"{name}: skipped: {reason}", soft_wrap=True)
+    for sentence in found.missed:
+        console.print(sentence, style="red", markup=False, soft_wrap=True)
+
+
+def _print_accuracy(console: "Console", found: "Bench") -> None:
+    from rich.table import Table
+
+    table = Table("error of", "worst", "median", "at most", "CMSIS-DSP q15", "", box=None, pad_edge=False)
+    for a in found.accuracy:
+        cmsis = "" if a.cmsis is None else f"{a.cmsis:.3g}"
+        table.add_row(a.name, f"{a.worst:.2g}", f"{a.median:.2g}", f"{a.bar:g}", cmsis, a.unit)
+    console.print()
+    console.print(table)
+
+
+def _cell(column: str, figure: float | None) -> str:
+    if figure is None:
+        return ""
+    if column == "fuel":
+        return str(int(figure))
+    return f"{figure:.1f}" if column == "float_ratio" or figure >= 100 else f"{figure:.2f}"

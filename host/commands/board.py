@@ -1,0 +1,87 @@
+"""`caramelo board`: what a board is, what it noted, resetting it, its prompt."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from ..console import screen, write_json
+from ..errors import UserError
+from . import HARDWARE
+
+Port = Annotated[str, typer.Option("--port", help="Serial port of the board.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="Look at a board, reset it, use its prompt.", no_args_is_help=True)
+    for command in (info, logs, reset, shell):
+        group.command(command.__name__)(command)
+    app.add_typer(group, name="board", rich_help_panel=HARDWARE)
+
+
+def info(port: Port, as_json: Json = False) -> int:
+    """Tell what a board is and what firmware it holds. Its application is stopped for that and started again.
+
+    Also the check that a freshly installed MicroPython answers.
+
+    Example: caramelo board info --port /dev/ttyACM0
+    """
+    from ..flash.inspect import describe
+
+    facts = describe(port)
+    if as_json:
+        write_json(facts)
+        return 0
+    console = screen()
+    console.soft_wrap = True
+    for name, value in facts.items():
+        console.print(f"{name.replace('_', ' '):12} {_shown(value)}")
+    return 0
+
+
+def logs(port: Port, as_json: Json = False) -> int:
+    """Print what the board noted of starts that failed, newest last.
+
+    Example: caramelo board logs --port /dev/ttyACM0
+    """
+    from ..flash.inspect import read_log
+
+    lines = read_log(port)
+    if as_json:
+        write_json({"port": port, "lines": lines})
+    else:
+        print("\n".join(lines) if lines else f"{port}: nothing noted")
+    return 0
+
+
+def reset(port: Port) -> int:
+    """Reset a board; its firmware starts.
+
+    Example: caramelo board reset --port /dev/ttyACM0
+    """
+    from ..flash.inspect import restart
+
+    restart(port)
+    print(f"{port}: reset")
+    return 0
+
+
+def shell(port: Port) -> int:
+    """Use the board's prompt: Ctrl-C stops what runs, Ctrl-D restarts, Ctrl-] leaves.
+
+    Example: caramelo board shell --port /dev/ttyACM0
+    """
+    from ..flash.shell import run_shell
+
+    if not sys.stdin.isatty():
+        raise UserError("board shell: needs a terminal; for scripts use mpremote")
+    run_shell(port)
+    return 0
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {item}" for key, item in value.items())
+    return "-" if value is None or value == "" else str(value)

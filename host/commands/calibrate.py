@@ -1,0 +1,93 @@
+"""`caramelo calibrate`: finds which servo is which joint, and where its zero is, with questions and answers."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..console import screen
+from . import HARDWARE
+
+if TYPE_CHECKING:
+    from ..calibration.bench import Bench
+    from ..robot_model import Robot
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("calibrate", rich_help_panel=HARDWARE)(calibrate)
+
+
+def calibrate(
+    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Where to; without it the robot's own.")] = None,
+    answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the answers given to a file.")] = None,
+    preview: Annotated[bool, typer.Option("--preview", help="Show the change, leave the file as it is.")] = False,
+    sim: Annotated[bool, typer.Option("--sim", help="Practise on emulated servos, mounted anyhow.")] = False,
+    seed: Annotated[int, typer.Option(min=0, help="How the emulated servos are mounted.")] = 0,
+) -> int:
+    """Calibrate the servos: the robot on a stand, its feet in the air, one joint after the other.
+
+    Can be stopped with Ctrl-C and taken up again: what is done is kept beside the file, also with --preview. An
+    existing file is kept as a backup. Exit code 1 if a leg did not stand as drawn in the end.
+
+    Examples: caramelo calibrate; caramelo calibrate --sim --preview; caramelo calibrate --answers answers.toml
+    """
+    from ..calibration.data import default_path, save_calibration, servo_of
+    from ..calibration.person import AtTerminal, FromFile, read_answers, write_answers
+    from ..calibration.procedure import Procedure, complain_about, difference
+    from ..robot_file import load_robot
+
+    data = load_robot(robot)
+    servo_of(data)
+    path = out or (Path("out/calibrate") / f"{data.name}.calibration.toml" if sim else default_path(data))
+    person: AtTerminal | FromFile = FromFile(read_answers(answers), str(answers), not sim) if answers else AtTerminal()
+    wrong: list[str] = []
+    with _bench(data, port, sim, seed) as bench:
+        procedure = Procedure(data, bench, person, path.with_name(path.name + ".unfinished"))
+        found = procedure.run()
+        change = difference(path, found)
+        screen().print(change or f"{path}: nothing changes", markup=False, soft_wrap=True)
+        wanted = not change or (not preview and person.ask("write", f"Write {path}?", ["yes", "no"]) == "yes")
+        if wanted:
+            kept = save_calibration(path, found)
+            if change:
+                screen().print(f"wrote {path}" + (f", the former one is {kept}" if kept else ""), soft_wrap=True)
+            procedure.keep.unlink(missing_ok=True)
+            wrong = procedure.check_legs(found)
+        else:
+            screen().print(f"nothing written; {procedure.keep} keeps what was found", soft_wrap=True)
+    if record is not None:
+        write_answers(record, person.answers)
+    if wrong:
+        raise complain_about(wrong, found)
+    return 0
+
+
+@contextmanager
+def _bench(robot: "Robot", port: str | None, sim: bool, seed: int) -> Iterator["Bench"]:
+    """Yield the servos on their bench, real or emulated."""
+    import time
+
+    from ..buses.choose import baud, device
+    from ..calibration.bench import Bench
+    from ..calibration.bench_sim import SimulatedBench, hidden_mounting
+    from ..servos.link import Link
+    from ..servos.port import ServoPort
+    from ..servos.table import TORQUE_ENABLE
+
+    if sim:
+        yield SimulatedBench(robot, hidden_mounting(robot, seed))
+        return
+    serial = ServoPort(port or device(robot), baud(robot))
+    serial.open()
+    bench = Bench(Link(serial, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0), time.sleep)
+    try:
+        yield bench
+    finally:
+        bench.link.broadcast(TORQUE_ENABLE, 0)
+        serial.closePort()

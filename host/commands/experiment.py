@@ -1,0 +1,78 @@
+"""`caramelo experiment`: the papers' experiments in the simulators, beside what the papers measured."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..console import progress, screen, write_error, write_json
+from . import CHECKS
+
+if TYPE_CHECKING:
+    from ..experiments.outcome import Outcome
+
+WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of these; goals: the figures to reach."
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("experiment", rich_help_panel=CHECKS)(experiment)
+
+
+def experiment(
+    what: Annotated[str, typer.Argument(metavar="EXPERIMENT", help=WHAT_HELP)],
+    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
+    trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case, else each one's own.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes to run trials in.")] = 1,
+    three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write report.html, PNG and JSON files here.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Run one of the papers' experiments, or all, and show its figures beside the papers'.
+
+    The same trials give the same figures whatever --jobs is. Exit code 0 if it ran, whatever came out.
+
+    Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
+    caramelo experiment all --trials 3 --jobs 4 --json
+    """
+    from ..drive import gait_index
+    from ..experiments.run import names_of, run_experiment, write_outcomes
+    from ..experiments.trials import Options, space_is_there
+    from ..robot_file import load_robot
+
+    names, data = names_of(what), load_robot(robot)
+    chosen = gait or data.gait.default
+    gait_index(chosen)
+    in_space = three_d and space_is_there()
+    if three_d and not in_space:
+        write_error("MuJoCo is not installed, so the 3-D columns stay empty: make setup EXTRAS=sim,test installs it")
+    options = Options(data, chosen, trials, jobs, in_space)
+    outcomes = []
+    for name in names:
+        with progress(f"{name} ({chosen})", 1.0) as show:
+            outcomes.append(run_experiment(name, options, show))
+        if not as_json:
+            show_outcome(outcomes[-1])
+    written = write_outcomes(options, outcomes, out) if out else []
+    if as_json:
+        write_json(outcomes[0].result if what != "all" else {outcome.name: outcome.result for outcome in outcomes})
+    else:
+        for path in written:
+            screen().print(f"wrote {path}", soft_wrap=True)
+
+
+def show_outcome(outcome: "Outcome") -> None:
+    """Print an experiment's tables."""
+    from rich.table import Table
+    from rich.text import Text
+
+    console = screen()
+    for table in outcome.tables:
+        shown = Table(title=table.title, title_justify="left", box=None, padding=(0, 2, 0, 0))
+        for column in table.head:
+            shown.add_column(column, overflow="fold")
+        for row in table.rows:
+            shown.add_row(*map(Text, row))
+        console.print(shown)
+        console.print()

@@ -1,0 +1,97 @@
+"""`caramelo export`: writes the robot as a MuJoCo model or a URDF, generated from its file."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..console import screen, write_json
+from . import ROBOTS
+
+RobotName = Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")]
+Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write here instead of to the terminal.")]
+Payload = Annotated[float, typer.Option(metavar="KG", min=0.0, max=20.0, help="Load on the body, kg.")]
+Voltage = Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V; without it nominal.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: what was written and how big it is.")]
+GROUND_HELP = "flat, ramp, step (up and down), step-up, step-down, box, stones, gravel, angled, left."
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="Write the robot as a MuJoCo model or a URDF, from its file.", no_args_is_help=True)
+    group.command("mjcf")(export_mjcf)
+    group.command("urdf")(export_urdf)
+    app.add_typer(group, name="export", rich_help_panel=ROBOTS)
+
+
+def export_mjcf(
+    robot: RobotName = "caramelo",
+    out: Out = None,
+    payload: Payload = 0.0,
+    voltage: Voltage = None,
+    friction: Annotated[float | None, typer.Option(min=0.05, max=2.0, help="Foot friction, else the file's.")] = None,
+    terrain: Annotated[str, typer.Option(metavar="NAME", help=GROUND_HELP)] = "flat",
+    height: Annotated[float | None, typer.Option(metavar="M", help="Height of the step, box or stones, m.")] = None,
+    angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of the stones.")] = 0,
+    as_json: Json = False,
+) -> None:
+    """Write the robot and its ground as a MuJoCo model, with the servo law as its actuators.
+
+    Examples: caramelo export mjcf --out caramelo.xml; caramelo export mjcf --terrain step --height 0.04
+    """
+    from ..export.mjcf import ModelOptions, mjcf
+    from ..robot_file import load_robot
+    from ..three_d.grounds import GroundSpec, make_ground
+
+    ground = make_ground(GroundSpec(terrain, height, angle, seed=seed))
+    options = ModelOptions(ground, payload, friction, _checked_voltage(voltage, robot))
+    _deliver(mjcf(load_robot(robot), options), "mjcf", robot, out, as_json)
+
+
+def export_urdf(
+    robot: RobotName = "caramelo",
+    out: Out = None,
+    payload: Payload = 0.0,
+    voltage: Voltage = None,
+    as_json: Json = False,
+) -> None:
+    """Write the robot as a URDF with inertias, limits, efforts and speeds, for RViz and others.
+
+    Examples: caramelo export urdf --out caramelo.urdf; caramelo export urdf --robot parallel
+    """
+    from ..export.urdf import urdf
+    from ..robot_file import load_robot
+
+    _deliver(urdf(load_robot(robot), payload, _checked_voltage(voltage, robot)), "urdf", robot, out, as_json)
+
+
+def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
+    """Return the voltage if the robot's drives are known at it."""
+    from ..errors import UserError
+    from ..plane import planar_robot
+    from ..robot_file import load_robot
+
+    if voltage_V is not None:
+        try:
+            planar_robot(load_robot(robot)).thigh_servo.at_voltage(voltage_V)
+        except ValueError as error:
+            raise UserError(f"--voltage {voltage_V:g}: {error}") from error
+    return voltage_V
+
+
+def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) -> None:
+    """Write the model to its file or the terminal."""
+    from ..errors import UserError
+    from ..files import write_text
+
+    if as_json and out is None:
+        raise UserError("--json: the model itself is no JSON; say where it goes with --out FILE")
+    if out is None:
+        print(text, end="")
+        return
+    write_text(out, text)
+    if as_json:
+        write_json({"robot": robot, "format": kind, "file": str(out), "bytes": len(text.encode())})
+    else:
+        screen().print(f"wrote {out}", soft_wrap=True)

@@ -1,0 +1,129 @@
+"""`caramelo log`: looks at records, draws them, turns them into CSV, replays them."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import screen, write_json
+from ..errors import NOT_ACHIEVED
+from . import WALK
+
+if TYPE_CHECKING:
+    from ..records.reader import Record
+
+File = Annotated[Path, typer.Argument(metavar="FILE", help="A record: an MCAP file.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="Look at records of drives, and replay them.", no_args_is_help=True)
+    group.command("info")(info)
+    group.command("plot")(plot)
+    group.command("export")(export)
+    group.command("replay")(replay)
+    app.add_typer(group, name="log", rich_help_panel=WALK)
+
+
+def info(file: File, as_json: Json = False) -> None:
+    """Show what a record holds: robot, duration, messages, states, faults, timing.
+
+    Example: caramelo log info walk.mcap
+    """
+    from ..records.reader import read_record
+
+    facts = record_facts(read_record(file))
+    if as_json:
+        write_json(facts)
+    else:
+        _show(facts)
+
+
+def record_facts(record: "Record") -> dict[str, Any]:
+    """Return a record's summary as plain values."""
+    timing = record.of("/timing")
+    return {
+        "file": str(record.path),
+        "robot": record.about.get("robot", ""),
+        "core": record.about.get("core", ""),
+        "duration_s": round(record.duration_s, 3),
+        "whole": record.whole,
+        "messages": record.counts(),
+        "missed": timing[-1].values["missed"] if timing else 0,
+        "states": [
+            {"time_s": round((row.time_ns - record.start_ns) / 1e9, 3), **row.values} for row in record.of("/state")
+        ],
+        "faults": [row.values["sentence"] for row in record.of("/fault")],
+    }
+
+
+def _show(facts: dict[str, Any]) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    console = screen()
+    end = "whole" if facts["whole"] else "cut off: read up to where it was cut"
+    console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines, {end}")
+    table = Table(box=None, pad_edge=False)
+    for column in ("channel", "messages"):
+        table.add_column(column)
+    for topic, count in facts["messages"].items():
+        table.add_row(topic, str(count))
+    console.print(table)
+    for change in facts["states"]:
+        console.print(Text(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}"))
+    for fault in facts["faults"]:
+        console.print(Text(f"fault: {fault}"))
+
+
+def plot(
+    file: File, out: Annotated[Path | None, typer.Option(metavar="PNG", help="Without it beside the record.")] = None
+) -> None:
+    """Draw joints, loads, attitude, health and timing into a PNG file.
+
+    Example: caramelo log plot walk.mcap --out walk.png
+    """
+    from ..records.plot import plot_png
+    from ..records.reader import read_record
+
+    target = out or file.with_suffix(".png")
+    plot_png(read_record(file), target)
+    screen().print(f"wrote {target}", soft_wrap=True)
+
+
+def export(
+    what: Annotated[str, typer.Argument(metavar="csv", help="The format: csv.")],
+    file: File,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Without it a folder beside the record.")] = None,
+) -> None:
+    """Write one CSV file per channel.
+
+    Example: caramelo log export csv walk.mcap --out walk-csv
+    """
+    from ..errors import UserError
+    from ..records.export import export_csv
+    from ..records.reader import read_record
+
+    if what != "csv":
+        raise UserError(f"export {what}: allowed: csv")
+    for path in export_csv(read_record(file), out or file.with_suffix("")):
+        screen().print(f"wrote {path}", soft_wrap=True)
+
+
+def replay(file: File, as_json: Json = False) -> int:
+    """Feed the recorded inputs to the planner again; the joint targets must be the same to the bit.
+
+    Exit code 1 at the first difference. Example: caramelo log replay walk.mcap
+    """
+    from ..records.reader import read_record
+    from ..records.replay import replay as again
+
+    result = again(read_record(file))
+    facts = {"ok": result.ok, "ticks": result.ticks, "difference": result.difference, "same_core": result.same_core}
+    if as_json:
+        write_json(facts)
+    else:
+        core = "" if result.same_core else " (recorded with another version of the core)"
+        print(f"{result.ticks} ticks are the same to the bit{core}" + (f"; {result.difference}" * (not result.ok)))
+    return 0 if result.ok else NOT_ACHIEVED

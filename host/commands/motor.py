@@ -1,0 +1,126 @@
+"""`caramelo motor`: a brushless joint's own firmware over a motor model, and the self-test of a real board."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import progress, screen, write_json
+from ..errors import NOT_ACHIEVED
+from . import HARDWARE
+
+if TYPE_CHECKING:
+    from ..motor.scenarios import Result
+    from ..robot_actuators import Bldc
+
+motor_app = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+RobotOption = Annotated[str, typer.Option(help="A robot's name with brushless joints, or a file ending in .toml.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.add_typer(motor_app, name="motor", rich_help_panel=HARDWARE)
+
+
+@motor_app.command("sim")
+def sim(
+    scenario: Annotated[
+        str | None, typer.Option(help="step, sine, stall, current, closed-loop, calibrate, or fault-NAME.")
+    ] = None,
+    robot: RobotOption = "parallel",
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,
+    as_json: Json = False,
+) -> int:
+    """Run the joint's firmware on a simulated board and motor; without --scenario all of them and the exactness.
+
+    Faults: shunt-offset, lost-encoder, encoder-disagreement, open-thermistor, short-thermistor, bus-sag, stall,
+    late-interrupt, swapped-phases. Exit code 1 if a figure is missed.
+
+    Examples: caramelo motor sim; caramelo motor sim --scenario step --out out/motor;
+    caramelo motor sim --scenario fault-bus-sag --json
+    """
+    from ..motor.scenarios import names, run_scenario
+
+    bldc = _joint_of(robot)
+    wanted = [scenario] if scenario else names()
+    results: list[Result] = []
+    with progress("simulated joint", float(len(wanted))) as show:
+        for number, name in enumerate(wanted):
+            results.append(run_scenario(bldc, name))
+            show(float(number + 1))
+    figures = {result.name: result.figures for result in results}
+    if scenario is None:
+        from ..motor.accuracy import accuracy
+
+        figures["accuracy"] = accuracy(bldc)
+    written = _draw(results, out) if out else []
+    ok = all(row["ok"] for row in figures.values())
+    if as_json:
+        write_json(figures[scenario] if scenario else {"ok": ok, "scenarios": figures})
+    else:
+        _print(figures, written)
+    return 0 if ok else NOT_ACHIEVED
+
+
+@motor_app.command("selftest")
+def selftest(
+    port: Annotated[str, typer.Option(help="Serial device of the joint's board, such as /dev/ttyACM0.")],
+    as_json: Json = False,
+) -> int:
+    """Measure on a real joint's board what no simulation can tell; the bridge stays off, the motor does not move.
+
+    Times of the control interrupt and the current step, ADC noise, gate driver, encoders. Exit code 1 if one is
+    outside of what is allowed.
+
+    Example: caramelo motor selftest --port /dev/ttyACM0
+    """
+    from ..motor.selftest import ask, judge
+
+    rows = judge(ask(port))
+    ok = all(row.ok for row in rows)
+    if as_json:
+        write_json({"ok": ok, "figures": [vars(row) for row in rows]})
+        return 0 if ok else NOT_ACHIEVED
+    from rich.table import Table
+
+    table = Table("figure", "found", "allowed", "", box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(row.name, row.found, row.allowed, "ok" if row.ok else "[red]outside[/]")
+    screen().print(table)
+    return 0 if ok else NOT_ACHIEVED
+
+
+def _joint_of(robot: str) -> "Bldc":
+    from ..errors import UserError
+    from ..robot_actuators import Bldc
+    from ..robot_file import load_robot
+
+    data = load_robot(robot)
+    if not isinstance(data.actuator, Bldc):
+        raise UserError(f"--robot {robot}: its joints are servos; name a robot with actuator.kind = bldc")
+    return data.actuator
+
+
+def _draw(results: "list[Result]", out: Path) -> list[Path]:
+    from ..motor.plots import draw
+
+    paths = []
+    for result in results:
+        paths.append(out / f"{result.name}.png")
+        draw(result, paths[-1])
+    return paths
+
+
+def _print(figures: dict[str, dict[str, Any]], written: list[Path]) -> None:
+    from rich.table import Table
+
+    console = screen()
+    table = Table("scenario", "figure", "value", box=None, pad_edge=False)
+    for name, row in figures.items():
+        for i, (key, value) in enumerate(row.items()):
+            table.add_row(name if i == 0 else "", key, str(value))
+    console.print(table)
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)

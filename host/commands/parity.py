@@ -1,0 +1,121 @@
+"""`caramelo parity`: shows that every Python computes the same numbers from the one source."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import progress, screen, write_json
+from ..errors import NOT_ACHIEVED, UserError
+from . import CHECKS
+
+if TYPE_CHECKING:
+    from ..parity.check import Report
+    from ..runtimes import Runtime
+
+Names = Annotated[list[str] | None, typer.Option("--runtime", help="Only this runtime, and CPython; repeatable.")]
+Port = Annotated[str | None, typer.Option(help="Serial port of a real board, e.g. /dev/ttyACM0.")]
+Vectors = Annotated[int, typer.Option(min=8, help="Vectors of a function; 200 also means walks of 5000 ticks.")]
+Coverage = Annotated[bool, typer.Option("--coverage", help="Also report which statements ran, in a traced VM.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("parity", rich_help_panel=CHECKS)(parity)
+
+
+def parity(
+    runtime: Names = None,
+    port: Port = None,
+    vectors: Vectors = 200,
+    coverage: Coverage = False,
+    as_json: Json = False,
+) -> int:
+    """Run the same vectors in CPython and in every MicroPython here, and compare the digests.
+
+    The vectors cover every public function of shared/ over its range, and walks in every gait. If a
+    runtime differs, the first differing vector is shown and the exit code is 1.
+
+    Examples: caramelo parity; caramelo parity --runtime wasi; caramelo parity --port /dev/ttyACM0
+    """
+    import tempfile
+    from pathlib import Path
+
+    from ..parity.check import examine, failures
+    from ..parity.coverage import cover
+    from ..parity.sources import gather
+
+    chosen = choose(runtime, port)
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, progress("parity", len(chosen)) as done:
+        work = Path(folder)
+        sources = gather(work)
+        started: list[str] = []
+
+        def advance(name: str) -> None:
+            done(len(started))
+            started.append(name)
+
+        reports = examine(chosen, sources, work, vectors, advance)
+        covered = cover(sources, work / "coverage") if coverage else None
+    broken = list(failures(reports))
+    if as_json:
+        write_json(_summary(reports, broken, covered))
+    else:
+        _print(reports, broken, covered)
+    return NOT_ACHIEVED if broken or (covered is not None and not covered.enough) else 0
+
+
+def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":
+    """Return the runtimes asked for, CPython first; UserError for a name there is not."""
+    from ..runtimes import all_runtimes
+
+    runtimes = all_runtimes(port)
+    known = [runtime.name for runtime in runtimes]
+    for name in names or []:
+        if name not in known:
+            raise UserError(f"--runtime {name}: not known; there are {', '.join(known)}")
+    return [r for r in runtimes if not names or r.name in names or r.name in ("cpython", "board")]
+
+
+def _summary(reports: "list[Report]", broken: list[str], covered: Any) -> dict[str, Any]:
+    rows = [
+        {
+            "name": report.runtime.name,
+            "version": report.version,
+            "word_bits": report.word_bits,
+            "emitter": report.runtime.emitter,
+            "digest": report.digest if report.digests else None,
+            "seconds": round(report.seconds, 3),
+            "skipped": report.skipped,
+        }
+        for report in reports
+    ]
+    summary = {"vectors": reports[0].vectors, "identical": not broken, "runtimes": rows, "differences": broken}
+    return summary if covered is None else {**summary, "coverage": covered.summary()}
+
+
+def _print(reports: "list[Report]", broken: list[str], covered: Any) -> None:
+    from rich.table import Table
+
+    table = Table("runtime", "version", "bits", "emitter", "vectors", "digest", "s", "", box=None, pad_edge=False)
+    for report in reports:
+        about = (report.version, str(report.word_bits), report.runtime.emitter, str(report.vectors), report.digest)
+        if report.skipped:
+            table.add_row(report.runtime.name, "", "", report.runtime.emitter, "", "", "", f"skipped: {report.skipped}")
+        else:
+            table.add_row(report.runtime.name, *about, f"{report.seconds:.1f}", _verdict(report, reports[0]))
+    console = screen()
+    console.width = max(console.width, 130)
+    console.print(table, soft_wrap=True)
+    for sentence in broken:
+        console.print(sentence, markup=False, soft_wrap=True)
+    if covered is not None:
+        console.print(covered.sentence(), markup=False, soft_wrap=True)
+
+
+def _verdict(report: "Report", reference: "Report") -> str:
+    if report.failure:
+        return "failed"
+    if report is reference:
+        return "reference"
+    return "differs" if report.difference else "equal"

@@ -1,0 +1,123 @@
+"""`caramelo robots`: lists, shows and checks robot files."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import screen, write_json
+from . import ROBOTS
+
+if TYPE_CHECKING:
+    from ..robot_model import Robot
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Which = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or a file ending in .toml.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="List, show and check robot files.", invoke_without_command=True)
+    group.callback()(list_robots)
+    group.command("show")(show_robot)
+    group.command("check")(check_robot)
+    app.add_typer(group, name="robots", rich_help_panel=ROBOTS)
+
+
+def list_robots(context: typer.Context, as_json: Json = False) -> None:
+    """List, show and check robot files. Alone it lists the robots that --robot knows.
+
+    Examples: caramelo robots; caramelo robots show parallel --json; caramelo robots check my.toml
+    """
+    if context.invoked_subcommand is not None:
+        return
+    from ..robot_file import load_robot, robot_names
+
+    robots = [load_robot(name) for name in robot_names()]
+    if as_json:
+        write_json({"robots": [{"name": robot.name, "description": robot.description} for robot in robots]})
+        return
+    _print_rows([(robot.name, robot.description) for robot in robots])
+
+
+def show_robot(which: Which, as_json: Json = False) -> None:
+    """Show a robot: the figures that matter most, or with --json everything in its file.
+
+    Example: caramelo robots show caramelo
+    """
+    from ..robot_file import find, load_robot
+
+    robot = load_robot(which)
+    if as_json:
+        write_json({**robot.model_dump(mode="json"), "derived": derived(robot)})
+        return
+    _print_rows([*overview(robot), ("file", str(find(which)))])
+
+
+def check_robot(which: Which, as_json: Json = False) -> None:
+    """Check a robot file. What is wrong is told in one line: file, key, value, what is allowed; exit code 2.
+
+    Example: caramelo robots check my.toml
+    """
+    from ..robot_file import RobotFileError, load_robot
+
+    try:
+        robot = load_robot(which)
+    except RobotFileError as error:
+        if as_json:
+            write_json({"ok": False, "file": which, "reason": str(error)})
+        raise
+    if as_json:
+        write_json({"ok": True, "file": which, "name": robot.name, "derived": derived(robot)})
+    else:
+        print(f'{which}: ok: "{robot.name}", {robot.mass_kg:.3f} kg')
+
+
+def derived(robot: "Robot") -> dict[str, Any]:
+    """Return what follows from a robot's file."""
+    return {
+        "mass_kg": robot.mass_kg,
+        "reach_m": robot.geometry.reach_m,
+        "length_unit_m": 2.0**-robot.length_shift,
+    }
+
+
+def overview(robot: "Robot") -> list[tuple[str, str]]:
+    """Return the figures that matter most, as rows of name and value with unit."""
+    from ..robot_checks import reachable_heights
+
+    geometry, stance, limits, speed = robot.geometry, robot.stance, robot.joint_limits, robot.speed_limits
+    ranges = [f"{low:g} .. {high:g}" for low, high in (limits.hip_deg, limits.thigh_deg, limits.calf_deg)]
+    hip_x_m, hip_y_m = geometry.hips_m.FL
+    return [
+        ("robot", f"{robot.name}: {robot.description}"),
+        ("mass", f"{robot.mass_kg:.3f} kg, trunk {robot.links.trunk.mass_kg:g} kg"),
+        ("links", "hip offset {:g}, thigh {:g}, calf {:g} m".format(*geometry.links_m)),
+        ("hips", f"x +-{hip_x_m:g}, y +-{hip_y_m:g} m"),
+        ("knees", geometry.knee_configuration),
+        ("height", f"rest {stance.rest_height_m:g}, sitting {stance.sit_height_m:g}, {reachable_heights(robot)}"),
+        ("joint limits", "hip {}, thigh {}, calf {} deg".format(*ranges)),
+        ("calf motor", f"on the {robot.calf_drive.motor_on}, ratio {robot.calf_drive.ratio:g}"),
+        ("actuator", _actuator(robot)),
+        ("speed", f"x {speed.vx_m_s:g} m/s, y {speed.vy_m_s:g} m/s, turning {speed.wz_rad_s:g} rad/s"),
+        ("planner", f"{robot.control.rate_hz} Hz, gait {robot.gait.default}"),
+        ("length unit", f"2^-{robot.length_shift} m"),
+    ]
+
+
+def _actuator(robot: "Robot") -> str:
+    if robot.actuator.kind == "servo":
+        point = robot.actuator.nominal
+        return f"{robot.actuator.model}, {point.stall_Nm:g} N m, {point.no_load_rpm:g} rpm at {point.voltage_V:g} V"
+    joint = robot.actuator
+    torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
+    return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"
+
+
+def _print_rows(rows: list[tuple[str, str]]) -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for name, value in rows:
+        table.add_row(Text(name, style="bold"), Text(value))
+    screen().print(table)

@@ -1,0 +1,392 @@
+"""`caramelo servos`: finds, looks at, numbers and switches the robot's servos."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import progress, screen, write_error, write_json
+from ..errors import NOT_ACHIEVED, UserError
+from . import HARDWARE
+
+if TYPE_CHECKING:
+    from ..buses.base import Measured
+    from ..calibration.data import Calibration
+    from ..robot_model import Robot
+    from ..servos.bus import ServoBus
+    from ..servos.link import Link
+
+RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
+Port = Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")]
+Baud = Annotated[int | None, typer.Option(help="Rate; without it the robot file's own.")]
+Sim = Annotated[bool, typer.Option("--sim", help="Talk to emulated servos: twelve, behind a pseudo-terminal.")]
+Data = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help="Without it the robot's own.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Servo = Annotated[int, typer.Argument(metavar="ID", min=0, max=252, help="The servo's id.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="Find, look at, number and switch the servos.", no_args_is_help=True)
+    for name, command in (
+        ("scan", scan),
+        ("status", status),
+        ("monitor", monitor),
+        ("torque", torque),
+        ("set-id", set_id),
+        ("set-baud", set_baud),
+        ("reboot", reboot),
+        ("budget", budget),
+    ):
+        group.command(name)(command)
+    app.add_typer(group, name="servos", rich_help_panel=HARDWARE)
+
+
+@contextmanager
+def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
+    """Yield the robot and an open link to its servos, real or emulated."""
+    from ..buses.choose import baud as own_baud
+    from ..buses.choose import device
+    from ..robot_file import find, load_robot
+    from ..servos.link import Link
+    from ..servos.port import ServoPort
+    from ..servos.table import BAUDS
+
+    data = load_robot(robot)
+    rate = own_baud(data) if baud is None else baud
+    if rate not in BAUDS:
+        raise UserError(f"--baud {rate}: allowed {', '.join(map(str, BAUDS))}")
+    with _port_name(port or device(data), sim, str(find(robot))) as name:
+        serial = ServoPort(name, rate)
+        serial.open()
+        try:
+            yield data, Link(serial, data.bus.protocol if data.bus.kind == "dynamixel" else 2.0)
+        finally:
+            serial.closePort()
+
+
+@contextmanager
+def _port_name(port: str, sim: bool, robot: str) -> Iterator[str]:
+    if not sim:
+        yield port
+        return
+    from ..emulator.process import Emulator
+
+    with Emulator("--robot", robot) as emulator:
+        yield emulator.port
+
+
+def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
+    """Return the robot's calibration; None if it has none yet and none was asked for."""
+    from ..calibration.data import default_path, load_calibration, nominal
+
+    if path is not None:
+        return load_calibration(path, robot)
+    if sim:
+        return nominal(robot)
+    return load_calibration(default_path(robot), robot) if default_path(robot).exists() else None
+
+
+def _joints(calibration: "Calibration | None") -> dict[int, str]:
+    from ..buses.base import JOINT_LABELS
+
+    return dict(zip(calibration.ids, JOINT_LABELS, strict=True)) if calibration else {}
+
+
+def scan(
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    baud: Baud = None,
+    all_bauds: Annotated[bool, typer.Option("--all-bauds", help="Try every rate: takes half a minute.")] = False,
+    calibration: Data = None,
+    sim: Sim = False,
+    as_json: Json = False,
+) -> int:
+    """Find all servos on the bus. Exit code 1 if there is none.
+
+    Examples: caramelo servos scan; caramelo servos scan --all-bauds --port /dev/ttyUSB1; caramelo servos scan --sim
+    """
+    from ..servos import budget as costs
+    from ..servos.port import latency_ms, latency_warning
+    from ..servos.tools import find, find_at_all_rates
+
+    with servo_port(robot, port, baud, sim) as (data, link), progress("scan", 1.0) as done:
+        found = list(find_at_all_rates(link, done)) if all_bauds else find(link, done)
+        name, waits_ms = link.port.port_name, latency_ms(link.port.port_name)
+        warning, rate, protocol = latency_warning(name), link.port.getBaudRate(), link.protocol
+    joints = _joints(_calibration(data, calibration, sim))
+    cost = costs.budget(
+        rate, data.control.rate_hz, protocol, costs.WELL_SET_LATENCY_MS if waits_ms is None else waits_ms
+    )
+    rows = [{**asdict(one), "name": one.text, "joint": joints.get(one.id)} for one in found]
+    if as_json:
+        write_json({"port": name, "servos": rows, "warning": warning, "budget": cost.as_dict()})
+    else:
+        _table(("id", "joint", "model", "baud"), [(r["id"], r["joint"] or "-", r["name"], r["baud"]) for r in rows])
+        screen().print(f"{len(rows)} servos on {name}\n{cost.sentence()}", soft_wrap=True)
+        if warning:
+            write_error(f"warning: {warning}")
+    if not rows:
+        write_error(f"no servo answers on {name} at {rate} baud: is the power on? try --all-bauds, or another --port")
+    return 0 if rows else NOT_ACHIEVED
+
+
+def status(
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    baud: Baud = None,
+    calibration: Data = None,
+    sim: Sim = False,
+    as_json: Json = False,
+) -> int:
+    """Show position, load, voltage, temperature and errors of each servo. Exit code 1 if one is missing or tripped.
+
+    Example: caramelo servos status
+    """
+    from ..servos.tools import status as status_of
+
+    with servo_port(robot, port, baud, sim) as (data, link):
+        known = _joints(_calibration(data, calibration, sim))
+        ids = sorted(known) if known else range(1, 13)
+        rows = [(known.get(servo, "-"), servo, status_of(link, servo)) for servo in ids]
+    if as_json:
+        write_json({"servos": [{"joint": joint, "id": servo, **(asdict(s) if s else {})} for joint, servo, s in rows]})
+    else:
+        head = ("joint", "id", "position", "load", "V", "C", "torque", "error")
+        _table(head, [(joint, servo, *_status_cells(s)) for joint, servo, s in rows])
+    return 0 if all(s and not s.error for _, _, s in rows) else NOT_ACHIEVED
+
+
+def _status_cells(s: Any) -> tuple[str, ...]:
+    if s is None:
+        return "-", "-", "-", "-", "-", "does not answer: check its cable, or scan"
+    torque = "on" if s.torque else "off"
+    return (
+        str(s.position),
+        f"{100 * s.load:.0f} %",
+        f"{s.voltage_V:.1f}",
+        str(s.temperature_C),
+        torque,
+        s.error or "none",
+    )
+
+
+@contextmanager
+def _open_bus(robot: str, port: str | None, calibration: Path | None, sim: bool) -> Iterator["ServoBus"]:
+    from ..buses.choose import hardware
+    from ..robot_file import load_robot
+    from ..servos.bus import ServoBus
+
+    with hardware(load_robot(robot), "emulated" if sim else "real", port, calibration, robot) as parts:
+        assert isinstance(parts.bus, ServoBus)
+        with parts.bus as bus:
+            for warning in bus.warnings:
+                write_error(f"warning: {warning}")
+            yield bus
+
+
+def monitor(
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    calibration: Data = None,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="Stop after so long; without it on Ctrl-C.")] = None,
+    sim: Sim = False,
+    as_json: Json = False,
+) -> int:
+    """Watch all joints, torque off: turn them by hand and see angle, load, voltage, heat and bus errors change.
+
+    Example: caramelo servos monitor --sim --seconds 2
+    """
+    with _open_bus(robot, port, calibration, sim) as bus:
+        measured = _watch(bus, seconds, None if as_json else _live)
+        if as_json:
+            write_json({"joints": _joint_rows(bus, measured), "bus": bus.counters.as_dict()})
+    return 0
+
+
+def _watch(bus: "ServoBus", seconds: float | None, view: Callable[..., Any] | None) -> "Measured":
+    """Read at the planner's rate until the time is over or Ctrl-C; show what is read ten times a second."""
+    from contextlib import nullcontext
+
+    period_s, began_s = 1 / bus.robot.control.rate_hz, bus.now()
+    measured, shown_s = bus.read(), began_s
+    with view() if view else nullcontext() as show:
+        try:
+            while seconds is None or bus.now() - began_s < seconds:
+                time.sleep(period_s)
+                measured = bus.read()
+                if show and bus.now() - shown_s > 0.1:
+                    shown_s = bus.now()
+                    show(bus, measured)
+        except KeyboardInterrupt:
+            return measured
+    return measured
+
+
+@contextmanager
+def _live() -> Iterator[Callable[["ServoBus", "Measured"], None]]:
+    """Yield a function that shows a reading: in place on a terminal, else the last one at the end."""
+    from rich.live import Live
+
+    with Live(console=screen(), auto_refresh=False, transient=False) as live:
+        yield lambda bus, measured: live.update(_joint_table(bus, measured), refresh=True)
+
+
+def _joint_rows(bus: "ServoBus", m: "Measured") -> list[dict[str, Any]]:
+    from math import degrees, isinf
+
+    return [
+        {
+            "joint": bus.name(joint),
+            "angle_deg": round(degrees(m.position_rad[joint]), 2),
+            "load": round(m.load[joint], 3),
+            "voltage_V": round(m.voltage_V[joint], 1),
+            "temperature_C": m.temperature_C[joint],
+            "error": m.error[joint],
+            "age_s": None if isinf(m.age_s[joint]) else round(m.age_s[joint], 3),
+        }
+        for joint in range(len(m.position_rad))
+    ]
+
+
+def _joint_table(bus: "ServoBus", measured: "Measured") -> Any:
+    cells = [
+        (
+            row["joint"],
+            f"{row['angle_deg']:.1f}",
+            f"{100 * row['load']:.0f} %",
+            f"{row['voltage_V']:.1f}",
+            f"{row['temperature_C']:.0f}",
+            row["error"] or "none",
+        )
+        for row in _joint_rows(bus, measured)
+    ]
+    c = bus.counters
+    caption = f"{c.sent} asked, {c.answered} answered, {c.lost} lost, {c.corrupted} damaged, {c.wrong} wrong"
+    return _make_table(("joint", "deg", "load", "V", "C", "error"), cells, caption)
+
+
+def torque(
+    switch: Annotated[
+        str, typer.Argument(metavar="on|off", help="on: hold the present pose until Ctrl-C; off: let go.")
+    ],
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    baud: Baud = None,
+    calibration: Data = None,
+    limit: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the stall torque to hold with.")] = 0.5,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="on: let go after so long.")] = None,
+    sim: Sim = False,
+) -> int:
+    """Hold the present pose while this runs, or let go of all servos on the bus, calibrated or not.
+
+    Examples: caramelo servos torque off; caramelo servos torque on --limit 0.2
+    """
+    if switch not in ("on", "off"):
+        raise UserError(f"torque {switch}: allowed on, off")
+    if switch == "off":
+        from ..servos.table import TORQUE_ENABLE
+
+        with servo_port(robot, port, baud, sim) as (_, link):
+            for _ in range(3):  # nobody confirms a packet to all
+                link.broadcast(TORQUE_ENABLE, 0)
+        screen().print("all servos on the bus were told to let go")
+        return 0
+    with _open_bus(robot, port, calibration, sim) as bus:
+        bus.limit_torque(limit)
+        bus.torque(True)
+        screen().print("holding; Ctrl-C lets go")
+        _watch(bus, seconds, None)
+    return 0
+
+
+def set_id(
+    old: Servo,
+    new: Annotated[int, typer.Argument(metavar="NEW", min=0, max=252, help="The id it gets.")],
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    baud: Baud = None,
+    sim: Sim = False,
+) -> int:
+    """Give a servo another id. Refused if the id is taken.
+
+    Example: caramelo servos set-id 1 7
+    """
+    from ..servos import tools
+
+    with servo_port(robot, port, baud, sim) as (_, link):
+        tools.set_id(link, old, new)
+    screen().print(f"servo {old} has id {new} now")
+    return 0
+
+
+def set_baud(
+    servo: Servo,
+    new: Annotated[int, typer.Argument(metavar="BAUD", help="The rate it gets.")],
+    robot: RobotName = "caramelo",
+    port: Port = None,
+    baud: Baud = None,
+    sim: Sim = False,
+) -> int:
+    """Set a servo's rate. All servos of a bus need the same.
+
+    Example: caramelo servos set-baud 1 4000000 --baud 57600
+    """
+    from ..servos import tools
+
+    with servo_port(robot, port, baud, sim) as (_, link):
+        tools.set_baud(link, servo, new)
+    screen().print(f"servo {servo} talks at {new} baud now")
+    return 0
+
+
+def reboot(servo: Servo, robot: RobotName = "caramelo", port: Port = None, baud: Baud = None, sim: Sim = False) -> int:
+    """Restart a servo that has tripped. It lets go while it restarts.
+
+    Example: caramelo servos reboot 5
+    """
+    with servo_port(robot, port, baud, sim) as (_, link):
+        link.reboot(servo)
+    screen().print(f"servo {servo} restarts")
+    return 0
+
+
+def budget(
+    robot: RobotName = "caramelo",
+    baud: Baud = None,
+    latency: Annotated[float, typer.Option(metavar="MS", min=0.0, help="The USB adapter's latency timer.")] = 1.0,
+    as_json: Json = False,
+) -> int:
+    """Tell how much of a control cycle the bus takes. Exit code 1 if it does not fit.
+
+    Example: caramelo servos budget --baud 1000000 --latency 16
+    """
+    from ..buses.choose import baud as own_baud
+    from ..robot_file import load_robot
+    from ..servos.budget import budget as budget_of
+
+    data = load_robot(robot)
+    rate, protocol = own_baud(data), data.bus.protocol if data.bus.kind == "dynamixel" else 2.0
+    cost = budget_of(baud or rate, data.control.rate_hz, protocol, latency)
+    if as_json:
+        write_json(cost.as_dict())
+    else:
+        screen().print(cost.sentence(), soft_wrap=True)
+    return 0 if cost.fits else NOT_ACHIEVED
+
+
+def _make_table(head: tuple[str, ...], rows: list[tuple[Any, ...]], caption: str = "") -> Any:
+    from rich.table import Table
+
+    table = Table(*head, box=None, pad_edge=False, caption=caption or None, caption_justify="left")
+    for row in rows:
+        table.add_row(*map(str, row))
+    return table
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    screen().print(_make_table(head, rows))

@@ -1,0 +1,113 @@
+"""`caramelo teleop`: drives a robot from keyboard, gamepad, web page or script."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..console import screen, write_json
+from ..errors import NOT_ACHIEVED, UserError
+from . import WALK
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("teleop", rich_help_panel=WALK)(teleop)
+
+
+def teleop(
+    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
+    web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
+    listen: Annotated[str, typer.Option(metavar="ADDR", help="Where: address or address:port.")] = "127.0.0.1:8080",
+    log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record into an MCAP file, or a folder.")] = None,
+    gamepad: Annotated[str | None, typer.Option(metavar="DEVICE", help="auto, or /dev/input/eventN.")] = None,
+    socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Unix socket or local port for scripts.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
+    headless: Annotated[bool, typer.Option("--headless", help="No keyboard and no screen, as a service.")] = False,
+    direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
+    measure: Annotated[float | None, typer.Option(metavar="S", help="Drive by itself, print the figures.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Headless; print one JSON object at the end.")] = False,
+) -> int:
+    """Drive the robot: keyboard in the terminal, gamepad, web page, script; an emergency stop works from each.
+
+    The checks of the start are printed in order. Then the screen shows the state, why the robot does not move, and
+    the keys. Ctrl-C sits down and leaves. Exit code 1 if a check fails, or if --measure missed a deadline or met
+    a fault.
+
+    Examples: caramelo teleop --sim; caramelo teleop --sim --web; caramelo teleop --web --listen 0.0.0.0 --log logs/;
+    caramelo teleop --sim --measure 30 --json
+    """
+    from ..robot_file import load_robot
+    from ..teleop.session import Options, Session
+
+    _check(measure, direct, sim)
+    quiet = headless or as_json or measure is not None
+    if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise UserError("no terminal to take keys from: add --headless, with --web, --gamepad or --socket")
+    options = Options(
+        robot=robot,
+        which=_which(load_robot(robot).actuator.kind, sim, direct),
+        port=port,
+        calibration=calibration,
+        web=web,
+        listen=listen,
+        log=log,
+        socket=socket,
+        gamepad=gamepad,
+        measure_s=measure,
+        terminal=not quiet,
+    )
+    figures = Session(options, _quiet if as_json else _say).run()
+    if as_json:
+        write_json(figures)
+    else:
+        _show(figures)
+    failed = measure is not None and (figures["missed"] or figures["failure"])
+    return NOT_ACHIEVED if failed else 0
+
+
+def _check(measure: float | None, direct: bool, sim: bool) -> None:
+    if measure is not None and not 1 <= measure <= 3600:
+        raise UserError(f"--measure {measure:g}: allowed 1 .. 3600 s")
+    if direct and not sim:
+        raise UserError("--direct: only with --sim")
+
+
+def _which(kind: str, sim: bool, direct: bool) -> str:
+    """Return the kind of hardware: brushless joints have no servo bus to emulate."""
+    if not sim:
+        return "real"
+    return "simulated" if direct or kind != "servo" else "emulated"
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def _quiet(line: str) -> None:
+    """With --json only the result is printed."""
+
+
+def _show(figures: dict[str, Any]) -> None:
+    console = screen()
+    late, busy = figures["late_ms"], figures["busy_ms"]
+    console.print(f"{figures['rate_hz']} Hz: {figures['ticks']} ticks, {figures['missed']} missed their deadline")
+    console.print(
+        f"late  {late['p50']:.2f} ms median, {late['p99']:.2f} at the 99th percentile, {late['max']:.2f} at most"
+    )
+    console.print(
+        f"busy  {busy['p50']:.2f} ms median, {busy['p99']:.2f} at the 99th percentile, {busy['max']:.2f} at most"
+    )
+    if "loop_cpu_share" in figures:
+        console.print(f"{100 * figures['loop_cpu_share']:.1f} % of one core")
+    for source, stops in figures["stop_to_packet_ms"].items():
+        console.print(f"stop by {source}: torque off after {stops['max']:.1f} ms at most ({stops['count']})")
+    if figures.get("failure"):
+        console.print(f"not achieved: {figures['failure']}", soft_wrap=True, markup=False)
+    if figures.get("log"):
+        console.print(f"wrote {figures['log']}", soft_wrap=True)
+    if figures.get("log_trouble"):
+        console.print(figures["log_trouble"], soft_wrap=True)

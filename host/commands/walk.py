@@ -1,0 +1,126 @@
+"""`caramelo walk`: walks a simulated robot over some ground and shows how it went."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..console import progress, screen, write_json
+from ..errors import NOT_ACHIEVED
+from . import WALK
+
+if TYPE_CHECKING:
+    from sim2d.recording import Recording
+
+    from ..walk import WalkSpec
+
+TERRAIN_HELP = "flat, stones, gravel, ramp, step (up and down), step-up, step-down, box."
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("walk", rich_help_panel=WALK)(walk)
+
+
+def walk(
+    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
+    speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
+    terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
+    height: Annotated[float | None, typer.Option(metavar="M", help="Height of the step, box or stones, m.")] = None,
+    angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
+    length: Annotated[float | None, typer.Option(metavar="M", help="Length of the step or box, m.")] = None,
+    start: Annotated[float, typer.Option(metavar="M", help="Where the obstacle begins, m ahead of the body.")] = 0.35,
+    distance: Annotated[float, typer.Option(metavar="M", help="How far to walk, m.")] = 1.5,
+    payload: Annotated[float, typer.Option(metavar="KG", help="Load on the body, kg.")] = 0.0,
+    friction: Annotated[float, typer.Option(help="Friction between foot and ground.")] = 0.9,
+    voltage: Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V.")] = None,
+    bus_delay: Annotated[float, typer.Option(metavar="S", help="How late goals reach the joints, s.")] = 0.02,
+    balance: Annotated[bool, typer.Option(help="Keep the body level by the measured attitude.")] = True,
+    seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write walk.html, path.png, walk.json here.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> int:
+    """Walk a simulated robot, show the figures, and write an animation and a picture of the path.
+
+    Exit code 0 if it arrived, 1 if it did not (the reason is told), 2 for wrong use.
+
+    Examples: caramelo walk; caramelo walk --gait paper-trot --terrain step --height 0.05;
+    caramelo walk --robot parallel --speed 0.1 --out out/parallel
+    """
+    from ..motor.walking import joint_motors, transport
+    from ..robot_actuators import Bldc
+    from ..robot_file import load_robot
+    from ..walk import WalkSpec, run_walk, walk_result
+
+    data = load_robot(robot)
+    spec = WalkSpec(
+        robot=data,
+        gait=gait or data.gait.default,
+        speed_m_s=speed,
+        terrain=terrain,
+        height_m=height,
+        angle_deg=angle,
+        length_m=length,
+        start_m=start,
+        distance_m=distance,
+        payload_kg=payload,
+        friction=friction,
+        voltage_V=voltage,
+        bus_delay_s=bus_delay,
+        balance=balance,
+        seed=seed,
+    )
+    motors, actuator = joint_motors(data) if isinstance(data.actuator, Bldc) else (None, None)
+    with progress(f"{data.name} walks {distance:g} m ({terrain})", 1.0) as show:
+        recording = run_walk(spec, show, actuator=actuator)
+    result = walk_result(spec, recording) | transport(data, recording, payload, motors)
+    written = write_results(out, spec, recording, result) if out else []
+    if as_json:
+        write_json(result)
+    else:
+        show_result(result, written)
+    return 0 if result["ok"] else NOT_ACHIEVED
+
+
+def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: dict[str, Any]) -> list[Path]:
+    """Write the animation, the picture and the figures into ``out``; return the files."""
+    import json
+
+    from sim2d.view import animation_html, path_png
+
+    from ..files import atomic_path, write_text
+    from ..walk import facts
+
+    title = f"{spec.robot.name}: {spec.gait} over {spec.terrain}"
+    page, picture, figures = out / "walk.html", out / "path.png", out / "walk.json"
+    size_m = spec.robot.links.trunk.size_m
+    write_text(page, animation_html(recording, title, result["reason"], facts(result), (size_m[0] / 2, size_m[2] / 2)))
+    with atomic_path(picture) as draft:
+        path_png(recording, f"{title}: {result['reason']}", draft)
+    write_text(figures, json.dumps(result, indent=1) + "\n")
+    return [page, picture, figures]
+
+
+def show_result(result: dict[str, Any], written: list[Path]) -> None:
+    """Print the walk's figures as tables, and how it ended."""
+    from rich.table import Table
+
+    from ..walk import facts
+
+    table = Table(show_header=False, box=None, pad_edge=False)
+    for name, value in facts(result):
+        table.add_row(f"[bold]{name}[/]", value)
+    torque = Table(box=None, pad_edge=False)
+    legs = sorted({name.partition("_")[0] for name in result["torque_rms_fraction"]})
+    for column in ("torque rms, % of stall", "hip", "thigh", "calf"):
+        torque.add_column(column, justify="left" if column.startswith("torque") else "right")
+    for leg in legs:
+        shares = [result["torque_rms_fraction"][f"{leg}_{joint}"] for joint in ("hip", "thigh", "calf")]
+        torque.add_row(leg, *(f"{100 * share:.0f}" for share in shares))
+    console = screen()
+    console.print(table)
+    console.print(torque)
+    console.print(f"[bold]{'ok' if result['ok'] else 'not achieved'}[/]: {result['reason']}")
+    for path in written:
+        console.print(f"wrote {path}", soft_wrap=True)

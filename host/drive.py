@@ -1,0 +1,126 @@
+"""The planner as a controller in SI: what the simulator, the servos and the joints are driven by.
+
+Turns a driver's wish and sensed SI values into the core's blocks, runs one tick, and turns the
+twelve angles back. Everything between those two conversions is the core's integers.
+"""
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from shared import planner as core
+from shared.command import (
+    C_BALANCE,
+    C_GAIT,
+    C_HEIGHT,
+    C_MODE,
+    C_POSE,
+    C_SPEED,
+    COMMAND_SIZE,
+    MODE_LIMP,
+    MODE_SIT,
+    MODE_STAND,
+    MODE_WALK,
+)
+from shared.gaits import GAIT_NAMES
+
+from .errors import UserError
+from .robot_model import Robot
+from .scale import brad, core_params, joints_rad, scale_of
+
+MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a driver wants: m/s, rad/s, m, rad; ``height_m`` 0 is the gait's own swing height."""
+
+    mode: str = "stand"
+    gait: str = "trot"
+    vx_m_s: float = 0.0
+    vy_m_s: float = 0.0
+    wz_rad_s: float = 0.0
+    pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
+    balance: bool = True
+    height_m: float = 0.0
+
+
+def gait_index(name: str) -> int:
+    """Return a gait's index in the core's table, or raise UserError with the names there are."""
+    if name not in GAIT_NAMES:
+        raise UserError(f"--gait {name}: no such gait; there are {', '.join(GAIT_NAMES)}")
+    return GAIT_NAMES.index(name)
+
+
+class Driver:
+    """One robot's planner with SI on both sides; ``rate_hz`` ticks a second."""
+
+    def __init__(self, robot: Robot, rate_hz: int | None = None, planar: bool = False) -> None:
+        """``planar``: something else holds the robot's roll, so it does not sway sideways."""
+        self.robot = robot
+        self.scale = scale_of(robot, rate_hz)
+        self.rate_hz = self.scale.rate_hz
+        self.planner = core.Planner(core_params(robot, rate_hz, planar))
+        self.command = Command(gait=robot.gait.default)
+        self._command = array("i", [0] * COMMAND_SIZE)
+        self._sensed = array("i", [0] * core.SENSED_SIZE)
+        self.flags = 0
+
+    @property
+    def command_block(self) -> array:  # type: ignore[type-arg]
+        """The core's command of the last tick (shared/command.py); a record keeps it."""
+        return self._command
+
+    @property
+    def sensed_block(self) -> array:  # type: ignore[type-arg]
+        """What the core was told to be sensed in the last tick (shared/planner.py)."""
+        return self._sensed
+
+    @property
+    def state(self) -> str:
+        """The planner's state in a word."""
+        return core.STATE_NAMES[self.planner.numbers[core.N_STATE]]
+
+    def set_command(self, **wish: object) -> None:
+        """Change some of the command's fields for the ticks to come."""
+        self.command = replace(self.command, **wish)  # type: ignore[arg-type]
+
+    def sense(
+        self,
+        joints_rad: Sequence[float] | None,
+        roll_rad: float | None = None,
+        pitch_rad: float | None = None,
+        rates_rad_s: Sequence[float] | None = None,
+    ) -> None:
+        """Fill in what is sensed; None where it is not known. ``rates_rad_s``: about x, y, z, without bias."""
+        block = self._sensed
+        block[core.S_RATES_OK] = int(rates_rad_s is not None)
+        for axis, rate in enumerate(rates_rad_s or ()):
+            block[core.S_RATES + axis] = self.scale.yaw18_per_tick(rate)
+        block[core.S_JOINTS_OK] = int(joints_rad is not None)
+        for joint, angle_rad in enumerate(joints_rad or ()):
+            block[core.S_JOINTS + joint] = brad(angle_rad)
+        known = roll_rad is not None and pitch_rad is not None
+        block[core.S_ATTITUDE_OK] = int(known)
+        if roll_rad is not None and pitch_rad is not None:
+            block[core.S_ROLL] = brad(roll_rad)
+            block[core.S_PITCH] = brad(pitch_rad)
+
+    def step(self) -> list[float]:
+        """Plan one tick and return the twelve joint goals in rad."""
+        self._fill_command()
+        self.flags = self.planner.tick(self._command, self._sensed)
+        return joints_rad(self.planner.joints)
+
+    def _fill_command(self) -> None:
+        wish, scale, block = self.command, self.scale, self._command
+        block[C_MODE] = MODES[wish.mode]
+        block[C_GAIT] = gait_index(wish.gait)
+        block[C_SPEED] = scale.lf_per_tick(wish.vx_m_s)
+        block[C_SPEED + 1] = scale.lf_per_tick(wish.vy_m_s)
+        block[C_SPEED + 2] = scale.yaw18_per_tick(wish.wz_rad_s)
+        for axis in range(3):
+            block[C_POSE + axis] = scale.lu(wish.pose[axis])
+            block[C_POSE + 3 + axis] = brad(wish.pose[axis + 3])
+        block[C_BALANCE] = int(wish.balance)
+        block[C_HEIGHT] = scale.lu(wish.height_m)

@@ -1,0 +1,64 @@
+"""A port that is no device: dynamixel-sdk writes into an emulated bus in this process and reads its answers.
+
+Time is whatever ``clock`` says, so a minute of walking takes as long as it needs, and no longer.
+"""
+
+from collections.abc import Callable
+
+from .bus import EmulatedBus
+
+
+class LoopbackPort:
+    """What PortHandler offers, as far as the SDK's packets use it."""
+
+    is_real = False
+
+    def __init__(self, bus: EmulatedBus, clock: Callable[[], float]) -> None:
+        self.bus, self._clock = bus, clock
+        self.port_name = "emulated"
+        self.is_using = False
+        self.patience_ms = 0.0
+        self._baud = bus.baud
+        self._waiting = bytearray()
+
+    def open(self) -> None:
+        """Nothing to open."""
+
+    def closePort(self) -> None:
+        """Nothing to close."""
+
+    def clearPort(self) -> None:
+        """Forget answers that nobody took; the SDK does so before each packet, so the line was silent, too."""
+        self._waiting.clear()
+        self.bus.idle()
+
+    def setBaudRate(self, baud: int) -> bool:
+        """Talk at another rate."""
+        self._baud = baud
+        return True
+
+    def getBaudRate(self) -> int:
+        """Return the rate."""
+        return self._baud
+
+    def writePort(self, packet: list[int]) -> int:
+        """Hand a packet to the servos and keep what comes back."""
+        for answer in self.bus.receive(bytes(packet), self._clock(), self._baud):
+            self._waiting += answer
+        return len(packet)
+
+    def readPort(self, length: int) -> bytes:
+        """Return up to ``length`` bytes."""
+        data = bytes(self._waiting[:length])
+        del self._waiting[:length]
+        return data
+
+    def setPacketTimeout(self, packet_length: int) -> None:
+        """Answers are there at once or never."""
+
+    def setPacketTimeoutMillis(self, msec: float) -> None:
+        """Answers are there at once or never."""
+
+    def isPacketTimeout(self) -> bool:
+        """True once all that came has been taken."""
+        return not self._waiting

@@ -1,0 +1,20 @@
+"""The numbers the experiments are compared with, and those they rest on, from the two data files."""
+
+import tomllib
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+_HERE = Path(__file__).parent
+
+
+@cache
+def papers() -> dict[str, Any]:
+    """Return what the papers measured (papers.toml)."""
+    return tomllib.loads((_HERE / "papers.toml").read_text(encoding="utf-8"))
+
+
+@cache
+def assumptions() -> dict[str, Any]:
+    """Return what the figures rest on (assumptions.toml)."""
+    return tomllib.loads((_HERE / "assumptions.toml").read_text(encoding="utf-8"))

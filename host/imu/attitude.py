@@ -1,0 +1,143 @@
+"""Roll and pitch from a sensor: body axes, bias at rest, the core's filter, and a watch over the sensor itself.
+
+States: ``aligning`` (at rest, gathering the start attitude and the gyro's bias), ``ok``, ``fault``. In the first
+and last there is no attitude, so the planner walks without balance; a sensor that comes back aligns again.
+"""
+
+from array import array
+from collections.abc import Sequence
+
+from shared.attitude import (
+    A_ALIGN_TICKS,
+    A_COUNT,
+    A_PITCH,
+    A_ROLL,
+    ACCEL_REJECTED,
+    ALIGNING,
+    MOVED_WHILE_ALIGNING,
+    attitude_reset,
+    attitude_step,
+    rate_q18,
+)
+
+from ..robot_model import Robot
+from ..scale import attitude_block, rad
+from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError
+
+STUCK_S = 0.5  # real readings are never so long alike: their noise is several counts (measured on simulated noise)
+RETRY_S = 0.5  # between tries to open a missing sensor (chosen)
+SATURATED_TICKS = 5  # a bump may saturate one reading (chosen)
+
+
+class Attitude:
+    """One robot's attitude; ``update`` once a tick."""
+
+    def __init__(self, robot: Robot, source: Imu, rate_hz: int | None = None) -> None:
+        self.source = source
+        self.raw = array("i", [0] * COUNTS)
+        self.block = attitude_block(robot, rate_hz)
+        self.fault = ""
+        self.note = ""
+        self._axes = Axes(robot.imu.axes)
+        self._rate_hz = rate_hz or robot.control.rate_hz
+        self._stuck_ticks = round(STUCK_S * self._rate_hz)
+        self._last: tuple[int, ...] = ()
+        self._alike = self._saturated = 0
+        self._aligned = self._is_open = False
+        self._retry_ticks = self._wait_ticks = round(RETRY_S * (rate_hz or robot.control.rate_hz))
+
+    def open(self) -> None:
+        """Open the sensor and start to align. A missing one is a fault, not an error: it is looked for again."""
+        self.align()
+        self._open()
+
+    def _open(self) -> None:
+        self._wait_ticks = self._retry_ticks
+        try:
+            self.source.open()
+            self._is_open = True
+        except ImuError as error:
+            self._fail(str(error))
+
+    def close(self) -> None:
+        """Close the sensor."""
+        self.source.close()
+
+    def align(self) -> None:
+        """Start again: attitude and gyro bias from the next readings at rest."""
+        attitude_reset(self.block)
+        self._aligned = False
+
+    @property
+    def state(self) -> str:
+        """``aligning``, ``ok`` or ``fault``."""
+        if self.fault:
+            return "fault"
+        return "ok" if self._aligned else "aligning"
+
+    @property
+    def angles_rad(self) -> tuple[float, float] | None:
+        """Roll and pitch, or None while they are not known."""
+        if self.state != "ok":
+            return None
+        return rad(self.block[A_ROLL]), rad(self.block[A_PITCH])
+
+    @property
+    def rates_rad_s(self) -> tuple[float, float, float] | None:
+        """Turning speeds about the body's x, y, z without bias, or None while they are not known."""
+        if self.state != "ok":
+            return None
+        x, y, z = (rate_q18(self.block, self.raw[axis], axis) * self._rate_hz / (1 << 18) for axis in range(3))
+        return x, y, z
+
+    def update(self) -> tuple[float, float] | None:
+        """Take one reading and return roll and pitch, or None while they are not known."""
+        if not self._is_open:
+            self._look_again()
+            return None
+        try:
+            counts = tuple(self.source.read())
+        except ImuError as error:
+            self._fail(str(error))
+            self._is_open, self._wait_ticks = False, 0
+            return None
+        fault = self._examine(counts)
+        if fault:
+            self._fail(fault)
+            return None
+        self.fault = ""
+        self._axes.to_body(counts, self.raw)
+        self._take(attitude_step(self.block, self.raw))
+        return self.angles_rad
+
+    def _look_again(self) -> None:
+        """Try to open a sensor that does not answer, now and then: it may have lost its settings with its power."""
+        self._wait_ticks -= 1
+        if self._wait_ticks <= 0:
+            self._open()
+
+    def _take(self, flags: int) -> None:
+        self._aligned = bool(self.block[A_COUNT] >= self.block[A_ALIGN_TICKS])
+        if flags & MOVED_WHILE_ALIGNING:
+            self.note = "hold the robot still: the gyro's bias is being measured"
+        elif flags & ACCEL_REJECTED and flags & ALIGNING:
+            self.note = "the accelerometer does not read 1 g at rest: is imu.accel_counts_per_g right?"
+        else:
+            self.note = "" if self._aligned else "measuring the gyro's bias: hold the robot still"
+
+    def _examine(self, counts: Sequence[int]) -> str:
+        """Return what is wrong with the sensor, "" if nothing."""
+        self._alike = self._alike + 1 if counts == self._last else 0
+        self._last = tuple(counts)
+        self._saturated = self._saturated + 1 if max(map(abs, counts)) >= INT16_MAX else 0
+        if self._alike >= self._stuck_ticks:
+            return "the IMU is stuck: it repeats the same reading; switch it off and on, check its wires"
+        if self._saturated >= SATURATED_TICKS:
+            return "the IMU is at the end of its range: is imu.gyro_counts_per_deg_s too large for this robot?"
+        return ""
+
+    def _fail(self, sentence: str) -> None:
+        """Note the first cause, and forget the attitude: it is worth nothing after a gap."""
+        if not self.fault:
+            self.fault = sentence
+            self.align()

@@ -1,0 +1,55 @@
+"""What every inertial sensor gives: six raw counts in the sensor's own axes, gyro x y z, accelerometer x y z."""
+
+from abc import ABC, abstractmethod
+from collections.abc import MutableSequence, Sequence
+
+from ..errors import NOT_ACHIEVED, UserError
+
+COUNTS = 6
+INT16_MAX = 32767
+
+
+class ImuError(UserError):
+    """A sensor that does not answer, or one with nothing more to say."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, NOT_ACHIEVED)
+
+
+class Imu(ABC):
+    """One inertial sensor."""
+
+    kind = "abstract"
+
+    @abstractmethod
+    def open(self) -> None:
+        """Connect and set the ranges; ImuError says what is wrong and what to do."""
+
+    @abstractmethod
+    def read(self) -> Sequence[int]:
+        """Return six int16 counts in the sensor's axes; ImuError if it does not answer."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Disconnect; may be called twice."""
+
+
+class Axes:
+    """Turns sensor axes into body axes by the robot file's imu.axes: the sensor axis along each of the body's."""
+
+    def __init__(self, axes: Sequence[str]) -> None:
+        self._rows = [("xyz".index(axis[1]), -1 if axis[0] == "-" else 1) for axis in axes]
+
+    def to_body(self, sensor: Sequence[int], body: MutableSequence[int]) -> None:
+        """Write six counts in body axes; -32768 turned round is 32767, as int16 has no more."""
+        for part in (0, 3):
+            for axis, (source, sign) in enumerate(self._rows):
+                body[part + axis] = min(sign * sensor[part + source], INT16_MAX)
+
+    def to_sensor(self, body: Sequence[float]) -> list[float]:
+        """Return six values in sensor axes, the other way round."""
+        sensor = [0.0] * COUNTS
+        for part in (0, 3):
+            for axis, (source, sign) in enumerate(self._rows):
+                sensor[part + source] = sign * body[part + axis]
+        return sensor

@@ -1,0 +1,91 @@
+"""MPU6050 on the Raspberry Pi's I2C bus: register map RM-MPU-6000A, revision 4.2.
+
+Accelerometer, temperature and gyro stand in one block of big-endian words; both are read in one go, so they belong
+to the same instant.
+"""
+
+import struct
+from typing import Any
+
+from ..robot_model import Robot
+from .base import Imu, ImuError
+
+ADDRESS = 0x68
+CONFIG, GYRO_CONFIG, ACCEL_CONFIG, ACCEL_OUT, POWER, WHO_AM_I = 0x1A, 0x1B, 0x1C, 0x3B, 0x6B, 0x75
+BLOCK = 14  # accelerometer, temperature, gyro
+IDENTITY = 0x68
+CLOCK_GYRO_X = 0x01  # awake, clocked by the gyro: steadier than the chip's own oscillator (4.28)
+LOW_PASS = 0x03  # 44 Hz, 4.9 ms late (4.3)
+GYRO_RANGES = (131.0, 65.5, 32.8, 16.4)  # counts per deg/s by FS_SEL (4.19)
+ACCEL_RANGES = (16384, 8192, 4096, 2048)  # counts per g by AFS_SEL (4.17)
+
+
+def open_i2c(bus: int) -> Any:
+    """Return an open SMBus of smbus2 (extra pi)."""
+    from smbus2 import SMBus
+
+    return SMBus(bus)
+
+
+class Mpu6050(Imu):
+    """The sensor with the ranges that the robot file's scales ask for; ``opener`` makes the I2C bus."""
+
+    kind = "mpu6050"
+
+    def __init__(self, robot: Robot, bus: int = 1, address: int = ADDRESS, opener: Any = open_i2c) -> None:
+        self._bus_number, self._address, self._opener = bus, address, opener
+        self._gyro_range = GYRO_RANGES.index(robot.imu.gyro_counts_per_deg_s)
+        self._accel_range = ACCEL_RANGES.index(robot.imu.accel_counts_per_g)
+        self._i2c: Any = None
+
+    def open(self) -> None:
+        """See Imu."""
+        self.close()
+        try:
+            self._set_up()
+        except BaseException:
+            self.close()
+            raise
+
+    def _set_up(self) -> None:
+        try:
+            self._i2c = self._opener(self._bus_number)
+            identity = self._i2c.read_byte_data(self._address, WHO_AM_I)
+            if identity != IDENTITY:
+                raise ImuError(f"{self._where}: answers as 0x{identity:02x}, an MPU6050 does as 0x{IDENTITY:02x}")
+            for register, value in (
+                (POWER, CLOCK_GYRO_X),
+                (CONFIG, LOW_PASS),
+                (GYRO_CONFIG, self._gyro_range << 3),
+                (ACCEL_CONFIG, self._accel_range << 3),
+            ):
+                self._i2c.write_byte_data(self._address, register, value)
+        except FileNotFoundError:
+            raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: sudo raspi-config nonint do_i2c 0") from None
+        except PermissionError:
+            raise ImuError(
+                f"/dev/i2c-{self._bus_number}: no permission; run: sudo usermod -aG i2c $USER   and log in again"
+            ) from None
+        except OSError as error:
+            raise ImuError(f"{self._where}: no MPU6050 answers ({error.strerror or error}): check its wires") from None
+
+    def read(self) -> tuple[int, ...]:
+        """See Imu."""
+        if self._i2c is None:
+            raise ImuError(f"{self._where}: not open")
+        try:
+            block = self._i2c.read_i2c_block_data(self._address, ACCEL_OUT, BLOCK)
+        except OSError as error:
+            raise ImuError(f"{self._where}: stopped answering ({error.strerror or error}): check its wires") from None
+        ax, ay, az, _, gx, gy, gz = struct.unpack(">7h", bytes(block))
+        return gx, gy, gz, ax, ay, az
+
+    def close(self) -> None:
+        """See Imu."""
+        if self._i2c is not None:
+            self._i2c.close()
+            self._i2c = None
+
+    @property
+    def _where(self) -> str:
+        return f"I2C {self._bus_number}, address 0x{self._address:02x}"

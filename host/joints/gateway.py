@@ -1,0 +1,83 @@
+"""The simulated robot in real time on a bus that other programs reach: its joints answer as real ones would.
+
+Frames pass between the adapter and the simulated bus, where they take their time and their turn. Faults come at
+moments of the robot's own time.
+"""
+
+import time
+from collections.abc import Callable
+
+from shared.wire import names as w
+
+from ..can.port import Port
+from ..errors import UserError
+from .sim_robot import SimRobot, power_off
+
+FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage")
+BABBLE_ID = 0x07F  # below SYNC: nobody else gets a word in
+CATCH_UP_S = 0.1  # farther behind than that, the simulated time stays behind
+
+
+class Gateway:
+    """A simulated robot behind a port."""
+
+    def __init__(self, sim: SimRobot, port: Port) -> None:
+        self.sim, self.port = sim, port
+        self._node = sim.bus.attach(self._out, room=4096)
+        self.behind_s = 0.0
+        self._extra = sim.bus.attach(lambda time_us, identifier, data: None)
+
+    def _out(self, time_us: int, identifier: int, data: bytes) -> None:
+        self.port.send(identifier, data)
+
+    def inject(self, fault: str) -> None:
+        """Have a fault happen: KIND[:NODE]@SECONDS from now. UserError if it is none."""
+        text, _, when = fault.partition("@")
+        kind, _, number = text.partition(":")
+        try:
+            after_ms, node = round(1000 * float(when)), int(number or 1)
+        except ValueError:
+            after_ms, node = -1, 0
+        if kind not in FAULTS or after_ms < 0 or not 1 <= node <= len(self.sim.joints):
+            raise UserError(
+                f"--fault {fault}: give KIND[:NODE]@SECONDS with KIND one of {', '.join(FAULTS)}, NODE 1..12"
+            )
+        self.sim.at(max(1, after_ms), self._action(kind, node))
+
+    def _action(self, kind: str, node: int) -> Callable[[], None]:
+        sim, joint = self.sim, self.sim.joints[node - 1]
+        actions: dict[str, Callable[[], None]] = {
+            "power-cycle": joint.power_cycle,
+            "power-off": lambda: power_off(sim, [node]),
+            "e-stop": lambda: self._stop(node),
+            "babble": lambda: sim.each_ms.append(self._babble),
+            "under-voltage": lambda: joint.set_volts(12.0),
+        }
+        return actions[kind]
+
+    def _stop(self, node: int) -> None:
+        self.sim.nodes[node - 1].send(w.E_STOP_ID, b"")
+
+    def _babble(self, ms: int) -> None:
+        for _ in range(12):
+            self._extra.send(BABBLE_ID, bytes(8))
+
+    def run(self, seconds: float | None) -> None:
+        """Go on for a time, or until Ctrl-C."""
+        began_s, began_ms = time.monotonic(), self.sim.ms
+        while seconds is None or self.sim.ms - began_ms < 1000 * seconds:
+            self._take()
+            self.sim.advance_ms(1)
+            behind_s = time.monotonic() - began_s - (self.sim.ms - began_ms) / 1000
+            if behind_s < 0:
+                time.sleep(-behind_s)
+            elif behind_s > CATCH_UP_S:
+                self.behind_s += behind_s
+                began_s += behind_s
+
+    def _take(self) -> None:
+        while True:
+            frame = self.port.receive()
+            if frame is None:
+                return
+            self._node.send(frame.identifier, frame.data)

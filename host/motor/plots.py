@@ -1,0 +1,43 @@
+"""The record of a simulated joint as one picture: position, velocity, currents, torque, temperature over time."""
+
+from math import degrees
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..files import atomic_path
+
+if TYPE_CHECKING:
+    from .scenarios import Result
+
+
+def draw(result: "Result", path: Path) -> None:
+    """Write the picture of a scenario."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    t, limit = result.bench.trace, result.bench.bldc.drive.current_limit_A
+    figure = Figure(figsize=(9, 10), layout="constrained")
+    FigureCanvasAgg(figure)
+    position, speed, current, torque, heat = figure.subplots(5, 1, sharex=True)
+    figure.suptitle(f"{result.name}: {'ok' if result.ok else 'not achieved'}")
+    position.plot(t.time_s, [degrees(x) for x in t.joint_rad], label="joint")
+    if result.name in ("step", "sine"):
+        position.plot(t.time_s, [degrees(x) for x in t.goal_rad], "--", label="set-point")
+    position.set_ylabel("position, deg")
+    speed.plot(t.time_s, t.speed_rad_s, label="joint")
+    speed.set_ylabel("velocity, rad/s")
+    current.plot(t.time_s, t.peak_A, color="0.7", label="largest phase current")
+    current.plot(t.time_s, t.current_A, label="q current")
+    current.plot(t.time_s, t.limit_A, "--", color="tab:red", label="limit left")
+    current.set_ylim(-1.15 * limit, 1.25 * limit)
+    current.set_ylabel("current, A")
+    torque.plot(t.time_s, t.torque_Nm, label="at the joint")
+    torque.set_ylabel("torque, N m")
+    heat.plot(t.time_s, t.winding_C, label="winding")
+    heat.set_ylabel("temperature, degrees C")
+    heat.set_xlabel("time since power-on, s")
+    for axes in (position, speed, current, torque, heat):
+        axes.grid(alpha=0.3)
+        axes.legend(loc="upper right", fontsize="small")
+    with atomic_path(path) as draft:
+        figure.savefig(draft, dpi=110)

@@ -1,0 +1,114 @@
+"""Everything `caramelo bench` prints, as data: cost per function and runtime, accuracy, the simulator's speed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ..runtimes import CPython, Unix, Wasi
+from .accuracy import Accuracy, accuracies
+from .budget import over_budget, read_budget
+from .figures import float_microseconds, fuel, microseconds
+from .sources import gather
+
+REPEATS = 50  # calls in a timed loop
+UNIX = ("bytecode", "native", "viper")
+
+# What the figures have to reach. A time depends on the machine, so it is told and judged by the reader.
+TICK_US = 60.0
+FASTER_THAN_FLOATS = 3.0
+TICK = "planner.tick:"
+COMPARED = ("leg.leg_inverse", TICK)
+
+
+@dataclass
+class Bench:
+    """``cost`` holds a row of figures by function; ``skipped`` says which runtime is missing and why."""
+
+    cost: dict[str, dict[str, float]] = field(default_factory=dict)
+    accuracy: list[Accuracy] = field(default_factory=list)
+    simulator: dict[str, Any] = field(default_factory=dict)
+    skipped: dict[str, str] = field(default_factory=dict)
+    over: list[str] = field(default_factory=list)
+
+    def fill(self, column: str, figures: dict[str, float] | dict[str, int]) -> None:
+        for name, figure in figures.items():
+            self.cost.setdefault(name, {})[column] = figure
+
+    @property
+    def ticks(self) -> dict[str, float]:
+        """Return the microseconds of whole ticks on CPython by walk."""
+        return {
+            name.removeprefix(TICK): row["cpython_us"]
+            for name, row in self.cost.items()
+            if name.startswith(TICK) and "cpython_us" in row
+        }
+
+    @property
+    def missed(self) -> list[str]:
+        """Return one sentence for each figure that does not reach what it has to."""
+        found = [f"{a.name}: {a.worst:.4g} {a.unit}, at most {a.bar:g}" for a in self.accuracy if not a.ok]
+        for name, row in self.cost.items():
+            if name.startswith(COMPARED) and row.get("float_ratio", FASTER_THAN_FLOATS) < FASTER_THAN_FLOATS:
+                found.append(f"{name}: {row['float_ratio']:.1f} x faster than floats, at least {FASTER_THAN_FLOATS:g}")
+        return found + self.over
+
+
+def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> Bench:
+    """Measure everything that is installed here."""
+    bench = Bench()
+    sources = gather(work)
+    steps = [
+        lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS)),
+        lambda: _fuel(bench, sources, _new(work, "wasi")),
+        *(lambda emitter=emitter: _unix(bench, sources, work, emitter) for emitter in UNIX),
+        lambda: bench.accuracy.extend(accuracies()),
+    ]
+    if simulate:
+        steps.append(lambda: bench.simulator.update(simulator_figures()))
+    for done, step in enumerate(steps):
+        progress(done / len(steps))
+        step()
+    return bench
+
+
+def simulator_figures() -> dict[str, Any]:
+    """Return how fast the simulator walks Caramelo over flat ground, against real time."""
+    from ..robot_file import load_robot
+    from ..walk import WalkSpec, run_walk, walk_result
+
+    robot = load_robot("caramelo")
+    spec = WalkSpec(robot=robot, gait=robot.gait.default, distance_m=0.5)
+    result = walk_result(spec, run_walk(spec))
+    return {key: result[key] for key in ("robot", "gait", "terrain", "duration_s", "real_time_factor")}
+
+
+def _fuel(bench: Bench, sources: Path, work: Path) -> None:
+    missing = Wasi().missing()
+    if missing:
+        bench.skipped["wasi"] = missing
+        return
+    burnt = fuel(sources, work)
+    bench.fill("fuel", burnt)
+    bench.over = over_budget(burnt, read_budget())
+
+
+def _unix(bench: Bench, sources: Path, work: Path, emitter: str) -> None:
+    runtime = Unix(emitter)
+    missing = runtime.missing()
+    if missing:
+        bench.skipped[runtime.name] = missing
+        return
+    bench.fill(f"{emitter}_us", microseconds(runtime, sources, _new(work, runtime.name), REPEATS))
+    if emitter == "viper":
+        floats = float_microseconds(runtime, sources, _new(work, "floats"), REPEATS)
+        bench.fill("float_us", {name: us for name, us in floats.items() if name in bench.cost})
+        for row in bench.cost.values():
+            if "float_us" in row and row["viper_us"] > 0:
+                row["float_ratio"] = row["float_us"] / row["viper_us"]
+
+
+def _new(work: Path, name: str) -> Path:
+    folder = work / name
+    folder.mkdir()
+    return folder

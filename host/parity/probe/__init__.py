@@ -1,0 +1,41 @@
+"""The vectors of every public function of shared/. Runs unchanged on CPython and on every MicroPython.
+
+One file per module of shared/, each with its ``PROBES`` (and ``SOURCES``, the modules they are of, if
+the file is not named like the one). To add a function, add its Probe there; to add a module, add its
+file's name to MODULES. Parity, cost, allocation, overflow and the table in the docs all read these.
+"""
+
+MODULES = (
+    "fixed",
+    "leg",
+    "reach",
+    "body",
+    "swing",
+    "pid",
+    "balance",
+    "attitude",
+    "gait",
+    "command",
+    "steps",
+    "posture",
+    "compliance",
+    "load",
+    "sensing",
+    "stability",
+    "navigate",
+    "sway",
+    "tipping",
+    "ground",
+    "adaptive",
+    "crawl",
+    "planner",
+    "wire_codec",
+    "wire",
+    "joint_parts",
+    "joint",
+)
+
+
+def probes(module):
+    """Return the probes of one module by its name."""
+    return __import__("probe." + module, None, None, ("PROBES",)).PROBES

@@ -1,0 +1,96 @@
+"""shared/adaptive.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
+
+from array import array
+
+from shared import adaptive
+from shared.gait import CLOCK_SEGMENT, CLOCK_SIZE, CLOCK_TICK, compile_gait
+from shared.gaits import GAIT_ADAPTIVE, GAITS
+from shared.steps import SPEED_SIZE, STEPS_SIZE, steps_reset
+
+from .draw import Range
+from .draws import BRAD
+from .probe import Block, Pick, Probe
+from .robots import PARAMS
+
+LEGS_FROM = 3
+PLACE = Range(-18900, 18900)  # three squares of it are below 2^30
+ANGLES = Block(array("i", [0] * 16), (16, BRAD))
+REACHED = Block(array("i", [0] * 12), (12, PLACE))
+POSED = Block(array("i", [0] * 6), (3, Range(-65535, 65535)), (3, BRAD))
+SPEED = Block(array("i", [0] * SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
+DRIVE = array("i", [0] * SPEED_SIZE)
+STEPS = array("i", [0] * STEPS_SIZE)
+CLOCK = array("i", [0] * CLOCK_SIZE)
+FLAG = Range(0, 1)
+GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
+WALK = adaptive.Adaptive(PARAMS[0])
+ROBOT = Pick(*PARAMS)
+STATE = (WALK.state, WALK.load, WALK.nav, WALK.tip)
+RATE = Range(-(1 << 15), (1 << 15) - 1)
+
+
+def _begin():
+    adaptive.adaptive_reset(PARAMS[0], WALK)
+    steps_reset(PARAMS[0], STEPS)
+    for block in (WALK.body, WALK.firm, WALK.stands, DRIVE):
+        for at in range(len(block)):
+            block[at] = 0
+    for at in range(len(PARAMS)):
+        adaptive.retime(PARAMS[at], GAIT_OF[at], DRIVE)
+
+
+def _clock(params, dice):
+    """Put the clock anywhere in the gait of a robot; return that gait."""
+    CLOCK[CLOCK_SEGMENT] = dice.below(4)
+    CLOCK[CLOCK_TICK] = dice.below(12)
+    for at in range(len(PARAMS)):
+        if PARAMS[at] is params:
+            return GAIT_OF[at]
+    raise ValueError("not one of the robots")
+
+
+def _live(values, dice):
+    """One tick of anything on the drawn robot; a gait argument becomes that robot's."""
+    params = values[0]
+    if dice.below(40) == 0:
+        adaptive.adaptive_reset(params, WALK)
+    for axis in range(3):
+        WALK.state[adaptive.W_TURNED + axis] = RATE.any(dice)
+    WALK.state[adaptive.W_RATES] = dice.bits(1)
+    ANGLES.fill(dice)
+    REACHED.fill(dice)
+    SPEED.fill(dice)
+    gait = _clock(params, dice)
+    adaptive.feel_legs(params, WALK, ANGLES.array, LEGS_FROM, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
+    adaptive.drive_speed(params, WALK, SPEED.array, DRIVE)
+    adaptive.sway_body(params, WALK, gait, CLOCK, 1)
+    adaptive.raise_body(params, WALK, REACHED.array, dice.bits(1))
+    adaptive.carry(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
+
+
+def _with_gait(at):
+    def fit(values, dice):
+        _live(values, dice)
+        values[at] = _clock(values[0], dice)
+
+    return fit
+
+
+def _part(name, arguments, watch=STATE, fit=_live):
+    return Probe(name, getattr(adaptive, name), arguments, watch=watch, fit=fit, begin=_begin)
+
+
+PROBES = (
+    _part("adaptive_reset", (ROBOT, WALK)),
+    _part("adaptive_start", (ROBOT, WALK)),
+    _part("feel_legs", (ROBOT, WALK, ANGLES, LEGS_FROM, FLAG, BRAD, BRAD)),
+    _part("feel_ground", (ROBOT, WALK, STEPS, BRAD, BRAD, BRAD, BRAD), STATE + (STEPS,)),
+    _part("drive_speed", (ROBOT, WALK, SPEED, DRIVE), STATE + (DRIVE,)),
+    _part("retime", (ROBOT, 0, SPEED), (), _with_gait(1)),
+    _part("begin_segment", (ROBOT, WALK, 0, CLOCK, SPEED, SPEED), STATE, _with_gait(2)),
+    _part("sway_body", (ROBOT, WALK, 0, CLOCK, FLAG), STATE, _with_gait(2)),
+    _part("learn_centre", (ROBOT, WALK, CLOCK)),
+    _part("raise_body", (ROBOT, WALK, REACHED, FLAG)),
+    _part("pose_body", (ROBOT, WALK, BRAD, BRAD, POSED), (POSED.array,)),
+    _part("carry", (ROBOT, WALK, REACHED, Range(0, 15), FLAG)),
+)

@@ -1,0 +1,94 @@
+"""What a runtime is asked, and its answer: one marked line of JSON."""
+
+import json
+import sys
+
+from . import MODULES, probes
+from .draw import Digest
+
+
+def _say(answer) -> None:
+    print("@@" + json.dumps(answer))
+
+
+def _find(module, name):
+    for probe in probes(module):
+        if probe.name == name:
+            return probe
+    raise ValueError("no probe " + name)
+
+
+def about() -> None:
+    """Answer with the version, the size of a word (found by counting) and the modules."""
+    version = ".".join([str(part) for part in sys.implementation.version[:3]])
+    bits = 1
+    largest = sys.maxsize
+    while largest:
+        largest >>= 1
+        bits += 1
+    name = sys.implementation.name
+    _say({"implementation": name, "version": version, "word_bits": bits, "modules": MODULES})
+
+
+def parts() -> None:
+    """Answer with what to ask for at once: modules without their walks, and each walk by itself.
+
+    A VM that never collects its garbage starts afresh for each.
+    """
+    found = []
+    for module in MODULES:
+        found.append([module, ""])
+        found.extend([[module, probe.name] for probe in probes(module) if hasattr(probe, "length")])
+    _say({"parts": found})
+
+
+def register(module) -> None:
+    """Answer with what is promised about each function of a module."""
+    found = getattr(__import__("probe." + module, None, None, ("SOURCES",)), "SOURCES", (module,))
+    _say(
+        {
+            "sources": found,
+            "probes": [
+                {
+                    "name": p.name,
+                    "function": getattr(p.function, "__name__", p.name),
+                    "arguments": len(p.arguments),
+                    "largest": p.largest,
+                    "ticks": p.ticks,
+                }
+                for p in probes(module)
+            ],
+        }
+    )
+
+
+def parity(module, count, walk="") -> None:
+    """Answer with the digest of ``count`` vectors (times the probe's weight) of each function of a module.
+
+    Of its walks only that named ``walk`` is taken, and then nothing else.
+    """
+    digests = []
+    for probe in probes(module):
+        if (probe.name if hasattr(probe, "length") else "") != walk:
+            continue
+        digest = Digest()
+        probe.run(probe.count(count), digest)
+        digests.append([probe.name, probe.count(count), digest.number()])
+    _say({"digests": digests})
+
+
+def prefix(module, name, count, total) -> None:
+    """Answer with the digest of the first ``count`` of ``total`` vectors of one function."""
+    probe = _find(module, name)
+    digest = Digest()
+    probe.start()
+    for index in range(count):
+        probe.draw(index, total)
+        probe.digest_result(probe.call(), digest)
+    _say({"digest": digest.number()})
+
+
+def show(module, name, index, total) -> None:
+    """Answer with one vector in full."""
+    inputs, result, watched = _find(module, name).show(index, total)
+    _say({"inputs": inputs, "result": result, "watched": watched})

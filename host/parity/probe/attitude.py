@@ -1,0 +1,90 @@
+"""shared/attitude.py: any int16 readings, half of them near 1 g so that they are believed."""
+
+from array import array
+
+from shared import attitude
+
+from .draw import Range
+from .probe import Probe
+from .robots import ATTITUDES
+
+BLOCK = array("i", [0] * attitude.ATTITUDE_SIZE)
+COUNTS = array("i", [0] * 6)
+INT16 = Range(-32768, 32767)
+UNIT = Range(-(1 << 22), 1 << 22)
+RATE = Range(-(1 << 15), 1 << 15)
+_ALIGNED = attitude.A_ALIGN_TICKS
+
+
+def _settings(source):
+    for at in range(attitude.ATTITUDE_SIZE):
+        BLOCK[at] = source[at]
+
+
+def _begin():
+    _settings(ATTITUDES[0])
+    BLOCK[_ALIGNED] = 4
+
+
+def _read(values, dice):
+    """A reading: any numbers, or a gentle turn with about 1 g."""
+    wild = dice.bits(1)
+    for axis in range(6):
+        COUNTS[axis] = INT16.any(dice) if wild else dice.bits(11) - 1024
+    if not wild:
+        COUNTS[3 + dice.below(3)] = BLOCK[attitude.A_ONE_G] * (1 if dice.bits(2) else -1)
+
+
+def _run(values, dice):
+    """Now and then another robot or rate, already aligned or not."""
+    if dice.below(40) == 0:
+        _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+        if dice.bits(1):
+            BLOCK[attitude.A_COUNT] = BLOCK[_ALIGNED]
+    _read(values, dice)
+
+
+def _run_aligning(values, dice):
+    """Readings at rest, mostly, so that alignments end."""
+    if BLOCK[attitude.A_COUNT] >= BLOCK[_ALIGNED]:
+        _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+        BLOCK[_ALIGNED] = 1 + dice.below(8)
+    _read(values, dice)
+    if dice.bits(3):
+        for axis in range(6):
+            COUNTS[axis] = dice.bits(9) - 256
+        COUNTS[5] += BLOCK[attitude.A_ONE_G]
+
+
+def _any_gravity(values, dice):
+    _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+    BLOCK[attitude.A_COUNT] = BLOCK[_ALIGNED]
+    for axis in range(3):
+        BLOCK[attitude.A_GRAVITY + axis] = UNIT.any(dice)
+        BLOCK[attitude.A_BIAS + axis] = dice.bits(12) - 2048
+    _read(values, dice)
+
+
+def _of_a_vector(values, dice):
+    """Two components of a vector of about unit length: not both are 1."""
+    if abs(values[0]) + abs(values[1]) > 3 << 21:
+        values[1] >>= 1
+
+
+def _bias(values, dice):
+    _any_gravity(values, dice)
+
+
+PROBES = (
+    Probe("attitude_reset", attitude.attitude_reset, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    Probe("attitude_step", attitude.attitude_step, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run, vectors=4),
+    Probe("align", attitude.align, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run_aligning),
+    Probe("size_of", attitude.size_of, (INT16, INT16, INT16)),
+    Probe("believed", attitude.believed, (BLOCK, Range(0, 56756)), begin=_begin),
+    Probe("rate_q18", attitude.rate_q18, (BLOCK, INT16, Range(0, 2)), begin=_begin, fit=_bias),
+    Probe("turn", attitude.turn, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    Probe("cross", attitude.cross, (UNIT, UNIT, RATE, RATE), fit=_of_a_vector),
+    Probe("pull", attitude.pull, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    Probe("normalise", attitude.normalise, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    Probe("angles", attitude.angles, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+)

@@ -1,0 +1,42 @@
+"""shared/body.py: any pose over feet anywhere near; rotations are always ones the core made."""
+
+from array import array
+
+from shared import body
+
+from .draw import Range
+from .draws import LEG, ROBOT
+from .probe import Block, Probe
+
+UNIT = Range(-32767, 32767)
+LENGTH = Range(-(1 << 28), 1 << 28)
+POSE = Block(array("i", [0] * body.POSE_SIZE), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
+FEET = Block(array("i", [0] * 12), (12, LENGTH))
+NEAR_POSE = Block(array("i", [0] * body.POSE_SIZE), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
+NEAR_FEET = Block(array("i", [0] * 12), (12, Range(-32767, 32767)))
+ROTATION = array("i", [0] * 9)
+HIP_FEET = array("i", [0] * 12)
+
+
+def _rotate(values, dice):
+    body.body_rotation(values[2], ROTATION)
+
+
+PROBES = (
+    Probe("mul_unit", body.mul_unit, (UNIT, UNIT)),
+    Probe("body_rotation", body.body_rotation, (POSE, ROTATION), watch=(ROTATION,)),
+    Probe(
+        "body_to_hip",
+        body.body_to_hip,
+        (ROBOT, LEG, POSE, ROTATION, FEET, HIP_FEET),
+        watch=(HIP_FEET,),
+        fit=_rotate,
+    ),
+    Probe(
+        "body_to_hip:near",
+        body.body_to_hip,
+        (ROBOT, LEG, NEAR_POSE, ROTATION, NEAR_FEET, HIP_FEET),
+        watch=(HIP_FEET,),
+        fit=_rotate,
+    ),
+)

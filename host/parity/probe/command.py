@@ -1,0 +1,46 @@
+"""shared/command.py: any command block, limited and slewed."""
+
+from array import array
+
+from shared import command
+from shared.body import POSE_SIZE
+from shared.steps import SPEED_SIZE
+
+from .draw import Range
+from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
+from .probe import Block, Probe
+
+COMMAND = Block(array("i", [0] * command.COMMAND_SIZE), (command.COMMAND_SIZE, INT30))
+SPEED = array("i", [0] * SPEED_SIZE)
+POSE = array("i", [0] * POSE_SIZE)
+
+
+def _use_gait(values, dice):
+    values[1] = gait_of(values[0], values[1])
+
+
+def _begin():
+    for at in range(SPEED_SIZE):
+        SPEED[at] = 0
+    for at in range(POSE_SIZE):
+        POSE[at] = 0
+
+
+PROBES = (
+    Probe("slew", command.slew, (HALF30, HALF30, Range(0, (1 << 29) - 1))),
+    Probe(
+        "slew_speed",
+        command.slew_speed,
+        (ROBOT, GAIT, COMMAND, Range(0, 2), SPEED),
+        watch=(SPEED,),
+        fit=_use_gait,
+        begin=_begin,
+    ),
+    Probe(
+        "slew_pose",
+        command.slew_pose,
+        (ROBOT, COMMAND, Range(0, 1), POSE),
+        watch=(POSE,),
+        begin=_begin,
+    ),
+)

@@ -1,0 +1,27 @@
+"""shared/compliance.py: any lever, force and angle."""
+
+from array import array
+
+from shared import compliance
+
+from .draw import Range
+from .draws import BRAD, LEG, ROBOT
+from .probe import Block, Probe
+
+LEVER = Range(-32767, 32767)
+FORCE = Range(-16383, 16383)
+ANY_FORCE = Range(-(1 << 30), (1 << 30) - 1)
+FOOT = Block(array("i", [0] * 12), (12, LEVER))
+JOINTS = Block(array("i", [0] * 12), (12, BRAD))
+
+PROBES = (
+    Probe("torque", compliance.torque, (LEVER, FORCE)),
+    Probe("sag", compliance.sag, (Range(-262143, 262143), Range(0, 32767))),
+    Probe(
+        "sag_leg",
+        compliance.sag_leg,
+        (ROBOT, LEG, FOOT, ANY_FORCE, ANY_FORCE, ANY_FORCE, JOINTS),
+        watch=(JOINTS.array,),
+        vectors=2,
+    ),
+)

@@ -1,0 +1,25 @@
+"""Arguments that several modules of the core share: the robots, a leg, a foot anywhere, a gait of a robot."""
+
+from shared.gait import compile_gait
+from shared.gaits import GAITS
+
+from .draw import Range
+from .probe import Pick
+from .robots import PARAMS
+
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+HALF30 = Range(-(1 << 29), (1 << 29) - 1)
+BRAD = Range(-32768, 32767)
+LEG = Range(0, 3)
+ROBOT = Pick(*PARAMS)
+GAIT = Range(0, len(GAITS) - 1)
+
+_COMPILED = [[compile_gait(table, params) for table in GAITS] for params in PARAMS]
+
+
+def gait_of(params, index):
+    """Return the compiled gait ``index`` of the robot and rate that ``params`` is."""
+    for at in range(len(PARAMS)):
+        if PARAMS[at] is params:
+            return _COMPILED[at][index]
+    raise ValueError("not one of the robots")

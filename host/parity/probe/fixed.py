@@ -1,0 +1,40 @@
+"""shared/fixed.py: the primitives, each over its whole stated range."""
+
+from shared import fixed
+
+from .draw import Range
+from .probe import Probe
+
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+ANGLE = Range(-(1 << 30), (1 << 30) - 16385)
+SIDE = Range(1 - (1 << 30), (1 << 30) - 1)
+
+
+def _order(values, dice) -> None:
+    if values[1] > values[2]:
+        values[1], values[2] = values[2], values[1]
+
+
+def _keep_product(values, dice) -> None:
+    a, b = values
+    while a * b > 32767 * 32768 or a * b < -32767 * 32768:
+        if -32768 < a < 32768:
+            b >>= 1
+        else:
+            a >>= 1
+    values[0] = a
+    values[1] = b
+
+
+PROBES = (
+    Probe("saturate", fixed.saturate, (INT30, INT30, INT30), fit=_order),
+    Probe("mul_q15", fixed.mul_q15, (INT30, Range(-32768, 32768)), fit=_keep_product),
+    Probe("sin_q15", fixed.sin_q15, (ANGLE,), vectors=8),
+    Probe("cos_q15", fixed.cos_q15, (ANGLE,), vectors=8),
+    Probe("atan2_brad18", fixed.atan2_brad18, (SIDE, SIDE), vectors=8),
+    Probe("round_brad", fixed.round_brad, (Range(4 - (1 << 30), (1 << 30) - 4),)),
+    Probe("atan2_brad", fixed.atan2_brad, (SIDE, SIDE), vectors=2),
+    Probe("isqrt", fixed.isqrt, (INT30,), vectors=8),
+    Probe("round_sqrt", fixed.round_sqrt, (INT30,), vectors=2),
+    Probe("hypot", fixed.hypot, (Range(1 - (1 << 29), (1 << 29) - 1), Range(1 - (1 << 29), (1 << 29) - 1)), vectors=4),
+)

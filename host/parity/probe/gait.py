@@ -1,0 +1,81 @@
+"""shared/gait.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
+
+from array import array
+
+from shared import gait
+from shared.gaits import GAITS
+
+from .draw import Range
+from .draws import GAIT, LEG, ROBOT, gait_of
+from .probe import Pick, Probe
+
+CLOCK = array("i", [0] * gait.CLOCK_SIZE)
+BLOCK = array("i", [0] * (gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE))
+ROW = [400, 0, 1]
+
+
+def draw_clock(block, clock, dice):
+    """Put the clock at any tick of any segment of the gait."""
+    clock[gait.CLOCK_SEGMENT] = dice.below(block[gait.G_SEGMENTS])
+    row = gait.G_ROWS + clock[gait.CLOCK_SEGMENT] * gait.ROW_SIZE
+    clock[gait.CLOCK_TICK] = dice.below(block[row + gait.ROW_TICKS])
+    clock[gait.CLOCK_MADE_Q10] = dice.below(32769)
+
+
+def _any_clock(values, dice):
+    values[0] = gait_of(ROBOT.choices[dice.below(len(ROBOT.choices))], values[0])
+    draw_clock(values[0], values[1], dice)
+
+
+def _copy(params, dice):
+    """Put a compiled gait into BLOCK, which the set-up functions then fill in again."""
+    source = gait_of(params, dice.below(len(GAITS)))
+    for at in range(len(source)):
+        BLOCK[at] = source[at]
+
+
+def _new_row(values, dice):
+    _copy(ROBOT.choices[0], dice)
+    BLOCK[gait.G_CYCLE] = dice.below(2000)
+    BLOCK[gait.G_CYCLOID] = 0
+    values[1] %= BLOCK[gait.G_SEGMENTS]
+    ROW[0] = 1 + dice.below(2000)
+    ROW[1] = dice.below(16)
+    ROW[2] = dice.below(9)
+
+
+def _new_share(values, dice):
+    _copy(ROBOT.choices[dice.below(len(ROBOT.choices))], dice)
+    values[1] %= BLOCK[gait.G_SEGMENTS]
+
+
+def _new_limit(values, dice):
+    _copy(values[1], dice)
+
+
+def _new_swing(values, dice):
+    _copy(ROBOT.choices[dice.below(len(ROBOT.choices))], dice)
+
+
+PROBES = (
+    Probe("compile_gait", gait.compile_gait, (Pick(*GAITS), ROBOT), ticks=False),
+    Probe(
+        "time_segment",
+        gait.time_segment,
+        (BLOCK, Range(0, 15), ROW, Pick(20, 50, 500)),
+        watch=(BLOCK,),
+        fit=_new_row,
+        ticks=False,
+    ),
+    Probe(
+        "share_out_advance",
+        gait.share_out_advance,
+        (BLOCK, Range(0, 15), Range(0, 1), Range(20, 40)),
+        watch=(BLOCK,),
+        fit=_new_share,
+        ticks=False,
+    ),
+    Probe("limit_speeds", gait.limit_speeds, (BLOCK, ROBOT), watch=(BLOCK,), fit=_new_limit, ticks=False),
+    Probe("share_out_swing", gait.share_out_swing, (BLOCK, LEG), watch=(BLOCK,), fit=_new_swing, ticks=False),
+    Probe("gait_clock", gait.gait_clock, (GAIT, CLOCK), watch=(CLOCK,), fit=_any_clock),
+)

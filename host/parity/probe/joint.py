@@ -1,0 +1,230 @@
+"""shared/joint: the functions that work on a joint's blocks, in states that a life of the joint leads to."""
+
+from shared.joint import (
+    calibration,
+    cascade,
+    current,
+    drive_state,
+    encoder,
+    feed,
+    homing,
+    protection,
+    report,
+    svpwm,
+    thermal,
+    tick,
+)
+from shared.joint import layout as j
+from shared.joint.sine import SINE
+
+from .draw import Range
+from .joint_robot import (
+    CAL,
+    CFG,
+    CURVE,
+    FOC,
+    IO,
+    MOTION,
+    STATE,
+    begin,
+    live,
+    one_millisecond,
+    read_currents,
+    trouble,
+    wish,
+)
+from .probe import Probe
+
+SOURCES = (
+    "joint.calibration",
+    "joint.cascade",
+    "joint.current",
+    "joint.drive_state",
+    "joint.encoder",
+    "joint.feed",
+    "joint.homing",
+    "joint.protection",
+    "joint.report",
+    "joint.svpwm",
+    "joint.thermal",
+    "joint.tick",
+)
+
+ROTOR = Range(0, 16383)
+CURRENT = Range(-12288, 12288)
+SQUARE = Range(0, (1 << 19) - 1)
+OFFSET = Range(0, 65520)
+POSITION = Range(-(1 << 28), 1 << 28)
+PURPOSE = Range(0, 8)
+
+
+def _stepping(values, dice):
+    """A rotor reading near the last one mostly, and currents."""
+    live(values, dice)
+    read_currents(dice)
+    if dice.below(8):
+        values[0] = (MOTION.rotor + MOTION.speed) & 16383
+    values[1] = 1 if dice.below(20) == 0 else 0
+    if dice.below(10) == 0:
+        FOC[j.F_MASKED] = dice.bits(3)
+
+
+def _repairing(values, dice):
+    """What current_step left, with the arguments it was called with."""
+    step = [0, 0]
+    _stepping(step, dice)
+    values[0] = current.current_step(step[0], step[1], FOC, SINE)
+    values[1] = step[0]
+    values[2] = step[1]
+    if values[0] == 0 and dice.bits(1):
+        values[0] = 2 + dice.bits(1)
+
+
+def _lost(values, dice):
+    live(values, dice)
+    FOC[j.F_ROTOR_SEEN] = dice.bits(14) if dice.bits(1) else -1
+
+
+def _long_vector(values, dice):
+    live(values, dice)
+    limit = FOC[j.F_LIMIT]
+    values[1] = (dice.below(2 * limit + 1) - limit) << 4
+    values[2] = (dice.below(2 * limit + 1) - limit) << 3
+
+
+def _posed(values, dice):
+    live(values, dice)
+    CAL[calibration.C_POSE] = dice.bits(18) - (1 << 17)
+    CAL[calibration.C_REST_ROTOR] = dice.bits(14)
+    CAL[calibration.C_REST_JOINT] = dice.bits(14)
+
+
+def _calibrating(values, dice):
+    """In the middle of a calibration: as many ticks of one as come up, then the probed one."""
+    if dice.below(30) == 0 or CAL[calibration.C_PHASE] == calibration.PHASE_IDLE:
+        begin()
+        calibration.calibration_start(CAL, 1 + dice.below(3))
+        CAL[calibration.C_POSE_GIVEN] = dice.bits(1)
+    if dice.bits(1):
+        skip_ahead(dice)
+    for _ in range(dice.below(30)):
+        follow_field(dice)
+        calibration.calibration_step(FOC, CFG, STATE, IO, CAL)
+    follow_field(dice)
+
+
+def skip_ahead(dice):
+    """To near the end of any phase, as if all had gone well until then, or nearly all."""
+    travel = 262144 if CAL[calibration.C_KIND] == calibration.CAL_FULL else 32768
+    pairs = CFG[j.K_POLE_PAIRS]
+    phase = 1 + dice.below(calibration.PHASE_RETURN)
+    back = phase == calibration.PHASE_BACK or phase == calibration.PHASE_RETURN
+    CAL[calibration.C_PHASE] = phase
+    CAL[calibration.C_TICKS] = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
+    CAL[calibration.C_ANGLE] = 1280 if back else travel - 1280
+    CAL[calibration.C_MOVED] = CAL[calibration.C_ANGLE] // (4 * pairs)
+    CAL[calibration.C_DIRECTION] = 1
+    CAL[calibration.C_POLE_PAIRS] = pairs
+    CAL[calibration.C_FORWARD] = travel // (4 * pairs)
+    CAL[calibration.C_JOINT_FORWARD] = CAL[calibration.C_FORWARD] * 256 // CFG[j.K_GEAR_Q8]
+    for axis in range(3):
+        CAL[calibration.C_RAW_SUM + axis] = 2048 * 250
+    follow_field(dice)
+    CAL[calibration.C_LAST] = FOC[j.F_ROTOR]
+    CAL[calibration.C_JOINT_LAST] = IO[j.IO_JOINT_RAW]
+    CAL[calibration.C_REST_ROTOR] = FOC[j.F_ROTOR]
+    if dice.below(3) == 0:
+        wrong = (calibration.C_FORWARD, calibration.C_MOVED, calibration.C_JOINT_FORWARD, calibration.C_RAW_SUM)
+        CAL[wrong[dice.below(4)]] = dice.bits(16) - 32768
+
+
+def follow_field(dice):
+    """The rotor goes where the field points, as a free one does, with the current that is asked for."""
+    pairs = CFG[j.K_POLE_PAIRS]
+    turned = CAL[calibration.C_ANGLE] // (4 * pairs) if pairs else 0
+    FOC[j.F_ROTOR] = (turned + 100 + dice.bits(1)) & 16383
+    FOC[j.F_I_D] = FOC[j.F_D_REF] + dice.bits(3) - 4
+    IO[j.IO_JOINT_RAW] = (turned * 256 // CFG[j.K_GEAR_Q8]) & 16383
+    STATE[j.S_RATE] = 0
+    STATE[j.S_BUS] = (CFG[j.K_CAL_BUS_LEAST] + CFG[j.K_CAL_BUS_MOST]) >> 1
+    for phase in range(3):
+        FOC[j.F_RAW_A + phase] = 2048 + dice.bits(2)
+
+
+def _probe(source, name, *arguments, fit=live, vectors=1):
+    watch = (FOC, STATE, CFG, CAL)
+    return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit, begin=begin, vectors=vectors)
+
+
+class Life(Probe):
+    """The motion tick through a long life: set-points, modes, faults, arming, calibrating, homing."""
+
+    def draw(self, index, count):
+        wish(self.dice)
+        trouble(self.dice)
+        one_millisecond(self.dice)
+
+
+PROBES = (
+    _probe(current, "current_step", ROTOR, ROTOR, FOC, SINE, fit=_stepping, vectors=4),
+    _probe(current, "current_repair", ROTOR, ROTOR, ROTOR, FOC, SINE, fit=_repairing, vectors=2),
+    _probe(current, "turn_voltage", FOC, SINE),
+    _probe(current, "limit_voltage", FOC),
+    _probe(current, "current_reset", FOC, ROTOR),
+    _probe(current, "current_relax", FOC),
+    _probe(current, "set_offsets", FOC, OFFSET, OFFSET, OFFSET),
+    _probe(current, "current_sum", FOC),
+    _probe(svpwm, "svpwm", FOC, CURRENT, CURRENT, fit=_long_vector),
+    _probe(feed, "feed_bus", FOC, CFG, Range(-32768, 32767)),
+    _probe(feed, "feed_voltages", FOC, CFG, STATE),
+    _probe(cascade, "cascade_reset", CFG, STATE),
+    _probe(cascade, "cascade_step", CFG, STATE, IO),
+    _probe(cascade, "follow_position", CFG, STATE, IO),
+    _probe(cascade, "follow_velocity", CFG, STATE, Range(-(1 << 24), 1 << 24)),
+    _probe(cascade, "velocity_loop", CFG, STATE, CURRENT),
+    _probe(cascade, "impedance", CFG, STATE, IO),
+    _probe(cascade, "guard_position", CFG, STATE, CURRENT),
+    _probe(cascade, "limit_current", CFG, STATE, Range(-(1 << 21), 1 << 21)),
+    _probe(cascade, "damping_current", CFG, STATE),
+    _probe(cascade, "write_current", FOC, CFG, STATE),
+    _probe(encoder, "encoder_reset", FOC, CFG, STATE),
+    _probe(encoder, "encoder_resync", FOC, STATE, fit=_lost),
+    _probe(encoder, "encoder_step", FOC, CFG, STATE),
+    _probe(encoder, "track_rate", CFG, STATE, Range(-8192, 8191)),
+    _probe(encoder, "joint_count", CFG, ROTOR),
+    _probe(encoder, "watch_encoders", CFG, STATE, IO),
+    _probe(encoder, "choose_turn", CFG, STATE, POSITION),
+    _probe(encoder, "home_at", CFG, STATE, POSITION),
+    _probe(encoder, "home_by_encoder", CFG, STATE, IO),
+    _probe(report, "report_position", CFG, STATE),
+    _probe(report, "report_velocity", CFG, STATE),
+    _probe(report, "report_current", FOC, CFG),
+    _probe(report, "report_bus", CFG, STATE),
+    _probe(thermal, "model_reset", STATE, Range(-1000, 4000)),
+    _probe(thermal, "model_step", CFG, STATE, SQUARE),
+    _probe(thermal, "i2t_step", CFG, STATE, SQUARE),
+    _probe(homing, "homing_start", STATE),
+    _probe(homing, "homing_stop", STATE),
+    _probe(homing, "homing_step", CFG, STATE),
+    _probe(protection, "report_cause", STATE, Range(0, 80), Range(-(1 << 23), (1 << 23) - 1)),
+    _probe(protection, "protect_motion", FOC, CFG, STATE, IO),
+    _probe(protection, "gather_heat", FOC, STATE),
+    _probe(protection, "protect_slow", CFG, STATE, IO, CURVE),
+    _probe(drive_state, "drive_reset", STATE),
+    _probe(drive_state, "drive_arm", CFG, STATE, IO, PURPOSE),
+    _probe(drive_state, "drive_disarm", STATE),
+    _probe(drive_state, "drive_quick_stop", STATE),
+    _probe(drive_state, "drive_clear", STATE),
+    _probe(drive_state, "drive_step", CFG, STATE, IO, vectors=2),
+    _probe(calibration, "set_commutation", FOC, CFG),
+    _probe(calibration, "calibration_start", CAL, Range(1, 3)),
+    _probe(calibration, "calibration_abort", FOC, CFG, CAL),
+    _probe(calibration, "calibration_needs_bridge", CAL),
+    _probe(calibration, "calibration_step", FOC, CFG, STATE, IO, CAL, fit=_calibrating),
+    _probe(calibration, "set_zeros", CFG, CAL, fit=_posed),
+    _probe(tick, "joint_reset", FOC, CFG, STATE, ROTOR),
+    _probe(tick, "slow_tick", CFG, STATE, IO, CURVE),
+    _probe(tick, "begin_calibration", STATE, CAL, Range(1, 3)),
+    _probe(tick, "motion_tick", FOC, CFG, STATE, IO, CAL, vectors=2),
+    Life("motion_tick:life", tick.motion_tick, (FOC, CFG, STATE, IO, CAL), watch=(FOC, STATE), begin=begin, vectors=10),
+)

@@ -1,0 +1,138 @@
+"""shared/joint: the functions of plain numbers, each over its stated range."""
+
+from array import array
+
+from shared.joint import (
+    cascade,
+    coupling,
+    encoder,
+    faults,
+    feed,
+    profile,
+    protection,
+    report,
+    svpwm,
+    thermal,
+    transforms,
+)
+
+from .draw import Range
+from .draws import INT30
+from .joint_robot import CURVE, SIGN
+from .probe import Probe
+
+SOURCES = (
+    "joint.cascade",
+    "joint.coupling",
+    "joint.encoder",
+    "joint.faults",
+    "joint.feed",
+    "joint.profile",
+    "joint.protection",
+    "joint.report",
+    "joint.svpwm",
+    "joint.thermal",
+    "joint.transforms",
+)
+
+PHASE = Range(-16383, 16383)
+VECTOR = Range(-22600, 22600)
+UNIT = Range(-32767, 32767)
+INT16 = Range(-32768, 32767)
+GAIN15 = Range(0, 32767)
+GAIN14 = Range(0, 16383)
+TORQUE = Range(-(1 << 28), 1 << 28)
+HALF30 = Range(-(1 << 29), 1 << 29)
+ADC = Range(0, 4095)
+ACCEL = Range(0, 65535)
+RATE_MAX = Range(1, (1 << 18) - 1)
+DISTANCE = Range(0, (1 << 29) - 1)
+STATE = array("i", [0] * 64)
+
+
+def _on_circle(values, dice):
+    """Sine and cosine belong to one angle: their squares add up to 1."""
+    from shared.fixed import cos_q15, sin_q15
+
+    angle = dice.bits(16)
+    values[2] = sin_q15(angle)
+    values[3] = cos_q15(angle)
+
+
+def _order(values, dice):
+    if values[1] * 2 > values[2]:
+        values[1] = values[2] >> 1
+
+
+def _near_enough(values, dice):
+    while abs(values[2] - values[1]) > 32767:
+        values[2] //= 2
+        values[1] //= 2
+
+
+def _profile(values, dice):
+    """A trajectory somewhere, faster than allowed or not; the target's own rate within the limit."""
+    from shared.joint.layout import S_PROFILE, S_PROFILE_RATE
+
+    STATE[S_PROFILE] = dice.bits(29) - (1 << 28) if dice.bits(1) else values[1] + dice.bits(12) - 2048
+    STATE[S_PROFILE_RATE] = dice.bits(18) - (1 << 17)
+    if values[2] > values[4] or values[2] < -values[4]:
+        values[2] = values[4]
+
+
+def _slewing(values, dice):
+    from shared.joint.layout import S_PROFILE_RATE
+
+    STATE[S_PROFILE_RATE] = dice.bits(19) - (1 << 18)
+
+
+def _probe(source, name, *arguments, watch=(), fit=None):
+    return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit)
+
+
+def _transform(name):
+    return _probe(transforms, name, VECTOR, VECTOR, UNIT, UNIT, fit=_on_circle)
+
+
+PROBES = (
+    _probe(transforms, "clarke_alpha", PHASE, PHASE, PHASE),
+    _probe(transforms, "clarke_beta", PHASE, PHASE),
+    _transform("park_d"),
+    _transform("park_q"),
+    _transform("unpark_alpha"),
+    _transform("unpark_beta"),
+    _probe(coupling, "calf_motor", TORQUE, TORQUE),
+    _probe(coupling, "calf_joint", TORQUE, TORQUE),
+    _probe(coupling, "thigh_motor_torque", TORQUE, TORQUE),
+    _probe(coupling, "thigh_joint_torque", TORQUE, TORQUE),
+    _probe(svpwm, "shape_pulse", Range(1 - (1 << 29), (1 << 29) - 1), Range(0, 300), Range(600, 16800), fit=_order),
+    _probe(faults, "damps_first", INT30),
+    _probe(feed, "bus_voltage", ADC, Range(0, 1 << 17)),
+    _probe(feed, "dead_time_voltage", UNIT, GAIN15, Range(0, 4000)),
+    _probe(encoder, "wrap_count", HALF30),
+    _probe(encoder, "position_of", INT30, Range(0, 16383), Range(0, 16383), SIGN),
+    _probe(cascade, "position_from_wire", Range(-65536, 65536), GAIN14),
+    _probe(cascade, "rate_from_wire", INT16, GAIN15),
+    _probe(cascade, "current_from_wire", INT16, GAIN15),
+    _probe(cascade, "fall_q15", UNIT, UNIT, UNIT, fit=_near_enough),
+    _probe(report, "position_to_wire", INT30, Range(-5, 16382)),
+    _probe(report, "report_temperature", INT30),
+    _probe(protection, "count_ticks", Range(0, 65535), Range(0, 1)),
+    _probe(profile, "braking_rate", DISTANCE, ACCEL, RATE_MAX),
+    _probe(profile, "profile_reset", STATE, Range(-(1 << 21) + 1, (1 << 21) - 1), INT30, watch=(STATE,)),
+    _probe(
+        profile,
+        "profile_step",
+        STATE,
+        Range(-(1 << 28), 1 << 28),
+        Range(-(1 << 18) + 1, (1 << 18) - 1),
+        Range(1, 65535),
+        RATE_MAX,
+        watch=(STATE,),
+        fit=_profile,
+    ),
+    _probe(profile, "slew_rate", STATE, Range(-(1 << 19), 1 << 19), ACCEL, watch=(STATE,), fit=_slewing),
+    _probe(thermal, "thermistor_t16", CURVE, Range(-5, 4200)),
+    _probe(thermal, "mcu_t16", ADC, ADC, ADC),
+    _probe(thermal, "scaled", Range(-(1 << 26), (1 << 26) - 1), GAIN14, Range(13, 30)),
+)

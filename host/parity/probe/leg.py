@@ -1,0 +1,36 @@
+"""shared/leg.py: kinematics of one leg, on feet brought into reach first as the planner does."""
+
+from array import array
+
+from shared import leg
+from shared.reach import reach_foot
+
+from .draw import Range
+from .draws import BRAD, LEG, ROBOT
+from .probe import Block, Probe
+
+ANY_ANGLES = Block(array("i", [0] * 12), (12, Range(-(1 << 28), 1 << 28)))
+ANGLES = Block(array("i", [0] * 12), (12, BRAD))
+ANY_FEET = Block(array("i", [0] * 12), (12, Range(-40000, 40000)))
+FEET = array("i", [0] * 12)
+JOINTS = array("i", [0] * 12)
+
+
+def _bring_into_reach(values, dice):
+    reach_foot(values[0], values[1], values[2], values[2])
+
+
+PROBES = (
+    Probe("leg_forward", leg.leg_forward, (ROBOT, LEG, ANY_ANGLES, FEET), watch=(FEET,)),
+    Probe(
+        "leg_inverse",
+        leg.leg_inverse,
+        (ROBOT, LEG, ANY_FEET, JOINTS),
+        watch=(JOINTS,),
+        fit=_bring_into_reach,
+        vectors=4,
+    ),
+    Probe("limit_joints", leg.limit_joints, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
+    Probe("calf_motor", leg.calf_motor, (BRAD, BRAD)),
+    Probe("calf_joint", leg.calf_joint, (BRAD, BRAD)),
+)

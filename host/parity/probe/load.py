@@ -1,0 +1,40 @@
+"""shared/load.py: any feet, any weights, any centre of mass."""
+
+from array import array
+
+from shared import load
+
+from .draw import Range
+from .probe import Block, Probe
+
+PLACE = Range(-32767, 32767)
+FORCE = Range(0, 16383)
+PLANAR = Range(0, 1)
+FEET = Block(array("i", [0] * 12), (12, PLACE))
+WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, load.STANDS_Q8)))
+BLOCK = Block(array("i", [0] * load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)))
+
+
+def _moments(values, dice):
+    load.load_moments(FEET.array, WEIGHTS.array, values[2], BLOCK.array)
+
+
+def _drawn(values, dice):
+    FEET.fill(dice)
+    WEIGHTS.fill(dice)
+    _moments(values, dice)
+
+
+PROBES = (
+    Probe("load_even", load.load_even, (BLOCK, FORCE), watch=(BLOCK.array,)),
+    Probe(
+        "load_share",
+        load.load_share,
+        (FEET, WEIGHTS, PLACE, PLACE, FORCE, PLANAR, BLOCK.array),
+        watch=(BLOCK.array,),
+        vectors=2,
+    ),
+    Probe("load_moments", load.load_moments, (FEET, WEIGHTS, PLANAR, BLOCK.array), watch=(BLOCK.array,)),
+    Probe("load_slope", load.load_slope, (PLACE, PLACE, PLANAR, BLOCK.array), watch=(BLOCK.array,), fit=_drawn),
+    Probe("load_slew", load.load_slew, (BLOCK, FORCE), watch=(BLOCK.array,)),
+)

@@ -1,0 +1,165 @@
+"""What one call costs: bytes, with the heap open and locked; time; and marks for a VM that counts its own work.
+
+A function is called by a caller made for its number of arguments, because star arguments and
+argument tuples would allocate in the caller.
+"""
+
+import gc
+import json
+
+from . import probes
+
+WARM_UP = 300  # ticks of a walk before it is measured: the robot has stood up
+
+
+def _caller(count, head, body, foot):
+    """Return ``f(function, values, n)`` that unpacks ``count`` values and runs ``body`` with CALL in it."""
+    names = ", ".join([f"a{at}" for at in range(count)])
+    lines = ["def caller(f, v, n):"]
+    lines.extend([f"    a{at} = v[{at}]" for at in range(count)])
+    lines.extend(["    " + line for line in head + body.replace("CALL", f"f({names})").split("\n") + foot])
+    space = {"gc": gc}
+    exec("\n".join(lines) + "\n", space)
+    return space["caller"], space
+
+
+def _say(answer):
+    print("@@" + json.dumps(answer))
+
+
+def allocation(module, count):
+    """Answer with the most bytes any of ``count`` calls took: by mem_total, by mem_alloc, and if it failed locked."""
+    import micropython
+
+    gc.disable()
+    rows = []
+    for probe in probes(module):
+        arity = len(probe.values)
+        total, space = _caller(arity, ["before = mem_total()"], "CALL", ["return mem_total() - before"])
+        space["mem_total"] = micropython.mem_total
+        kept, _ = _caller(arity, ["before = gc.mem_alloc()"], "CALL", ["return gc.mem_alloc() - before"])
+        plain, _ = _caller(arity, [], "CALL", [])
+        row = [probe.name, probe.ticks, 0, 0, True]
+        probe.start()
+        turns = count + (WARM_UP if hasattr(probe, "length") else 0)
+        for index in range(turns):
+            probe.draw(index, turns)
+            taken = total(probe.function, probe.values, 1)
+            row[2] = max(row[2], taken)
+            if taken:  # where nothing was taken nothing can be kept, and asking is slow
+                row[3] = max(row[3], kept(probe.function, probe.values, 1))
+            if probe.ticks and not _runs_locked(micropython, plain, probe):
+                row[4] = False
+        rows.append(row)
+    _say({"rows": rows})
+
+
+def locked(module, name, count):
+    """Answer with how many consecutive ticks of a walk ran while the heap was locked, and mem_total's move."""
+    import micropython
+
+    gc.disable()
+    for probe in probes(module):
+        if probe.name == name:
+            plain, _ = _caller(len(probe.values), [], "CALL", [])
+            probe.start()
+            ran = moved = 0
+            for index in range(count):
+                probe.draw(index, count)
+                before = micropython.mem_total()
+                ran += _runs_locked(micropython, plain, probe)
+                moved += micropython.mem_total() - before
+            _say({"ticks": ran, "bytes": moved, "state": probe.robot.numbers[0]})
+
+
+def _runs_locked(micropython, caller, probe):
+    """Return whether one more call succeeds while the heap is locked."""
+    micropython.heap_lock()
+    try:
+        caller(probe.function, probe.values, 1)
+    except MemoryError:
+        return False
+    finally:
+        micropython.heap_unlock()
+    return True
+
+
+def _prepare(probe, count):
+    """Start a probe and return the indexes to draw: random vectors, of walks some after standing up."""
+    probe.start()
+    if hasattr(probe, "length"):
+        for index in range(WARM_UP):
+            probe.draw(index, 0)
+            probe.call()
+        return range(WARM_UP, WARM_UP + 8 * count)
+    return range(count)
+
+
+def fuel(module, count):
+    """Answer with names and, between marks, four turns of an empty loop and four calls, for ``count`` vectors."""
+    import host
+
+    rows = []
+    for probe in probes(module):
+        empty, _ = _caller(len(probe.values), ["for _ in range(n):"], "    pass", [])
+        caller, _ = _caller(len(probe.values), ["for _ in range(n):"], "    CALL", [])
+        vectors = 0
+        for index in _prepare(probe, count):
+            probe.draw(index, 0)
+            host.call("", "")
+            empty(probe.function, probe.values, 4)
+            host.call("", "")
+            caller(probe.function, probe.values, 4)
+            host.call("", "")
+            vectors += 1
+        rows.append([probe.name, vectors])
+    _say({"rows": rows})
+
+
+def clock():
+    """Return a function that counts microseconds (nanoseconds / 1000 where that is finer)."""
+    import time
+
+    if hasattr(time, "perf_counter_ns"):
+        return lambda: time.perf_counter_ns() / 1000
+    return time.ticks_us
+
+
+def timing(module, count, repeats):
+    """Answer with microseconds a call of what runs in ticks: the median over ``count`` vectors of the best loop."""
+    now = clock()
+    rows = []
+    for probe in probes(module):
+        if not probe.ticks:
+            continue
+        caller, _ = _caller(len(probe.values), ["for _ in range(n):"], "    CALL", [])
+        found = []
+        for index in _prepare(probe, count):
+            probe.draw(index, 0)
+            found.append(_best(now, caller, probe.function, probe.values, repeats))
+        found.sort()
+        rows.append([probe.name, found[len(found) // 2]])
+    _say({"rows": rows})
+
+
+def floats(repeats):
+    """Answer with microseconds a call of the float reference's counterparts, the best of three loops."""
+    from float_twin.cases import CASES
+
+    now = clock()
+    rows = []
+    for name, prepare in CASES:
+        function, values = prepare()
+        caller, _ = _caller(len(values), ["for _ in range(n):"], "    CALL", [])
+        rows.append([name, _best(now, caller, function, values, repeats)])
+    _say({"rows": rows})
+
+
+def _best(now, caller, function, values, repeats):
+    """Return microseconds a call in the fastest of three loops."""
+    best = 1 << 28
+    for _ in range(3):
+        start = now()
+        caller(function, values, repeats)
+        best = min(best, now() - start)
+    return best / repeats

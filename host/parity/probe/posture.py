@@ -1,0 +1,35 @@
+"""shared/posture.py: slow moves between any two poses."""
+
+from array import array
+
+from shared import posture
+
+from .draw import Range
+from .draws import BRAD, ROBOT
+from .probe import Block, Probe
+
+JOINTS = Block(array("i", [0] * 12), (12, BRAD))
+GOAL = Block(array("i", [0] * 12), (12, BRAD))
+MOVE = array("i", [0] * posture.MOVE_SIZE)
+OUT = array("i", [0] * 12)
+TICKS = Range(1, 1 << 28)
+
+
+def _under_way(values, dice):
+    """Any pair of poses, any length, any tick of it."""
+    for joint in range(24):
+        MOVE[joint] = BRAD.any(dice)
+    MOVE[posture.MOVE_TICKS] = TICKS.any(dice)
+    MOVE[posture.MOVE_TICK] = dice.below(MOVE[posture.MOVE_TICKS])
+
+
+def _order(values, dice):
+    if values[0] > values[1]:
+        values[0], values[1] = values[1], values[0]
+
+
+PROBES = (
+    Probe("posture_start", posture.posture_start, (ROBOT, MOVE, JOINTS, GOAL), watch=(MOVE,)),
+    Probe("posture_step", posture.posture_step, (MOVE, OUT), watch=(MOVE, OUT), fit=_under_way),
+    Probe("phase_of", posture.phase_of, (Range(0, 1 << 28), TICKS), fit=_order),
+)

@@ -1,0 +1,157 @@
+"""One public function with everything the checks need to know about it."""
+
+from .draw import Dice, Digest, Range
+
+
+class Block:
+    """An array argument that is filled anew for each vector: ``(count, Range)`` pairs in order."""
+
+    def __init__(self, array, *parts) -> None:
+        self.array = array
+        self.parts = parts
+
+    def fill(self, dice: Dice) -> None:
+        at = 0
+        for count, spread in self.parts:
+            for _ in range(count):
+                self.array[at] = spread.any(dice)
+                at += 1
+
+
+class Pick:
+    """An argument chosen for each vector among objects, e.g. among the parameters of both robots."""
+
+    def __init__(self, *choices) -> None:
+        self.choices = choices
+
+
+class Probe:
+    """How to feed one function, and what is promised about it.
+
+    arguments: a Range draws an integer, a Block fills its array, a Pick chooses; any other object
+    is passed as it is. watch: arrays digested after every call, besides the result.
+    fit(values, dice): mends drawn values that the function's contract excludes together.
+    begin(): puts state back before the first vector.
+    largest: the stated bound on the size of any intermediate. ticks: False for what runs once at
+    set-up and may allocate. vectors: how many times the usual number of vectors it gets.
+    """
+
+    def __init__(
+        self,
+        name,
+        function,
+        arguments=(),
+        watch=(),
+        fit=None,
+        begin=None,
+        largest=(1 << 30) - 1,
+        ticks=True,
+        vectors=1,
+    ) -> None:
+        self.name = name
+        self.function = function
+        self.arguments = arguments
+        self.watch = watch
+        self.fit = fit
+        self.begin = begin
+        self.largest = largest
+        self.ticks = ticks
+        self.vectors = vectors
+        self.values = [a if not isinstance(a, (Range, Block, Pick)) else 0 for a in arguments]
+        self.wrap = None  # a type to pass integers in, for the overflow check
+        self.dice = Dice(1)
+
+    def count(self, usual: int) -> int:
+        """Return how many vectors this function gets when the usual number is ``usual``."""
+        return self.vectors * usual
+
+    def start(self) -> None:
+        """Go back to the first vector."""
+        seed = 0
+        for letter in self.name:
+            seed = (seed * 31 + ord(letter)) & 0x3FFFFF
+        self.dice = Dice(seed)
+        if self.begin:
+            self.begin()
+
+    def draw(self, index: int, count: int) -> None:
+        """Put the arguments of vector ``index`` of ``count`` into ``values``."""
+        stride = 1
+        for at in range(len(self.arguments)):
+            argument = self.arguments[at]
+            if isinstance(argument, Range):
+                if index < count >> 1 and index < 400:
+                    self.values[at] = argument.edge(index // stride)
+                    stride *= len(argument.edges)
+                else:
+                    self.values[at] = argument.any(self.dice)
+            elif isinstance(argument, Block):
+                argument.fill(self.dice)
+                self.values[at] = argument.array
+            elif isinstance(argument, Pick):
+                self.values[at] = argument.choices[self.dice.below(len(argument.choices))]
+        if self.fit:
+            self.fit(self.values, self.dice)
+        if self.wrap:
+            for at in range(len(self.values)):
+                if isinstance(self.values[at], int):
+                    self.values[at] = self.wrap(self.values[at])
+
+    def call(self):
+        """Call the function on ``values``; without star arguments, which would allocate."""
+        f = self.function
+        v = self.values
+        n = len(v)
+        if n == 0:
+            return f()
+        if n == 1:
+            return f(v[0])
+        if n == 2:
+            return f(v[0], v[1])
+        if n == 3:
+            return f(v[0], v[1], v[2])
+        if n == 4:
+            return f(v[0], v[1], v[2], v[3])
+        if n == 5:
+            return f(v[0], v[1], v[2], v[3], v[4])
+        if n == 6:
+            return f(v[0], v[1], v[2], v[3], v[4], v[5])
+        return f(*v)
+
+    def digest_result(self, result, digest: Digest) -> None:
+        if isinstance(result, int):
+            digest.add(result)
+        elif result is not None:
+            for value in result:
+                digest.add(value)
+        for block in self.watch:
+            for value in block:
+                digest.add(value)
+
+    def run(self, count: int, digest: Digest) -> None:
+        """Digest the first ``count`` vectors."""
+        self.start()
+        for index in range(count):
+            self.draw(index, count)
+            self.digest_result(self.call(), digest)
+
+    def show(self, index: int, count: int):
+        """Return the inputs, the result and the watched arrays of vector ``index`` of ``count``."""
+        self.start()
+        for at in range(index + 1):
+            self.draw(at, count)
+            if at < index:
+                self.call()
+        inputs = [_plain(value) for value in self.values]
+        result = _plain(self.call())
+        return inputs, result, [_plain(block) for block in self.watch]
+
+
+def _plain(value):
+    """Return what JSON can hold: numbers as they are, arrays as lists, other objects by their kind."""
+    if value is None or isinstance(value, int):
+        return value
+    try:
+        return [_plain(part) for part in value]
+    except TypeError:
+        return type(value).__name__

@@ -1,0 +1,55 @@
+"""shared/sensing.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
+
+from array import array
+
+from shared import sensing
+
+from .draw import Range
+from .draws import BRAD, LEG, ROBOT
+from .probe import Block, Probe
+
+ANGLES = Block(array("i", [0] * 16), (16, BRAD))
+GOALS = Block(array("i", [0] * 12), (12, BRAD))
+WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, 1)))
+BLOCK = array("i", [0] * sensing.SENSING_SIZE)
+DROP = Range(-32767, 32767)
+ANGLE18 = Range(-131072, 131071)
+
+
+def _some_ticks(values, dice):
+    """Keep goals near the joints to come now and then, so that some errors are small."""
+    for _ in range(1 + dice.below(2)):
+        for joint in range(12):
+            GOALS.array[joint] = BRAD.any(dice) if dice.bits(2) == 0 else ANGLES.array[joint + 3] + dice.bits(8) - 128
+        sensing.keep_sent(BLOCK, GOALS.array)
+
+
+def _begin():
+    sensing.sensing_reset(BLOCK)
+    BLOCK[sensing.M_KNOWN] = 90
+
+
+def _soil(values, dice):
+    BLOCK[dice.below(len(BLOCK))] = 7
+
+
+PROBES = (
+    Probe("sensing_reset", sensing.sensing_reset, (BLOCK,), watch=(BLOCK,), fit=_soil),
+    Probe("keep_sent", sensing.keep_sent, (BLOCK, GOALS), watch=(BLOCK,), begin=_begin),
+    Probe(
+        "sense_legs",
+        sensing.sense_legs,
+        (ROBOT, ANGLES, 3, BRAD, BRAD, BLOCK),
+        watch=(BLOCK,),
+        fit=_some_ticks,
+        begin=_begin,
+        vectors=2,
+    ),
+    Probe(
+        "sense_leg", sensing.sense_leg, (ROBOT, LEG, ANGLES, 3, BLOCK), watch=(BLOCK,), fit=_some_ticks, begin=_begin
+    ),
+    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, 3, DROP, DROP, BLOCK), fit=_some_ticks, begin=_begin),
+    Probe("joint_torque", sensing.joint_torque, (ROBOT, Range(1, 2), ANGLE18, ANGLE18)),
+    Probe("roll_off", sensing.roll_off, (ROBOT, LEG, ANGLE18, ANGLE18, BLOCK), watch=(BLOCK,), begin=_begin),
+    Probe("sense_moved", sensing.sense_moved, (BLOCK, WEIGHTS), watch=(BLOCK,), fit=None, begin=_begin),
+)

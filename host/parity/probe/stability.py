@@ -1,0 +1,22 @@
+"""shared/stability.py: any feet, standing or not, and any point."""
+
+from array import array
+
+from shared import stability
+
+from .draw import Range
+from .draws import LEG
+from .probe import Block, Probe
+
+PLACE = Range(-32767, 32767)
+FEET = Block(array("i", [0] * 12), (12, PLACE))
+WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, 1)))
+POINT = Block(array("i", [0] * 2), (2, PLACE))
+
+PROBES = (
+    Probe("around", stability.around, (Range(-8, 8),)),
+    Probe("next_standing", stability.next_standing, (WEIGHTS, LEG)),
+    Probe("edge_margin", stability.edge_margin, (FEET, LEG, LEG, PLACE, PLACE)),
+    Probe("support_margin", stability.support_margin, (FEET, WEIGHTS, PLACE, PLACE)),
+    Probe("point_inside", stability.point_inside, (FEET, WEIGHTS, Range(0, 32767), POINT), watch=(POINT.array,)),
+)

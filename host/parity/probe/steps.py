@@ -1,0 +1,145 @@
+"""shared/steps.py: feet anywhere in their stride, in every gait, at every speed the gait allows."""
+
+from array import array
+
+from shared import steps
+from shared.gait import CLOCK_SIZE, G_VX_MAX
+from shared.params import LEG_REST, LEG_SIZE, LF_BITS, P_SIZE_BODY
+
+from .draw import Range
+from .draws import GAIT, LEG, ROBOT, gait_of
+from .gait import draw_clock
+from .probe import Probe
+
+STEPS = array("i", [0] * steps.STEPS_SIZE)
+SPEED = array("i", [0] * steps.SPEED_SIZE)
+CLOCK = array("i", [0] * CLOCK_SIZE)
+FEET = array("i", [0] * 12)
+HEIGHT = Range(0, 6000)
+SPEED_LF = Range(-(1 << 19) + 1, (1 << 19) - 1)
+TICKS_Q10 = Range(0, (1 << 24) - 1)
+ARM = Range(-65535 << LF_BITS, 65535 << LF_BITS)
+SHARE = Range(0, 32768)
+PEAK = Range(0, 8191)
+
+
+def _draw_speed(gait, dice):
+    for axis in range(steps.SPEED_SIZE):
+        top = gait[G_VX_MAX + axis]
+        SPEED[axis] = dice.below(2 * top + 1) - top
+
+
+def _draw_steps(params, dice):
+    """Feet within a stride of rest; some of them in swing, at any sample of it."""
+    steps.steps_reset(params, STEPS)
+    for leg in range(4):
+        at = leg * steps.STEP_SIZE
+        STEPS[at + steps.STEP_X] += dice.bits(20) - (1 << 19)
+        STEPS[at + steps.STEP_Y] += dice.bits(20) - (1 << 19)
+        STEPS[at + steps.STEP_TO_Z] += dice.bits(10) - (1 << 9)
+        if dice.bits(1):
+            STEPS[at + steps.STEP_TICKS] = 1 + dice.below(200)
+            STEPS[at + steps.STEP_TICK] = dice.below(STEPS[at + steps.STEP_TICKS])
+            STEPS[at + steps.STEP_LEFT_Q10] = dice.bits(17)
+
+
+def _soiled(values, dice):
+    _draw_steps(values[0], dice)
+
+
+def _near_rest(values, dice):
+    steps.steps_reset(values[0], STEPS)
+    if dice.bits(1):
+        STEPS[dice.below(steps.STEPS_SIZE)] += dice.below(41) - 20
+
+
+def _start(values, dice):
+    params = ROBOT.choices[dice.below(len(ROBOT.choices))]
+    values[0] = gait_of(params, values[0])
+    draw_clock(values[0], CLOCK, dice)
+    _draw_steps(params, dice)
+
+
+def _any_clock(values, dice):
+    values[0] = gait_of(ROBOT.choices[dice.below(len(ROBOT.choices))], values[0])
+    draw_clock(values[0], CLOCK, dice)
+
+
+def _shorten_way(values, dice):
+    speed, ticks = values
+    while abs(speed) * (ticks >> 10) >= 1 << 23:
+        ticks >>= 1
+    values[1] = ticks
+
+
+def _shorten_turn(values, dice):
+    turn, _, ticks = values
+    while abs(turn) * (ticks >> 10) >= 1 << 18:
+        ticks >>= 1
+    values[2] = ticks
+
+
+def _moving(values, dice):
+    params = ROBOT.choices[dice.below(len(ROBOT.choices))]
+    _draw_speed(gait_of(params, dice.below(3)), dice)
+    _draw_steps(params, dice)
+
+
+def _walking(values, dice):
+    values[1] = gait_of(values[0], values[1])
+    _draw_speed(values[1], dice)
+    _draw_steps(values[0], dice)
+
+
+def _swinging(values, dice):
+    _walking(values, dice)
+    at = values[4] * steps.STEP_SIZE
+    STEPS[at + steps.STEP_TICKS] = 1 + dice.below(200)
+    STEPS[at + steps.STEP_TICK] = dice.below(STEPS[at + steps.STEP_TICKS])
+
+
+def _ahead(values, dice):
+    _draw_speed(gait_of(values[0], dice.below(3)), dice)
+
+
+def _near_line(values, dice):
+    rest = ROBOT.choices[0][P_SIZE_BODY + LEG_REST + LEG_SIZE * dice.bits(2)] << LF_BITS
+    values[0] = rest + (values[0] >> 4)
+    values[1] = rest + (values[1] >> 4)
+
+
+def _some_started(values, dice):
+    for at in range(0, len(STEPS), steps.STEP_SIZE):
+        STEPS[at + steps.STEP_TICKS] = dice.bits(4)
+        STEPS[at + steps.STEP_TICK] = dice.bits(1)
+
+
+PROBES = (
+    Probe("steps_reset", steps.steps_reset, (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
+    Probe("steps_at_rest", steps.steps_at_rest, (ROBOT, STEPS), fit=_near_rest),
+    Probe("start_swings", steps.start_swings, (GAIT, CLOCK, STEPS), watch=(STEPS,), fit=_start),
+    Probe("lift_at_once", steps.lift_at_once, (STEPS, HEIGHT), watch=(STEPS,), fit=_some_started),
+    Probe("body_advance", steps.body_advance, (GAIT, CLOCK), watch=(CLOCK,), fit=_any_clock),
+    Probe("way", steps.way, (SPEED_LF, TICKS_Q10), fit=_shorten_way),
+    Probe("turned_way", steps.turned_way, (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
+    Probe("move_feet", steps.move_feet, (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
+    Probe(
+        "place_feet",
+        steps.place_feet,
+        (ROBOT, GAIT, STEPS, SPEED, HEIGHT, FEET),
+        watch=(STEPS, FEET),
+        fit=_walking,
+        vectors=2,
+    ),
+    Probe(
+        "swing_foot",
+        steps.swing_foot,
+        (ROBOT, GAIT, STEPS, SPEED, LEG, HEIGHT, FEET),
+        watch=(STEPS, FEET),
+        fit=_swinging,
+    ),
+    Probe("between", steps.between, (ARM, ARM, SHARE)),
+    Probe("between:near", steps.between, (ARM, ARM, SHARE), fit=_near_line),
+    Probe("foothold_x", steps.foothold_x, (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
+    Probe("foothold_y", steps.foothold_y, (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
+)

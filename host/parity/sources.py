@@ -1,0 +1,73 @@
+"""The folder every runtime starts from: shared/ and the vectors, with both robots as integer blocks."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+from ..build.source import ROOT
+from ..joint_gains import JointSetup, joint_blocks
+from ..robot_actuators import Bldc
+from ..robot_file import load_robot, robot_names
+from ..robot_model import Robot
+from ..scale import attitude_block, core_params
+
+RATES_HZ = (None, 20, 500)  # the robot's own, and the ends of what the planner allows
+# Legs that no robot file has: links of unequal length, knees in front.
+OTHER_LEGS: tuple[dict[str, Any], ...] = (
+    {"thigh_m": 0.1, "calf_m": 0.14, "knee_configuration": "elbow-knee"},
+    {"thigh_m": 0.13, "calf_m": 0.11, "knee_configuration": "full-knee"},
+)
+# Joints with the encoder at the joint and without, in both senses of turning.
+JOINT_SETUPS: tuple[dict[str, Any], ...] = ({"has_joint_encoder": True}, {"has_joint_encoder": False, "sign": -1})
+PROBE = Path(__file__).with_name("probe")
+
+
+def gather(work: Path, root: Path = ROOT) -> Path:
+    """Return a new folder in ``work`` that holds the packages ``shared`` and ``probe``."""
+    sources = work / "sources"
+    skip = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(root / "shared", sources / "shared", ignore=skip)
+    shutil.copytree(PROBE, sources / "probe", ignore=skip)
+    (sources / "probe" / "robots.py").write_text(robot_blocks())
+    return sources
+
+
+def add_floats(tree: Path, root: Path = ROOT) -> bool:
+    """Copy the float reference into a tree; False if there is none, as in an installation without the tests."""
+    twin = root / "tests" / "float_twin"
+    if twin.is_dir():
+        shutil.copytree(twin, tree / "float_twin", ignore=shutil.ignore_patterns("__pycache__"))
+    return twin.is_dir()
+
+
+def robot_blocks() -> str:
+    """Return a module with every robot file as the core's blocks: a VM cannot read the files itself."""
+    robots = [load_robot(name) for name in robot_names()]
+    params = [core_params(robot, rate_hz) for robot in robots for rate_hz in RATES_HZ]
+    params += [core_params(_with_legs(robots[0], **legs)) for legs in OTHER_LEGS]
+    attitudes = [attitude_block(robot, rate_hz) for robot in robots for rate_hz in RATES_HZ]
+    joints = [_joint_blocks(**setup) for setup in JOINT_SETUPS]
+    return (
+        '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
+        "from array import array\n\n"
+        f"PARAMS = {_listing(params)}\n"
+        f"ATTITUDES = {_listing(attitudes)}\n"
+        f"JOINTS = ({''.join(_listing(blocks) + ', ' for blocks in joints)})\n"
+    )
+
+
+def _joint_blocks(**setup: Any) -> list[Any]:
+    """Return foc, cfg and the thermistor curve of a joint of the robot that has brushless ones."""
+    actuator = load_robot("parallel").actuator
+    assert isinstance(actuator, Bldc)
+    blocks = joint_blocks(actuator, JointSetup(lower_rad=-1.0, upper_rad=1.9, **setup))
+    return [blocks.foc, blocks.cfg, blocks.curve]
+
+
+def _with_legs(robot: Robot, **legs: Any) -> Robot:
+    return robot.model_copy(update={"geometry": robot.geometry.model_copy(update=legs)})
+
+
+def _listing(blocks: list[Any]) -> str:
+    rows = "".join(f'    array("i", {tuple(block)}),\n' for block in blocks)
+    return f"(\n{rows})"

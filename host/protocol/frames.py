@@ -1,0 +1,87 @@
+"""CAN frames on the host: one buffer seen as words by the integer codec and as bytes by the bus, and their names."""
+
+from __future__ import annotations
+
+import sys
+from array import array
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+from host.protocol import dbc
+from host.protocol.dbc import Message, Signal
+from shared.wire import codec
+
+if sys.byteorder != "little":  # the codec's words are the frame's bytes only on little-endian machines
+    raise ImportError("the CAN protocol needs a little-endian machine")
+
+
+class Frame(NamedTuple):
+    """``words`` is what the codec reads and writes, ``data`` the same eight bytes."""
+
+    words: array[int]
+    data: memoryview
+
+
+class Kind(NamedTuple):
+    """What an identifier stands for: the message, which node or group of it, and its codec."""
+
+    message: Message
+    instance: int
+    encode: Callable[[array[int], array[int], int], int] | None
+    decode: Callable[[array[int], array[int], int], int] | None
+
+
+def new_frame() -> Frame:
+    """Return an empty frame, to be kept and used again."""
+    words = array("H", (0, 0, 0, 0))
+    return Frame(words, memoryview(words).cast("B"))
+
+
+@cache
+def kinds() -> dict[int, Kind]:
+    """Return every identifier of the protocol with what it stands for."""
+    found = {}
+    for message in dbc.load():
+        name = message.codec or message.name
+        encode, decode = getattr(codec, f"encode_{name}", None), getattr(codec, f"decode_{name}", None)
+        for instance, identifier in enumerate(message.identifiers, message.first):
+            found[identifier] = Kind(message, instance, encode, decode)
+    return found
+
+
+def encode(identifier: int, values: list[int]) -> tuple[bytes, int]:
+    """Return the bytes of a frame from raw values in the order of its fields, and how many were limited.
+
+    For tools and tests; loops keep their own Frame and call the codec.
+    """
+    kind, frame = kinds()[identifier], new_frame()
+    clipped = kind.encode(frame.words, array("i", values), 0) if kind.encode else 0
+    return bytes(frame.data[: kind.message.length]), clipped
+
+
+def decode(identifier: int, data: bytes) -> tuple[list[int], int] | None:
+    """Return the raw values of a frame and how many are out of range; None if unknown or too short."""
+    kind = kinds().get(identifier)
+    if kind is None or len(data) < kind.message.length:
+        return None
+    if kind.decode is None:
+        return [], 0
+    frame, values = new_frame(), array("i", [0] * len(kind.message.signals))
+    frame.data[: kind.message.length] = data[: kind.message.length]
+    outside = kind.decode(frame.words, values, 0)
+    return list(values), outside
+
+
+def describe(identifier: int, data: bytes) -> dict[str, float | str] | None:
+    """Return the fields of a frame in the units of joints.dbc, named values as words; None if unknown or too short."""
+    decoded, kind = decode(identifier, data), kinds().get(identifier)
+    if decoded is None or kind is None:
+        return None
+    return {s.name: _field(s, raw) for s, raw in zip(kind.message.signals, decoded[0], strict=True)}
+
+
+def _field(signal: Signal, raw: int) -> float | str:
+    if signal.is_flags:
+        return " ".join(word for bit, word in signal.choices if raw & bit) or "none"
+    return dict(signal.choices).get(raw, float(raw * signal.factor + signal.offset))

@@ -1,0 +1,95 @@
+"""What the loop records each tick: the state of the supervisor, turned into the channels' messages."""
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import shared
+
+from ..robot_model import Robot
+from ..teleop.loop import Loop
+from ..teleop.supervisor import Supervisor
+from .recorder import Recorder
+
+
+def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
+    """Return what a replay needs besides the ticks: the robot as integers and which core it was."""
+    planner = supervisor.driver.planner
+    return {
+        "robot": robot.name,
+        "rate_hz": str(supervisor.driver.rate_hz),
+        "params": " ".join(str(value) for value in planner.params),
+        "core": core_fingerprint(),
+    }
+
+
+def core_fingerprint() -> str:
+    """Return a hash of the core's sources: another core may walk otherwise."""
+    digest = hashlib.sha256()
+    for path in sorted(Path(next(iter(shared.__path__))).glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+class LoopLog:
+    """Hands every tick of a loop to a recorder."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self.recorder = recorder
+        self._tick = 0
+        self._fault: Any = None
+
+    def tick(self, loop: Loop) -> None:
+        """Record the tick that has just ended."""
+        supervisor, now_s = loop.supervisor, loop.clock()
+        self._every_tick(loop, supervisor, now_s)
+        if self._tick % supervisor.driver.rate_hz == 0:
+            measured, errors = supervisor.measured, supervisor.bus.counters.errors
+            values = {"temperature_C": measured.temperature_C, "voltage_V": measured.voltage_V, "bus_errors": errors}
+            self._put("/health", now_s, values)
+        while supervisor.changes:
+            change = supervisor.changes.popleft()
+            self._put("/state", change.time_s, {"state": change.state, "reason": change.reason})
+        self._note_fault(supervisor, now_s)
+        self._tick += 1
+
+    def _every_tick(self, loop: Loop, supervisor: Supervisor, now_s: float) -> None:
+        measured, pacer, driver = supervisor.measured, loop.pacer, supervisor.driver
+        self._put("/command", now_s, _command(supervisor))
+        roll_rad, pitch_rad = supervisor.attitude or (0.0, 0.0)
+        known = supervisor.attitude is not None
+        self._put("/attitude", now_s, {"known": known, "roll_rad": roll_rad, "pitch_rad": pitch_rad})
+        joints = {"wanted_rad": supervisor.goals, "measured_rad": measured.position_rad}
+        self._put("/joints", now_s, {**joints, "speed_rad_s": measured.speed_rad_s})
+        self._put("/load", now_s, {"load": measured.load})
+        late_ms, busy_ms = 1000 * pacer.late_s[-1], 1000 * pacer.busy_s[-1]
+        timing = {"late_ms": round(late_ms, 3), "busy_ms": round(busy_ms, 3), "missed": pacer.missed}
+        self._put("/timing", now_s, {"tick": self._tick, **timing})
+        blocks = {"command": list(driver.command_block), "sensed": list(driver.sensed_block)}
+        planned = {"joints": list(driver.planner.joints), "flags": driver.flags}
+        self._put("/planner", now_s, {"tick": self._tick, **blocks, **planned})
+
+    def _note_fault(self, supervisor: Supervisor, now_s: float) -> None:
+        fault = supervisor.safety.first
+        if fault is not None and fault is not self._fault:
+            self._put("/fault", now_s, {"cause": fault.cause, "action": fault.action, "sentence": fault.sentence})
+        self._fault = fault
+
+    def _put(self, topic: str, time_s: float, values: dict[str, Any]) -> None:
+        self.recorder.put(topic, time_s, values)
+
+
+def _command(supervisor: Supervisor) -> dict[str, Any]:
+    arbiter, command = supervisor.arbiter, supervisor.driver.command
+    return {
+        "driver": "" if arbiter.driver is None else str(arbiter.driver),
+        "posture": arbiter.posture,
+        "mode": command.mode,
+        "gait": command.gait,
+        "vx_m_s": command.vx_m_s,
+        "vy_m_s": command.vy_m_s,
+        "wz_rad_s": command.wz_rad_s,
+        "pose": command.pose,
+        "balance": command.balance,
+        "stop": "" if arbiter.stop is None else str(arbiter.stop.client),
+    }

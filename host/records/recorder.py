@@ -1,0 +1,125 @@
+"""Writes a record while the robot runs: the loop hands over, a thread encodes, writes and forces it onto the disk.
+
+Four times a second the chunk in hand is closed, written and synced, so a power cut costs less than a second. A disk
+that is full or gone ends the record, not the walk.
+"""
+
+import json
+import os
+import queue
+import threading
+import time
+from collections.abc import Callable
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from ..errors import UserError
+from .channels import CHANNELS, schema
+
+SYNC_S = 0.25
+MOST_WAITING = 5000  # messages the loop may be ahead of the disk: ten seconds
+CHUNK = 1 << 16  # bytes before compression; a chunk is also closed at each sync
+ROBOT = "robot"
+
+
+class Recorder:
+    """One file. ``put`` never blocks; ``trouble`` says why nothing is written any more, "" if all is well."""
+
+    def __init__(self, path: Path, about: dict[str, str], sync: Callable[[int], None] = os.fsync) -> None:
+        from mcap.writer import CompressionType, Writer
+
+        self.path, self.trouble, self.dropped = path, "", 0
+        self._sync = sync
+        self._queue: queue.Queue[tuple[str, int, dict[str, Any]] | None] = queue.Queue(MOST_WAITING)
+        self._epoch_ns = time.time_ns() - time.monotonic_ns()
+        self._file = _create(path)
+        self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
+        self._writer.start(profile="", library="caramelo")
+        self._writer.add_metadata(ROBOT, about)
+        self._ids = {topic: self._register(topic) for topic in CHANNELS}
+        self._counts = dict.fromkeys(CHANNELS, 0)
+        self._force()
+        self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
+        self._thread.start()
+
+    def put(self, topic: str, time_s: float, values: dict[str, Any]) -> None:
+        """Hand over a message; ``time_s`` is monotonic. Dropped and counted if the disk can't keep up."""
+        try:
+            self._queue.put_nowait((topic, self._epoch_ns + int(time_s * 1e9), values))
+        except queue.Full:
+            self.dropped += 1
+
+    def close(self) -> None:
+        """Write what is waiting, and the index. A disk that hangs is given five seconds."""
+        self._queue.put(None)
+        self._thread.join(5.0)
+
+    def _register(self, topic: str) -> int:
+        number = self._writer.register_schema(topic.lstrip("/"), "jsonschema", json.dumps(schema(topic)).encode())
+        channel: int = self._writer.register_channel(topic, "json", number)
+        return channel
+
+    def _write_all(self) -> None:
+        try:
+            while self._write_some():
+                self._force()
+            self._writer.finish()
+            self._force()
+        except OSError as error:
+            self.trouble = f"{self.path}: the record ends here: {error.strerror or error}"
+            self._throw_away()
+        finally:
+            self._close_file()
+
+    def _write_some(self) -> bool:
+        """Write messages until it is time to sync; False after the last."""
+        end_s = time.monotonic() + SYNC_S
+        while (left_s := end_s - time.monotonic()) > 0:
+            try:
+                message = self._queue.get(timeout=left_s)
+            except queue.Empty:
+                return True
+            if message is None:
+                return False
+            self._write(*message)
+        return True
+
+    def _write(self, topic: str, time_ns: int, values: dict[str, Any]) -> None:
+        data = json.dumps(values, separators=(",", ":")).encode()
+        self._writer.add_message(self._ids[topic], time_ns, data, time_ns, self._counts[topic])
+        self._counts[topic] += 1
+
+    def _force(self) -> None:
+        self._writer.flush()
+        self._file.flush()
+        self._sync(self._file.fileno())
+
+    def _close_file(self) -> None:
+        try:
+            self._file.close()
+        except OSError as error:
+            self.trouble = self.trouble or f"{self.path}: {error.strerror or error}"
+
+    def _throw_away(self) -> None:
+        """Let the loop go on without a record."""
+        while self._queue.get() is not None:
+            self.dropped += 1
+
+
+def record_path(wanted: Path) -> Path:
+    """Return the file to write: ``wanted``, or a new one named by the time in it if it is a folder."""
+    if wanted.is_dir():
+        return wanted / f"caramelo-{datetime.now():%Y%m%d-%H%M%S}.mcap"
+    return wanted
+
+
+def _create(path: Path) -> Any:
+    """Open a new file; an older record is never overwritten."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("xb")
+    except FileExistsError:
+        raise UserError(f"--log {path}: the file exists: name another, or a folder") from None
+    except OSError as error:
+        raise UserError(f"--log {path}: can't be written: {error.strerror or error}") from None

@@ -1,0 +1,66 @@
+"""What a runtime is: it can be missing, it prepares a tree of sources, it runs a script on that tree."""
+
+import json
+import shutil
+from abc import ABC, abstractmethod
+from pathlib import Path
+from typing import Any
+
+MARK = "@@"  # a script's answer is the line that starts with this; anything else is chatter
+
+
+class RuntimeFailure(Exception):
+    """A script that ended without an answer; the text holds what it printed."""
+
+
+class Runtime(ABC):
+    """One way to run the core.
+
+    ``prepare`` receives a folder with the sources and returns the folder scripts run on;
+    ``execute`` runs a script there and returns what it printed.
+    """
+
+    name: str
+    emitter: str
+    timeout_s: float = 300.0
+
+    @abstractmethod
+    def missing(self) -> str | None:
+        """Return why this runtime cannot be used here, with what to install; None if it can."""
+
+    @abstractmethod
+    def prepare(self, sources: Path, work: Path) -> Path:
+        """Return the folder to run on, made in ``work`` from ``sources``."""
+
+    @abstractmethod
+    def execute(self, tree: Path, script: str) -> str:
+        """Run ``script`` with ``tree`` importable and return its output; RuntimeFailure if it fails."""
+
+    def close(self) -> None:
+        """Let go of what the runtime holds; most hold nothing."""
+        return
+
+    def ask(self, tree: Path, script: str) -> dict[str, Any]:
+        """Run a script that answers with one marked line of JSON, and return that."""
+        output = self.execute(tree, script)
+        for line in output.splitlines():
+            if line.startswith(MARK):
+                return dict(json.loads(line[len(MARK) :]))
+        raise RuntimeFailure(f"{self.name}: no answer; it printed: {output.strip()[-2000:]!r}")
+
+
+def copy_sources(sources: Path, work: Path) -> Path:
+    """Return a copy of the sources as they are."""
+    tree = work / "source"
+    shutil.copytree(sources, tree, ignore=shutil.ignore_patterns("__pycache__"))
+    return tree
+
+
+def compile_sources(sources: Path, work: Path, emitter: str, arch: str) -> Path:
+    """Return the sources as the firmware build makes them."""
+    from ..build.image import build_image, write_image
+
+    tree = work / f"{emitter}-{arch}"
+    packages = tuple(sorted(p.name for p in sources.iterdir() if p.is_dir() and p.name != "__pycache__"))
+    write_image(build_image(sources, None, emitter, arch, packages), tree)
+    return tree

@@ -1,0 +1,23 @@
+"""CPython itself: the reference, run in a process of its own like every other runtime."""
+
+import sys
+from pathlib import Path
+
+from .base import Runtime, copy_sources
+from .process import run_command
+
+
+class CPython(Runtime):
+    name = "cpython"
+    emitter = "source"
+
+    def missing(self) -> str | None:
+        return None
+
+    def prepare(self, sources: Path, work: Path) -> Path:
+        return copy_sources(sources, work)
+
+    def execute(self, tree: Path, script: str) -> str:
+        # -I leaves out the environment and the current folder, so only this tree can be imported.
+        start = f"import sys; sys.path.insert(0, {str(tree)!r}); sys.dont_write_bytecode = True\n"
+        return run_command([sys.executable, "-I", "-c", start + script], tree, self.timeout_s, self.name)

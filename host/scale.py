@@ -1,0 +1,258 @@
+"""The one place where SI becomes the core's integers, and back.
+
+A ``Scale`` belongs to one robot at one planner rate: the length unit is the robot's own
+(2^-length_shift m), speeds are per tick. Angles are 1/65536 turn everywhere.
+"""
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, floor, isqrt, pi, sqrt
+
+from shared import params as p
+from shared.attitude import (
+    A_ALIGN_TICKS,
+    A_GYRO_Q30,
+    A_ONE_G,
+    A_TOLERANCE,
+    A_TRUST_Q15,
+    ATTITUDE_SIZE,
+    attitude_reset,
+)
+
+from .errors import UserError
+from .mass import com_at_rest_m
+from .plane import joint_drives
+from .robot_model import JOINT_NAMES, Robot
+
+BRAD_PER_RAD = 65536 / (2 * pi)
+Q8, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 12, 1 << 15, 1 << 16, 1 << 30
+YAW18 = 1 << 18
+# Limits of the core's fields, from the docstrings of shared/steps.py and shared/pid.py.
+LARGEST_SPEED = (1 << 19) - 1
+LARGEST_GAIN = (1 << 15) - 1
+GRAVITY_M_S2 = 9.81
+BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
+LOAD_SLEW_S = 0.1  # a foot's expected load moves by half of the weight in this time (chosen in simulation)
+
+# The adaptive trot, from its simulation in three dimensions on Caramelo.
+SEGMENTS_S = (0.36, 0.20, 0.20, 0.18)  # body slow and fast, swing slow and fast, at this height:
+SEGMENTS_HEIGHT_M = 0.175
+HEIGHT_M_S = 0.02  # the body's rise; it sinks twice as fast
+STAND_AFTER_S = 0.08  # bus, servo's lag and landing after a planned touchdown
+TIP_LAG_S = 0.06  # from a goal until the attitude shows it
+PRESS_M_S = 0.2  # a foothold's height
+SWAY_M_S = 0.05  # back to the middle
+ROUGH_S = 2.0  # how long a tilt is remembered
+LATE_S = 0.12  # lag behind the reference that is normal
+FALLEN_S = 0.1  # tilted for so long is fallen
+ADVICE_S = 2.0  # held up for so long is stuck
+
+
+def brad(angle_rad: float) -> int:
+    """Return an angle in 1/65536 turn, not wrapped."""
+    return round(angle_rad * BRAD_PER_RAD)
+
+
+def rad(angle_brad: int) -> float:
+    """Return an angle in rad."""
+    return angle_brad / BRAD_PER_RAD
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Conversions of one robot at one planner rate."""
+
+    length_shift: int
+    rate_hz: int
+
+    def lu(self, length_m: float) -> int:
+        """Return a length in length units."""
+        return round(length_m * (1 << self.length_shift))
+
+    def metres(self, length_lu: float) -> float:
+        """Return length units in m."""
+        return length_lu / (1 << self.length_shift)
+
+    def lf_per_tick(self, speed_m_s: float) -> int:
+        """Return a speed in 1/256 length units per tick."""
+        return round(speed_m_s * (1 << (self.length_shift + p.LF_BITS)) / self.rate_hz)
+
+    def metres_per_second(self, speed_lf_per_tick: float) -> float:
+        """Return a speed in m/s."""
+        return speed_lf_per_tick * self.rate_hz / (1 << (self.length_shift + p.LF_BITS))
+
+    def yaw18_per_tick(self, turn_rad_s: float) -> int:
+        """Return a turning speed in 2^-18 rad per tick."""
+        return round(turn_rad_s * YAW18 / self.rate_hz)
+
+
+def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
+    """Return the robot's scale at its own rate, or at another."""
+    return Scale(robot.length_shift, robot.control.rate_hz if rate_hz is None else rate_hz)
+
+
+def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> array:  # type: ignore[type-arg]
+    """Return the robot as the core's block of integers (shared/params.py); ``planar``: it may not sway sideways.
+
+    Raises UserError, naming the key, where a value of the file can't be had at this rate.
+    """
+    scale = scale_of(robot, rate_hz)
+    block = array("i", [0] * p.P_SIZE)
+    block[p.P_RATE_HZ] = scale.rate_hz
+    block[p.P_LENGTH_SHIFT] = scale.length_shift
+    _speeds(block, robot, scale)
+    _pose_limits(block, robot, scale)
+    _balance(block, robot, scale.rate_hz)
+    block[p.P_JOINT_STEP] = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
+    block[p.P_SIT_Z] = -scale.lu(robot.stance.sit_height_m)
+    block[p.P_STRIDE_MAX] = scale.lu(robot.speed_limits.stride_m)
+    for leg in range(p.LEGS):
+        _leg(block, robot, scale, leg)
+    _compliance(block, robot, scale)
+    _adaptive(block, robot, scale)
+    if planar:
+        block[p.P_LATERAL_Q12] = 0
+    return block
+
+
+def _speeds(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+    limits = robot.speed_limits
+    values = (
+        ("vx_m_s", scale.lf_per_tick(limits.vx_m_s)),
+        ("vy_m_s", scale.lf_per_tick(limits.vy_m_s)),
+        ("wz_rad_s", scale.yaw18_per_tick(limits.wz_rad_s)),
+        ("vx_m_s2", scale.lf_per_tick(limits.vx_m_s2 / scale.rate_hz)),
+        ("vy_m_s2", scale.lf_per_tick(limits.vy_m_s2 / scale.rate_hz)),
+        ("wz_rad_s2", scale.yaw18_per_tick(limits.wz_rad_s2 / scale.rate_hz)),
+    )
+    for at, (key, value) in enumerate(values):
+        if value > LARGEST_SPEED:
+            raise UserError(
+                f"speed_limits.{key}: {getattr(limits, key):g} is too fast for {scale.rate_hz} Hz: "
+                f"lower it, or raise control.rate_hz"
+            )
+        block[p.P_VX_MAX + at] = max(1, value)
+
+
+def _pose_limits(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+    limits = robot.body_limits
+    for axis, length_m in enumerate((limits.x_m, limits.y_m, limits.z_m)):
+        block[p.P_POSE_MAX + axis] = scale.lu(length_m)
+        block[p.P_POSE_SLEW + axis] = max(1, scale.lu(limits.shift_m_s / scale.rate_hz))
+    for axis, angle_rad in enumerate(limits.angles_rad):
+        block[p.P_POSE_MAX + 3 + axis] = brad(angle_rad)
+        block[p.P_POSE_SLEW + 3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
+
+
+def _balance(block: array, robot: Robot, rate_hz: int) -> None:  # type: ignore[type-arg]
+    gains = robot.balance
+    values = (
+        ("kp", gains.kp * Q12),
+        ("ki_1_s", gains.ki_1_s / rate_hz * Q16),
+        ("kd_s", gains.kd_s * rate_hz * Q12),
+    )
+    for at, (key, value) in enumerate(values):
+        if round(value) > LARGEST_GAIN:
+            largest = getattr(gains, key) * LARGEST_GAIN / value
+            raise UserError(
+                f"balance.{key}: {getattr(gains, key):g} is too large for {rate_hz} Hz: at most {largest:.4g}"
+            )
+        block[p.P_KP_Q12 + at] = round(value)
+    block[p.P_INTEGRAL_MAX] = brad(gains.integral_limit_rad)
+    block[p.P_BALANCE_MAX] = brad(gains.output_limit_rad)
+
+
+def _leg(block: array, robot: Robot, scale: Scale, leg: int) -> None:  # type: ignore[type-arg]
+    base = p.P_SIZE_BODY + leg * p.LEG_SIZE
+    l1, l2, l3 = (scale.lu(length_m) for length_m in robot.geometry.links_m)
+    block[base + p.LEG_SIDE_L1] = robot.side(leg) * l1
+    block[base + p.LEG_L2] = l2
+    block[base + p.LEG_L3] = l3
+    block[base + p.LEG_KNEE] = robot.knee_sign(leg)
+    block[base + p.LEG_OUTER_SQ] = (l2 + l3) ** 2
+    block[base + p.LEG_INNER_SQ] = (l2 - l3) ** 2
+    block[base + p.LEG_HALF_DIFF] = (l2 * l2 - l3 * l3) // 2
+    block[base + p.LEG_REACH] = isqrt(l1 * l1 + (l2 + l3) ** 2)
+    block[base + p.LEG_NEAR] = ceil(sqrt(l1 * l1 + (l2 - l3) ** 2))
+    for joint, (low_rad, high_rad) in enumerate(robot.joint_limits_rad(leg)):
+        block[base + p.LEG_MIN + joint] = ceil(low_rad * BRAD_PER_RAD)
+        block[base + p.LEG_MAX + joint] = floor(high_rad * BRAD_PER_RAD)
+    hip_m = (*robot.hip_m(leg), 0.0)
+    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
+    for axis in range(3):
+        block[base + p.LEG_HIP + axis] = scale.lu(hip_m[axis])
+        block[base + p.LEG_REST + axis] = scale.lu(hip_m[axis]) + scale.lu(foot_m[axis])
+
+
+def _compliance(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+    """Fill in how the joints give under load, in own weights, and where the mass lies."""
+    weight_N = robot.mass_kg * GRAVITY_M_S2
+    for joint, drive in enumerate(joint_drives(robot)):
+        stiffness = drive.stiffness_Nm_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD
+        give = robot.gait.sag_compensation / stiffness
+        damping = drive.damping_Nms_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD * scale.rate_hz
+        if give * Q16 > LARGEST_GAIN:
+            raise UserError(f"actuator: {JOINT_NAMES[joint]} gives {give * BRAD_PER_RAD:.3g} of a turn: too soft")
+        block[p.P_SAG_Q16 + joint] = round(give * Q16)
+        block[p.P_STIFF_Q8 + joint] = min(LARGEST_GAIN, round(stiffness * Q8))
+        block[p.P_DAMP_Q8 + joint] = min(LARGEST_GAIN, round(damping * Q8))
+    block[p.P_COUPLED] = int(robot.calf_drive.coupled)
+    block[p.P_SAGS] = int(robot.gait.sag_compensation > 0)
+    com_m = com_at_rest_m(robot)
+    block[p.P_COM_X], block[p.P_COM_Y] = scale.lu(com_m[0]), scale.lu(com_m[1])
+    block[p.P_FOOT_RADIUS] = scale.lu(robot.geometry.foot_radius_m)
+    block[p.P_SENT_TICKS] = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
+    block[p.P_LOAD_SLEW_Q12] = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
+    block[p.P_LEG_LENGTH] = block[p.P_SIZE_BODY + p.LEG_L2] + block[p.P_SIZE_BODY + p.LEG_L3]
+    block[p.P_LATERAL_Q12] = round(robot.gait.lateral_shift * Q12)
+
+
+def _adaptive(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+    """Fill in what the adaptive trot needs; its times grow with the time constant of tipping."""
+    own, rate, limits = robot.adaptive, scale.rate_hz, robot.speed_limits
+    block[p.P_RAISE], block[p.P_FORWARD] = scale.lu(own.raise_m), scale.lu(own.forward_m)
+    block[p.P_LEG_LONGEST] = scale.lu(own.longest_leg_m)
+    block[p.P_HEIGHT_SLEW] = max(1, scale.lu(HEIGHT_M_S / rate))
+    block[p.P_START_SPEED] = max(1, scale.lf_per_tick(own.start_m_s))
+    block[p.P_START_SLEW] = max(1, scale.lf_per_tick(own.start_m_s2 / rate))
+    block[p.P_SLOW_SPEED] = scale.lf_per_tick(limits.vx_m_s / 2)
+    block[p.P_FAST_SPEED] = scale.lf_per_tick(limits.vx_m_s)
+    slower = sqrt((robot.stance.rest_height_m + own.raise_m) / SEGMENTS_HEIGHT_M)
+    for at, seconds in enumerate(SEGMENTS_S):
+        block[p.P_BODY_SLOW + at] = max(2, round(seconds * slower * rate))
+    block[p.P_STAND_TICKS] = ceil(STAND_AFTER_S * rate)
+    block[p.P_TIP_TICKS] = max(1, round(TIP_LAG_S * rate))
+    block[p.P_LOAD_GAIN_Q15] = round(Q15 * 1.5 / rate)
+    block[p.P_WARP_GAIN_Q15] = round(Q15 * 5 / rate)
+    block[p.P_PRESS] = max(1, scale.lu(PRESS_M_S / rate))
+    block[p.P_HOLD_Q16] = round(Q16 * 0.5 / rate)
+    for at, value in enumerate((own.kp * Q12, own.ki_1_s / rate * Q16, own.kd_s * rate * Q12)):
+        if round(value) > LARGEST_GAIN:
+            raise UserError(f"adaptive.{('kp', 'ki_1_s', 'kd_s')[at]}: too large for {rate} Hz")
+        block[p.P_OWN_KP_Q12 + at] = round(value)
+    block[p.P_ROUGH_DECAY_Q15] = round(Q15 / ROUGH_S / rate)
+    block[p.P_LATE_TICKS] = min(255, round(LATE_S * rate))
+    block[p.P_SWAY_SLEW] = max(1, scale.lu(SWAY_M_S / rate))
+    block[p.P_TILT_MAX] = brad(own.fallen_rad)
+    block[p.P_TILT_TICKS] = max(1, round(FALLEN_S * rate))
+    block[p.P_ADVICE_TICKS] = round(ADVICE_S * rate)
+
+
+def attitude_block(robot: Robot, rate_hz: int | None = None) -> array:  # type: ignore[type-arg]
+    """Return a fresh attitude filter block (shared/attitude.py) with the robot's IMU scales."""
+    rate = robot.control.rate_hz if rate_hz is None else rate_hz
+    imu = robot.imu
+    block = array("i", [0] * ATTITUDE_SIZE)
+    block[A_GYRO_Q30] = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
+    block[A_ONE_G] = imu.accel_counts_per_g
+    block[A_TRUST_Q15] = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))
+    block[A_TOLERANCE] = round(imu.tolerance_g * imu.accel_counts_per_g)
+    block[A_ALIGN_TICKS] = min(1024, max(1, round(imu.align_time_s * rate)))
+    attitude_reset(block)
+    return block
+
+
+def joints_rad(joints_brad: Sequence[int]) -> list[float]:
+    """Return joint angles in rad."""
+    return [angle / BRAD_PER_RAD for angle in joints_brad]

@@ -1,0 +1,1 @@
+"""Dynamixel MX-28 servos on a half-duplex bus, through dynamixel-sdk."""

@@ -1,0 +1,1 @@
+"""Driving the robot: command sources, one arbiter, one loop at a fixed rate."""

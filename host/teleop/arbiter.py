@@ -1,0 +1,139 @@
+"""Who drives: one at a time, by priority; a dead-man; an emergency stop that anyone may pull and that stays pulled."""
+
+from dataclasses import dataclass, field
+
+from .messages import Drive, Message
+
+DEAD_MAN_S = 0.300
+# A driver who has been silent for so long has left.
+LEFT_S = 3.0
+PRIORITY = {"script": 0, "web": 1, "gamepad": 2, "keyboard": 3}
+
+
+@dataclass(frozen=True)
+class Client:
+    """Somebody who sends messages: where from, and which one of those."""
+
+    source: str
+    number: int = 0
+
+    @property
+    def priority(self) -> int:
+        """Higher takes the controls from lower."""
+        return PRIORITY[self.source]
+
+    def __str__(self) -> str:
+        return f"{self.source} {self.number}" if self.number else self.source
+
+
+@dataclass(frozen=True)
+class Stop:
+    """An emergency stop: whose, when, and when the stop was pulled by the puller's own clock (or None)."""
+
+    client: Client
+    time_s: float
+    t_ms: float | None = None
+
+
+@dataclass
+class Arbiter:
+    """Takes checked messages of all clients and holds what is to be done now. Times are monotonic seconds."""
+
+    gait: str
+    posture: str = "rest"
+    balance: bool = True
+    driver: Client | None = None
+    drive: Drive = field(default_factory=Drive)
+    stop: Stop | None = None
+    refused: int = 0
+    obeyed: int = 0
+    refusal: str = ""
+    _heard_s: float = 0.0
+    # The drive message that no servo packet carries yet: received when, and the sender's own time.
+    pending: tuple[float, float | None] | None = None
+
+    def handle(self, client: Client, message: Message, now_s: float) -> bool:
+        """Obey a message or refuse it; ``refusal`` says why. True if obeyed."""
+        kind = message["type"]
+        if kind == "stop":
+            self._pull(client, now_s, message.get("t_ms"))
+            return True
+        if kind == "release":
+            return self._release(client)
+        if not self._admit(client, now_s):
+            return False
+        self.obeyed += 1
+        if kind == "reset":
+            self._reset(client, now_s)
+        elif kind == "drive":
+            self._steer(message, now_s)
+        elif kind == "posture":
+            return self._set_posture(client, message["posture"])
+        elif kind == "gait":
+            self.gait = message["gait"]
+        elif kind == "balance":
+            self.balance = message["on"]
+        return True
+
+    def drop(self, client: Client) -> None:
+        """A client is gone. The robot stops at once if it was the driver."""
+        if client == self.driver:
+            self.driver, self.drive = None, Drive(pose=self.drive.pose)
+
+    def fresh(self, now_s: float) -> bool:
+        """True while the driver's last command is younger than the dead-man's time."""
+        return self.driver is not None and now_s - self._heard_s <= DEAD_MAN_S
+
+    def silent_s(self, now_s: float) -> float:
+        """How long the driver has been silent."""
+        return now_s - self._heard_s
+
+    def update(self, now_s: float) -> Drive:
+        """Return what the sticks say now: no speed without a fresh command. A silent driver loses the controls."""
+        if self.driver is not None and now_s - self._heard_s > LEFT_S:
+            self.drop(self.driver)
+        return self.drive if self.fresh(now_s) else Drive(pose=self.drive.pose)
+
+    def _pull(self, client: Client, now_s: float, t_ms: float | None) -> None:
+        """The first stop is kept, and nothing that was wished before it survives it."""
+        if self.stop is None:
+            self.stop = Stop(client, now_s, t_ms)
+        self.posture, self.drive, self.pending = "rest", Drive(), None
+
+    def _reset(self, client: Client, now_s: float) -> None:
+        self.stop, self.posture, self.drive = None, "rest", Drive()
+
+    def _steer(self, message: Message, now_s: float) -> None:
+        self.drive = Drive.of(message)
+        if self.pending is None:
+            self.pending = (now_s, message.get("t_ms"))
+
+    def _set_posture(self, client: Client, posture: str) -> bool:
+        if self.stop is not None:
+            return self._refuse(f"emergency stop by {self.stop.client}: reset it first")
+        self.posture = posture
+        return True
+
+    def _release(self, client: Client) -> bool:
+        if client != self.driver:
+            return self._refuse("you do not drive")
+        self.drop(client)
+        return True
+
+    def _admit(self, client: Client, now_s: float) -> bool:
+        """Let the driver in, and whoever finds the seat free or has priority over the driver."""
+        driver = self.driver
+        if driver is not None and client != driver:
+            left = now_s - self._heard_s > LEFT_S
+            if not left and client.priority <= driver.priority:
+                return self._refuse(f"{driver} drives")
+        if client != driver:
+            self.driver, self.drive = client, Drive(pose=self.drive.pose)
+        self._heard_s = now_s
+        self.refusal = ""
+        return True
+
+    def _refuse(self, why: str) -> bool:
+        self.refused += 1
+        self.refusal = why
+        return False

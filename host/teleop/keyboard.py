@@ -1,0 +1,155 @@
+"""Keys of a terminal as messages. A terminal tells presses and repeats, never releases.
+
+So a drive key acts while it repeats: each press is one command, and the dead-man ends the walk 300 ms after the last
+one. Body pose, gait and speed share are set in steps and stay.
+"""
+
+import os
+import re
+from dataclasses import dataclass, field
+
+from shared.gaits import GAIT_NAMES
+
+from ..robot_model import Robot
+from .arbiter import Client
+from .messages import Message
+
+POSE_STEPS = 10  # presses from the middle to the limit
+LONGEST_READ = 256
+
+# Key -> vx, vy, wz as shares of the largest speed.
+DRIVE_KEYS = {
+    "w": (1, 0, 0),
+    "s": (-1, 0, 0),
+    "a": (0, 0, 1),
+    "d": (0, 0, -1),
+    "q": (0, 1, 0),
+    "e": (0, -1, 0),
+    "z": (1, 0, 1),
+    "c": (1, 0, -1),
+}
+# Key -> index in the pose (x, y, z, roll, pitch, yaw), direction. Pitch > 0 is nose down.
+POSE_KEYS = {
+    "up": (4, 1),
+    "down": (4, -1),
+    "left": (3, -1),
+    "right": (3, 1),
+    "u": (5, 1),
+    "o": (5, -1),
+    "i": (2, 1),
+    "k": (2, -1),
+    "j": (1, 1),
+    "l": (1, -1),
+    "n": (0, 1),
+    "m": (0, -1),
+}
+POSTURE_KEYS = {"t": "stand", "g": "sit", "x": "rest"}
+HELP = (
+    ("space", "EMERGENCY STOP"),
+    ("r", "reset the stop"),
+    ("t g x", "stand up, sit, joints off"),
+    ("w s", "forward, back"),
+    ("a d", "turn left, right"),
+    ("q e", "step left, right"),
+    ("z c", "forward in a curve"),
+    ("1 .. 9 0", "speed 10 .. 90, 100 %"),
+    ("arrows", "pitch and roll"),
+    ("i k", "body up, down"),
+    ("j l n m", "body left, right, ahead, back"),
+    ("u o h", "yaw left, right; level"),
+    ("y b", "next gait, balance on/off"),
+    ("Ctrl-C", "sit down and leave"),
+)
+_KEY = re.compile(rb"\x1b\[[ABCD]|\x1bO[ABCD]|\x1b\[[0-9;]*.?|[\x00-\x7f]|[\x80-\xff]+")
+_ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
+
+
+def keys_of(data: bytes) -> list[str]:
+    """Return the names of the keys in what a terminal sent; what is none of ours becomes ""."""
+    names = []
+    for part in _KEY.findall(data):
+        if part.startswith((b"\x1b[", b"\x1bO")):
+            names.append(_ARROWS.get(part[2:], "") if len(part) == 3 else "")
+        else:
+            names.append(part.decode("ascii", "replace").lower())
+    return names
+
+
+@dataclass
+class Keys:
+    """What the keys have set so far."""
+
+    robot: Robot
+    gait: str
+    share: float = 0.5
+    balance: bool = True
+    pose: list[float] = field(default_factory=lambda: [0.0] * 6)
+
+    @property
+    def _pose_limits(self) -> tuple[float, ...]:
+        limits = self.robot.body_limits
+        return (limits.x_m, limits.y_m, limits.z_m, *limits.angles_rad)
+
+    def message(self, key: str) -> Message | None:
+        """Return what a key says, or None."""
+        if key == " ":
+            return {"type": "stop"}
+        if key == "r":
+            return {"type": "reset"}
+        if key in POSTURE_KEYS:
+            return {"type": "posture", "posture": POSTURE_KEYS[key]}
+        if key == "y":
+            self.gait = GAIT_NAMES[(GAIT_NAMES.index(self.gait) + 1) % len(GAIT_NAMES)]
+            return {"type": "gait", "gait": self.gait}
+        if key == "b":
+            self.balance = not self.balance
+            return {"type": "balance", "on": self.balance}
+        return self._stick(key)
+
+    def _stick(self, key: str) -> Message | None:
+        """Return the sticks for a key of speed or pose."""
+        if key in DRIVE_KEYS:
+            return self._drive(*DRIVE_KEYS[key])
+        if key in POSE_KEYS:
+            axis, direction = POSE_KEYS[key]
+            limit = self._pose_limits[axis]
+            moved = self.pose[axis] + direction * limit / POSE_STEPS
+            self.pose[axis] = max(-limit, min(limit, moved))
+        elif key == "h":
+            self.pose = [0.0] * 6
+        elif key.isdecimal():
+            self.share = (int(key) or 10) / 10
+        else:
+            return None
+        return self._drive(0, 0, 0)
+
+    def _drive(self, vx: float, vy: float, wz: float) -> Message:
+        top, share = self.robot.speed_limits, self.share
+        return {
+            "type": "drive",
+            "vx_m_s": vx * share * top.vx_m_s,
+            "vy_m_s": vy * share * top.vy_m_s,
+            "wz_rad_s": wz * share * top.wz_rad_s,
+            "pose": list(self.pose),
+        }
+
+
+class Keyboard:
+    """A terminal's keys as an input of the hub."""
+
+    client = Client("keyboard")
+
+    def __init__(self, robot: Robot, descriptor: int) -> None:
+        self.keys = Keys(robot, robot.gait.default)
+        self._descriptor = descriptor
+
+    def fileno(self) -> int:
+        """See hub.Input."""
+        return self._descriptor
+
+    def messages(self) -> list[Message]:
+        """See hub.Input: the last drive key of a burst counts, all others each."""
+        data = os.read(self._descriptor, LONGEST_READ)
+        if not data:
+            raise OSError("the terminal is gone")
+        return [message for key in keys_of(data) if (message := self.keys.message(key)) is not None]

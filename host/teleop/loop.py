@@ -1,0 +1,106 @@
+"""The loop: waits for the next tick with an ear for all command sources, then senses, listens again, acts.
+
+Commands are looked at between reading the joints and planning, so one that arrives while the joints answer still
+makes it into this tick. A stop does not wait for a tick at all.
+"""
+
+import gc
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from .arbiter import Client
+from .messages import Message
+from .pacer import Pacer, quantiles_ms
+from .supervisor import Supervisor
+
+KEPT = 2000
+
+
+class Source(Protocol):
+    """Where commands come from."""
+
+    def poll(self, timeout_s: float) -> None:
+        """Wait for input up to a time and hand what came to the loop."""
+
+
+class Loop:
+    """Ticks of one supervisor. ``after_tick`` is called with the loop after each."""
+
+    def __init__(
+        self,
+        supervisor: Supervisor,
+        after_tick: Callable[["Loop"], None] = lambda loop: None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.supervisor, self._after_tick, self.clock = supervisor, after_tick, clock
+        self.pacer = Pacer(supervisor.driver.rate_hz, clock())
+        self.running = True
+        # From the sender's time stamp to the packet on the bus, s, by the wall clock; only where both have one clock.
+        self.command_s: deque[float] = deque(maxlen=KEPT)
+        self.stop_s: dict[str, deque[float]] = {}
+
+    def receive(self, client: Client, message: Message) -> bool:
+        """Take a checked message; a stop acts at once."""
+        supervisor, now_s = self.supervisor, self.clock()
+        first = supervisor.arbiter.stop is None
+        obeyed = supervisor.arbiter.handle(client, message, now_s)
+        if message["type"] == "stop" and first:
+            supervisor.stop_now()
+            self._clock_stop(client, message.get("t_ms"), now_s)
+        elif message["type"] == "reset" and obeyed:
+            supervisor.reset()
+        return obeyed
+
+    def drop(self, client: Client) -> None:
+        """A client is gone."""
+        self.supervisor.arbiter.drop(client)
+
+    def run(self, source: Source) -> None:
+        """Tick until ``running`` is false."""
+        gc.collect()
+        gc.freeze()
+        self.pacer = Pacer(self.supervisor.driver.rate_hz, self.clock())
+        try:
+            while self.running:
+                self._wait(source)
+                self.tick(source)
+        finally:
+            gc.unfreeze()
+
+    def _wait(self, source: Source) -> None:
+        while self.running and (left_s := self.pacer.due_s - self.clock()) > 0:
+            source.poll(left_s)
+
+    def tick(self, source: Source) -> None:
+        """One tick: sense, listen, act."""
+        self.pacer.begin(self.clock())
+        self.supervisor.sense()
+        source.poll(0.0)
+        self.supervisor.act(self.clock())
+        self._clock_command()
+        self.pacer.end(self.clock())
+        self._after_tick(self)
+
+    def _clock_command(self) -> None:
+        """Note how long the newest stick took from its sender to the bus."""
+        arbiter = self.supervisor.arbiter
+        pending, arbiter.pending = arbiter.pending, None
+        if pending is not None and pending[1] is not None and self.supervisor.armed:
+            self.command_s.append(time.time() - pending[1] / 1000)
+
+    def _clock_stop(self, client: Client, t_ms: float | None, received_s: float) -> None:
+        taken_s = self.clock() - received_s if t_ms is None else time.time() - t_ms / 1000
+        self.stop_s.setdefault(client.source, deque(maxlen=KEPT)).append(taken_s)
+
+    def timing(self) -> dict[str, Any]:
+        """Return the ticks' figures, and how long commands and stops took to the bus, ms."""
+        return {
+            "rate_hz": self.supervisor.driver.rate_hz,
+            **self.pacer.summary(),
+            "command_to_packet_ms": {"count": len(self.command_s), **quantiles_ms(self.command_s)},
+            "stop_to_packet_ms": {
+                source: {"count": len(seconds), **quantiles_ms(seconds)} for source, seconds in self.stop_s.items()
+            },
+        }

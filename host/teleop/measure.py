@@ -1,0 +1,84 @@
+"""A driver that measures: stands up, walks for some seconds, sits down, and leaves figures of the loop behind."""
+
+import os
+import time
+from pathlib import Path
+from typing import Any
+
+from .arbiter import Client
+from .loop import Loop
+from .messages import Message
+
+SEND_S = 0.1
+STAND_UP_S = 20.0  # a robot that does not stand by then does not come to it
+SPEED_SHARE = 0.5
+CLIENT = Client("script")
+LEVEL = [0.0] * 6
+
+
+class Measure:
+    """Drives for ``seconds`` once the robot stands; ``done`` is true afterwards."""
+
+    def __init__(self, seconds: float, vx_m_s: float) -> None:
+        self._seconds, self._vx_m_s = seconds, SPEED_SHARE * vx_m_s
+        self._began_s: float | None = None
+        self._sent_s = self._asked_s = 0.0
+        self._busy_s = self._wall_s = 0.0
+        self._missed_before = 0
+        self.done = False
+        self.failure = ""
+        self.figures: dict[str, Any] = {}
+
+    def tick(self, loop: Loop) -> None:
+        """Send what is due."""
+        now_s = loop.clock()
+        if self.done or now_s - self._sent_s < SEND_S:
+            return
+        self._sent_s = now_s
+        self._asked_s = self._asked_s or now_s
+        if loop.supervisor.state == "fault":
+            self._give_up(loop, now_s)
+        elif self._began_s is None:
+            loop.receive(CLIENT, {"type": "posture", "posture": "stand"})
+            if loop.supervisor.state == "standing":
+                self._begin(loop, now_s)
+            elif now_s - self._asked_s > STAND_UP_S:
+                self._give_up(loop, now_s)
+        elif now_s - self._began_s < self._seconds:
+            loop.receive(CLIENT, self._stick())
+        else:
+            self._end(loop, now_s)
+
+    def _begin(self, loop: Loop, now_s: float) -> None:
+        """Figures are of the walk: standing up switches torque on, which takes longer than a tick."""
+        self._began_s, self._wall_s, self._busy_s = now_s, now_s, time.process_time()
+        self._ticks_before, self._missed_before = loop.pacer.ticks, loop.pacer.missed
+        loop.pacer.late_s.clear()
+        loop.pacer.busy_s.clear()
+
+    def _give_up(self, loop: Loop, now_s: float) -> None:
+        """A robot with a fault is not measured any further."""
+        self.done = True
+        self.failure = loop.supervisor.reason(now_s) or "it does not stand up"
+        self.figures = loop.timing()
+
+    def _stick(self) -> Message:
+        now_ms = time.time() * 1000
+        return {"type": "drive", "vx_m_s": self._vx_m_s, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": LEVEL, "t_ms": now_ms}
+
+    def _end(self, loop: Loop, now_s: float) -> None:
+        self.done = True
+        share = (time.process_time() - self._busy_s) / (now_s - self._wall_s)
+        timing = loop.timing()
+        timing["ticks"] -= self._ticks_before
+        timing["missed"] -= self._missed_before
+        errors = loop.supervisor.bus.counters.errors
+        self.figures = {"seconds": round(now_s - self._wall_s, 2), "loop_cpu_share": round(share, 4), **timing}
+        self.figures["missed_standing_up"] = self._missed_before
+        self.figures["bus_errors"] = errors
+
+
+def cpu_seconds(process: int) -> float:
+    """Return the processor time that another process has used (Linux: /proc)."""
+    fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")

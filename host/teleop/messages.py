@@ -1,0 +1,108 @@
+"""One message of a driver: a JSON object of exactly these keys, checked before anything acts on it.
+
+The page, scripts and the loop speak the same messages (docs/teleop.md). What is not exactly one of them is refused:
+unknown or missing keys, wrong types, numbers beyond their range, more than LONGEST bytes.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from shared.gaits import GAIT_NAMES
+
+LONGEST = 512
+POSTURES = ("stand", "sit", "rest")
+# Far more than any robot takes: the planner limits to the robot's own. Only nonsense is refused here.
+LARGEST_SPEED = 10.0
+LARGEST_POSE = 2.0
+LATEST_MS = 1e14
+
+Message = dict[str, Any]
+
+
+class BadMessage(ValueError):
+    """Why a message is refused, in a few words."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What the sticks say: speeds in m/s and rad/s, body pose x, y, z in m and roll, pitch, yaw in rad."""
+
+    vx_m_s: float = 0.0
+    vy_m_s: float = 0.0
+    wz_rad_s: float = 0.0
+    pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
+
+    @property
+    def moves(self) -> bool:
+        """True if it asks for a walk."""
+        return bool(self.vx_m_s or self.vy_m_s or self.wz_rad_s)
+
+    @classmethod
+    def of(cls, message: Message) -> "Drive":
+        """Return the sticks of a checked message."""
+        pose = tuple(float(value) for value in message["pose"])
+        return cls(float(message["vx_m_s"]), float(message["vy_m_s"]), float(message["wz_rad_s"]), pose)  # type: ignore[arg-type]
+
+
+def _is_number(largest: float) -> Callable[[Any], bool]:
+    def check(value: Any) -> bool:
+        return type(value) in (int, float) and -largest <= value <= largest
+
+    return check
+
+
+def _is_pose(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 6 and all(map(_is_number(LARGEST_POSE), value))
+
+
+_SPEED = _is_number(LARGEST_SPEED)
+_TIME = _is_number(LATEST_MS)
+# Type of message -> key -> check.
+KEYS: dict[str, dict[str, Callable[[Any], bool]]] = {
+    "drive": {"vx_m_s": _SPEED, "vy_m_s": _SPEED, "wz_rad_s": _SPEED, "pose": _is_pose},
+    "posture": {"posture": lambda value: value in POSTURES and isinstance(value, str)},
+    "gait": {"gait": lambda value: isinstance(value, str) and value in GAIT_NAMES},
+    "balance": {"on": lambda value: isinstance(value, bool)},
+    "take": {},
+    "release": {},
+    "stop": {},
+    "reset": {},
+    "ping": {"t_ms": _TIME},
+}
+# May be there: when it happened, by the sender's clock.
+OPTIONAL = {"drive": {"t_ms": _TIME}, "stop": {"t_ms": _TIME}}
+
+
+def parse(text: str | bytes) -> Message:
+    """Return a checked message, or raise BadMessage."""
+    if len(text) > LONGEST:
+        raise BadMessage(f"{len(text)} bytes, at most {LONGEST}")
+    try:
+        value = json.loads(text, parse_constant=_no_constant)
+    except (ValueError, RecursionError):
+        raise BadMessage("no JSON") from None
+    return check(value)
+
+
+def check(value: Any) -> Message:
+    """Return ``value`` if it is a message, or raise BadMessage."""
+    kind = value.get("type") if isinstance(value, dict) else None
+    if not isinstance(kind, str) or kind not in KEYS:
+        raise BadMessage(f"no object with a type of {', '.join(KEYS)}")
+    keys = KEYS[kind]
+    allowed = {**keys, **OPTIONAL.get(kind, {})}
+    for key in value.keys() - {"type"}:
+        if key not in allowed:
+            raise BadMessage(f"{kind}: unknown key")
+        if not allowed[key](value[key]):
+            raise BadMessage(f"{kind}: {key} is wrong or out of range")
+    for key in keys:
+        if key not in value:
+            raise BadMessage(f"{kind}: {key} is missing")
+    return value  # type: ignore[no-any-return]
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(name)

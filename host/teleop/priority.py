@@ -1,0 +1,27 @@
+"""Asks the system to run the loop before everything else; where it refuses, the loop runs like any program."""
+
+import os
+from contextlib import suppress
+
+LEVEL = 10
+NICE = -10
+
+
+def ask() -> str:
+    """Ask for real-time scheduling, else for a better nice value; return what came of it."""
+    with suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(LEVEL))
+        return "real-time"
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+        return f"nice {NICE}"
+    return "that of any program; as a service it gets real-time (docs/teleop.md)"
+
+
+def give_back(nicer: int) -> None:
+    """Be an ordinary process again, and a little behind the others."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.setpriority(os.PRIO_PROCESS, 0, nicer)
+    except (OSError, AttributeError):
+        os.nice(nicer)

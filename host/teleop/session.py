@@ -1,0 +1,241 @@
+"""One drive from start-up checks to sitting down: bus, sources, page, record and loop put together and apart."""
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..buses.choose import Hardware, hardware
+from ..errors import NOT_ACHIEVED, UserError
+from ..imu.attitude import Attitude
+from ..robot_file import find, load_robot
+from . import priority
+from .arbiter import Client
+from .checks import start_checks
+from .gamepad import Gamepad, open_gamepad
+from .hub import Hub
+from .keyboard import Keyboard
+from .loop import Loop
+from .measure import Measure, cpu_seconds
+from .messages import Message
+from .supervisor import Supervisor
+from .telemetry import Extra, StartCheck, status
+from .terminal import Screen, raw_keys
+from .webside import WebProcess, start_web
+
+STATUS_HZ = 20
+GAMEPAD_HZ = 20
+# Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
+LEAVING_S = 20.0
+
+
+@dataclass(frozen=True)
+class Options:
+    """What was asked for on the command line."""
+
+    robot: str = "caramelo"
+    which: str = "real"
+    port: str | None = None
+    calibration: Path | None = None
+    web: bool = False
+    listen: str = "127.0.0.1:8080"
+    log: Path | None = None
+    socket: str | None = None
+    gamepad: str | None = None
+    measure_s: float | None = None
+    terminal: bool = False
+
+
+class Session:
+    """A drive. ``say`` prints a line of the start-up."""
+
+    def __init__(self, options: Options, say: Callable[[str], None]) -> None:
+        self.options, self._say = options, say
+        self.robot = load_robot(options.robot)
+        self.extra = Extra()
+        self.leaving = 0
+        self._leave_s = 0.0
+        self._after: list[Callable[[Loop], None]] = []
+        self._screen: Screen | None = None
+        self._web: WebProcess | None = None
+        self._measure: Measure | None = None
+
+    def run(self) -> dict[str, Any]:
+        """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
+        options = self.options
+        with ExitStack() as stack:
+            # Before the emulated servos start: they inherit it, as they stand for hardware.
+            self._note(StartCheck("priority", True, priority.ask()))
+            parts = stack.enter_context(
+                hardware(self.robot, options.which, options.port, options.calibration, str(find(options.robot)))
+            )
+            supervisor = self._open(stack, parts)
+            loop = Loop(supervisor, self._after_tick)
+            hub = Hub(self._gate(loop), loop.drop)
+            stack.callback(hub.close)
+            self._add_sources(stack, hub, loop)
+            self._add_log(stack, supervisor)
+            stack.enter_context(self._signals())
+            self._say("ready")
+            self._add_screen(stack)
+            loop.run(hub)
+            return self._figures(loop)
+
+    def _open(self, stack: ExitStack, parts: Hardware) -> Supervisor:
+        """Open the joints and the sensor, and check them in order."""
+        stack.enter_context(parts.bus)
+        attitude: Attitude | None = parts.attitude
+        try:
+            parts.attitude.open()
+            stack.callback(parts.attitude.close)
+        except UserError as error:
+            attitude = None
+            self._say(f"note  attitude: {error}")
+        for check in start_checks(self.robot, parts.bus, attitude):
+            self._note(check)
+            if not check.ok:
+                raise UserError(f"{check.name}: {check.result}: the robot stays as it is", NOT_ACHIEVED)
+        return Supervisor(self.robot, parts.bus, attitude.update if attitude else lambda: None)
+
+    def _note(self, check: StartCheck) -> None:
+        self.extra.checks.append(check)
+        self._say(f"{'ok' if check.ok else 'FAIL':5} {check.name}: {check.result}")
+
+    def _add_sources(self, stack: ExitStack, hub: Hub, loop: Loop) -> None:
+        options, rate_hz = self.options, loop.supervisor.driver.rate_hz
+        if options.socket is not None:
+            hub.listen(options.socket)
+            self._note(StartCheck("socket", True, options.socket))
+        if options.gamepad is not None:
+            pad = open_gamepad(self.robot, options.gamepad)
+            hub.add_input(pad)
+            self._after.append(_every(rate_hz // GAMEPAD_HZ, lambda loop: _repeat(loop, pad)))
+            self._note(StartCheck("gamepad", True, "found; hold the left shoulder button to drive"))
+        if options.web:
+            self._web = start_web(str(find(options.robot)), options.listen)
+            stack.callback(self._web.close)
+            hub.add_web(self._web.stream)
+            hub.web_news = self._take_web_news
+            self.extra.web = self._web.url + (f" code {self._web.code}" if self._web.code else "")
+            self._note(StartCheck("web page", True, self.extra.web))
+        if options.measure_s is not None:
+            self._measure = Measure(options.measure_s, self.robot.speed_limits.vx_m_s)
+            self._after.append(self._measure.tick)
+        if options.terminal:
+            stack.enter_context(raw_keys(sys.stdin.fileno()))
+            hub.add_input(Keyboard(self.robot, sys.stdin.fileno()))
+        self._after.append(_every(rate_hz // STATUS_HZ, lambda loop: self._publish(loop, hub)))
+
+    def _add_log(self, stack: ExitStack, supervisor: Supervisor) -> None:
+        if self.options.log is None:
+            return
+        from ..records.log import LoopLog, about
+        from ..records.recorder import Recorder, record_path
+
+        recorder = Recorder(record_path(self.options.log), about(self.robot, supervisor))
+        stack.callback(recorder.close)
+        self._recorder = recorder
+        self.extra.log = str(recorder.path)
+        self._after.insert(0, LoopLog(recorder).tick)
+        self._note(StartCheck("record", True, str(recorder.path)))
+
+    def _add_screen(self, stack: ExitStack) -> None:
+        if self.options.terminal:
+            self._screen = Screen()
+            self._screen.open()
+            stack.callback(self._screen.close)
+
+    def _gate(self, loop: Loop) -> Callable[[Client, Message], bool]:
+        """Return the way in for messages: once the session ends, only stops pass."""
+
+        def receive(client: Client, message: Message) -> bool:
+            if self.leaving and message["type"] != "stop":
+                return False
+            return loop.receive(client, message)
+
+        return receive
+
+    def _take_web_news(self, news: dict[str, Any]) -> None:
+        self.extra.pages = news.get("pages", self.extra.pages)
+        self.extra.web_counts = {key: news[key] for key in ("malformed", "limited", "refused") if key in news}
+
+    def _after_tick(self, loop: Loop) -> None:
+        for each in self._after:
+            each(loop)
+        if self._measure is not None and self._measure.done and not self.leaving:
+            self.leaving = 1
+        if self.leaving:
+            self._leave(loop)
+
+    def _leave(self, loop: Loop) -> None:
+        """Sit down and let go, then end; at once if asked twice."""
+        now_s = loop.clock()
+        self._leave_s = self._leave_s or now_s
+        supervisor = loop.supervisor
+        supervisor.leaving, supervisor.arbiter.posture, supervisor.arbiter.driver = True, "rest", None
+        if not supervisor.armed or self.leaving > 1 or now_s - self._leave_s > LEAVING_S:
+            loop.running = False
+
+    def _publish(self, loop: Loop, hub: Hub) -> None:
+        self.extra.scripts, self.extra.bad_messages = hub.scripts, hub.bad
+        if self.options.log is not None and self._recorder.trouble:
+            self.extra.log = self._recorder.trouble
+        news = status(loop, self.extra)
+        hub.tell(news)
+        if self._screen is not None:
+            self._screen.show(news)
+
+    @contextmanager
+    def _signals(self) -> Iterator[None]:
+        """SIGINT and SIGTERM mean: sit down and leave."""
+
+        def leave(number: int, frame: Any) -> None:
+            self.leaving += 1
+
+        before = {number: signal.signal(number, leave) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def _figures(self, loop: Loop) -> dict[str, Any]:
+        figures: dict[str, Any] = {"robot": self.robot.name, "bus": loop.supervisor.bus.kind}
+        figures |= self._measure.figures if self._measure and self._measure.done else loop.timing()
+        if self._measure:
+            figures["failure"] = self._measure.failure
+        if self._web is not None:
+            figures["web_cpu_s"] = round(cpu_seconds(self._web.process.pid), 3)
+        arbiter = loop.supervisor.arbiter
+        figures |= {"obeyed": arbiter.obeyed, "refused": arbiter.refused, "bad_messages": self.extra.bad_messages}
+        figures["web_messages"] = self.extra.web_counts
+        if self.options.log is not None:
+            figures |= {"log": str(self._recorder.path), "log_dropped": self._recorder.dropped}
+            figures["log_trouble"] = self._recorder.trouble
+        figures["rss_kB"] = resident_kB()
+        return figures
+
+
+def resident_kB() -> int:
+    """Return how much memory this process holds."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") // 1024
+
+
+def _every(ticks: int, call: Callable[[Loop], None]) -> Callable[[Loop], None]:
+    """Return ``call`` for one tick of so many."""
+
+    def sometimes(loop: Loop) -> None:
+        if loop.pacer.ticks % max(1, ticks) == 0:
+            call(loop)
+
+    return sometimes
+
+
+def _repeat(loop: Loop, pad: Gamepad) -> None:
+    for message in pad.repeat():
+        loop.receive(pad.client, message)

@@ -1,0 +1,186 @@
+"""Between wish and joints: stands up before walking, sits down before letting go, lets go at once on a stop.
+
+One tick: read the joints, look for faults, take what the arbiter holds, plan, write. The state and the reason why the
+robot does not move are computed here and nowhere else.
+"""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from shared import planner as core
+from shared.gaits import GAIT_NAMES
+
+from ..buses.base import Bus, Measured
+from ..drive import Driver
+from ..errors import UserError
+from ..robot_model import Robot
+from ..safety import Fault, Safety, torque_limit
+from .arbiter import Arbiter
+from .messages import Drive
+
+STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
+Attitude = tuple[float, float] | None
+# The planner's state in the driver's words.
+_WORDS = {"limp": "disarmed", "rising": "standing up", "seated": "sitting"}
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of state: when, to what, and why it is so."""
+
+    time_s: float
+    state: str
+    reason: str
+
+
+class Supervisor:
+    """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown."""
+
+    def __init__(
+        self, robot: Robot, bus: Bus, attitude: Callable[[], Attitude] = lambda: None, rate_hz: int | None = None
+    ) -> None:
+        self.robot, self.bus, self._read_attitude = robot, bus, attitude
+        self.driver = Driver(robot, rate_hz)
+        self.arbiter = Arbiter(gait=robot.gait.default)
+        self.safety = Safety(robot)
+        self.measured = Measured()
+        self.attitude: Attitude = None
+        self.goals: list[float] = []
+        self.armed = self.leaving = False
+        self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
+        self._limit: float | None = None
+        self._stopped = False
+        self._last = ("", "")
+
+    def sense(self) -> None:
+        """Read the joints and the attitude, and look for faults."""
+        self.measured = self.bus.read()
+        self.attitude = self._read_attitude()
+        if self.armed:
+            self.safety.update(self.measured, self.attitude)
+
+    def act(self, now_s: float) -> None:
+        """Plan one tick and write its goals, or let go."""
+        sticks = self.arbiter.update(now_s)
+        self._check_stop()
+        self._command(sticks, now_s)
+        joints = self.measured.position_rad if self.measured.complete else None
+        self.driver.sense(joints, *(self.attitude or (None, None)))
+        self.goals = self.driver.step()
+        if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
+            self._disarm()
+        if self.armed:
+            self._limit_torque()
+            self.bus.write(self.goals)
+        self._note(now_s)
+
+    def stop_now(self) -> None:
+        """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
+        self.bus.emergency_stop()
+        self.armed, self._stopped, self._limit = False, True, None
+
+    def reset(self) -> None:
+        """Forget the faults that are over."""
+        self._stopped = False
+        self.safety.reset(self.measured, self.attitude)
+
+    def _check_stop(self) -> None:
+        limp = self.safety.action == "limp"
+        if (limp and self.armed) or (self.arbiter.stop is not None and not self._stopped):
+            self.stop_now()
+        if limp:
+            self.arbiter.posture = "rest"
+
+    def _command(self, sticks: Drive, now_s: float) -> None:
+        """Turn what is wished into what the planner is asked for."""
+        arbiter = self.arbiter
+        posture = "rest" if self.safety.action != "none" else arbiter.posture
+        if posture != "rest" and not self.armed:
+            self._arm()
+        self.driver.set_command(
+            mode=self._mode(posture, sticks),
+            gait=arbiter.gait,
+            vx_m_s=sticks.vx_m_s,
+            vy_m_s=sticks.vy_m_s,
+            wz_rad_s=sticks.wz_rad_s,
+            pose=sticks.pose,
+            balance=arbiter.balance and self.attitude is not None,
+        )
+
+    def _mode(self, posture: str, sticks: Drive) -> str:
+        if not self.armed:
+            return "limp"
+        if posture == "stand":
+            return "walk" if sticks.moves else "stand"
+        seated = self.driver.state == "seated"
+        return "limp" if posture == "rest" and seated else "sit"
+
+    def _arm(self) -> None:
+        """Switch the torque on, limited, with the goals where the joints are."""
+        if not self.measured.complete:
+            return
+        try:
+            self._limit = None
+            self._limit_torque()
+            self.bus.torque(True)
+        except UserError as error:
+            self.safety.raise_fault(Fault("limp", "arming", str(error)))
+            return
+        self.armed, self._stopped = True, False
+
+    def _disarm(self) -> None:
+        self.bus.torque(False)
+        self.armed, self._limit = False, None
+
+    def _limit_torque(self) -> None:
+        limit = torque_limit(self.robot, self.driver.state)
+        if limit != self._limit:
+            self.bus.limit_torque(limit)
+            self._limit = limit
+
+    @property
+    def state(self) -> str:
+        """One of STATES."""
+        if self.safety.first is not None:
+            return "fault"
+        word = self.driver.state
+        if word == "walking" and GAIT_NAMES[self.driver.planner.numbers[core.N_GAIT]] == "crawl":
+            return "crawling"
+        return _WORDS.get(word, word)
+
+    def reason(self, now_s: float) -> str:
+        """Why the robot does not move, with what to do; "" while it walks as told."""
+        arbiter = self.arbiter
+        if arbiter.stop is not None:
+            return f"emergency stop by {arbiter.stop.client}: reset it, then stand up"
+        if self.safety.first is not None:
+            return f"{self.safety.sentence}; then reset"
+        if not self.measured.complete:
+            return "the joints' positions are not known yet"
+        if not self.armed:
+            return "the joints are off: stand up first"
+        return self._reason_of_state(now_s)
+
+    def _reason_of_state(self, now_s: float) -> str:
+        arbiter, planner = self.arbiter, self.driver.state
+        if self.leaving:
+            return "leaving: it sits down and lets go"
+        if planner in ("rising", "sitting"):
+            return "wait until it stands" if planner == "rising" else "sitting down"
+        if planner == "seated":
+            return "seated: stand up first"
+        if arbiter.driver is None:
+            return "nobody drives: take the controls"
+        if not arbiter.fresh(now_s):
+            return f"no command from {arbiter.driver} for {arbiter.silent_s(now_s):.1f} s"
+        return "" if arbiter.drive.moves else "the sticks are at rest"
+
+    def _note(self, now_s: float) -> None:
+        """Keep a change of state or of its reason."""
+        arbiter = self.arbiter
+        silent = self.armed and arbiter.driver is not None and not arbiter.fresh(now_s)
+        reason = f"no command from {arbiter.driver}" if silent else self.reason(now_s)
+        if (self.state, reason) != self._last:
+            self._last = (self.state, reason)
+            self.changes.append(Change(now_s, self.state, reason))

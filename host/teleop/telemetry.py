@@ -1,0 +1,89 @@
+"""What everybody may know about the robot now, as plain values for JSON: for pages, scripts and the screen."""
+
+from dataclasses import dataclass, field
+from math import inf, isfinite
+from typing import Any
+
+from shared import planner as core
+from shared.gaits import GAIT_NAMES
+
+from ..robot_model import Robot
+from .loop import Loop
+
+
+@dataclass(frozen=True)
+class StartCheck:
+    """One start-up check and how it went."""
+
+    name: str
+    ok: bool
+    result: str
+
+
+@dataclass
+class Extra:
+    """What the loop itself does not know."""
+
+    checks: list[StartCheck] = field(default_factory=list)
+    web: str = ""
+    pages: int = 0
+    scripts: int = 0
+    bad_messages: int = 0
+    log: str = ""
+    web_counts: dict[str, int] = field(default_factory=dict)
+
+
+def rounded(values: Any, digits: int) -> list[float | None]:
+    """Return floats short enough to send; None for one that is not finite."""
+    return [round(value, digits) if isfinite(value) else None for value in values]
+
+
+def about(robot: Robot) -> dict[str, Any]:
+    """Return what does not change while the robot runs."""
+    speed, body = robot.speed_limits, robot.body_limits
+    return {
+        "robot": robot.name,
+        "gaits": list(GAIT_NAMES),
+        "speed_limits": [speed.vx_m_s, speed.vy_m_s, speed.wz_rad_s],
+        "pose_limits": [body.x_m, body.y_m, body.z_m, *(round(angle, 5) for angle in body.angles_rad)],
+    }
+
+
+def status(loop: Loop, extra: Extra) -> dict[str, Any]:
+    """Return the state, the reason, who drives, what is measured, and the loop's figures."""
+    supervisor = loop.supervisor
+    arbiter, measured, now_s = supervisor.arbiter, supervisor.measured, loop.clock()
+    numbers, stop = supervisor.driver.planner.numbers, arbiter.stop
+    battery_V = measured.battery_V
+    return {
+        "type": "status",
+        "time_s": round(now_s, 4),
+        "state": supervisor.state,
+        "reason": supervisor.reason(now_s),
+        "stop": None if stop is None else str(stop.client),
+        "fault": supervisor.safety.sentence,
+        "driver": None if arbiter.driver is None else [arbiter.driver.source, arbiter.driver.number],
+        "fresh": arbiter.fresh(now_s),
+        "armed": supervisor.armed,
+        "gait": arbiter.gait,
+        "balance": arbiter.balance,
+        "speed": rounded((arbiter.drive.vx_m_s, arbiter.drive.vy_m_s, arbiter.drive.wz_rad_s), 4),
+        "attitude_rad": None if supervisor.attitude is None else rounded(supervisor.attitude, 4),
+        "battery_V": None if battery_V is None else round(battery_V, 2),
+        "joints_rad": rounded(measured.position_rad, 4),
+        "load": rounded(measured.load, 3),
+        "temperature_C": rounded(measured.temperature_C, 1),
+        "silent": [joint for joint, age_s in enumerate(measured.age_s) if age_s == inf],
+        "swinging": numbers[core.N_SWINGING],
+        "bus_errors": supervisor.bus.counters.errors,
+        "obeyed": arbiter.obeyed,
+        "refused": arbiter.refused,
+        "bad_messages": extra.bad_messages,
+        "timing": {"rate_hz": supervisor.driver.rate_hz, "ticks": loop.pacer.ticks, "missed": loop.pacer.missed},
+        "checks": [f"{each.name}: {each.result}" for each in extra.checks],
+        "log": extra.log,
+        "pages": extra.pages,
+        "web_counts": extra.web_counts,
+        "web": extra.web,
+        "scripts": extra.scripts,
+    }

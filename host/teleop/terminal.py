@@ -1,0 +1,102 @@
+"""The terminal: keys without Enter, and a screen with the state, the reason, the key map and the loop's figures.
+
+Painting has its own thread, so a slow terminal (ssh over a bad line) holds nothing up; it paints the newest status.
+"""
+
+import sys
+import termios
+import threading
+import tty
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
+
+from ..robot_model import JOINT_NAMES, LEG_NAMES
+from .keyboard import HELP
+
+REPAINT_S = 0.2
+HOME, CLEAR_LINE, CLEAR_REST = "\x1b[H", "\x1b[K", "\x1b[J"
+ENTER, LEAVE = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
+BOLD, RED, GREEN, PLAIN = "\x1b[1m", "\x1b[1;97;41m", "\x1b[1;32m", "\x1b[0m"
+
+
+@contextmanager
+def raw_keys(descriptor: int) -> Iterator[None]:
+    """Take keys one by one, unseen; Ctrl-C still interrupts. The terminal is put back at the end."""
+    before = termios.tcgetattr(descriptor)
+    try:
+        tty.setcbreak(descriptor)
+        yield
+    finally:
+        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+
+
+class Screen:
+    """Paints the newest status a few times a second until it is closed."""
+
+    def __init__(self, stream: TextIO = sys.stdout) -> None:
+        self._stream, self._status = stream, dict[str, Any]()
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._paint, name="screen", daemon=True)
+
+    def open(self) -> None:
+        """Switch to the terminal's second page and start."""
+        self._stream.write(ENTER)
+        self._thread.start()
+
+    def show(self, status: dict[str, Any]) -> None:
+        """Keep the newest status."""
+        self._status = status
+
+    def close(self) -> None:
+        """Back to the first page. A terminal that hangs is left to itself."""
+        self._done.set()
+        self._thread.join(2 * REPAINT_S)
+        if not self._thread.is_alive():
+            self._stream.write(LEAVE)
+            self._stream.flush()
+
+    def _paint(self) -> None:
+        while not self._done.wait(REPAINT_S):
+            if self._status:
+                text = "".join(f"{line}{CLEAR_LINE}\n" for line in screen_lines(self._status))
+                self._stream.write(HOME + text + CLEAR_REST)
+                self._stream.flush()
+
+
+def screen_lines(status: dict[str, Any]) -> list[str]:
+    """Return the screen's lines."""
+    timing, driver = status["timing"], status["driver"]
+    mark = RED if status["stop"] or status["fault"] else GREEN if not status["reason"] else BOLD
+    who = "nobody" if driver is None else " ".join(str(part) for part in driver if part)
+    attitude = status["attitude_rad"]
+    tilt = "unknown" if attitude is None else "roll {:+.1f}, pitch {:+.1f} deg".format(*(57.2958 * a for a in attitude))
+    volts = "unknown" if status["battery_V"] is None else f"{status['battery_V']:.1f} V"
+    lines = [
+        f"{mark} {status['state']} {PLAIN} {status['reason']}",
+        "",
+        f"driver {who}   gait {status['gait']}   balance {'on' if status['balance'] else 'off'}",
+        "speed {:+.3f} {:+.3f} m/s, turning {:+.2f} rad/s".format(*status["speed"]),
+        f"attitude {tilt}   battery {volts}   bus errors {status['bus_errors']}",
+        f"{timing['rate_hz']} Hz   ticks {timing['ticks']}   missed {timing['missed']}   {status['web']}",
+        "",
+        f"{'':4}" + "".join(f"{name:>24}" for name in JOINT_NAMES),
+    ]
+    lines += [_leg_line(status, leg) for leg in range(4)]
+    return [*lines, "", *key_lines()]
+
+
+def key_lines() -> list[str]:
+    """Return the key map in two columns."""
+    cells = [f"{BOLD}{keys:>8}{PLAIN}  {meaning:<32}" for keys, meaning in HELP]
+    half = (len(cells) + 1) // 2
+    right = [*cells[half:], ""]
+    return [a + b for a, b in zip(cells[:half], right, strict=False)]
+
+
+def _leg_line(status: dict[str, Any], leg: int) -> str:
+    cells = []
+    for joint in range(3 * leg, 3 * leg + 3):
+        angle, load, heat = status["joints_rad"][joint], status["load"][joint], status["temperature_C"][joint]
+        cells.append(f"{57.2958 * angle:+8.1f} deg {100 * load:+4.0f} % {heat:3.0f} C")
+    return f"{LEG_NAMES[leg]:4}" + "".join(f"{cell:>24}" for cell in cells)
