@@ -1,0 +1,122 @@
+"""`caramelo joints` against simulated joints: in this process, and behind a bus that another program shares."""
+
+import json
+import threading
+
+import pytest
+
+from host.can.adapter import AdapterPort
+from host.cli import main
+from host.errors import UserError
+from host.joints.gateway import Gateway
+from host.joints.sim_robot import SimRobot
+from host.robot_file import load_robot
+
+
+def run(capsys, *words):
+    code = main(["joints", *words])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_scan_lists_twelve_boards(capsys):
+    code, out, _ = run(capsys, "scan", "--sim", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert [board["node"] for board in found["boards"]] == list(range(1, 13))
+    assert found["wrong"] == []
+
+
+def test_status_shows_every_joint(capsys):
+    code, out, _ = run(capsys, "status", "--sim")
+    assert code == 0
+    assert "FR thigh (2)" in out
+    assert "disabled" in out
+
+
+def test_arm_holds_and_disarms(capsys):
+    code, out, _ = run(capsys, "arm", "--sim", "--seconds", "0.3")
+    assert code == 0
+    assert "disarmed" in out
+
+
+def test_parameters_are_read_and_refused_in_words(capsys):
+    code, out, _ = run(capsys, "params", "get", "5", "node_id", "gear_q8", "--sim", "--json")
+    assert code == 0
+    assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
+    code, _, err = run(capsys, "params", "set", "5", "gear_q8", "900", "--sim")
+    assert code == 2
+    assert "gear_q8: 900 is not allowed; use 1 to 63" in err
+    code, _, err = run(capsys, "params", "get", "5", "nonsense", "--sim")
+    assert code == 2
+    assert "no such parameter" in err
+    code, out, _ = run(capsys, "params", "set", "5", "gear_q8", "21.5", "--sim")
+    assert code == 0
+    assert "raw 5504" in out
+    code, out, _ = run(capsys, "params", "diff", "5", "--sim")
+    assert code == 0
+    assert "has_joint_encoder" in out
+
+
+@pytest.mark.parametrize("command", [["save", "3"], ["restore", "3"]])
+def test_parameters_are_kept_and_restored(capsys, command):
+    assert run(capsys, "params", *command, "--sim")[0] == 0
+
+
+def test_busload_prints_the_schedule(capsys):
+    code, out, _ = run(capsys, "busload", "--json")
+    total = json.loads(out)["rows"][-1]
+    assert code == 0
+    assert total["worst_share"] <= 0.40
+    assert run(capsys, "busload", "--rate", "400")[0] == 1
+    assert run(capsys, "busload", "--rate", "400", "--buses", "2")[0] == 0
+
+
+def test_set_id_refuses_a_node_that_is_taken(capsys):
+    code, _, err = run(capsys, "set-id", "0x27b2d3d6", "5", "--sim")
+    assert code == 2
+    assert "node 5 is taken" in err
+    assert run(capsys, "set-id", "0x27b2d3d6", "1", "--sim")[0] == 0
+
+
+def test_monitor_records(capsys, tmp_path):
+    path = tmp_path / "joints.jsonl"
+    assert run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert len(lines) >= 3
+    assert len(lines[0]["joints"]) == 12
+
+
+def test_disarm_and_clear_and_calibrate(capsys):
+    assert run(capsys, "disarm", "--sim")[0] == 0
+    assert run(capsys, "clear", "--sim")[0] == 0
+    code, _, err = run(capsys, "calibrate", "5", "--sim")
+    assert code == 2
+    assert "cannot be calibrated" in err
+
+
+@pytest.fixture
+def shared_bus():
+    sim = SimRobot(load_robot("parallel"))
+    with AdapterPort("virtual", "caramelo-gateway", 1_000_000) as port:
+        yield Gateway(sim, port)
+    sim.close()
+
+
+def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, shared_bus):
+    shared_bus.inject("under-voltage:4@0.01")
+    shared_bus.inject("e-stop:6@0.02")
+    thread = threading.Thread(target=shared_bus.run, args=(3.0,), daemon=True)
+    thread.start()
+    code, out, _ = run(capsys, "status", "--interface", "virtual", "--channel", "caramelo-gateway", "--json")
+    thread.join()
+    rows = json.loads(out)["joints"]
+    assert code == 1
+    assert all("emergency" in row["fault"] for i, row in enumerate(rows) if i not in (3, 5))
+    assert rows[3]["bus_V"] == pytest.approx(12.0, abs=0.3)
+
+
+@pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1"])
+def test_a_fault_that_is_none_is_refused(shared_bus, fault):
+    with pytest.raises(UserError, match="--fault"):
+        shared_bus.inject(fault)

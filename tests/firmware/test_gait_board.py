@@ -1,0 +1,224 @@
+"""The gait controller: alone, over its link, and in a real MicroPython that walks the simulator over a pipe."""
+
+import math
+import random
+import shutil
+import subprocess
+import sys
+from array import array
+
+import pytest
+
+from firmware import gait as application
+from firmware import link
+from firmware.gait import GaitBoard
+from firmware.gait_main import FrameSensor
+from firmware.mpu6050 import MISSING, STUCK
+from host.gait_board import GaitBoardLink
+from host.parity.sources import ROOT
+from host.plane import planar_robot
+from host.robot_file import load_robot
+from host.runtimes.unix import Unix
+from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
+from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
+from shared.command import C_BALANCE, C_MODE, C_SPEED, COMMAND_SIZE, MODE_WALK
+from shared.planner import (
+    S_ATTITUDE_OK,
+    S_JOINTS,
+    S_JOINTS_OK,
+    S_PITCH,
+    S_ROLL,
+    SENSED_SIZE,
+    Planner,
+)
+from sim2d import terrain
+from sim2d.run import simulate
+
+ROBOT = load_robot("caramelo")
+LEVEL = [0, 0, 0, 0, 0, 16384]
+
+
+def walk_command():
+    block = array("i", [0] * COMMAND_SIZE)
+    block[C_MODE] = MODE_WALK
+    block[C_SPEED] = scale_of(ROBOT).lf_per_tick(0.05)
+    block[C_BALANCE] = 1
+    return block
+
+
+class Loop:
+    """A board in this process behind the bytes of its link; ``say`` sends, ``tick`` plans and decodes."""
+
+    def __init__(self):
+        self.sensor = FrameSensor()
+        self.board = GaitBoard(core_params(ROBOT), attitude_block(ROBOT), self.sensor)
+        self.out = bytearray(self.board.writer.buffer[: self.board.hello()])
+        self.link = GaitBoardLink(self)
+
+    def read(self, count):
+        taken, self.out = self.out[:count], self.out[count:]
+        return bytes(taken)
+
+    def write(self, data):
+        for byte in data:
+            kind = self.board.take(byte)
+            if kind == link.COUNTS:
+                self.sensor.put(self.board.reader.buffer)
+            elif kind == link.TICK:
+                self.out += self.board.writer.buffer[: self.board.tick()]
+
+    def flush(self):
+        pass
+
+    def run(self, ticks, command=True, counts=LEVEL):
+        answer = None
+        rest = [brad(a) for a in planar_robot(ROBOT).stand_pose_rad]
+        for _ in range(ticks):
+            if command:
+                self.link.send_command(walk_command())
+            if counts:
+                self.link.send_counts(counts)
+            self.link.send_joints(rest)
+            answer = self.link.tick()
+        return answer
+
+
+@pytest.fixture
+def loop():
+    return Loop()
+
+
+def test_it_walks_on_command_and_stands_when_commands_stop(loop):
+    answer = loop.run(120)
+    assert (answer.state, answer.flags) == ("walking", 0)
+    answer = loop.run(13, command=False)
+    assert not answer.flags & application.COMMAND_STALE
+    answer = loop.run(3, command=False)
+    assert answer.flags & application.COMMAND_STALE
+    assert "no command for 300 ms" in answer.remarks[0]
+    answer = loop.run(400, command=False)
+    assert answer.state == "standing"
+    assert loop.run(60).state == "walking"
+
+
+def test_without_a_sensor_it_walks_at_half_speed_and_says_so(loop):
+    loop.run(300)
+    full = loop.board.planner.speed[0]
+    answer = loop.run(100, counts=None)
+    assert answer.flags & application.SENSOR_FAULT
+    assert answer.flags >> 20 & 0xF == MISSING
+    assert loop.board.planner.speed[0] == full >> 1
+    assert answer.state == "walking"
+    assert answer.remarks == ["inertial sensor missing: walking without balance at half speed"]
+    loop.run(100)
+    assert loop.board.planner.speed[0] == full
+
+
+def test_a_stuck_sensor_is_a_fault_too(loop):
+    loop.board.sensor = type("Stuck", (), {"read": staticmethod(lambda counts: STUCK)})()
+    assert loop.run(5).flags >> 20 & 0xF == STUCK
+
+
+@pytest.mark.parametrize("ticks", [0, 5, 100, 180, 250])
+def test_stop_works_from_every_state_and_needs_a_reset(loop, ticks):
+    loop.run(ticks)
+    loop.link.stop()
+    answer = loop.run(1)
+    assert (answer.state, answer.flags & application.STOPPED) == ("limp", application.STOPPED)
+    assert loop.run(50).state == "limp"
+    loop.link.reset()
+    assert loop.run(1, command=False).state == "limp"
+    assert loop.run(5).state in ("rising", "walking")
+
+
+def test_broken_frames_are_counted_and_not_obeyed(loop):
+    loop.run(10)
+    frame = bytearray(loop.board.writer.buffer[:0])
+    writer = link.Writer()
+    writer.open(link.STOP)
+    frame += writer.buffer[: writer.close()]
+    for at in range(2, len(frame)):
+        broken = bytearray(frame)
+        broken[at] ^= 0x10
+        loop.write(broken)
+        loop.write(bytes(80))  # whatever it waits for ends
+    assert loop.board.reader.broken > 0
+    assert not loop.board.stopped
+    loop.write(frame)
+    assert loop.board.stopped
+
+
+def test_noise_never_becomes_a_command():
+    noise, reader = random.Random(7), link.Reader()
+    kinds = [reader.take(noise.randrange(256)) for _ in range(200_000)]
+    assert sum(1 for kind in kinds if kind) == 0
+
+
+class VirtualBoard:
+    """The board's program in the unix VM behind a pipe, and a host planner that gets the same inputs."""
+
+    rate_hz = 50
+
+    def __init__(self, tree):
+        params, attitude = core_params(ROBOT), attitude_block(ROBOT)
+        script = (
+            "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
+            f"run_piped(array('i', {list(params)}), array('i', {list(attitude)}))\n"
+        )
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "micropython_unix", "-c", script],
+            cwd=tree,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        assert self.process.stdin
+        assert self.process.stdout
+        self.read, self.write, self.flush = self.process.stdout.read, self.process.stdin.write, self.process.stdin.flush
+        self.link = GaitBoardLink(self)
+        self.planner, self.attitude = Planner(params), attitude
+        self.sensed = array("i", [0] * SENSED_SIZE)
+        self.sensed[S_JOINTS_OK] = 1
+        self.compared = 0
+
+    def tick(self, sensed):
+        counts = [0, round(math.degrees(sensed.pitch_rate_rad_s) * 131), 0]
+        force_x, force_z = sensed.specific_force_m_s2
+        counts += [round(force / 9.80665 * 16384) for force in (force_x, 0.0, force_z)]
+        counts = [max(-32768, min(32767, c)) for c in counts]
+        joints = [brad(a) for a in sensed.joint_position_rad]
+        self.link.send_command(walk_command())
+        self.link.send_counts(counts)
+        self.link.send_joints(joints)
+        answer = self.link.tick()
+        expected = self._host(counts, joints)
+        assert list(answer.joints_brad) == expected, f"tick {answer.tick}"
+        self.compared += 1
+        return joints_rad(answer.joints_brad)
+
+    def _host(self, counts, joints):
+        aligning = attitude_step(self.attitude, array("i", counts)) & ALIGNING
+        self.sensed[S_ATTITUDE_OK] = 0 if aligning else 1
+        self.sensed[S_ROLL], self.sensed[S_PITCH] = self.attitude[A_ROLL], self.attitude[A_PITCH]
+        for i, angle in enumerate(joints):
+            self.sensed[S_JOINTS + i] = angle
+        self.planner.tick(walk_command(), self.sensed)
+        return list(self.planner.joints)
+
+    def close(self):
+        self.process.stdin.close()
+        return self.process.wait(10)
+
+
+def test_a_real_micropython_walks_the_simulator_bit_for_bit_like_the_host(tmp_path):
+    vm = Unix("viper")
+    if vm.missing():
+        pytest.skip(vm.missing())
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    for package in ("shared", "firmware"):
+        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
+    board = VirtualBoard(vm.prepare(sources, tmp_path))
+    recording = simulate(planar_robot(ROBOT), board, terrain.flat(), duration_s=30, distance_m=0.3)
+    assert recording.outcome.ok, recording.outcome.sentence
+    assert board.compared > 400
+    assert board.close() == 0

@@ -1,0 +1,493 @@
+"""The joint's application over its bus: sessions, set-points, requests, status, storage, faults, random frames."""
+
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+from array import array
+from pathlib import Path
+
+import pytest
+
+from firmware import joint_store
+from firmware.board_sim import SimBoard
+from firmware.joint import Joint
+from firmware.joint_service import HOME_POSE
+from host.build.rewrite import rewrite
+from host.build.source import closure, read_modules
+from host.motor.bench import SESSION, Bench
+from host.robot_file import load_robot
+from shared.joint import faults as f
+from shared.joint import layout as j
+from shared.wire import codec
+from shared.wire import names as w
+from shared.wire.parameters import (
+    PARAMETER_ACCEL,
+    PARAMETER_DEFAULT,
+    PARAMETER_NODE_ID,
+    PARAMETER_POSITION_P,
+    PARAMETER_UPTIME,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+VM = Path(sys.executable).with_name("micropython")
+BLDC = load_robot("parallel").actuator
+
+
+@pytest.fixture
+def bench():
+    return Bench(BLDC)
+
+
+def frames(board):
+    """Return what the joint has sent, as (identifier, words)."""
+    found, frame = [], array("H", [0] * 4)
+    while True:
+        identifier = board.sent.take(frame)
+        if identifier < 0:
+            return found
+        found.append((identifier, array("H", frame)))
+
+
+def decoded(found, identifier, decode, count):
+    values = array("i", [0] * count)
+    for known, frame in found:
+        if known == identifier:
+            assert decode(frame, values, 0) == 0
+            return list(values)
+    return None
+
+
+def ask(bench, command, index=0, value=0):
+    """Send a request and return (result, index, value) of its answer."""
+    result = bench.request(command, index, value)
+    response = bench.joint.service._response
+    return result, response[w.SERVICE_RESPONSE_INDEX], response[w.SERVICE_RESPONSE_VALUE]
+
+
+def deliver(bench, identifier, words=(0, 0, 0, 0), length=8):
+    bench.board.deliver(identifier, array("H", words), length)
+
+
+def test_it_arms_follows_and_disarms(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    bench.goal += 0.1
+    bench.run(400)
+    assert abs(bench.motor.joint_rad - bench.goal) < 0.004
+    assert bench.request(w.COMMAND_DISARM) == w.RESULT_OK
+    bench.run(3)
+    assert (bench.state[j.S_DRIVE], bench.board.bridge) == (w.STATE_SWITCH_ON_DISABLED, 0)
+    assert bench.joint.control.io[j.IO_SESSION] == 0
+
+
+def test_a_reply_and_status_say_what_is(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    frames(bench.board)
+    bench.run(220)
+    found = frames(bench.board)
+    position = decoded(found, w.REPLY_ID + 1, codec.decode_reply, 3)[0]
+    assert abs(position / 65536 * 360 - bench.motor.joint_rad * 57.29578) < 0.1
+    status = decoded(found, w.SLOW_STATUS_ID + 1, codec.decode_slow_status, 6)
+    assert abs(status[0] / 16 - 25) < 1
+    assert abs(status[2] / 16 - 24) < 0.2
+    beat = decoded(found, w.HEARTBEAT_ID + 1, codec.decode_heartbeat, 8)
+    assert beat[:5] == [w.STATE_OPERATION_ENABLED, w.MODE_POSITION, 0, w.PROTOCOL_HASH, SESSION]
+
+
+@pytest.mark.parametrize(
+    ("value", "session", "send", "result"),
+    [
+        (w.PROTOCOL_HASH ^ 1, SESSION, True, w.RESULT_WRONG_HASH),
+        (w.PROTOCOL_HASH, 0, True, w.RESULT_NO_SESSION),
+        (w.PROTOCOL_HASH, SESSION, False, w.RESULT_NO_SETPOINT),
+    ],
+)
+def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch, value, session, send, result):
+    monkeypatch.setattr("host.motor.bench.SESSION", session)
+    if send:
+        bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
+        bench.run(20)
+    assert bench.request(w.COMMAND_ARM, value=value) == result
+    assert bench.joint.control.io[j.IO_SESSION] == 0
+    bench.run(10)
+    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+
+
+def test_far_set_points_do_not_arm(bench):
+    bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad + 0.3
+    bench.run(20)
+    assert bench.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH) == w.RESULT_FAR_FROM_SETPOINT
+
+
+def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
+    service = bench.joint.service
+    request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, PARAMETER_POSITION_P, 700])
+    frame = array("H", [0] * 4)
+    codec.encode_service_request(frame, request, 0)
+    frames(bench.board)
+    for _ in range(2):
+        bench.board.deliver(w.SERVICE_REQUEST_ID + 1, frame, 8)
+        bench.run(1)
+        bench.joint.parameters.put(PARAMETER_POSITION_P, 600)
+    answers = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
+    assert len(answers) == 2
+    assert answers[0] == answers[1]
+    assert bench.joint.parameters.get(PARAMETER_POSITION_P) == 600
+    assert service.reboot == 0
+
+
+def test_without_set_points_it_damps_coasts_and_latches(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    bench.mode = 0
+    bench.run(120)
+    assert (bench.state[j.S_DRIVE], bench.state[j.S_FAULT_CODE]) == (w.STATE_FAULT_REACTION, f.FAULT_WATCHDOG)
+    bench.run(600)
+    assert (bench.state[j.S_DRIVE], bench.board.bridge) == (w.STATE_FAULT, 0)
+    record = decoded(frames(bench.board), w.FAULT_ID + 1, codec.decode_fault, 3)
+    assert record[0] == f.FAULT_WATCHDOG
+    assert bench.request(w.COMMAND_CLEAR_FAULT) == w.RESULT_OK
+    bench.run(5)
+    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+
+
+def test_polling_requests_do_not_feed_the_watchdog(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    bench.mode = 0
+    for _ in range(60):
+        ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_UPTIME)
+        bench.run(2)
+    assert bench.state[j.S_FAULT_CODE] == f.FAULT_WATCHDOG
+
+
+@pytest.mark.parametrize("length", [0, 3, 8])
+def test_an_emergency_stop_ends_the_torque_at_once(bench, length):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    deliver(bench, w.E_STOP_ID, length=length)
+    bench.run(1)
+    assert (bench.board.bridge, bench.state[j.S_DRIVE]) == (0, w.STATE_FAULT)
+    assert bench.state[j.S_FAULT_CODE] == f.FAULT_EMERGENCY_STOP
+    bench.run(30)
+    assert bench.request(w.COMMAND_CLEAR_FAULT) == w.RESULT_OK
+
+
+def test_another_host_moves_nothing(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    sequence = bench.joint.control.io[j.IO_SEQUENCE]
+    bench.mode = 0
+    deliver(bench, w.SETPOINT_POSITION_ID, (4000, 0, 0, 0))
+    frame = array("H", [0] * 4)
+    codec.encode_sync(frame, array("i", [3, SESSION + 1]), 0)
+    bench.board.deliver(w.SYNC_ID, frame, 2)
+    bench.run(2)
+    assert bench.joint.control.io[j.IO_SEQUENCE] == sequence
+
+
+def test_its_own_heartbeat_from_the_bus_means_a_twin(bench):
+    deliver(bench, w.HEARTBEAT_ID + 1)
+    bench.run(2)
+    assert (bench.state[j.S_FAULT_CODE], bench.state[j.S_FAULT_VALUE]) == (f.FAULT_DUPLICATE_ID, 1)
+
+
+def test_discovery_answers_after_its_delay_and_only_once(bench):
+    frame, board = array("H", [0] * 4), bench.joint.service.board
+    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]), 0)
+    frames(bench.board)
+    bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
+    bench.run(1)
+    delay = bench.joint.service.discover_ms
+    bench.run(delay + 3)
+    found = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
+    assert len(found) == 1
+    values = array("i", [0] * 5)
+    codec.decode_service_response(found[0], values, 0)
+    assert list(values) == [w.COMMAND_DISCOVER, 200, w.RESULT_OK, 1, board]
+
+
+def test_a_node_is_set_by_the_boards_number_only(bench):
+    board = bench.joint.service.board
+    assert ask(bench, w.COMMAND_SET_ID, 4, board ^ 1)[0] == w.RESULT_WRONG_KEY
+    assert ask(bench, w.COMMAND_SET_ID, 13, board)[0] == w.RESULT_OUT_OF_RANGE
+    frame = array("H", [0] * 4)
+    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]), 0)
+    bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
+    bench.run(1)
+    assert bench.joint.parameters.node == 4
+
+
+def test_commands_to_all_move_nobody_else(bench):
+    frame = array("H", [0] * 4)
+    for command in (w.COMMAND_REBOOT, w.COMMAND_ARM, w.COMMAND_SAVE_PARAMETERS, w.COMMAND_DISARM):
+        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]), 0)
+        frames(bench.board)
+        bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
+        bench.run(1)
+        assert w.SERVICE_RESPONSE_ID + 1 not in [identifier for identifier, _ in frames(bench.board)]
+    assert bench.board.resets == 0
+
+
+def test_parameters_are_read_written_and_refused(bench):
+    assert ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_NODE_ID)[2] == 1
+    assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_NODE_ID, 3)[0] == w.RESULT_READ_ONLY
+    assert ask(bench, w.COMMAND_READ_PARAMETER, 250)[0] == w.RESULT_UNKNOWN_PARAMETER
+    assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_ACCEL, 1 << 29)[0] == w.RESULT_OUT_OF_RANGE
+    assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_ACCEL, 500)[0] == w.RESULT_OK
+    assert ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_ACCEL)[2] == 500
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    assert ask(bench, w.COMMAND_SAVE_PARAMETERS)[0] == w.RESULT_NEEDS_DISARMED
+    assert ask(bench, w.COMMAND_REBOOT)[0] == w.RESULT_NEEDS_DISARMED
+
+
+def test_reboot_needs_the_boards_key_for_the_loader(bench):
+    board = bench.joint.service.board
+    assert ask(bench, w.COMMAND_REBOOT_TO_LOADER, 0, board ^ 1)[0] == w.RESULT_WRONG_KEY
+    bench.run(2)
+    assert bench.board.resets == 0
+    assert ask(bench, w.COMMAND_REBOOT_TO_LOADER, 0, board)[0] == w.RESULT_OK
+    assert (bench.board.resets, bench.board.to_loader) == (1, True)
+
+
+def test_home_at_a_pose_is_refused_while_ambiguous(bench):
+    wrong = round((bench.motor.joint_rad + 0.14) / 6.283185 * 65536)
+    assert ask(bench, w.COMMAND_HOME, HOME_POSE, wrong)[0] == w.RESULT_NOT_HOMED
+    right = round(bench.motor.joint_rad / 6.283185 * 65536)
+    assert ask(bench, w.COMMAND_HOME, HOME_POSE, right)[0] == w.RESULT_OK
+
+
+def saved(folder, **changes):
+    joint = Joint(SimBoard(), str(folder / "joint.bin"))
+    for parameter, value in changes.items():
+        joint.parameters.put(int(parameter[1:]), value)
+    return joint
+
+
+def test_parameters_survive_a_power_cycle(tmp_path):
+    joint = saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777, f"p{PARAMETER_NODE_ID}": 6})
+    assert joint.loaded == joint_store.MISSING
+    assert joint.parameters.save() == 1
+    again = Joint(SimBoard(), str(tmp_path / "joint.bin"))
+    assert again.loaded == joint_store.LOADED
+    assert (again.parameters.get(PARAMETER_ACCEL), again.parameters.node) == (777, 6)
+
+
+def test_every_broken_byte_of_the_file_is_noticed(tmp_path):
+    saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777}).parameters.save()
+    path = tmp_path / "joint.bin"
+    whole = path.read_bytes()
+    for at in [*range(40), len(whole) // 2, len(whole) - 1]:
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        joint = Joint(SimBoard(), str(path))
+        assert joint.loaded == joint_store.BROKEN
+        assert joint.parameters.get(PARAMETER_ACCEL) == PARAMETER_DEFAULT[PARAMETER_ACCEL]
+    path.write_bytes(whole[:17])
+    joint = Joint(SimBoard(), str(path))
+    joint.start()
+    assert joint.control.io[j.IO_HARDWARE_FAULT] == f.FAULT_STORAGE
+
+
+def test_saving_that_fails_keeps_the_old_file(tmp_path, monkeypatch):
+    joint = saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777})
+    joint.parameters.save()
+    joint.parameters.put(PARAMETER_ACCEL, 778)
+
+    def refuse(*args):
+        raise OSError(5)
+
+    monkeypatch.setattr(os, "rename", refuse)
+    assert joint.parameters.save() == 0
+    assert Joint(SimBoard(), str(tmp_path / "joint.bin")).parameters.get(PARAMETER_ACCEL) == 777
+
+
+@pytest.mark.parametrize(
+    ("part", "method", "value"),
+    [
+        ("read_currents", "step", 1),
+        ("read_bus", "motion", 2),
+        ("read_thermistor", "slow", 3),
+        ("can_receive", "bus", 4),
+    ],
+)
+def test_any_exception_switches_the_bridge_off_first(bench, monkeypatch, part, method, value):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    order = []
+
+    def fail(*args):
+        order.append("failed")
+        raise RuntimeError(method)
+
+    real_off = bench.board.pwm_off
+    monkeypatch.setattr(bench.board, part, fail)
+    monkeypatch.setattr(bench.board, "pwm_off", lambda: (order.append("off"), real_off()))
+    bench.run(101 if part == "read_thermistor" else 2)
+    assert order[:2] == ["failed", "off"]
+    assert bench.board.bridge == 0
+    monkeypatch.undo()
+    bench.run(3)
+    assert (bench.state[j.S_FAULT_CODE], bench.state[j.S_FAULT_VALUE]) == (f.FAULT_EXCEPTION, value)
+
+
+def test_a_main_loop_that_stops_loses_the_bridge(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    for _ in range(60):
+        bench._step()
+    assert bench.board.bridge == 0
+
+
+def test_an_interrupt_that_stops_is_a_fault(bench):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    bench.late_every = 1
+    bench.run(6)
+    assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, f.FAULT_INTERRUPT_STOPPED)
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "code"), [("driver", 5, f.FAULT_DRIVER), ("bus", 3900, f.FAULT_OVER_VOLTAGE)]
+)
+def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, code):
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    if field == "driver":
+        bench.board.driver = value
+    else:
+        monkeypatch.setattr(bench.board, "read_bus", lambda: value)
+    bench.run(10)
+    assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, code)
+
+
+def test_a_driver_that_does_not_read_back_never_gets_ready():
+    board = SimBoard()
+    board.driver_wrong = 3
+    joint = Joint(board, "/nonexistent/joint.bin")
+    joint.start()
+    for _ms in range(100):
+        for _ in range(10):
+            board.now_us += 100
+            board.handler()
+        joint.poll()
+    assert joint.control.state[j.S_DRIVE] == w.STATE_NOT_READY
+
+
+def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operation_enabled():
+    chance, bench = random.Random(5), Bench(BLDC)
+    control, enabled, given = bench.joint.control, 0, 0
+    torque_states = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
+    for number in range(10_000):
+        _disturb(bench, chance, number)
+        given += 1
+        if number % 4 == 0:
+            bench.run(1)
+            assert not bench.board.bridge or bench.state[j.S_DRIVE] in torque_states
+            driving = bench.state[j.S_TORQUE] == j.TORQUE_DRIVE
+            assert not driving or bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
+            assert control.failed == 0
+            enabled += bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
+            frames(bench.board)
+    assert given == 10_000
+    assert enabled > 100  # it was armed often enough for the check to mean something
+
+
+def _disturb(bench, chance, number):
+    """Any frame; now and then a fault comes or goes, or a host tries to do everything right."""
+    kind = chance.randrange(40)
+    bench.wrong.rotor_lost = kind == 0
+    bench.wrong.thermistor = "open" if kind == 1 else ""
+    if number % 1500 == 700:
+        bench.joint.control.start()
+        bench.joint.control.ready = 1
+    if number % 200 == 0:
+        bench.run(30)
+        bench.request(w.COMMAND_CLEAR_FAULT)
+        bench.request(w.COMMAND_HOME, 0)
+        bench.run(2)
+        bench.mode, bench.goal = w.MODE_CURRENT, 0.1
+        bench.run(15)
+        bench.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
+    elif kind > 3:
+        identifier = chance.choice((0x80, 0x100, 0x102, 0x104, 0x106, 0x380, 0x381, chance.randrange(1, 0x800)))
+        words = array("H", [chance.randrange(65536) for _ in range(4)])
+        if identifier in (w.SERVICE_REQUEST_ID, w.SERVICE_REQUEST_ID + 1) and words[0] & 0xFF in (2, 13, 14):
+            return  # a new node would end the test's own conversation
+        bench.board.deliver(identifier, words, chance.randrange(9))
+
+
+ALLOCATION = """
+import gc, json, micropython
+from array import array
+from firmware.board_sim import SimBoard
+from firmware.joint import Joint
+from shared.joint import layout as j
+from shared.joint.encoder import home_by_encoder
+from shared.wire import codec, names as w
+from data import FOC, CFG
+
+board = SimBoard()
+joint = Joint(board, "none.bin")
+c = joint.control
+for place in (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE):
+    c.foc[place] = FOC[place]
+for place in range(j.CFG_SIZE):
+    c.cfg[place] = CFG[place]
+c.cfg[j.K_CALIBRATED] = 1
+joint.set_node(1)
+joint.start()
+frame, out = array("H", [0] * 4), array("H", [0] * 4)
+sync = array("i", [0, 17])
+read = array("i", [w.COMMAND_READ_PARAMETER, 0, 17, 9, 0])
+goal = array("i", [0, 0, 0, 0])
+
+def millisecond(number):
+    for _ in range(10):
+        board.now_us += 100
+        board.handler()
+    if number % 5 == 0:
+        codec.encode_group(frame, goal, 0)
+        board.deliver(0x100, frame, 8)
+        sync[0] = number // 5 & 255
+        codec.encode_sync(frame, sync, 0)
+        board.deliver(0x80, frame, 2)
+    if number % 7 == 0:
+        read[1] = number & 255
+        codec.encode_service_request(frame, read, 0)
+        board.deliver(0x381, frame, 8)
+    joint.poll()
+    while board.sent.take(out) >= 0:
+        pass
+
+for number in range(80):
+    millisecond(number)
+arm = array("i", [w.COMMAND_ARM, 1, 17, 0, w.PROTOCOL_HASH])
+codec.encode_service_request(frame, arm, 0)
+board.deliver(0x381, frame, 8)
+for number in range(80, 300):
+    millisecond(number)
+state = c.state[j.S_DRIVE]
+gc.collect()
+gc.disable()
+used = gc.mem_alloc()
+micropython.heap_lock()
+for number in range(300, 900):
+    millisecond(number)
+micropython.heap_unlock()
+left = gc.mem_alloc() - used
+print(json.dumps({"armed": [state, c.state[j.S_DRIVE]], "failed": c.failed, "fault": c.state[j.S_FAULT_CODE],
+                  "bytes": left}))
+"""
+
+
+def test_nothing_is_allocated_while_armed(tmp_path):
+    if not VM.exists():
+        pytest.skip("no MicroPython unix VM beside this python")
+    modules = read_modules(ROOT, ("shared", "firmware"))
+    for name in closure(modules, ["firmware.joint", "firmware.board_sim"]):
+        module = modules[name]
+        target = tmp_path / module.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(rewrite(module, modules, "viper", "x64"))
+    blocks = Bench(BLDC).blocks
+    (tmp_path / "data.py").write_text(f"FOC = {list(blocks.foc)}\nCFG = {list(blocks.cfg)}\n")
+    (tmp_path / "main.py").write_text(ALLOCATION)
+    ran = subprocess.run([VM, "main.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    answer = json.loads(ran.stdout)
+    assert answer == {"armed": [4, 4], "failed": 0, "fault": 0, "bytes": 0}
+    shutil.rmtree(tmp_path)

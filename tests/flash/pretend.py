@@ -1,0 +1,144 @@
+"""A board that is none: the unix VM with a LittleFS behind a pseudo-terminal; it resets, and power can be cut.
+
+Its terminal turns Ctrl-C into an interrupt while the board runs something, as USB does (harness.py: isig).
+"""
+
+import errno
+import fcntl
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import termios
+import threading
+import time
+import tty
+from pathlib import Path
+
+HARNESS = Path(__file__).with_name("harness.py")
+SIZE = 1 << 20
+
+
+class PretendBoard:
+    """Use as a context; ``port`` is its serial port, ``folder`` keeps its file system from one to the next.
+
+    ``cut``: power goes in the middle of that block write, counted from the start after ``cut_life`` resets.
+    """
+
+    def __init__(self, folder, size=SIZE, block=4096, cut=0, cut_life=0, mpy=0, filesystem="lfs"):
+        self.folder = Path(folder)
+        self.folder.mkdir(exist_ok=True)
+        self._settings = {"block": block, "cut": cut, "mpy": mpy, "filesystem": filesystem}
+        self._cut_life = cut_life
+        self._fresh = not self.image.exists()
+        if self._fresh:
+            self.image.write_bytes(b"\xff" * size)
+        self.said = b""
+        self.resets = 0
+        self.powered = True
+        self._board, self._inner = pty.openpty()
+        self._outside, self._outer = pty.openpty()
+        tty.setraw(self._inner)
+        tty.setraw(self._outer)
+        self._mode = termios.tcgetattr(self._inner)
+        self.port = os.ttyname(self._outer)
+        self._closing = False
+        self._process = None
+        self._relay = threading.Thread(target=self._carry, daemon=True)
+
+    @property
+    def image(self):
+        return self.folder / "flash.bin"
+
+    def __enter__(self):
+        (self.folder / "writes").unlink(missing_ok=True)
+        self._start()
+        self._relay.start()
+        assert self.wait_for(b"pretend board")
+        return self
+
+    def __exit__(self, *_):
+        self._closing = True
+        self._relay.join()
+        self._process.kill()
+        self._process.wait()
+        ends = [self._board, self._inner, self._outer] + ([self._outside] if self.powered else [])
+        for end in ends:
+            os.close(end)
+
+    def wait_for(self, words, seconds=10):
+        """Wait until the board has said ``words`` since its last start."""
+        end = time.monotonic() + seconds
+        while words not in self.said and time.monotonic() < end:
+            time.sleep(0.01)
+        return words in self.said
+
+    def after_reset(self, reset, words):
+        """Call ``reset``, wait until the board has started again and said ``words``."""
+        before = self.resets
+        reset()
+        end = time.monotonic() + 10
+        while self.resets == before and time.monotonic() < end:
+            time.sleep(0.01)
+        assert self.wait_for(words)
+
+    def _start(self):
+        (self.folder / "watchdog").unlink(missing_ok=True)
+        self.said = b""
+        cut = self._settings["cut"] if self.resets == self._cut_life else 0
+        (self.folder / "board.json").write_text(json.dumps({**self._settings, "cut": cut, "fresh": self._fresh}))
+        self._fresh = False
+        termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
+        command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-i", str(HARNESS)]
+        self._process = subprocess.Popen(
+            command,
+            stdin=self._inner,
+            stdout=self._inner,
+            stderr=self._inner,
+            cwd=self.folder,
+            start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0),
+        )
+
+    def _carry(self):
+        """Carry bytes both ways, start the board again after a reset, go when the power goes."""
+        while not self._closing:
+            for end in select.select([self._board, self._outside], [], [], 0.02)[0]:
+                self._move(end)
+            self._watch()
+            code = self._process.poll()
+            if code == -signal.SIGKILL:
+                self.powered = False
+                os.close(self._outside)  # the port is gone; _outer keeps its number from being given to another board
+                return
+            if code is not None:
+                self.resets += 1
+                self._start()
+
+    def _move(self, end):
+        try:
+            data = os.read(end, 4096)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            return
+        if end == self._board:
+            self.said += data
+            os.write(self._outside, data)
+        else:
+            os.write(self._board, data)
+
+    def _watch(self):
+        """Reset a board that did not feed its watchdog."""
+        path = self.folder / "watchdog"
+        try:
+            timeout_ms = int(path.read_text() or "100000")
+            late = time.time() - path.stat().st_mtime > timeout_ms / 1000
+        except FileNotFoundError:
+            return
+        if late:
+            self._process.terminate()
+            self._process.wait()

@@ -1,0 +1,70 @@
+"""Power goes in the middle of a block write while a board is flashed: whatever the moment, a whole firmware starts."""
+
+import shutil
+
+import pytest
+
+from host.errors import UserError
+from host.flash.flash import Wish, flash
+from tests.flash.pretend import PretendBoard
+from tests.flash.trees import image_of, tree
+
+FEW = 4
+MANY = 60
+
+
+@pytest.fixture(scope="module")
+def flashed(tmp_path_factory):
+    """Return a board's folder with version 1 on it, builds of versions 1 and 2, and the block writes to version 2."""
+    home = tmp_path_factory.mktemp("cut")
+    images = {version: image_of(tree(home / version, version=version, extra=2)) for version in "12"}
+    with PretendBoard(home / "board") as board:
+        flash(board.port, Wish("gait", images["1"]))
+    shutil.copytree(home / "board", home / "count")
+    with PretendBoard(home / "count") as board:
+        flash(board.port, Wish("gait", images["2"]))
+        board.wait_for(b"running 2")
+    lives = [int(line) for line in (home / "count/writes").read_text().split()]
+    return home, images, lives
+
+
+def starts_after_cut(flashed, folder, life, cut):
+    """Cut the power at block write ``cut`` of life number ``life`` while version 2 is flashed; return what starts."""
+    home, images, _ = flashed
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(home / "board", folder)
+    with PretendBoard(folder, cut=cut, cut_life=life) as board:
+        with pytest.raises(UserError):
+            flash(board.port, Wish("gait", images["2"]))
+        assert not board.powered
+    with PretendBoard(folder) as board:
+        assert board.wait_for(b"running ")
+        version = board.said.partition(b"running ")[2][:1].decode()
+        flash(board.port, Wish("gait", images["2"]))  # and it can be flashed again
+        assert board.wait_for(b"running 2")
+    return version
+
+
+def points(lives, count):
+    """Return ``count`` moments or more, spread over all block writes: (life, block write within it)."""
+    every = [(life, cut) for life, writes in enumerate(lives) for cut in range(1, writes + 1)]
+    step = max(1, len(every) // count)
+    return every[::step]
+
+
+def sweep(flashed, tmp_path, count):
+    found = [starts_after_cut(flashed, tmp_path / "board", *point) for point in points(flashed[2], count)]
+    assert set(found) <= {"1", "2"}
+    assert found == sorted(found)  # never back to the old one once the new one was switched to
+    return found
+
+
+def test_old_or_new_starts_after_a_power_cut(flashed, tmp_path):
+    assert len(sweep(flashed, tmp_path, FEW)) >= FEW
+
+
+@pytest.mark.slow
+def test_old_or_new_starts_after_every_power_cut(flashed, tmp_path):
+    found = sweep(flashed, tmp_path, MANY)
+    assert len(found) >= MANY
+    print(f"{len(found)} cuts: {found.count('1')} start the old firmware, {found.count('2')} the new, 0 none")

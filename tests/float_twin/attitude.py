@@ -1,0 +1,86 @@
+"""The attitude filter in floats: up turned by the gyro exactly, pulled by the accelerometer while that is near 1 g."""
+
+import math
+
+from .fixed import length, limit
+
+ALIGNING, ACCEL_REJECTED, MOVED_WHILE_ALIGNING = 1, 2, 4
+RATE_MAX_RAD = 0.125  # a tick
+
+
+class Attitude:
+    """``gyro_rad``: rad per count and tick; ``trust``: share of the accelerometer's correction a tick."""
+
+    def __init__(self, gyro_rad, one_g, trust, tolerance, align_ticks, still_counts=1310):
+        self.gyro_rad, self.one_g, self.trust = gyro_rad, one_g, trust
+        self.tolerance, self.align_ticks, self.still_counts = tolerance, align_ticks, still_counts
+        self.reset()
+
+    def reset(self):
+        """Begin with the alignment at rest."""
+        self.readings = []
+        self.bias = (0.0, 0.0, 0.0)
+        self.up = (0.0, 0.0, 1.0)
+
+    def step(self, gyro, accel):
+        """Take one reading of counts; returns the flags."""
+        if len(self.readings) < self.align_ticks:
+            return self.align(gyro, accel)
+        rates = [limit(self.gyro_rad * (c - b), -RATE_MAX_RAD, RATE_MAX_RAD) for c, b in zip(gyro, self.bias)]
+        self.up = turned_back(self.up, rates)
+        size = length(*accel)
+        flags = 0
+        if self.believed(size):
+            self.up = [u + self.trust * (a / size - u) for u, a in zip(self.up, accel)]
+        else:
+            flags = ACCEL_REJECTED
+        self.up = unit(self.up)
+        return flags
+
+    def believed(self, size):
+        """Return True if an accelerometer reading of this length is near enough to 1 g."""
+        return size >= 1 and abs(size - self.one_g) <= self.tolerance
+
+    def align(self, gyro, accel):
+        """Gather one reading at rest; the last sets attitude and bias."""
+        if max([abs(c) for c in gyro]) > self.still_counts:
+            self.reset()
+            return ALIGNING | MOVED_WHILE_ALIGNING
+        self.readings.append((gyro, accel))
+        if len(self.readings) < self.align_ticks:
+            return ALIGNING
+        self.bias = [sum([one[0][i] for one in self.readings]) / self.align_ticks for i in range(3)]
+        mean = [sum([one[1][i] for one in self.readings]) / self.align_ticks for i in range(3)]
+        if not self.believed(length(*mean)):
+            self.reset()
+            return ALIGNING | ACCEL_REJECTED
+        self.up = unit(mean)
+        return ALIGNING
+
+    def angles(self):
+        """Return roll and pitch in rad."""
+        x, y, z = self.up
+        return math.atan2(y, length(x, z)), math.atan2(-x, z)
+
+
+def unit(vector):
+    """Return the vector at length 1."""
+    size = length(*vector)
+    return [part / size for part in vector]
+
+
+def turned_back(vector, turn):
+    """Return a fixed vector as seen from a body that has turned by ``turn`` rad about an axis (Rodrigues)."""
+    angle = length(*turn)
+    if angle == 0:
+        return list(vector)
+    axis = [part / angle for part in turn]
+    along = sum([a * v for a, v in zip(axis, vector)])
+    c, s = math.cos(angle), math.sin(angle)
+    across = cross(vector, axis)
+    return [v * c + k * s + a * along * (1 - c) for v, k, a in zip(vector, across, axis)]
+
+
+def cross(a, b):
+    """Return the cross product."""
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]

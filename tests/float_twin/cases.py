@@ -1,0 +1,130 @@
+"""The same work in floats as functions of the core do, for comparing costs in one VM. Typical values, in SI.
+
+``CASES`` names what is compared and how to get it ready: a function and its arguments. Lives in a
+folder with ``probe`` (the robots as integer blocks) when it runs in a MicroPython.
+"""
+
+import math
+
+from probe.robots import ATTITUDES, PARAMS
+
+from shared import params as p
+from shared.attitude import A_ALIGN_TICKS, A_GYRO_Q30, A_ONE_G, A_TOLERANCE, A_TRUST_Q15
+from shared.gaits import GAIT_NAMES, GAITS
+
+from . import body, fixed, leg, planner, reach, swing
+from .attitude import Attitude
+from .balance import ERROR_MAX_RAD, Balance
+from .gait import Gait
+from .joint_current import CurrentLoop
+from .pid import Pid
+
+ROBOT = PARAMS[0]
+UNIT_M = 2.0 ** -ROBOT[p.P_LENGTH_SHIFT]
+RATE_HZ = ROBOT[p.P_RATE_HZ]
+GAINS = (0.3, 0.1, 0.01, 0.2, 0.3, RATE_HZ)
+FOOT_M = (0.03, 0.06, -0.17)
+JOINTS_RAD = (0.1, 0.6, -1.2)
+POSE = (0.01, -0.01, 0.005, 0.1, -0.05, 0.07)
+
+
+class Bag:
+    """Named values."""
+
+
+def rad(angle_brad):
+    """Return an angle in rad."""
+    return angle_brad * 2 * math.pi / 65536
+
+
+def one_leg(number):
+    """Return what the float leg needs of a leg's block."""
+    base = p.P_SIZE_BODY + number * p.LEG_SIZE
+    one = Bag()
+    one.side_l1, one.l2, one.l3 = [ROBOT[base + at] * UNIT_M for at in (p.LEG_SIDE_L1, p.LEG_L2, p.LEG_L3)]
+    one.l1 = abs(one.side_l1)
+    one.knee = ROBOT[base + p.LEG_KNEE]
+    one.hip = [ROBOT[base + p.LEG_HIP + axis] * UNIT_M for axis in range(3)]
+    one.rest = [ROBOT[base + p.LEG_REST + axis] * UNIT_M for axis in range(3)]
+    one.low = [rad(ROBOT[base + p.LEG_MIN + joint]) for joint in range(3)]
+    one.high = [rad(ROBOT[base + p.LEG_MAX + joint]) for joint in range(3)]
+    return one
+
+
+def whole_robot():
+    """Return what the float planner needs of a robot's block."""
+    units = (UNIT_M / 256, UNIT_M / 256, 2.0**-18)
+    robot = Bag()
+    robot.unit_m, robot.speed_unit, robot.legs = UNIT_M, units, [one_leg(number) for number in range(4)]
+    robot.speed_max = [ROBOT[p.P_VX_MAX + axis] * units[axis] for axis in range(3)]
+    robot.speed_slew = [ROBOT[p.P_VX_SLEW + axis] * units[axis] for axis in range(3)]
+    scale = [UNIT_M] * 3 + [rad(1)] * 3
+    robot.pose_max = [ROBOT[p.P_POSE_MAX + axis] * scale[axis] for axis in range(6)]
+    robot.pose_slew = [ROBOT[p.P_POSE_SLEW + axis] * scale[axis] for axis in range(6)]
+    robot.joint_step, robot.sit_z = rad(ROBOT[p.P_JOINT_STEP]), ROBOT[p.P_SIT_Z] * UNIT_M
+    robot.stride, robot.gains = ROBOT[p.P_STRIDE_MAX] * UNIT_M, GAINS
+    return robot
+
+
+def walking(gait):
+    """Return the tick of a float planner that walks, with a command and senses as the core's walk has."""
+    robot = planner.Planner(whole_robot(), [Gait(table, RATE_HZ) for table in GAITS])
+    command, sensed = Bag(), Bag()
+    command.mode, command.gait, command.balance, command.height_m = planner.WALK, gait, 1, 0.0
+    command.speed, command.pose = [v / 2 for v in robot.robot.speed_max], [0.0] * 6
+    sensed.roll, sensed.pitch, sensed.attitude_ok = 0.01, -0.02, 1
+    sensed.joints, sensed.joints_ok = [0.0] * 12, 1
+    for _ in range(300):
+        robot.tick(command, sensed)
+    return robot.tick, (command, sensed)
+
+
+def filtering():
+    """Return the step of a float attitude filter that has been aligned."""
+    block = ATTITUDES[0]
+    gyro_rad, trust = block[A_GYRO_Q30] / 2.0**30, block[A_TRUST_Q15] / 32768
+    attitude = Attitude(gyro_rad, block[A_ONE_G], trust, block[A_TOLERANCE], block[A_ALIGN_TICKS])
+    accel = (500, -300, block[A_ONE_G])
+    for _ in range(block[A_ALIGN_TICKS]):
+        attitude.step((5, 6, 7), accel)
+    return lambda gyro: (attitude.step(gyro, accel), attitude.angles()), ((300, -200, 100),)
+
+
+def current_loop():
+    """Return the step of a float current loop."""
+    loop = CurrentLoop(0.2, 0.01, 24.0, 7, 0.3)
+    loop.q_ref = 1.0
+    return loop.step, (1.2, 0.5, -0.2, -0.3)
+
+
+def _leg_case(function, first):
+    one = one_leg(0)
+    if function is leg.inverse:
+        return function, (first, one.side_l1, one.l2, one.l3, one.knee)
+    return function, (first, one.side_l1, one.l2, one.l3)
+
+
+def _reach_case():
+    one = one_leg(0)
+    return reach.clamp, (FOOT_M, one.l1, one.l2, one.l3)
+
+
+CASES = [
+    ("fixed.sin_q15", lambda: (fixed.sine, (12345,))),
+    ("fixed.cos_q15", lambda: (fixed.cosine, (12345,))),
+    ("fixed.atan2_brad", lambda: (fixed.angle_deg, (12345, -6789))),
+    ("fixed.isqrt", lambda: (math.sqrt, (123456789,))),
+    ("fixed.hypot", lambda: (fixed.length, (12345, -6789))),
+    ("leg.leg_forward", lambda: _leg_case(leg.forward, JOINTS_RAD)),
+    ("leg.leg_inverse", lambda: _leg_case(leg.inverse, FOOT_M)),
+    ("reach.reach_foot:near", _reach_case),
+    ("body.body_rotation", lambda: (body.rotation, (POSE,))),
+    ("swing.cycloid_q15", lambda: (swing.advance, (0.3,))),
+    ("swing.lift_q15", lambda: (swing.lift, (0.3,))),
+    ("pid.pid_step", lambda: (Pid(*GAINS).step, (0.1, 0.05, ERROR_MAX_RAD))),
+    ("balance.balance_step", lambda: (Balance(GAINS).step, ((0.1, 0.05), (0.02, 0.01)))),
+    ("attitude.attitude_step", filtering),
+    ("joint_current.current_step", current_loop),
+]
+for _at in range(GAIT_NAMES.index("crawl") + 1):  # the float planner knows no gait beyond these
+    CASES.append(("planner.tick:" + GAIT_NAMES[_at], lambda gait=_at: walking(gait)))

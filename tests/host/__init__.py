@@ -1,0 +1,1 @@
+"""Tests of host: robot files, servos, calibration, teleoperation, records."""

@@ -1,0 +1,122 @@
+"""The simulated joint: the motor model against its equations, every scenario's figures, the command's JSON."""
+
+import json
+import math
+
+import pytest
+
+from host.cli import main
+from host.errors import UserError
+from host.motor import scenarios
+from host.motor.accuracy import accuracy, closed_form
+from host.motor.model import Load, Motor
+from host.motor.plots import draw
+from host.robot_file import load_robot
+from shared.joint import layout as j
+
+BLDC = load_robot("parallel").actuator
+
+
+def test_a_locked_winding_reaches_voltage_over_resistance():
+    motor = Motor(BLDC, Load(blocked=True, ideal_gear=True, dead_time_s=0.0, source_ohm=0.0), rotor_rad=0.0)
+    motor.rotor_kg_m2 = 1e9
+    for _ in range(400):
+        motor.advance(5e-5, True, *closed_form(0.05, 0.0))
+    assert motor.i_d == pytest.approx(0.05 * 24 / motor.resistance_ohm(), rel=1e-3)
+    assert motor.i_q == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_winding_rises_with_its_time_constant():
+    motor = Motor(BLDC, Load(dead_time_s=0.0, source_ohm=0.0), rotor_rad=0.0)
+    motor.rotor_kg_m2 = 1e9
+    for _ in range(10):
+        motor.advance(5e-5, True, *closed_form(0.05, 0.0))
+    share = 1 - math.exp(-5e-4 * BLDC.motor.resistance_ohm / BLDC.motor.inductance_H)
+    assert motor.i_d == pytest.approx(share * 0.05 * 24 / BLDC.motor.resistance_ohm, rel=1e-3)
+
+
+def test_torque_is_the_torque_constant_times_current_and_gear():
+    motor = Motor(BLDC, Load(blocked=True, ideal_gear=True), rotor_rad=0.0)
+    motor.i_q = 2.0
+    assert 1.5 * motor.pole_pairs * motor.psi_Vs * 2.0 * motor.gear == pytest.approx(BLDC.torque_limit_Nm)
+
+
+def test_a_free_gear_keeps_energy_and_a_lossy_one_never_gives_any():
+    for ideal in (True, False):
+        motor = Motor(BLDC, Load(ideal_gear=ideal), rotor_rad=0.0)
+        motor.rotor_rad_s = 50.0
+        first = energy(motor)
+        for _ in range(20000):
+            motor.advance(5e-5, False, 0.5, 0.5, 0.5)
+        assert energy(motor) <= first * 1.001
+        assert (energy(motor) < 0.2 * first) is not ideal
+
+
+def energy(motor):
+    twist = motor.rotor_rad / motor.gear - motor.joint_rad
+    stretched = max(0.0, abs(twist) - motor.slack_rad)
+    moving = motor.rotor_kg_m2 * motor.rotor_rad_s**2 + motor.load.inertia_kg_m2 * motor.joint_rad_s**2
+    return 0.5 * (moving + motor.spring_Nm_rad * stretched**2)
+
+
+def test_heat_reaches_the_sum_of_both_resistances():
+    motor = Motor(BLDC, Load(air_C=20.0, winding_J_K=1.0, housing_J_K=2.0))
+    for _ in range(200_000):
+        motor.heat_J = 5.0 * 0.001
+        motor.warm(0.001)
+    t = BLDC.thermal
+    assert motor.winding_C == pytest.approx(20 + 5 * (t.winding_to_housing_K_W + t.housing_to_air_K_W), rel=0.01)
+
+
+def test_the_integer_step_is_as_exact_as_said():
+    figures = accuracy(BLDC)
+    assert figures["ok"], figures
+    assert figures["vectors"] >= 10_000
+
+
+@pytest.mark.parametrize("name", [name for name in scenarios.names() if name != "stall"])
+def test_each_scenario_reaches_its_figures(name):
+    result = scenarios.run_scenario(BLDC, name)
+    assert result.ok, result.figures
+
+
+def test_a_stalled_joint_gives_its_torque_and_is_derated_before_its_winding_is_too_hot(tmp_path):
+    result = scenarios.run_scenario(BLDC, "stall")
+    assert result.ok, result.figures
+    draw(result, tmp_path / "stall.png")
+    assert (tmp_path / "stall.png").stat().st_size > 10_000
+
+
+def test_a_scenario_can_fail(monkeypatch):
+    """A joint that may not be fast enough misses its step; a fault expected under another code is not found."""
+    slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
+    assert not scenarios.run_scenario(slow, "step").ok
+    monkeypatch.setitem(
+        scenarios.FAULTS, "bus-sag", scenarios.FaultCase(j.K_BUS_TICKS, 10, scenarios.FAULTS["bus-sag"].begin)
+    )
+    assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
+
+
+def test_an_unknown_scenario_is_told_with_the_list():
+    with pytest.raises(UserError, match="fault-swapped-phases"):
+        scenarios.run_scenario(BLDC, "fault-love")
+
+
+def test_the_same_scenario_gives_the_same_figures():
+    first, second = (scenarios.run_scenario(BLDC, "sine").figures for _ in range(2))
+    assert first == second
+
+
+def test_json_has_the_keys_that_are_promised(capsys):
+    assert main(["motor", "sim", "--scenario", "step", "--json"]) == 0
+    step = json.loads(capsys.readouterr().out)
+    assert {"ok", "settling_error_deg", "overshoot_percent", "max_phase_current_A", "settling_time_s"} <= set(step)
+    assert main(["motor", "sim", "--scenario", "fault-bus-sag", "--json"]) == 0
+    fault = json.loads(capsys.readouterr().out)
+    assert {"ok", "fault", "message", "detected_after_ms", "torque_after_Nm"} <= set(fault)
+    assert "under-voltage" in fault["message"]
+
+
+def test_a_robot_with_servos_is_refused(capsys):
+    assert main(["motor", "sim", "--robot", "caramelo"]) == 2
+    assert "servos" in capsys.readouterr().err

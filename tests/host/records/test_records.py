@@ -1,0 +1,218 @@
+"""Records: written in time, read whole or cut, replayed to the bit."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from host.cli import main
+from host.errors import UserError
+from host.records.channels import CHANNELS, schema
+from host.records.export import csv_text
+from host.records.log import LoopLog, about
+from host.records.reader import Row, read_record
+from host.records.recorder import SYNC_S, Recorder, record_path
+from host.records.replay import replay
+
+from ..teleop.rig import AHEAD, PAGE, STOP, Rig
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory):
+    """Record a drive: up, ahead, sideways with a pose, a stop."""
+    path = tmp_path_factory.mktemp("records") / "drive.mcap"
+    rig = Rig()
+    recorder = Recorder(path, about(rig.robot, rig.supervisor))
+    log = LoopLog(recorder)
+    rig.loop._after_tick = log.tick
+    rig.stand()
+    rig.run(1.5, AHEAD)
+    rig.run(0.5, {**AHEAD, "vx_m_s": 0.0, "vy_m_s": 0.03, "pose": [0, 0, 0.01, 0.1, 0, 0]})
+    rig.send(STOP, PAGE)
+    rig.run(0.1)
+    recorder.close()
+    assert (recorder.trouble, recorder.dropped) == ("", 0)
+    return path
+
+
+def test_a_record_holds_every_tick(drive):
+    record = read_record(drive)
+    assert record.whole
+    assert record.about["robot"] == "caramelo"
+    counts = record.counts()
+    ticks = counts["/timing"]
+    assert ticks == 265
+    assert {
+        topic: counts[topic] for topic in ("/command", "/joints", "/load", "/attitude", "/planner")
+    } == dict.fromkeys(("/command", "/joints", "/load", "/attitude", "/planner"), ticks)
+    assert [row.values["state"] for row in record.of("/state")][-1] == "disarmed"
+    assert record.of("/state")[-1].values["reason"].startswith("emergency stop by web 1")
+    assert record.of("/command")[-1].values["stop"] == "web 1"
+
+
+def test_every_message_is_as_its_schema_says(drive):
+    kinds = {"number": (int, float), "integer": int, "string": str, "boolean": bool, "array": list}
+    for row in read_record(drive).rows:
+        for name, rule in schema(row.topic)["properties"].items():
+            value = row.values[name]
+            assert isinstance(value, kinds[rule["type"]]), (row.topic, name)
+            if rule["type"] == "array":
+                assert len(value) == rule["maxItems"]
+        assert set(row.values) == set(CHANNELS[row.topic])
+
+
+def test_replay_is_the_same_to_the_bit(drive):
+    result = replay(read_record(drive))
+    assert (result.ok, result.ticks, result.same_core) == (True, 265, True)
+
+
+@pytest.mark.parametrize(("block", "place", "change"), [("joints", 4, 40), ("command", 2, -40000), ("sensed", 1, 40)])
+def test_one_changed_number_is_found(drive, block, place, change):
+    record = read_record(drive)
+    row = record.of("/planner")[200]
+    row.values[block][place] += change
+    result = replay(record)
+    assert not result.ok
+    assert 200 <= result.ticks <= 202
+
+
+def test_a_gap_is_told(drive):
+    record = read_record(drive)
+    record.rows.remove(record.of("/planner")[100])
+    assert replay(record).difference == "ticks 100 .. 100 are missing: the disk did not keep up"
+
+
+def test_a_record_cut_anywhere_opens(drive, tmp_path):
+    data, cut = drive.read_bytes(), tmp_path / "cut.mcap"
+    before = 0
+    for size in range(2500, len(data), len(data) // 23):
+        cut.write_bytes(data[:size])
+        record = read_record(cut)
+        assert not record.whole
+        rows = len(record.rows)
+        assert rows >= before
+        before = rows
+        if record.of("/planner"):
+            assert replay(record).ok
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n", b"no record at all", os.urandom(300)])
+def test_what_is_no_record_is_refused(tmp_path, content):
+    path = tmp_path / "x.mcap"
+    path.write_bytes(content)
+    with pytest.raises(UserError, match="no record"):
+        read_record(path)
+
+
+def test_a_flipped_byte_is_not_believed(drive, tmp_path):
+    data = bytearray(drive.read_bytes())
+    data[len(data) // 2] ^= 0xFF
+    path = tmp_path / "flipped.mcap"
+    path.write_bytes(data)
+    record = read_record(path)
+    assert not record.whole or record.damage
+    assert replay(record).ok
+
+
+def test_an_older_record_is_never_overwritten(drive, tmp_path):
+    before = drive.read_bytes()
+    with pytest.raises(UserError, match="the file exists"):
+        Recorder(drive, {})
+    assert drive.read_bytes() == before
+    assert record_path(tmp_path).parent == tmp_path
+
+
+def test_messages_are_on_the_disk_within_a_second(tmp_path):
+    """What has been put must be synced soon: the time between put and the sync after it is looked at."""
+    synced = []
+    recorder = Recorder(tmp_path / "x.mcap", {}, lambda file: synced.append((time.monotonic(), os.fstat(file).st_size)))
+    for tick in range(30):
+        recorder.put("/load", time.monotonic(), {"load": [tick / 10] * 12})
+        time.sleep(0.02)
+    last_put_s = time.monotonic()
+    time.sleep(2 * SYNC_S)
+    assert any(at >= last_put_s for at, _ in synced)
+    rows = read_record(tmp_path / "x.mcap").rows
+    assert len(rows) == 30, "read before it is closed, as after a power cut"
+    recorder.close()
+
+
+def test_a_full_disk_ends_the_record_and_not_the_drive(tmp_path):
+    calls = []
+
+    def full(file):
+        calls.append(file)
+        if len(calls) > 1:
+            raise OSError(28, "No space left on device")
+
+    recorder = Recorder(tmp_path / "x.mcap", {}, full)
+    for tick in range(100):
+        recorder.put("/load", tick, {"load": [0.0] * 12})
+        time.sleep(0.005)
+    recorder.close()
+    assert "the record ends here: No space left" in recorder.trouble
+
+
+def test_csv(drive):
+    record = read_record(drive)
+    rows = list(csv.reader(csv_text(record, "/joints").splitlines()))
+    assert rows[0][:2] == ["time_s", "wanted_rad.FR_hip"]
+    assert len(rows[0]) == 37
+    assert len(rows) == 266
+    assert all(len(row) == 37 for row in rows)
+
+
+def test_csv_of_one_row():
+    record = read_record.__globals__["Record"](
+        path=None, rows=[Row("/state", 5, {"state": "walking", "reason": 'a, "b"'})]
+    )
+    assert csv_text(record, "/state") == 'time_s,state,reason\n0.000000,walking,"a, ""b"""\n'
+
+
+def test_commands(drive, tmp_path, capsys):
+    assert main(["log", "info", str(drive), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["robot"], facts["whole"], facts["missed"]) == ("caramelo", True, 0)
+    assert main(["log", "info", str(drive)]) == 0
+    assert "walking" in capsys.readouterr().out
+    assert main(["log", "replay", str(drive), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"ok": True, "ticks": 265, "difference": "", "same_core": True}
+    assert main(["log", "export", "csv", str(drive), "--out", str(tmp_path / "csv")]) == 0
+    assert (tmp_path / "csv" / "planner.csv").exists()
+    assert main(["log", "export", "xlsx", str(drive)]) == 2
+    assert main(["log", "plot", str(drive), "--out", str(tmp_path / "x.png")]) == 0
+    assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
+    assert main(["log", "info", str(tmp_path / "none.mcap")]) == 2
+
+
+def test_killed_at_any_moment_the_record_opens(tmp_path):
+    """kill -9 a second apart: what was written up to a second before is there and replays."""
+    for number, seconds in enumerate((1.3, 2.1)):
+        path = tmp_path / f"{number}.mcap"
+        command = [
+            sys.executable,
+            "-m",
+            "host.cli",
+            "teleop",
+            "--sim",
+            "--direct",
+            "--measure",
+            "20",
+            "--log",
+            str(path),
+        ]
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        assert any(line.startswith("ready") for line in process.stdout)
+        time.sleep(seconds)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        process.stdout.close()
+        record = read_record(path)
+        assert not record.whole
+        assert record.duration_s > seconds - 1.0
+        assert replay(record).ok

@@ -1,0 +1,202 @@
+"""The real port code on a pseudo-terminal: emulated servos in their own process, and what goes wrong with ports."""
+
+import errno
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import serial
+
+from host.buses.choose import hardware
+from host.calibration.data import nominal
+from host.emulator.process import Emulator
+from host.errors import UserError
+from host.servos import tools
+from host.servos.bus import WATCHDOG_S, ServoBus
+from host.servos.link import Link
+from host.servos.port import ServoPort, explain, latency_ms, latency_warning
+from tests.host.servos.rig import CARAMELO, PERIOD_S
+
+ROOT = Path(__file__).resolve().parents[3]
+BAUD = CARAMELO.bus.baud
+
+
+@pytest.fixture
+def emulator():
+    with Emulator("--plant", "bench") as running:
+        yield running
+
+
+def paced(seconds):
+    """Yield once a control period for so long."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        yield
+        time.sleep(PERIOD_S)
+
+
+def test_the_sdk_talks_through_a_terminal(emulator):
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        for _ in paced(0.3):
+            measured = bus.read()
+        assert measured.complete
+        bus.torque(True)
+        goals = [angle + 0.1 for angle in measured.position_rad]
+        for _ in paced(0.5):
+            bus.write(goals)
+            measured = bus.read()
+        state = emulator.ask("state")
+        assert all(state["holds"])
+        assert state["refused"] == 0
+        for goal, real, seen in zip(goals, state["position_rad"], measured.position_rad, strict=True):
+            assert real == pytest.approx(goal, abs=0.03)
+            assert seen == pytest.approx(real, abs=0.01)
+        assert bus.counters.answered > 0.9 * bus.counters.sent
+    assert not any(emulator.ask("state")["torque"])
+
+
+def test_real_time_walking_with_a_bad_line_and_a_trip():
+    with hardware(CARAMELO, "emulated") as parts, parts.bus as bus:
+        emulator = parts.attitude.source.emulator
+        emulator.ask("disturb", lost=0.01, corrupted=0.01)
+        bus.torque(True)
+        for _ in paced(1.0):
+            measured = bus.read()
+            bus.write(measured.position_rad)
+        assert bus.counters.lost > 0
+        emulator.ask("trip", servo=5)
+        for _ in paced(0.5):
+            measured = bus.read()
+        assert measured.error[4] == "overload"
+        parts.attitude.open()
+        for _ in paced(1.5):
+            parts.attitude.update()
+        assert parts.attitude.state == "ok", parts.attitude.note
+
+
+CHILD = """
+import sys, time
+from host.calibration.data import nominal
+from host.robot_file import load_robot
+from host.servos.bus import ServoBus
+from host.servos.port import ServoPort
+robot = load_robot("caramelo")
+bus = ServoBus(robot, nominal(robot), ServoPort(sys.argv[1], robot.bus.baud))
+bus.open()
+bus.torque(True)
+print("on", flush=True)
+while True:
+    bus.write(bus.read().position_rad)
+    time.sleep(0.02)
+"""
+
+
+def test_kill_9_stops_the_servos_within_their_watchdog(emulator):
+    child = subprocess.Popen([sys.executable, "-c", CHILD, emulator.port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline() == "on\n"
+        time.sleep(0.5)
+        assert all(emulator.ask("state")["holds"])
+    finally:
+        os.kill(child.pid, signal.SIGKILL)
+        child.wait()
+        child.stdout.close()
+    killed_s = time.monotonic()
+    while any(emulator.ask("state")["holds"]):
+        assert time.monotonic() - killed_s < 5 * WATCHDOG_S
+        time.sleep(0.01)
+    assert emulator.ask("state")["watchdog"] == [-1] * 12
+
+
+def test_wrong_rate_gets_no_answer(emulator):
+    with pytest.raises(UserError, match="no servo answers at 57600 baud"):
+        ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, 57600)).open()
+
+
+def test_a_port_in_use_is_told(emulator):
+    first = ServoPort(emulator.port, BAUD)
+    first.open()
+    with pytest.raises(UserError, match="in use by another program"):
+        ServoPort(emulator.port, BAUD).open()
+    first.closePort()
+    ServoPort(emulator.port, BAUD).open()
+
+
+def test_no_such_port_is_told():
+    with pytest.raises(UserError, match=r"no such port; serial ports here: .*; name yours with --port"):
+        ServoPort("/dev/ttyUSB97", BAUD).open()
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.EACCES, "usermod -aG dialout"),
+        (errno.EBUSY, "in use by another program"),
+        (errno.ENOTTY, "is it a serial port?"),
+    ],
+)
+def test_other_reasons_are_told(number, words):
+    assert words in explain("/dev/ttyUSB0", serial.SerialException(number, os.strerror(number)))
+
+
+def test_an_adapter_that_goes_away_is_one_sentence():
+    ours, theirs = pty.openpty()
+    port = ServoPort(os.ttyname(theirs), BAUD)
+    port.open()
+    os.close(theirs)
+    os.close(ours)
+    with pytest.raises(UserError, match="the adapter is gone"):
+        Link(port).read_all([1], (126, 10))
+    bus = ServoBus(CARAMELO, nominal(CARAMELO), port)
+    bus._opened = True
+    bus.close()
+    assert "the adapter is gone" in bus.warnings[0]
+
+
+def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path):
+    pattern = str(tmp_path / "{tty}" / "latency_timer")
+    timer = tmp_path / "ttyUSB0" / "latency_timer"
+    assert latency_ms("/dev/ttyUSB0", pattern) is None
+    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    timer.parent.mkdir()
+    timer.write_text("16\n")
+    warning = latency_warning("/dev/ttyUSB0", pattern)
+    assert warning == f"/dev/ttyUSB0: the adapter holds answers back for 16 ms; run: echo 1 | sudo tee {timer}"
+    timer.write_text("1\n")
+    assert latency_warning("/dev/ttyUSB0", pattern) is None
+
+
+def test_a_lost_answer_costs_little_time():
+    """Less than the SDK's own 34 ms, which is almost two control periods, by far."""
+    ours, theirs = pty.openpty()
+    port = ServoPort(os.ttyname(theirs), BAUD)
+    port.open()
+    began = time.monotonic()
+    for _ in range(5):
+        assert Link(port).read_all([1], (126, 10)) == {}
+    assert time.monotonic() - began < 5 * 0.034
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_renumbering_and_rates(emulator):
+    port = ServoPort(emulator.port, BAUD)
+    port.open()
+    link = Link(port)
+    tools.set_id(link, 3, 40)
+    assert link.ping(40) is not None
+    assert link.ping(3) is None
+    for old, new, words in ((3, 5, "no servo answers with id 3"), (40, 5, "id 5 is taken"), (40, 300, "0 .. 252")):
+        with pytest.raises(UserError, match=words):
+            tools.set_id(link, old, new)
+    tools.set_baud(link, 40, 1_000_000)
+    assert port.getBaudRate() == 1_000_000
+    assert [found.id for found in tools.find(link)] == [40]
+    with pytest.raises(UserError, match="allowed 9600"):
+        tools.set_baud(link, 40, 123)
+    port.closePort()

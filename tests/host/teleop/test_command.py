@@ -1,0 +1,157 @@
+"""The command itself: checks of the start, terminal, signals, wrong use, figures."""
+
+import contextlib
+import io
+import json
+import os
+import pty
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from host.cli import main
+from host.records.reader import read_record
+from host.safety import Fault
+from host.teleop.measure import Measure
+
+from .rig import Rig
+
+TELEOP = [sys.executable, "-m", "host.cli", "teleop"]
+
+
+def measured(*options):
+    """Run a measurement; on a machine so busy that an emulated servo does not answer at the start, again."""
+    for _ in range(3):
+        done = subprocess.run([*TELEOP, *options, "--json"], capture_output=True, text=True, timeout=60)
+        if done.stdout:
+            return done
+        assert "caramelo: " in done.stderr
+    return done
+
+
+def test_measure_prints_figures():
+    done = measured("--sim", "--measure", "2")
+    figures = json.loads(done.stdout)
+    assert figures["bus"] == "servos"
+    assert figures["late_ms"]["p50"] < 100
+    assert done.returncode == (1 if figures["missed"] or figures["failure"] else 0)
+    if not figures["failure"]:  # on a machine that is too busy the servos' watchdog lets go
+        assert figures["ticks"] >= 50
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ([], "no terminal"),
+        (["--measure", "0"], "allowed 1 .. 3600"),
+        (["--direct"], "only with --sim"),
+        (["--robot", "nobody", "--headless"], "nobody"),
+        (["--headless", "--port", "/dev/none", "--calibration", "/none.toml"], "none.toml"),
+        (["--sim", "--direct", "--headless", "--web", "--listen", "x:y"], "--listen x:y"),
+        (["--sim", "--direct", "--headless", "--web", "--listen", "203.0.113.1:8080"], "--listen 203.0.113.1:8080"),
+        (["--sim", "--direct", "--headless", "--socket", "/nowhere/x"], "--socket /nowhere/x"),
+        (["--sim", "--direct", "--headless", "--gamepad", "/dev/input/none"], "gamepad"),
+    ],
+)
+def test_wrong_use_is_one_line(options, sentence, capsys, monkeypatch):
+    monkeypatch.setattr("host.teleop.priority.ask", lambda: "as it is")
+    monkeypatch.setattr("sys.stdin", io.StringIO())
+    assert main(["teleop", *options]) == 2
+    error = capsys.readouterr().err
+    assert sentence in error
+    assert error.count("\n") == 1
+
+
+def test_a_measurement_ends_at_a_fault():
+    rig = Rig()
+    measure = Measure(5.0, 0.05)
+    rig.loop._after_tick = measure.tick
+    rig.run(1.0)
+    assert not measure.done
+    rig.supervisor.safety.raise_fault(Fault("sit", "tripped", "FL thigh: overload"))
+    rig.run(0.2)
+    assert (measure.done, measure.failure) == (True, "FL thigh: overload; then reset")
+
+
+def test_brushless_robots_drive_too():
+    options = ["--robot", "parallel", "--sim", "--measure", "1", "--json"]
+    done = subprocess.run([*TELEOP, *options], capture_output=True, text=True, timeout=60)
+    assert json.loads(done.stdout)["robot"] == "parallel"
+
+
+class Terminal:
+    """The command in a pseudo-terminal."""
+
+    def __init__(self, *options):
+        self._ours, theirs = pty.openpty()
+        self.process = subprocess.Popen(
+            [*TELEOP, "--sim", "--direct", *options], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True
+        )
+        os.close(theirs)
+        self.shown = ""
+
+    def type(self, keys):
+        os.write(self._ours, keys)
+
+    def read(self, seconds):
+        """Take what is painted; a terminal that nobody reads stops being painted."""
+        ready, _, _ = select.select([self._ours], [], [], seconds)
+        if ready:
+            with contextlib.suppress(OSError):
+                self.shown += os.read(self._ours, 1 << 16).decode(errors="replace")
+
+    def see(self, pattern, seconds=10.0, key=None):
+        """Read until the pattern is painted; ``key`` is held down meanwhile, as a terminal repeats it."""
+        end_s, since = time.monotonic() + seconds, len(self.shown)
+        while time.monotonic() < end_s:
+            if key is not None:
+                self.type(key)
+            self.read(0.05)
+            if re.search(pattern, self.shown[since:]):
+                return
+        raise AssertionError(f"{pattern} is not shown: {self.shown[-2000:]}")
+
+
+@pytest.fixture
+def terminal():
+    terminal = Terminal()
+    yield terminal
+    terminal.process.kill()
+    terminal.process.wait()
+
+
+def test_a_drive_in_the_terminal(terminal):
+    terminal.see("ok +robot file: caramelo")
+    terminal.see("disarmed")
+    terminal.see("EMERGENCY STOP")
+    terminal.type(b"t")
+    terminal.see("standing up")
+    terminal.see(r" standing ")
+    terminal.see("walking", key=b"w")
+    terminal.type(b" ")
+    terminal.see("emergency stop by keyboard")
+    terminal.type(b"r")
+    terminal.see("stand up first")
+    terminal.process.send_signal(signal.SIGINT)
+    terminal.see("missed their deadline", 25)
+    assert terminal.process.wait(10) == 0
+
+
+def test_sigterm_sits_down_before_it_ends(tmp_path):
+    path = tmp_path / "x.mcap"
+    options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
+    process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)
+    assert any(line.startswith("ready") for line in process.stdout)
+    time.sleep(3)
+    process.send_signal(signal.SIGTERM)
+    assert "missed their deadline" in process.stdout.read()
+    process.stdout.close()
+    process.wait(30)
+    record = read_record(path)
+    assert record.whole
+    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]

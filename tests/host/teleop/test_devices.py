@@ -1,0 +1,142 @@
+"""Keyboard and gamepad as messages; the screen."""
+
+import os
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host.errors import UserError
+from host.robot_file import load_robot
+from host.teleop import gamepad as pads
+from host.teleop.keyboard import HELP, Keyboard, Keys, keys_of
+from host.teleop.messages import check
+from host.teleop.telemetry import Extra, status
+from host.teleop.terminal import screen_lines
+
+from .rig import STOP, Rig
+
+ROBOT = load_robot("caramelo")
+
+
+@pytest.fixture
+def keys():
+    return Keys(ROBOT, "paper-trot")
+
+
+def test_keys_of_a_terminal():
+    assert keys_of(b"w \x1b[A\x1bOD\x1b[15~\xc3\xa9X") == ["w", " ", "up", "left", "", *keys_of(b"\xc3\xa9"), "x"]
+
+
+@given(st.binary(max_size=80))
+def test_any_bytes_are_keys_or_nothing(data):
+    keys = Keys(ROBOT, "paper-trot")
+    for name in keys_of(data):
+        message = keys.message(name)
+        assert message is None or check(message)
+
+
+def test_every_key_of_the_map_does_something(keys):
+    named = [*"rtgxwsadqezc190ikjlnmuohyb", "space", "up", "down", "left", "right"]
+    for name in named:
+        assert keys.message(" " if name == "space" else name) is not None, name
+    told = " ".join(keys for keys, _ in HELP)
+    assert all(name in told for name in named if len(name) == 1 and name not in "9"), "the map on screen is complete"
+
+
+def test_drive_keys_and_speed_share(keys):
+    assert keys.message("w")["vx_m_s"] == pytest.approx(0.5 * ROBOT.speed_limits.vx_m_s)
+    keys.message("0")
+    assert keys.message("d")["wz_rad_s"] == pytest.approx(-ROBOT.speed_limits.wz_rad_s)
+
+
+def test_pose_keys_reach_the_limit_and_stay(keys):
+    for _ in range(30):
+        pose = keys.message("i")["pose"]
+    assert pose[2] == pytest.approx(ROBOT.body_limits.z_m)
+    assert keys.message("w")["pose"] == pose
+    assert keys.message("h")["pose"] == [0.0] * 6
+
+
+def test_a_terminal_that_closes_is_gone():
+    reading, writing = os.pipe()
+    keyboard = Keyboard(ROBOT, reading)
+    os.write(writing, b" ")
+    assert keyboard.messages() == [STOP]
+    os.close(writing)
+    with pytest.raises(OSError, match="gone"):
+        keyboard.messages()
+    os.close(reading)
+
+
+class FakePad:
+    """What evdev.InputDevice offers, as far as it is used."""
+
+    def __init__(self, keys=(pads.BTN_SOUTH,)):
+        self._keys, self.events = list(keys), []
+
+    def fileno(self):
+        return 0
+
+    def capabilities(self):
+        return {pads.EV_KEY: self._keys}
+
+    def absinfo(self, axis):
+        return SimpleNamespace(min=-32768, max=32767)
+
+    def read(self):
+        events, self.events = self.events, []
+        return events
+
+    def say(self, kind, code, value):
+        self.events.append(SimpleNamespace(type=kind, code=code, value=value))
+
+
+def test_gamepad_drives_only_while_its_dead_man_button_is_held():
+    device = FakePad()
+    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    device.say(pads.EV_ABS, pads.ABS_Y, -32768)
+    assert pad.messages() == []
+    device.say(pads.EV_KEY, pads.BTN_TL, 1)
+    (message,) = pad.messages()
+    assert check(message)["vx_m_s"] == pytest.approx(ROBOT.speed_limits.vx_m_s)
+    assert pad.repeat() == [message]
+    device.say(pads.EV_KEY, pads.BTN_TL, 0)
+    assert pad.messages() == pad.repeat() == []
+
+
+def test_gamepad_buttons_and_dead_zone():
+    device = FakePad()
+    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    device.say(pads.EV_KEY, pads.BTN_EAST, 1)
+    device.say(pads.EV_KEY, pads.BTN_EAST, 0)
+    assert pad.messages() == [STOP]
+    device.say(pads.EV_KEY, pads.BTN_TL, 1)
+    device.say(pads.EV_ABS, pads.ABS_X, 2000)
+    assert pad.messages()[-1]["vy_m_s"] == 0.0
+
+
+def refuse(path):
+    raise PermissionError(13, "denied")
+
+
+def vanish(path):
+    raise FileNotFoundError(2, "No such file or directory")
+
+
+@pytest.mark.parametrize(
+    ("opener", "sentence"),
+    [(refuse, "usermod -aG input"), (vanish, "No such file"), (lambda path: FakePad(()), "no gamepad found")],
+)
+def test_no_gamepad_is_explained(opener, sentence):
+    with pytest.raises(UserError, match=sentence):
+        pads.open_gamepad(ROBOT, "/dev/input/event0", opener)
+
+
+def test_the_screen_shows_state_reason_and_keys():
+    rig = Rig()
+    rig.run(0.1)
+    text = "\n".join(screen_lines(status(rig.loop, Extra())))
+    for part in ("disarmed", "stand up first", "nobody", "EMERGENCY STOP", "missed 0", "FR", "RL"):
+        assert part in text

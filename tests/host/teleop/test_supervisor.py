@@ -1,0 +1,117 @@
+"""From disarmed to walking and back; stops, faults and reasons; on the simulated robot, in simulated time."""
+
+from dataclasses import replace
+
+import pytest
+
+from host.teleop.supervisor import STATES
+
+from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig
+
+
+@pytest.fixture
+def rig():
+    return Rig()
+
+
+def test_up_walk_and_down_again(rig):
+    rig.run(0.1)
+    assert (rig.supervisor.state, rig.reason) == ("disarmed", "the joints are off: stand up first")
+    assert not rig.holding
+    rig.send(STAND)
+    rig.run(0.1)
+    assert (rig.supervisor.state, rig.holding) == ("standing up", True)
+    assert rig.bus.plant.drives.limit[0] == rig.robot.stand.torque_fraction
+    rig.run(3.0, STILL)
+    assert (rig.supervisor.state, rig.reason) == ("standing", "the sticks are at rest")
+    assert rig.bus.plant.drives.limit[0] == 1.0
+    rig.run(1.0, AHEAD)
+    assert (rig.supervisor.state, rig.reason) == ("walking", "")
+    rig.send(REST)
+    rig.run(8.0)
+    assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
+    states = [change.state for change in rig.supervisor.changes]
+    order = [state for at, state in enumerate(states) if at == 0 or states[at - 1] != state]
+    assert order == ["disarmed", "standing up", "standing", "walking", "standing", "sitting", "disarmed"]
+
+
+def test_crawling_and_sitting_have_their_names(rig):
+    rig.stand()
+    rig.send({"type": "gait", "gait": "crawl"})
+    rig.run(0.5, AHEAD)
+    assert rig.supervisor.state == "crawling"
+    rig.send(SIT)
+    rig.run(10.0)
+    assert (rig.supervisor.state, rig.holding) == ("sitting", True)
+    assert rig.reason == "seated: stand up first"
+    assert {change.state for change in rig.supervisor.changes} <= set(STATES)
+
+
+def test_a_silent_driver_stops_the_robot(rig):
+    rig.stand()
+    rig.run(1.0, AHEAD)
+    rig.run(0.32)
+    assert rig.supervisor.driver.command.mode == "stand"
+    assert rig.reason.startswith("no command from script 1 for 0.")
+    rig.run(4.0)
+    assert rig.supervisor.state == "standing"
+    assert rig.reason == "nobody drives: take the controls"
+
+
+@pytest.mark.parametrize("who", [SCRIPT, PAGE, PAD, KEYS], ids=str)
+def test_a_stop_lets_go_before_the_next_tick(rig, who):
+    rig.stand()
+    rig.run(0.5, AHEAD)
+    rig.send(STOP, who)
+    assert not rig.holding
+    rig.run(1.0, AHEAD)
+    assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
+    assert rig.reason == f"emergency stop by {who}: reset it, then stand up"
+    rig.send(RESET)
+    rig.run(0.5, AHEAD)
+    assert not rig.holding, "a reset alone moves nothing"
+    rig.send(STAND)
+    rig.run(0.1)
+    assert rig.supervisor.state == "standing up"
+
+
+def test_a_tripped_joint_is_named_and_the_robot_sits_down(rig, monkeypatch):
+    rig.stand()
+    read = rig.bus.read
+    monkeypatch.setattr(rig.bus, "read", lambda: replace(read(), error=("", "", "", "", "overload", *[""] * 7)))
+    rig.run(0.1, AHEAD)
+    assert rig.supervisor.state == "fault"
+    assert rig.reason == "FL thigh: overload; then reset"
+    rig.run(6.0, AHEAD)
+    assert not rig.holding
+    rig.send(RESET)
+    assert rig.supervisor.state == "fault", "it is still there"
+    monkeypatch.undo()
+    rig.run(0.1)
+    rig.send(RESET)
+    rig.run(0.5, STILL)
+    assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
+
+
+def test_a_dead_bus_lets_go(rig, monkeypatch):
+    rig.stand()
+    read = rig.bus.read
+    monkeypatch.setattr(rig.bus, "read", lambda: replace(read(), age_s=(1.0,) * 12))
+    rig.run(0.1, AHEAD)
+    assert not rig.holding
+    assert "12 joints do not answer" in rig.reason
+
+
+def test_unknown_joints_are_not_armed(rig, monkeypatch):
+    read = rig.bus.read
+    monkeypatch.setattr(rig.bus, "read", lambda: replace(read(), age_s=(float("inf"),) + (0.0,) * 11))
+    rig.send(STAND)
+    rig.run(0.2)
+    assert (rig.holding, rig.reason) == (False, "the joints' positions are not known yet")
+
+
+def test_the_pose_is_limited_and_kept_by_the_planner(rig):
+    rig.stand()
+    rig.run(2.0, {**STILL, "pose": [0, 0, 2.0, 0, 0, 0]})
+    top = rig.robot.body_limits.z_m
+    assert rig.supervisor.driver.planner.pose[2] == rig.supervisor.driver.scale.lu(top)

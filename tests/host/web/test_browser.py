@@ -1,0 +1,274 @@
+"""The page in a real browser: drive, stop, a second driver, a lost connection, phones and keyboards, latencies."""
+
+import shutil
+
+import pytest
+
+from host.teleop.arbiter import DEAD_MAN_S
+
+from .rig import Teleop
+
+playwright = pytest.importorskip("playwright.sync_api", reason="the library playwright is not installed")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser: apt-get install chromium")
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+PHONE = {"width": 390, "height": 844}
+LYING = {"width": 844, "height": 390}
+DESK = {"width": 1280, "height": 900}
+# A gamepad that the test moves: window.pad is what the browser would tell.
+FAKE_PAD = """
+window.pad = {connected: true, axes: [0, 0, 0, 0], buttons: Array.from({length: 17}, () => ({pressed: false}))};
+navigator.getGamepads = () => [window.pad];
+"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as library:
+        browser = library.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def teleop(tmp_path_factory):
+    with Teleop(tmp_path_factory.mktemp("browser")) as running:
+        yield running
+
+
+@pytest.fixture
+def open_page(browser, teleop):
+    """Return a function that opens a page; complaints of the browser fail the test."""
+    contexts, complaints = [], []
+
+    def open_page(viewport=DESK, touch=False, script=None, scheme="light"):
+        context = browser.new_context(viewport=viewport, has_touch=touch, color_scheme=scheme)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+        page.on(
+            "request", lambda request: request.url.startswith((teleop.url, "data:")) or complaints.append(request.url)
+        )
+        if script:
+            page.add_init_script(script)
+        page.goto(teleop.url)
+        playwright.expect(page.locator("#word")).not_to_have_text("connecting")
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert complaints == []
+
+
+@pytest.fixture(autouse=True)
+def standing(teleop):
+    """Every test begins with a robot that stands, undriven, and no stop."""
+    teleop.wait(lambda status: status["driver"] is None, 8)
+    if teleop.status()["stop"]:
+        teleop.say(type="reset")
+    teleop.say(type="posture", posture="stand")
+    teleop.say(type="release")
+    teleop.wait(lambda status: status["state"] == "standing", 12)
+
+
+def walks(status):
+    return status["state"] == "walking" and not status["reason"]
+
+
+def test_drive_by_keyboard_and_stop(teleop, open_page):
+    page = open_page()
+    page.keyboard.down("w")
+    status = teleop.wait(walks)
+    assert status["speed"][0] > 0
+    assert status["driver"] == ["web", status["driver"][1]]
+    playwright.expect(page.locator("#reason")).to_have_text("moving as told")
+    page.keyboard.press("Space")
+    status = teleop.wait(lambda status: status["stop"])
+    assert status["stop"] == f"web {status['driver'][1]}"
+    assert not status["armed"]
+    page.wait_for_selector("#state.halted")
+    page.keyboard.up("w")
+    page.keyboard.press("t")
+    page.wait_for_timeout(200)
+    assert not teleop.status()["armed"], "it stays stopped"
+    page.keyboard.press("r")
+    teleop.wait(lambda status: status["stop"] is None)
+    page.keyboard.press("t")
+    teleop.wait(lambda status: status["state"] == "standing up")
+
+
+def test_a_released_key_stops(teleop, open_page):
+    page = open_page()
+    page.keyboard.down("a")
+    assert teleop.wait(walks)["speed"][2] > 0
+    page.keyboard.up("a")
+    teleop.wait(lambda status: status["reason"] == "the sticks are at rest")
+    teleop.wait(lambda status: status["state"] == "standing")
+
+
+@pytest.mark.parametrize(("viewport", "scheme"), [(PHONE, "light"), (LYING, "dark")], ids=["portrait", "landscape"])
+def test_touch_sticks_and_stop_button_on_a_phone(teleop, open_page, viewport, scheme, tmp_path):
+    page = open_page(viewport, touch=True, scheme=scheme)
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), "nothing sticks out"
+    for name in ("stop", "walk", "turn"):
+        box = page.locator(f"#{name}").bounding_box()
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= viewport["width"]
+        assert box["y"] >= 0
+        assert box["y"] + box["height"] <= viewport["height"] + 1
+        assert min(box["width"], box["height"]) >= 44
+    box = page.locator("#walk").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 40, steps=4)
+    assert teleop.wait(walks)["speed"][0] > 0
+    page.screenshot(path=tmp_path / "phone.png")
+    assert (tmp_path / "phone.png").stat().st_size > 5000
+    page.touchscreen.tap(*_middle(page.locator("#stop")))
+    teleop.wait(lambda status: status["stop"])
+    page.mouse.up()
+
+
+def _middle(element):
+    box = element.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_a_second_page_watches_and_may_stop(teleop, open_page):
+    first, second = open_page(), open_page(PHONE, touch=True)
+    first.keyboard.down("w")
+    driver = teleop.wait(walks)["driver"]
+    second.wait_for_selector("#take:disabled")
+    assert second.locator("#driver").inner_text() == f"web {driver[1]}"
+    second.keyboard.down("s")
+    second.wait_for_timeout(300)
+    status = teleop.status()
+    assert (status["driver"], status["speed"][0] > 0) == (driver, True)
+    second.keyboard.press("Space")
+    assert teleop.wait(lambda status: status["stop"])["stop"] != f"web {driver[1]}"
+    first.keyboard.up("w")
+
+
+def test_a_lost_connection_stops_the_robot(teleop, open_page):
+    page = open_page()
+    page.keyboard.down("w")
+    teleop.wait(walks)
+    page.context.set_offline(True)
+    page.close()
+    status = teleop.wait(lambda status: not status["fresh"], DEAD_MAN_S + 1.0)
+    assert status["reason"] == "nobody drives: take the controls"
+    teleop.wait(lambda status: status["state"] == "standing")
+
+
+def test_a_page_that_hangs_stops_the_robot(teleop, open_page):
+    page = open_page()
+    page.keyboard.down("w")
+    teleop.wait(walks)
+    page.evaluate("setTimeout(() => { const end = Date.now() + 1200; while (Date.now() < end); }, 0)")
+    status = teleop.wait(lambda status: not status["fresh"], 1.1)
+    assert status["reason"].startswith("no command from web")
+    page.keyboard.up("w")
+
+
+def test_pose_gait_and_balance_without_a_mouse(teleop, open_page):
+    page = open_page()
+    usual = teleop.status()["gait"]
+    page.focus("#gait")
+    page.keyboard.press("Home")
+    while page.locator("#gait").input_value() != "crawl":
+        page.keyboard.press("ArrowDown")
+    teleop.wait(lambda status: status["gait"] == "crawl")
+    page.focus("#pose-z")
+    page.keyboard.press("End")
+    page.focus("#balance")
+    page.keyboard.press("Enter")
+    page.locator("#balance").set_checked(False)
+    teleop.wait(lambda status: not status["balance"])
+    page.locator("#balance").set_checked(True)
+    page.locator("#gait").select_option(usual)
+    before = teleop.status()["joints_rad"][2]
+    page.wait_for_timeout(600)
+    page.focus("#level")
+    page.keyboard.press("Enter")
+    page.wait_for_timeout(600)
+    assert abs(teleop.status()["joints_rad"][2] - before) > 0.03, "the body has moved"
+
+
+def test_a_browsers_gamepad(teleop, open_page):
+    page = open_page(script=FAKE_PAD)
+    page.evaluate("pad.axes[1] = -1")
+    page.wait_for_timeout(300)
+    assert teleop.status()["driver"] is None, "the dead-man button is not held"
+    page.evaluate("pad.buttons[4].pressed = true")
+    assert teleop.wait(walks)["speed"][0] > 0
+    page.evaluate("pad.buttons[1].pressed = true")
+    teleop.wait(lambda status: status["stop"])
+    page.evaluate("pad.buttons[4].pressed = false")
+
+
+def test_the_live_view_is_drawn_and_values_are_shown(open_page):
+    page = open_page()
+    playwright.expect(page.locator("#latency")).to_contain_text("ms")
+    for name in ("side", "top"):
+        drawn = f"""() => {{ const c = document.getElementById('{name}');
+            return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((value) => value > 0); }}"""
+        assert page.evaluate(drawn)
+    assert page.locator("#battery").inner_text() == "12.0 V"
+    assert page.locator("#joints tr").count() == 4
+
+
+def measure(teleop, page, presses, stops):
+    """Press keys and stop; the loop measures from the browser's event to the packet, both by this machine's clock."""
+    for number in range(presses):
+        page.keyboard.down("w")
+        page.wait_for_timeout(47 + number % 13)
+        page.keyboard.up("w")
+        page.wait_for_timeout(31 + number % 17)
+    for _ in range(stops):
+        page.keyboard.press("Space")
+        teleop.wait(lambda status: status["stop"])
+        page.keyboard.press("r")
+        teleop.wait(lambda status: status["stop"] is None)
+
+
+def test_latency_is_measured_end_to_end(browser, tmp_path):
+    with Teleop(tmp_path) as teleop:
+        page = browser.new_page()
+        page.goto(teleop.url)
+        page.wait_for_selector("#take:enabled")
+        page.keyboard.press("t")
+        teleop.wait(lambda status: status["state"] == "standing")
+        measure(teleop, page, 15, 3)
+        figures = teleop.stop()
+    keys, stops = figures["command_to_packet_ms"], figures["stop_to_packet_ms"]["web"]
+    assert keys["count"] >= 25
+    assert keys["p50"] < 100
+    assert stops["count"] == 3
+    assert stops["p50"] < 100
+
+
+@pytest.mark.slow
+def test_latency_figures(browser, tmp_path):
+    with Teleop(tmp_path) as teleop:
+        page = browser.new_page()
+        page.goto(teleop.url)
+        page.wait_for_selector("#take:enabled")
+        page.keyboard.press("t")
+        teleop.wait(lambda status: status["state"] == "standing")
+        measure(teleop, page, 300, 60)
+        figures = teleop.stop()
+    print({key: figures[key] for key in ("command_to_packet_ms", "stop_to_packet_ms", "missed", "ticks", "busy_ms")})
+    assert figures["command_to_packet_ms"]["p99"] <= 150, "five times what is aimed at: the machine may be busy"
+    assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125

@@ -1,0 +1,250 @@
+"""The server from outside: headers, origins, pairing, bad and too many messages; the robot obeys none of it."""
+
+import asyncio
+import json
+import random
+import re
+import time
+
+import aiohttp
+import pytest
+
+from host.teleop.messages import LONGEST
+from host.web.__main__ import COUNTS_S
+
+from ..teleop.rig import AHEAD
+from .rig import Teleop
+
+
+@pytest.fixture(scope="module")
+def teleop(tmp_path_factory):
+    with Teleop(tmp_path_factory.mktemp("web")) as running:
+        yield running
+
+
+def run(work):
+    return asyncio.run(asyncio.wait_for(work, 60))
+
+
+async def open_socket(session, teleop, origin=None):
+    return await session.ws_connect(f"{teleop.url}/ws", origin=origin or teleop.url, headers={"Host": teleop.host})
+
+
+def test_files_and_headers(teleop):
+    async def look():
+        async with aiohttp.ClientSession() as session:
+            for path in ("/", "/app.js", "/style.css", "/view.js", "/inputs.js", "/icon.svg"):
+                async with session.get(teleop.url + path) as answer:
+                    assert answer.status == 200, path
+                    policy = answer.headers["Content-Security-Policy"]
+                    assert "default-src 'none'" in policy
+                    assert "script-src 'self'" in policy
+                    assert "unsafe" not in policy
+                    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+                    text = await answer.text()
+                    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)", text), f"{path} asks outside"
+            for path in ("/../host/web/server.py", "/%2e%2e/server.py", "/page", "/x"):
+                async with session.get(teleop.url + path) as answer:
+                    assert answer.status == 404
+                    assert "Content-Security-Policy" in answer.headers
+
+    run(look())
+
+
+@pytest.mark.parametrize("headers", [{"Host": "evil.example"}, {"Host": "evil.example:80"}])
+def test_a_foreign_name_gets_nothing(teleop, headers):
+    async def look():
+        async with aiohttp.ClientSession() as session, session.get(teleop.url, headers=headers) as answer:
+            assert answer.status == 421
+
+    run(look())
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "https://127.0.0.1"])
+def test_a_foreign_origin_gets_no_socket(teleop, origin):
+    async def look():
+        async with aiohttp.ClientSession() as session:
+            with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+                await open_socket(session, teleop, origin)
+            assert refused.value.status == 403
+            async with session.get(f"{teleop.url}/ws") as answer:
+                assert answer.status == 403, "no origin at all"
+
+    run(look())
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        "",
+        "{",
+        '{"type":"fly"}',
+        "[" * 400,
+        json.dumps({**AHEAD, "vx_m_s": 1e9}),
+        json.dumps({**AHEAD, "vx_m_s": 10**300}),
+        b"\x00\x01",
+        json.dumps(AHEAD) + " " * 600,
+    ],
+    ids=range(8),
+)
+def test_a_bad_message_ends_the_connection(teleop, data):
+    async def look():
+        async with aiohttp.ClientSession() as session:
+            socket = await open_socket(session, teleop)
+            hello = await socket.receive_json()
+            assert hello["type"] == "hello"
+            await (socket.send_bytes(data) if isinstance(data, bytes) else socket.send_str(data))
+            while (message := await socket.receive()).type is aiohttp.WSMsgType.TEXT:
+                pass
+            assert message.type in (aiohttp.WSMsgType.CLOSE, aiohttp.WSMsgType.CLOSED, aiohttp.WSMsgType.CLOSING)
+
+    run(look())
+    assert teleop.status()["driver"] is None
+
+
+def test_a_page_that_talks_without_end_is_hung_up_on(teleop):
+    async def look():
+        async with aiohttp.ClientSession() as session:
+            socket = await open_socket(session, teleop)
+            for _ in range(1000):
+                await socket.send_json({"type": "ping", "t_ms": 0})
+            while (message := await socket.receive()).type is aiohttp.WSMsgType.TEXT:
+                pass
+            return message.type
+
+    try:
+        closed = run(look()) is not aiohttp.WSMsgType.TEXT
+    except ConnectionError:
+        closed = True
+    assert closed
+
+
+def test_a_stop_is_never_held_back(teleop):
+    async def look():
+        async with aiohttp.ClientSession() as session:
+            socket = await open_socket(session, teleop)
+            for _ in range(20):
+                await socket.send_json({"type": "stop"})
+                await socket.send_json({"type": "reset"})
+            await socket.send_json({"type": "stop"})
+            await asyncio.sleep(0.3)
+            assert teleop.status()["stop"] is not None
+            await socket.send_json({"type": "reset"})
+            await socket.close()
+
+    run(look())
+
+
+def noise(random_, number):
+    """Return what a broken or hostile page may send."""
+    kinds = (
+        lambda: bytes(random_.randrange(256) for _ in range(random_.randrange(1, LONGEST))),
+        lambda: "".join(chr(random_.randrange(32, 0x2FF)) for _ in range(random_.randrange(1, 100))),
+        lambda: json.dumps({**AHEAD, random_.choice(list(AHEAD)): random_.choice([None, "x", [], 1e6, True])}),
+        lambda: json.dumps({"type": random_.choice(["posture", "gait", "reset2", "STOP"]), "gait": number}),
+        lambda: "x" * random_.randrange(LONGEST + 1, 5000),
+        lambda: json.dumps(AHEAD)[: random_.randrange(1, 80)],
+    )
+    return random_.choice(kinds)()
+
+
+async def make_noise(teleop, messages, connections):
+    """Send so many bad messages over so many connections, reconnecting as they are hung up."""
+    random_, left = random.Random(1), [messages]
+
+    async def one(session):
+        while left[0] > 0:
+            try:
+                socket = await open_socket(session, teleop)
+            except (aiohttp.ClientError, OSError):
+                await asyncio.sleep(0.01)  # as many pages as there may be are open: try again
+                continue
+            for _ in range(3):
+                left[0] -= 1
+                data = noise(random_, left[0])
+                try:
+                    await (socket.send_bytes(data) if isinstance(data, bytes) else socket.send_str(data))
+                except (ConnectionError, aiohttp.ClientError):
+                    break
+            await socket.close()  # waits until the other side has closed as well
+
+    async with aiohttp.ClientSession(connector=aiohttp.TCPConnector(limit=0)) as session:
+        await asyncio.gather(*(one(session) for _ in range(connections)))
+
+
+def memory_kB(process):
+    """Return the resident memory of a process and its children."""
+    with open(f"/proc/{process}/task/{process}/children") as file:
+        family = [process, *map(int, file.read().split())]
+    total = 0
+    for each in family:
+        with open(f"/proc/{each}/statm") as file:
+            total += int(file.read().split()[1]) * 4
+    return total
+
+
+def check_noise(teleop, messages, connections):
+    """Make noise twice, so that all buffers have grown as far as they need, and return the second round's figures."""
+    run_long(make_noise(teleop, messages, connections))
+    time.sleep(COUNTS_S + 0.2)
+    before, first_kB = teleop.status(), memory_kB(teleop.process.pid)
+    run_long(make_noise(teleop, messages, connections))
+    time.sleep(COUNTS_S + 0.2)
+    after = teleop.status()
+    assert after["state"] == "disarmed"
+    assert after["driver"] is None
+    assert after["obeyed"] == before["obeyed"]
+    grown_kB = memory_kB(teleop.process.pid) - first_kB
+    ticks, missed = (after["timing"][key] - before["timing"][key] for key in ("ticks", "missed"))
+    heard = {key: after["web_counts"][key] - before["web_counts"][key] for key in after["web_counts"]}
+    assert heard["malformed"] > messages / 4
+    return {"ticks": ticks, "missed": missed, "grown_kB": grown_kB, **heard}
+
+
+def run_long(work):
+    return asyncio.run(asyncio.wait_for(work, 300))
+
+
+def test_noise_is_not_obeyed(teleop):
+    figures = check_noise(teleop, 400, 40)
+    assert figures["missed"] <= figures["ticks"] / 10
+    assert figures["grown_kB"] < 8000
+
+
+@pytest.mark.slow
+def test_ten_thousand_bad_messages_and_two_hundred_connections(tmp_path):
+    with Teleop(tmp_path) as teleop:
+        figures = check_noise(teleop, 10_000, 200)
+        print(figures)
+        assert figures["missed"] == 0
+        assert figures["grown_kB"] < 2000
+
+
+def test_beyond_this_machine_a_code_is_needed(tmp_path):
+    with Teleop(tmp_path, host="0.0.0.0") as teleop:
+        code = re.search(r"code (\d{6})", teleop.status()["web"])[1]
+
+        async def look():
+            jar = aiohttp.CookieJar(unsafe=True)
+            async with aiohttp.ClientSession(cookie_jar=jar) as session:
+                with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
+                    await open_socket(session, teleop)
+                assert refused.value.status == 401
+                async with session.get(f"{teleop.url}/paired") as answer:
+                    assert await answer.json() == {"paired": False}
+                async with session.post(f"{teleop.url}/pair", data=code) as answer:
+                    assert answer.status == 403, "no origin"
+                wrong = "000000" if code != "000000" else "000001"
+                origin = {"Origin": teleop.url}
+                async with session.post(f"{teleop.url}/pair", data=wrong, headers=origin) as answer:
+                    assert answer.status == 403
+                await asyncio.sleep(1.1)
+                async with session.post(f"{teleop.url}/pair", data=code, headers=origin) as answer:
+                    assert answer.status == 200
+                    assert "HttpOnly" in answer.headers["Set-Cookie"]
+                    assert "SameSite=Strict" in answer.headers["Set-Cookie"]
+                socket = await open_socket(session, teleop)
+                assert (await socket.receive_json())["type"] == "hello"
+                await socket.close()
+
+        run(look())

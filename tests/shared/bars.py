@@ -1,0 +1,23 @@
+"""What the tests of the core share: repeatable hypothesis settings, 30-bit integers, error statistics."""
+
+from hypothesis import settings
+from hypothesis import strategies as st
+
+LARGEST = (1 << 30) - 1
+
+
+def repeatable(examples):
+    """Return hypothesis settings that draw the same examples in every run."""
+    return settings(max_examples=examples, deadline=None, derandomize=True, database=None)
+
+
+def integers(low, high):
+    """Return integers of a range, with those next to the powers of two more often than chance has them."""
+    edges = sorted({sign * (1 << k) + d for k in range(31) for d in (-1, 0, 1) for sign in (-1, 1)} | {low, high})
+    inside = [edge for edge in edges if low <= edge <= high]
+    return st.one_of(st.integers(low, high), st.sampled_from(inside))
+
+
+def median(values):
+    """Return the middle one of the sorted values."""
+    return sorted(values)[len(values) // 2]

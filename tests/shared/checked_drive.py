@@ -1,0 +1,81 @@
+"""Runs planner, attitude and controllers on checked integers with any words for input; a process of its own.
+
+Reads JSON from stdin: params (blocks), attitudes (blocks), ticks. Prints the largest value met, as JSON. Checked
+integers replace `array` and all of shared/, so nothing of either may be imported before.
+"""
+
+import json
+import random
+import sys
+
+from host.parity import checked
+
+
+def word(dice):
+    """Return any 30-bit word, of any size."""
+    return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+
+
+def fill(made, values):
+    for at, value in enumerate(values):
+        made[at] = value
+    return made
+
+
+def drive_planner(array, params, ticks, dice):
+    """Any words in command and senses, with modes that lead through all states."""
+    from shared.command import C_MODE, COMMAND_SIZE
+    from shared.planner import SENSED_SIZE, Planner
+
+    planner = Planner(array("i", params))
+    command, sensed = array("i", [0] * COMMAND_SIZE), array("i", [0] * SENSED_SIZE)
+    for tick in range(ticks):
+        if tick % 4 == 0:
+            fill(command, [word(dice) if dice.randrange(3) == 0 else value for value in command])
+            fill(sensed, [word(dice) if dice.randrange(9) == 0 else value for value in sensed])
+            command[C_MODE] = dice.choice((0, 1, 2, 2, 2, 2, 2, 2, 3, word(dice)))
+        checked.check(planner.tick(command, sensed))
+
+
+def drive_attitude(array, block, ticks, dice):
+    """Any readings, half of them at the ends of int16; every trust and tolerance."""
+    from shared.attitude import A_ALIGN_TICKS, A_GYRO_Q30, A_TOLERANCE, A_TRUST_Q15, attitude_step
+
+    ends = (-32768, -32767, -1, 0, 1, 16384, 32767)
+    for trust in (0, 700, 32767):
+        made = fill(array("i", [0] * len(block)), block)
+        made[A_TRUST_Q15], made[A_TOLERANCE], made[A_ALIGN_TICKS] = trust, 32767, 3
+        made[A_GYRO_Q30] = 0x1FFFF if trust else block[A_GYRO_Q30]
+        reading = array("i", [0] * 6)
+        for tick in range(ticks):
+            wild = tick > 3
+            values = [dice.choice(ends) if dice.randrange(2) else dice.randint(-32768, 32767) for _ in range(6)]
+            fill(reading, values if wild else (0, 0, 0, 0, 0, 16384))
+            checked.check(attitude_step(made, reading))
+
+
+def drive_pid(array, ticks, dice):
+    """The largest gains and limits, any angles."""
+    from shared.pid import PID_SIZE, pid_step
+
+    made = fill(array("i", [0] * PID_SIZE), (32767, 32767, 32767, 16383, 16383))
+    for _ in range(ticks):
+        ends = [dice.choice((-32768, 32767, -(1 << 20), 1 << 20, dice.randint(-9000, 9000))) for _ in range(2)]
+        checked.check(pid_step(made, 0, *ends))
+
+
+def main():
+    asked = json.load(sys.stdin)
+    checked.install()
+    from array import array
+
+    dice = random.Random(5)
+    for params in asked["params"]:
+        drive_planner(array, params, asked["ticks"], dice)
+    for block in asked["attitudes"]:
+        drive_attitude(array, block, asked["ticks"], dice)
+    drive_pid(array, asked["ticks"], dice)
+    print(json.dumps({"largest": checked.WATCH.largest}))
+
+
+main()

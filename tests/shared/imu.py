@@ -1,0 +1,54 @@
+"""A moving IMU for tests: counts of an MPU6050 on a body whose roll and pitch are known, and filters for them."""
+
+import math
+from array import array
+
+from host.robot_file import load_robot
+from host.scale import attitude_block
+from shared import attitude as a
+from tests.float_twin import attitude as twin
+
+GYRO_COUNTS_PER_RAD_S = 131 * 180 / math.pi
+ONE_G = 16384
+
+
+def block(rate_hz=50, **settings):
+    """Return the integer filter of Caramelo at a rate, with other settings where given by index name."""
+    made = attitude_block(load_robot("caramelo"), rate_hz)
+    for name, value in settings.items():
+        made[getattr(a, name)] = value
+    return made
+
+
+def twin_of(made):
+    """Return the float filter with a block's settings."""
+    return twin.Attitude(
+        made[a.A_GYRO_Q30] / 2**30,
+        made[a.A_ONE_G],
+        made[a.A_TRUST_Q15] / 2**15,
+        made[a.A_TOLERANCE],
+        made[a.A_ALIGN_TICKS],
+    )
+
+
+def up(roll, pitch):
+    """Return the direction of up in a body with this roll and pitch, R = Rx(roll) Ry(pitch)."""
+    return -math.cos(roll) * math.sin(pitch), math.sin(roll), math.cos(roll) * math.cos(pitch)
+
+
+def counts(roll, pitch, roll_rate, pitch_rate, bias=(0, 0, 0), push_g=(0, 0, 0)):
+    """Return the six counts at this attitude, rates in rad/s."""
+    rates = roll_rate * math.cos(pitch), pitch_rate, roll_rate * math.sin(pitch)
+    gyro = [round(r * GYRO_COUNTS_PER_RAD_S) + b for r, b in zip(rates, bias, strict=True)]
+    accel = [round(ONE_G * (u + p)) for u, p in zip(up(roll, pitch), push_g, strict=True)]
+    return array("i", [max(-32768, min(32767, v)) for v in gyro + accel])
+
+
+def angles_deg(made):
+    """Return the integer filter's roll and pitch."""
+    return made[a.A_ROLL] * 360 / 65536, made[a.A_PITCH] * 360 / 65536
+
+
+def apart_deg(one, other):
+    """Return the largest difference of angles on the circle."""
+    return max(abs((p - q + 180) % 360 - 180) for p, q in zip(one, other, strict=True))

@@ -1,0 +1,321 @@
+"""The cascade and the trajectory limiter: parts against their float twins, the whole joint in closed loop."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host.joint_gains import RATE_PER_RAD_S, JointSetup, joint_blocks
+from host.robot_file import load_robot
+from shared.joint import cascade, feed, profile, report
+from shared.joint import layout as j
+from shared.joint.drive_state import drive_arm
+from shared.joint.encoder import home_by_encoder
+from shared.wire.names import (
+    LIMIT_ACCELERATION,
+    LIMIT_CURRENT,
+    LIMIT_OVER_VOLTAGE,
+    LIMIT_POSITION,
+    LIMIT_UNDER_VOLTAGE,
+    LIMIT_VELOCITY,
+    MODE_CURRENT,
+    MODE_IMPEDANCE,
+    MODE_OFF,
+    MODE_POSITION,
+    MODE_VELOCITY,
+    RESULT_OK,
+    STATE_OPERATION_ENABLED,
+)
+from tests.float_twin import joint_motion as twin
+
+from .plant import Plant
+
+BLDC = load_robot("parallel").actuator
+INT16 = st.integers(-32768, 32767)
+RATE = st.integers(-(1 << 19) + 1, (1 << 19) - 1)
+
+
+def make(**setup):
+    blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
+    blocks.state[j.S_BUS] = 6144
+    blocks.state[j.S_CURRENT_LIMIT] = blocks.cfg[j.K_CURRENT_MAX]
+    return blocks
+
+
+MADE = make()
+
+
+@given(st.integers(-65536, 65536), INT16, INT16)
+def test_wire_units(position, velocity, current):
+    k, units = MADE.cfg, MADE.units
+    rc = cascade.position_from_wire(position, k[j.K_GEAR_Q8])
+    assert abs(rc * units.rad_per_rc - position / 65536 * math.tau) <= units.rad_per_rc
+    rate = cascade.rate_from_wire(velocity, k[j.K_RATE_Q8])
+    assert rate * units.rad_s_per_rate == pytest.approx(velocity / 4096 * math.tau, rel=1e-4, abs=units.rad_s_per_rate)
+    ampere = cascade.current_from_wire(current, k[j.K_CURRENT_Q14]) * units.ampere_per_cu
+    assert ampere == pytest.approx(current / 4096, rel=2e-4, abs=units.ampere_per_cu)
+
+
+@given(st.integers(-(1 << 29), (1 << 29) - 1), RATE, st.integers(-24315, 24315), st.integers(0, 12000))
+def test_reports_are_the_measured_values_in_the_wires_units(position, rate, current, bus):
+    blocks = make(sign=-1)
+    foc, k, s, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
+    s[j.S_POSITION], s[j.S_VELOCITY], foc[j.F_I_Q], s[j.S_BUS] = position, rate, current, bus
+    angle = position * units.rad_per_rc / math.tau * 65536
+    assert abs(report.report_position(k, s) - max(-32767, min(32767, angle))) <= 1
+    turns = rate * units.rad_s_per_rate / math.tau * 4096
+    assert abs(report.report_velocity(k, s) - max(-32767, min(32767, turns))) <= 2 + abs(turns) * 2e-4
+    ampere = -current * units.ampere_per_cu * 4096
+    assert abs(report.report_current(foc, k) - max(-32767, min(32767, ampere))) <= 1 + abs(ampere) * 1e-4
+    assert abs(report.report_bus(k, s) - min(1023, bus * units.volt_per_vu * 16)) <= 1
+    assert report.report_temperature(current) == max(-4095, min(4095, current))
+
+
+@given(st.integers(-(1 << 28), 1 << 28), st.integers(-16383, 16383), st.integers(-16383, 16383))
+def test_fall(value, start, end):
+    assert abs(cascade.fall_q15(value, start, end) / 32768 - twin.fall(value, start, end)) <= 1 / 32768 or start > end
+    if start > end:
+        assert abs(cascade.fall_q15(value, start, end) / 32768 - twin.fall(-value, -start, -end)) <= 1 / 32768
+
+
+@given(st.integers(0, (1 << 29) - 1), st.integers(1, 65535), st.integers(1, (1 << 18) - 1))
+def test_braking_rate(distance, accel, rate_max):
+    expected = min(rate_max, twin.braking_speed(distance, accel))
+    rate = profile.braking_rate(distance, accel, rate_max)
+    assert 0 <= rate <= rate_max
+    assert expected - 48 <= rate <= expected + 17
+
+
+@pytest.mark.parametrize("accel", [20, 500, 1685, 20000])
+@pytest.mark.parametrize("target", [1, 100, -28682, 200000])
+def test_the_trajectory_reaches_its_target_in_nearly_the_least_time(target, accel):
+    s, rate_max, ticks = make().state, 146000, 0
+    profile.profile_reset(s, 0, 0)
+    while (s[j.S_PROFILE] != target << 8 or s[j.S_PROFILE_RATE]) and ticks < 20000:
+        before = s[j.S_PROFILE]
+        assert abs(profile.profile_step(s, target << 8, 0, accel, rate_max)) <= accel
+        assert abs(s[j.S_PROFILE] - before) <= rate_max
+        assert abs(s[j.S_PROFILE]) <= (abs(target) << 8) + 4 * accel
+        ticks += 1
+    distance = abs(target) << 8
+    least = 2 * math.sqrt(distance / accel)
+    if accel * least / 2 > rate_max:
+        least = distance / rate_max + rate_max / accel
+    assert ticks <= 1.02 * least + 4
+
+
+@given(st.lists(st.tuples(st.integers(-20000, 20000), st.integers(-3000, 3000)), min_size=1, max_size=40))
+def test_the_trajectory_follows_its_twin(targets):
+    s, accel, rate_max = make().state, 1685, 146000
+    profile.profile_reset(s, 0, 0)
+    for target, rate in targets:
+        for tick in range(5):
+            wanted = (target << 8) + rate * tick
+            position, speed = twin.profile(s[j.S_PROFILE], s[j.S_PROFILE_RATE], wanted, rate, accel, rate_max)
+            profile.profile_step(s, wanted, rate, accel, rate_max)
+            assert abs(s[j.S_PROFILE] - position) <= 50
+            assert abs(s[j.S_PROFILE_RATE] - speed) <= 50
+
+
+def test_a_moving_target_is_met_and_kept():
+    s = make().state
+    profile.profile_reset(s, 0, 0)
+    for tick in range(400):
+        target = 100000 + 5000 * tick
+        profile.profile_step(s, target, 5000, 1685, 146000)
+    assert (s[j.S_PROFILE], s[j.S_PROFILE_RATE]) == (target, 5000)
+
+
+@given(RATE, st.integers(-3000, 3000))
+def test_feed_forward_voltages(rate, current):
+    blocks = make()
+    foc, cfg, state, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
+    cfg[j.K_DEAD] = 800
+    feed.feed_bus(foc, cfg, 6144)
+    foc[j.F_Q_REF], state[j.S_RATE] = current, rate
+    feed.feed_voltages(foc, cfg, state)
+    rad_s, motor = rate / RATE_PER_RAD_S, BLDC.motor
+    d, q = twin.feed_voltages(
+        rad_s,
+        current,
+        motor.torque_constant_Nm_A / 1.5,
+        rad_s * motor.pole_pairs * motor.inductance_H * units.ampere_per_cu,
+        24 * 800 / 32768,
+        cfg[j.K_DEAD_ZONE],
+        rad_s * motor.pole_pairs * 1.5e-4,
+    )
+    limit = foc[j.F_LIMIT]
+    assert max(abs(foc[j.F_FEED_D]), abs(foc[j.F_FEED_Q])) <= limit
+    if math.hypot(d, q) / units.volt_per_vu < 0.99 * limit:
+        assert abs(foc[j.F_FEED_D] - d / units.volt_per_vu) < 10
+        assert abs(foc[j.F_FEED_Q] - q / units.volt_per_vu) < 10
+
+
+@given(st.integers(-(1 << 17), 1 << 17), st.integers(-2000, 2000), st.integers(-40000000, 40000000))
+def test_velocity_loop(error, direct, integral):
+    blocks = make()
+    s, k = blocks.state, blocks.cfg
+    s[j.S_RATE_REF], s[j.S_V_INTEGRAL] = error, integral
+    given_cu = cascade.velocity_loop(k, s, direct)
+    kp, ki = k[j.K_VELOCITY_P] / 4096, k[j.K_VELOCITY_I] / 65536
+    expected, grown = twin.velocity_loop(error, integral / 4096, kp, ki, direct, s[j.S_CURRENT_LIMIT])
+    assert abs(given_cu - expected) <= 3
+    if abs(given_cu) < s[j.S_CURRENT_LIMIT] - 3:
+        assert abs(s[j.S_V_INTEGRAL] / 4096 - grown) <= 1
+
+
+@given(INT16, st.integers(0, 32767), st.integers(0, 32767), INT16, INT16, st.integers(-60000, 110000), RATE)
+def test_impedance(position, stiffness, damping, velocity, current, at, rate):
+    blocks = make()
+    b, s, units = blocks.io, blocks.state, blocks.units
+    b[j.IO_POSITION], b[j.IO_STIFFNESS], b[j.IO_DAMPING] = position, stiffness, damping
+    b[j.IO_VELOCITY], b[j.IO_CURRENT] = velocity, current
+    s[j.S_POSITION], s[j.S_VELOCITY] = at, rate
+    turn = math.tau / units.rad_per_rc
+    wanted = max(blocks.cfg[j.K_POSITION_MIN] / turn, min(blocks.cfg[j.K_POSITION_MAX] / turn, position / 65536))
+    error = max(-0.125, min(0.125, wanted - at / turn))
+    slip = velocity / 4096 - rate * units.rad_s_per_rate / math.tau
+    damped = max(-8.0, min(8.0, slip))
+    expected = twin.impedance(stiffness / 16, damping / 256, error, damped, current / 4096)
+    result = cascade.impedance(blocks.cfg, s, b) * units.ampere_per_cu
+    assert abs(result) <= 8.26
+    if abs(expected) < 7.9 and abs(slip) < 3:
+        assert abs(result - expected) <= 0.02 + stiffness / 16 * 2e-5 + damping / 256 * 2e-3
+
+
+def test_limit_current_falls_with_the_bus_and_says_why():
+    blocks = make()
+    s, k = blocks.state, blocks.cfg
+    top = s[j.S_CURRENT_LIMIT]
+    assert cascade.limit_current(k, s, 5000) == top
+    assert s[j.S_LIMITS] == LIMIT_CURRENT
+    s[j.S_LIMITS], s[j.S_VELOCITY] = 0, 1000
+    s[j.S_BUS] = (k[j.K_UNDER] + k[j.K_UNDER_START]) // 2
+    assert abs(cascade.limit_current(k, s, 5000) - top / 2) <= 1
+    assert cascade.limit_current(k, s, -5000) == -top
+    assert s[j.S_LIMITS] == LIMIT_UNDER_VOLTAGE | LIMIT_CURRENT
+    s[j.S_LIMITS], s[j.S_BUS] = 0, k[j.K_OVER]
+    assert cascade.limit_current(k, s, -5000) == 0
+    assert cascade.limit_current(k, s, 5000) == top
+    assert s[j.S_LIMITS] & LIMIT_OVER_VOLTAGE
+
+
+@given(RATE)
+def test_damping_only_brakes(rate):
+    blocks = make()
+    blocks.state[j.S_VELOCITY] = rate
+    current = cascade.damping_current(blocks.cfg, blocks.state)
+    assert current * rate <= 0
+    assert abs(current) <= blocks.cfg[j.K_DAMP_CURRENT]
+
+
+@pytest.mark.parametrize(("position", "current", "given_cu"), [(-60000, -500, 0), (-60000, 500, 500), (120000, 500, 0)])
+def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
+    blocks = make()
+    blocks.state[j.S_POSITION] = position
+    assert cascade.guard_position(blocks.cfg, blocks.state, current) == given_cu
+    assert bool(blocks.state[j.S_LIMITS] & LIMIT_POSITION) == (given_cu == 0)
+
+
+def armed(mode=MODE_POSITION, **plant):
+    p = Plant(elec_offset_brad=12345, direction=-1, **plant)
+    for _ in range(3):
+        p.tick()
+    assert home_by_encoder(p.cfg, p.state, p.io)
+    p.io[j.IO_MODE] = mode
+    p.io[j.IO_POSITION] = p.wire_position(p.joint_rad())
+    p.tick()
+    assert drive_arm(p.cfg, p.state, p.io, MODE_OFF) == RESULT_OK
+    for _ in range(5):
+        p.tick()
+    assert p.state[j.S_DRIVE] == STATE_OPERATION_ENABLED
+    return p
+
+
+@pytest.mark.parametrize("inertia", [0.003, 0.01, 0.02])
+def test_position_step_settles_without_overshoot_within_the_current_limit(inertia):
+    p = armed(inertia_kg_m2=inertia)
+    start = p.joint_rad()
+    p.io[j.IO_POSITION] = p.wire_position(start + 0.5)
+    highest, current, seen = 0.0, 0.0, 0
+    for _ in range(600):
+        p.tick()
+        highest = max(highest, p.joint_rad() - start)
+        current = max(current, abs(p.i_q))
+        seen |= p.state[j.S_LIMITS]
+    assert abs(p.joint_rad() - start - 0.5) < math.radians(0.2)
+    assert highest < 0.5 * 1.05
+    assert current < 2.0 * 1.05
+    assert seen & LIMIT_ACCELERATION
+    assert p.state[j.S_FAULT_CODE] == 0
+
+
+def test_sine_of_two_hertz_is_tracked_within_a_degree():
+    p = armed()
+    base, total = p.joint_rad(), 0.0
+    for i in range(1200):
+        phase = 2 * math.tau * i / 1000
+        if p.ticks % 5 == 0:
+            p.io[j.IO_POSITION] = p.wire_position(base + 0.3 * math.sin(phase))
+            p.io[j.IO_VELOCITY] = p.wire_velocity(0.6 * math.tau * math.cos(phase))
+        p.tick()
+        if i >= 700:
+            total += (p.joint_rad() - base - 0.3 * math.sin(phase)) ** 2
+    assert math.degrees(math.sqrt(total / 500)) < 1.0
+
+
+def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
+    p = armed(MODE_VELOCITY)
+    p.io[j.IO_VELOCITY] = p.wire_velocity(3.0)
+    speeds, seen = [], 0
+    for _ in range(900):
+        p.tick()
+        speeds.append(p.speed / 22)
+        seen |= p.state[j.S_LIMITS]
+    assert speeds[300] == pytest.approx(3.0, rel=0.02)
+    assert seen & LIMIT_POSITION
+    assert p.joint_rad() < p.setup.upper_rad + math.radians(1)
+    assert abs(speeds[-1]) < 0.05
+    p.io[j.IO_VELOCITY] = p.wire_velocity(-40.0)
+    p.tick()
+    assert p.state[j.S_LIMITS] & LIMIT_VELOCITY
+
+
+def test_stall_torque_in_current_mode_is_that_of_two_ampere():
+    p = armed(MODE_CURRENT)
+    p.blocked = True
+    p.io[j.IO_CURRENT] = 3 * 4096
+    for _ in range(200):
+        p.tick()
+    torque = 1.5 * p.pp * p.psi * p.i_q * p.direction * 22
+    assert torque == pytest.approx(3.0, rel=0.03)
+    assert p.state[j.S_LIMITS] & LIMIT_CURRENT
+    assert p.state[j.S_FAULT_CODE] == 0
+
+
+def test_impedance_mode_is_a_spring():
+    p = armed(MODE_IMPEDANCE)
+    stiffness = 20.0  # N m/rad
+    per_turn = stiffness / (p.bldc.motor.torque_constant_Nm_A * 22) * math.tau
+    p.io[j.IO_STIFFNESS], p.io[j.IO_DAMPING] = round(per_turn * 16), round(0.03 * per_turn * 256)
+    p.friction = 0.0
+    start = p.joint_rad()
+    p.load_Nm = 1.0 / 22  # 1 N m at the joint
+    for _ in range(1500):
+        p.tick()
+    assert start - p.joint_rad() == pytest.approx(1.0 / stiffness, rel=0.05)
+
+
+def test_between_set_points_the_target_moves_on_only_for_a_while():
+    p = armed()
+    start = p.joint_rad()
+    p.io[j.IO_POSITION] = p.wire_position(start)
+    p.io[j.IO_VELOCITY] = p.wire_velocity(2.0)
+    p.ticks = 0
+    p.tick()
+    for _ in range(60):
+        p.tick(setpoint=False)
+    moved = (p.state[j.S_TARGET] >> 8) * p.units.rad_per_rc - start
+    assert moved == pytest.approx(2.0 * 0.010, abs=0.001)
+    assert p.joint_rad() - start == pytest.approx(moved, abs=0.002)

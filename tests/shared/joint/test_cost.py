@@ -1,0 +1,113 @@
+"""The joint as viper in a real MicroPython: same numbers, no allocation, current step against its float twin."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from host.build.rewrite import rewrite
+from host.build.source import closure, read_modules
+from host.joint_gains import JointSetup, joint_blocks
+from host.robot_file import load_robot
+from shared.joint.calibration import set_commutation
+from shared.joint.feed import feed_bus
+
+from .trace import Trace
+
+ROOT = Path(__file__).resolve().parents[3]
+VM = Path(sys.executable).with_name("micropython")
+TICKS = 4800
+
+SCRIPT = """
+import gc, json, micropython, time
+from array import array
+from data import FOC, CFG, CURVE, TICKS
+from shared.joint.current import current_step
+from shared.joint.sine import SINE
+from shared.joint.tick import motion_tick, slow_tick
+from trace import Trace
+from twin import CurrentLoop
+
+def best_us(call, count):
+    best = 1 << 30
+    for _ in range(5):
+        start = time.ticks_us()
+        call(count)
+        best = min(best, time.ticks_diff(time.ticks_us(), start))
+    return best
+
+trace = Trace(FOC, CFG, CURVE)
+digest = trace.run(TICKS)
+foc = array("i", FOC)
+loop = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
+
+def integer(count):
+    foc[3] = 0
+    for rotor in range(count):
+        current_step(rotor & 16383, 0, foc, SINE)
+
+def floating(count):
+    step = loop.step
+    for _ in range(count):
+        step(1.234, 0.5, -0.2, -0.3)
+
+def allocated(trace):
+    before = micropython.mem_total()
+    for rotor in range(200):
+        current_step(rotor, 0, foc, SINE)
+        motion_tick(trace.foc, trace.cfg, trace.state, trace.io, trace.cal)
+        slow_tick(trace.cfg, trace.state, trace.io, trace.curve)
+    return micropython.mem_total() - before
+
+allocated(trace)
+foc[3] = 0
+print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(trace),
+                  "integer_us": best_us(integer, 5000), "float_us": best_us(floating, 5000)}))
+"""
+
+
+def block_values():
+    blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
+    blocks.cfg[3] = 1  # calibrated
+    set_commutation(blocks.foc, blocks.cfg)
+    feed_bus(blocks.foc, blocks.cfg, 6144)
+    return list(blocks.foc), list(blocks.cfg), list(blocks.curve)
+
+
+@pytest.fixture(scope="module")
+def answer(tmp_path_factory):
+    if not VM.exists():
+        pytest.skip("no MicroPython unix VM beside this python")
+    folder = tmp_path_factory.mktemp("joint")
+    modules = read_modules(ROOT, ("shared",))
+    for name in closure(modules, [name for name in modules if name.startswith("shared.joint")]):
+        module = modules[name]
+        target = folder / module.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(rewrite(module, modules, "viper", "x64"))
+    shutil.copy(ROOT / "tests/float_twin/joint_current.py", folder / "twin.py")
+    shutil.copy(Path(__file__).with_name("trace.py"), folder / "trace.py")
+    foc, cfg, curve = block_values()
+    (folder / "data.py").write_text(f"FOC = {foc}\nCFG = {cfg}\nCURVE = {curve}\nTICKS = {TICKS}\n")
+    (folder / "main.py").write_text(SCRIPT)
+    ran = subprocess.run([VM, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return json.loads(ran.stdout)
+
+
+def test_viper_gives_the_same_numbers(answer):
+    trace = Trace(*block_values())
+    assert trace.run(TICKS) == answer["digest"]
+    assert trace.codes == answer["codes"]
+    assert trace.codes & 0b1110 == 0b1110  # repaired inputs, limited and shaped voltages all occurred
+
+
+def test_nothing_is_allocated_per_tick(answer):
+    assert answer["bytes"] == 0
+
+
+def test_the_current_step_is_five_times_as_fast_as_its_float_twin(answer):
+    assert answer["float_us"] >= 5 * answer["integer_us"]

@@ -1,0 +1,203 @@
+"""Encoders: no loss in any number of turns, the range's end, speed, the rotor's turn, disagreement, the calf's rod."""
+
+import math
+import random
+from array import array
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host.joint_gains import JointSetup, joint_blocks
+from host.robot_file import load_robot
+from shared.joint import coupling, encoder
+from shared.joint import layout as j
+from tests.float_twin import joint_motion as twin
+
+BLDC = load_robot("parallel").actuator
+JOINT_TURN = 22 * 16384
+STEP = st.integers(-8191, 8191)
+
+
+@pytest.fixture
+def joint():
+    return make()
+
+
+def make(**setup):
+    blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
+    encoder.encoder_reset(blocks.foc, blocks.cfg, blocks.state)
+    return blocks
+
+
+def turn_to(blocks, count):
+    blocks.foc[j.F_ROTOR] = count & 16383
+    return encoder.encoder_step(blocks.foc, blocks.cfg, blocks.state)
+
+
+def absolute(blocks):
+    return blocks.state[j.S_TURNS] * 16384 + blocks.state[j.S_FRACTION]
+
+
+@given(st.integers(-(1 << 29), 1 << 29))
+def test_wrap_count(difference):
+    assert encoder.wrap_count(difference) == (difference + 8192) % 16384 - 8192
+    assert -8192 <= encoder.wrap_count(difference) <= 8191
+    assert abs(encoder.wrap_count(difference)) == abs(twin.wrap(difference, 16384))
+
+
+@given(st.lists(STEP, max_size=200), st.integers(-(1 << 29), 1 << 29))
+def test_no_count_is_lost_in_any_number_of_turns(steps, turns):
+    blocks = make()
+    blocks.state[j.S_TURNS] = turns
+    total = turns * 16384
+    for step in steps:
+        total += step
+        turn_to(blocks, total)
+    assert absolute(blocks) == total
+
+
+@given(st.integers(-32766, 32766), st.integers(0, 16383), st.integers(0, 16383), st.sampled_from((-1, 1)))
+def test_position_is_exact_within_its_range(turns, fraction, zero, sign):
+    assert encoder.position_of(turns, fraction, zero, sign) == sign * (turns * 16384 + fraction - zero)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_at_the_end_of_its_range_the_position_stays_and_says_so(sign):
+    blocks = make(sign=sign)
+    blocks.state[j.S_TURNS] = 32766
+    total = 32766 * 16384
+    seen = []
+    for _ in range(10):
+        total += 8000
+        seen.append(turn_to(blocks, total) * sign)
+    assert seen == sorted(seen)
+    assert seen[-1] == (1 << 29) - 1
+    assert blocks.state[j.S_SHIFTED] == 1
+    assert absolute(blocks) == total
+    blocks.state[j.S_TURNS] = (1 << 30) - 2
+    for _ in range(5):
+        total += 8000
+        turn_to(blocks, total)
+    assert blocks.state[j.S_TURNS] == (1 << 30) - 2
+
+
+@pytest.mark.parametrize("rate", [-700.4, -3.3, 0.0, 0.26, 55.5, 780.1])
+def test_tracking_loop_has_no_error_at_constant_speed(joint, rate):
+    for i in range(400):
+        turn_to(joint, int(i * rate + 0.5))
+    mean = 0.0
+    for i in range(400, 800):
+        turn_to(joint, int(i * rate + 0.5))
+        assert abs(joint.state[j.S_RATE] / 256 - rate) < 1.0
+        mean += joint.state[j.S_RATE] / 256 / 400
+    assert abs(mean - rate) < 0.01
+
+
+@given(st.lists(st.integers(-8192, 8191), min_size=1, max_size=100))
+def test_tracking_loop_stays_in_range_whatever_moves(moves):
+    blocks = make()
+    for moved in moves:
+        assert abs(encoder.track_rate(blocks.cfg, blocks.state, moved)) <= (1 << 19) - 1
+
+
+@given(st.integers(-(1 << 27), 1 << 27), st.integers(0, 16383), st.integers(0, 16383), st.integers(-8191, 8191))
+def test_choose_turn_finds_the_position_within_half_a_rotor_turn(true, zero, noise_at, error):
+    blocks = make()
+    blocks.cfg[j.K_ZERO] = zero
+    blocks.state[j.S_FRACTION] = (true + zero) & 16383
+    left = encoder.choose_turn(blocks.cfg, blocks.state, true + error)
+    assert blocks.state[j.S_POSITION] == true
+    assert left == error
+
+
+@given(st.integers(0, 16383), st.integers(0, 16383), st.sampled_from((-1, 1)))
+def test_joint_count(raw, zero, sign):
+    blocks = make()
+    blocks.cfg[j.K_JOINT_ENCODER_ZERO], blocks.cfg[j.K_JOINT_ENCODER_SIGN] = zero, sign
+    expected = encoder.wrap_count(raw - zero) * sign * 22
+    assert encoder.joint_count(blocks.cfg, raw) == expected
+
+
+def read_joint(blocks, position_rc):
+    blocks.io[j.IO_JOINT_RAW] = math.floor(position_rc / 22) & 16383
+    blocks.io[j.IO_JOINT_VALID] = 1
+
+
+@given(st.integers(-150000, 150000))
+def test_home_by_the_joint_encoder(position):
+    blocks = make()
+    blocks.state[j.S_FRACTION] = position & 16383
+    read_joint(blocks, position)
+    assert encoder.home_by_encoder(blocks.cfg, blocks.state, blocks.io) == 1
+    assert blocks.state[j.S_POSITION] == position
+
+
+def test_homing_is_refused_while_ambiguous(joint):
+    joint.state[j.S_FRACTION] = 8000
+    assert encoder.home_at(joint.cfg, joint.state, 8000 + 16384 * 3 + 4097) == 0
+    assert joint.state[j.S_HOMED] == 0
+    assert encoder.home_at(joint.cfg, joint.state, 8000 + 16384 * 3 + 4096) == 1
+    assert joint.state[j.S_POSITION] == 8000 + 16384 * 3
+    assert encoder.home_by_encoder(joint.cfg, joint.state, joint.io) == 0
+
+
+@pytest.mark.parametrize("joint_turns", [-3, 0, 5])
+def test_disagreement_is_seen_below_half_a_rotor_turn(joint, joint_turns):
+    """8.18 deg of a 22:1 joint are 8192 rc; the threshold lies below it."""
+    assert joint.cfg[j.K_DISAGREE] < 8192
+    position = 20000
+    joint.state[j.S_HOMED] = 1
+    joint.state[j.S_POSITION] = position + joint_turns * JOINT_TURN
+    for off, expected in ((0, 0), (5900, 0), (6100, 1), (-6100, 1), (16384, 1), (-16384, 1)):
+        joint.state[j.S_DISAGREE_TICKS] = 0
+        read_joint(joint, position + off)
+        assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == expected, off
+        assert abs(joint.state[j.S_JOINT_ERROR] - off) <= 22
+
+
+def test_a_joint_encoder_that_is_missing_or_invalid_is_not_compared(joint):
+    joint.state[j.S_HOMED] = 1
+    read_joint(joint, 100000)
+    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 1
+    joint.io[j.IO_JOINT_VALID] = 0
+    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 0
+    joint.io[j.IO_JOINT_VALID], joint.cfg[j.K_HAS_JOINT_ENCODER] = 1, 0
+    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 0
+
+
+def test_long_rotation_back_and_forth_ends_where_it_began(joint):
+    rng = random.Random(5)
+    total = 0
+    for _ in range(3000):
+        total += rng.randint(-4000, 8000)
+        turn_to(joint, total)
+    while total:
+        total -= max(-8000, min(8000, total))
+        turn_to(joint, total)
+    assert joint.state[j.S_POSITION] == 0
+
+
+@given(st.integers(-30000, 30000), st.integers(-30000, 30000))
+def test_the_calfs_rod(thigh, calf):
+    """Angles add, torques are the transpose: the power is the same on both sides."""
+    motor = coupling.calf_motor(thigh, calf)
+    assert coupling.calf_joint(thigh, motor) == calf
+    torque_thigh, torque_calf = 70, -30
+    motor_thigh = coupling.thigh_motor_torque(torque_thigh, torque_calf)
+    assert motor_thigh * thigh + torque_calf * motor == torque_thigh * thigh + torque_calf * calf
+    assert coupling.thigh_joint_torque(motor_thigh, torque_calf) == torque_thigh
+
+
+def test_blocks_are_arrays_of_the_stated_sizes(joint):
+    sizes = (joint.foc, j.FOC_SIZE), (joint.cfg, j.CFG_SIZE), (joint.state, j.STATE_SIZE), (joint.io, j.IO_SIZE)
+    for block, size in sizes:
+        assert isinstance(block, array)
+        assert len(block) == size
+
+
+@pytest.mark.parametrize("prefix", ["F_", "K_", "S_", "IO_"])
+def test_no_two_names_share_a_place(prefix):
+    size = {"F_": j.FOC_SIZE, "K_": j.CFG_SIZE, "S_": j.STATE_SIZE, "IO_": j.IO_SIZE}[prefix]
+    places = [getattr(j, name) for name in dir(j) if name.startswith(prefix) and not name.endswith("_SIZE")]
+    assert sorted(places) == list(range(size))

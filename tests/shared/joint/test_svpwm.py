@@ -1,0 +1,70 @@
+"""SVPWM: linear to bus / sqrt 3, within 0.0005 of the closed form, never outside the period; pulses and windows."""
+
+import math
+import random
+from array import array
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared.joint import layout as j
+from shared.joint.feed import feed_bus
+from shared.joint.svpwm import shape_pulse, svpwm
+from tests.float_twin import joint_current as twin
+
+PERIOD = 4200
+
+
+def block(bus, period=PERIOD, pulse=0, window=0):
+    foc = array("i", [0] * j.FOC_SIZE)
+    cfg = array("i", [0] * j.CFG_SIZE)
+    cfg[j.K_BUS_LEAST] = 512
+    foc[j.F_PERIOD], foc[j.F_HALF] = period, period * 8 + 8
+    foc[j.F_PULSE], foc[j.F_WINDOW] = pulse, window
+    feed_bus(foc, cfg, bus)
+    return foc
+
+
+def duties(foc):
+    return [foc[j.F_DUTY_A + k] / foc[j.F_PERIOD] for k in range(3)]
+
+
+def test_ten_thousand_vectors_up_to_the_linear_range():
+    rng = random.Random(1)
+    worst = 0.0
+    for _ in range(10_000):
+        bus = rng.randint(2000, 11000)
+        foc = block(bus)
+        length = foc[j.F_LIMIT] * 16 * math.sqrt(rng.random()) if rng.random() < 0.8 else foc[j.F_LIMIT] * 16
+        turn = rng.random() * math.tau
+        alpha, beta = int(length * math.cos(turn)), int(length * math.sin(turn))
+        svpwm(foc, alpha, beta)
+        expected = twin.svpwm(alpha, beta, bus * 16)
+        worst = max(worst, max(abs(a - b) for a, b in zip(duties(foc), expected, strict=True)))
+        assert all(0 <= d <= 1 for d in duties(foc))
+    assert worst < 0.0005
+
+
+@given(st.integers(2000, 11000), st.integers(0, 200), st.floats(0, math.tau), st.integers(0, 400))
+def test_never_outside_even_for_twice_the_vector(bus, percent, turn, pulse):
+    foc = block(bus, pulse=pulse)
+    length = foc[j.F_LIMIT] * 16 * percent / 100
+    svpwm(foc, int(length * math.cos(turn)), int(length * math.sin(turn)))
+    for k in range(3):
+        duty = foc[j.F_DUTY_A + k]
+        assert duty in (0, PERIOD) or pulse <= duty <= PERIOD - pulse
+
+
+@given(st.integers(-(1 << 29), 1 << 29), st.integers(0, 500), st.integers(1000, 7000))
+def test_shape_pulse_is_the_nearest_that_can_be_made(duty, pulse, period):
+    shaped = shape_pulse(duty, pulse, period)
+    assert shaped in (0, period) or pulse <= shaped <= period - pulse
+    if 0 <= duty <= period:
+        assert abs(shaped - duty) <= pulse / 2
+
+
+def test_masks_the_phases_without_time_for_a_sample():
+    foc = block(6144, window=420)
+    assert svpwm(foc, 0, 0) == 0
+    assert svpwm(foc, foc[j.F_LIMIT] * 16, 0) == 0b001
+    assert svpwm(foc, -foc[j.F_LIMIT] * 16, 0) == 0b110

@@ -1,0 +1,83 @@
+"""A joint's ticks with drawn readings and set-points, digested; runs on CPython and MicroPython (integers only)."""
+
+from array import array
+
+from shared.joint import layout as j
+from shared.joint.calibration import CAL_SIZE
+from shared.joint.current import current_repair, current_step
+from shared.joint.drive_state import drive_arm, drive_clear
+from shared.joint.encoder import home_at
+from shared.joint.sine import SINE
+from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+
+MASK = 0x3FFFFFF
+
+
+class Trace:
+    """Blocks are given as lists, so that the host's gains can be carried into a virtual machine."""
+
+    def __init__(self, foc, cfg, curve):
+        self.foc, self.cfg, self.curve = array("i", foc), array("i", cfg), array("i", curve)
+        self.state, self.io = array("i", [0] * j.STATE_SIZE), array("i", [0] * j.IO_SIZE)
+        self.cal = array("i", [0] * CAL_SIZE)
+        self.seed, self.digest, self.rotor, self.codes = 12345, 0, 100, 0
+        joint_reset(self.foc, self.cfg, self.state, 100)
+        self.healthy()
+
+    def draw(self, count):
+        self.seed = (self.seed * 25 + 13849) & 0xFFFF
+        return (self.seed >> 3) % count
+
+    def healthy(self):
+        b = self.io
+        b[j.IO_HASH_OK] = b[j.IO_SESSION] = b[j.IO_HARDWARE_READY] = 1
+        b[j.IO_E_STOP] = b[j.IO_HARDWARE_FAULT] = 0
+        b[j.IO_BUS_RAW], b[j.IO_THERMISTOR_RAW], b[j.IO_MCU_RAW] = 2291, 2048, 980
+
+    def take(self, block):
+        digest = self.digest
+        for value in block:
+            digest = (digest * 31 + (value & MASK)) & MASK
+        self.digest = digest
+
+    def steps(self, count):
+        for _ in range(count):
+            self.rotor = (self.rotor + self.draw(160) - 80) & 16383
+            for k in range(3):
+                self.foc[j.F_RAW_A + k] = 1948 + self.draw(200)
+            bad = 1 if self.draw(97) == 0 else 0
+            code = current_step(self.rotor, bad, self.foc, SINE)
+            if code:
+                self.codes |= 1 << code
+                current_repair(code, self.rotor, bad, self.foc, SINE)
+
+    def tick(self, number):
+        b = self.io
+        if number % 5 == 0:
+            b[j.IO_SEQUENCE] += 1
+            b[j.IO_MODE] = 1 + (number // 250) % 4
+            for place in range(j.IO_DAMPING + 1):
+                b[place] = self.draw(8000) - (4000 if place < j.IO_STIFFNESS else 0)
+        if number % 400 == 100:
+            self.healthy()
+            drive_clear(self.state)
+        if number % 400 == 150:
+            home_at(self.cfg, self.state, self.state[j.S_POSITION])
+            begin_calibration(self.state, self.cal, 1 + number // 400 % 3)
+            b[j.IO_POSITION] = 0
+            drive_arm(self.cfg, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
+        if number % 1300 == 1200:
+            b[j.IO_E_STOP] = 1
+        self.steps(3)
+        motion_tick(self.foc, self.cfg, self.state, b, self.cal)
+        if number % 100 == 0:
+            b[j.IO_THERMISTOR_RAW] = 400 + self.draw(2000)
+            slow_tick(self.cfg, self.state, b, self.curve)
+        for block in (self.foc, self.state, self.cfg, self.cal):
+            self.take(block)
+
+    def run(self, ticks):
+        """Return the digest over ``ticks`` ticks."""
+        for number in range(ticks):
+            self.tick(number)
+        return self.digest

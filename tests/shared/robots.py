@@ -1,0 +1,93 @@
+"""The robots the core is tested with, as its blocks of integers and, from those, as SI numbers.
+
+The two robot files and what they stretch to: both knees, a leg of 1 m, unequal links, no hip offset.
+"""
+
+import math
+from types import SimpleNamespace
+
+from host.robot_file import find, read_toml
+from host.robot_model import Robot
+from host.scale import BRAD_PER_RAD, core_params
+from shared import params as p
+
+KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
+
+
+def variant(name, **geometry):
+    """Return a robot file's robot with other geometry values; whether its stance suits them is not checked."""
+    tables = read_toml(find(name))
+    tables["geometry"].update(geometry)
+    return Robot.model_validate(tables)
+
+
+def robot(name, knees="full-elbow"):
+    """Return one of the test robots by its name."""
+    geometry = {
+        "caramelo": {},
+        "parallel": {},
+        "long-leg": {"hip_offset_m": 0.12, "thigh_m": 0.50, "calf_m": 0.48},
+        "unequal": {"hip_offset_m": 0.05, "thigh_m": 0.20, "calf_m": 0.13},
+        "no-offset": {"hip_offset_m": 0.0},
+    }[name]
+    file = "parallel" if name in ("parallel", "long-leg") else "caramelo"
+    return variant(file, knee_configuration=knees, **geometry)
+
+
+NAMES = ("caramelo", "parallel", "long-leg", "unequal", "no-offset")
+
+
+def block(name, rate_hz=50, knees="full-elbow"):
+    """Return a test robot as the core's block."""
+    return core_params(robot(name, knees), rate_hz)
+
+
+def leg_si(params, leg):
+    """Return what the float twin's leg needs, in m, as the integers say it; and the unit."""
+    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    base = p.P_SIZE_BODY + leg * p.LEG_SIZE
+    return SimpleNamespace(
+        unit_m=unit_m,
+        side_l1=params[base + p.LEG_SIDE_L1] * unit_m,
+        l1=abs(params[base + p.LEG_SIDE_L1]) * unit_m,
+        l2=params[base + p.LEG_L2] * unit_m,
+        l3=params[base + p.LEG_L3] * unit_m,
+        knee=params[base + p.LEG_KNEE],
+        hip=[v * unit_m for v in params[base + p.LEG_HIP : base + p.LEG_HIP + 3]],
+        rest=[v * unit_m for v in params[base + p.LEG_REST : base + p.LEG_REST + 3]],
+        low=[rad(v) for v in params[base + p.LEG_MIN : base + p.LEG_MIN + 3]],
+        high=[rad(v) for v in params[base + p.LEG_MAX : base + p.LEG_MAX + 3]],
+    )
+
+
+def rad(angle_brad):
+    """Return an angle in rad."""
+    return angle_brad / BRAD_PER_RAD
+
+
+def distance(a, b):
+    """Return how far two points are from each other."""
+    return math.dist(a, b)
+
+
+def planner_si(params):
+    """Return what the float planner needs, per tick where the block has it per tick."""
+    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    fine_m, yaw = unit_m / 256, 2.0**-18
+    rate = params[p.P_RATE_HZ]
+    speeds = params[p.P_VX_MAX : p.P_WZ_SLEW + 1]
+    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(params[p.P_POSE_MAX : p.P_POSE_SLEW + 6])]
+    gains = params[p.P_KP_Q12] / 4096, params[p.P_KI_Q16] / 65536 * rate, params[p.P_KD_Q12] / 4096 / rate
+    return SimpleNamespace(
+        unit_m=unit_m,
+        legs=[leg_si(params, leg) for leg in range(4)],
+        speed_unit=(fine_m, fine_m, yaw),
+        speed_max=(speeds[0] * fine_m, speeds[1] * fine_m, speeds[2] * yaw),
+        speed_slew=(speeds[3] * fine_m, speeds[4] * fine_m, speeds[5] * yaw),
+        pose_max=poses[:6],
+        pose_slew=poses[6:],
+        joint_step=rad(params[p.P_JOINT_STEP]),
+        sit_z=params[p.P_SIT_Z] * unit_m,
+        stride=params[p.P_STRIDE_MAX] * unit_m,
+        gains=(*gains, rad(params[p.P_INTEGRAL_MAX]), rad(params[p.P_BALANCE_MAX]), rate),
+    )

@@ -1,0 +1,286 @@
+"""The adaptive trot's rules against their float twin, and what the whole gait does on a robot with perfect servos."""
+
+import math
+import random
+from array import array
+
+import pytest
+
+from shared import adaptive, ground, navigate, sensing, sway, tipping
+from shared import command as c
+from shared import params as p
+from shared import planner as n
+from shared import steps as s
+from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
+from shared.gaits import GAIT_ADAPTIVE, GAITS
+from tests.float_twin import adaptive as twin
+
+from .robots import block, rad
+from .walker import Walker
+
+PARAMS = block("caramelo")
+UNIT_M = 2.0 ** -PARAMS[p.P_LENGTH_SHIFT]
+LEG_M = PARAMS[p.P_LEG_LENGTH] * UNIT_M
+LF_M = UNIT_M / 256
+YAW = 2.0**-18
+
+
+def test_errors_to_the_reference_add_up_and_turn_with_the_robot():
+    dice, nav, exact = random.Random(1), array("i", [0] * 3), (0.0, 0.0, 0.0)
+    for _ in range(3000):
+        speed = array("i", [dice.randint(-60000, 60000), dice.randint(-30000, 30000), dice.randint(-2000, 2000)])
+        moved, turned = (dice.randint(-60000, 60000), dice.randint(-30000, 30000)), dice.randint(-2500, 2500)
+        navigate.follow_reference(PARAMS, speed, *moved, turned, 1, nav)
+        told = speed[0] * LF_M, speed[1] * LF_M, speed[2] * YAW
+        exact = twin.follow(exact, told, [v * LF_M for v in moved], turned * YAW, LEG_M / 6)
+        exact = tuple(exact)
+        assert [v * LF_M for v in nav[:2]] == pytest.approx(exact[:2], abs=1.5e-3)
+        assert nav[2] * YAW == pytest.approx(exact[2], abs=1e-3)
+        exact = nav[0] * LF_M, nav[1] * LF_M, nav[2] * YAW
+
+
+def test_without_yaw_the_heading_is_not_held():
+    nav = array("i", [0, 0, 5000])
+    navigate.follow_reference(PARAMS, array("i", [0, 0, 2000]), 0, 0, 900, 0, nav)
+    assert nav[2] == 0
+
+
+def test_corrections_are_small_shares_of_the_speed_and_sway_is_no_error():
+    drive, speed = array("i", [0] * 3), array("i", [30000, 0, 0])
+    navigate.hold(PARAMS, speed, 0, array("i", [1 << 20, 1 << 21, 90000]), drive)
+    assert drive[0] == 36000
+    assert drive[1] == PARAMS[p.P_VY_MAX] * 2 // 5
+    assert 0 < drive[2] <= PARAMS[p.P_WZ_MAX] * 3 // 4
+    navigate.hold(PARAMS, speed, 1000, array("i", [0, -256000, 0]), drive)
+    assert list(drive) == [30000, 0, 0]
+    navigate.hold(PARAMS, array("i", [0, 0, 0]), 0, array("i", [256 << 8, 0, 0]), drive)
+    assert drive[0] == pytest.approx(0.5 * (256 << 8) / 50, abs=20)
+
+
+def test_smooth_is_smoothstep_and_diagonal_is_a_line():
+    assert all(abs(sway.smooth_q12(k, 50) - 4096 * twin.smooth(k / 50)) <= 6 for k in range(-5, 60))
+    assert sway.smooth_q12(1, 0) == 4096
+    dice = random.Random(2)
+    for _ in range(300):
+        feet = array("i", [dice.randint(-20000, 20000) for _ in range(12)])
+        ahead, x = dice.randint(-2000, 2000), dice.randint(-2000, 2000)
+        if abs(feet[6] - feet[3]) < 12000:
+            continue
+        exact = twin.line_at((feet[3] - ahead, feet[4]), (feet[6] - ahead, feet[7]), x)
+        if abs(exact) < 65535 and abs(x - feet[3] + ahead) < 1.9 * abs(feet[6] - feet[3]):
+            assert abs(sway.diagonal_y(feet, 1, 2, ahead, x) - exact) <= 16
+
+
+def test_sway_goes_to_the_line_within_its_limit_and_not_in_the_plane():
+    planar = array("i", PARAMS)
+    planar[p.P_LATERAL_Q12] = 0
+    most = PARAMS[p.P_LEG_LENGTH] * 3 >> 4
+    assert sway.next_sway(PARAMS, 100, 2000, 500) == 1600
+    assert sway.next_sway(PARAMS, 0, 60000, 0) == most
+    assert sway.next_sway(PARAMS, 0, -60000, 0) == -most
+    assert sway.next_sway(planar, 0, 2000, 500) == 0
+
+
+def test_tipping_moves_the_centre_of_mass_against_it():
+    dice = random.Random(3)
+    for one in (0, 1):
+        for _ in range(100):
+            feet = array("i", [15000, -15000, 0, 15000, 15000, 0, -15000, -15000, 0, -15000, 15000, 0])
+            turned = [dice.randint(-4000, 4000) for _ in range(2)]
+            tip = array("i", [0, 0, 0, 0, 8])
+            tipping.tip_add(tip, *turned)
+            exact = twin.tip_forward(feet[3 * one : 3 * one + 2], feet[9 - 3 * one : 11 - 3 * one], turned)
+            exact = twin.clip(exact, math.radians(1.5) / YAW)
+            assert abs(tipping.tip_learn(PARAMS, feet, one, 3 - one, tip) - exact) <= 3
+            step = exact * YAW * LEG_M / 10 / LF_M
+            side = 1 if one == 0 else -1
+            assert list(tip) == pytest.approx([0, 0, step, side * step, 8], rel=2e-3, abs=5)
+
+
+def test_the_first_swings_teach_four_times_as_much():
+    feet, tip, steps = array("i", [15000, -15000, 0] + [0] * 6 + [-15000, 15000, 0]), array("i", [0] * 5), []
+    for _ in range(10):
+        before = tip[tipping.TIP_COM_X]
+        tipping.tip_add(tip, 0, 4000)
+        tipping.tip_learn(PARAMS, feet, 0, 3, tip)
+        steps.append(tip[tipping.TIP_COM_X] - before)
+    assert steps[:8] == [steps[0]] * 8
+    assert steps[0] == pytest.approx(4 * steps[9], abs=4)
+    tipping.tip_reset(tip, 1)
+    assert list(tip) == [0] * 5
+
+
+def test_twist_is_the_fourth_way_that_tilt_and_height_do_not_see():
+    dice, state = random.Random(4), array("i", [0] * sensing.SENSING_SIZE)
+    for _ in range(300):
+        feet = [[dice.randint(-20000, 20000) for _ in range(3)] for _ in range(4)]
+        state[:12] = array("i", [v for foot in feet for v in foot])
+        roll, pitch = dice.randint(-4000, 4000), dice.randint(-4000, 4000)
+        assert abs(ground.twist(state, roll, pitch) - twin.twist(feet, rad(roll), rad(pitch))) <= 8
+    believed = 0
+    for _ in range(200):
+        believed = ground.follow_twist(PARAMS, believed, 1000)
+    assert believed >> 8 == pytest.approx(1000, abs=12)
+    for _ in range(400):
+        believed = ground.follow_twist(PARAMS, believed, 100000)
+    assert believed >> 8 == PARAMS[p.P_LEG_LENGTH] // 12
+
+
+def test_footholds_go_to_the_twisted_ground_and_swings_aim_there():
+    steps = array("i", [0] * s.STEPS_SIZE)
+    s.steps_reset(PARAMS, steps)
+    rest = steps[s.STEP_Z]
+    steps[s.STEP_SIZE + s.STEP_TICKS] = 5
+    for _ in range(50):
+        ground.press_feet(PARAMS, steps, 700)
+    assert [steps[leg * s.STEP_SIZE + s.STEP_Z] - rest for leg in range(4)] == [700, 0, -700, 700]
+    assert [steps[leg * s.STEP_SIZE + s.STEP_TO_Z] - rest for leg in range(4)] == [700, -700, -700, 700]
+
+
+@pytest.mark.parametrize(("tilt_deg", "behind_m", "speed_m_s"), [(0, 0, 0), (3, 0, 0.05), (9, 0, 0), (0, 0.02, 0.05)])
+def test_lift_grows_with_tilt_and_lag(tilt_deg, behind_m, speed_m_s):
+    tilt = round(math.radians(tilt_deg) / rad(1)) << 4
+    speed = round(speed_m_s / 50 / LF_M)
+    exact = twin.extra_lift(LEG_M, math.radians(tilt_deg), behind_m, speed_m_s, 0.12)
+    got = ground.extra_lift(PARAMS, tilt, round(behind_m / LF_M), speed) * UNIT_M
+    assert got == pytest.approx(exact, abs=0.1e-3)
+
+
+def test_a_tilt_is_remembered_for_two_seconds():
+    rough = ground.roughness(PARAMS, 0, -900, 1000)
+    assert rough >> 4 == 1000
+    for _ in range(100):
+        rough = ground.roughness(PARAMS, rough, 0, 0)
+    assert (rough >> 4) / 1000 == pytest.approx(math.exp(-1), abs=0.02)
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+@pytest.mark.parametrize("rate_hz", [20, 50, 500])
+def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle(name, rate_hz):
+    params = block(name, rate_hz)
+    gait = compile_gait(GAITS[GAIT_ADAPTIVE], params)
+    for part in (0.0, 0.5, 0.75, 1.0, 2.0):
+        speed = array("i", [round(params[p.P_FAST_SPEED] * part), 0, 0])
+        half = adaptive.retime(params, gait, speed)
+        share = max(0.0, min(1.0, 2 * part - 1))
+        body = params[p.P_BODY_SLOW] + (params[p.P_BODY_FAST] - params[p.P_BODY_SLOW]) * share
+        swing = params[p.P_SWING_SLOW] + (params[p.P_SWING_FAST] - params[p.P_SWING_SLOW]) * share
+        rows = range(G_ROWS, G_ROWS + 4 * ROW_SIZE, ROW_SIZE)
+        ticks = [gait[row + ROW_TICKS] for row in rows]
+        assert ticks == pytest.approx([body, swing, body, swing], abs=0.51)
+        assert gait[G_CYCLE] == 2 * half == sum(ticks)
+        assert sum(gait[row + ROW_ADVANCE_Q4] for row in rows) == 16 * sum(ticks)
+        assert gait[G_STANCE_Q10] == 1024 * sum(ticks) - 512 * ticks[1]
+
+
+def test_levelling_turns_about_the_ground():
+    walk = adaptive.Adaptive(PARAMS)
+    dice = random.Random(5)
+    for _ in range(200):
+        posed = array("i", [0] * 6)
+        roll, pitch = dice.randint(-4000, 4000), dice.randint(-4000, 4000)
+        adaptive.pose_body(PARAMS, walk, roll, pitch, posed)
+        height = -PARAMS[p.P_SIZE_BODY + p.LEG_REST + 2]
+        assert posed[:3].tolist() == pytest.approx(twin.pivot(height, rad(roll), rad(pitch)), abs=4)
+
+
+@pytest.fixture(scope="module")
+def stander():
+    walker = Walker()
+    walker.gait("adaptive")
+    walker.stand()
+    walker.ticks(100)
+    return walker
+
+
+def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
+    state, load = stander.planner.walk.state, stander.planner.walk.load
+    assert state[adaptive.W_AHEAD] == PARAMS[p.P_FORWARD]
+    assert state[adaptive.W_RAISED] == PARAMS[p.P_RAISE]
+    assert sum(load[4:8]) == pytest.approx(state[adaptive.W_WEIGHT_Q12], abs=8)
+    assert stander.planner.numbers[n.N_MARGIN] * UNIT_M > 0.05
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+@pytest.mark.parametrize("knees", ["full-elbow", "full-knee", "elbow-knee", "knee-elbow"])
+def test_it_walks_stops_and_sits_with_every_knee(name, knees):
+    walker = Walker(name, 50, knees)
+    walker.walk("adaptive", 0.04, 0.01, 0.05)
+    flags, seen = 0, set()
+    for _ in range(300):
+        flags |= walker.tick()
+        seen.add(walker.swinging())
+        assert walker.planner.numbers[n.N_MARGIN] == walker.planner.walk.state[adaptive.W_MARGIN]
+    assert seen == {0, 6, 9}
+    assert flags & ~n.BLIND == 0
+    walker.mode(c.MODE_STAND)
+    walker.until(n.STANDING)
+    walker.ticks(60)
+    assert walker.planner.walk.state[adaptive.W_SWAY] == 0
+    walker.mode(c.MODE_SIT)
+    walker.until(n.SEATED)
+
+
+def test_blind_it_walks_on_expectations_and_says_so():
+    walker = Walker()
+    walker.walk("adaptive")
+    walker.sensed[n.S_JOINTS_OK] = 0
+    walker.sensed[n.S_ATTITUDE_OK] = 0
+    assert walker.ticks(200) & (n.BLIND | n.NO_ATTITUDE)
+    assert walker.state == n.WALKING
+    assert list(walker.planner.drive) == list(walker.planner.speed)
+    assert walker.planner.walk.state[adaptive.W_WEIGHT_Q12] == 4096
+
+
+def test_it_does_not_move_without_a_command_and_starts_slowly():
+    walker = Walker()
+    walker.walk("adaptive", 0.0)
+    walker.ticks(50)
+    assert walker.state == n.STANDING
+    asked = walker.speed(0.1)
+    walker.ticks(10)
+    assert 0 < walker.planner.speed[0] < 0.4 * asked[0] / LF_M
+    walker.ticks(300)
+    assert walker.planner.speed[0] * LF_M == pytest.approx(asked[0], rel=0.01)
+
+
+def test_leaving_for_another_gait_gives_back_its_stance():
+    walker = Walker()
+    walker.walk("adaptive", 0.05)
+    walker.ticks(200)
+    walker.gait("trot")
+    walker.ticks(300)
+    state = walker.planner.walk.state
+    assert [state[at] for at in (adaptive.W_AHEAD, adaptive.W_RAISED, adaptive.W_SWAY, adaptive.W_ACTIVE)] == [0] * 4
+    assert max(walker.planner.walk.load[4:8]) == 0
+
+
+@pytest.mark.parametrize("gait", ["trot", "adaptive"])
+def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
+    walker = Walker()
+    walker.walk(gait)
+    walker.ticks(60)
+    walker.sensed[n.S_ROLL] = round(math.radians(45) / rad(1))
+    limit = PARAMS[p.P_TILT_TICKS]
+    assert walker.ticks(limit) & n.FALLEN == 0
+    assert walker.ticks(1) & n.FALLEN
+    assert walker.state == n.SITTING
+    walker.until(n.SEATED)
+    assert walker.ticks(20) & n.FALLEN
+    assert walker.state == n.SEATED
+    walker.sensed[n.S_ROLL] = 0
+    walker.mode(c.MODE_SIT)
+    assert walker.ticks(1) & n.FALLEN == 0
+    walker.stand()
+
+
+def test_a_jolt_is_no_fall():
+    walker = Walker()
+    walker.walk("adaptive")
+    walker.ticks(60)
+    for _ in range(10):
+        walker.sensed[n.S_PITCH] = round(math.radians(45) / rad(1))
+        walker.ticks(PARAMS[p.P_TILT_TICKS] - 1)
+        walker.sensed[n.S_PITCH] = 0
+        assert walker.ticks(1) & n.FALLEN == 0
+    assert walker.state == n.WALKING

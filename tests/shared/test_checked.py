@@ -1,0 +1,43 @@
+"""The core on checked integers, driven with any words: nothing outside -2^30 .. 2^30-1 (see checked_drive.py)."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+from shared import params as p
+
+from .imu import block as attitude_block
+from .robots import block
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def drive(params, ticks):
+    """Run the driver on these planner blocks; returns the finished process."""
+    asked = {"params": [list(one) for one in params], "attitudes": [list(attitude_block())], "ticks": ticks}
+    command = [sys.executable, "-m", "tests.shared.checked_drive"]
+    return subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True, cwd=ROOT, timeout=300)
+
+
+def fast(params):
+    """Return a block that stands up quickly, so that more of the ticks walk."""
+    params[p.P_JOINT_STEP] = 4000
+    return params
+
+
+def test_no_word_in_command_or_senses_leaves_30_bits():
+    blocks = [fast(block("caramelo", 50)), fast(block("parallel", 20)), fast(block("long-leg", 500))]
+    run = drive(blocks, 1500)
+    assert run.returncode == 0, run.stderr[-2000:]
+    assert json.loads(run.stdout)["largest"] < 1 << 30
+
+
+def test_a_leg_too_long_for_its_unit_is_caught():
+    """The check can fail: a thigh of 40 000 units has a square beyond 30 bits."""
+    spoiled = fast(block("caramelo"))
+    for leg in range(4):
+        spoiled[p.P_SIZE_BODY + leg * p.LEG_SIZE + p.LEG_REACH] = 40000
+    run = drive([spoiled], 100)
+    assert run.returncode != 0
+    assert "outside -2^30 .. 2^30-1" in run.stderr

@@ -1,0 +1,235 @@
+"""The crawl in the planner: when it begins and ends, that goals never jump; and its parts against plain formulas."""
+
+import math
+import random
+from array import array
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host.drive import Driver
+from host.plane import planar_robot
+from host.robot_file import load_robot
+from shared import command as c
+from shared import crawl_layout as at
+from shared import planner as n
+from shared.crawl import Crawl
+from shared.crawl_map import fit_body, rebase
+from shared.filters import fraction, quintic_q15
+from shared.footholds import MOST_PRINTS, print_add, print_drop
+from shared.handover import REASON_BEHIND, REASON_COMMAND
+from shared.sensing import M_LEVEL, SENSING_SIZE
+from shared.swing_leg import brake_speed
+from sim2d import terrain
+from sim2d.run import simulate
+
+from .bars import integers, repeatable
+from .robots import block
+from .walker import Walker
+
+
+def in_climb(seconds=3.0, gait="climb"):
+    """Return a walker that stands up and has commanded the crawl for some seconds."""
+    walker = Walker()
+    walker.mode(c.MODE_STAND)
+    walker.until(n.STANDING)
+    walker.gait(gait)
+    walker.speed(0.05)
+    walker.mode(c.MODE_WALK)
+    walker.ticks(round(seconds * walker.rate_hz))
+    return walker
+
+
+@repeatable(800)
+@given(integers(-(1 << 25) + 1, (1 << 25) - 1), integers(0, 32768))
+def test_fraction_is_the_product_within_a_unit(value, share):
+    assert abs(fraction(value, share) - value * share / 32768) <= 1
+
+
+@repeatable(500)
+@given(integers(1, 16383), st.floats(0, 1))
+def test_quintic_is_the_polynomial(ticks, share):
+    tick = round(share * ticks)
+    u = tick / ticks
+    assert abs(quintic_q15(tick, ticks) / 32768 - u**3 * (10 - 15 * u + 6 * u * u)) <= 64 / 32768
+    assert (quintic_q15(0, ticks), quintic_q15(ticks, ticks)) == (0, 32768)
+
+
+@repeatable(300)
+@given(integers(1, 1 << 19), integers(0, 2000))
+def test_brake_speed_stops_within_the_way(brake, way):
+    exact = 16 * math.sqrt(brake * way)
+    assert brake_speed(brake, way) <= exact
+    assert brake_speed(brake, way) >= min(exact, 16 * math.sqrt((1 << 30) - 1 - brake - way)) - 17
+
+
+def standing(x_lu, y_lu, heading_rad):
+    """Return a crawl whose feet stand in a map, and what they look like from a body at (x, y) with a heading."""
+    crawl, sensing = Crawl(block("caramelo")), array("i", [0] * SENSING_SIZE)
+    state, dice = crawl.state, random.Random(4)
+    for leg in range(4):
+        foot = [
+            (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000),
+            (leg % 2 * 2 - 1) * 15000,
+            dice.randint(-500, 500),
+        ]
+        for axis in range(3):
+            state[at.C_FOOT + leg * 3 + axis] = foot[axis] << 8
+        dx, dy = foot[0] - x_lu, foot[1] - y_lu
+        cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
+        seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
+        for axis in range(3):
+            sensing[M_LEVEL + leg * 3 + axis] = round(seen[axis])
+        state[at.C_STANDS + leg], state[at.C_SHARE + leg] = 1, 4096
+    return crawl, sensing
+
+
+@repeatable(100)
+@given(integers(-3000, 3000), integers(-3000, 3000), st.floats(-0.3, 0.3))
+def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
+    crawl, sensing = standing(x_lu, y_lu, heading_rad)
+    for _ in range(2):
+        fit_body(crawl.settings, sensing, crawl.state)
+    x, y, z, _, _, yaw = crawl.state[at.C_BODY : at.C_BODY + 6]
+    assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
+    assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
+
+
+def test_a_foot_in_the_air_does_not_move_the_body():
+    crawl, sensing = standing(100, -50, 0.05)
+    fit_body(crawl.settings, sensing, crawl.state)
+    before = list(crawl.state[at.C_BODY : at.C_BODY + 6])
+    crawl.state[at.C_STANDS] = 0
+    for axis in range(3):
+        sensing[M_LEVEL + axis] += 3000
+    fit_body(crawl.settings, sensing, crawl.state)
+    moved = [abs(a - b) for a, b in zip(before, crawl.state[at.C_BODY : at.C_BODY + 6], strict=True)]
+    assert max(moved[:3]) <= 8 * 256
+
+
+def test_the_map_is_moved_exactly():
+    """After it nothing has changed but the origin: every place lies where it did from the body."""
+    crawl, _ = standing(0, 0, 0)
+    state, dice = crawl.state, random.Random(7)
+    places = [*range(at.C_FOOT, at.C_FOOT + 24, 3), *range(at.C_PRINT, at.C_PRINT + 24, 3), at.C_REF, at.C_TO, at.C_POS]
+    for place in places:
+        for axis in range(3):
+            state[place + axis] = dice.randint(-(1 << 22), 1 << 22)
+    state[at.C_BODY] = crawl.settings[at.K_REBASE] + 12345
+    state[at.C_EXPECT] = state[at.C_POS + 2] - 777
+    away = [[state[place + axis] - state[at.C_BODY + axis] for axis in range(3)] for place in places]
+    assert rebase(crawl.settings, state) == 1
+    assert [[state[place + axis] - state[at.C_BODY + axis] for axis in range(3)] for place in places] == away
+    assert state[at.C_BODY] == 0
+    assert state[at.C_EXPECT] == state[at.C_POS + 2] - 777
+    assert rebase(crawl.settings, state) == 0
+
+
+def test_prints_come_out_in_the_order_they_went_in():
+    state = array("i", [0] * at.C_SIZE)
+    for step in range(MOST_PRINTS + 2):
+        state[at.C_FOOT] = step
+        assert print_add(state, 1, at.C_FOOT) == min(step + 1, MOST_PRINTS)
+    for step in range(2, MOST_PRINTS + 2):
+        assert state[at.C_PRINT + 12] == step
+        print_drop(state, 1)
+    assert state[at.C_PRINTS + 1] == 0
+
+
+def test_the_crawl_begins_when_commanded_and_tells_why():
+    walker = in_climb(1.0)
+    numbers = walker.planner.numbers
+    assert (numbers[n.N_CLIMB], numbers[n.N_REASON]) == (n.CLIMB_ON, n.REASON_COMMAND)
+    assert walker.state == n.WALKING
+
+
+def test_without_joints_or_attitude_the_table_is_walked_and_said_so():
+    for missing in (n.S_JOINTS_OK, n.S_ATTITUDE_OK):
+        walker = Walker()
+        walker.mode(c.MODE_STAND)
+        walker.until(n.STANDING)
+        walker.sensed[missing] = 0
+        walker.gait("climb")
+        walker.speed(0.05)
+        walker.mode(c.MODE_WALK)
+        assert walker.ticks(50) & n.BLIND
+        assert (walker.planner.numbers[n.N_CLIMB], walker.state) == (n.CLIMB_OFF, n.WALKING)
+
+
+class Scripted:
+    """The planner in the sagittal simulator, with its command changed at given seconds; keeps states and goal steps."""
+
+    rate_hz = 50
+
+    def __init__(self, gait, **changes):
+        self.driver = Driver(load_robot("caramelo"), planar=True)
+        self.driver.set_command(mode="walk", gait=gait, vx_m_s=0.05)
+        self.changes = {float(at_s[1:]): wish for at_s, wish in changes.items()}
+        self.ticks, self.states, self.crawls, self.reasons = 0, [], [], []
+        self.goals, self.largest_step_rad = None, 0.0
+
+    def tick(self, sensed):
+        self.ticks += 1
+        for at_s, wish in self.changes.items():
+            if self.ticks == round(at_s * self.rate_hz):
+                self.driver.set_command(**wish)
+        rates = (0.0, sensed.pitch_rate_rad_s, 0.0)
+        self.driver.sense(sensed.joint_position_rad, sensed.roll_rad, sensed.pitch_rad, rates)
+        goals = self.driver.step()
+        if self.goals and self.ticks > 1.5 * self.rate_hz:
+            steps = [abs(a - b) for a, b in zip(goals, self.goals, strict=True)]
+            self.largest_step_rad = max(self.largest_step_rad, *steps)
+        self.goals = goals
+        numbers = self.driver.planner.numbers
+        self.states.append(numbers[n.N_STATE])
+        self.crawls.append(numbers[n.N_CLIMB])
+        self.reasons.append(numbers[n.N_REASON])
+        return goals
+
+
+def walked(controller, ground, seconds, distance_m=None):
+    robot = planar_robot(load_robot("caramelo"))
+    return simulate(robot, controller, ground, duration_s=seconds, distance_m=distance_m, stuck_after_s=seconds)
+
+
+def test_no_goal_jumps_into_the_crawl_through_it_and_out_of_it():
+    script = Scripted("trot", _2={"gait": "climb"}, _10={"gait": "adaptive"}, _11={"gait": "trot"})
+    recording = walked(script, terrain.flat(), 16.0)
+    assert recording.outcome.kind != "fell"
+    assert n.CLIMB_ON in script.crawls[200:450]
+    assert script.crawls[-1] == n.CLIMB_OFF
+    assert script.reasons[-1] == REASON_COMMAND
+    assert script.largest_step_rad <= 0.15  # a trot's swing at 0.05 m/s takes 0.12 in a tick
+
+
+def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
+    script = Scripted("climb", _5={"vx_m_s": 0.0}, _9={"mode": "sit"})
+    walked(script, terrain.flat(), 14.0)
+    assert script.crawls[100] == n.CLIMB_ON
+    assert script.states[440] == n.STANDING
+    assert list(script.driver.planner.climb.state[at.C_STANDS : at.C_STANDS + 4]) == [1, 1, 1, 1]
+    assert (script.states[-1], script.crawls[-1]) == (n.SEATED, n.CLIMB_OFF)
+
+
+def test_the_adaptive_gait_crawls_where_its_trot_is_held_up_and_says_so():
+    script = Scripted("adaptive")
+    recording = walked(script, terrain.step(0.04, 0.3, None), 60.0, 0.45)
+    assert recording.outcome.ok, recording.outcome.sentence
+    assert REASON_BEHIND in script.reasons
+    backing = [tick for tick, climb in enumerate(script.crawls) if climb == n.CLIMB_BACK]
+    assert script.states[backing[-1]] == n.STANDING
+    assert script.crawls[backing[-1] + 1] == n.CLIMB_ON
+    x_m = recording.torso_x_m
+    assert 0.05 < x_m[backing[0]] - x_m[backing[-1]] < 0.11
+
+
+def test_backing_off_ends_with_the_command_to_walk_on():
+    ground = terrain.step(0.04, 0.3, None)
+    held_up = Scripted("adaptive")
+    walked(held_up, ground, 30.0)
+    second = held_up.crawls.index(n.CLIMB_BACK) // held_up.rate_hz + 1
+    script = Scripted("adaptive", **{f"_{second}": {"mode": "stand"}})
+    walked(script, ground, second + 6.0)
+    assert n.CLIMB_BACK in script.crawls
+    assert script.crawls[-1] == n.CLIMB_OFF
+    assert script.states[-1] == n.STANDING

@@ -1,0 +1,57 @@
+"""shared/command.py: speeds and poses move towards any command by no more than their slew, within their limits."""
+
+from array import array
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared import command as c
+from shared import params as p
+from shared.body import POSE_SIZE
+from shared.gait import G_VX_MAX, compile_gait
+from shared.gaits import GAITS
+from tests.float_twin.fixed import towards
+
+from .bars import integers, repeatable
+from .robots import block
+
+HALF = integers(-(1 << 29), (1 << 29) - 1)
+WORD = integers(-(1 << 30), (1 << 30) - 1)
+PARAMS = block("caramelo")
+GAIT = compile_gait(GAITS[1], PARAMS)
+
+
+@repeatable(300)
+@given(HALF, HALF, integers(0, (1 << 29) - 1))
+def test_slew_goes_towards(now, wanted, step):
+    assert c.slew(now, wanted, step) == towards(now, wanted, step)
+
+
+@repeatable(200)
+@given(st.lists(WORD, min_size=3, max_size=3), st.integers(0, 2), st.lists(st.integers(-9, 9), min_size=3, max_size=3))
+def test_speed_is_slewed_within_its_limits(asked, halves, share):
+    command = array("i", [0] * c.COMMAND_SIZE)
+    command[c.C_SPEED : c.C_SPEED + 3] = array("i", asked)
+    tops = GAIT[G_VX_MAX : G_VX_MAX + 3]
+    speed = array("i", [top * part // 9 for top, part in zip(tops, share, strict=True)])
+    before = list(speed)
+    still = c.slew_speed(PARAMS, GAIT, command, halves, speed)
+    for axis in range(3):
+        limited = max(-tops[axis], min(tops[axis], asked[axis]))
+        assert abs(speed[axis] - towards(before[axis], limited * halves / 2, PARAMS[p.P_VX_SLEW + axis])) <= 0.5
+        assert abs(speed[axis]) <= tops[axis]
+    assert still == (not any(speed))
+
+
+@repeatable(200)
+@given(st.lists(WORD, min_size=6, max_size=6), st.integers(0, 1))
+def test_pose_is_slewed_within_its_limits(asked, standing):
+    command, pose = array("i", [0] * c.COMMAND_SIZE), array("i", [0] * POSE_SIZE)
+    command[c.C_POSE : c.C_POSE + 6] = array("i", asked)
+    for _ in range(200):
+        before = list(pose)
+        c.slew_pose(PARAMS, command, standing, pose)
+        assert all(abs(pose[axis] - before[axis]) <= PARAMS[p.P_POSE_SLEW + axis] for axis in range(6))
+    tops = PARAMS[p.P_POSE_MAX : p.P_POSE_MAX + 6]
+    limited = [max(-top, min(top, value)) for top, value in zip(tops, asked, strict=True)]
+    assert list(pose) == (limited if standing else [0] * 6)

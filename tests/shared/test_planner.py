@@ -1,0 +1,368 @@
+"""shared/planner.py: states and what leads from one to the other, stillness, speed limits, any input survived."""
+
+import math
+import random
+from array import array
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared import command as c
+from shared import gait as g
+from shared import params as p
+from shared import planner as n
+from shared import steps as s
+from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
+from tests.float_twin.gait import Gait
+
+from .bars import integers, repeatable
+from .walker import Walker
+
+WORD = integers(-(1 << 30), (1 << 30) - 1)
+STEP_BITS = 4  # rounding of a slow move, see shared/posture.py
+
+
+def limits_of(params):
+    """Return the lowest and the highest angle of the twelve joints."""
+    bases = [p.P_SIZE_BODY + leg * p.LEG_SIZE for leg in range(4)]
+    low = [params[b + p.LEG_MIN + joint] for b in bases for joint in range(3)]
+    high = [params[b + p.LEG_MAX + joint] for b in bases for joint in range(3)]
+    return low, high
+
+
+def in_state(state, rate_hz=50):
+    """Return a walker that has got into a state, in the middle of it."""
+    walker = Walker("caramelo", rate_hz)
+    if state == n.LIMP:
+        walker.tick()
+        return walker
+    if state == n.RISING:
+        walker.mode(c.MODE_STAND)
+        walker.ticks(10)
+        return walker
+    walker.stand()
+    if state == n.WALKING:
+        walker.gait("trot")
+        walker.speed(0.05, 0.01, 0.1)
+        walker.mode(c.MODE_WALK)
+        walker.ticks(79)
+        assert walker.swinging()
+    elif state in (n.SITTING, n.SEATED):
+        walker.mode(c.MODE_SIT)
+        walker.until(n.SITTING)
+        walker.ticks(5)
+        if state == n.SEATED:
+            walker.until(n.SEATED)
+    assert walker.state == state
+    return walker
+
+
+@pytest.mark.parametrize("state", range(6), ids=n.STATE_NAMES)
+def test_limp_from_every_state_at_once(state):
+    walker = in_state(state)
+    walker.mode(c.MODE_LIMP)
+    fallen = [100 * joint - 600 for joint in range(12)]
+    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", fallen)
+    assert walker.tick() == n.NOT_DRIVEN
+    assert walker.state == n.LIMP
+    assert list(walker.planner.joints) == fallen
+    assert walker.swinging() == 0
+
+
+@pytest.mark.parametrize("state", range(6), ids=n.STATE_NAMES)
+@pytest.mark.parametrize("mode", [c.MODE_STAND, c.MODE_WALK, c.MODE_SIT])
+def test_every_mode_is_reached_from_every_state(state, mode):
+    walker = in_state(state)
+    walker.mode(mode)
+    walker.speed(0.03)
+    if state == n.LIMP and mode == c.MODE_SIT:
+        walker.ticks(100)
+        assert walker.state == n.LIMP  # a limp robot lies already
+        return
+    walker.until({c.MODE_STAND: n.STANDING, c.MODE_WALK: n.WALKING, c.MODE_SIT: n.SEATED}[mode])
+
+
+def test_nobody_sits_down_in_mid_stride():
+    walker = in_state(n.WALKING)
+    walker.mode(c.MODE_SIT)
+    while walker.state == n.WALKING:
+        walker.tick()
+    assert walker.state in (n.STANDING, n.SITTING)
+    assert s.steps_at_rest(walker.params, walker.planner.steps)
+    walker.until(n.SEATED)
+
+
+def test_standing_up_starts_from_the_measured_pose_and_is_slow():
+    walker = Walker("caramelo")
+    low, high = limits_of(walker.params)
+    dice = random.Random(3)
+    lying = [dice.randint(a, b) for a, b in zip(low, high, strict=True)]
+    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", lying)
+    walker.mode(c.MODE_STAND)
+    last, slow = lying, walker.params[p.P_JOINT_STEP] + STEP_BITS
+    while walker.state != n.STANDING:
+        walker.tick()
+        joints = list(walker.planner.joints)
+        assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
+        last = joints
+    walker.tick()
+    assert list(walker.planner.joints) == last
+
+
+def test_sitting_down_is_slow_and_ends_at_the_seat():
+    walker = in_state(n.STANDING)
+    walker.mode(c.MODE_SIT)
+    last, slow = list(walker.planner.joints), walker.params[p.P_JOINT_STEP] + STEP_BITS
+    while walker.state != n.SEATED:
+        walker.tick()
+        joints = list(walker.planner.joints)
+        assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
+        last = joints
+    assert [foot[2] for foot in walker.feet_m()] == pytest.approx([walker.params[p.P_SIT_Z] * walker.unit_m] * 4)
+    walker.ticks(50)
+    assert list(walker.planner.joints) == last
+
+
+def test_a_limp_robot_with_unknown_joints_stays_limp():
+    walker = in_state(n.LIMP)
+    walker.mode(c.MODE_STAND)
+    walker.sensed[n.S_JOINTS_OK] = 0
+    assert walker.tick() & n.NO_JOINTS
+    assert walker.state == n.LIMP
+    walker.sensed[n.S_JOINTS_OK] = 1
+    assert walker.tick() == 0
+    assert walker.state == n.RISING
+
+
+def test_one_that_is_driven_sits_down_from_its_goals_without_measured_joints():
+    walker = in_state(n.STANDING)
+    goals = list(walker.planner.joints)
+    walker.mode(c.MODE_SIT)
+    walker.sensed[n.S_JOINTS_OK] = 0
+    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", [0] * 12)
+    walker.tick()
+    assert walker.state == n.SITTING
+    assert list(walker.planner.move[:12]) == goals
+
+
+@pytest.mark.parametrize("after_walk", [False, True])
+def test_zero_command_stands_still_to_the_bit(after_walk):
+    walker = in_state(n.WALKING if after_walk else n.STANDING)
+    walker.mode(c.MODE_WALK)
+    walker.speed()
+    walker.until(n.STANDING, 60)
+    walker.tick()
+    joints, feet = list(walker.planner.joints), list(walker.planner.feet)
+    for _ in range(10000):
+        walker.tick()
+        assert walker.state == n.STANDING
+        assert list(walker.planner.joints) == joints
+    assert list(walker.planner.feet) == feet
+
+
+def test_walks_that_stop_and_start_do_not_creep():
+    """Thirty stops: each time the feet are back under their hips."""
+    walker, dice = in_state(n.STANDING), random.Random(1)
+    rest = list(walker.planner.feet)
+    for _ in range(30):
+        walker.command[c.C_GAIT] = dice.randrange(GAIT_CLIMB)
+        walker.speed(dice.uniform(-0.1, 0.1), dice.uniform(-0.05, 0.05), dice.uniform(-0.4, 0.4))
+        walker.mode(c.MODE_WALK)
+        walker.ticks(dice.randrange(20, 200))
+        walker.mode(c.MODE_STAND)
+        walker.until(n.STANDING, 60)
+        walker.tick()  # the last foot comes down in the first tick of standing
+        away = [abs(a - b) for a, b in zip(rest, walker.planner.feet, strict=True)]
+        assert max(away[0::3] + away[1::3]) <= 1
+        assert max(away[2::3]) <= 262  # 2 mm: the adaptive trot's belief in the ground's twist
+
+
+def test_a_gait_changes_only_when_all_feet_stand_and_the_robot_is_slow_enough():
+    walker, dice = in_state(n.STANDING), random.Random(2)
+    walker.mode(c.MODE_WALK)
+    changes = set()
+    for tick in range(12000):
+        if tick % 37 == 0:
+            walker.command[c.C_GAIT] = dice.randrange(GAIT_CLIMB)
+            walker.speed(dice.uniform(-0.3, 0.3), dice.uniform(-0.2, 0.2), dice.uniform(-1, 1))
+        before = walker.planner.numbers[n.N_GAIT]
+        walker.tick()
+        after = walker.planner.numbers[n.N_GAIT]
+        if before != after:
+            changes.add((before, after))
+            assert not any(walker.planner.steps[leg * s.STEP_SIZE + s.STEP_TICKS] for leg in range(4))
+            tops = walker.planner.gaits[after][g.G_VX_MAX : g.G_VX_MAX + 3]
+            assert all(abs(v) <= top for v, top in zip(walker.planner.speed, tops, strict=True))
+    assert len(changes) == GAIT_CLIMB * (GAIT_CLIMB - 1)
+
+
+def foot_step_limit_m(walker):
+    """Return how far a planned foot may move in one tick.
+
+    Swing: the steepest phase step of any gait times twice the longest way (a cycloid's peak speed is twice its
+    mean; the way is a stride along x and along y and by turning, in all no more than two), and pi times the height
+    across it. Stance: the body's peak.
+    """
+    params, worst = walker.params, 0.0
+    stride = 2 * params[p.P_STRIDE_MAX] * walker.unit_m
+    height = -params[p.P_SIT_Z] * walker.unit_m
+    for table in GAITS:
+        gait = Gait(table, walker.rate_hz)
+        ticks = max(gait.lifts(0, place) for place in range(gait.cycle))
+        phases = [*gait.phases(ticks), 1.0]
+        steepest = max(b - a for a, b in pairwise(phases))
+        peak = max(gait.way(place) for place in range(gait.cycle))
+        worst = max(
+            worst, steepest * math.hypot(2 * stride, math.pi * height) + peak * stride / max(gait.way_of_stance)
+        )
+    return worst
+
+
+def restless_feet(walker, ticks, seed):
+    """Drive anything at all; return the largest way of a planned foot in a tick while standing or walking, m."""
+    dice, last, worst = random.Random(seed), None, 0.0
+    for tick in range(ticks):
+        if tick % 23 == 0:
+            for at in range(c.C_SPEED, c.COMMAND_SIZE):
+                walker.command[at] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+            walker.command[c.C_MODE] = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
+            walker.command[c.C_GAIT] = dice.choice((-1, *range(GAIT_CLIMB), len(GAITS)))
+        walker.tick()
+        assert walker.state in (n.STANDING, n.WALKING)
+        feet = walker.feet_m()
+        if last:
+            worst = max([worst] + [math.dist(a, b) for a, b in zip(feet, last, strict=True)])
+        last = feet
+    return worst
+
+
+@pytest.mark.parametrize(("rate_hz", "ticks"), [(20, 4000), (50, 6000), (500, 6000)])
+def test_no_foot_jumps_whatever_is_commanded(rate_hz, ticks):
+    walker = in_state(n.STANDING, rate_hz)
+    assert restless_feet(walker, ticks, 9) <= foot_step_limit_m(walker)
+
+
+def test_the_jump_test_sees_a_planted_jump():
+    walker = in_state(n.WALKING, 500)
+    walker.ticks(20)
+    before = walker.feet_m()
+    for leg in range(4):
+        walker.planner.steps[leg * s.STEP_SIZE + s.STEP_X] += 6000 << 8
+    walker.tick()
+    assert max(math.dist(a, b) for a, b in zip(before, walker.feet_m(), strict=True)) > foot_step_limit_m(walker)
+
+
+def drive(walker, ticks, seed):
+    """Feed any words into both blocks; joints stay within limits while the gait drives them. Returns the states."""
+    dice, states = random.Random(seed), set()
+    low, high = limits_of(walker.params)
+    for tick in range(ticks):
+        if tick % 5 == 0:
+            for block in (walker.command, walker.sensed):
+                block[dice.randrange(len(block))] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+            walker.command[c.C_MODE] = dice.choice((0, 1, 1, 2, 2, 2, 2, 2, 3, dice.randint(-9, 9)))
+        flags = walker.planner.tick(walker.command, walker.sensed)
+        states.add(walker.state)
+        joints = walker.planner.joints
+        assert 0 <= flags < 1 << 12
+        if walker.state in (n.STANDING, n.WALKING):
+            assert all(a <= q <= b for a, q, b in zip(low, joints, high, strict=True))
+        else:
+            assert all(-32768 <= q <= 32767 for q in joints)
+    return states
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
+def test_any_words_in_command_and_senses_are_survived(name):
+    walker = Walker(name)
+    walker.params[p.P_JOINT_STEP] = 3000  # stand up fast, so that more of the time is spent walking
+    states = drive(walker, 6000, 11)
+    assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
+
+
+@repeatable(60)
+@given(st.lists(WORD, min_size=c.COMMAND_SIZE, max_size=c.COMMAND_SIZE), st.lists(WORD, min_size=16, max_size=16))
+def test_one_tick_of_any_words_in_any_state(command, sensed):
+    for state in range(6):
+        walker = STATES[state]
+        kept = [array("i", block) for block in every_block(walker.planner)]
+        gait = walker.planner.gait
+        walker.planner.tick(array("i", command), array("i", sensed))
+        for block, old in zip(every_block(walker.planner), kept, strict=True):
+            block[:] = old
+        walker.planner.gait = gait
+
+
+def every_block(planner):
+    """Return all arrays of a planner that a tick may change."""
+    names = "top numbers clock speed pose posed rotation steps move balance feet hip_feet reached goal joints leg_flags"
+    return [getattr(planner, name) for name in names.split()]
+
+
+STATES = [in_state(state) for state in range(6)]
+
+
+def test_unknown_modes_and_gaits_are_reported_and_replaced():
+    walker = in_state(n.WALKING)
+    gait = walker.planner.numbers[n.N_GAIT]
+    walker.command[c.C_GAIT] = len(GAIT_NAMES)
+    assert walker.tick() & n.BAD_COMMAND
+    walker.ticks(200)
+    assert walker.planner.numbers[n.N_GAIT] == gait
+    walker.gait("crawl")
+    walker.mode(17)
+    assert walker.tick() & n.BAD_COMMAND
+    walker.until(n.STANDING)
+
+
+def test_balance_without_attitude_is_reported_and_fades():
+    walker = in_state(n.STANDING)
+    walker.command[c.C_BALANCE] = 1
+    walker.sensed[n.S_ROLL] = 600
+    for _ in range(50):
+        assert walker.tick() & n.NO_ATTITUDE == 0
+    assert walker.planner.posed[3] < -100
+    walker.sensed[n.S_ATTITUDE_OK] = 0
+    before = walker.planner.posed[3]
+    assert walker.tick() & n.NO_ATTITUDE
+    assert 0 < walker.planner.posed[3] - before <= walker.params[p.P_POSE_SLEW + 3]
+    walker.ticks(200)
+    assert walker.planner.posed[3] == 0
+
+
+def test_the_body_pose_is_limited_and_slewed():
+    walker = in_state(n.STANDING)
+    walker.command[c.C_POSE : c.C_POSE + 6] = array("i", [(1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77])
+    last = list(walker.planner.pose)
+    for _ in range(300):
+        walker.tick()
+        for axis in range(6):
+            assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params[p.P_POSE_SLEW + axis]
+        last = list(walker.planner.pose)
+    top = walker.params[p.P_POSE_MAX : p.P_POSE_MAX + 6]
+    assert last == [top[0], -top[1], 3, top[3], -9, 77]
+
+
+def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
+    walker = in_state(n.STANDING)
+    walker.params[p.P_POSE_MAX + 2] = walker.params[p.P_POSE_SLEW + 2] = 20000
+    walker.command[c.C_POSE + 2] = 20000
+    assert walker.tick() & n.REACH_FLAGS
+    assert any(walker.planner.leg_flags)
+
+
+def test_commands_are_limited_to_the_longest_stride():
+    """Faster than the gait's stance allows is not walked; what is walked keeps the stride."""
+    walker = in_state(n.STANDING)
+    walker.gait("paper-trot")
+    walker.speed(5.0)
+    walker.mode(c.MODE_WALK)
+    walker.ticks(600)
+    assert walker.planner.speed[0] == walker.planner.gaits[0][g.G_VX_MAX]
+    xs = []
+    for _ in range(200):
+        walker.tick()
+        xs.append(walker.feet_m()[0][0])
+    assert max(xs) - min(xs) <= walker.params[p.P_STRIDE_MAX] * walker.unit_m * 1.01

@@ -1,0 +1,162 @@
+"""The planner against the float planner, tick by tick: feet on the ground and in the air, joints, states."""
+
+import math
+import random
+from types import SimpleNamespace
+
+import pytest
+
+from shared import command as c
+from shared import params as p
+from shared import planner as n
+from shared.gaits import GAITS
+from tests.float_twin import planner as twin
+from tests.float_twin.gait import Gait
+
+from .robots import planner_si, rad
+from .walker import TABLE_GAITS, Walker
+
+
+class Pair:
+    """An integer planner and a float one with the same command and senses."""
+
+    def __init__(self, name, rate_hz):
+        self.walker = Walker(name, rate_hz)
+        for at in (p.P_SAG_Q16, p.P_SAG_Q16 + 1, p.P_SAG_Q16 + 2, p.P_LATERAL_Q12):
+            self.walker.params[at] = 0  # the float planner has no compensation
+        self.robot = planner_si(self.walker.params)
+        self.twin = twin.Planner(self.robot, [Gait(table, rate_hz) for table in GAITS])
+
+    def command_si(self):
+        """Return the command in SI, as the float planner takes it."""
+        block, unit = self.walker.command, self.robot.unit_m
+        speed = [v * s for v, s in zip(block[c.C_SPEED : c.C_SPEED + 3], (unit / 256, unit / 256, 2**-18), strict=True)]
+        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block[c.C_POSE : c.C_POSE + 6])]
+        height = block[c.C_HEIGHT] * unit
+        return SimpleNamespace(
+            mode=block[c.C_MODE],
+            gait=block[c.C_GAIT],
+            speed=speed,
+            pose=pose,
+            balance=block[c.C_BALANCE],
+            height_m=height,
+        )
+
+    def sensed_si(self):
+        """Return the senses in SI."""
+        block = self.walker.sensed
+        return SimpleNamespace(
+            roll=rad(block[n.S_ROLL]),
+            pitch=rad(block[n.S_PITCH]),
+            attitude_ok=block[n.S_ATTITUDE_OK],
+            joints=[rad(q) for q in block[n.S_JOINTS : n.S_JOINTS + 12]],
+            joints_ok=block[n.S_JOINTS_OK],
+        )
+
+    def tick(self):
+        """One tick of both; returns the largest distance of a foot in m and of a joint in rad."""
+        self.twin.tick(self.command_si(), self.sensed_si())
+        self.walker.tick()
+        feet = max(math.dist(a, b) for a, b in zip(self.walker.feet_m(), self.twin.planned, strict=True))
+        joints = max(abs(rad(a) - b) for a, b in zip(self.walker.planner.joints, self.twin.joints, strict=True))
+        return feet, joints
+
+    def stand(self):
+        """Both stand up; a rounded way may make one of them a tick later."""
+        self.walker.mode(c.MODE_STAND)
+        for _ in range(60 * self.walker.rate_hz):
+            self.tick()
+            if self.walker.state == self.twin.state == n.STANDING:
+                return
+        raise AssertionError("not standing after a minute")
+
+    def walk(self, gait, speed_m_s, seconds):
+        """Walk straight from standing; returns the largest distances. Speeds are made even, as half of them is used."""
+        command = self.walker.command
+        self.walker.gait(gait)
+        self.walker.speed(*speed_m_s)
+        for at in range(c.C_SPEED, c.C_SPEED + 3):
+            command[at] &= ~1
+        self.walker.mode(c.MODE_WALK)
+        errors = []
+        for _ in range(int(seconds * self.walker.rate_hz)):
+            errors.append(self.tick())
+            assert self.walker.state == self.twin.state
+        return [max(error) for error in zip(*errors, strict=True)]
+
+
+RATES = (20, 50, 100, 333, 500)
+SPEEDS = ((0.05, 0.0, 0.0), (-0.02, 0.03, 0.0), (0.03, 0.02, -0.15), (0.0, 0.0, 0.15))
+
+
+@pytest.mark.parametrize("gait", TABLE_GAITS)
+@pytest.mark.parametrize("rate_hz", RATES)
+def test_walks_are_the_float_walks_at_every_rate(rate_hz, gait):
+    pair = Pair("caramelo", rate_hz)
+    pair.stand()
+    for speed in SPEEDS if rate_hz <= 100 else SPEEDS[2:3]:
+        foot_m, joint_rad = pair.walk(gait, speed, 3.0)
+        assert foot_m <= 0.05e-3
+        assert math.degrees(joint_rad) <= 0.05
+
+
+@pytest.mark.parametrize(("name", "bar_m"), [("parallel", 0.08e-3), ("long-leg", 0.15e-3), ("unequal", 0.08e-3)])
+def test_walks_of_other_robots_are_the_float_walks(name, bar_m):
+    pair = Pair(name, 50)
+    pair.stand()
+    for gait in TABLE_GAITS:
+        foot_m, joint_rad = pair.walk(gait, SPEEDS[2], 4.0)
+        assert foot_m <= bar_m
+        assert math.degrees(joint_rad) <= 0.05
+
+
+def test_a_restless_driver_is_followed_like_the_float_planner():
+    """Speeds, gaits, poses, heights, balance and tilts that change: the same states, feet and joints throughout."""
+    pair, dice = Pair("caramelo", 50), random.Random(4)
+    pair.stand()
+    command, sensed = pair.walker.command, pair.walker.sensed
+    params = pair.walker.params
+    states, errors = set(), []
+    for tick in range(4000):
+        if tick % 60 == 0:
+            command[c.C_MODE] = dice.choice((c.MODE_STAND, c.MODE_WALK, c.MODE_WALK, c.MODE_WALK))
+            command[c.C_GAIT] = dice.randrange(len(TABLE_GAITS))
+            command[c.C_BALANCE] = dice.randrange(2)
+            command[c.C_HEIGHT] = dice.choice((0, 2000, 5000))
+            for axis in range(3):
+                top = params[p.P_VX_MAX + axis] // 2
+                command[c.C_SPEED + axis] = dice.randint(-top, top) * 2 * dice.randrange(2)
+            for axis in range(6):
+                command[c.C_POSE + axis] = dice.randint(-800, 800)
+        sensed[n.S_ROLL] += dice.randint(-40, 40) - (sensed[n.S_ROLL] >> 4)
+        sensed[n.S_PITCH] += dice.randint(-40, 40) - (sensed[n.S_PITCH] >> 4)
+        errors.append(pair.tick())
+        assert pair.walker.state == pair.twin.state
+        states.add(pair.walker.state)
+    foot_m, joint_rad = [max(error) for error in zip(*errors, strict=True)]
+    assert states == {n.STANDING, n.WALKING}
+    assert foot_m <= 0.05e-3
+    assert math.degrees(joint_rad) <= 0.1
+
+
+def test_standing_up_and_sitting_down_are_the_float_moves():
+    pair = Pair("caramelo", 50)
+    pair.walker.mode(c.MODE_STAND)
+    lag_rad = 2 * rad(pair.walker.params[p.P_JOINT_STEP])  # the moves may differ by a tick
+    for mode, goal in ((c.MODE_STAND, n.STANDING), (c.MODE_SIT, n.SEATED), (c.MODE_STAND, n.STANDING)):
+        pair.walker.mode(mode)
+        while pair.walker.state != goal or pair.twin.state != goal:
+            assert pair.tick()[1] <= lag_rad
+        assert pair.tick()[1] <= math.radians(0.02)
+
+
+def test_a_planted_error_in_the_twin_is_seen():
+    """The comparison can fail: a foot 1 mm off, a swing one tick early."""
+    pair = Pair("caramelo", 50)
+    pair.stand()
+    pair.robot.legs[2].rest[0] += 0.001
+    assert pair.walk("trot", SPEEDS[0], 2.0)[0] > 0.5e-3
+    other = Pair("caramelo", 50)
+    other.stand()
+    other.twin.gaits[1].phases = lambda ticks: [(i + 1) / ticks for i in range(ticks)]
+    assert other.walk("trot", SPEEDS[0], 2.0)[0] > 0.5e-3

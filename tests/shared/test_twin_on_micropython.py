@@ -1,0 +1,30 @@
+"""The float twin runs on MicroPython too, so that a board can be asked what the real numbers are."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from host.runtimes.unix import Unix
+from tests.float_twin import sample
+
+ROOT = Path(__file__).resolve().parents[2]
+USED = ("attitude", "balance", "body", "fixed", "gait", "leg", "pid", "planner", "reach", "sample", "swing")
+SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.dumps({'numbers': numbers()}))\n"
+
+
+def test_every_number_of_the_sample_is_the_same(tmp_path):
+    runtime = Unix("source")
+    if runtime.missing():
+        pytest.skip(runtime.missing())
+    for package, names in (("float_twin", USED), ("shared", ("gaits", "runtime"))):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").write_text("")
+        for name in names:
+            folder = ROOT / ("tests/float_twin" if package == "float_twin" else package)
+            shutil.copy(folder / f"{name}.py", tmp_path / package)
+    there = runtime.ask(tmp_path, SCRIPT)["numbers"]
+    here = sample.numbers()
+    assert len(there) == len(here) > 1000
+    assert there == pytest.approx(here, abs=1e-9)
+    assert {float(state) for state in (1, 3, 4, 5)} <= set(here)

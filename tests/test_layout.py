@@ -1,0 +1,123 @@
+"""Which folder may import which: parsed from every file, so that an import inside a function counts too."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDERS = ("shared", "firmware", "sim2d", "host", "tests")
+# A folder may import itself and these.
+MAY_IMPORT = {
+    "shared": (),
+    "firmware": ("shared",),
+    "sim2d": ("shared",),
+    "host": ("shared", "sim2d", "firmware"),
+    "tests": ("shared", "firmware", "sim2d", "host"),
+}
+# What a MicroPython board has; the core needs one of them.
+BOARD_MODULES = {
+    "array", "binascii", "collections", "errno", "gc", "hashlib", "io", "json", "machine", "math", "micropython",
+    "os", "pyb", "random", "select", "stm", "struct", "sys", "time", "uctypes", "vfs",
+}  # fmt: skip
+OUTSIDE = {"shared": {"array"}, "firmware": BOARD_MODULES}
+
+
+def imports(path: Path, root: Path) -> Iterator[str]:
+    """Yield the dotted names that a file imports, relative ones made absolute; ``?`` for a computed one."""
+    package = path.relative_to(root).parent.parts
+    for node in ast.walk(ast.parse(path.read_text(), path.name)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            base = ".".join((*above, *filter(None, [node.module])))
+            yield from (f"{base}.{alias.name}" if base else alias.name for alias in node.names)
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "__import__":
+            yield "?"
+
+
+def forbidden_imports(root: Path) -> list[str]:
+    """Return ``file: import`` for every import that a folder may not make."""
+    wrong = []
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.py")):
+            for name in imports(path, root):
+                top = name.partition(".")[0]
+                inside = top in FOLDERS
+                allowed = top == folder or top in MAY_IMPORT[folder] if inside else top in OUTSIDE.get(folder, {top})
+                if not allowed:
+                    wrong.append(f"{path.relative_to(root)}: {name}")
+    return wrong
+
+
+def test_imports_run_one_way():
+    assert forbidden_imports(ROOT) == []
+
+
+def test_all_folders_are_looked_at():
+    for folder in FOLDERS:
+        assert list((ROOT / folder).rglob("*.py")), folder
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "name"),
+    [
+        ("shared/leg.py", "import math", "math"),
+        ("shared/leg.py", "def f():\n    import time", "time"),
+        ("shared/leg.py", "from host.scale import brad", "host.scale.brad"),
+        ("shared/joint/svpwm.py", "from ... import host", "host"),
+        ("shared/leg.py", "m = __import__('math')", "?"),
+        ("firmware/main.py", "import numpy", "numpy"),
+        ("firmware/main.py", "from host import cli", "host.cli"),
+        ("firmware/boards/real.py", "from ...sim2d.world import World", "sim2d.world.World"),
+        ("sim2d/run.py", "from host.robot_file import load_robot", "host.robot_file.load_robot"),
+        ("sim2d/run.py", "import firmware.joint", "firmware.joint"),
+        ("host/cli.py", "from tests import conftest", "tests.conftest"),
+    ],
+)
+def test_an_import_the_wrong_way_is_found(tmp_path, file, line, name):
+    path = tmp_path / file
+    path.parent.mkdir(parents=True)
+    path.write_text(line + "\n")
+    assert forbidden_imports(tmp_path) == [f"{file}: {name}"]
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("shared/leg.py", "from array import array\nfrom .fixed import isqrt"),
+        ("shared/joint/svpwm.py", "from ..fixed import isqrt"),
+        ("firmware/main.py", "import machine\nfrom shared.fixed import isqrt"),
+        ("sim2d/run.py", "import pymunk\nfrom shared.fixed import isqrt\nfrom .world import World"),
+        ("host/cli.py", "import numpy\nfrom sim2d import run\nfrom firmware import joint\nfrom shared import leg"),
+        ("tests/test_x.py", "import host.cli\nimport hypothesis"),
+    ],
+)
+def test_an_import_the_right_way_is_let_through(tmp_path, file, line):
+    path = tmp_path / file
+    path.parent.mkdir(parents=True)
+    path.write_text(line + "\n")
+    assert forbidden_imports(tmp_path) == []
+
+
+def files_without_a_first_sentence(root: Path) -> list[str]:
+    """Return the files with code whose first line does not say what they hold."""
+    wrong = []
+    for folder in FOLDERS:
+        for path in sorted((root / folder).rglob("*.py")):
+            tree = ast.parse(path.read_text())
+            if tree.body and not (ast.get_docstring(tree) or "").strip():
+                wrong.append(str(path.relative_to(root)))
+    return wrong
+
+
+def test_every_file_says_first_what_it_holds():
+    assert files_without_a_first_sentence(ROOT) == []
+
+
+def test_a_file_that_says_nothing_is_found(tmp_path):
+    (tmp_path / "host").mkdir()
+    (tmp_path / "host/silent.py").write_text("x = 1\n")
+    assert files_without_a_first_sentence(tmp_path) == ["host/silent.py"]

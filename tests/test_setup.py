@@ -1,0 +1,133 @@
+"""The set-up on a fresh machine: locked versions of everything, and make targets that fail when they should."""
+
+import os
+import re
+import subprocess
+import tomllib
+from importlib.metadata import PackageNotFoundError, requires
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).resolve().parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+LOCK = (ROOT / "constraints.txt").read_text()
+
+
+def locked_names(text: str) -> set[str]:
+    """Return the names of the packages with exactly one version each per environment."""
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    for line in lines:
+        assert re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+-]+( ; .+)?", line), line
+    return {canonicalize_name(line.partition("==")[0]) for line in lines}
+
+
+def wanted_packages() -> list[Requirement]:
+    """Return every requirement of pyproject.toml, extras included."""
+    lists = [PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()]
+    return [Requirement(line) for lines in lists for line in lines]
+
+
+def test_every_direct_dependency_is_locked():
+    assert {canonicalize_name(wanted.name) for wanted in wanted_packages()} <= locked_names(LOCK)
+
+
+def test_what_the_dependencies_need_is_locked_too():
+    names, seen, queue = locked_names(LOCK), set(), wanted_packages()
+    while queue:
+        wanted = queue.pop()
+        name = canonicalize_name(wanted.name)
+        extras = wanted.extras or {""}
+        if wanted.marker and not any(wanted.marker.evaluate({"extra": extra}) for extra in extras):
+            continue
+        if (name, frozenset(extras)) in seen:
+            continue
+        seen.add((name, frozenset(extras)))
+        assert name in names, name
+        try:
+            below = [Requirement(line) for line in requires(wanted.name) or []]
+        except PackageNotFoundError:
+            continue  # an extra that this environment was made without
+        queue += [need for need in below if not need.marker or any(need.marker.evaluate({"extra": e}) for e in extras)]
+    assert len(seen) > len(PROJECT["dependencies"])
+
+
+def addresses(text: str) -> list[str]:
+    """Return what a lock file must not hold: addresses, index options, paths."""
+    return re.findall(r"\S*://\S*|--?[a-z][a-z-]*(?= )|@ \S+|/\S+/\S+", text)
+
+
+def test_the_lock_names_no_host():
+    assert addresses(LOCK) == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["--index-url https://mirror.example/simple", "numpy @ file:///wheels/numpy.whl", "--find-links wheels"],
+)
+def test_an_address_in_the_lock_is_found(line):
+    assert addresses(LOCK + line)
+
+
+def test_pi_needs_neither_simulator_nor_tests():
+    base = {canonicalize_name(Requirement(line).name) for line in PROJECT["dependencies"]}
+    assert base.isdisjoint({"pymunk", "matplotlib", "scipy", "pytest", "hypothesis", "ruff", "mypy", "mujoco"})
+    assert {"sim", "web", "record", "firmware", "test"} <= set(PROJECT["optional-dependencies"])
+
+
+def make(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run make in the project's folder."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
+    return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, text=True, check=False, env=kept)
+
+
+def fake_tools(folder: Path, **exit_codes: int) -> list[str]:
+    """Write ruff, mypy and pytest that only leave with a code; return make's arguments to use them."""
+    for name, code in exit_codes.items():
+        (folder / name).write_text(f"#!/bin/sh\necho ran {name}\nexit {code}\n")
+        (folder / name).chmod(0o755)
+    (folder / "stamp").write_text("")
+    return [f"BIN={folder}", f"STAMP={folder / 'stamp'}"]
+
+
+@pytest.mark.parametrize("fails", [None, "ruff", "mypy", "pytest"])
+def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
+    codes = {name: int(name == fails) for name in ("ruff", "mypy", "pytest")}
+    done = make("test", *fake_tools(tmp_path, **codes))
+    assert [f"ran {name}" in done.stdout for name in codes] == [True, True, True]
+    assert (done.returncode == 0) == (fails is None)
+    assert (f"make test: failed: {fails}" in done.stderr) == (fails is not None)
+
+
+def test_make_demo_walks_over_a_step(tmp_path):
+    done = make("--dry-run", "demo", *fake_tools(tmp_path))
+    assert done.stdout == f"{tmp_path}/caramelo walk --terrain step --height 0.02 --out out/demo\n"
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("case $1 in -V) echo Python 3.9.2;; *) exit 1;; esac", "Python 3.9.2 is too old: 3.11 or newer is needed"),
+        ('case "$2" in *ensurepip*) exit 1;; esac', "comes without its venv module: on Debian, apt-get install"),
+        (None, "not found: install Python 3.11 or newer"),
+    ],
+)
+def test_make_setup_says_in_one_line_what_is_missing(tmp_path, answer, words):
+    python = tmp_path / "python"
+    if answer is not None:
+        python.write_text(f"#!/bin/sh\n{answer}\n")
+        python.chmod(0o755)
+    done = make("setup", f"PYTHON={python}", f"STAMP={tmp_path / 'no-stamp'}")
+    assert done.returncode != 0
+    ours = [line for line in done.stderr.splitlines() if line.startswith("make setup: ")]
+    assert len(ours) == 1
+    assert words in ours[0]
+    assert not (tmp_path / "no-stamp").exists()
+
+
+def test_ci_runs_the_tests():
+    path = ROOT / ".ci/run"
+    assert os.access(path, os.X_OK)
+    assert path.read_text().rstrip().endswith("\nmake test")
