@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import fcntl
 import json
 import os
 import struct
@@ -132,6 +133,7 @@ class BoardLink:
         link, self._link = self._link, None
         if link is not None:
             with contextlib.suppress(OSError):  # a board that is gone can't be told
+                _unlock(link.serial)
                 link.close()
 
     @contextlib.contextmanager
@@ -175,6 +177,12 @@ def _refusal(port: str, error: BaseException) -> str:
         if cause.errno in (errno.EACCES, errno.EPERM):
             return "no permission: sudo usermod -aG dialout $USER, then log in again"
     return f"can't be opened ({error}): plug the board in again"
+
+
+def _unlock(port: Any) -> None:
+    """Give up the port's lock now: closing alone leaves it with a child process that was forked a moment ago."""
+    if isinstance(getattr(port, "fd", None), int):
+        fcntl.flock(port.fd, fcntl.LOCK_UN)
 
 
 def found_ports() -> list[str]:

@@ -86,9 +86,11 @@ class PretendBoard:
         assert self.wait_for(words)
 
     def _start(self):
+        """Start the board; ``resets`` counts it only when the new one runs and nothing of the last is in ``said``."""
         (self.folder / "watchdog").unlink(missing_ok=True)
         self.said = b""
-        cut = self._settings["cut"] if self.resets == self._cut_life else 0
+        again = self._process is not None
+        cut = self._settings["cut"] if self.resets + again == self._cut_life else 0
         (self.folder / "board.json").write_text(json.dumps({**self._settings, "cut": cut, "fresh": self._fresh}))
         self._fresh = False
         termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
@@ -102,6 +104,7 @@ class PretendBoard:
             start_new_session=True,
             preexec_fn=lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0),
         )
+        self.resets += again
 
     def _carry(self):
         """Carry bytes both ways, start the board again after a reset, go when the power goes."""
@@ -115,7 +118,6 @@ class PretendBoard:
                 os.close(self._outside)  # the port is gone; _outer keeps its number from being given to another board
                 return
             if code is not None:
-                self.resets += 1
                 self._start()
 
     def _move(self, end):
