@@ -20,7 +20,8 @@ from shared.command import (
 )
 from shared.gaits import GAIT_NAMES
 from shared.params import JOINTS, P_RATE_HZ
-from shared.planner import (
+from shared.planner import Planner
+from shared.planner_layout import (
     N_GAIT,
     N_STATE,
     S_ATTITUDE_OK,
@@ -29,7 +30,6 @@ from shared.planner import (
     S_PITCH,
     S_ROLL,
     SENSED_SIZE,
-    Planner,
 )
 from shared.runtime import const
 

@@ -8,7 +8,7 @@ from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared import planner as core
+from shared import planner_layout as core
 from shared.command import (
     C_BALANCE,
     C_GAIT,
@@ -23,6 +23,7 @@ from shared.command import (
     MODE_WALK,
 )
 from shared.gaits import GAIT_NAMES
+from shared.planner import Planner
 
 from .errors import UserError
 from .robot_model import Robot
@@ -60,7 +61,7 @@ class Driver:
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
-        self.planner = core.Planner(core_params(robot, rate_hz, planar))
+        self.planner = Planner(core_params(robot, rate_hz, planar))
         self.command = Command(gait=robot.gait.default)
         self._command = array("i", [0] * COMMAND_SIZE)
         self._sensed = array("i", [0] * core.SENSED_SIZE)
@@ -73,7 +74,7 @@ class Driver:
 
     @property
     def sensed_block(self) -> array:  # type: ignore[type-arg]
-        """What the core was told to be sensed in the last tick (shared/planner.py)."""
+        """What the core was told to be sensed in the last tick (shared/planner_layout.py)."""
         return self._sensed
 
     @property

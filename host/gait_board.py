@@ -10,7 +10,7 @@ from firmware import link
 from firmware.mpu6050 import FAULT_NAMES
 from shared.command import COMMAND_SIZE
 from shared.params import JOINTS
-from shared.planner import STATE_NAMES
+from shared.planner_layout import STATE_NAMES
 
 from .errors import UserError
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from shared.command import COMMAND_SIZE
-from shared.planner import SENSED_SIZE
+from shared.planner_layout import SENSED_SIZE
 
 NUMBER: dict[str, Any] = {"type": "number"}
 WHOLE: dict[str, Any] = {"type": "integer"}

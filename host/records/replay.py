@@ -3,9 +3,10 @@
 from array import array
 from dataclasses import dataclass
 
-from shared import planner as core
+from shared import planner_layout as core
 from shared.command import COMMAND_SIZE
 from shared.params import P_SIZE
+from shared.planner import Planner
 
 from ..errors import UserError
 from .log import core_fingerprint
@@ -31,7 +32,7 @@ def replay(record: Record) -> Replay:
     rows = record.of("/planner")
     if not rows or "params" not in record.about:
         raise UserError(f"{record.path}: nothing to replay: it holds no planner inputs")
-    planner = core.Planner(_block(record.about["params"].split(), P_SIZE, record))
+    planner = Planner(_block(record.about["params"].split(), P_SIZE, record))
     same_core = record.about.get("core") == core_fingerprint()
     for tick, row in enumerate(rows):
         values = row.values
@@ -57,7 +58,7 @@ def _block(values: list[int] | list[str], size: int, record: Record) -> array:  
     return block
 
 
-def _difference(planner: core.Planner, recorded: list[int]) -> str:
+def _difference(planner: Planner, recorded: list[int]) -> str:
     wrong = [joint for joint in range(len(recorded)) if planner.joints[joint] != recorded[joint]]
     if not wrong:
         return "the flags differ"

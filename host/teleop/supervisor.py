@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from shared import planner as core
+from shared import planner_layout as core
 from shared.gaits import GAIT_NAMES
 
 from ..buses.base import Bus, Measured

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
-from shared import planner as core
+from shared import planner_layout as core
 from shared.gaits import GAIT_NAMES
 
 from ..robot_model import Robot

@@ -25,7 +25,8 @@ def fill(made, values):
 def drive_planner(array, params, ticks, dice):
     """Any words in command and senses, with modes that lead through all states."""
     from shared.command import C_MODE, COMMAND_SIZE
-    from shared.planner import SENSED_SIZE, Planner
+    from shared.planner import Planner
+    from shared.planner_layout import SENSED_SIZE
 
     planner = Planner(array("i", params))
     command, sensed = array("i", [0] * COMMAND_SIZE), array("i", [0] * SENSED_SIZE)

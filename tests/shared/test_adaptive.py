@@ -9,7 +9,7 @@ import pytest
 from shared import adaptive, ground, navigate, sensing, sway, tipping
 from shared import command as c
 from shared import params as p
-from shared import planner as n
+from shared import planner_layout as n
 from shared import steps as s
 from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS

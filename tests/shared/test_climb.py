@@ -12,7 +12,7 @@ from host.plane import planar_robot
 from host.robot_file import load_robot
 from shared import command as c
 from shared import crawl_layout as at
-from shared import planner as n
+from shared import planner_layout as n
 from shared.crawl import Crawl
 from shared.crawl_map import fit_body, rebase
 from shared.filters import fraction, quintic_q15

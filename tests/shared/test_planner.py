@@ -1,4 +1,4 @@
-"""shared/planner.py: states and what leads from one to the other, stillness, speed limits, any input survived."""
+"""shared/planner*.py: states and what leads from one to the other, stillness, speed limits, any input survived."""
 
 import math
 import random
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from shared import command as c
 from shared import gait as g
 from shared import params as p
-from shared import planner as n
+from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
 from tests.float_twin.gait import Gait

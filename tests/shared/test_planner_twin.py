@@ -8,7 +8,7 @@ import pytest
 
 from shared import command as c
 from shared import params as p
-from shared import planner as n
+from shared import planner_layout as n
 from shared.gaits import GAITS
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait

@@ -4,8 +4,9 @@ from array import array
 
 from shared import command as c
 from shared import params as p
-from shared import planner as n
+from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES
+from shared.planner import Planner
 
 from .robots import block
 
@@ -20,7 +21,7 @@ class Walker:
         self.params = block(name, rate_hz, knees)
         self.rate_hz = rate_hz
         self.unit_m = 2.0 ** -self.params[p.P_LENGTH_SHIFT]
-        self.planner = n.Planner(self.params)
+        self.planner = Planner(self.params)
         self.command = array("i", [0] * c.COMMAND_SIZE)
         self.sensed = array("i", [0] * n.SENSED_SIZE)
         self.sensed[n.S_JOINTS_OK] = 1

@@ -1,8 +1,9 @@
-"""shared/planner.py: its parts in any state a command can bring about, and long walks of every gait."""
+"""shared/planner*.py: their parts in any state a command can bring about, and long walks of every gait."""
 
 from array import array
 
-from shared import planner
+from shared import planner, planner_climb, planner_pose, planner_senses, planner_states, planner_steps
+from shared import planner_layout as n
 from shared.adaptive import W_ACTIVE, W_SWAY
 from shared.balance import balance_setup
 from shared.command import (
@@ -26,8 +27,10 @@ from .draws import BRAD, GAIT, INT30
 from .probe import Pick, Probe
 from .robots import PARAMS
 
+SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
+
 COMMAND = array("i", [0] * COMMAND_SIZE)
-SENSED = array("i", [0] * planner.SENSED_SIZE)
+SENSED = array("i", [0] * n.SENSED_SIZE)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = array("i", [0] * 12)
@@ -45,8 +48,8 @@ def restart(robot):
             block[at] = 0
     robot.gait = robot.gaits[0]
     balance_setup(robot.params, robot.balance)
-    robot.numbers[planner.N_GAITS] = len(robot.gaits)
-    planner.settle(robot)
+    robot.numbers[n.N_GAITS] = len(robot.gaits)
+    planner_states.settle(robot)
 
 
 def _restart_all():
@@ -71,11 +74,11 @@ def _any_sense(dice):
     for at in range(len(SENSED)):
         SENSED[at] = BRAD.any(dice)
     if dice.bits(3):  # mostly upright, or it would sit most of the time
-        SENSED[planner.S_ROLL] >>= 4
-        SENSED[planner.S_PITCH] >>= 4
-    SENSED[planner.S_RATES_OK] = dice.bits(1)
-    SENSED[planner.S_ATTITUDE_OK] = dice.bits(1)
-    SENSED[planner.S_JOINTS_OK] = 1 if dice.bits(2) else 0
+        SENSED[n.S_ROLL] >>= 4
+        SENSED[n.S_PITCH] >>= 4
+    SENSED[n.S_RATES_OK] = dice.bits(1)
+    SENSED[n.S_ATTITUDE_OK] = dice.bits(1)
+    SENSED[n.S_JOINTS_OK] = 1 if dice.bits(2) else 0
 
 
 def _live(values, dice):
@@ -95,11 +98,11 @@ def _live_active(values, dice):
 
 def _live_in(values, dice):
     _live(values, dice)
-    values[2] = planner.RISING if values[2] else planner.SITTING
+    values[2] = n.RISING if values[2] else n.SITTING
 
 
 # Made once: a tuple of public names is made anew wherever it stands.
-TILT = (planner.S_ROLL, planner.S_PITCH)
+TILT = (n.S_ROLL, n.S_PITCH)
 FEELING = (GAIT_ADAPTIVE, GAIT_CLIMB)
 
 
@@ -123,11 +126,11 @@ class Walk(Probe):
             COMMAND[at] = 0
         COMMAND[C_GAIT] = self.gait
         COMMAND[C_BALANCE] = 1
-        SENSED[planner.S_ATTITUDE_OK] = 1
-        SENSED[planner.S_JOINTS_OK] = 1
-        SENSED[planner.S_RATES_OK] = 1
+        SENSED[n.S_ATTITUDE_OK] = 1
+        SENSED[n.S_JOINTS_OK] = 1
+        SENSED[n.S_RATES_OK] = 1
         for joint in range(12):
-            SENSED[planner.S_JOINTS + joint] = 0
+            SENSED[n.S_JOINTS + joint] = 0
 
     def draw(self, index, count):
         COMMAND[C_MODE] = MODE_STAND if index % 1000 > 800 else MODE_WALK
@@ -137,9 +140,9 @@ class Walk(Probe):
             SENSED[at] += self.dice.bits(7) - 64 - (SENSED[at] >> 4)
         if self.gait in FEELING:
             for axis in range(3):
-                SENSED[planner.S_RATES + axis] = self.dice.bits(9) - 256
+                SENSED[n.S_RATES + axis] = self.dice.bits(9) - 256
             for joint in range(12):
-                SENSED[planner.S_JOINTS + joint] = self.robot.joints[joint] + self.dice.bits(6) - 32
+                SENSED[n.S_JOINTS + joint] = self.robot.joints[joint] + self.dice.bits(6) - 32
 
     def new_wish(self, index):
         """Another speed and pose, mostly in reach; every fifth time far outside what the legs reach."""
@@ -171,52 +174,52 @@ def _climbing(values, dice):
     _live(values, dice)
     robot = values[0]
     crawl_start(robot.climb, robot.walk.sensing, robot.joints, 0, robot.joints, 0, 0)
-    robot.numbers[planner.N_CLIMB] = 1 + dice.bits(1)
+    robot.numbers[n.N_CLIMB] = 1 + dice.bits(1)
 
 
 def _backing_off(values, dice):
     """A trot that backs off from an edge; sometimes it has just stood long enough."""
     _live(values, dice)
     robot = values[0]
-    planner.back_off(robot)
+    planner_climb.back_off(robot)
     COMMAND[C_SPEED] = dice.bits(12)
     COMMAND[C_SPEED + 1] = 0
     COMMAND[C_SPEED + 2] = 0
     COMMAND[C_MODE] = MODE_WALK
     COMMAND[C_GAIT] = GAIT_ADAPTIVE if dice.bits(2) else GAIT_CLIMB
     if dice.bits(1):
-        robot.numbers[planner.N_STATE] = planner.STANDING
+        robot.numbers[n.N_STATE] = n.STANDING
         robot.retreat[R_ENDS] = 1
         robot.retreat[R_STOOD] = 0xFFFF
 
 
 PARTS = (
     _part("tread", planner.tread, (ROBOT, COMMAND, SENSED), STATE),
-    _part("climbs", planner.climbs, (ROBOT, COMMAND, SENSED), STATE),
-    _part("stop_to_climb", planner.stop_to_climb, (ROBOT, GAIT), STATE),
-    _part("back_off", planner.back_off, (ROBOT,), STATE + RETREATS),
-    _part("backed_off", planner.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
-    _part("advised", planner.advised, (ROBOT,), STATE),
-    _part("climb", planner.climb, (ROBOT, COMMAND, SENSED), STATE, _climbing),
-    _part("leaves", planner.leaves, (ROBOT, COMMAND), STATE, _climbing),
-    _part("hand_to_trot", planner.hand_to_trot, (ROBOT, COMMAND, Range(0, 4)), STATE, _climbing),
+    _part("climbs", planner_climb.climbs, (ROBOT, COMMAND, SENSED), STATE),
+    _part("stop_to_climb", planner_climb.stop_to_climb, (ROBOT, GAIT), STATE),
+    _part("back_off", planner_climb.back_off, (ROBOT,), STATE + RETREATS),
+    _part("backed_off", planner_climb.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
+    _part("advised", planner_climb.advised, (ROBOT,), STATE),
+    _part("climb", planner_climb.climb, (ROBOT, COMMAND, SENSED), STATE, _climbing),
+    _part("leaves", planner_climb.leaves, (ROBOT, COMMAND), STATE, _climbing),
+    _part("hand_to_trot", planner_climb.hand_to_trot, (ROBOT, COMMAND, Range(0, 4)), STATE, _climbing),
     _part("plan", planner.plan, (ROBOT, COMMAND, SENSED), STATE),
-    _part("choose_state", planner.choose_state, (ROBOT, COMMAND, SENSED), STATE),
-    _part("begin_move", planner.begin_move, (ROBOT, SENSED, Range(0, 1)), STATE, _live_in),
-    _part("settle", planner.settle, (ROBOT,), STATE + FEET),
-    _part("fold_legs", planner.fold_legs, (ROBOT,), FEET),
-    _part("follow_joints", planner.follow_joints, (ROBOT, SENSED), STATE),
-    _part("step_gait", planner.step_gait, (ROBOT, COMMAND), STATE + FEET),
-    _part("feel", planner.feel, (ROBOT, SENSED), WALKS_STATE),
-    _part("relax", planner.relax, (ROBOT,), WALKS_STATE, _live_active),
-    _part("watch_tilt", planner.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
-    _part("walk_on", planner.walk_on, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
-    _part("start_slowly", planner.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
-    _part("wanted_gait", planner.wanted_gait, (ROBOT, COMMAND), STATE),
-    _part("limit_to_both", planner.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),
-    _part("use_gait", planner.use_gait, (ROBOT, GAIT), STATE),
-    _part("level", planner.level, (ROBOT, COMMAND, SENSED), (ROBOTS[0].posed, ROBOTS[1].posed)),
-    _part("solve_legs", planner.solve_legs, (ROBOT, GOAL), (GOAL,)),
+    _part("choose_state", planner_states.choose_state, (ROBOT, COMMAND, SENSED), STATE),
+    _part("begin_move", planner_states.begin_move, (ROBOT, SENSED, Range(0, 1)), STATE, _live_in),
+    _part("settle", planner_states.settle, (ROBOT,), STATE + FEET),
+    _part("fold_legs", planner_states.fold_legs, (ROBOT,), FEET),
+    _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
+    _part("step_gait", planner_steps.step_gait, (ROBOT, COMMAND), STATE + FEET),
+    _part("feel", planner_senses.feel, (ROBOT, SENSED), WALKS_STATE),
+    _part("relax", planner_senses.relax, (ROBOT,), WALKS_STATE, _live_active),
+    _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
+    _part("walk_on", planner_steps.walk_on, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
+    _part("start_slowly", planner_steps.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
+    _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
+    _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),
+    _part("use_gait", planner_steps.use_gait, (ROBOT, GAIT), STATE),
+    _part("level", planner_pose.level, (ROBOT, COMMAND, SENSED), (ROBOTS[0].posed, ROBOTS[1].posed)),
+    _part("solve_legs", planner_pose.solve_legs, (ROBOT, GOAL), (GOAL,)),
 )
 WALKS = tuple(
     [

@@ -1,0 +1,236 @@
+"""When the crawl over obstacles takes over from the trot, its tick, and when it gives back.
+
+    off -> (held up) backing off -> ready -> crawling -> off
+"""
+
+from .adaptive import ADVICE_BEHIND, W_AHEAD, W_BEHIND, W_ROUGH, W_SWAY, adaptive_start
+from .balance import balance_reset
+from .command import C_GAIT, C_MODE, C_SPEED, MODE_WALK
+from .crawl import crawl_start, crawl_tick
+from .crawl_layout import C_LEG, C_MARGIN, C_PHASE, C_STANDS, REST
+from .fixed import saturate
+from .gait import CLOCK_TICK
+from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
+from .handover import (
+    REASON_BEHIND,
+    REASON_COMMAND,
+    REASON_EVEN,
+    REASON_NONE,
+    fade_start,
+    ground_even,
+    steps_from_crawl,
+    straight_on,
+)
+from .navigate import navigate_reset
+from .params import P_SENT_TICKS, P_STAND_TICKS
+from .planner_layout import (
+    BLIND,
+    CLIMB_BACK,
+    CLIMB_OFF,
+    CLIMB_ON,
+    CLIMB_READY,
+    N_ADVICE,
+    N_CLIMB,
+    N_CYCLES,
+    N_FALLEN,
+    N_FLAGS,
+    N_GAIT,
+    N_MARGIN,
+    N_REASON,
+    N_STATE,
+    N_SWINGING,
+    S_ATTITUDE_OK,
+    S_JOINTS,
+    S_JOINTS_OK,
+    S_PITCH,
+    S_ROLL,
+    STANDING,
+    WALKING,
+)
+from .planner_steps import use_gait, wanted_gait
+from .retreat import retreat_start, retreat_step
+from .runtime import hot, ptr32
+from .sensing import M_KNOWN, M_MOVED_X, keep_sent, sense_legs
+from .steps import SPEED_SIZE
+
+
+@hot
+def climbs(planner, command, sensed) -> int:
+    """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
+
+    It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
+    advised to stop, at a moment when all feet have stood for long enough; held up, the trot backs off first.
+    Without measured joints or attitude it never begins (BLIND): its table is walked instead.
+    """
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    s = ptr32(sensed)
+    if n[N_CLIMB] == CLIMB_BACK:
+        return backed_off(planner, command, sensed)
+    if n[N_CLIMB]:
+        return 1
+    if c[C_MODE] != MODE_WALK or n[N_FALLEN] or straight_on(planner.params, command) == 0:
+        return 0
+    reason = REASON_NONE
+    if n[N_SWINGING]:
+        return 0
+    if c[C_GAIT] == GAIT_CLIMB and (n[N_STATE] == STANDING or n[N_GAIT] == GAIT_CLIMB):
+        reason = REASON_COMMAND
+    elif c[C_GAIT] == GAIT_ADAPTIVE and n[N_GAIT] == GAIT_ADAPTIVE:
+        reason = advised(planner)
+    if reason == REASON_NONE:
+        return 0
+    if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+        n[N_FLAGS] |= BLIND
+        return 0
+    n[N_REASON] = reason
+    if reason == REASON_BEHIND:
+        return back_off(planner)
+    return stop_to_climb(planner, c[C_GAIT])
+
+
+@hot
+def stop_to_climb(planner, gait: int) -> int:
+    """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
+    n = ptr32(planner.numbers)
+    v = ptr32(planner.speed)
+    for axis in range(SPEED_SIZE):
+        v[axis] = 0
+    n[N_CLIMB] = CLIMB_READY
+    n[N_GAIT] = gait
+    return 1
+
+
+@hot
+def back_off(planner) -> int:
+    """The held-up trot begins to back off, its reference where the robot is; return 0: it goes on trotting."""
+    n = ptr32(planner.numbers)
+    w = ptr32(planner.felt)
+    navigate_reset(planner.nav)
+    w[W_BEHIND] = 0
+    n[N_CLIMB] = CLIMB_BACK
+    return retreat_start(planner.retreat)
+
+
+@hot
+def backed_off(planner, command, sensed) -> int:
+    """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
+
+    It is given up when the command is no longer one for it, or when the senses it needs are missing.
+    """
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    s = ptr32(sensed)
+    m = ptr32(planner.sensing)
+    keeps_on = straight_on(planner.params, command)
+    if c[C_MODE] != MODE_WALK or c[C_GAIT] != GAIT_ADAPTIVE or n[N_FALLEN]:
+        keeps_on = 0
+    if keeps_on == 0 or s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+        n[N_CLIMB] = CLIMB_OFF
+        return 0
+    standing = 0
+    if n[N_STATE] == STANDING:
+        standing = 1
+    if retreat_step(planner.params, command, m[M_MOVED_X], standing, planner.retreat):
+        return stop_to_climb(planner, GAIT_ADAPTIVE)
+    return 0
+
+
+@hot
+def advised(planner) -> int:
+    """Return why the adaptive trot should give way to the crawl, once all feet surely stand; else REASON_NONE.
+
+    Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does not know where it is.
+    """
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    clock = ptr32(planner.clock)
+    if n[N_STATE] == WALKING and clock[CLOCK_TICK] > p[P_STAND_TICKS] and n[N_ADVICE] == ADVICE_BEHIND:
+        return REASON_BEHIND
+    return REASON_NONE
+
+
+@hot
+def climb(planner, command, sensed) -> int:
+    """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
+
+    While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
+    """
+    n = ptr32(planner.numbers)
+    s = ptr32(sensed)
+    c = ptr32(command)
+    p = ptr32(planner.params)
+    m = ptr32(planner.sensing)
+    at = ptr32(planner.climb.state)
+    if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+        n[N_FLAGS] |= BLIND
+        return 0
+    roll = saturate(s[S_ROLL], -32768, 32767)
+    pitch = saturate(s[S_PITCH], -32768, 32767)
+    sense_legs(planner.params, sensed, S_JOINTS, roll, pitch, planner.sensing)
+    if n[N_CLIMB] == CLIMB_READY and m[M_KNOWN] > p[P_SENT_TICKS] + 1:
+        crawl_start(planner.climb, planner.sensing, sensed, S_JOINTS, planner.joints, roll, pitch)
+        n[N_CLIMB] = CLIMB_ON
+    if n[N_CLIMB] == CLIMB_ON:
+        reason = leaves(planner, command)
+        way = c[C_SPEED]
+        if reason or c[C_MODE] != MODE_WALK or n[N_FALLEN]:
+            way = 0
+        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.joints)
+        n[N_SWINGING] = 0
+        if at[C_STANDS + at[C_LEG]] == 0:
+            n[N_SWINGING] = 1 << at[C_LEG]
+        n[N_MARGIN] = at[C_MARGIN]
+        n[N_STATE] = WALKING
+        if at[C_PHASE] == REST:
+            if reason:
+                hand_to_trot(planner, command, reason)
+            elif way <= 0:
+                n[N_STATE] = STANDING
+    keep_sent(planner.sensing, planner.joints)
+    return 0
+
+
+@hot
+def leaves(planner, command) -> int:
+    """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
+
+    Another gait is commanded, or a way it cannot go; as part of the adaptive gait also on even ground. A
+    command of no speed at all lets it rest.
+    """
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    wanted = wanted_gait(planner, command)
+    if c[C_MODE] != MODE_WALK:
+        return REASON_NONE
+    if wanted != GAIT_CLIMB and wanted != GAIT_ADAPTIVE:
+        return REASON_COMMAND
+    if c[C_SPEED] == 0 and c[C_SPEED + 1] == 0 and c[C_SPEED + 2] == 0:
+        return REASON_NONE
+    if straight_on(planner.params, command) == 0:
+        return REASON_COMMAND
+    n[N_GAIT] = wanted
+    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.state):
+        return REASON_EVEN
+    return REASON_NONE
+
+
+@hot
+def hand_to_trot(planner, command, reason: int) -> int:
+    """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
+    n = ptr32(planner.numbers)
+    w = ptr32(planner.felt)
+    v = ptr32(planner.speed)
+    steps_from_crawl(planner.params, planner.climb.state, w[W_AHEAD], w[W_SWAY], planner.steps)
+    fade_start(planner.params, planner.fade, planner.joints)
+    for axis in range(SPEED_SIZE):
+        v[axis] = 0
+    balance_reset(planner.balance)
+    adaptive_start(planner.params, planner.walk)
+    w[W_ROUGH] = 0
+    n[N_CLIMB] = CLIMB_OFF
+    n[N_REASON] = reason
+    n[N_ADVICE] = 0
+    n[N_CYCLES] = 0
+    n[N_STATE] = WALKING
+    return use_gait(planner, wanted_gait(planner, command))

@@ -1,0 +1,57 @@
+"""The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
+
+from .balance import BALANCE_PITCH, BALANCE_ROLL, balance_release, balance_step
+from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
+from .command import C_BALANCE
+from .compliance import sag_leg
+from .fixed import saturate
+from .leg import leg_inverse, limit_joints
+from .load import L_FORCE_Q12
+from .params import LEGS, P_POSE_SLEW
+from .planner_layout import N_FLAGS, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
+from .reach import reach_foot
+from .runtime import hot, ptr32
+
+
+@hot
+def level(planner, command, sensed) -> int:
+    """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    s = ptr32(sensed)
+    p = ptr32(planner.params)
+    pose = ptr32(planner.pose)
+    posed = ptr32(planner.posed)
+    b = ptr32(planner.balance)
+    if c[C_BALANCE] and s[S_ATTITUDE_OK]:
+        roll = saturate(s[S_ROLL], -32768, 32767)
+        pitch = saturate(s[S_PITCH], -32768, 32767)
+        balance_step(planner.balance, planner.pose, roll, pitch)
+    else:
+        balance_release(planner.balance, p[P_POSE_SLEW + POSE_ROLL])
+        if c[C_BALANCE]:
+            n[N_FLAGS] |= NO_ATTITUDE
+    for axis in range(POSE_SIZE):
+        posed[axis] = pose[axis]
+    posed[POSE_ROLL] += b[BALANCE_ROLL]
+    posed[POSE_PITCH] += b[BALANCE_PITCH]
+    return 0
+
+
+@hot
+def solve_legs(planner, joints) -> int:
+    """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together."""
+    per_leg = ptr32(planner.leg_flags)
+    forces = ptr32(planner.load)
+    body_rotation(planner.posed, planner.rotation)
+    together = 0
+    for leg in range(LEGS):
+        body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
+        flags = reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
+        leg_inverse(planner.params, leg, planner.reached, joints)
+        if forces[L_FORCE_Q12 + leg]:
+            sag_leg(planner.params, leg, planner.reached, 0, 0, forces[L_FORCE_Q12 + leg], joints)
+        flags |= limit_joints(planner.params, leg, joints)
+        per_leg[leg] = flags
+        together |= flags
+    return together

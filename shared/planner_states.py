@@ -1,0 +1,164 @@
+"""Which state follows which: stand up before walking, sit down from a stand, lie limp, give up when tilted too far.
+
+    limp -> rising -> standing -> walking -> standing -> sitting -> seated -> rising
+
+A move between stand and seat goes from the joints' present goals to the next stance, all legs at once.
+"""
+
+from .adaptive import adaptive_reset
+from .balance import balance_reset
+from .body import POSE_SIZE
+from .command import C_MODE, MODE_LIMP, MODE_SIT, MODE_STAND
+from .fixed import saturate
+from .handover import F_LEFT
+from .params import JOINTS, LEG_HIP, LEG_SIZE, LEGS, P_SIT_Z, P_SIZE_BODY, P_TILT_MAX, P_TILT_TICKS
+from .planner_layout import (
+    BAD_COMMAND,
+    CLIMB_OFF,
+    FALLEN,
+    LIMP,
+    N_CLIMB,
+    N_FALLEN,
+    N_FLAGS,
+    N_STATE,
+    N_SWINGING,
+    N_TILTED,
+    NO_JOINTS,
+    NOT_DRIVEN,
+    RISING,
+    S_ATTITUDE_OK,
+    S_JOINTS,
+    S_JOINTS_OK,
+    S_PITCH,
+    S_ROLL,
+    SEATED,
+    SITTING,
+    STANDING,
+    WALKING,
+)
+from .planner_pose import solve_legs
+from .posture import posture_start
+from .runtime import hot, ptr32
+from .steps import SPEED_SIZE, place_feet, steps_reset
+
+
+@hot
+def choose_state(planner, command, sensed) -> int:
+    """Go where the commanded mode leads from the present state; return 0."""
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    mode = c[C_MODE]
+    if mode < MODE_LIMP or mode > MODE_SIT:
+        n[N_FLAGS] |= BAD_COMMAND
+        mode = MODE_STAND
+    state = n[N_STATE]
+    if watch_tilt(planner, sensed, mode):
+        n[N_FLAGS] |= FALLEN
+        if mode != MODE_LIMP:
+            mode = MODE_SIT
+            if state == WALKING:
+                begin_move(planner, sensed, SITTING)
+    if mode == MODE_LIMP:
+        n[N_STATE] = LIMP
+        n[N_SWINGING] = 0
+    elif mode == MODE_SIT:
+        if state == STANDING or state == RISING:
+            begin_move(planner, sensed, SITTING)
+    elif state == LIMP or state == SEATED or state == SITTING:
+        begin_move(planner, sensed, RISING)
+    return 0
+
+
+@hot
+def watch_tilt(planner, sensed, mode: int) -> int:
+    """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
+
+    Roll and pitch are looked at while it stands or walks and the attitude is known.
+    """
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    s = ptr32(sensed)
+    if mode == MODE_LIMP or mode == MODE_SIT:
+        n[N_FALLEN] = 0
+    most = p[P_TILT_MAX]
+    tilted = 0
+    if s[S_ROLL] > most or s[S_ROLL] < -most or s[S_PITCH] > most or s[S_PITCH] < -most:
+        tilted = n[N_TILTED] + 1
+    if s[S_ATTITUDE_OK] == 0 or (n[N_STATE] != STANDING and n[N_STATE] != WALKING):
+        tilted = 0
+    n[N_TILTED] = tilted
+    if tilted > p[P_TILT_TICKS]:
+        n[N_FALLEN] = 1
+        n[N_TILTED] = 0
+    return n[N_FALLEN]
+
+
+@hot
+def begin_move(planner, sensed, state: int) -> int:
+    """Start RISING to the rest stance or SITTING down from the measured joints; return 0.
+
+    Without measured joints a limp robot stays limp (NO_JOINTS): its pose is anybody's guess. One
+    that is driven goes on from its last goals.
+    """
+    n = ptr32(planner.numbers)
+    s = ptr32(sensed)
+    q = ptr32(planner.joints)
+    if s[S_JOINTS_OK]:
+        for joint in range(JOINTS):
+            q[joint] = saturate(s[S_JOINTS + joint], -32768, 32767)
+    elif n[N_STATE] == LIMP:
+        n[N_FLAGS] |= NO_JOINTS
+        return 0
+    n[N_STATE] = state
+    n[N_SWINGING] = 0
+    settle(planner)
+    if state == SITTING:
+        fold_legs(planner)
+    solve_legs(planner, planner.goal)
+    posture_start(planner.params, planner.move, planner.joints, planner.goal)
+    return 0
+
+
+@hot
+def settle(planner) -> int:
+    """Forget all motion: feet at rest under a level body, speed 0; return 0."""
+    v = ptr32(planner.speed)
+    w = ptr32(planner.pose)
+    posed = ptr32(planner.posed)
+    for axis in range(SPEED_SIZE):
+        v[axis] = 0
+    for axis in range(POSE_SIZE):
+        w[axis] = 0
+        posed[axis] = 0
+    fade = ptr32(planner.fade)
+    fade[F_LEFT] = 0
+    n = ptr32(planner.numbers)
+    n[N_CLIMB] = CLIMB_OFF
+    balance_reset(planner.balance)
+    steps_reset(planner.params, planner.steps)
+    adaptive_reset(planner.params, planner.walk)
+    place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
+    return 0
+
+
+@hot
+def fold_legs(planner) -> int:
+    """Raise all planned feet to the seat's height under the hips; return 0."""
+    p = ptr32(planner.params)
+    f = ptr32(planner.feet)
+    for leg in range(LEGS):
+        f[leg * 3 + 2] = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP + 2] + p[P_SIT_Z]
+    return 0
+
+
+@hot
+def follow_joints(planner, sensed) -> int:
+    """Limp: the goals are where the joints are, and nothing holds them; return 0."""
+    n = ptr32(planner.numbers)
+    s = ptr32(sensed)
+    q = ptr32(planner.joints)
+    n[N_FLAGS] |= NOT_DRIVEN
+    if s[S_JOINTS_OK]:
+        for joint in range(JOINTS):
+            q[joint] = saturate(s[S_JOINTS + joint], -32768, 32767)
+    return 0

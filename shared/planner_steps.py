@@ -1,0 +1,180 @@
+"""Standing and walking by a gait: begin and end a walk, exchange gaits between cycles, move and place the feet.
+
+    command -> wanted gait -> slewed speed -> gait clock -> feet
+"""
+
+from .adaptive import W_FASTEST, W_LIFT, adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
+from .balance import balance_gains
+from .command import C_GAIT, C_HEIGHT, C_MODE, MODE_WALK, slew_pose, slew_speed
+from .fixed import saturate
+from .gait import CLOCK_MADE_Q10, CLOCK_SEGMENT, CLOCK_TICK, G_HEIGHT_MM, G_VX_MAX, gait_clock
+from .gaits import GAIT_ADAPTIVE
+from .navigate import drive_as_told
+from .params import P_KP_Q12, P_LENGTH_SHIFT, P_OWN_KP_Q12, P_SIT_Z, P_VX_MAX, P_WZ_MAX
+from .planner_layout import (
+    BAD_COMMAND,
+    N_CYCLES,
+    N_FALLEN,
+    N_FLAGS,
+    N_GAIT,
+    N_GAITS,
+    N_HEIGHT,
+    N_STATE,
+    N_SWINGING,
+    STANDING,
+    WALKING,
+)
+from .runtime import hot, ptr32
+from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
+
+
+@hot
+def step_gait(planner, command) -> int:
+    """Move the feet by one tick of the gait, and start or end walking where that is safe; return 0.
+
+    The first cycle of a table gait is walked at half speed: all feet start at rest, in the middle of their
+    way, and the last to swing would else be left a whole stride behind. The adaptive one starts slowly anyway.
+    """
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    wanted = wanted_gait(planner, command)
+    if n[N_STATE] == STANDING:
+        use_gait(planner, wanted)
+        n[N_CYCLES] = 0
+    fits = limit_to_both(planner, wanted)
+    halves = 0
+    if c[C_MODE] == MODE_WALK and n[N_FALLEN] == 0:
+        halves = 1
+        if n[N_CYCLES] or n[N_GAIT] == GAIT_ADAPTIVE:
+            halves = 2
+    still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
+    slew_pose(planner.params, command, 1, planner.pose)
+    if n[N_STATE] == STANDING:
+        if still:
+            place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
+            if n[N_GAIT] == GAIT_ADAPTIVE:
+                sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
+            return 0
+        n[N_STATE] = WALKING
+        adaptive_start(planner.params, planner.walk)
+    walk_on(planner, c[C_HEIGHT], still)
+    if gait_clock(planner.gait, planner.clock):
+        n[N_CYCLES] = 1
+        if still and steps_at_rest(planner.params, planner.steps):
+            n[N_STATE] = STANDING
+        elif fits:
+            use_gait(planner, wanted)
+        else:
+            use_gait(planner, n[N_GAIT])
+    return 0
+
+
+@hot
+def walk_on(planner, height_lu: int, still: int) -> int:
+    """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits.
+
+    height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
+    """
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    w = ptr32(planner.felt)
+    clock = ptr32(planner.clock)
+    own = 0
+    if height_lu <= 0:
+        height_lu = n[N_HEIGHT]
+    if n[N_GAIT] == GAIT_ADAPTIVE:
+        own = 1
+        height_lu = saturate(height_lu, 0, 32767) + w[W_LIFT]
+    height_lu = saturate(height_lu, 0, -p[P_SIT_Z])
+    if own and still == 0:
+        drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
+    else:
+        drive_as_told(planner.speed, planner.drive)
+    if clock[CLOCK_TICK] == 0:
+        if own:
+            begin_segment(planner.params, planner.walk, planner.gait, planner.clock, planner.speed, planner.drive)
+        start_swings(planner.gait, planner.clock, planner.steps)
+        if own:
+            lift_at_once(planner.steps, height_lu)
+    move_feet(planner.steps, planner.drive, body_advance(planner.gait, planner.clock))
+    n[N_SWINGING] = place_feet(planner.params, planner.gait, planner.steps, planner.drive, height_lu, planner.feet)
+    if own:
+        sway_body(planner.params, planner.walk, planner.gait, planner.clock, 1)
+        learn_centre(planner.params, planner.walk, planner.clock)
+    return n[N_SWINGING]
+
+
+@hot
+def limit_to_both(planner, wanted: int) -> int:
+    """Take as the fastest command what the present gait and the ``wanted`` one both allow.
+
+    Returns 1 if the present speed is within that of the wanted gait: a faster walk would step too far in it.
+    """
+    g = ptr32(planner.gait)
+    w = ptr32(planner.gaits[wanted])
+    n = ptr32(planner.numbers)
+    v = ptr32(planner.speed)
+    top = ptr32(planner.top)
+    fits = 1
+    for axis in range(SPEED_SIZE):
+        most = w[G_VX_MAX + axis]
+        if v[axis] > most or v[axis] < -most:
+            fits = 0
+        if g[G_VX_MAX + axis] < most:
+            most = g[G_VX_MAX + axis]
+        top[G_VX_MAX + axis] = most
+    if n[N_GAIT] == GAIT_ADAPTIVE:
+        start_slowly(planner)
+    return fits
+
+
+@hot
+def start_slowly(planner) -> int:
+    """Limit ``top`` to what the adaptive trot may do so soon after its start, turning in proportion; return 0.
+
+    Intermediates: 2^18 turned down to 12 bits times 2^16.
+    """
+    p = ptr32(planner.params)
+    w = ptr32(planner.felt)
+    top = ptr32(planner.top)
+    fastest = w[W_FASTEST]
+    for axis in range(2):
+        if top[G_VX_MAX + axis] > fastest:
+            top[G_VX_MAX + axis] = fastest
+    share_q10 = saturate((fastest << 10) // p[P_VX_MAX], 1, 1024)
+    turn = (p[P_WZ_MAX] * share_q10 >> 10) + 1
+    if top[G_VX_MAX + 2] > turn:
+        top[G_VX_MAX + 2] = turn
+    return 0
+
+
+@hot
+def wanted_gait(planner, command) -> int:
+    """Return the index of the commanded gait, or of the present one if there is no such gait."""
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    gait = c[C_GAIT]
+    if gait < 0 or gait >= n[N_GAITS]:
+        n[N_FLAGS] |= BAD_COMMAND
+        return n[N_GAIT]
+    return gait
+
+
+@hot
+def use_gait(planner, gait: int) -> int:
+    """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    clock = ptr32(planner.clock)
+    clock[CLOCK_TICK] = 0
+    clock[CLOCK_MADE_Q10] = 0
+    clock[CLOCK_SEGMENT] = 0
+    n[N_GAIT] = gait
+    planner.gait = planner.gaits[gait]
+    if gait == GAIT_ADAPTIVE:
+        balance_gains(planner.params, P_OWN_KP_Q12, planner.balance)
+    else:
+        balance_gains(planner.params, P_KP_Q12, planner.balance)
+    g = ptr32(planner.gait)
+    n[N_HEIGHT] = (g[G_HEIGHT_MM] << p[P_LENGTH_SHIFT]) // 1000
+    return 0
