@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from sim2d import metrics, terrain
@@ -12,6 +12,7 @@ from sim2d.run import Sensed, simulate
 
 from .drive import Driver, gait_index
 from .errors import UserError
+from .gait_changes import GaitWatch, change_lines, notes_json
 from .plane import planar_robot
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 
@@ -80,6 +81,7 @@ class PlannerController:
         self.rate_hz = self._driver.rate_hz
         self._driver.set_command(mode="walk", gait=spec.gait, vx_m_s=spec.speed_m_s, balance=spec.balance)
         self.flags_seen = 0
+        self.watch = GaitWatch(self._driver)
 
     def tick(self, sensed: Sensed) -> Sequence[float]:
         """See sim2d.run.Controller."""
@@ -87,6 +89,7 @@ class PlannerController:
         self._driver.sense(sensed.joint_position_rad, sensed.roll_rad, sensed.pitch_rad, rates)
         goals = self._driver.step()
         self.flags_seen |= self._driver.flags
+        self.watch.look()
         return goals
 
 
@@ -123,7 +126,7 @@ def run_walk(
     robot = planar_robot(spec.robot, foot_friction=spec.friction)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
-        return simulate(
+        recording = simulate(
             robot,
             controller,
             make_terrain(spec) if ground is None else ground,
@@ -139,6 +142,7 @@ def run_walk(
         )
     except ValueError as error:
         raise UserError(f"walk: {error}") from error
+    return replace(recording, notes=tuple(controller.watch.notes))
 
 
 def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
@@ -158,6 +162,7 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
         "pitch_range_deg": round(metrics.pitch_range_deg(recording), 3),
         "min_clearance_m": round(float(metrics.min_clearance_m(recording)), 5),
         "torque_rms_fraction": {name: round(float(torque[i]), 4) for i, name in enumerate(names)},
+        "gait_changes": notes_json(recording.notes),
         "falls": int(recording.outcome.kind == "fell"),
         "ok": recording.outcome.ok,
         "reason": recording.outcome.sentence,
@@ -181,6 +186,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
         ("least clearance of a swing", f"{1000 * result['min_clearance_m']:.1f} mm"),
         ("most loaded joint", f"{worst}, {100 * result['torque_rms_fraction'][worst]:.0f} % of stall rms"),
         *energy_facts(result),
+        *change_lines(result["gait_changes"]),
         ("falls", str(result["falls"])),
         ("simulated", f"{result['real_time_factor']:.0f} x real time, seed {result['seed']}"),
     ]

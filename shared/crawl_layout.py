@@ -164,7 +164,6 @@ TARE = const(3)  # the foot hangs: what its joints feel is no load
 DOWN = const(4)
 REST = const(5)  # all feet down, nothing to do
 SLIDE = const(6)  # all feet down, one has just slid off an edge: wait where it ends
-PHASE_NAMES = ("shift", "lift", "move", "tare", "down", "rest", "slide")
 
 EVENT_NONE = const(0)
 EVENT_LANDED = const(1)
@@ -175,4 +174,3 @@ EVENT_HIT = const(5)  # the foot ran into a riser
 EVENT_NOTHING = const(6)  # no ground at all: the foot is left hanging
 EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
 EVENT_SLIP = const(8)  # a front foot slid off an edge: it goes once more, further out
-EVENT_NAMES = ("none", "landed", "high", "void", "shin", "hit", "nothing", "warp", "slip")

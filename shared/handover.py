@@ -16,14 +16,13 @@ REASON_NONE = const(0)
 REASON_BEHIND = const(1)  # held up: the trot fell behind its reference
 REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot go
 REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
-REASON_NAMES = ("none", "behind", "commanded", "even ground")
 
 F_LEFT = const(0)  # ticks to go; -1: the jump is still to be taken
 F_TICKS = const(1)
 F_JUMP = const(2)  # 12 brad
 FADE_SIZE = const(14)
 
-_LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
+LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
 
 
 @hot
@@ -45,7 +44,7 @@ def straight_on(params, command) -> int:
 def ground_even(state) -> int:
     """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
     c = ptr32(state)
-    if c[C_STEPS_EVEN] >= _LEGS_EVEN:
+    if c[C_STEPS_EVEN] >= LEGS_EVEN:
         return 1
     return 0
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .model import CALF, HIP, JOINTS, THIGH
+from .notes import Note
 from .referee import Outcome
 from .terrain import Terrain
 from .world import BODY_FIELDS, ROBOT_BODIES, Contacts, World
@@ -58,6 +59,7 @@ class Recording:
     settings: dict[str, Setting]
     outcome: Outcome
     real_time_factor: float
+    notes: tuple[Note, ...] = ()
 
     def digest(self) -> str:
         """SHA-256 of every array's bytes: equal for equal runs on the same machine."""

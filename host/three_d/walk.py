@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sim2d.notes import Note
 from sim2d.recording import arrays_digest
 from sim2d.referee import Outcome
 
@@ -17,6 +18,7 @@ from ..drive import Driver
 from ..errors import NOT_ACHIEVED, UserError
 from ..export.ground import Ground
 from ..export.mjcf import ModelOptions, drives
+from ..gait_changes import GaitWatch, notes_json
 from ..imu.attitude import Attitude
 from ..imu.simulated import SimulatedImu
 from ..plane import planar_robot
@@ -47,7 +49,7 @@ class SpaceSpec:
     bus_delay_s: float = 0.02
     balance: bool = True
     seed: int = 0
-    stuck_after_s: float = 10.0
+    stuck_after_s: float = 30.0  # to back off from an edge and come back takes over 10 s
     fast: bool = True
 
     @property
@@ -71,6 +73,7 @@ class SpaceRecording:
     stall_Nm: Array
     flags: int
     outcome: Outcome
+    notes: tuple[Note, ...] = ()
 
     def digest(self) -> str:
         """SHA-256 of every array: equal for equal runs on the same machine."""
@@ -88,6 +91,7 @@ class SpaceWalker:
         self.world = World(spec.robot, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
         self.goals, self.flags = [0.0] * 12, 0
+        self.watch = GaitWatch(self.driver)
         self.driver.set_command(mode="stand", gait=spec.gait, balance=spec.balance)
 
     def tick(self) -> None:
@@ -96,6 +100,7 @@ class SpaceWalker:
         self.driver.sense(self.world.joints_rad().tolist(), roll_rad, pitch_rad, self.attitude.rates_rad_s)
         self.goals = self.driver.step()
         self.flags |= self.driver.flags
+        self.watch.look()
         self.world.send(self.goals)
         self.world.advance()
 
@@ -108,6 +113,7 @@ class SpaceWalker:
             self.tick()
             if self.attitude.state == "ok" and self.driver.state == "standing":
                 self.flags = 0
+                self.watch.restart()
                 return
         raise UserError(f"3-D walk: {self.driver.state} after {_STANDING_UP_S:g} s, attitude {self.attitude.state}: "
                         "the robot does not stand", NOT_ACHIEVED)
@@ -157,7 +163,7 @@ class _Log:
         attitude[:, 2] = np.unwrap(attitude[:, 2])
         stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
         return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
-                              self._walker.flags, outcome)
+                              self._walker.flags, outcome, tuple(self._walker.watch.notes))
 
 
 def walk_in_space(spec: SpaceSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:
@@ -203,6 +209,7 @@ def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
         "side_drift_m": round(float(rec.position_m[-1, 1] - rec.position_m[0, 1]) * per_course, 4),
         "torque_rms_fraction": {name: round(float(share), 4) for name, share in zip(names, torque, strict=True)},
         "penetration_mm": round(1000 * float(rec.penetration_m.max()), 3),
+        "gait_changes": notes_json(rec.notes),
         "falls": int(rec.outcome.kind == "fell"),
         "ok": rec.outcome.ok,
         "reason": rec.outcome.sentence,

@@ -1,0 +1,105 @@
+"""What the planner says of its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
+
+The core keeps codes (shared/handover.py, shared/crawl_layout.py); here they get their words, for the walk's report,
+the pages and the records.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from shared import crawl_layout as crawl
+from shared import handover
+from shared import params as p
+from shared import planner as core
+from shared.gaits import GAIT_NAMES
+from sim2d.notes import Note
+
+from .drive import Driver
+from .robot_model import LEG_NAMES
+
+_GIVEN_UP = "backing off was given up: another command came, or joints or attitude became unknown"
+_STOPPED = "told to stop, or fallen"
+
+
+def gait_now(driver: Driver) -> str:
+    """Return what is walked: "backing off", "crawl", or the name of the gait."""
+    numbers = driver.planner.numbers
+    state = numbers[core.N_CLIMB]
+    if state == core.CLIMB_OFF:
+        return GAIT_NAMES[numbers[core.N_GAIT]]
+    return "backing off" if state == core.CLIMB_BACK else "crawl"
+
+
+def change_reason(driver: Driver) -> str:
+    """Return why trot and crawl were last exchanged, "" if they were not."""
+    params = driver.planner.params
+    behind_mm = 1000 * driver.scale.metres(params[p.P_LEG_LENGTH] * 3 >> 5)
+    held_s = params[p.P_ADVICE_TICKS] / 2 / driver.rate_hz
+    crawls = driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
+    return {
+        handover.REASON_NONE: "",
+        handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:g} s",
+        handover.REASON_COMMAND: "the crawl was commanded" if crawls
+        else "a gait or a way was commanded that is not the crawl's",
+        handover.REASON_EVEN: f"even ground under the last {handover.LEGS_EVEN} footholds",
+    }[driver.planner.numbers[core.N_REASON]]
+
+
+def crawl_event(driver: Driver) -> str:
+    """Return what the crawl met last, "" if nothing."""
+    state = driver.planner.climb.state
+    leg = LEG_NAMES[state[crawl.C_EVENT_LEG]]
+    off_mm = 1000 * driver.scale.metres(state[crawl.C_EVENT_Z])
+    return {
+        crawl.EVENT_NONE: "",
+        crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm off the height expected",
+        crawl.EVENT_HIGH: f"{leg} met ground {off_mm:.0f} mm above the height expected: it tries further on",
+        crawl.EVENT_VOID: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
+        crawl.EVENT_SHIN: f"{leg} stood on an edge with its shin: it lifts and goes further on",
+        crawl.EVENT_HIT: f"{leg} ran into a riser: it goes back and higher",
+        crawl.EVENT_NOTHING: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
+        crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry what they should",
+        crawl.EVENT_SLIP: f"{leg} slid off an edge: it goes once more, further out",
+    }[state[crawl.C_EVENT]]
+
+
+class GaitWatch:
+    """Looks at a planner after each tick and keeps a note whenever trot and crawl are exchanged."""
+
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the notes; the seconds count from here."""
+        self.notes: list[Note] = []
+        self._ticks, self._before = 0, self._driver.planner.numbers[core.N_CLIMB]
+
+    def look(self) -> None:
+        """Take note of a tick."""
+        now, before = self._driver.planner.numbers[core.N_CLIMB], self._before
+        self._ticks += 1
+        if now == before:
+            return
+        self._before = now
+        if now != core.CLIMB_READY:
+            time_s = round(self._ticks / self._driver.rate_hz, 3)
+            self.notes.append(Note(time_s, gait_now(self._driver), self._why(before, now)))
+
+    def _why(self, before: int, now: int) -> str:
+        numbers = self._driver.planner.numbers
+        if now == core.CLIMB_OFF and before == core.CLIMB_BACK:
+            return _GIVEN_UP
+        if now == core.CLIMB_OFF and numbers[core.N_STATE] != core.WALKING:
+            return _STOPPED
+        return change_reason(self._driver)
+
+
+def notes_json(notes: Iterable[Note]) -> list[dict[str, Any]]:
+    """Return notes as plain values for JSON."""
+    return [{"time_s": note.time_s, "to": note.what, "reason": note.why} for note in notes]
+
+
+def change_lines(changes: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
+    """Return the changes of a walk as rows for people."""
+    return [(f"at {change['time_s']:.1f} s: {change['to']}", change["reason"]) for change in changes]

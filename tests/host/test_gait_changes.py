@@ -1,0 +1,80 @@
+"""Trot and crawl are exchanged in sentences: every code of the core has its words, every exchange its note."""
+
+import pytest
+
+from host.drive import Driver
+from host.gait_changes import GaitWatch, change_lines, change_reason, crawl_event, gait_now, notes_json
+from host.robot_file import load_robot
+from shared import crawl_layout as crawl
+from shared import handover
+from shared import planner as core
+
+REASONS = [value for name, value in vars(handover).items() if name.startswith("REASON_") and name != "REASON_NONE"]
+EVENTS = [value for name, value in vars(crawl).items() if name.startswith("EVENT_") and name != "EVENT_NONE"]
+
+
+@pytest.fixture
+def driver():
+    return Driver(load_robot("caramelo"))
+
+
+def seen(driver, *states):
+    """Return the notes of a watch that sees (climb state, reason, planner's state) tick by tick."""
+    watch = GaitWatch(driver)
+    for climb, reason, state in states:
+        numbers = driver.planner.numbers
+        numbers[core.N_CLIMB], numbers[core.N_REASON], numbers[core.N_STATE] = climb, reason, state
+        watch.look()
+    return watch.notes
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_every_reason_has_a_sentence(driver, reason):
+    driver.planner.numbers[core.N_REASON] = reason
+    for climb in (core.CLIMB_OFF, core.CLIMB_READY, core.CLIMB_ON, core.CLIMB_BACK):
+        driver.planner.numbers[core.N_CLIMB] = climb
+        assert len(change_reason(driver).split()) > 3
+
+
+@pytest.mark.parametrize("event", EVENTS)
+def test_every_event_of_the_crawl_has_a_sentence_with_its_leg(driver, event):
+    driver.planner.climb.state[crawl.C_EVENT] = event
+    driver.planner.climb.state[crawl.C_EVENT_LEG] = 3
+    assert crawl_event(driver).startswith("RL ")
+
+
+def test_a_new_robot_has_nothing_to_tell(driver):
+    assert (change_reason(driver), crawl_event(driver), seen(driver)) == ("", "", [])
+    assert gait_now(driver) == "paper-trot"
+
+
+def test_the_way_over_an_edge_is_told_once_each(driver):
+    behind, even = handover.REASON_BEHIND, handover.REASON_EVEN
+    notes = seen(
+        driver,
+        (core.CLIMB_OFF, handover.REASON_NONE, core.WALKING),
+        (core.CLIMB_BACK, behind, core.WALKING),
+        (core.CLIMB_BACK, behind, core.STANDING),
+        (core.CLIMB_READY, behind, core.STANDING),
+        (core.CLIMB_ON, behind, core.WALKING),
+        (core.CLIMB_ON, behind, core.WALKING),
+        (core.CLIMB_OFF, even, core.WALKING),
+    )
+    assert [(note.time_s, note.what) for note in notes] == [(0.04, "backing off"), (0.1, "crawl"), (0.14, "paper-trot")]
+    assert notes[0].why == "held up: more than 22 mm behind the commanded way for 1 s"
+    assert notes[2].why == "even ground under the last 16 footholds"
+
+
+def test_what_ends_without_a_reason_of_the_planner_is_told_too(driver):
+    behind = handover.REASON_BEHIND
+    given_up = seen(driver, (core.CLIMB_BACK, behind, core.WALKING), (core.CLIMB_OFF, behind, core.WALKING))
+    assert "given up" in given_up[-1].why
+    stopped = seen(driver, (core.CLIMB_ON, behind, core.WALKING), (core.CLIMB_OFF, behind, core.SITTING))
+    assert "told to stop" in stopped[-1].why
+
+
+def test_notes_become_json_and_rows(driver):
+    notes = seen(driver, (core.CLIMB_READY, handover.REASON_COMMAND, 2), (core.CLIMB_ON, handover.REASON_COMMAND, 3))
+    rows = notes_json(notes)
+    assert rows == [{"time_s": 0.04, "to": "crawl", "reason": "the crawl was commanded"}]
+    assert change_lines(rows) == [("at 0.0 s: crawl", "the crawl was commanded")]
