@@ -10,7 +10,7 @@ from typing import Any
 from shared import crawl_layout as crawl
 from shared import handover
 from shared import params as p
-from shared import planner as core
+from shared import planner_layout as core
 from shared.gaits import GAIT_NAMES
 from sim2d.notes import Note
 

@@ -50,4 +50,3 @@ CLIMB_OFF = const(0)
 CLIMB_READY = const(1)  # standing still until the joints' loads are known
 CLIMB_ON = const(2)
 CLIMB_BACK = const(3)  # the held-up trot backs off from the edge first
-CLIMB_NAMES = ("off", "ready", "crawling", "backing off")

@@ -7,7 +7,7 @@ from host.gait_changes import GaitWatch, change_lines, change_reason, crawl_even
 from host.robot_file import load_robot
 from shared import crawl_layout as crawl
 from shared import handover
-from shared import planner as core
+from shared import planner_layout as core
 
 REASONS = [value for name, value in vars(handover).items() if name.startswith("REASON_") and name != "REASON_NONE"]
 EVENTS = [value for name, value in vars(crawl).items() if name.startswith("EVENT_") and name != "EVENT_NONE"]
