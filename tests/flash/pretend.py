@@ -76,6 +76,18 @@ class PretendBoard:
             time.sleep(0.01)
         return words in self.said
 
+    def settle(self, words, quiet_s=0.5):
+        """Wait until the board has said ``words`` and has not been reset for so long."""
+        end = time.monotonic() + 10
+        resets, since = self.resets, time.monotonic()
+        while time.monotonic() < end:
+            if self.resets != resets or words not in self.said:
+                resets, since = self.resets, time.monotonic()
+            if time.monotonic() - since > quiet_s:
+                return
+            time.sleep(0.01)
+        raise AssertionError(f"the board has not said {words!r} and stayed up: {self.said!r}")
+
     def after_reset(self, reset, words):
         """Call ``reset``, wait until the board has started again and said ``words``."""
         before = self.resets
