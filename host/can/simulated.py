@@ -22,17 +22,21 @@ class Node:
     """A node's end of the bus; ``deliver`` is called with every frame of the others that it does not lose."""
 
     def __init__(self, bus: "SimBus", deliver: Deliver, room: int) -> None:
-        self._bus, self.deliver, self._room = bus, deliver, room
+        self._bus, self.deliver, self._most = bus, deliver, room
         self.waiting: deque[tuple[int, bytes]] = deque()
         self.loss = 0.0  # share of frames that this node does not hear
         self.connected = True
 
     def send(self, identifier: int, data: bytes) -> bool:
         """Queue a frame; False if there is no room for it or the node is not connected."""
-        if not self.connected or len(self.waiting) >= self._room:
+        if not self.connected or self.room() <= 0:
             return False
         self.waiting.append((identifier, data))
         return True
+
+    def room(self) -> int:
+        """Return how many frames still find room."""
+        return self._most - len(self.waiting)
 
     def take_lowest(self) -> tuple[int, bytes]:
         """Take the waiting frame that wins; of equal identifiers the oldest."""

@@ -481,13 +481,14 @@ def sim(
     channel: Annotated[str, typer.Option(help="default is python-can's own multicast group.")] = "default",
     fault: Annotated[list[str] | None, typer.Option(help="KIND[:NODE]@SECONDS, such as power-cycle:5@10.")] = None,
     loss: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of frames that each node does not hear.")] = 0.0,
+    vm: Annotated[int, typer.Option(min=0, max=12, help="So many joints run in MicroPython VMs of their own.")] = 0,
     seconds: Seconds = None,
 ) -> int:
     """Simulate the robot's twelve joints on a bus: each its own firmware, with the plane as the body.
 
     Then, from another terminal: caramelo joints status --interface udp_multicast --channel default
 
-    Example: caramelo joints sim --fault power-cycle:5@10 --loss 0.01
+    Examples: caramelo joints sim --fault power-cycle:5@10 --loss 0.01; caramelo joints sim --vm 4
     """
     from ..can.adapter import AdapterPort
     from ..joints.gateway import Gateway
@@ -496,7 +497,7 @@ def sim(
 
     data = load_robot(robot)
     with AdapterPort(interface, channel, 1_000_000) as port:
-        robot_sim = SimRobot(data)
+        robot_sim = SimRobot(data, in_vm=range(1, 1 + vm))
         gateway = Gateway(robot_sim, port)
         for node in robot_sim.nodes:
             node.loss = loss

@@ -5,24 +5,27 @@ Every millisecond: the frames of that time, one tick of each joint, one step of 
 
 import random
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from ..can.port import Port, Received
-from ..can.simulated import SimBus
+from ..can.simulated import Node, SimBus
 from ..robot_model import Robot
 from .body import TorqueBody
 from .setups import joint_setups
 from .sim_joint import SimJoint
+from .vm.inside import Inside
+from .vm_joint import VmInside
 
 MS_US = 1000
 START_MS = 300  # until the joints have measured their current offsets
 
 
 class SimRobot:
-    """The robot, its bus and its clock. ``faults`` are called at their millisecond."""
+    """The robot, its bus and its clock. ``in_vm``: the nodes whose firmware runs in a MicroPython VM of its own."""
 
-    def __init__(self, robot: Robot, seed: int = 0, body: TorqueBody | None = None) -> None:
-        assert robot.actuator.kind == "bldc" or joint_setups(robot)
+    def __init__(
+        self, robot: Robot, seed: int = 0, body: TorqueBody | None = None, in_vm: Collection[int] = ()
+    ) -> None:
         self.robot = robot
         self.bus = SimBus(robot.bus.bitrate if robot.bus.kind == "can" else 1_000_000, seed)
         self.body = TorqueBody(robot, seed=seed) if body is None else body
@@ -30,7 +33,14 @@ class SimRobot:
         bldc = robot.actuator
         assert bldc.kind == "bldc"
         angle = self.body.angle_rad
-        self.joints = [SimJoint(bldc, setup, node, angle[node - 1]) for node, setup in enumerate(setups, 1)]
+        self.joints: list[SimJoint] = []
+        try:
+            for node, setup in enumerate(setups, 1):
+                make = VmInside if node in in_vm else Inside
+                self.joints.append(SimJoint(bldc, setup, node, angle[node - 1], make=make))
+        except BaseException:
+            self.close()
+            raise
         self.nodes = [self._attach(joint) for joint in self.joints]
         self.ms = 0
         self.held = True  # by hand, seated, until all joints hold it themselves
@@ -38,9 +48,9 @@ class SimRobot:
         self.each_ms: list[Callable[[int], None]] = []
         self.advance_ms(START_MS)
 
-    def _attach(self, joint: SimJoint):  # type: ignore[no-untyped-def]
+    def _attach(self, joint: SimJoint) -> Node:
         node = self.bus.attach(lambda time_us, identifier, data: joint.deliver(identifier, data))
-        joint.send = node.send
+        joint.send, joint.room = node.send, node.room
         return node
 
     @property
@@ -51,7 +61,7 @@ class SimRobot:
     @property
     def torque_free(self) -> bool:
         """True while no joint's bridge is on."""
-        return not any(joint.power and joint.board.bridge for joint in self.joints)
+        return not any(joint.bridge for joint in self.joints)
 
     def at(self, ms: int, do: Callable[[], None]) -> None:
         """Have something happen at a millisecond from now."""
@@ -78,7 +88,7 @@ class SimRobot:
         angle = self.body.angle_rad
         for i, joint in enumerate(self.joints):
             joint.tick(now_us, angle[i])
-        if self.held and all(joint.power and joint.board.bridge for joint in self.joints):
+        if self.held and all(joint.bridge for joint in self.joints):
             self.held = False
         if not self.held:
             self.body.step([joint.torque_Nm for joint in self.joints])

@@ -76,12 +76,17 @@ class Sensors:
             return 4095
         if self.wrong.thermistor == "short":
             return 0
-        t = self.bldc.thermal
-        if t.thermistor == "ptc":
-            ohm = t.thermistor_25C_ohm * (1 + PTC_PER_K * (winding_C - 25))
-        else:
-            ohm = exp(log(t.thermistor_25C_ohm) + t.thermistor_beta_K * (1 / (winding_C + 273.15) - 1 / 298.15))
-        return round(4096 * ohm / (ohm + self.board.thermistor_pull_up_ohm))
+        return thermistor_counts(self.bldc, self.board, winding_C)
+
+
+def thermistor_counts(bldc: Bldc, board: Board, winding_C: float) -> int:
+    """Return the ADC's reading of the thermistor at a temperature: thermistor_C of host/joint_gains.py turned back."""
+    t = bldc.thermal
+    if t.thermistor == "ptc":
+        ohm = t.thermistor_25C_ohm * (1 + PTC_PER_K * (winding_C - 25))
+    else:
+        ohm = exp(log(t.thermistor_25C_ohm) + t.thermistor_beta_K * (1 / (winding_C + 273.15) - 1 / 298.15))
+    return round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
 
 
 def _counts(value: float) -> int:

@@ -12,9 +12,9 @@ SESSION = 17
 class Walker:
     """The robot, its joints' bus and the planner; all in simulated time."""
 
-    def __init__(self, jitter_s=0.0, loss=0.0, loops=None, seed=0):
+    def __init__(self, jitter_s=0.0, loss=0.0, loops=None, seed=0, in_vm=()):
         self.robot = load_robot("parallel")
-        self.sim = SimRobot(self.robot, seed)
+        self.sim = SimRobot(self.robot, seed, in_vm=in_vm)
         self.port = SimPort(self.sim, jitter_s, seed=seed)
         self.notices = []
         self.bus = CanJoints(

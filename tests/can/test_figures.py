@@ -46,7 +46,7 @@ class Direct(Walker):
 
     def _put(self, goals):
         for joint, goal in zip(self.sim.joints, goals, strict=True):
-            io = joint.joint.control.io
+            io = joint.inside.joint.control.io
             io[IO_POSITION] = round(goal * 65536 / tau)
             io[IO_SEQUENCE] += 1
 

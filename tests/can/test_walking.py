@@ -22,7 +22,7 @@ def standing():
 
 
 def states(walker, place):
-    return [joint.joint.control.state[place] for joint in walker.sim.joints]
+    return [joint.inside.joint.control.state[place] for joint in walker.sim.joints]
 
 
 def walk_with_loss(seconds):
@@ -90,14 +90,14 @@ def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing,
     ms = stop_by(standing, senders[node])
     quiet = [i for i in range(12) if i + 1 != node]  # a node does not hear its own frame
     if 1 <= node <= 12:
-        assert all(not sim.joints[i].board.bridge for i in quiet)
+        assert all(not sim.joints[i].bridge for i in quiet)
     else:
         assert ms is not None
         assert ms <= 20
     for _ in range(50):
         standing.bus.cycle.link.send_setpoints(w.SETPOINT_POSITION_ID, [0] * 12)
         standing.bus.run_for(0.005)
-    assert all(not sim.joints[i].board.bridge for i in quiet)
+    assert all(not sim.joints[i].bridge for i in quiet)
     assert {states(standing, S_FAULT_CODE)[i] for i in quiet} == {FAULT_EMERGENCY_STOP}
     with pytest.raises(UserError, match="emergency"):
         standing.bus.torque(True)
