@@ -307,6 +307,11 @@ def test_export_writes_the_files(run, tmp_path):
                                    "bytes": len(target.read_bytes())}
 
 
+def children_of(pid):
+    """Return the numbers of a process's children."""
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
 def test_ctrl_c_leaves_nothing_half_written(tmp_path):
     """Interrupted while trials run in two processes: exit code 130, one line, no file."""
     target = tmp_path / "out"
@@ -314,7 +319,10 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
         [CARAMELO, "experiment", "ramp", "--gait", "paper-trot", "--jobs", "2", "--no-3d", "--out", target],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=hear_ctrl_c,
     )
-    time.sleep(4.0)
+    ends_s = time.monotonic() + 60.0
+    while len(children_of(process.pid)) < 2:
+        assert time.monotonic() < ends_s, "no trials began"
+        time.sleep(0.05)
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 130
