@@ -8,6 +8,17 @@ from pathlib import Path
 from .errors import UserError
 
 
+def check_folder(flag: str, path: Path | None) -> None:
+    """Refuse a folder that results can't be written to before hours of work are lost to it; make nothing yet."""
+    if path is None:
+        return
+    there = next(place for place in (path.absolute(), *path.absolute().parents) if place.exists())
+    if not there.is_dir():
+        raise UserError(f"{flag} {path}: {there} is a file: name a folder")
+    if not os.access(there, os.W_OK | os.X_OK):
+        raise UserError(f"{flag} {path}: {there} may not be written by you: name another folder")
+
+
 @contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.

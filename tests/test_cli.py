@@ -17,25 +17,13 @@ from host import cli, commands
 from host.console import progress, write_json
 from host.errors import UserError
 from host.extras import EXTRA_OF
-from host.files import atomic_path, write_bytes, write_text
+from host.files import atomic_path, check_folder, write_bytes, write_text
 from tests.interrupts import hear_ctrl_c
 
 ROOT = Path(__file__).resolve().parent.parent
 CARAMELO = Path(sys.executable).parent / "caramelo"
 # What no command needs before it runs; importing any of them would make every start slower.
 SLOW_TO_IMPORT = {"numpy", "pydantic", "pymunk", "matplotlib", "scipy", "aiohttp", "mcap", "can", "wasmtime"}
-
-
-@pytest.fixture
-def run(capsys):
-    """Run the command in this process; return exit code, stdout, stderr."""
-
-    def call(*arguments):
-        code = cli.main(arguments)
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
 
 
 def one_line(text):
@@ -215,6 +203,21 @@ def test_ctrl_c_leaves_no_file_and_exit_code_130(tmp_path):
     assert err == "caramelo: stopped by Ctrl-C\n"
     assert os.listdir(tmp_path) == ["result.html"]
     assert target.read_text() == "old"
+
+
+@pytest.mark.parametrize("command", [["walk"], ["experiment", "table1"], ["motor", "sim"]])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_work(run, tmp_path, command):
+    (tmp_path / "file").write_text("mine")
+    code, out, err = run(*command, "--out", str(tmp_path / "file/sub"))
+    assert (code, out) == (2, "")
+    assert err == f"caramelo: --out {tmp_path}/file/sub: {tmp_path}/file is a file: name a folder\n"
+    assert (tmp_path / "file").read_text() == "mine"
+
+
+def test_a_folder_that_can_be_made_is_not_made_yet(tmp_path):
+    check_folder("--out", tmp_path / "a/b")
+    check_folder("--out", None)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_files_are_written_whole_into_new_folders(tmp_path):

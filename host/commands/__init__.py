@@ -8,3 +8,6 @@ WALK = "Walk"
 ROBOTS = "Robots"
 HARDWARE = "Servos, joints, boards"
 CHECKS = "Checks and figures"
+
+# The files whose panel stands first in the help: what a new user tries first.
+FIRST = ("walk", "teleop")

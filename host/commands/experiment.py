@@ -39,8 +39,10 @@ def experiment(
     from ..drive import gait_index
     from ..experiments.run import names_of, run_experiment, write_outcomes
     from ..experiments.trials import Options, space_is_there
+    from ..files import check_folder
     from ..robot_file import load_robot
 
+    check_folder("--out", out)
     names, data = names_of(what), load_robot(robot)
     chosen = gait or data.gait.default
     gait_index(chosen)

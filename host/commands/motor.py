@@ -41,8 +41,10 @@ def sim(
     Examples: caramelo motor sim; caramelo motor sim --scenario step --out out/motor;
     caramelo motor sim --scenario fault-bus-sag --json
     """
+    from ..files import check_folder
     from ..motor.scenarios import names, run_scenario
 
+    check_folder("--out", out)
     bldc = _joint_of(robot)
     wanted = [scenario] if scenario else names()
     results: list[Result] = []

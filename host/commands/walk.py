@@ -48,11 +48,13 @@ def walk(
     Examples: caramelo walk; caramelo walk --gait paper-trot --terrain step --height 0.05;
     caramelo walk --robot parallel --speed 0.1 --out out/parallel
     """
+    from ..files import check_folder
     from ..motor.walking import joint_motors, transport
     from ..robot_actuators import Bldc
     from ..robot_file import load_robot
     from ..walk import WalkSpec, run_walk, walk_result
 
+    check_folder("--out", out)
     data = load_robot(robot)
     spec = WalkSpec(
         robot=data,

@@ -8,23 +8,10 @@ import threading
 import pytest
 import serial
 
-from host import cli
 from host.flash import link as link_module
 from host.flash.shell import join
 from tests.flash.pretend import PretendBoard
 from tests.flash.trees import image_of, tree
-
-
-@pytest.fixture
-def run(capsys):
-    """Run the command in this process; return exit code, stdout, stderr."""
-
-    def call(*arguments):
-        code = cli.main(arguments)
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
 
 
 @pytest.fixture

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from host import cli
 from host.experiments import compare, steps, table1
 from host.experiments.data import assumptions, papers
 from host.experiments.energy import mean_power_W
@@ -36,18 +35,6 @@ def has_mujoco():
     except ModuleNotFoundError:
         return False
     return True
-
-
-@pytest.fixture
-def run(capsys):
-    """Run the command in this process; return exit code, stdout, stderr."""
-
-    def call(*arguments):
-        code = cli.main(arguments)
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
 
 
 # --- statistics

@@ -4,18 +4,6 @@ import json
 
 import pytest
 
-from host.cli import main
-
-
-@pytest.fixture
-def run(capsys):
-    def call(*arguments):
-        code = main(arguments)
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
-
 
 def test_scan_finds_twelve_and_tells_the_budget(run):
     code, out, err = run("servos", "scan", "--sim", "--json")
