@@ -97,6 +97,14 @@ class Bus(ABC):
     def torque(self, on: bool) -> None:
         """Let the joints hold their goals, starting from where they are, or let go."""
 
+    def try_torque(self) -> bool:
+        """Switch torque on as far as that takes no longer than a tick; False if it is to be tried again in the next.
+
+        UserError if it can't be done. A bus that needs one exchange only does it at once.
+        """
+        self.torque(True)
+        return True
+
     @abstractmethod
     def limit_torque(self, fraction: float) -> None:
         """Limit every drive to a share of its stall torque, 0 .. 1: the robot file's stand.torque_fraction."""

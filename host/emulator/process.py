@@ -2,15 +2,28 @@
 
 import importlib
 import json
+import os
+import select
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
 
 from ..errors import NOT_ACHIEVED, UserError
-from ..imu.base import Imu, ImuError
+from ..imu.base import Imu, ImuError, ImuLate
+
+START_S = 30.0
+ANSWER_S = 10.0  # an order outside of a control loop may wait for a busy machine
+IMU_S = 0.004  # a reading must not hold up a tick; the same patience as with a servo (host/servos/port.py)
+MOST_OWED = 20  # late answers before no more orders are sent: a pipe that nobody reads must not fill up
+CHUNK = 4096
+
+
+class Late(Exception):
+    """No answer in time; it may still come."""
 
 
 class Emulator:
@@ -18,8 +31,10 @@ class Emulator:
 
     def __init__(self, *options: str) -> None:
         self._options = options
-        self._process: subprocess.Popen[str] | None = None
+        self._process: subprocess.Popen[bytes] | None = None
         self._lock = threading.Lock()
+        self._read = b""
+        self._owed = 0  # answers that were given up and are still to come
         self.port = ""
 
     def start(self) -> None:
@@ -29,32 +44,65 @@ class Emulator:
         command = [sys.executable, "-m", "host.emulator", *self._options]
         # A session of its own: Ctrl-C in the terminal must not take the servos away before they are let go.
         self._process = subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
         )
-        assert self._process.stdout is not None
-        line = self._process.stdout.readline()
-        if not line:
-            raise UserError(f"the emulated servos did not start (exit code {self._process.wait()})", NOT_ACHIEVED)
-        self.port = json.loads(line)["port"]
+        try:
+            self.port = self._line(time.monotonic() + START_S)["port"]
+        except (OSError, Late):
+            self.stop()
+            raise UserError("the emulated servos did not start", NOT_ACHIEVED) from None
 
-    def ask(self, do: str, **details: Any) -> dict[str, Any]:
-        """Give an order (see host/emulator/__main__.py) and return the answer; UserError if it can't."""
+    @property
+    def process(self) -> int:
+        """Return the number of its process."""
+        assert self._process is not None
+        return self._process.pid
+
+    def ask(self, do: str, patience_s: float = ANSWER_S, **details: Any) -> dict[str, Any]:
+        """Give an order (see host/emulator/__main__.py) and return the answer; Late if it takes too long.
+
+        UserError if it can't be done.
+        """
         process = self._process
         assert process is not None
         assert process.stdin is not None
-        assert process.stdout is not None
+        end_s = time.monotonic() + patience_s
         with self._lock:
             try:
-                process.stdin.write(json.dumps({"do": do, **details}) + "\n")
-                process.stdin.flush()
-                line = process.stdout.readline()
-            except (OSError, ValueError):
-                line = ""
-        if not line:
-            raise UserError("the emulated servos are gone", NOT_ACHIEVED)
-        answer: dict[str, Any] = json.loads(line)
+                while self._owed > MOST_OWED:
+                    self._skip(end_s)
+                process.stdin.write(json.dumps({"do": do, **details}).encode() + b"\n")
+                self._owed += 1
+                while self._owed > 1:
+                    self._skip(end_s)
+                answer = self._line(end_s)
+                self._owed -= 1
+            except OSError:
+                raise UserError("the emulated servos are gone", NOT_ACHIEVED) from None
         if "error" in answer:
             raise UserError(f"the emulated servos can't {do}: {answer['error']}")
+        return answer
+
+    def _skip(self, end_s: float) -> None:
+        """Throw away an answer that comes too late."""
+        self._line(end_s)
+        self._owed -= 1
+
+    def _line(self, end_s: float) -> dict[str, Any]:
+        """Return the next answer; Late if it does not come in time, OSError if none will."""
+        assert self._process is not None
+        assert self._process.stdout is not None
+        out = self._process.stdout.fileno()
+        while b"\n" not in self._read:
+            ready, _, _ = select.select([out], [], [], max(0.0, end_s - time.monotonic()))
+            if not ready:
+                raise Late
+            data = os.read(out, CHUNK)
+            if not data:
+                raise OSError("the other side has closed")
+            self._read += data
+        line, _, self._read = self._read.partition(b"\n")
+        answer: dict[str, Any] = json.loads(line)
         return answer
 
     def stop(self) -> None:
@@ -94,7 +142,9 @@ class EmulatorImu(Imu):
     def read(self) -> Sequence[int]:
         """See Imu."""
         try:
-            counts: list[int] = self.emulator.ask("imu")["counts"]
+            counts: list[int] = self.emulator.ask("imu", IMU_S)["counts"]
+        except Late:
+            raise ImuLate("the emulated IMU does not answer in time: is this machine too busy?") from None
         except UserError as error:
             raise ImuError(str(error)) from None
         return counts

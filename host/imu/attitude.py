@@ -22,10 +22,11 @@ from shared.attitude import (
 
 from ..robot_model import Robot
 from ..scale import attitude_block, rad
-from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError
+from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError, ImuLate
 
 STUCK_S = 0.5  # real readings are never so long alike: their noise is several counts (measured on simulated noise)
 RETRY_S = 0.5  # between tries to open a missing sensor (chosen)
+GAP_S = 0.1  # so long a missing reading is taken to be like the last: a body turns little meanwhile (chosen)
 SATURATED_TICKS = 5  # a bump may saturate one reading (chosen)
 
 
@@ -38,11 +39,13 @@ class Attitude:
         self.block = attitude_block(robot, rate_hz)
         self.fault = ""
         self.note = ""
+        self.missed = 0  # readings that did not come in time
         self._axes = Axes(robot.imu.axes)
         self._rate_hz = rate_hz or robot.control.rate_hz
         self._stuck_ticks = round(STUCK_S * self._rate_hz)
         self._last: tuple[int, ...] = ()
-        self._alike = self._saturated = 0
+        self._alike = self._saturated = self._gap = 0
+        self._gap_ticks = round(GAP_S * self._rate_hz)
         self._aligned = self._is_open = False
         self._retry_ticks = self._wait_ticks = round(RETRY_S * (rate_hz or robot.control.rate_hz))
 
@@ -98,6 +101,9 @@ class Attitude:
         try:
             counts = tuple(self.source.read())
         except ImuError as error:
+            self.missed += 1
+            if isinstance(error, ImuLate) and self._bridge():
+                return self.angles_rad
             self._fail(str(error))
             self._is_open, self._wait_ticks = False, 0
             return None
@@ -105,10 +111,18 @@ class Attitude:
         if fault:
             self._fail(fault)
             return None
-        self.fault = ""
+        self.fault, self._gap = "", 0
         self._axes.to_body(counts, self.raw)
         self._take(attitude_step(self.block, self.raw))
         return self.angles_rad
+
+    def _bridge(self) -> bool:
+        """Go on with the last reading in the place of one that is missing; False once that has been done too often."""
+        self._gap += 1
+        if self.fault or not self._last or self._gap > self._gap_ticks:
+            return False
+        self._take(attitude_step(self.block, self.raw))
+        return True
 
     def _look_again(self) -> None:
         """Try to open a sensor that does not answer, now and then: it may have lost its settings with its power."""

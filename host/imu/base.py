@@ -16,6 +16,10 @@ class ImuError(UserError):
         super().__init__(sentence, NOT_ACHIEVED)
 
 
+class ImuLate(ImuError):
+    """One reading that did not come in time, or came damaged; the next may be good again."""
+
+
 class Imu(ABC):
     """One inertial sensor."""
 
@@ -27,7 +31,10 @@ class Imu(ABC):
 
     @abstractmethod
     def read(self) -> Sequence[int]:
-        """Return six int16 counts in the sensor's axes; ImuError if it does not answer."""
+        """Return six int16 counts in the sensor's axes, well within a tick.
+
+        ImuLate if they did not come in time, ImuError if they will not come at all.
+        """
 
     @abstractmethod
     def close(self) -> None:

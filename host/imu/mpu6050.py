@@ -4,11 +4,12 @@ Accelerometer, temperature and gyro stand in one block of big-endian words; both
 to the same instant.
 """
 
+import fcntl
 import struct
 from typing import Any
 
 from ..robot_model import Robot
-from .base import Imu, ImuError
+from .base import Imu, ImuError, ImuLate
 
 ADDRESS = 0x68
 CONFIG, GYRO_CONFIG, ACCEL_CONFIG, ACCEL_OUT, POWER, WHO_AM_I = 0x1A, 0x1B, 0x1C, 0x3B, 0x6B, 0x75
@@ -18,13 +19,17 @@ CLOCK_GYRO_X = 0x01  # awake, clocked by the gyro: steadier than the chip's own 
 LOW_PASS = 0x03  # 44 Hz, 4.9 ms late (4.3)
 GYRO_RANGES = (131.0, 65.5, 32.8, 16.4)  # counts per deg/s by FS_SEL (4.19)
 ACCEL_RANGES = (16384, 8192, 4096, 2048)  # counts per g by AFS_SEL (4.17)
+# linux/i2c-dev.h: how long a transfer may take, in units of 10 ms. The driver's own second would hold up fifty ticks.
+I2C_TIMEOUT, TIMEOUT_10MS = 0x0702, 1
 
 
 def open_i2c(bus: int) -> Any:
-    """Return an open SMBus of smbus2 (extra pi)."""
+    """Return an open SMBus of smbus2 (extra pi) that gives up a transfer in time."""
     from smbus2 import SMBus
 
-    return SMBus(bus)
+    opened = SMBus(bus)
+    fcntl.ioctl(opened.fd, I2C_TIMEOUT, TIMEOUT_10MS)
+    return opened
 
 
 class Mpu6050(Imu):
@@ -76,7 +81,7 @@ class Mpu6050(Imu):
         try:
             block = self._i2c.read_i2c_block_data(self._address, ACCEL_OUT, BLOCK)
         except OSError as error:
-            raise ImuError(f"{self._where}: stopped answering ({error.strerror or error}): check its wires") from None
+            raise ImuLate(f"{self._where}: stopped answering ({error.strerror or error}): check its wires") from None
         ax, ay, az, _, gx, gy, gz = struct.unpack(">7h", bytes(block))
         return gx, gy, gz, ax, ay, az
 

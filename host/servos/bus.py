@@ -21,6 +21,7 @@ from .table import Register
 
 WATCHDOG_S = 0.2  # ten ticks of 50 Hz: longer than any hiccup that is none (chosen)
 SLICES = 8  # cycles until every servo has told voltage and heat, and state
+SILENT = "does not answer: check its cable"
 TORQUE_TRIES = 20  # each needs an answer from all twelve: at 2 % bad packets about every second one gets it
 
 
@@ -42,7 +43,7 @@ class ServoBus(Bus):
         self._speed_scale = [
             j.sign * t.VELOCITY_RAD_S * turn / k for j, k in zip(calibration.joints, self._per_rad, strict=True)
         ]
-        self._pwm, self._cycle = t.FULL_PWM, 0
+        self._pwm, self._cycle, self._tries = t.FULL_PWM, 0, 0
         self._torque = self._stopped = self._opened = False
         self._warnings: list[str] = []
         self._forget()
@@ -234,34 +235,48 @@ class ServoBus(Bus):
         """See Bus. Switching on clears an emergency stop; ServoError names a servo that does not hold."""
         with self._lock:
             if not on:
-                self._torque = False
+                self._torque, self._tries = False, 0
                 self._let_go()
                 return
-            self._stopped = False
-            self._hold_here()
-            self._torque = True
+            while not self._hold_here():
+                continue
 
-    def _hold_here(self) -> None:
+    def try_torque(self) -> bool:
+        """See Bus. Between two tries all servos are off."""
+        with self._lock:
+            holds = self._hold_here()
+            if not holds:
+                self._let_go()
+            return holds
+
+    def _hold_here(self) -> bool:
         """Torque on with the present positions as goals, watchdog running; checked, because nobody confirms."""
-        reasons: dict[int, str] = dict.fromkeys(range(JOINTS), "does not answer")
-        for _ in range(TORQUE_TRIES):
-            present = self.link.read_all(self._ids, t.FAST_BLOCK)
-            if len(present) == JOINTS:
-                self._tell_all(t.WATCHDOG, 0)
-                self._tell_all(t.GOAL_PWM, self._pwm)
-                positions = {s: t.unpack(t.PRESENT_POSITION, a.data, t.FAST_BLOCK[0]) for s, a in present.items()}
-                self.link.write_all(
-                    t.GOAL_POSITION, {s: min(max(p, 0), t.COUNTS_PER_TURN - 1) for s, p in positions.items()}
-                )
-                self._tell_all(t.TORQUE_ENABLE, 1)
-                self._tell_all(t.WATCHDOG, round(WATCHDOG_S / t.WATCHDOG_TICK_S))
-            reasons = self._not_holding()
-            if not reasons:
-                self._error = [""] * JOINTS
-                return
-        self._let_go()
-        joint, why = next(iter(reasons.items()))
-        raise ServoError(f"{self.name(joint)} does not hold: {why}; nothing moves")
+        self._stopped = False
+        present = self.link.read_all(self._ids, t.FAST_BLOCK)
+        silent = [joint for joint, servo in enumerate(self._ids) if servo not in present]
+        if not silent:
+            self._switch_on(present)
+        reasons = dict.fromkeys(silent, SILENT) or self._not_holding()
+        self._tries += 1
+        if reasons and self._tries < TORQUE_TRIES:
+            return False
+        self._tries = 0
+        if reasons:
+            self._let_go()
+            joint, why = next(iter(reasons.items()))
+            raise ServoError(f"{self.name(joint)} does not hold: {why}; nothing moves")
+        self._error, self._torque = [""] * JOINTS, True
+        return True
+
+    def _switch_on(self, present: dict[int, Answer]) -> None:
+        """Torque on with the goals where the servos are."""
+        self._tell_all(t.WATCHDOG, 0)
+        self._tell_all(t.GOAL_PWM, self._pwm)
+        positions = {s: t.unpack(t.PRESENT_POSITION, a.data, t.FAST_BLOCK[0]) for s, a in present.items()}
+        goals = {servo: min(max(at, 0), t.COUNTS_PER_TURN - 1) for servo, at in positions.items()}
+        self.link.write_all(t.GOAL_POSITION, goals)
+        self._tell_all(t.TORQUE_ENABLE, 1)
+        self._tell_all(t.WATCHDOG, round(WATCHDOG_S / t.WATCHDOG_TICK_S))
 
     def _not_holding(self) -> dict[int, str]:
         """Return the joints that do not hold, and why."""
@@ -270,7 +285,7 @@ class ServoBus(Bus):
         for joint, servo in enumerate(self._ids):
             answer = answers.get(servo)
             if answer is None:
-                reasons[joint] = "does not answer: check its cable"
+                reasons[joint] = SILENT
             elif not t.unpack(t.TORQUE_ENABLE, answer.data, start):
                 error = t.hardware_error_text(t.unpack(t.HARDWARE_ERROR, answer.data, start))
                 reasons[joint] = error or "keeps its torque off"
@@ -283,6 +298,7 @@ class ServoBus(Bus):
         self._stopped = True
         self._torque = False
         with self._lock:
+            self._tries = 0
             if self._opened:
                 self._let_go()
 

@@ -120,12 +120,17 @@ class Link:
         group = GroupSyncWrite(self.port, self.packets, register.address, register.size)
         for servo, value in values.items():
             group.addParam(servo, pack(register, value))
-        self._guard(group.txPacket)
+        self._count_sent(self._guard(group.txPacket))
 
     def broadcast(self, register: Register, value: int) -> None:
         """Write a register of every servo there is; nobody confirms it."""
         data = pack(register, value)
-        self._guard(self.packets.writeTxOnly, self.port, BROADCAST_ID, register.address, register.size, data)
+        args = (self.port, BROADCAST_ID, register.address, register.size, data)
+        self._count_sent(self._guard(self.packets.writeTxOnly, *args))
+
+    def _count_sent(self, result: int) -> None:
+        """Nobody confirms the packet, but one that did not even go out is counted."""
+        self.counters.lost += result != COMM_SUCCESS
 
     def read_all(self, servos: Iterable[int], block: tuple[int, int]) -> dict[int, Answer]:
         """Return the good answers to one request for (address, length) to many servos."""

@@ -20,6 +20,7 @@ from .table import BAUDS
 PATIENCE_MS = 4.0
 LATENCY_TIMER = "/sys/bus/usb-serial/devices/{tty}/latency_timer"
 SLOW_LATENCY_MS = 16
+WRITE_S = 0.005  # an adapter that takes no bytes for so long has lost the packet (chosen; the largest takes 1 ms)
 
 
 class ServoPort(PortHandler):  # type: ignore[misc]
@@ -44,7 +45,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         """Open at a baud rate; the SDK calls it when the rate changes."""
         if self.ser is not None:
             self.closePort()
-        self.ser = serial.Serial(self.port_name, cflag_baud, timeout=0, exclusive=True)
+        self.ser = serial.Serial(self.port_name, cflag_baud, timeout=0, write_timeout=WRITE_S, exclusive=True)
         self.is_open = True
         self.ser.reset_input_buffer()
         self.baudrate = cflag_baud
@@ -63,6 +64,15 @@ class ServoPort(PortHandler):  # type: ignore[misc]
             select.select([self.ser.fileno()], [], [], left_s)
         data: bytes = self.ser.read(length)
         return data
+
+    def writePort(self, packet: list[int]) -> int:
+        """Send a packet; return how many bytes went out, 0 if the adapter does not take them: the packet is lost."""
+        assert self.ser is not None
+        try:
+            return self.ser.write(bytes(packet)) or 0
+        except serial.SerialTimeoutException:
+            self.ser.reset_output_buffer()
+            return 0
 
     def setPacketTimeout(self, packet_length: int) -> None:
         """Give a packet its time on the wire and the patience."""

@@ -117,13 +117,14 @@ class Supervisor:
         return "limp" if posture == "rest" and seated else "sit"
 
     def _arm(self) -> None:
-        """Switch the torque on, limited, with the goals where the joints are."""
+        """Switch the torque on, limited, with the goals where the joints are; a bad line takes several ticks."""
         if not self.measured.complete:
             return
         try:
             self._limit = None
             self._limit_torque()
-            self.bus.torque(True)
+            if not self.bus.try_torque():
+                return
         except UserError as error:
             self.safety.raise_fault(Fault("limp", "arming", str(error)))
             return

@@ -9,7 +9,7 @@ from host.buses.simulated import SimulatedBus
 from host.emulator.plant import PlanePlant, seated_pose_rad
 from host.errors import UserError
 from host.imu.attitude import Attitude
-from host.imu.base import Axes, Imu, ImuError
+from host.imu.base import Axes, Imu, ImuError, ImuLate
 from host.imu.mpu6050 import Mpu6050
 from host.imu.recorded import RecordedImu
 from host.imu.simulated import SimulatedImu
@@ -197,6 +197,32 @@ def test_a_bad_sensor_is_a_fault_until_it_is_good_again(reading, after, words):
     for _ in range(RATE_HZ):
         attitude.update()
     assert attitude.state == "ok"
+
+
+@pytest.mark.parametrize("gone", [1, 5, 6])
+def test_a_short_gap_is_bridged_and_a_longer_one_is_a_fault(gone):
+    """Five ticks are 0.1 s at 50 Hz; the core gets the last reading again, so it turns on at the last speed."""
+    late = range(0)
+    attitude = Attitude(
+        CARAMELO, Script(lambda tick: ImuLate("I2C 1: stopped answering") if tick in late else noisy(tick))
+    )
+    attitude.open()
+    for _ in range(RATE_HZ + 1):
+        attitude.update()
+    late = range(RATE_HZ + 2, RATE_HZ + 2 + gone)
+    known = [attitude.update() is not None for _ in range(gone)]
+    assert known == [tick < 5 for tick in range(gone)]
+    assert attitude.missed == gone
+    assert attitude.state == ("ok" if gone <= 5 else "fault")
+
+
+def test_one_failed_transfer_of_the_mpu6050_is_only_late():
+    chip = Chip()
+    sensor = Mpu6050(CARAMELO, opener=chip)
+    sensor.open()
+    chip.fail = ("read", OSError(121, "Remote I/O error"))
+    with pytest.raises(ImuLate, match="stopped answering"):
+        sensor.read()
 
 
 def test_a_sensor_that_is_missing_at_the_start_is_taken_when_it_comes():
