@@ -12,8 +12,6 @@ Without measured joints it walks on expectations (no odometry, the own weight); 
 rates it holds no heading and learns no centre of mass; without attitude it does not level.
 """
 
-from array import array
-
 from .body import POSE_X, POSE_Y, POSE_Z
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
 from .gait import (
@@ -64,7 +62,7 @@ from .params import (
     P_SWING_SLOW,
     P_TIP_TICKS,
 )
-from .runtime import const, hot, ptr32
+from .runtime import const, hot, ptr32, zeros
 from .sensing import (
     M_FORCE_Q12,
     M_KNOWN,
@@ -113,14 +111,14 @@ class Adaptive:
     """All that the adaptive trot remembers, preallocated; the planner holds one."""
 
     def __init__(self, params):
-        self.sensing = array("i", [0] * SENSING_SIZE)
-        self.load = array("i", [0] * LOAD_SIZE)
-        self.nav = array("i", [0] * NAV_SIZE)
-        self.tip = array("i", [0] * TIP_SIZE)
-        self.state = array("i", [0] * W_SIZE)
-        self.body = array("i", [0] * JOINTS)  # the planned feet in the body
-        self.firm = array("i", [0] * LEGS)  # 1: the foot surely stands
-        self.stands = array("i", [0] * LEGS)  # 256: the foot is planned to stand
+        self.sensing = zeros(SENSING_SIZE)
+        self.load = zeros(LOAD_SIZE)
+        self.nav = zeros(NAV_SIZE)
+        self.tip = zeros(TIP_SIZE)
+        self.state = zeros(W_SIZE)
+        self.body = zeros(JOINTS)  # the planned feet in the body
+        self.firm = zeros(LEGS)  # 1: the foot surely stands
+        self.stands = zeros(LEGS)  # 256: the foot is planned to stand
         adaptive_reset(params, self)
 
 

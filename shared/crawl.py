@@ -6,8 +6,6 @@ It needs measured joints and attitude. It walks straight ahead along the line it
 phase follows a phase is in crawl_steps.py.
 """
 
-from array import array
-
 from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE
 from .crawl_goals import bridge, legs_goals, share_load
 from .crawl_layout import (
@@ -38,7 +36,7 @@ from .fixed import saturate
 from .footholds import prints_start
 from .load import LOAD_SIZE
 from .params import JOINTS, LEGS, LF_BITS
-from .runtime import const, hot, ptr32
+from .runtime import const, hot, ptr32, zeros
 from .sensing import M_FORCE_Q12, M_LEVEL
 
 _OWN_Q12 = const(4096)
@@ -51,20 +49,20 @@ class Crawl:
     """The crawl of one robot at one rate: its settings, state and scratch blocks. ``crawl_tick`` allocates nothing."""
 
     def __init__(self, params):
-        self.settings = array("i", [0] * K_SIZE)
-        self.limbs = array("i", [0] * len(params))
-        self.state = array("i", [0] * C_SIZE)
-        self.load = array("i", [0] * LOAD_SIZE)
-        self.weights = array("i", [0] * LEGS)
-        self.point = array("i", [0] * 2)
-        self.pose = array("i", [0] * POSE_SIZE)
-        self.level = array("i", [0] * POSE_SIZE)
-        self.rotation = array("i", [0] * 9)
-        self.feet = array("i", [0] * JOINTS)
-        self.hip_feet = array("i", [0] * JOINTS)
-        self.reached = array("i", [0] * JOINTS)
-        self.joints = array("i", [0] * JOINTS)
-        self.measured = array("i", [0] * JOINTS)
+        self.settings = zeros(K_SIZE)
+        self.limbs = zeros(len(params))
+        self.state = zeros(C_SIZE)
+        self.load = zeros(LOAD_SIZE)
+        self.weights = zeros(LEGS)
+        self.point = zeros(2)
+        self.pose = zeros(POSE_SIZE)
+        self.level = zeros(POSE_SIZE)
+        self.rotation = zeros(9)
+        self.feet = zeros(JOINTS)
+        self.hip_feet = zeros(JOINTS)
+        self.reached = zeros(JOINTS)
+        self.joints = zeros(JOINTS)
+        self.measured = zeros(JOINTS)
         crawl_setup(params, self.settings, self.limbs)
 
 

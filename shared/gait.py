@@ -5,8 +5,6 @@ advance is shared out so that one cycle moves it by exactly the commanded speed 
 whatever the rate. Nothing here runs per tick but ``gait_clock``.
 """
 
-from array import array
-
 from .fixed import hypot
 from .params import (
     LEG_REST,
@@ -19,7 +17,7 @@ from .params import (
     P_VY_MAX,
     P_WZ_MAX,
 )
-from .runtime import const, hot, ptr32
+from .runtime import const, hot, ptr32, zeros
 
 G_SEGMENTS = const(0)  # number of segments
 G_CYCLE = const(1)  # ticks of a whole cycle
@@ -52,7 +50,7 @@ def compile_gait(table, params):
     count = len(rows)
     if not 1 <= count <= MAX_SEGMENTS:
         raise ValueError(f"a gait has 1 .. {MAX_SEGMENTS} segments, this one {count}")
-    block = array("i", [0] * (G_ROWS + count * ROW_SIZE))
+    block = zeros(G_ROWS + count * ROW_SIZE)
     block[G_SEGMENTS] = count
     block[G_HEIGHT_MM] = head[0]
     block[G_P_T_Q16] = head[1] * 65536 // 100

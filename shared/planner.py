@@ -10,8 +10,6 @@ Its parts: planner_states (which state next), planner_senses and planner_steps (
 planner_pose (body and legs), planner_climb (the crawl instead of all that), planner_layout (its numbers).
 """
 
-from array import array
-
 from .adaptive import Adaptive, carry, pose_body, raise_body
 from .balance import BALANCE_PITCH, BALANCE_ROLL, BALANCE_SIZE, balance_setup
 from .body import POSE_SIZE
@@ -43,7 +41,7 @@ from .planner_states import choose_state, follow_joints, settle
 from .planner_steps import step_gait
 from .posture import MOVE_SIZE, posture_step
 from .retreat import RETREAT_SIZE
-from .runtime import hot, ptr32
+from .runtime import hot, ptr32, zeros
 from .sensing import keep_sent
 from .steps import SPEED_SIZE, STEPS_SIZE
 
@@ -60,31 +58,31 @@ class Planner:
         self.params = params
         self.gaits = [compile_gait(table, params) for table in GAITS]
         self.gait = self.gaits[0]
-        self.top = array("i", [0] * G_ROWS)  # a gait's head, of which only the fastest speeds are used
-        self.numbers = array("i", [0] * N_SIZE)
-        self.clock = array("i", [0] * CLOCK_SIZE)
-        self.speed = array("i", [0] * SPEED_SIZE)
-        self.drive = array("i", [0] * SPEED_SIZE)  # the speed that is walked: corrected by odometry
-        self.pose = array("i", [0] * POSE_SIZE)
-        self.posed = array("i", [0] * POSE_SIZE)
-        self.rotation = array("i", [0] * 9)
-        self.steps = array("i", [0] * STEPS_SIZE)
-        self.move = array("i", [0] * MOVE_SIZE)
-        self.balance = array("i", [0] * BALANCE_SIZE)
-        self.feet = array("i", [0] * JOINTS)
-        self.hip_feet = array("i", [0] * JOINTS)
-        self.reached = array("i", [0] * JOINTS)
-        self.goal = array("i", [0] * JOINTS)
-        self.joints = array("i", [0] * JOINTS)
-        self.leg_flags = array("i", [0] * LEGS)
+        self.top = zeros(G_ROWS)  # a gait's head, of which only the fastest speeds are used
+        self.numbers = zeros(N_SIZE)
+        self.clock = zeros(CLOCK_SIZE)
+        self.speed = zeros(SPEED_SIZE)
+        self.drive = zeros(SPEED_SIZE)  # the speed that is walked: corrected by odometry
+        self.pose = zeros(POSE_SIZE)
+        self.posed = zeros(POSE_SIZE)
+        self.rotation = zeros(9)
+        self.steps = zeros(STEPS_SIZE)
+        self.move = zeros(MOVE_SIZE)
+        self.balance = zeros(BALANCE_SIZE)
+        self.feet = zeros(JOINTS)
+        self.hip_feet = zeros(JOINTS)
+        self.reached = zeros(JOINTS)
+        self.goal = zeros(JOINTS)
+        self.joints = zeros(JOINTS)
+        self.leg_flags = zeros(LEGS)
         self.walk = Adaptive(params)
         self.sensing = self.walk.sensing
         self.felt = self.walk.state
         self.load = self.walk.load
         self.nav = self.walk.nav
         self.climb = Crawl(params)
-        self.fade = array("i", [0] * FADE_SIZE)
-        self.retreat = array("i", [0] * RETREAT_SIZE)
+        self.fade = zeros(FADE_SIZE)
+        self.retreat = zeros(RETREAT_SIZE)
         self.numbers[N_GAITS] = len(self.gaits)
         balance_setup(params, self.balance)
         settle(self)

@@ -21,7 +21,7 @@ BOARD_MODULES = {
     "array", "binascii", "collections", "errno", "gc", "hashlib", "io", "json", "machine", "math", "micropython",
     "os", "pyb", "random", "select", "stm", "struct", "sys", "time", "uctypes", "vfs",
 }  # fmt: skip
-OUTSIDE = {"shared": {"array"}, "firmware": BOARD_MODULES}
+OUTSIDE = {"shared": {"array", "sys"}, "firmware": BOARD_MODULES}
 
 
 def imports(path: Path, root: Path) -> Iterator[str]:

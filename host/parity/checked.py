@@ -109,6 +109,10 @@ class CheckedArray(plain_array.array):  # type: ignore[type-arg]
         return (self[index] for index in builtins.range(len(self)))
 
 
+def _zeros(size: int) -> CheckedArray:
+    return CheckedArray("i", [0] * size)
+
+
 def _range(*bounds: int) -> Iterator[Checked]:
     return (check(index) for index in builtins.range(*bounds))
 
@@ -142,6 +146,8 @@ class _Loader(importlib.machinery.SourceFileLoader):
     def exec_module(self, module: ModuleType) -> None:
         module.__dict__.update(_checked=check, range=_range, int=_integer)
         super().exec_module(module)
+        if module.__name__ == "shared.runtime":
+            module.__dict__["zeros"] = _zeros
 
 
 class _Finder(importlib.abc.MetaPathFinder):

@@ -139,7 +139,7 @@ def test_prints_come_out_in_the_order_they_went_in():
 def test_the_crawl_begins_when_commanded_and_tells_why():
     walker = in_climb(1.0)
     numbers = walker.planner.numbers
-    assert (numbers[n.N_CLIMB], numbers[n.N_REASON]) == (n.CLIMB_ON, n.REASON_COMMAND)
+    assert (numbers[n.N_CLIMB], numbers[n.N_REASON]) == (n.CLIMB_ON, REASON_COMMAND)
     assert walker.state == n.WALKING
 
 

@@ -47,7 +47,7 @@ class Walker:
     def tick(self):
         """One tick; returns the flags."""
         flags = self.planner.tick(self.command, self.sensed)
-        self.sensed[n.S_JOINTS : n.S_JOINTS + 12] = self.planner.joints
+        self.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", self.planner.joints)
         return flags
 
     def ticks(self, count):
