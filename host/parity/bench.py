@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..extras import missing_library
 from ..runtimes import CPython, Unix, Wasi
 from .accuracy import Accuracy, accuracies
 from .budget import over_budget, read_budget
@@ -65,11 +66,21 @@ def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> 
         lambda: bench.accuracy.extend(accuracies()),
     ]
     if simulate:
-        steps.append(lambda: bench.simulator.update(simulator_figures()))
+        steps.append(lambda: _simulator(bench))
     for done, step in enumerate(steps):
         progress(done / len(steps))
         step()
     return bench
+
+
+def _simulator(bench: Bench) -> None:
+    try:
+        bench.simulator.update(simulator_figures())
+    except ModuleNotFoundError as error:  # a Raspberry Pi runs the bench without it
+        missing = missing_library(error)
+        if missing is None:
+            raise
+        bench.skipped["simulator"] = str(missing)
 
 
 def simulator_figures() -> dict[str, Any]:

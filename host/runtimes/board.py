@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..extras import how_to_get
 from .base import Runtime, RuntimeFailure, compile_sources
 
 FOLDER = "parity"
@@ -47,7 +48,7 @@ class Board(Runtime):
 
     def missing(self) -> str | None:
         if importlib.util.find_spec("mpremote") is None:
-            return "mpremote is not installed: pip install 'caramelo[firmware]'"
+            return f"mpremote is not installed: {how_to_get('mpremote')}"
         return None
 
     def prepare(self, sources: Path, work: Path) -> Path:

@@ -5,6 +5,7 @@ import platform
 import sys
 from pathlib import Path
 
+from ..extras import how_to_get
 from .base import Runtime, compile_sources, copy_sources
 from .process import run_command
 
@@ -20,7 +21,7 @@ class Unix(Runtime):
         if (sys.platform, platform.machine()) != ("linux", "x86_64"):
             return f"the unix VM comes for linux x86_64 only, this is {sys.platform} {platform.machine()}"
         if importlib.util.find_spec("micropython_unix") is None:
-            return "not installed: pip install 'caramelo[test]'"
+            return f"not installed: {how_to_get('micropython_unix')}"
         return None
 
     def prepare(self, sources: Path, work: Path) -> Path:

