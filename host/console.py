@@ -31,6 +31,13 @@ def write_error(sentence: str) -> None:
     sys.stderr.flush()
 
 
+def write_note(what: str) -> None:
+    """Tell on stderr what is being done, if somebody watches."""
+    if sys.stderr.isatty():
+        sys.stderr.write(f"{what} ...\n")
+        sys.stderr.flush()
+
+
 @contextmanager
 def progress(title: str, total: float) -> Iterator[Callable[[float], None]]:
     """Yield a function to be called with the part of ``total`` done so far; a bar shows it on a terminal only."""

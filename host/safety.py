@@ -65,7 +65,7 @@ class Safety:
         """Yield what is wrong now, the worst first."""
         yield from self._silent(measured)
         if attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD:
-            yield Fault("limp", "fallen", "the robot has fallen over: put it on its feet, then reset")
+            yield Fault("limp", "fallen", "the robot has fallen over: put it on its feet")
         yield from self._tripped(measured)
         yield from self._hot(measured)
         yield from self._battery(measured)

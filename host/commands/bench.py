@@ -15,9 +15,13 @@ if TYPE_CHECKING:
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]
+Teleop = Annotated[bool, typer.Option("--teleop", help="Measure teleoperation instead, from outside.")]
+Seconds = Annotated[float, typer.Option(min=1.0, max=3600.0, metavar="S", help="With --teleop: how long to walk.")]
+Presses = Annotated[int, typer.Option(min=3, max=1000, metavar="N", help="With --teleop: sticks and stops a source.")]
 Update = Annotated[bool, typer.Option("--update-budget", help="Take today's costs as the budget.")]
 
 COLUMNS = ("cpython_us", "fuel", "bytecode_us", "native_us", "viper_us", "float_us", "float_ratio")
+TELEOP_WIDTH = 150
 WIDTH = 130  # characters; a table is not cut when the output is no terminal
 HEADS = ("CPython us", "fuel", "bytecode us", "native us", "viper us", "floats us", "floats/viper")
 
@@ -27,15 +31,27 @@ def register(app: typer.Typer) -> None:
     app.command("bench", rich_help_panel=CHECKS)(bench)
 
 
-def bench(simulator: Simulator = True, update_budget: Update = False, as_json: Json = False) -> int:
+def bench(
+    simulator: Simulator = True,
+    update_budget: Update = False,
+    teleop: Teleop = False,
+    seconds: Seconds = 30.0,
+    presses: Presses = 100,
+    as_json: Json = False,
+) -> int:
     """Measure the core: time of each function in each runtime, exact cost, accuracy; and the simulator's speed.
 
     Fuel is what the WASI VM burns, the same in every run; more than 5 % over the budget in the
     repository, or a figure that misses its bar, makes the exit code 1. Bytecode, native, viper and
     floats are measured in one VM, MicroPython's unix port.
 
-    Examples: caramelo bench; caramelo bench --json
+    With --teleop: deadlines and processor share of a walk, stick to packet and stop to torque off from every source,
+    bad messages; through a browser where there is one. Exit code 1 if a figure is not reached.
+
+    Examples: caramelo bench; caramelo bench --json; caramelo bench --teleop
     """
+    if teleop:
+        return _teleop(seconds, presses, as_json)
     import tempfile
     from pathlib import Path
 
@@ -53,6 +69,28 @@ def bench(simulator: Simulator = True, update_budget: Update = False, as_json: J
     else:
         _print(found)
     return NOT_ACHIEVED if found.missed else 0
+
+
+def _teleop(seconds: float, presses: int, as_json: bool) -> int:
+    from rich.table import Table
+
+    from ..console import write_note
+    from ..teleop.bench import run_bench
+
+    found = run_bench(seconds, presses, write_note)
+    if as_json:
+        write_json(found.as_dict())
+    else:
+        table = Table("figure", "measured", "at most", "", "", box=None, pad_edge=False)
+        for row in found.rows:
+            style = None if row.reached else "red"
+            table.add_row(row.what, f"{row.value:g}", f"{row.at_most:g}", row.unit, row.detail, style=style)
+        console = screen()
+        console.width = max(console.width, TELEOP_WIDTH)
+        console.print(table, soft_wrap=True)
+        for name, reason in found.skipped.items():
+            console.print(f"{name}: skipped: {reason}", soft_wrap=True)
+    return 0 if all(row.reached for row in found.rows) else NOT_ACHIEVED
 
 
 def _summary(found: "Bench") -> dict[str, Any]:

@@ -102,7 +102,8 @@ def _show(figures: dict[str, Any]) -> None:
         f"busy  {busy['p50']:.2f} ms median, {busy['p99']:.2f} at the 99th percentile, {busy['max']:.2f} at most"
     )
     if "loop_cpu_share" in figures:
-        console.print(f"{100 * figures['loop_cpu_share']:.1f} % of one core")
+        page = f", the page's process {100 * figures['page_cpu_share']:.1f} %" if figures["page_cpu_share"] else ""
+        console.print(f"{100 * figures['loop_cpu_share']:.1f} % of one core{page}")
     for source, stops in figures["stop_to_packet_ms"].items():
         console.print(f"stop by {source}: torque off after {stops['max']:.1f} ms at most ({stops['count']})")
     if figures.get("failure"):

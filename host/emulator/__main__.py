@@ -124,6 +124,7 @@ def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
     """Answer packets and orders until stdin ends."""
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
+    bus.advance(TICK_S)  # what is slow the first time must not hold up the first answer
     # Until a program sets a rate, the terminal has its own, which no servo listens to.
     print(json.dumps({"port": os.ttyname(theirs)}), flush=True)
     began = time.monotonic()

@@ -15,7 +15,7 @@ from ..calibration.data import Calibration, counts_per_rad, servo_of
 from ..errors import UserError
 from ..robot_model import Robot
 from . import table as t
-from .link import Answer, Link, ServoError
+from .link import PATIENCE_MS, Answer, Link, ServoError
 from .port import latency_warning
 from .table import Register
 
@@ -77,7 +77,7 @@ class ServoBus(Bus):
             raise
 
     def _find_all(self) -> None:
-        models = [self.link.ping(servo) for servo in self._ids]
+        models = [self.link.ping(servo) or self.link.ping(servo, patience_ms=PATIENCE_MS) for servo in self._ids]
         missing = [self.name(joint) for joint, model in enumerate(models) if model is None]
         if len(missing) == JOINTS:
             raise ServoError(

@@ -47,9 +47,9 @@ class Link:
         self.packets = PacketHandler(protocol)
         self.counters = Counters() if counters is None else counters
 
-    def ping(self, servo: int, tries: int = RETRIES) -> int | None:
+    def ping(self, servo: int, tries: int = RETRIES, patience_ms: float = PING_PATIENCE_MS) -> int | None:
         """Return the model number of a servo, or None if it does not answer."""
-        with self._patient(PING_PATIENCE_MS):
+        with self._patient(patience_ms):
             for _ in range(tries):
                 model, result, _ = self._guard(self.packets.ping, self.port, servo)
                 if self._count(result):

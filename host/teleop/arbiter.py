@@ -1,6 +1,6 @@
 """Who drives: one at a time, by priority; a dead-man; an emergency stop that anyone may pull and that stays pulled."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from .messages import Drive, Message
 
@@ -35,6 +35,15 @@ class Stop:
     t_ms: float | None = None
 
 
+@dataclass(frozen=True)
+class Pending:
+    """The oldest drive message that no packet carries yet: whose, its sender's time or None; if sticks moved since."""
+
+    source: str
+    t_ms: float | None
+    moved: bool
+
+
 @dataclass
 class Arbiter:
     """Takes checked messages of all clients and holds what is to be done now. Times are monotonic seconds."""
@@ -49,8 +58,7 @@ class Arbiter:
     obeyed: int = 0
     refusal: str = ""
     _heard_s: float = 0.0
-    # The drive message that no servo packet carries yet: received when, and the sender's own time.
-    pending: tuple[float, float | None] | None = None
+    pending: Pending | None = None
 
     def handle(self, client: Client, message: Message, now_s: float) -> bool:
         """Obey a message or refuse it; ``refusal`` says why. True if obeyed."""
@@ -66,7 +74,7 @@ class Arbiter:
         if kind == "reset":
             self._reset(client, now_s)
         elif kind == "drive":
-            self._steer(message, now_s)
+            self._steer(client, message)
         elif kind == "posture":
             return self._set_posture(client, message["posture"])
         elif kind == "gait":
@@ -103,10 +111,10 @@ class Arbiter:
     def _reset(self, client: Client, now_s: float) -> None:
         self.stop, self.posture, self.drive = None, "rest", Drive()
 
-    def _steer(self, message: Message, now_s: float) -> None:
-        self.drive = Drive.of(message)
-        if self.pending is None:
-            self.pending = (now_s, message.get("t_ms"))
+    def _steer(self, client: Client, message: Message) -> None:
+        before, self.drive = self.drive, Drive.of(message)
+        oldest = self.pending or Pending(client.source, message.get("t_ms"), moved=False)
+        self.pending = replace(oldest, moved=oldest.moved or self.drive != before)
 
     def _set_posture(self, client: Client, posture: str) -> bool:
         if self.stop is not None:

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 from .arbiter import Client
 from .messages import Message
-from .pacer import Pacer, quantiles_ms
+from .pacer import Pacer, figures_ms
 from .supervisor import Supervisor
 
 KEPT = 2000
@@ -37,9 +37,13 @@ class Loop:
         self.supervisor, self._after_tick, self.clock = supervisor, after_tick, clock
         self.pacer = Pacer(supervisor.driver.rate_hz, clock())
         self.running = True
-        # From the sender's time stamp to the packet on the bus, s, by the wall clock; only where both have one clock.
-        self.command_s: deque[float] = deque(maxlen=KEPT)
+        # By source: from the sender's time stamp to the packet on the bus, s, by the wall clock; only where both have
+        # one clock.
+        self.command_s: dict[str, deque[float]] = {}
         self.stop_s: dict[str, deque[float]] = {}
+        # When the bus was last given goals after the sticks had moved, and a stop; None: never.
+        self.steered_at_s: float | None = None
+        self.stopped_at_s: float | None = None
 
     def receive(self, client: Client, message: Message) -> bool:
         """Take a checked message; a stop acts at once."""
@@ -87,20 +91,27 @@ class Loop:
         """Note how long the newest stick took from its sender to the bus."""
         arbiter = self.supervisor.arbiter
         pending, arbiter.pending = arbiter.pending, None
-        if pending is not None and pending[1] is not None and self.supervisor.armed:
-            self.command_s.append(time.time() - pending[1] / 1000)
+        if pending is None or not self.supervisor.armed:
+            return
+        if pending.moved:
+            self.steered_at_s = self.clock()
+        if pending.t_ms is not None:
+            _keep(self.command_s, pending.source, time.time() - pending.t_ms / 1000)
 
     def _clock_stop(self, client: Client, t_ms: float | None, received_s: float) -> None:
-        taken_s = self.clock() - received_s if t_ms is None else time.time() - t_ms / 1000
-        self.stop_s.setdefault(client.source, deque(maxlen=KEPT)).append(taken_s)
+        self.stopped_at_s = self.clock()
+        taken_s = self.stopped_at_s - received_s if t_ms is None else time.time() - t_ms / 1000
+        _keep(self.stop_s, client.source, taken_s)
 
     def timing(self) -> dict[str, Any]:
         """Return the ticks' figures, and how long commands and stops took to the bus, ms."""
         return {
             "rate_hz": self.supervisor.driver.rate_hz,
             **self.pacer.summary(),
-            "command_to_packet_ms": {"count": len(self.command_s), **quantiles_ms(self.command_s)},
-            "stop_to_packet_ms": {
-                source: {"count": len(seconds), **quantiles_ms(seconds)} for source, seconds in self.stop_s.items()
-            },
+            "command_to_packet_ms": {source: figures_ms(seconds) for source, seconds in self.command_s.items()},
+            "stop_to_packet_ms": {source: figures_ms(seconds) for source, seconds in self.stop_s.items()},
         }
+
+
+def _keep(by_source: dict[str, deque[float]], source: str, seconds: float) -> None:
+    by_source.setdefault(source, deque(maxlen=KEPT)).append(seconds)

@@ -2,6 +2,7 @@
 
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +20,12 @@ LEVEL = [0.0] * 6
 class Measure:
     """Drives for ``seconds`` once the robot stands; ``done`` is true afterwards."""
 
-    def __init__(self, seconds: float, vx_m_s: float) -> None:
-        self._seconds, self._vx_m_s = seconds, SPEED_SHARE * vx_m_s
+    def __init__(self, seconds: float, vx_m_s: float, page_cpu_s: Callable[[], float] = lambda: 0.0) -> None:
+        """``page_cpu_s`` returns the processor time that the page's process has used."""
+        self._seconds, self._vx_m_s, self._page_cpu_s = seconds, SPEED_SHARE * vx_m_s, page_cpu_s
         self._began_s: float | None = None
         self._sent_s = self._asked_s = 0.0
-        self._busy_s = self._wall_s = 0.0
+        self._busy_s = self._page_s = self._wall_s = 0.0
         self._missed_before = 0
         self.done = False
         self.failure = ""
@@ -51,7 +53,8 @@ class Measure:
 
     def _begin(self, loop: Loop, now_s: float) -> None:
         """Figures are of the walk: standing up switches torque on, which takes longer than a tick."""
-        self._began_s, self._wall_s, self._busy_s = now_s, now_s, time.process_time()
+        self._began_s, self._wall_s = now_s, now_s
+        self._busy_s, self._page_s = time.process_time(), self._page_cpu_s()
         self._ticks_before, self._missed_before = loop.pacer.ticks, loop.pacer.missed
         loop.pacer.late_s.clear()
         loop.pacer.busy_s.clear()
@@ -69,11 +72,13 @@ class Measure:
     def _end(self, loop: Loop, now_s: float) -> None:
         self.done = True
         share = (time.process_time() - self._busy_s) / (now_s - self._wall_s)
+        page_share = (self._page_cpu_s() - self._page_s) / (now_s - self._wall_s)
         timing = loop.timing()
         timing["ticks"] -= self._ticks_before
         timing["missed"] -= self._missed_before
         errors = loop.supervisor.bus.counters.errors
-        self.figures = {"seconds": round(now_s - self._wall_s, 2), "loop_cpu_share": round(share, 4), **timing}
+        self.figures = {"seconds": round(now_s - self._wall_s, 2), **timing}
+        self.figures |= {"loop_cpu_share": round(share, 4), "page_cpu_share": round(page_share, 4)}
         self.figures["missed_standing_up"] = self._missed_before
         self.figures["bus_errors"] = errors
 

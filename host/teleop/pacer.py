@@ -51,6 +51,11 @@ class Pacer:
         }
 
 
+def figures_ms(seconds: "deque[float] | list[float]") -> dict[str, float]:
+    """Return how many times there are, and their quantiles in ms."""
+    return {"count": len(seconds), **quantiles_ms(seconds)}
+
+
 def quantiles_ms(seconds: "deque[float] | list[float]") -> dict[str, float]:
     """Return median, 99th percentile and largest of some times, ms; zeros for none."""
     ordered = sorted(seconds) or [0.0]

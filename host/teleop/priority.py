@@ -19,9 +19,9 @@ def ask() -> str:
 
 
 def give_back(nicer: int) -> None:
-    """Be an ordinary process again, and a little behind the others."""
-    try:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-        os.setpriority(os.PRIO_PROCESS, 0, nicer)
-    except (OSError, AttributeError):
+    """Stay behind the loop that started this process: ordinary behind a lifted one, else by ``nicer``."""
+    if os.sched_getscheduler(0) == os.SCHED_OTHER and os.getpriority(os.PRIO_PROCESS, 0) >= 0:
         os.nice(nicer)
+        return
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    os.setpriority(os.PRIO_PROCESS, 0, 0)

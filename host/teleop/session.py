@@ -123,7 +123,7 @@ class Session:
             self.extra.web = self._web.url + (f" code {self._web.code}" if self._web.code else "")
             self._note(StartCheck("web page", True, self.extra.web))
         if options.measure_s is not None:
-            self._measure = Measure(options.measure_s, self.robot.speed_limits.vx_m_s)
+            self._measure = Measure(options.measure_s, self.robot.speed_limits.vx_m_s, self._page_cpu_s)
             self._after.append(self._measure.tick)
         if options.terminal:
             stack.enter_context(raw_keys(sys.stdin.fileno()))
@@ -189,6 +189,9 @@ class Session:
         if self._screen is not None:
             self._screen.show(news)
 
+    def _page_cpu_s(self) -> float:
+        return 0.0 if self._web is None else cpu_seconds(self._web.process.pid)
+
     @contextmanager
     def _signals(self) -> Iterator[None]:
         """SIGINT and SIGTERM mean: sit down and leave."""
@@ -208,8 +211,6 @@ class Session:
         figures |= self._measure.figures if self._measure and self._measure.done else loop.timing()
         if self._measure:
             figures["failure"] = self._measure.failure
-        if self._web is not None:
-            figures["web_cpu_s"] = round(cpu_seconds(self._web.process.pid), 3)
         arbiter = loop.supervisor.arbiter
         figures |= {"obeyed": arbiter.obeyed, "refused": arbiter.refused, "bad_messages": self.extra.bad_messages}
         figures["web_messages"] = self.extra.web_counts

@@ -81,3 +81,12 @@ def test_gait_and_balance(arbiter):
     arbiter.handle(PAGE, {"type": "gait", "gait": "crawl"}, 0.0)
     arbiter.handle(PAGE, {"type": "balance", "on": False}, 0.0)
     assert (arbiter.gait, arbiter.balance) == ("crawl", False)
+
+
+def test_the_oldest_message_that_waits_is_timed_and_a_moved_stick_among_them_is_not_forgotten(arbiter):
+    arbiter.handle(PAGE, {**STILL, "t_ms": 1.0}, 0.0)
+    assert not arbiter.pending.moved
+    arbiter.handle(PAGE, {**AHEAD, "t_ms": 2.0}, 0.001)
+    assert (arbiter.pending.source, arbiter.pending.t_ms, arbiter.pending.moved) == ("web", 1.0, True)
+    arbiter.handle(PAGE, {**AHEAD, "t_ms": 3.0}, 0.002)
+    assert (arbiter.pending.t_ms, arbiter.pending.moved) == (1.0, True)

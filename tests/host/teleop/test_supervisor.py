@@ -6,7 +6,7 @@ import pytest
 
 from host.teleop.supervisor import STATES
 
-from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig
+from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig, Silence
 
 
 @pytest.fixture
@@ -100,6 +100,16 @@ def test_a_dead_bus_lets_go(rig, monkeypatch):
     rig.run(0.1, AHEAD)
     assert not rig.holding
     assert "12 joints do not answer" in rig.reason
+
+
+def test_a_fall_lets_go_in_the_tick_that_senses_it(rig, monkeypatch):
+    """Nothing is asked again or waited for: from the reading to the packet it takes a part of a tick."""
+    rig.stand()
+    monkeypatch.setattr(rig.supervisor, "_read_attitude", lambda: (1.2, 0.0))
+    assert rig.holding
+    rig.loop.tick(Silence())
+    assert not rig.holding
+    assert rig.reason == "the robot has fallen over: put it on its feet; then reset"
 
 
 def test_unknown_joints_are_not_armed(rig, monkeypatch):

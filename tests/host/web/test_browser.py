@@ -252,7 +252,7 @@ def test_latency_is_measured_end_to_end(browser, tmp_path):
         teleop.wait(lambda status: status["state"] == "standing")
         measure(teleop, page, 15, 3)
         figures = teleop.stop()
-    keys, stops = figures["command_to_packet_ms"], figures["stop_to_packet_ms"]["web"]
+    keys, stops = figures["command_to_packet_ms"]["web"], figures["stop_to_packet_ms"]["web"]
     assert keys["count"] >= 25
     assert keys["p50"] < 100
     assert stops["count"] == 3
@@ -270,5 +270,5 @@ def test_latency_figures(browser, tmp_path):
         measure(teleop, page, 300, 60)
         figures = teleop.stop()
     print({key: figures[key] for key in ("command_to_packet_ms", "stop_to_packet_ms", "missed", "ticks", "busy_ms")})
-    assert figures["command_to_packet_ms"]["p99"] <= 150, "five times what is aimed at: the machine may be busy"
+    assert figures["command_to_packet_ms"]["web"]["p99"] <= 150, "five times what is aimed at: the machine may be busy"
     assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125

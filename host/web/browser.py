@@ -1,0 +1,121 @@
+"""A real browser on the page, for measurements: its keys, sticks, STOP button and gamepad as a person uses them."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+# A gamepad that the caller moves: window.pad is what the browser would tell.
+FAKE_PAD = """
+window.pad = {connected: true, axes: [0, 0, 0, 0], buttons: Array.from({length: 17}, () => ({pressed: false}))};
+navigator.getGamepads = () => [window.pad];
+"""
+
+
+def executable() -> str | None:
+    """Return where the browser is, or None."""
+    return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+def missing() -> str:
+    """Return why no page can be opened here, "" if one can."""
+    try:
+        import playwright.sync_api  # noqa: F401
+    except ImportError:
+        return "the library playwright is not installed: make setup"
+    return "" if executable() else "no browser: apt-get install chromium"
+
+
+@contextmanager
+def open_page(url: str) -> Iterator[Any]:
+    """Yield the page once it may drive, with a gamepad that lies still."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as library:
+        browser = library.chromium.launch(executable_path=executable(), args=list(FLAGS))
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        page.add_init_script(FAKE_PAD)
+        page.goto(url)
+        page.wait_for_selector("#take:enabled")
+        yield page
+        browser.close()
+
+
+class PageKeys:
+    """The page's keyboard."""
+
+    name = "page, key"
+
+    def __init__(self, page: Any) -> None:
+        self.page = page
+
+    def push(self) -> None:
+        """Move the sticks."""
+        self.page.keyboard.down("w")
+
+    def let_go(self) -> None:
+        """Let them go."""
+        self.page.keyboard.up("w")
+
+    def stop(self) -> None:
+        """Emergency stop."""
+        self.page.keyboard.press("Space")
+
+    def stand(self) -> None:
+        """Stand up."""
+        self.page.keyboard.press("t")
+
+    def reset(self) -> None:
+        """Forget the stop."""
+        self.page.keyboard.press("r")
+
+
+class PageStick(PageKeys):
+    """The page's left stick and its STOP button."""
+
+    name = "page, stick and STOP"
+
+    def push(self) -> None:
+        """See PageKeys."""
+        box = self.page.locator("#walk").bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        self.page.mouse.move(x, y - box["height"] / 3)
+        self.page.mouse.down()
+
+    def let_go(self) -> None:
+        """See PageKeys."""
+        self.page.mouse.up()
+
+    def stop(self) -> None:
+        """See PageKeys."""
+        self.page.locator("#stop").click()
+
+
+class PagePad(PageKeys):
+    """The browser's gamepad, whose dead-man button is held."""
+
+    name = "page, gamepad"
+
+    def push(self) -> None:
+        """See PageKeys."""
+        self.page.evaluate("pad.buttons[4].pressed = true; pad.axes[1] = -1")
+
+    def let_go(self) -> None:
+        """See PageKeys."""
+        self.page.evaluate("pad.axes[1] = 0")
+
+    def stop(self) -> None:
+        """See PageKeys."""
+        self.page.evaluate("pad.buttons[1].pressed = true")
+        self.page.wait_for_timeout(60)
+        self.page.evaluate("pad.buttons[1].pressed = false")
