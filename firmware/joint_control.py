@@ -46,7 +46,7 @@ from shared.joint.layout import (
     STATE_SIZE,
     TORQUE_OFF,
 )
-from shared.joint.sine import SINE
+from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
 from shared.runtime import const
@@ -75,6 +75,7 @@ class Control:
     def __init__(self, board):
         self.board = board
         self.foc = array("i", [0] * FOC_SIZE)
+        fill_sine(self.foc)
         self.cfg = array("i", [0] * CFG_SIZE)
         self.curve = array("i", [0] * CURVE_SIZE)
         self.state = array("i", [0] * STATE_SIZE)
@@ -174,9 +175,9 @@ class Control:
         if rotor < 0:
             rotor = foc[F_ROTOR]
             invalid = 1
-        code = current_step(rotor, invalid, foc, SINE)
+        code = current_step(rotor, invalid, foc)
         if code:
-            code = current_repair(code, rotor, invalid, foc, SINE)
+            code = current_repair(code, rotor, invalid, foc)
         if code or self._since_motion > _MOTION_LATE_STEPS:
             board.pwm_off()
             self.bridge = 0

@@ -9,7 +9,6 @@ from array import array
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_repair, current_reset, current_step
 from shared.joint.layout import F_RAW_A, F_ROTOR
-from shared.joint.sine import SINE
 from shared.runtime import const
 
 from .joint_control import Control
@@ -60,9 +59,9 @@ class Probe:
         if rotor < 0:
             self.bad_rotor += 1
             rotor = foc[F_ROTOR]
-        code = current_step(rotor, 0, foc, SINE)
+        code = current_step(rotor, 0, foc)
         if code:
-            current_repair(code, rotor, 0, foc, SINE)
+            current_repair(code, rotor, 0, foc)
         self.board.pwm_write(foc)
         for phase in range(3):
             self.low[phase] = min(self.low[phase], foc[F_RAW_A + phase])
@@ -109,7 +108,7 @@ def _step_ns(foc):
         return -1
     start = clock()
     for _ in range(CALLS):
-        current_step(foc[F_ROTOR], 0, foc, SINE)
+        current_step(foc[F_ROTOR], 0, foc)
     return (clock() - start) * 1000 // CALLS
 
 

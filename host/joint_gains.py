@@ -12,6 +12,7 @@ from math import exp, log, pi, sqrt
 from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import set_offsets
+from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE
 
 from .errors import UserError
@@ -204,6 +205,7 @@ def _foc(bldc: Bldc, board: Board, units: Units) -> array:
     if not 500 <= period <= 7000:
         low, high = board.timer_hz / 14000, board.timer_hz / 1000
         raise UserError(f"actuator.drive.pwm_hz {bldc.drive.pwm_hz}: {low:.0f} .. {high:.0f} on this timer")
+    fill_sine(foc)
     foc[j.F_PERIOD] = period
     foc[j.F_HALF] = period * 8 + 8
     foc[j.F_PULSE] = round(board.shortest_pulse_s * board.timer_hz / 2)

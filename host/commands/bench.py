@@ -101,6 +101,7 @@ def _summary(found: "Bench") -> dict[str, Any]:
             for a in found.accuracy
         ],
         "tick_us": found.ticks,
+        "cortex_m4_instructions": found.instructions,
         "simulator": found.simulator,
         "skipped": found.skipped,
         "missed": found.missed,
@@ -121,6 +122,9 @@ def _print(found: "Bench") -> None:
     _print_accuracy(console, found)
     ticks = ", ".join(f"{walk} {us:.0f}" for walk, us in found.ticks.items())
     console.print(f"\nwhole tick on CPython, us (wanted: at most {TICK_US:g}): {ticks}", soft_wrap=True)
+    if found.instructions:
+        counts = ", ".join(f"{name} {count}" for name, count in found.instructions.items())
+        console.print(f"instructions of a Cortex-M4 as viper, call included: {counts}", soft_wrap=True)
     if found.simulator:
         row = found.simulator
         console.print(

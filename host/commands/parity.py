@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..parity.check import Report
     from ..runtimes import Runtime
 
+EMULATED = "cortex-m-viper"  # slow, so only by its name
 Names = Annotated[list[str] | None, typer.Option("--runtime", help="Only this runtime, and CPython; repeatable.")]
 Port = Annotated[str | None, typer.Option(help="Serial port of a real board, e.g. /dev/ttyACM0.")]
 Vectors = Annotated[int, typer.Option(min=8, help="Vectors of a function; 200 also means walks of 5000 ticks.")]
@@ -36,7 +37,10 @@ def parity(
     The vectors cover every public function of shared/ over its range, and walks in every gait. If a
     runtime differs, the first differing vector is shown and the exit code is 1.
 
-    Examples: caramelo parity; caramelo parity --runtime wasi; caramelo parity --port /dev/ttyACM0
+    Runtime cortex-m-viper, an emulated Cortex-M4 with the board's own machine code, takes minutes and runs only by
+    name.
+
+    Examples: caramelo parity; caramelo parity --runtime wasi-source; caramelo parity --port /dev/ttyACM0
     """
     import tempfile
     from pathlib import Path
@@ -69,7 +73,7 @@ def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":
     """Return the runtimes asked for, CPython first; UserError for a name there is not."""
     from ..runtimes import all_runtimes
 
-    runtimes = all_runtimes(port)
+    runtimes = all_runtimes(port, emulated=EMULATED in (names or []))
     known = [runtime.name for runtime in runtimes]
     for name in names or []:
         if name not in known:

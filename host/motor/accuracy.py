@@ -8,7 +8,6 @@ from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
-from shared.joint.sine import SINE
 from shared.joint.svpwm import svpwm
 
 from ..joint_gains import JointSetup, joint_blocks
@@ -70,9 +69,9 @@ def _step_error(bldc: Bldc, draw: random.Random) -> float:
         rotor = draw.randrange(16384)
         _draw_state(bldc, blocks, draw, rotor)
         want = _reference(bldc, blocks, rotor)
-        code = current_step(rotor, 0, foc, SINE)
+        code = current_step(rotor, 0, foc)
         if code:
-            current_repair(code, rotor, 0, foc, SINE)
+            current_repair(code, rotor, 0, foc)
         for place, duty in zip((j.F_DUTY_A, j.F_DUTY_B, j.F_DUTY_C), want, strict=True):
             worst = max(worst, abs(foc[place] / period - duty))
     return worst

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from ..extras import missing_library
-from ..runtimes import CPython, Unix, Wasi
+from ..runtimes import CortexM, CPython, Unix, Wasi
 from .accuracy import Accuracy, accuracies
 from .budget import over_budget, read_budget
-from .figures import float_microseconds, fuel, microseconds
+from .figures import float_microseconds, fuel, instructions, microseconds
 from .sources import gather
 
 REPEATS = 50  # calls in a timed loop
@@ -20,6 +20,7 @@ TICK_US = 60.0
 FASTER_THAN_FLOATS = 3.0
 TICK = "planner.tick:"
 COMPARED = ("leg.leg_inverse", TICK)
+INSTRUCTIONS_MOST = {"joint.current_step": 824}  # of a Cortex-M4 as viper: what a first prototype needed
 
 
 @dataclass
@@ -29,6 +30,7 @@ class Bench:
     cost: dict[str, dict[str, float]] = field(default_factory=dict)
     accuracy: list[Accuracy] = field(default_factory=list)
     simulator: dict[str, Any] = field(default_factory=dict)
+    instructions: dict[str, int] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
     over: list[str] = field(default_factory=list)
 
@@ -52,6 +54,9 @@ class Bench:
         for name, row in self.cost.items():
             if name.startswith(COMPARED) and row.get("float_ratio", FASTER_THAN_FLOATS) < FASTER_THAN_FLOATS:
                 found.append(f"{name}: {row['float_ratio']:.1f} x faster than floats, at least {FASTER_THAN_FLOATS:g}")
+        for name, most in INSTRUCTIONS_MOST.items():
+            if self.instructions.get(name, 0) > most:
+                found.append(f"{name}: {self.instructions[name]} instructions of a Cortex-M4, at most {most}")
         return found + self.over
 
 
@@ -63,6 +68,7 @@ def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> 
         lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS)),
         lambda: _fuel(bench, sources, _new(work, "wasi")),
         *(lambda emitter=emitter: _unix(bench, sources, work, emitter) for emitter in UNIX),
+        lambda: _instructions(bench, sources, _new(work, "cortex-m")),
         lambda: bench.accuracy.extend(accuracies()),
     ]
     if simulate:
@@ -102,6 +108,15 @@ def _fuel(bench: Bench, sources: Path, work: Path) -> None:
     burnt = fuel(sources, work)
     bench.fill("fuel", burnt)
     bench.over = over_budget(burnt, read_budget())
+
+
+def _instructions(bench: Bench, sources: Path, work: Path) -> None:
+    runtime = CortexM(counting=True)
+    missing = runtime.missing()
+    if missing:
+        bench.skipped[runtime.name] = missing
+        return
+    bench.instructions.update(instructions(runtime, sources, work))
 
 
 def _unix(bench: Bench, sources: Path, work: Path, emitter: str) -> None:

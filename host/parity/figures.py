@@ -5,13 +5,19 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..runtimes import CPython, Runtime, Unix, Wasi
+from ..runtimes import CortexM, CPython, Runtime, Unix, Wasi
 from .check import call
 from .sources import add_floats
 
 VECTORS = 8  # random ones whose cost is averaged
 CHECKED_VECTORS = 24
 ALLOCATION_VECTORS = 24
+COUNTED = {  # whose instructions on a Cortex-M4 are counted, by module
+    "fixed": ("sin_q15", "isqrt", "atan2_brad"),
+    "leg": ("leg_inverse",),
+    "pid": ("pid_step",),
+    "joint": ("current_step",),
+}
 
 
 @dataclass(frozen=True)
@@ -91,6 +97,29 @@ def fuel(sources: Path, work: Path) -> dict[str, int]:
                 burnt += (full - empty) - (empty - start)
             found[f"{module}.{name}"] = round(burnt / 4 / vectors)
     return found
+
+
+def instructions(runtime: CortexM, sources: Path, work: Path) -> dict[str, int]:
+    """Return the most instructions any of some calls of COUNTED takes on a Cortex-M4, from its arguments to its result.
+
+    That is: the caller's bytecode for the call included, the loop round it not.
+    """
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module, names in COUNTED.items():
+        rows = runtime.ask(tree, _measure("instructions", module, names, VECTORS))["rows"]
+        marks = iter(runtime.marks)
+        for name, vectors in rows:
+            calls = []
+            for _ in range(vectors):
+                four, eight = (_between(*(next(marks) for _ in range(3))) for _ in range(2))
+                calls.append((eight - four) // 4)
+            found[f"{module}.{name}"] = max(calls)
+    return found
+
+
+def _between(start: int, empty: int, full: int) -> int:
+    return (full - empty) - (empty - start)
 
 
 def microseconds(runtime: Runtime, sources: Path, work: Path, repeats: int) -> dict[str, float]:

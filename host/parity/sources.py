@@ -4,6 +4,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+from shared.joint import layout as j
+
 from ..build.source import ROOT
 from ..joint_gains import JointSetup, joint_blocks
 from ..robot_actuators import Bldc
@@ -61,7 +63,7 @@ def _joint_blocks(**setup: Any) -> list[Any]:
     actuator = load_robot("parallel").actuator
     assert isinstance(actuator, Bldc)
     blocks = joint_blocks(actuator, JointSetup(lower_rad=-1.0, upper_rad=1.9, **setup))
-    return [blocks.foc, blocks.cfg, blocks.curve]
+    return [blocks.foc[: j.F_SINE], blocks.cfg, blocks.curve]
 
 
 def _with_legs(robot: Robot, **legs: Any) -> Robot:

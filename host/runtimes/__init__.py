@@ -2,16 +2,20 @@
 
 from .base import Runtime, RuntimeFailure
 from .board import Board
+from .cortex_m import CortexM
 from .cpython import CPython
 from .node import Node
 from .unix import Unix
 from .wasi import Wasi
 
-__all__ = ["Board", "CPython", "Node", "Runtime", "RuntimeFailure", "Unix", "Wasi", "all_runtimes"]
+__all__ = ["Board", "CPython", "CortexM", "Node", "Runtime", "RuntimeFailure", "Unix", "Wasi", "all_runtimes"]
 
 
-def all_runtimes(port: str | None = None) -> list[Runtime]:
-    """Return the runtimes in the order they are reported; the board only with a ``port``."""
+def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtime]:
+    """Return the runtimes in the order they are reported; the board only with a ``port``.
+
+    ``emulated``: also the Cortex-M4 that is emulated, which takes minutes.
+    """
     runtimes: list[Runtime] = [
         CPython(),
         Wasi("source"),
@@ -22,6 +26,8 @@ def all_runtimes(port: str | None = None) -> list[Runtime]:
         Unix("native"),
         Unix("viper"),
     ]
+    if emulated:
+        runtimes.append(CortexM())
     if port:
         runtimes.append(Board(port))
     return runtimes

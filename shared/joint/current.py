@@ -2,17 +2,19 @@
 
 ``current_step`` is written for few instructions: in viper its two integer parameters live in
 registers and hold the pair it works on (currents, errors, voltages, then the extremes of the
-phases), it calls nothing and reads each place once or twice. What is rare is left to
-``current_repair``, and the step says so by its result:
+phases), it calls nothing and reads each place once or twice; one array holds all it needs, its sine
+table too, because handing over an array is dear. What is rare is left to ``current_repair``, and the
+step says so by its result:
 
-    code = current_step(rotor, invalid, foc, SINE)
-    if code: code = current_repair(code, rotor, invalid, foc, SINE)
+    code = current_step(rotor, invalid, foc)
+    if code: code = current_repair(code, rotor, invalid, foc)
     if code: switch the bridge off
 """
 
 from ..fixed import round_sqrt
-from ..runtime import const, hot, ptr16, ptr32
+from ..runtime import const, hot, ptr32
 from .layout import (
+    F_COSINE,
     F_D_REF,
     F_DUTY_A,
     F_DUTY_B,
@@ -47,13 +49,13 @@ from .layout import (
     F_RAW_C,
     F_ROTOR,
     F_ROTOR_SEEN,
+    F_SINE,
     F_SPAN,
     F_TRIP_SQUARE,
     F_TRIPPED,
     F_V_D,
     F_V_Q,
 )
-from .sine import SINE_BIAS
 from .svpwm import svpwm
 
 STEP_DONE = const(0)
@@ -69,11 +71,11 @@ _RAD_Q22 = const(402)  # rad per brad
 
 
 @hot
-def current_step(d: int, q: int, foc, sine) -> int:
+def current_step(d: int, q: int, foc) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
     Reads F_RAW_*, F_D_REF and F_Q_REF, writes F_DUTY_*, F_I_*, F_V_*. Returns STEP_DONE, or what
-    current_repair has to finish. ``sine`` is SINE of sine.py.
+    current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
@@ -82,15 +84,14 @@ def current_step(d: int, q: int, foc, sine) -> int:
     currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
     """
     block = ptr32(foc)
-    table = ptr16(sine)
     if (d - block[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | block[F_MASKED] | q:
         return STEP_INPUT
     block[F_ROTOR] = d
     d = d * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
     q = ((d & 63) - 32) * _RAD_Q22
     c = d >> 6 & 1023
-    s = table[c] - SINE_BIAS
-    y = table[c + 256] - SINE_BIAS
+    s = block[F_SINE + c]
+    y = block[F_COSINE + c]
     c = y - (s * q >> 22)
     s += y * q >> 22
     x = (block[F_RAW_A] << 1) - block[F_RAW_B] - block[F_RAW_C] - block[F_OFFSET_ALPHA]
@@ -136,7 +137,7 @@ def current_step(d: int, q: int, foc, sine) -> int:
 
 
 @hot
-def current_repair(code: int, rotor: int, invalid: int, foc, sine) -> int:
+def current_repair(code: int, rotor: int, invalid: int, foc) -> int:
     """Finish what ``current_step`` left with the same arguments; return STEP_DONE or STEP_TRIP.
 
     A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
@@ -153,13 +154,13 @@ def current_repair(code: int, rotor: int, invalid: int, foc, sine) -> int:
             rotor = block[F_ROTOR]
         if _complete_currents(foc) == 0:
             block[F_ROTOR] = rotor
-            return turn_voltage(foc, sine)
-        code = current_step(rotor, 0, foc, sine)
+            return turn_voltage(foc)
+        code = current_step(rotor, 0, foc)
     if code == STEP_LIMIT:
         limit_voltage(foc)
-        return turn_voltage(foc, sine)
+        return turn_voltage(foc)
     if code == STEP_SHAPE:
-        return turn_voltage(foc, sine)
+        return turn_voltage(foc)
     if code == STEP_TRIP:
         block[F_TRIPPED] = 1
         _equal_duties(foc)
@@ -167,15 +168,14 @@ def current_repair(code: int, rotor: int, invalid: int, foc, sine) -> int:
 
 
 @hot
-def turn_voltage(foc, sine) -> int:
+def turn_voltage(foc) -> int:
     """Write the duties for F_V_D, F_V_Q (no longer than F_LIMIT) at the angle of F_ROTOR; return STEP_DONE."""
     block = ptr32(foc)
-    table = ptr16(sine)
     angle = block[F_ROTOR] * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
     rest = ((angle & 63) - 32) * _RAD_Q22
     index = angle >> 6 & 1023
-    sine0 = table[index] - SINE_BIAS
-    cosine0 = table[index + 256] - SINE_BIAS
+    sine0 = block[F_SINE + index]
+    cosine0 = block[F_COSINE + index]
     c = cosine0 - (sine0 * rest >> 22)
     s = sine0 + (cosine0 * rest >> 22)
     d = block[F_V_D]

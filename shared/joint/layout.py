@@ -55,7 +55,9 @@ F_OFFSET_B = const(37)
 F_OFFSET_C = const(38)
 F_TRIPPED = const(39)  # 1 after a trip, until the motion tick has taken it
 F_ROTOR_SEEN = const(40)  # rc, last reading that was rejected but passed its check; -1 none
-FOC_SIZE = const(41)
+F_SINE = const(41)  # Q15, the sine of each 1/1024 turn from here on (sine.py)
+F_COSINE = const(297)  # the same a quarter turn ahead
+FOC_SIZE = const(1321)
 
 # cfg: electrical
 K_POLE_PAIRS = const(0)

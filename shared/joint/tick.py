@@ -52,7 +52,10 @@ from .protection import gather_heat, protect_motion, protect_slow
 
 @hot
 def joint_reset(foc, cfg, state, rotor: int) -> int:
-    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; ``state`` is zeros. Return 0."""
+    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
+
+    ``state`` is zeros, fill_sine has filled its part of ``foc``.
+    """
     s = ptr32(state)
     current_reset(foc, rotor)
     set_commutation(foc, cfg)

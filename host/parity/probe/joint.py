@@ -10,18 +10,19 @@ from shared.joint import (
     homing,
     protection,
     report,
+    sine,
     svpwm,
     thermal,
     tick,
 )
 from shared.joint import layout as j
-from shared.joint.sine import SINE
 
 from .draw import Range
 from .joint_robot import (
     CAL,
     CFG,
     CURVE,
+    FIELDS,
     FOC,
     IO,
     MOTION,
@@ -45,11 +46,13 @@ SOURCES = (
     "joint.homing",
     "joint.protection",
     "joint.report",
+    "joint.sine",
     "joint.svpwm",
     "joint.thermal",
     "joint.tick",
 )
 
+BLOCKS = (FOC, CFG, STATE, IO, CAL)
 ROTOR = Range(0, 16383)
 CURRENT = Range(-12288, 12288)
 SQUARE = Range(0, (1 << 19) - 1)
@@ -73,7 +76,7 @@ def _repairing(values, dice):
     """What current_step left, with the arguments it was called with."""
     step = [0, 0]
     _stepping(step, dice)
-    values[0] = current.current_step(step[0], step[1], FOC, SINE)
+    values[0] = current.current_step(step[0], step[1], FOC)
     values[1] = step[0]
     values[2] = step[1]
     if values[0] == 0 and dice.bits(1):
@@ -152,7 +155,7 @@ def follow_field(dice):
 
 
 def _probe(source, name, *arguments, fit=live, vectors=1):
-    watch = (FOC, STATE, CFG, CAL)
+    watch = (FIELDS, STATE, CFG, CAL)
     return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit, begin=begin, vectors=vectors)
 
 
@@ -166,9 +169,9 @@ class Life(Probe):
 
 
 PROBES = (
-    _probe(current, "current_step", ROTOR, ROTOR, FOC, SINE, fit=_stepping, vectors=4),
-    _probe(current, "current_repair", ROTOR, ROTOR, ROTOR, FOC, SINE, fit=_repairing, vectors=2),
-    _probe(current, "turn_voltage", FOC, SINE),
+    _probe(current, "current_step", ROTOR, ROTOR, FOC, fit=_stepping, vectors=4),
+    _probe(current, "current_repair", ROTOR, ROTOR, ROTOR, FOC, fit=_repairing, vectors=2),
+    _probe(current, "turn_voltage", FOC),
     _probe(current, "limit_voltage", FOC),
     _probe(current, "current_reset", FOC, ROTOR),
     _probe(current, "current_relax", FOC),
@@ -222,9 +225,10 @@ PROBES = (
     _probe(calibration, "calibration_needs_bridge", CAL),
     _probe(calibration, "calibration_step", FOC, CFG, STATE, IO, CAL, fit=_calibrating),
     _probe(calibration, "set_zeros", CFG, CAL, fit=_posed),
+    Probe("fill_sine", sine.fill_sine, (FOC,), watch=(FOC,), ticks=False),
     _probe(tick, "joint_reset", FOC, CFG, STATE, ROTOR),
     _probe(tick, "slow_tick", CFG, STATE, IO, CURVE),
     _probe(tick, "begin_calibration", STATE, CAL, Range(1, 3)),
     _probe(tick, "motion_tick", FOC, CFG, STATE, IO, CAL, vectors=2),
-    Life("motion_tick:life", tick.motion_tick, (FOC, CFG, STATE, IO, CAL), watch=(FOC, STATE), begin=begin, vectors=10),
+    Life("motion_tick:life", tick.motion_tick, BLOCKS, watch=(FIELDS, STATE), begin=begin, vectors=10),
 )

@@ -6,7 +6,7 @@ from shared.joint import layout as j
 from shared.joint.calibration import CAL_SIZE
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
-from shared.joint.sine import SINE
+from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
 from shared.wire.names import MODE_CALIBRATING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
@@ -15,6 +15,7 @@ from .probe import Pick
 from .robots import JOINTS
 
 FOC = array("i", [0] * j.FOC_SIZE)
+FIELDS = memoryview(FOC)[: j.F_SINE]  # without the sine table, which nothing changes
 CFG = array("i", [0] * j.CFG_SIZE)
 STATE = array("i", [0] * j.STATE_SIZE)
 IO = array("i", [0] * j.IO_SIZE)
@@ -24,6 +25,9 @@ SIGN = Pick(-1, 1)
 
 _WORD = Range(-32768, 32767)
 _PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_CALIBRATING)
+
+
+fill_sine(FOC)
 
 
 class Motion:
@@ -46,7 +50,7 @@ def begin():
 def settings(which):
     """Load a joint's blocks: calibrated, hardware ready, a host there."""
     foc, cfg, _ = JOINTS[which]
-    for at in range(j.FOC_SIZE):
+    for at in range(j.F_SINE):
         FOC[at] = foc[at]
     for at in range(j.CFG_SIZE):
         CFG[at] = cfg[at]
@@ -123,9 +127,9 @@ def one_millisecond(dice):
         MOTION.rotor = (MOTION.rotor + MOTION.speed) & 16383
         read_currents(dice)
         invalid = 1 if dice.below(500) == 0 else 0
-        code = current_step(MOTION.rotor, invalid, FOC, SINE)
+        code = current_step(MOTION.rotor, invalid, FOC)
         if code:
-            current_repair(code, MOTION.rotor, invalid, FOC, SINE)
+            current_repair(code, MOTION.rotor, invalid, FOC)
     IO[j.IO_JOINT_RAW] = (MOTION.rotor * 256 // CFG[j.K_GEAR_Q8] + dice.bits(1)) & 16383
     motion_tick(FOC, CFG, STATE, IO, CAL)
     if dice.below(50) == 0:

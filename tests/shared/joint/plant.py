@@ -8,7 +8,6 @@ from host.robot_file import load_robot
 from shared.joint import layout as j
 from shared.joint.calibration import CAL_SIZE
 from shared.joint.current import current_repair, current_step
-from shared.joint.sine import SINE
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
 
 SUBSTEPS = 4
@@ -89,9 +88,9 @@ class Plant:
     def current_step(self):
         self.read_currents()
         rotor = self.rotor()
-        code = current_step(rotor, 0, self.foc, SINE)
+        code = current_step(rotor, 0, self.foc)
         if code:
-            code = current_repair(code, rotor, 0, self.foc, SINE)
+            code = current_repair(code, rotor, 0, self.foc)
         if code:
             self.bridge = False
             self.trips += 1

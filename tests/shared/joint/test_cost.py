@@ -26,7 +26,6 @@ import gc, json, micropython, time
 from array import array
 from data import FOC, CFG, CURVE, TICKS
 from shared.joint.current import current_step
-from shared.joint.sine import SINE
 from shared.joint.tick import motion_tick, slow_tick
 from trace import Trace
 from twin import CurrentLoop
@@ -47,7 +46,7 @@ loop = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
 def integer(count):
     foc[3] = 0
     for rotor in range(count):
-        current_step(rotor & 16383, 0, foc, SINE)
+        current_step(rotor & 16383, 0, foc)
 
 def floating(count):
     step = loop.step
@@ -57,7 +56,7 @@ def floating(count):
 def allocated(trace):
     before = micropython.mem_total()
     for rotor in range(200):
-        current_step(rotor, 0, foc, SINE)
+        current_step(rotor, 0, foc)
         motion_tick(trace.foc, trace.cfg, trace.state, trace.io, trace.cal)
         slow_tick(trace.cfg, trace.state, trace.io, trace.curve)
     return micropython.mem_total() - before

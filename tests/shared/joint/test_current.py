@@ -27,7 +27,7 @@ from shared.joint.current import (
     set_offsets,
 )
 from shared.joint.feed import feed_bus
-from shared.joint.sine import SINE, SINE_BIAS
+from shared.joint.sine import fill_sine
 from tests.float_twin import joint_current as twin
 
 from .plant import Plant
@@ -48,8 +48,8 @@ def blocks():
 
 
 def step(foc, rotor, invalid=0):
-    code = current_step(rotor, invalid, foc, SINE)
-    return (code, current_repair(code, rotor, invalid, foc, SINE)) if code else (code, code)
+    code = current_step(rotor, invalid, foc)
+    return (code, current_repair(code, rotor, invalid, foc)) if code else (code, code)
 
 
 def set_currents(blocks, i_d, i_q, rotor):
@@ -116,8 +116,11 @@ def test_the_step_is_its_parts(blocks):
     assert units.ampere_per_cu == pytest.approx(3.3 / 4096 / 0.005 / 40 / 6)
 
 
-def test_sine_table_is_the_sine():
-    assert all(SINE[i] - SINE_BIAS == sin_q15(i * 64) for i in range(1280))
+def test_sine_table_is_the_sine_and_a_quarter_turn_on_the_cosine():
+    foc = array("i", [0] * j.FOC_SIZE)
+    assert fill_sine(foc) == 0
+    assert list(foc[: j.F_SINE]) == [0] * j.F_SINE
+    assert all(foc[j.F_SINE + i] == sin_q15(i * 64) and foc[j.F_COSINE + i] == cos_q15(i * 64) for i in range(1024))
 
 
 @given(st.integers(-20000, 20000), st.integers(-20000, 20000), st.integers(64, 14000))

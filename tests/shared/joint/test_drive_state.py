@@ -13,7 +13,6 @@ from shared.joint.calibration import CAL_FULL, CAL_SIZE, CAL_SMALL, CAL_VERIFY
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
-from shared.joint.sine import SINE
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
 from shared.wire import names as w
 
@@ -287,9 +286,9 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_where_there_mu
         for _ in range(rng.choice((1, 1, 2, 5, 40))):
             rotor += rng.uniform(-30, 30) * rng.choice((0, 1, 10))
             reading = int(rotor) & 16383 if rng.random() > 0.03 else rng.randrange(16384)
-            code = current_step(reading, 0, joint.foc, SINE)
+            code = current_step(reading, 0, joint.foc)
             if code:
-                current_repair(code, reading, 0, joint.foc, SINE)
+                current_repair(code, reading, 0, joint.foc)
             fault, drive = joint.state[j.S_FAULT_CODE], joint.state[j.S_DRIVE]
             told = list(joint.io)
             joint.tick()

@@ -8,7 +8,6 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import encoder_reset, home_at
 from shared.joint.protection import count_ticks
-from shared.joint.sine import SINE
 from shared.joint.tick import begin_calibration, slow_tick
 from shared.wire import names as w
 
@@ -75,12 +74,12 @@ def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
     lost = [12000] * 10
     for _ in range(6):
         for reading in lost:
-            current_repair(current_step(reading, 0, joint.foc, SINE), reading, 0, joint.foc, SINE)
+            current_repair(current_step(reading, 0, joint.foc), reading, 0, joint.foc)
         joint.tick()
     assert joint.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST
     assert (joint.state[j.S_HOMED], joint.foc[j.F_ROTOR]) == (0, 12000)
     for _ in range(4):
-        assert [current_step(12000, 0, joint.foc, SINE) for _ in range(10)] == [0] * 10
+        assert [current_step(12000, 0, joint.foc) for _ in range(10)] == [0] * 10
         joint.tick()
     assert drive_clear(joint.state) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED

@@ -7,7 +7,6 @@ from shared.joint.calibration import CAL_SIZE
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
-from shared.joint.sine import SINE
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
 
 MASK = 0x3FFFFFF
@@ -18,6 +17,7 @@ class Trace:
 
     def __init__(self, foc, cfg, curve):
         self.foc, self.cfg, self.curve = array("i", foc), array("i", cfg), array("i", curve)
+        self.fields = memoryview(self.foc)[: j.F_SINE]
         self.state, self.io = array("i", [0] * j.STATE_SIZE), array("i", [0] * j.IO_SIZE)
         self.cal = array("i", [0] * CAL_SIZE)
         self.seed, self.digest, self.rotor, self.codes = 12345, 0, 100, 0
@@ -46,10 +46,10 @@ class Trace:
             for k in range(3):
                 self.foc[j.F_RAW_A + k] = 1948 + self.draw(200)
             bad = 1 if self.draw(97) == 0 else 0
-            code = current_step(self.rotor, bad, self.foc, SINE)
+            code = current_step(self.rotor, bad, self.foc)
             if code:
                 self.codes |= 1 << code
-                current_repair(code, self.rotor, bad, self.foc, SINE)
+                current_repair(code, self.rotor, bad, self.foc)
 
     def tick(self, number):
         b = self.io
@@ -73,7 +73,7 @@ class Trace:
         if number % 100 == 0:
             b[j.IO_THERMISTOR_RAW] = 400 + self.draw(2000)
             slow_tick(self.cfg, self.state, b, self.curve)
-        for block in (self.foc, self.state, self.cfg, self.cal):
+        for block in (self.fields, self.state, self.cfg, self.cal):
             self.take(block)
 
     def run(self, ticks):
