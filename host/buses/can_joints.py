@@ -165,7 +165,7 @@ class CanJoints(Bus):
         self._write_current_limits()
         self.cycle.reaction = "none"
         views = self.link.views
-        self.cycle.follow()
+        self.cycle.hold()
         self.cycle.run_until(self.now() + APPROACH_S)
         try:
             for node in self.link.nodes:
@@ -178,7 +178,6 @@ class CanJoints(Bus):
         except UserError:
             self._disarm()
             raise
-        self.cycle.set_goals([_known(views[n].reply[w.REPLY_POSITION]) * _RAD_PER_BRAD for n in self.link.nodes])
         self.cycle.armed = True
 
     def _write_current_limits(self) -> None:

@@ -58,7 +58,6 @@ class Cycle:
         self.guard = Guard(link, units)
         self.timing = Timing()
         self.armed = False
-        self.following = False  # the goals are where the joints are: before and while they are armed
         self.reaction = "none"
         self.notices: list[Notice] = []
         self._report = report
@@ -67,14 +66,15 @@ class Cycle:
         self._left = 0
         self._due_s = link.port.now()
 
-    def follow(self) -> None:
-        """Have the goals be where the joints are, until other goals are set."""
-        self.following = True
+    def hold(self) -> None:
+        """Have the goals be where the joints are now: what they are armed with."""
+        self._goals = [float(_position(self.link.views[node].reply)) for node in self.link.nodes]
         self._left = 0
+        if self.loops is not None:
+            self.loops.reset()
 
     def set_goals(self, goals_rad: Sequence[float] | None, within_s: float = 0.0) -> None:
         """Go to twelve motor angles, evenly within a time; None ends the set-points."""
-        self.following = False
         if goals_rad is None:
             self._goals = None
             return
@@ -105,8 +105,6 @@ class Cycle:
         self.link.receive()
         if self.armed:
             self._watch()
-        if self.following:
-            self._goals = [float(_position(self.link.views[node].reply)) for node in self.link.nodes]
         if self._goals is not None:
             self._send_goals(self._goals)
         self.link.sync()
@@ -137,7 +135,7 @@ class Cycle:
 
     def damp(self) -> None:
         """Quick stop of all joints, and no set-point any more."""
-        self.armed = self.following = False
+        self.armed = False
         self._goals = None
         for node in self.link.nodes:
             self.link.request(node, w.COMMAND_QUICK_STOP)
