@@ -10,7 +10,7 @@ from math import degrees
 from shared.gaits import GAIT_NAMES
 
 from .kinematics_si import leg_inverse
-from .robot_actuators import Bldc, Servo
+from .robot_actuators import Bldc, CanBus, Servo
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 from .scale import BRAD_PER_RAD, LARGEST_GAIN, LARGEST_SPEED, Q12, Q16, YAW18
 
@@ -20,6 +20,7 @@ SYMMETRY_M = 1e-6
 SHORTEST_LEG_M = 0.05
 LONGEST_LEG_M = 1.0
 FARTHEST_FOOT_LU = 1 << 17
+HOST_CURRENT_HZ = 400  # with 200 Hz the robot falls in the simulator (caramelo joints compare)
 CURRENT_LOOP_PER_BANDWIDTH = 20  # one step of delay: more bandwidth loses the phase margin
 
 
@@ -192,5 +193,15 @@ def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
     wanted = "dynamixel" if robot.actuator.kind == "servo" else "can"
     if robot.bus.kind != wanted:
         yield "bus.kind", robot.bus.kind, f'"{wanted}" for actuator.kind = "{robot.actuator.kind}"'
-    elif robot.bus.kind == "can" and robot.bus.rate_hz < robot.control.rate_hz:
-        yield "bus.rate_hz", robot.bus.rate_hz, f"at least control.rate_hz = {robot.control.rate_hz}"
+    elif robot.bus.kind == "can":
+        yield from can_bus_is_usable(robot.bus, robot.control.rate_hz)
+
+
+def can_bus_is_usable(bus: CanBus, control_hz: int) -> Iterator[Complaint]:
+    """One bus or two, at least as fast as the planner, and fast enough for loops on the host."""
+    if len(bus.channels) > 2 or not all(bus.channels):
+        yield "bus.channel", bus.channel, "one channel, or two with a comma between: front legs, rear legs"
+    if bus.rate_hz < control_hz:
+        yield "bus.rate_hz", bus.rate_hz, f"at least control.rate_hz = {control_hz}"
+    if bus.loops == "host-current" and bus.rate_hz < HOST_CURRENT_HZ:
+        yield "bus.rate_hz", bus.rate_hz, f"at least {HOST_CURRENT_HZ} with host-current: slower, the legs swing"

@@ -1,31 +1,23 @@
 """Decides when the robot must sit down or let go, and remembers why: the first cause is kept until it is reset.
 
-Three actions, the worst of all causes counts: ``none``; ``sit``: stop walking, sit down, then let go; ``limp``: let
-go at once, when there is nobody left to sit down with.
+Four actions, the worst of all causes counts: ``none``; ``sit``: stop walking, sit down, then let go; ``damp``: the
+bus has already told the joints to brake and then let go, and nothing more is sent; ``limp``: let go at once, when
+there is nobody left to sit down with.
 """
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from math import inf
 
-from .buses.base import JOINT_LABELS, JOINTS, Measured
+from .buses.base import JOINT_LABELS, JOINTS, Fault, Measured
 from .robot_model import Robot
 
-ACTIONS = ("none", "sit", "limp")
+ACTIONS = ("none", "sit", "damp", "limp")
 SILENT_S = 0.2  # a joint that has not answered for so long is missing: ten ticks of 50 Hz (chosen)
 SLOW_SILENT_S = 2.0  # temperature and voltage, which come in turns (chosen)
 LOW_FOR_S = 1.0  # a battery dips when all legs push (chosen)
 FALLEN_RAD = 1.0  # roll or pitch beyond which no leg can help (chosen)
 MANY_MISSING = 3  # more silent joints than a leg has: the bus is dead, not a servo (chosen)
-
-
-@dataclass(frozen=True)
-class Fault:
-    """Something wrong: what it is, what to do about it, and how the robot reacts."""
-
-    action: str
-    cause: str
-    sentence: str
 
 
 @dataclass
@@ -62,7 +54,8 @@ class Safety:
         return self.sentence
 
     def faults(self, measured: Measured, attitude_rad: tuple[float, float] | None = None) -> Iterator[Fault]:
-        """Yield what is wrong now, the worst first."""
+        """Yield what is wrong now, the worst first; what the bus itself has noticed explains the rest."""
+        yield from measured.faults
         yield from self._silent(measured)
         if attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD:
             yield Fault("limp", "fallen", "the robot has fallen over: put it on its feet")

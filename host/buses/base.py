@@ -21,12 +21,22 @@ UNKNOWN = (0.0,) * JOINTS
 
 
 @dataclass(frozen=True)
+class Fault:
+    """Something wrong: how the robot reacts (host/safety.py), what it is, and a sentence with what to do about it."""
+
+    action: str
+    cause: str
+    sentence: str
+
+
+@dataclass(frozen=True)
 class Measured:
     """What the joints said last; twelve values each.
 
     ``load`` is the drive's share of its stall torque, -1 .. 1. ``error`` is "" or what the joint itself complains
     of, such as "overload" or "hot". ``age_s`` is how old position, speed and load are, ``slow_age_s`` how old
-    temperature, voltage and error; inf for a joint that never answered.
+    temperature, voltage and error; inf for a joint that never answered. ``faults`` is what the bus found out about the
+    joints as a whole.
     """
 
     time_s: float = 0.0
@@ -38,6 +48,7 @@ class Measured:
     error: tuple[str, ...] = ("",) * JOINTS
     age_s: tuple[float, ...] = NEVER
     slow_age_s: tuple[float, ...] = NEVER
+    faults: tuple[Fault, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -104,6 +115,10 @@ class Bus(ABC):
         """
         self.torque(True)
         return True
+
+    def clear_faults(self) -> None:
+        """Clear what the joints have latched, if they do; arms nothing. UserError if a cause is still there."""
+        return
 
     @abstractmethod
     def limit_torque(self, fraction: float) -> None:

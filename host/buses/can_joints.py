@@ -7,6 +7,7 @@ a thread of its own, as on the robot; without, whoever drives calls ``run_until`
 import threading
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from math import inf, tau
 
 from shared.joint.layout import K_CURRENT_MAX
@@ -24,11 +25,13 @@ from ..joints.link import JointLink
 from ..joints.service import Requests, joint_name
 from ..joints.setups import joint_setups
 from ..robot_model import Robot
-from .base import JOINTS, Bus, Measured, checked_fraction, checked_goals
+from .base import JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
 
 LISTEN_S = 0.45  # two heartbeats of every joint
 APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
 ENABLE_S = 0.05
+POLL_S = 0.001
+ACTIONS = {"sit": "sit", "damp": "damp", "stop": "limp"}  # of host/safety.py, by reaction of host/joints/guard.py
 HOME_POSE = 1  # index of a home request: the joint stands at the value
 
 _RAD_PER_BRAD = tau / 65536
@@ -47,7 +50,6 @@ class CanJoints(Bus):
         session: int,
         pose_rad: Sequence[float] | None = None,
         threaded: bool = False,
-        loops: str | None = None,
         report: Callable[[Notice], None] | None = None,
     ) -> None:
         super().__init__()
@@ -56,9 +58,7 @@ class CanJoints(Bus):
         self.robot, self.port, self._pose = robot, port, pose_rad
         self._blocks = [joint_blocks(robot.actuator, setup) for setup in joint_setups(robot)]
         self.link = JointLink(port, session)
-        on_host = (loops or robot.bus.loops) == "host"
-        host_loops = HostLoops(self._blocks, robot.bus.rate_hz) if on_host else None
-        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, host_loops, report)
+        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, _host_loops(robot), report)
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
@@ -66,6 +66,9 @@ class CanJoints(Bus):
         self._lock = threading.RLock()
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
+        self._failure: Exception | None = None
+        self._arming: Future[None] | None = None
+        self._last = Measured()
 
     def open(self) -> None:
         """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
@@ -89,10 +92,14 @@ class CanJoints(Bus):
         self.run_for(2 * self.cycle.period_s)
 
     def _run(self) -> None:
-        while not self._over.is_set():
-            with self._lock:
-                self.cycle.run_until(self.port.now() + self.cycle.period_s)
-            time.sleep(0)
+        """Do the cycles at their times; between them, others have the bus."""
+        try:
+            while not self._over.is_set():
+                self.port.wait_until(self.cycle.due_s)
+                with self._lock:
+                    self.cycle.run_until(self.port.now())
+        except Exception as error:
+            self._failure = error  # without set-points the joints damp; whoever drives is told at once
 
     def run_for(self, seconds: float) -> None:
         """Go on with the cycle for a time."""
@@ -100,10 +107,16 @@ class CanJoints(Bus):
 
     def run_until(self, time_s: float) -> None:
         """Go on with the cycle until a time of ``now``."""
-        if self._thread is not None:
-            self.port.wait_until(time_s)
+        if self._thread is None:
+            self.cycle.run_until(time_s)
             return
-        self.cycle.run_until(time_s)
+        while self.port.now() < time_s:
+            self._check_thread()
+            time.sleep(POLL_S)
+
+    def _check_thread(self) -> None:
+        if self._failure is not None:
+            raise UserError(f"the cycle on {self.port.name} has ended: {self._failure}", NOT_ACHIEVED)
 
     def now(self) -> float:
         """See Bus."""
@@ -111,9 +124,12 @@ class CanJoints(Bus):
 
     def read(self) -> Measured:
         """See Bus."""
-        with self._lock:
-            self.link.receive()
-            return self._measured()
+        self._check_thread()
+        if self._arming is None:
+            with self._lock:
+                self.link.receive()
+                self._last = self._measured()
+        return self._last
 
     def _measured(self) -> Measured:
         now, views = self.now(), [self.link.views[node] for node in self.link.nodes]
@@ -133,6 +149,7 @@ class CanJoints(Bus):
             error=tuple(self.cycle.guard.fault_text(v) if v.heartbeat[w.HEARTBEAT_FAULT] else "" for v in views),
             age_s=tuple(now - v.reply_s if v.reply_s > -inf else inf for v in views),
             slow_age_s=tuple(now - v.status_s if v.status_s > -inf else inf for v in views),
+            faults=tuple(Fault(ACTIONS[n.reaction], n.what, n.sentence) for n in self.cycle.notices),
         )
 
     def _count(self) -> None:
@@ -163,7 +180,6 @@ class CanJoints(Bus):
         if wrong:
             raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
         self._write_current_limits()
-        self.cycle.reaction = "none"
         views = self.link.views
         self.cycle.hold()
         self.cycle.run_until(self.now() + APPROACH_S)
@@ -178,15 +194,17 @@ class CanJoints(Bus):
         except UserError:
             self._disarm()
             raise
-        self.cycle.armed = True
+        self.cycle.start()
 
     def _write_current_limits(self) -> None:
         for node, full in zip(self.link.nodes, self._full_current, strict=True):
             self.requests.demand(node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, round(full * self._fraction))
 
     def _disarm(self) -> None:
-        self.cycle.armed = False
-        self.cycle.set_goals(None)
+        """Tell all to let go before asking each: one that does not answer must not keep the others waiting."""
+        self.cycle.end()
+        for node in self.link.nodes:
+            self.link.request(node, w.COMMAND_DISARM)
         for node in self.link.nodes:
             self.requests.ask(node, w.COMMAND_DISARM)
 
@@ -194,9 +212,23 @@ class CanJoints(Bus):
         """See Bus; a joint takes another current limit only while it is disarmed, so it holds from the next arming."""
         self._fraction = checked_fraction(fraction)
 
-    def clear(self) -> None:
-        """Clear the joints' latched faults; arming is another step."""
+    def try_torque(self) -> bool:
+        """See Bus: with the cycle in its own thread, arming takes another; meanwhile nothing new is read."""
+        if self._thread is None:
+            self.torque(True)
+            return True
+        if self._arming is None:
+            self._arming = _in_thread(lambda: self.torque(True))
+        if not self._arming.done():
+            return False
+        arming, self._arming = self._arming, None
+        arming.result()
+        return True
+
+    def clear_faults(self) -> None:
+        """See Bus; arming is another step."""
         with self._lock:
+            self.cycle.notices = []
             for node in self.link.nodes:
                 if self.link.views[node].state == w.STATE_FAULT:
                     self.requests.demand(node, w.COMMAND_CLEAR_FAULT)
@@ -204,12 +236,12 @@ class CanJoints(Bus):
 
     def emergency_stop(self) -> None:
         """See Bus: one frame to all, before any other."""
-        self.cycle.armed = False
-        self.cycle.set_goals(None)
-        self.link.emergency_stop()
+        self.cycle.stop()
 
     def close(self) -> None:
         """See Bus."""
+        if self._arming is not None:
+            wait([self._arming])
         if self._thread is not None:
             self._over.set()
             self._thread.join()
@@ -217,6 +249,25 @@ class CanJoints(Bus):
         if self.link.syncs:
             self._disarm()
         self.port.close()
+
+
+def _host_loops(robot: Robot) -> HostLoops | None:
+    """Return the position loops of a robot whose file wants them on the host."""
+    bus, actuator = robot.bus, robot.actuator
+    assert bus.kind == "can"
+    assert actuator.kind == "bldc"
+    if bus.loops == "joint":
+        return None
+    blocks = [joint_blocks(actuator, setup) for setup in joint_setups(robot)]
+    return HostLoops(blocks, actuator.drive, bus.rate_hz, bus.loops)
+
+
+def _in_thread(work: Callable[[], None]) -> Future[None]:
+    """Do something in a thread of its own."""
+    pool = ThreadPoolExecutor(1, "can-arming")
+    future = pool.submit(work)
+    pool.shutdown(wait=False)
+    return future
 
 
 def _known(raw: int) -> int:

@@ -5,6 +5,7 @@ opened anew, at most ten times a second, and ``trouble`` says so until a frame c
 """
 
 import errno
+import threading
 import time
 from collections import deque
 from typing import Any
@@ -41,6 +42,7 @@ class AdapterPort(Port):
             raise UserError(f"--interface {interface}: allowed {', '.join(INTERFACES)}")
         self.name = f"{interface} {channel}"
         self._how = (interface, channel, bitrate)
+        self._sending = threading.Lock()  # an emergency stop may come from another thread
         self._off_s: float | None = None
         self._reopen_s = 0.0
         self._echoes: deque[tuple[float, int, bytes]] | None = deque() if interface == "udp_multicast" else None
@@ -72,18 +74,19 @@ class AdapterPort(Port):
 
     def send(self, identifier: int, data: bytes) -> bool:
         """See Port."""
-        if not self._ready():
-            self.counters.full += 1
-            return False
-        try:
-            self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False), timeout=0)
-        except (can.CanError, OSError, BufferError) as error:
-            self._failed(error)
-            return False
-        self.counters.sent += 1
-        if self._echoes is not None:
-            self._echoes.append((self.now(), identifier, data))
-        return True
+        with self._sending:
+            if not self._ready():
+                self.counters.full += 1
+                return False
+            try:
+                self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False), timeout=0)
+            except (can.CanError, OSError, BufferError) as error:
+                self._failed(error)
+                return False
+            self.counters.sent += 1
+            if self._echoes is not None:
+                self._echoes.append((self.now(), identifier, data))
+            return True
 
     def _failed(self, error: Exception) -> None:
         code = getattr(error, "error_code", None) or getattr(error, "errno", None)

@@ -11,11 +11,12 @@ from math import tau
 from shared.wire import names as w
 
 from ..joint_gains import Units
-from .guard import Guard, Notice, worst
+from .guard import E_STOP, REACTIONS, Guard, Notice, worst
 from .host_loops import HostLoops
 from .link import JointLink
 
 BRAD_PER_RAD = 65536 / tau
+_AT_REST = (0.0,) * 12
 JITTER_EDGES_S = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02)
 
 
@@ -62,9 +63,15 @@ class Cycle:
         self.notices: list[Notice] = []
         self._report = report
         self._goals: list[float] | None = None
+        self._e_stops = 0
         self._steps = [0.0] * 12
         self._left = 0
-        self._due_s = link.port.now()
+        self.due_s = link.port.now()
+
+    @property
+    def goals_brad(self) -> list[float] | None:
+        """Return the motor angles that the last set-points asked for; None while there are none."""
+        return None if self._goals is None else list(self._goals)
 
     def hold(self) -> None:
         """Have the goals be where the joints are now: what they are armed with."""
@@ -87,16 +94,16 @@ class Cycle:
     def run_until(self, time_s: float) -> None:
         """Do the cycles due until a time, each at its own; leave out those that are over already."""
         port = self.link.port
-        while self._due_s <= time_s:
-            port.wait_until(self._due_s)
-            late_s = port.now() - self._due_s
+        while self.due_s <= time_s:
+            port.wait_until(self.due_s)
+            late_s = port.now() - self.due_s
             self.timing.note(max(0.0, late_s))
             self.step()
-            self._due_s += self.period_s
-            behind = int((port.now() - self._due_s) / self.period_s)
+            self.due_s += self.period_s
+            behind = int((port.now() - self.due_s) / self.period_s)
             if behind > 0:
                 self.timing.skipped += behind
-                self._due_s += behind * self.period_s
+                self.due_s += behind * self.period_s
         port.wait_until(time_s)
         self.link.receive()
 
@@ -105,12 +112,14 @@ class Cycle:
         self.link.receive()
         if self.armed:
             self._watch()
-        if self._goals is not None:
-            self._send_goals(self._goals)
+        goals = self._goals  # another thread may end them
+        if goals is not None:
+            self._send_goals(goals)
         self.link.sync()
 
     def _send_goals(self, goals: list[float]) -> None:
-        if self._left > 0:
+        moving = self._left > 0
+        if moving:
             self._left -= 1
             for i, step in enumerate(self._steps):
                 goals[i] += step
@@ -118,27 +127,47 @@ class Cycle:
         if self.loops is None:
             self.link.send_setpoints(w.SETPOINT_POSITION_ID, brads)
         else:
-            self.link.send_setpoints(w.SETPOINT_VELOCITY_ID, self.loops.velocities(brads, self.link.views))
+            steps = self._steps if moving else _AT_REST
+            self.link.send_setpoints(self.loops.identifier, self.loops.setpoints(brads, steps, self.link.views))
 
     def _watch(self) -> None:
-        self.notices = self.guard.while_armed()
-        reaction = worst(self.notices)
-        if reaction in ("none", self.reaction):
+        """Look at the joints; a reaction that is stronger than the one before is told, and done."""
+        notices = self.guard.while_armed()
+        if self.link.e_stops != self._e_stops:
+            notices = [Notice(0, "e-stop", E_STOP, "stop")]
+        reaction = worst(notices)
+        if REACTIONS.index(reaction) <= REACTIONS.index(self.reaction):
             return
-        if self.reaction != "damp":
-            self.reaction = reaction
+        self.reaction, self.notices = reaction, [notice for notice in notices if notice.reaction == reaction]
         if self._report is not None:
             for notice in self.notices:
                 self._report(notice)
         if reaction == "damp":
             self.damp()
+        elif reaction == "stop":
+            self.stop()
+
+    def start(self) -> None:
+        """Watch the joints from here on: they are armed."""
+        self.reaction, self.notices, self._e_stops = "none", [], self.link.e_stops
+        self.guard.start()
+        self.armed = True
+
+    def end(self) -> None:
+        """End the set-points and the watching."""
+        self.armed = False
+        self._goals = None
 
     def damp(self) -> None:
         """Quick stop of all joints, and no set-point any more."""
-        self.armed = False
-        self._goals = None
+        self.end()
         for node in self.link.nodes:
             self.link.request(node, w.COMMAND_QUICK_STOP)
+
+    def stop(self) -> None:
+        """Take all torque away, also that of a joint which does not hear its own emergency stop."""
+        self.end()
+        self.link.emergency_stop()
 
 
 def _position(reply: Sequence[int]) -> int:

@@ -25,6 +25,7 @@ class Gateway:
         self.sim, self.port = sim, port
         self._node = sim.bus.attach(self._out, room=4096)
         self.behind_s = 0.0
+        self.stopping = False  # another thread may end it
         self._extra = sim.bus.attach(lambda time_us, identifier, data: None)
 
     def _out(self, time_us: int, identifier: int, data: bytes) -> None:
@@ -63,9 +64,9 @@ class Gateway:
             self._extra.send(BABBLE_ID, bytes(8))
 
     def run(self, seconds: float | None) -> None:
-        """Go on for a time, or until Ctrl-C."""
+        """Go on for a time, or until Ctrl-C or ``stopping``."""
         began_s, began_ms = time.monotonic(), self.sim.ms
-        while seconds is None or self.sim.ms - began_ms < 1000 * seconds:
+        while not self.stopping and (seconds is None or self.sim.ms - began_ms < 1000 * seconds):
             self._take()
             self.sim.advance_ms(1)
             behind_s = time.monotonic() - began_s - (self.sim.ms - began_ms) / 1000

@@ -1,7 +1,8 @@
 """What is wrong with the joints as a whole, named, and what the whole robot does about it.
 
 ``refuse``: do not arm. ``damp``: quick stop of all joints, set-points end, each joint damps, then coasts.
-``sit``: the planner is to sit the robot down while it still can. The worst reaction of all notices counts.
+``sit``: the planner is to sit the robot down while it still can. ``stop``: an emergency stop, no torque at once. The
+worst reaction of all notices counts.
 """
 
 from collections.abc import Iterable
@@ -16,7 +17,8 @@ from ..joint_gains import Units
 from .link import JointLink, JointView
 from .service import joint_name
 
-REACTIONS = ("none", "refuse", "sit", "damp")  # rising
+REACTIONS = ("none", "refuse", "sit", "damp", "stop")  # rising
+E_STOP = "an emergency stop came over the bus: look who pulled it, clear the faults, then arm"
 HEARTBEAT_S = 0.5  # two and a half heartbeats
 SILENT_S = 0.05  # ten cycles at 200 Hz without a reply while armed
 LOSS_SHARE = 0.1  # of the replies of a window
@@ -48,6 +50,11 @@ class Guard:
         self._replies = dict.fromkeys(link.nodes, 0)
         self._window_start = 0
         self._lossy: set[int] = set()
+
+    def start(self) -> None:
+        """Count lost replies from here on."""
+        self._replies = {node: self.link.views[node].replies for node in self.link.nodes}
+        self._window_start, self._lossy = self.link.syncs, set()
 
     def before_arming(self, boards: dict[int, set[int]] | None = None) -> list[Notice]:
         """Return what keeps the robot from being armed; ``boards`` is what discovery found, if it was asked."""

@@ -1,52 +1,102 @@
-"""Position loops on the host: the joint's own cascade from shared/, its upper part, with the joints in velocity mode.
+"""Position loops on the host: the joint's own cascade from shared/, with the joints in velocity or in current mode.
 
-Each cycle does as many ticks of trajectory and position loop as milliseconds have passed, on the last reply, and
-sends the velocity it wants. The wire adds a cycle of delay that a loop in the joint does not have.
+Each cycle does as many ticks of the trajectory as milliseconds have passed, on the last reply, and sends the velocity
+or the current that the cascade wants. That acts one cycle later and is held for another: a delay of one and a half
+cycles, which a loop in the joint does not have. Therefore
+
+* the position is the one the joint will have when the command acts, at the speed it has;
+* the goals' own speed goes into the trajectory, which moves several milliseconds a cycle;
+* the gains are lower. POSITION_HZ and VELOCITY_PER_HZ were found by walking in the simulator at 200 and 400 Hz
+  (caramelo joints compare): with twice as much the legs swing.
 """
 
-from array import array
 from collections.abc import Mapping, Sequence
 
 from shared.joint import layout as j
-from shared.joint.cascade import cascade_reset, follow_position, position_from_wire, rate_from_wire
+from shared.joint.cascade import cascade_reset, follow_position, position_from_wire, rate_from_wire, velocity_loop
 from shared.wire import names as w
 
 from ..joint_gains import JointBlocks
+from ..robot_actuators import Drive
 from .link import JointView
+
+MOTION_HZ = 1000
+POSITION_HZ = 4.0  # largest bandwidth of the position loop
+VELOCITY_PER_HZ = 1 / 20  # largest bandwidth of the velocity loop per rate of the cycle
+SETPOINTS = {"host-velocity": w.SETPOINT_VELOCITY_ID, "host-current": w.SETPOINT_CURRENT_ID}
+KINDS = {"joint": "position", "host-velocity": "velocity", "host-current": "current"}  # of set-point, for busload
 
 
 class HostLoops:
-    """Twelve loops with the blocks that the joints themselves have; ``ticks`` milliseconds a cycle."""
+    """Twelve loops of one kind of ``SETPOINTS``, with the blocks that the joints themselves have."""
 
-    def __init__(self, blocks: Sequence[JointBlocks], rate_hz: int) -> None:
+    def __init__(self, blocks: Sequence[JointBlocks], drive: Drive, rate_hz: int, kind: str) -> None:
         self._blocks = list(blocks)
-        self._ticks = max(1, round(1000 / rate_hz))
+        self._rate_hz, self._cycles, self._ticks = rate_hz, 0, 0
+        self._current = kind == "host-current"
+        self.identifier = SETPOINTS[kind]
         self._started = [False] * len(self._blocks)
         self._wanted = [0] * len(self._blocks)
+        position = min(1.0, POSITION_HZ / drive.position_bandwidth_hz)
+        velocity = min(1.0, VELOCITY_PER_HZ * rate_hz / drive.velocity_bandwidth_hz)
+        for block in self._blocks:
+            _slow_down(block, position, velocity, MOTION_HZ / rate_hz)
 
     def reset(self) -> None:
         """Start anew where the joints are, at the next cycle."""
         self._started = [False] * len(self._blocks)
 
-    def velocities(self, goals_brad: Sequence[int], views: Mapping[int, JointView]) -> list[int]:
-        """Return twelve velocity set-points, 1/4096 turn/s; NO_CHANGE for a joint without a known position."""
+    def setpoints(
+        self, goals_brad: Sequence[int], steps_brad: Sequence[float], views: Mapping[int, JointView]
+    ) -> list[int]:
+        """Return twelve set-points of the wire; NO_CHANGE for a joint without a known position.
+
+        ``steps_brad`` is how far the goals go in a cycle.
+        """
+        self._ticks = self._milliseconds()
         for i, goal in enumerate(goals_brad):
-            self._wanted[i] = self._velocity(i, goal, views[i + 1].reply)
+            reply = views[i + 1].reply
+            if reply[w.REPLY_POSITION] == w.NOT_AVAILABLE:
+                self._wanted[i] = w.NO_CHANGE
+            else:
+                self._wanted[i] = self._setpoint(i, goal, steps_brad[i], reply)
         return self._wanted
 
-    def _velocity(self, i: int, goal_brad: int, reply: array) -> int:
-        blocks = self._blocks[i]
-        state, cfg, io = blocks.state, blocks.cfg, blocks.io
-        position = reply[w.REPLY_POSITION]
-        if position == w.NOT_AVAILABLE:
-            return w.NO_CHANGE
-        state[j.S_POSITION] = position_from_wire(position, cfg[j.K_GEAR_Q8])
-        state[j.S_VELOCITY] = rate_from_wire(reply[w.REPLY_VELOCITY], cfg[j.K_RATE_Q8])
+    def _milliseconds(self) -> int:
+        """Return how many milliseconds this cycle has, in turns more and fewer where they are not whole."""
+        before = self._cycles * MOTION_HZ // self._rate_hz
+        self._cycles += 1
+        return self._cycles * MOTION_HZ // self._rate_hz - before
+
+    def _setpoint(self, i: int, goal_brad: int, step_brad: float, reply: Sequence[int]) -> int:
+        block = self._blocks[i]
+        state, cfg, io = block.state, block.cfg, block.io
+        rate = rate_from_wire(reply[w.REPLY_VELOCITY], cfg[j.K_RATE_Q8])
+        state[j.S_VELOCITY] = rate
+        state[j.S_POSITION] = position_from_wire(reply[w.REPLY_POSITION], cfg[j.K_GEAR_Q8])
         if not self._started[i]:
             cascade_reset(cfg, state)
             self._started[i] = True
+        state[j.S_POSITION] += rate * MOTION_HZ // (256 * self._rate_hz)
         io[j.IO_POSITION] = goal_brad
-        state[j.S_SEQUENCE] += 1
+        io[j.IO_VELOCITY] = round(step_brad * self._rate_hz / 16)  # brad a cycle to 1/4096 turn/s
+        state[j.S_SEQUENCE] = (state[j.S_SEQUENCE] + 1) & 0x3FFFFFFF
+        before = state[j.S_PROFILE_RATE]
         for _ in range(self._ticks):
-            rate = follow_position(cfg, state, io)
-        return (rate >> 2) * cfg[j.K_WIRE_RATE_Q16] >> 14
+            wanted = follow_position(cfg, state, io)
+        if not self._current:
+            return (wanted >> 2) * cfg[j.K_WIRE_RATE_Q16] >> 14
+        change = (state[j.S_PROFILE_RATE] - before) // max(1, self._ticks)
+        state[j.S_CURRENT_REF] = change * cfg[j.K_INERTIA] >> 8
+        return velocity_loop(cfg, state, 0) * cfg[j.K_WIRE_CURRENT_Q12] >> 12
+
+
+def _slow_down(block: JointBlocks, position: float, velocity: float, cycle_ms: float) -> None:
+    """Lower the gains by shares 0 .. 1; the integral is added up once a cycle."""
+    cfg, state = block.cfg, block.state
+    cfg[j.K_POSITION_P] = round(cfg[j.K_POSITION_P] * position)
+    cfg[j.K_VELOCITY_P] = round(cfg[j.K_VELOCITY_P] * velocity)
+    cfg[j.K_VELOCITY_I] = round(cfg[j.K_VELOCITY_I] * velocity * velocity * cycle_ms)  # kp w / 4: host/joint_gains.py
+    # The joint itself knows its supply and its heat, and limits what it is told.
+    state[j.S_CURRENT_LIMIT] = cfg[j.K_CURRENT_MAX]
+    state[j.S_BUS] = (cfg[j.K_UNDER_START] + cfg[j.K_OVER_START]) // 2

@@ -151,7 +151,7 @@ class JointLink:
 
     def _take(self, time_s: float, identifier: int, data: bytes) -> None:
         block, node = frame_block(identifier), frame_node(identifier)
-        if block == w.E_STOP_ID:
+        if identifier == w.E_STOP_ID:
             self.e_stops += 1
             return
         if node < 0 or block < 0 or len(data) > 8:

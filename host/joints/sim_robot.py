@@ -4,9 +4,11 @@ Every millisecond: the frames of that time, one tick of each joint, one step of 
 """
 
 import random
+import threading
 from collections import deque
 from collections.abc import Callable, Collection, Sequence
 
+from ..can.pair import PairPort, bus_of
 from ..can.port import Port, Received
 from ..can.simulated import Node, SimBus
 from ..robot_model import Robot
@@ -26,8 +28,9 @@ class SimRobot:
     def __init__(
         self, robot: Robot, seed: int = 0, body: TorqueBody | None = None, in_vm: Collection[int] = ()
     ) -> None:
+        assert robot.bus.kind == "can"
         self.robot = robot
-        self.bus = SimBus(robot.bus.bitrate if robot.bus.kind == "can" else 1_000_000, seed)
+        self.buses = [SimBus(robot.bus.bitrate, seed + i) for i in range(len(robot.bus.channels))]
         self.body = TorqueBody(robot, seed=seed) if body is None else body
         setups = joint_setups(robot)
         bldc = robot.actuator
@@ -43,15 +46,25 @@ class SimRobot:
             raise
         self.nodes = [self._attach(joint) for joint in self.joints]
         self.ms = 0
+        self.lock = threading.RLock()
         self.held = True  # by hand, seated, until all joints hold it themselves
         self.events: dict[int, list[Callable[[], None]]] = {}
         self.each_ms: list[Callable[[int], None]] = []
         self.advance_ms(START_MS)
 
     def _attach(self, joint: SimJoint) -> Node:
-        node = self.bus.attach(lambda time_us, identifier, data: joint.deliver(identifier, data))
+        node = self.bus_of(joint.node).attach(lambda time_us, identifier, data: joint.deliver(identifier, data))
         joint.send, joint.room = node.send, node.room
         return node
+
+    def bus_of(self, node: int) -> SimBus:
+        """Return the bus of a node; with two, the rear legs have the second."""
+        return self.buses[bus_of(node) if len(self.buses) > 1 else 0]
+
+    @property
+    def bus(self) -> SimBus:
+        """Return the first bus, or the only one."""
+        return self.buses[0]
 
     @property
     def time_s(self) -> float:
@@ -72,14 +85,20 @@ class SimRobot:
         self.advance_us((self.ms + count) * MS_US)
 
     def advance_us(self, to_us: float) -> None:
-        """Go on to a time."""
+        """Go on to a time; one thread at a time."""
+        with self.lock:
+            self._advance_us(to_us)
+
+    def _advance_us(self, to_us: float) -> None:
         while (self.ms + 1) * MS_US <= to_us:
             self._millisecond()
-        self.bus.advance(to_us)
+        for bus in self.buses:
+            bus.advance(to_us)
 
     def _millisecond(self) -> None:
         now_us = (self.ms + 1) * MS_US
-        self.bus.advance(now_us)
+        for bus in self.buses:
+            bus.advance(now_us)
         self.ms += 1
         for do in self.events.pop(self.ms, ()):
             do()
@@ -100,26 +119,28 @@ class SimRobot:
 
 
 class SimPort(Port):
-    """The host's adapter on the simulated bus; ``jitter_s`` delays every waking by up to that, at random."""
+    """The host's adapter on the simulated bus; every waking is late by up to ``late_s``, at random."""
 
     name = "simulated"
 
-    def __init__(self, sim: SimRobot, jitter_s: float = 0.0, room: int = 64, seed: int = 1) -> None:
+    def __init__(self, sim: SimRobot, bus: SimBus | None = None, room: int = 64) -> None:
         super().__init__()
-        self.sim, self._jitter_s, self._random = sim, jitter_s, random.Random(seed)
+        self.sim, self.late_s, self._random = sim, 0.0, random.Random(1)
         self._queue: deque[Received] = deque()
-        self.node = sim.bus.attach(self._deliver, room)
+        self.node = (bus or sim.bus).attach(self._deliver, room)
 
     def _deliver(self, time_us: int, identifier: int, data: bytes) -> None:
         self._queue.append(Received(time_us * 1e-6, identifier, data))
 
     def send(self, identifier: int, data: bytes) -> bool:
         """See Port."""
-        if self.node.send(identifier, data):
+        with self.sim.lock:
+            sent = self.node.send(identifier, data)
+        if sent:
             self.counters.sent += 1
-            return True
-        self.counters.full += 1
-        return False
+        else:
+            self.counters.full += 1
+        return sent
 
     def receive(self) -> Received | None:
         """See Port."""
@@ -134,8 +155,14 @@ class SimPort(Port):
 
     def wait_until(self, time_s: float) -> None:
         """See Port: the simulation goes on."""
-        late_s = self._random.uniform(0, self._jitter_s) if self._jitter_s else 0.0
+        late_s = self._random.uniform(0, self.late_s) if self.late_s else 0.0
         self.sim.advance_us((time_s + late_s) * 1e6)
+
+
+def sim_port(sim: SimRobot) -> Port:
+    """Return the host's end of the robot's bus or buses."""
+    ports = [SimPort(sim, bus=bus) for bus in sim.buses]
+    return PairPort(*ports) if len(ports) == 2 else ports[0]
 
 
 def power_off(sim: SimRobot, nodes: Sequence[int]) -> None:

@@ -84,12 +84,18 @@ class Supervisor:
         """Forget the faults that are over."""
         self._stopped = False
         self.safety.reset(self.measured, self.attitude)
+        try:
+            self.bus.clear_faults()
+        except UserError as error:
+            self.safety.raise_fault(Fault("limp", "joints", str(error)))
 
     def _check_stop(self) -> None:
-        limp = self.safety.action == "limp"
+        limp, damp = self.safety.action == "limp", self.safety.action == "damp"
         if (limp and self.armed) or (self.arbiter.stop is not None and not self._stopped):
             self.stop_now()
-        if limp:
+        elif damp and self.armed:
+            self.armed, self._limit = False, None
+        if limp or damp:
             self.arbiter.posture = "rest"
 
     def _command(self, sticks: Drive, now_s: float) -> None:

@@ -88,17 +88,13 @@ def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing,
     sim = standing.sim
     senders = [standing.port.send, *(n.send for n in sim.nodes), sim.bus.attach(lambda *frame: None).send]
     ms = stop_by(standing, senders[node])
-    quiet = [i for i in range(12) if i + 1 != node]  # a node does not hear its own frame
-    if 1 <= node <= 12:
-        assert all(not sim.joints[i].bridge for i in quiet)
-    else:
-        assert ms is not None
-        assert ms <= 20
+    assert ms is not None
+    assert ms <= 20  # also of a joint that sends it, and does not hear its own frame: the host answers with another
     for _ in range(50):
         standing.bus.cycle.link.send_setpoints(w.SETPOINT_POSITION_ID, [0] * 12)
         standing.bus.run_for(0.005)
-    assert all(not sim.joints[i].bridge for i in quiet)
-    assert {states(standing, S_FAULT_CODE)[i] for i in quiet} == {FAULT_EMERGENCY_STOP}
+    assert sim.torque_free
+    assert set(states(standing, S_FAULT_CODE)) == {FAULT_EMERGENCY_STOP}
     with pytest.raises(UserError, match="emergency"):
         standing.bus.torque(True)
 
@@ -106,7 +102,7 @@ def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing,
 def test_after_a_stop_it_walks_again_only_when_cleared_and_armed_anew(standing):
     standing.bus.emergency_stop()
     standing.bus.run_for(3.0)
-    standing.bus.clear()
+    standing.bus.clear_faults()
     assert standing.sim.torque_free
     standing.bus.torque(True)
     assert not standing.sim.torque_free

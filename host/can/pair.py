@@ -1,0 +1,84 @@
+"""Two buses behind one port: the front legs' joints on the first, the rear legs' on the second.
+
+What goes to one joint goes to its bus, what goes to all goes to both. The host carries an emergency stop over: heard on
+one bus, it is sent on the other before anything else is read.
+"""
+
+from shared.wire import names as w
+from shared.wire.framing import frame_block, frame_node, setpoint_group
+
+from .port import Port, PortCounters, Received
+
+REAR = 7  # first node of the second bus: 1 + 3 x leg + joint, legs FR, FL, RR, RL
+PER_BUS = 6
+
+
+def bus_of(node: int) -> int:
+    """Return on which of two buses, 0 or 1, node 1 .. 12 is."""
+    return int(node >= REAR)
+
+
+def buses_for(identifier: int) -> tuple[int, ...]:
+    """Return the buses that a frame of the host concerns; groups of four set-points reach over both."""
+    block = frame_block(identifier)
+    if block == w.SETPOINT_POSITION_ID:
+        first = 4 * setpoint_group(identifier) + 1
+        return tuple(sorted({bus_of(first), bus_of(first + 3)}))
+    node = frame_node(identifier)
+    if block in (w.E_STOP_ID, w.SYNC_ID) or node < 1:
+        return (0, 1)
+    return (bus_of(node),)
+
+
+class PairPort(Port):
+    """Two ports of one machine as one."""
+
+    def __init__(self, front: Port, rear: Port) -> None:
+        super().__init__()
+        self.ports = (front, rear)
+        self.name = f"{front.name} and {rear.name}"
+        self._next = 0
+
+    @property
+    def counters(self) -> PortCounters:
+        """Return both buses' counters added up."""
+        a, b = (port.counters for port in self.ports)
+        return PortCounters(a.sent + b.sent, a.received + b.received, a.full + b.full, a.bus_off + b.bus_off)
+
+    @counters.setter
+    def counters(self, value: PortCounters) -> None:
+        """The ports count themselves."""
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """See Port: True if every bus it concerns has taken it."""
+        sent = [self.ports[bus].send(identifier, data) for bus in buses_for(identifier)]
+        return all(sent)
+
+    def receive(self) -> Received | None:
+        """See Port: from both buses in turn."""
+        for _ in self.ports:
+            bus, self._next = self._next, 1 - self._next
+            frame = self.ports[bus].receive()
+            if frame is not None:
+                if frame.identifier == w.E_STOP_ID:
+                    self.ports[1 - bus].send(w.E_STOP_ID, b"")
+                return frame
+        return None
+
+    @property
+    def trouble(self) -> str:
+        """See Port."""
+        return "; ".join(filter(None, (port.trouble for port in self.ports)))
+
+    def now(self) -> float:
+        """See Port: one clock."""
+        return self.ports[0].now()
+
+    def wait_until(self, time_s: float) -> None:
+        """See Port."""
+        self.ports[0].wait_until(time_s)
+
+    def close(self) -> None:
+        """See Port."""
+        for port in self.ports:
+            port.close()

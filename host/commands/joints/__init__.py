@@ -1,0 +1,42 @@
+"""`caramelo joints`: finds, looks at, arms, numbers and sets the brushless joints on CAN, and simulates them."""
+
+from collections.abc import Callable
+
+import typer
+
+from .. import HARDWARE
+from . import board, compare, drive, load, look, params, simulate
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(
+        help="Find, look at, arm, number and set the CAN joints, or simulate them.", no_args_is_help=True
+    )
+    commands: dict[str, Callable[..., int]] = {
+        "scan": look.scan,
+        "status": look.status,
+        "monitor": look.monitor,
+        "arm": drive.arm,
+        "disarm": drive.disarm,
+        "clear": drive.clear,
+        "set-id": board.set_id,
+        "calibrate": board.calibrate,
+        "busload": load.busload,
+        "compare": compare.compare,
+        "sim": simulate.sim,
+    }
+    for name, command in commands.items():
+        group.command(name)(command)
+    kept = typer.Typer(help="Read, write, keep and compare the joints' parameters.", no_args_is_help=True)
+    parts: dict[str, Callable[..., int]] = {
+        "get": params.get,
+        "set": params.set_,
+        "save": params.save,
+        "restore": params.restore,
+        "diff": params.diff,
+    }
+    for name, command in parts.items():
+        kept.command(name)(command)
+    group.add_typer(kept, name="params")
+    app.add_typer(group, name="joints", rich_help_panel=HARDWARE)

@@ -1,0 +1,61 @@
+"""`caramelo joints arm|disarm|clear`: torque on and off, latched faults."""
+
+from typing import Annotated
+
+import typer
+
+from ...console import screen
+from ...errors import NOT_ACHIEVED
+from .options import Channel, Interface, RobotName, Seconds, Sim, joints
+
+
+def arm(
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
+    limit: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the current limit to hold with.")] = 0.5,
+    sim: Sim = False,
+) -> int:  # fmt: skip
+    """Arm all joints where they are and hold them while this runs; then disarm. Exit code 1 if one gives up.
+
+    Example: caramelo joints arm --sim --seconds 1
+    """
+    with joints(robot, interface, channel, sim) as bus:
+        bus.open()
+        bus.limit_torque(limit)
+        console = screen()  # loading it takes longer than the joints' watchdog waits
+        console.print("arming; Ctrl-C disarms")
+        bus.torque(True)
+        began_s = bus.now()
+        try:
+            while bus.cycle.armed and (seconds is None or bus.now() - began_s < seconds):
+                bus.run_for(0.05)
+        except KeyboardInterrupt:
+            screen().print("stopped")
+        gave_up = bus.cycle.reaction in ("damp", "stop")
+        bus.torque(False)
+        timing = bus.cycle.timing.as_dict()
+    screen().print(f"disarmed; cycles started late: {timing['late']}, left out: {timing['skipped']}", soft_wrap=True)
+    return NOT_ACHIEVED if gave_up else 0
+
+
+def disarm(
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False
+) -> int:
+    """Disarm all joints, whoever armed them.
+
+    Example: caramelo joints disarm
+    """
+    with joints(robot, interface, channel, sim) as bus:
+        bus.torque(False)
+    screen().print("all joints were told to let go")
+    return 0
+
+
+def clear(robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False) -> int:
+    """Clear latched faults. Arms nothing. Exit code 1 while a cause is still there.
+
+    Example: caramelo joints clear
+    """
+    with joints(robot, interface, channel, sim) as bus:
+        bus.clear_faults()
+    screen().print("no fault is latched")
+    return 0

@@ -1,0 +1,90 @@
+"""`caramelo joints scan|status|monitor`: what is on the bus, and what every joint says."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ...console import screen, write_json
+from ...errors import NOT_ACHIEVED
+from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints, print_table
+from .table import rows_of, table
+
+
+def scan(
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
+    as_json: Json = False,
+) -> int:  # fmt: skip
+    """List the boards on the bus, and what keeps the robot from being armed. Exit code 1 if anything does.
+
+    Example: caramelo joints scan --sim
+    """
+    with joints(robot, interface, channel, sim) as bus:
+        boards = bus.requests.discover()
+        wrong = bus.cycle.guard.before_arming(boards)
+        trouble = bus.port.trouble
+    rows = [(node, number) for node, numbers in sorted(boards.items()) for number in sorted(numbers)]
+    if as_json:
+        write_json({
+            "boards": [{"node": node, "board": number} for node, number in rows],
+            "wrong": [{"node": n.node, "what": n.what, "sentence": n.sentence} for n in wrong],
+        })  # fmt: skip
+    else:
+        from ...joints.service import joint_name
+
+        print_table(("joint", "board"), [(joint_name(node), f"{number:#010x}") for node, number in rows])
+        for sentence in [*(notice.sentence for notice in wrong), *filter(None, [trouble])]:
+            screen().print(sentence, soft_wrap=True)
+    return NOT_ACHIEVED if wrong else 0
+
+
+def status(
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
+    as_json: Json = False,
+) -> int:  # fmt: skip
+    """Show every joint's state, limits, losses, and its fault in words. Exit code 1 if one is missing or in fault.
+
+    Example: caramelo joints status --interface udp_multicast --channel default
+    """
+    with joints(robot, interface, channel, sim) as bus:
+        rows, counters = rows_of(bus), bus.port.counters.as_dict()
+        trouble = bus.port.trouble
+    if as_json:
+        write_json({"joints": rows, "port": counters, "trouble": trouble})
+    else:
+        screen().print(table(rows))
+        screen().print(", ".join(f"{count} {name.replace('_', ' ')}" for name, count in counters.items()))
+        if trouble:
+            screen().print(trouble, soft_wrap=True)
+    return 0 if all(row["fault"] == "none" for row in rows) else NOT_ACHIEVED
+
+
+def monitor(
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
+    out: Annotated[Path | None, typer.Option(help="Record what every joint said, one JSON object a line.")] = None,
+    sim: Sim = False,
+) -> int:  # fmt: skip
+    """Watch all joints, as a live table; nothing is armed. Records with --out.
+
+    Example: caramelo joints monitor --sim --seconds 2 --out joints.jsonl
+    """
+    from rich.live import Live
+
+    from ...files import write_text
+
+    lines: list[str] = []
+    with joints(robot, interface, channel, sim) as bus, Live(console=screen(), auto_refresh=False) as live:
+        began_s = bus.now()
+        try:
+            while seconds is None or bus.now() - began_s < seconds:
+                bus.run_for(0.1)
+                rows = rows_of(bus)
+                live.update(table(rows), refresh=True)
+                if out is not None:
+                    lines.append(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}))
+        except KeyboardInterrupt:
+            screen().print("stopped")
+    if out is not None:
+        write_text(out, "".join(line + "\n" for line in lines))
+    return 0

@@ -1,0 +1,65 @@
+"""Options that the joints' commands share, and the joints of a robot opened by them."""
+
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ...console import screen, write_error
+from ...errors import UserError
+
+if TYPE_CHECKING:
+    from ...buses.can_joints import CanJoints
+    from ...can.port import Port
+
+RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
+Interface = Annotated[
+    str | None,
+    typer.Option(help="socketcan, slcan, gs_usb, virtual or udp_multicast; without it the robot file's own."),
+]
+Channel = Annotated[str | None, typer.Option(help="can0, a serial port, an adapter's number or a multicast group.")]
+Sim = Annotated[bool, typer.Option("--sim", help="Talk to joints simulated in this process, in simulated time.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Node = Annotated[int, typer.Argument(metavar="NODE", min=1, max=12, help="1 + 3 x leg + joint.")]
+Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long; without it on Ctrl-C.")]
+
+
+@contextmanager
+def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
+    """Yield the joints of a robot, listened to for two heartbeats but not checked."""
+    from ...buses.can_joints import LISTEN_S, CanJoints
+    from ...emulator.plant import seated_pose_rad
+    from ...robot_file import load_robot
+
+    data = load_robot(robot)
+    if data.bus.kind != "can":
+        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    session = 1 + secrets.randbelow(255)
+    if simulated:
+        from ...joints.sim_robot import SimRobot, sim_port
+
+        robot_sim = SimRobot(data)
+        port: Port = sim_port(robot_sim)
+    else:
+        from ...can.open import open_port
+
+        port = open_port(data.bus, interface, channel)
+    bus = CanJoints(data, port, session, seated_pose_rad(data), report=lambda notice: write_error(notice.sentence))
+    try:
+        bus.run_for(LISTEN_S)
+        yield bus
+    finally:
+        if simulated:
+            robot_sim.close()
+        port.close()
+
+
+def print_table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
+    from rich.table import Table
+
+    table = Table(*head, box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*map(str, row))
+    screen().print(table)

@@ -1,0 +1,68 @@
+"""What one joint said last as a row, and all rows as a table with the faults in sentences below it."""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ...buses.can_joints import CanJoints
+    from ...joints.link import JointView
+
+
+def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
+    from math import isinf
+
+    from shared.wire import names as w
+
+    from ...joints.service import joint_name
+    from ...protocol.frames import describe, encode
+
+    age_s = bus.now() - view.heartbeat_s
+    if isinf(age_s) or age_s > 1.0:
+        return {"joint": joint_name(view.node), "state": "not there", "fault": "check its power and the CAN cable"}
+    heartbeat = describe(w.HEARTBEAT_ID + view.node, encode(w.HEARTBEAT_ID + view.node, list(view.heartbeat))[0]) or {}
+    slow = describe(w.SLOW_STATUS_ID + view.node, encode(w.SLOW_STATUS_ID + view.node, list(view.status))[0]) or {}
+    position = view.reply[w.REPLY_POSITION]
+    return {
+        "joint": joint_name(view.node),
+        "state": str(heartbeat["state"]).replace("_", " "),
+        "mode": heartbeat["mode"],
+        "motor_deg": None if position == w.NOT_AVAILABLE else round(position * 360 / 65536, 2),
+        "current_A": round(view.reply[w.REPLY_CURRENT] / 4096, 3),
+        "bus_V": slow["bus_voltage"],
+        "winding_C": slow["winding_temperature"],
+        "board_C": slow["mcu_temperature"],
+        "limits": slow["limits"],
+        "lost": view.lost,
+        "late": view.late,
+        "fault": bus.cycle.guard.fault_text(view) if view.heartbeat[w.HEARTBEAT_FAULT] else "none",
+    }
+
+
+# Column and its heading; faults stand below the table, because they are sentences
+_COLUMNS = {
+    "state": "state",
+    "motor_deg": "deg",
+    "current_A": "A",
+    "bus_V": "V",
+    "winding_C": "C",
+    "limits": "limits",
+    "lost": "lost",
+    "late": "late",
+}
+
+
+def rows_of(bus: "CanJoints") -> list[dict[str, Any]]:
+    return [_row(bus, bus.link.views[node]) for node in bus.link.nodes]
+
+
+def table(rows: list[dict[str, Any]]) -> Any:
+    from rich.console import Group
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table("joint", *_COLUMNS.values(), box=None, pad_edge=False)
+    for row in rows:
+        cells = (row.get(key) for key in _COLUMNS)
+        shown = ["-" if v is None else f"{v:.1f}" if isinstance(v, float) else str(v) for v in cells]
+        table.add_row(str(row["joint"]).replace("node ", ""), *shown)
+    wrong = [Text(f"{row['joint']}: {row['fault']}") for row in rows if row["fault"] != "none"]
+    return Group(table, *wrong)
