@@ -29,6 +29,7 @@ from .webside import WebProcess, start_web
 
 STATUS_HZ = 20
 GAMEPAD_HZ = 20
+LEAVE_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
 LEAVING_S = 20.0
 
@@ -194,12 +195,12 @@ class Session:
 
     @contextmanager
     def _signals(self) -> Iterator[None]:
-        """SIGINT and SIGTERM mean: sit down and leave."""
+        """SIGINT, SIGTERM and SIGHUP, which a closed terminal or a broken ssh sends, mean: sit down and leave."""
 
         def leave(number: int, frame: Any) -> None:
             self.leaving += 1
 
-        before = {number: signal.signal(number, leave) for number in (signal.SIGINT, signal.SIGTERM)}
+        before = {number: signal.signal(number, leave) for number in LEAVE_SIGNALS}
         try:
             yield
         finally:

@@ -8,7 +8,7 @@ import termios
 import threading
 import tty
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
 from ..robot_model import JOINT_NAMES, LEG_NAMES
@@ -28,11 +28,12 @@ def raw_keys(descriptor: int) -> Iterator[None]:
         tty.setcbreak(descriptor)
         yield
     finally:
-        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+        with suppress(termios.error):  # a terminal that is gone needs nothing put back
+            termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
 
 class Screen:
-    """Paints the newest status a few times a second until it is closed."""
+    """Paints the newest status a few times a second until it is closed, or the terminal is gone."""
 
     def __init__(self, stream: TextIO = sys.stdout) -> None:
         self._stream, self._status = stream, dict[str, Any]()
@@ -53,15 +54,23 @@ class Screen:
         self._done.set()
         self._thread.join(2 * REPAINT_S)
         if not self._thread.is_alive():
-            self._stream.write(LEAVE)
-            self._stream.flush()
+            self._write(LEAVE)
 
     def _paint(self) -> None:
         while not self._done.wait(REPAINT_S):
             if self._status:
                 text = "".join(f"{line}{CLEAR_LINE}\n" for line in screen_lines(self._status))
-                self._stream.write(HOME + text + CLEAR_REST)
-                self._stream.flush()
+                if not self._write(HOME + text + CLEAR_REST):
+                    return
+
+    def _write(self, text: str) -> bool:
+        """Write to the terminal; False if it is gone, which must not end a drive before the robot has sat down."""
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except OSError:
+            return False
+        return True
 
 
 def screen_lines(status: dict[str, Any]) -> list[str]:

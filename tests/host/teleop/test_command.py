@@ -117,12 +117,38 @@ class Terminal:
         raise AssertionError(f"{pattern} is not shown: {self.shown[-2000:]}")
 
 
+    def hang_up(self):
+        """Take the terminal away, as a broken ssh does."""
+        os.close(self._ours)
+        self.process.send_signal(signal.SIGHUP)
+
+    def end(self):
+        self.process.kill()
+        self.process.wait()
+
+
 @pytest.fixture
 def terminal():
     terminal = Terminal()
     yield terminal
-    terminal.process.kill()
-    terminal.process.wait()
+    terminal.end()
+
+
+def test_a_terminal_that_goes_away_sits_the_robot_down(tmp_path):
+    path = tmp_path / "x.mcap"
+    terminal = Terminal("--log", str(path))
+    try:
+        terminal.see("disarmed")
+        terminal.type(b"t")
+        terminal.see(r" standing ")
+        terminal.see("walking", key=b"w")
+        terminal.hang_up()
+        terminal.process.wait(40)
+    finally:
+        terminal.end()
+    record = read_record(path)
+    assert record.whole
+    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
 
 
 def test_a_drive_in_the_terminal(terminal):
