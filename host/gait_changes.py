@@ -11,6 +11,7 @@ from shared import crawl_layout as crawl
 from shared import handover
 from shared import params as p
 from shared import planner_layout as core
+from shared.adaptive import BEHIND_STEP
 from shared.gaits import GAIT_NAMES
 from sim2d.notes import Note
 
@@ -34,11 +35,11 @@ def change_reason(driver: Driver) -> str:
     """Return why trot and crawl were last exchanged, "" if they were not."""
     params = driver.planner.params
     behind_mm = 1000 * driver.scale.metres(params[p.P_LEG_LENGTH] * 3 >> 5)
-    held_s = params[p.P_ADVICE_TICKS] / 2 / driver.rate_hz
+    held_s = params[p.P_ADVICE_TICKS] / BEHIND_STEP / driver.rate_hz
     crawls = driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
     return {
         handover.REASON_NONE: "",
-        handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:g} s",
+        handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
         handover.REASON_COMMAND: "the crawl was commanded" if crawls
         else "a gait or a way was commanded that is not the crawl's",
         handover.REASON_EVEN: f"even ground under the last {handover.LEGS_EVEN} footholds",
@@ -59,7 +60,6 @@ def crawl_event(driver: Driver) -> str:
         crawl.EVENT_HIT: f"{leg} ran into a riser: it goes back and higher",
         crawl.EVENT_NOTHING: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
         crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry what they should",
-        crawl.EVENT_SLIP: f"{leg} slid off an edge: it goes once more, further out",
     }[state[crawl.C_EVENT]]
 
 

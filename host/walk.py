@@ -43,7 +43,7 @@ class WalkSpec:
     balance: bool = True
     seed: int = 0
     limit_s: float | None = None
-    stuck_after_s: float = 30.0  # to back off from an edge and come back takes over 10 s
+    stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
 
     def __post_init__(self) -> None:
         gait_index(self.gait)

@@ -91,7 +91,7 @@ W_FASTEST = const(9)  # lf / tick, grows after a start
 W_AGE = const(10)  # 4 values: ticks since the planned touchdown, 0 in swing, up to 1000
 W_TURNED = const(14)  # 3 values: turn of this tick, 2^-18 rad
 W_RATES = const(17)  # 1: they are measured
-W_BEHIND = const(18)  # ticks behind the reference, twice, less those not behind
+W_BEHIND = const(18)  # ticks behind the reference, BEHIND_STEP times, less those not behind
 W_MARGIN = const(19)  # lu, of the centre of mass in the support
 W_ADVICE = const(20)  # ADVICE_...
 W_ACTIVE = const(21)  # 1: the body is not where a table gait wants it
@@ -101,6 +101,7 @@ ADVICE_FINE = const(0)
 ADVICE_BEHIND = const(1)  # held up: another gait may get on
 ADVICE_TILTED = const(2)  # tilted: another gait may be safer
 
+BEHIND_STEP = const(3)  # a held-up trot lurches on and slips back: behind in a third of the time is too much
 _TILT_ADVICE = const(17472)  # 6 deg, 1/16 brad
 _WEIGHT_LEAST_Q12 = const(3277)  # 0.8 of the own weight: the measurement reads low, not the robot light
 _WEIGHT_MOST_Q12 = const(9830)  # 2.4 times: beyond it the legs are too weak anyway
@@ -222,7 +223,7 @@ def drive_speed(params, walk, speed, drive) -> int:
     hold(params, speed, w[W_SWAY], walk.nav, drive)
     step = -1
     if e[NAV_X] > p[P_LEG_LENGTH] * 3 << LF_BITS - 5:
-        step = 2
+        step = BEHIND_STEP
     w[W_BEHIND] = saturate(w[W_BEHIND] + step, 0, 0xFFFF)
     w[W_ADVICE] = ADVICE_FINE
     if w[W_BEHIND] > p[P_ADVICE_TICKS]:

@@ -84,8 +84,6 @@ K_PACE = const(72)  # lf, what a step of one leg brings the body forward
 K_STALLED = const(73)  # ticks
 K_FORCE = const(75)  # Q15 a tick: forces smoothed over 20 ms
 K_TARE_IN = const(76)  # Q15 a tick
-K_SLIP = const(77)  # lu, a front foot that sank so much after it landed stood on an edge
-K_SLIDE_TICKS = const(78)  # ticks
 K_PLANAR = const(74)  # 1: no lateral motion, no roll and yaw (a robot held in the plane)
 K_SIZE = const(80)
 
@@ -153,8 +151,6 @@ C_LANDED = const(225)  # legs landed since the start
 C_STEPS_EVEN = const(226)  # legs landed in a row on even footholds
 C_MARGIN = const(227)  # lu, centre of mass inside the support
 C_WEIGHT_FINE = const(228)  # Q20, the same as C_WEIGHT
-C_AGAIN = const(229)  # 1: the leg it is about goes once more, because it slid off an edge
-C_STOOD_Z = const(230)  # lf, height at which the last front foot landed
 C_SIZE = const(240)
 
 SHIFT = const(0)  # all feet down, the body moves off the leg to come
@@ -163,7 +159,6 @@ MOVE = const(2)
 TARE = const(3)  # the foot hangs: what its joints feel is no load
 DOWN = const(4)
 REST = const(5)  # all feet down, nothing to do
-SLIDE = const(6)  # all feet down, one has just slid off an edge: wait where it ends
 
 EVENT_NONE = const(0)
 EVENT_LANDED = const(1)
@@ -173,4 +168,3 @@ EVENT_SHIN = const(4)  # the shin, not the foot, stands on an edge
 EVENT_HIT = const(5)  # the foot ran into a riser
 EVENT_NOTHING = const(6)  # no ground at all: the foot is left hanging
 EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
-EVENT_SLIP = const(8)  # a front foot slid off an edge: it goes once more, further out

@@ -12,6 +12,7 @@ from .crawl_layout import (
     C_CMD,
     C_EXPECT,
     C_FOOT,
+    C_FORCE,
     C_FROM,
     C_LAGGED,
     C_ON_PRINT,
@@ -25,7 +26,6 @@ from .crawl_layout import (
     C_SHARE,
     C_SOURCE,
     C_STANDS,
-    C_STOOD_Z,
     C_TARGET,
     C_TO,
     C_TOP,
@@ -45,7 +45,8 @@ from .runtime import const, hot, ptr32
 from .sensing import M_LEVEL
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
-_HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one may have risen
+_HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
+_LOADED_Q12 = const(379)  # 2 N of Caramelo's 21.6
 _NEAR_LU = const(16383)
 
 
@@ -179,14 +180,14 @@ def fit_body(settings, sensing, state) -> int:
 def follow_slips(settings, state) -> int:
     """Let the map's places of loaded feet follow slowly where the feet are seen, and prints their feet; return 0.
 
-    Only feet with more than half their share count. A foot more than K_FAR off in height is followed fast: it
-    stood on something that gave way.
+    Only feet that carry count, with more than half their share. A foot more than K_FAR off in height is followed
+    fast: it stood on something that gave way.
     """
     k = ptr32(settings)
     c = ptr32(state)
     for leg in range(LEGS):
         at = leg * 3
-        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12:
+        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12 and c[C_FORCE + leg] > _LOADED_Q12:
             for axis in range(3):
                 gap = saturate(c[C_SEEN + at + axis] - c[C_FOOT + at + axis], -0xFFFFFF, 0xFFFFFF)
                 gain = k[K_SLIP_XY]
@@ -254,7 +255,6 @@ def rebase(settings, state) -> int:
     c[C_SOURCE + 1] -= dy
     c[C_EXPECT] -= dz
     c[C_TOP] -= dz
-    c[C_STOOD_Z] -= dz
     for at in range(PAST_SIZE):
         c[C_PAST + at] -= dx
     return far

@@ -9,8 +9,6 @@ somewhere else, at most three times; the body goes along so that the leg comes d
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, take_tare
 from .crawl_goals import bridge
 from .crawl_layout import (
-    C_AGAIN,
-    C_BODY_TICK,
     C_BODY_TICKS,
     C_DROPPED,
     C_EVEN,
@@ -33,13 +31,12 @@ from .crawl_layout import (
     C_PHASE,
     C_POS,
     C_PRINT,
-    C_PRINTS,
     C_SEEN,
     C_SHARE,
+    C_SOURCE,
     C_SPEED,
     C_STANDS,
     C_STEPS_EVEN,
-    C_STOOD_Z,
     C_TARGET,
     C_TICK,
     C_TOP,
@@ -53,7 +50,6 @@ from .crawl_layout import (
     EVENT_LANDED,
     EVENT_NOTHING,
     EVENT_SHIN,
-    EVENT_SLIP,
     EVENT_VOID,
     EVENT_WARP,
     K_ADVANCE,
@@ -72,8 +68,6 @@ from .crawl_layout import (
     K_SHARE_TICKS,
     K_SHIN,
     K_SHIN_RAISE,
-    K_SLIDE_TICKS,
-    K_SLIP,
     K_TARE_TICKS,
     K_TOO_HIGH,
     K_V_TARE,
@@ -87,7 +81,6 @@ from .crawl_layout import (
     PAST_SIZE,
     REST,
     SHIFT,
-    SLIDE,
     TARE,
 )
 from .crawl_pose import mass_target, move_body, plan_body, resting_x
@@ -143,8 +136,6 @@ def machine(crawl, way_lf: int) -> int:
             plan_shift(crawl)
     elif phase == SHIFT:
         shift_tick(crawl, leg)
-    elif phase == SLIDE:
-        slide_tick(crawl)
     else:
         keep_past(crawl.state)
         if phase == LIFT:
@@ -219,8 +210,6 @@ def shift_tick(crawl, leg: int) -> int:
     """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
-    if slid_off(crawl, leg):
-        return 0
     left = c[C_BODY_TICKS] - c[C_TICK]
     for other in range(LEGS):
         if other != leg:
@@ -235,40 +224,6 @@ def shift_tick(crawl, leg: int) -> int:
         leave_ground(crawl, leg)
     elif error < _WARP_OK_Q12 and error > -_WARP_OK_Q12:
         leave_ground(crawl, leg)
-    return 0
-
-
-@hot
-def slid_off(crawl, leg: int) -> int:
-    """Return 1 if the front foot that landed last sinks while the body comes over it, and let it go again, else 0.
-
-    It stood on the very edge. The leg whose turn it was waits; hind legs land last where front feet stood.
-    """
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
-    last = _ORDER >> ((c[C_TURN] + 3 & 3) << 2) & 15
-    if last >= RR or c[C_AGAIN] or c[C_ON_PRINT + last] == 0 or c[C_LANDED] == 0:
-        return 0
-    sunk = c[C_STOOD_Z] - c[C_SEEN + last * 3 + 2]
-    if sunk < k[K_SLIP] << LF_BITS:
-        return 0
-    c[C_LEG] = last
-    c[C_AGAIN] = 1
-    tell(crawl.state, EVENT_SLIP, c[C_SEEN + last * 3], -sunk)
-    c[C_BODY_TICK] = c[C_BODY_TICKS]
-    enter(crawl.state, SLIDE)
-    return 1
-
-
-@hot
-def slide_tick(crawl) -> int:
-    """Wait, with the body at rest and the map following, until the foot that slid stands again; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
-    for leg in range(LEGS):
-        c[C_SHARE + leg] = saturate(c[C_SHARE + leg] + k[K_SHARE], 0, _FULL_Q12)
-    if c[C_TICK] >= k[K_SLIDE_TICKS]:
-        plan_shift(crawl)
     return 0
 
 
@@ -304,8 +259,6 @@ def leave_ground(crawl, leg: int) -> int:
     for axis in range(3):
         c[C_POS + axis] = c[C_FOOT + leg * 3 + axis]
     aim(crawl.limbs, crawl.settings, crawl.state, leg)
-    if c[C_AGAIN]:
-        aim_again(crawl.settings, crawl.state, leg)
     c[C_STANDS + leg] = 0
     c[C_SHARE + leg] = 0
     c[C_TRIES] = 0
@@ -317,18 +270,6 @@ def leave_ground(crawl, leg: int) -> int:
         c[C_PAST + at] = c[C_POS]
     enter(crawl.state, LIFT)
     return bridge(crawl, leg, 1)
-
-
-@hot
-def aim_again(settings, state, leg: int) -> int:
-    """Aim a front foot that slid off an edge further out, clear of the edge behind its shin; return 0."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    c[C_TARGET] = c[C_FOOT + leg * 3] + (k[K_ADVANCE] << LF_BITS)
-    c[C_TOP] = c[C_FOOT + leg * 3 + 2] + (k[K_RAISE] << LF_BITS)
-    if c[C_PRINTS + leg] > 0:
-        c[C_PRINTS + leg] -= 1
-    return 0
 
 
 @hot
@@ -361,7 +302,7 @@ def down_tick(crawl, leg: int) -> int:
         free_shin(crawl, leg)
     elif touches and z < c[C_EXPECT] + (k[K_TOO_HIGH] << LF_BITS):
         touch(crawl, leg, z)
-    elif below > k[K_VOID] and c[C_TRIES] < _TRIES and (leg >= RR or c[C_DROPPED] == 0):
+    elif below > k[K_VOID] and c[C_TOUCHED] == 0 and c[C_TRIES] < _TRIES and (leg >= RR or c[C_DROPPED] == 0):
         if leg < RR:
             drop_front(crawl, leg)
         else:
@@ -452,12 +393,9 @@ def land(crawl, leg: int) -> int:
     if leg < RR:
         print_add(crawl.state, leg, C_FOOT + leg * 3)
         c[C_ON_PRINT + leg] = 1
-        c[C_STOOD_Z] = c[C_FOOT + leg * 3 + 2]
-    count_even(crawl.settings, crawl.state)
+    count_even(crawl.settings, crawl.state, leg)
     bridge(crawl, leg, 0)
-    if c[C_AGAIN] == 0:
-        c[C_TURN] = c[C_TURN] + 1 & 3
-    c[C_AGAIN] = 0
+    c[C_TURN] = c[C_TURN] + 1 & 3
     c[C_LEG] = _ORDER >> (c[C_TURN] << 2) & 15
     c[C_PACE] -= k[K_PACE]
     enter(crawl.state, REST)
@@ -465,24 +403,55 @@ def land(crawl, leg: int) -> int:
 
 
 @hot
-def count_even(settings, state) -> int:
-    """Note how far apart in height the four footholds are, and for how many landings they were level; return that.
+def count_even(settings, state, leg: int) -> int:
+    """Note how uneven the ground is where ``leg`` has landed, and for how many landings it was even; return that.
 
-    Level is within K_VOID / 3 (8 mm of a leg of 240 mm): the trot's own measure of even ground.
+    Even is within K_VOID / 3 (8 mm of a leg of 240 mm) of a slope along the way: the trot's own measure. A robot
+    astride an edge stands on a slope too, but its front feet do not go on along it.
     """
     k = ptr32(settings)
     c = ptr32(state)
-    low = c[C_FOOT + 2]
-    high = low
-    for leg in range(LEGS):
-        z = c[C_FOOT + leg * 3 + 2]
-        if z < low:
-            low = z
-        if z > high:
-            high = z
-    c[C_EVEN] = high - low >> LF_BITS
+    dx = even_length(state)
+    dz = saturate(c[C_FOOT + 2] + c[C_FOOT + 5] - c[C_FOOT + 8] - c[C_FOOT + 11] >> LF_BITS + 1, -16383, 16383)
+    low = 0x1FFFF
+    high = -0x1FFFF
+    for other in range(LEGS):
+        at = C_FOOT + other * 3
+        off = off_slope(c[at] - c[C_FOOT], c[at + 2] - c[C_FOOT + 2], dx, dz)
+        if off < low:
+            low = off
+        if off > high:
+            high = off
+    uneven = high - low
+    if leg < RR:
+        at = C_FOOT + leg * 3
+        off = off_slope(c[at] - c[C_SOURCE], c[at + 2] - c[C_EXPECT], dx, dz)
+        if off < 0:
+            off = -off
+        if off > uneven:
+            uneven = off
+    c[C_EVEN] = uneven
     c[C_LANDED] = c[C_LANDED] + 1 & 0xFFFFFF
     c[C_STEPS_EVEN] += 1
-    if c[C_EVEN] > k[K_VOID] // 3:
+    if uneven > k[K_VOID] // 3:
         c[C_STEPS_EVEN] = 0
     return c[C_STEPS_EVEN]
+
+
+@hot
+def even_length(state) -> int:
+    """Return how far the middle of the front feet is before that of the hind feet, 4 lu: 1 .. 16383."""
+    c = ptr32(state)
+    return saturate(c[C_FOOT] + c[C_FOOT + 3] - c[C_FOOT + 6] - c[C_FOOT + 9] >> LF_BITS + 3, 1, 16383)
+
+
+@hot
+def off_slope(way_lf: int, rise_lf: int, dx: int, dz: int) -> int:
+    """Return by how much ``rise`` over ``way`` (lf) is off a slope of dz (lu) in dx (4 lu), lu.
+
+    Way limited to +-65532 lu, rise to +-16383; dx 1 .. 16383, dz within 16383. Error at most 2 lu and what dz and
+    dx were rounded by. Largest intermediate 16383 * 16383.
+    """
+    way = saturate(way_lf >> LF_BITS + 2, -16383, 16383)
+    rise = saturate(rise_lf >> LF_BITS, -16383, 16383)
+    return rise - way * dz // dx

@@ -27,9 +27,10 @@ STRIDE_M = 0.10  # paper A: 0.05 m/s in cycles of 2 s
 START_M = 0.30
 BOX_M = 0.06
 SPEED_M_S = 0.05
-# A gait that takes an obstacle one leg at a time may take this long, and stand this long while it tries again.
+# A gait that takes an obstacle one leg at a time may take this long. Having backed off 0.17 m from an edge it crawls
+# 20 s until it is where it was; with its tries at the edge that may be more than 30 s without a gain.
 LIMIT_S = 240.0
-STUCK_S = 30.0
+STUCK_S = 45.0
 RUN_OUT_M = terrain.RUN_OUT_M
 
 

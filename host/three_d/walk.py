@@ -49,7 +49,7 @@ class SpaceSpec:
     bus_delay_s: float = 0.02
     balance: bool = True
     seed: int = 0
-    stuck_after_s: float = 30.0  # to back off from an edge and come back takes over 10 s
+    stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
     fast: bool = True
 
     @property

@@ -61,7 +61,7 @@ def test_the_way_over_an_edge_is_told_once_each(driver):
         (core.CLIMB_OFF, even, core.WALKING),
     )
     assert [(note.time_s, note.what) for note in notes] == [(0.04, "backing off"), (0.1, "crawl"), (0.14, "paper-trot")]
-    assert notes[0].why == "held up: more than 22 mm behind the commanded way for 1 s"
+    assert notes[0].why == "held up: more than 22 mm behind the commanded way for 0.7 s"
     assert notes[2].why == "even ground under the last 16 footholds"
 
 
