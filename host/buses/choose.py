@@ -1,7 +1,7 @@
 """Which joints and which inertial sensor a command talks to: real, emulated servos, or simulated without a bus."""
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,13 +13,19 @@ from ..robot_file import find
 from ..robot_model import Robot
 from .base import Bus
 
+PUT_BACK_S = 0.01  # the loop waits for the answer
+
 
 @dataclass(frozen=True)
 class Hardware:
-    """What a robot is driven through, neither of them opened yet."""
+    """What a robot is driven through, neither of them opened yet.
+
+    ``put_back`` lifts a simulated robot and puts it down seated; with a real one that is left to a person.
+    """
 
     bus: Bus
     attitude: Attitude
+    put_back: Callable[[], object] = lambda: None
 
 
 @contextmanager
@@ -44,11 +50,11 @@ def _simulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Pa
     from .simulated import SimulatedBus
 
     bus = SimulatedBus(robot)
-    return Hardware(bus, Attitude(robot, SimulatedImu(robot, bus.plant.inertial)))
+    return Hardware(bus, Attitude(robot, SimulatedImu(robot, bus.plant.inertial)), bus.plant.put_back)
 
 
 def _emulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:
-    from ..emulator.process import Emulator, EmulatorImu
+    from ..emulator.process import Emulator, EmulatorImu, Late
     from ..servos.bus import ServoBus
     from ..servos.port import ServoPort
 
@@ -59,7 +65,12 @@ def _emulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Pat
     emulator = stack.enter_context(Emulator(*options))
     data = load_calibration(calibration, robot) if calibration is not None else nominal(robot)
     bus = ServoBus(robot, data, ServoPort(emulator.port, baud(robot)))
-    return Hardware(bus, Attitude(robot, EmulatorImu(emulator)))
+
+    def put_back() -> None:
+        with suppress(Late):  # a busy emulator does it all the same, a little later
+            emulator.ask("put_back", PUT_BACK_S)
+
+    return Hardware(bus, Attitude(robot, EmulatorImu(emulator)), put_back)
 
 
 def _real(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:

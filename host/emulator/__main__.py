@@ -72,6 +72,11 @@ class Commands:
         """Read the simulated inertial sensor."""
         return {"counts": self._imu.read()}
 
+    def on_put_back(self) -> dict[str, Any]:
+        """Lift the robot and put it down seated, as a person does after a fall."""
+        self._bus.plant.put_back()
+        return {}
+
     def on_state(self) -> dict[str, Any]:
         """Tell which servos hold their goals, and where the joints are."""
         servos, plant, noise = self._bus.servos, self._bus.plant, self._bus.disturbance

@@ -4,6 +4,7 @@
 advances only when told to, by simulated time, so the same calls give the same motion.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import MutableSequence, Sequence
 from dataclasses import dataclass, field
 from math import copysign
@@ -88,7 +89,7 @@ class Hinge:
         self.speed_rad_s = speed if self.position_rad == position else 0.0
 
 
-class Plant:
+class Plant(ABC):
     """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` is what they hear."""
 
     def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
@@ -108,16 +109,21 @@ class Plant:
             self._run(steps)
             self.time_s += steps * DT_S
 
+    @abstractmethod
     def push(self, joint: int, angle_rad: float) -> None:
         """Turn one joint by hand, which only works while it is off."""
-        raise NotImplementedError
+
+    @abstractmethod
+    def put_back(self) -> None:
+        """Lift the robot and put it down as it was at the start."""
 
     def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
         return (0.0, 0.0, 0.0), (0.0, 0.0, 9.81)
 
+    @abstractmethod
     def _run(self, steps: int) -> None:
-        raise NotImplementedError
+        """Advance by so many sub-steps."""
 
 
 def joint_models(robot: Robot) -> list[ServoModel]:
@@ -145,7 +151,13 @@ class JointPlant(Plant):
 
     def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
         super().__init__(robot, pose_rad)
+        self._pose_rad = tuple(pose_rad)
         self._hinges = hinges(robot, pose_rad)
+
+    def put_back(self) -> None:
+        """See Plant."""
+        self._hinges = hinges(self.robot, self._pose_rad)
+        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; the hand stops where the joint does."""
@@ -174,14 +186,20 @@ class PlanePlant(Plant):
         models = joint_models(robot)
         servos: Actuator = SwitchedServos([models[joint] for joint in PLANAR_INDEX], self.drives)
         self.world = World(plane, flat(), actuator=CalfOnTorso(servos) if plane.calf_on_torso else servos, dt_s=DT_S)
-        self.world.place(clamped(plane, pose_rad))
-        self._hinges = hinges(robot, pose_rad)[0::3]
+        self._pose_rad, self._start = tuple(pose_rad), clamped(plane, pose_rad)
+        self.put_back()
         self._sensors = Sensors(self.world, seed)
         self._no_goal = [0.0] * PLANAR_JOINTS
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
         raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+
+    def put_back(self) -> None:
+        """See Plant."""
+        self.world.place(self._start)
+        self._hinges = hinges(self.robot, self._pose_rad)[0::3]
+        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
 
     def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """See Plant; the plane turns about y only."""

@@ -100,7 +100,14 @@ class Session:
             self._note(check)
             if not check.ok:
                 raise UserError(f"{check.name}: {check.result}: the robot stays as it is", NOT_ACHIEVED)
-        return Supervisor(self.robot, parts.bus, attitude.update if attitude else lambda: None)
+        sense = attitude.update if attitude else lambda: None
+
+        def put_back() -> None:
+            parts.put_back()
+            if attitude is not None:
+                attitude.align()
+
+        return Supervisor(self.robot, parts.bus, sense, put_back=put_back)
 
     def _note(self, check: StartCheck) -> None:
         self.extra.checks.append(check)

@@ -14,11 +14,14 @@ from shared.gaits import GAIT_NAMES
 from ..buses.base import Bus, Measured
 from ..drive import Driver
 from ..errors import UserError
-from ..robot_model import Robot
+from ..kinematics_si import leg_forward
+from ..robot_model import LEG_NAMES, Robot
 from ..safety import Fault, Safety, torque_limit
 from .arbiter import Arbiter
 from .messages import Drive
 
+# A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
+STRETCHED = 0.5
 STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
 Attitude = tuple[float, float] | None
 # The planner's state in the driver's words.
@@ -35,12 +38,20 @@ class Change:
 
 
 class Supervisor:
-    """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown."""
+    """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown.
+
+    ``put_back``: a reset puts a limp simulated robot on its feet, which is a person's task with a real one.
+    """
 
     def __init__(
-        self, robot: Robot, bus: Bus, attitude: Callable[[], Attitude] = lambda: None, rate_hz: int | None = None
+        self,
+        robot: Robot,
+        bus: Bus,
+        attitude: Callable[[], Attitude] = lambda: None,
+        rate_hz: int | None = None,
+        put_back: Callable[[], object] = lambda: None,
     ) -> None:
-        self.robot, self.bus, self._read_attitude = robot, bus, attitude
+        self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
         self.driver = Driver(robot, rate_hz)
         self.arbiter = Arbiter(gait=robot.gait.default)
         self.safety = Safety(robot)
@@ -83,11 +94,34 @@ class Supervisor:
     def reset(self) -> None:
         """Forget the faults that are over."""
         self._stopped = False
+        if not self.armed and (self.safety.action == "limp" or self.stretched()):
+            self._put_back()
+            self.attitude = None
         self.safety.reset(self.measured, self.attitude)
         try:
             self.bus.clear_faults()
         except UserError as error:
             self.safety.raise_fault(Fault("limp", "joints", str(error)))
+
+    def stretched(self) -> str:
+        """Return why it can't stand up from where its legs are, "" if it can.
+
+        A robot that went limp while it walked lies on its belly with the legs stretched to the rear; pushing itself
+        up from there tips it over its nose (seen in the plane: by 58 degrees).
+        """
+        geometry, joints = self.robot.geometry, self.measured.position_rad
+        most_m = STRETCHED * (geometry.thigh_m + geometry.calf_m)
+        for leg, name in enumerate(LEG_NAMES):
+            angles = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+            rest_m = self.robot.foot_m(leg, self.robot.stance.sit_height_m)[0]
+            off_m = leg_forward(geometry.links_m, self.robot.side(leg), angles)[0] - rest_m
+            if abs(off_m) > most_m:
+                where = "before" if off_m > 0 else "behind"
+                return (
+                    f"{name} lies stretched out, its foot {1000 * abs(off_m):.0f} mm {where} the hip, allowed "
+                    f"{1000 * most_m:.0f}: put the robot on its feet, seated, then stand up"
+                )
+        return ""
 
     def _check_stop(self) -> None:
         limp, damp = self.safety.action == "limp", self.safety.action == "damp"
@@ -125,6 +159,9 @@ class Supervisor:
     def _arm(self) -> None:
         """Switch the torque on, limited, with the goals where the joints are; a bad line takes several ticks."""
         if not self.measured.complete:
+            return
+        if self.stretched():
+            self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
             return
         try:
             self._limit = None
@@ -166,7 +203,7 @@ class Supervisor:
         if not self.measured.complete:
             return "the joints' positions are not known yet"
         if not self.armed:
-            return "the joints are off: stand up first"
+            return self.stretched() or "the joints are off: stand up first"
         return self._reason_of_state(now_s)
 
     def _reason_of_state(self, now_s: float) -> str:

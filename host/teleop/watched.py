@@ -20,6 +20,7 @@ from ..errors import NOT_ACHIEVED, UserError
 START_S = 30.0
 END_S = 30.0
 ANSWER_S = 15.0
+PATIENCE_S = 30.0  # a busy machine may take so long for what is due within a second
 CHUNK = 1 << 16
 
 Status = dict[str, Any]
@@ -110,7 +111,7 @@ class Watched:
             if value["type"] == "status" and value["time_s"] >= asked_s:
                 return value
 
-    def wait(self, found: Callable[[Status], Any], seconds: float = 6.0) -> Status:
+    def wait(self, found: Callable[[Status], Any], seconds: float = PATIENCE_S) -> Status:
         """Return the first status for which ``found`` is true; UserError if none comes."""
         end_s = time.monotonic() + seconds
         while time.monotonic() < end_s:

@@ -13,6 +13,9 @@ const LEGS = ["FR", "FL", "RR", "RL"];
 const HOT_SHARE = 0.9;
 const $ = (id) => document.getElementById(id);
 
+const HOLD_MS = 700; // a choice just made here is not overwritten by a status that does not know of it yet
+
+let chosenMs = -HOLD_MS;
 let socket = null, hello = null, status = null, heardMs = 0, sentMs = 0;
 const sticks = [
   new Stick($("walk"), { right: ["left", -1], up: ["forward", 1] }, changed),
@@ -85,6 +88,11 @@ function stop(timeStamp) {
   send({ type: "stop", t_ms: performance.timeOrigin + (timeStamp || performance.now()) });
 }
 
+function choose(message) {
+  chosenMs = performance.now();
+  send(message);
+}
+
 function posture(name) {
   if (free()) send({ type: "posture", posture: name });
 }
@@ -129,8 +137,10 @@ function show() {
   $("take").textContent = mine() ? "You drive: let go" : "Take the controls";
   $("take").setAttribute("aria-pressed", String(mine()));
   $("driver").textContent = mine() ? "you" : status.driver ? status.driver.filter(Boolean).join(" ") : "nobody";
-  if (document.activeElement !== $("gait")) $("gait").value = status.gait;
-  $("balance").checked = status.balance;
+  if (performance.now() - chosenMs > HOLD_MS) {
+    if (document.activeElement !== $("gait")) $("gait").value = status.gait;
+    $("balance").checked = status.balance;
+  }
   facts();
   if (status.view) draw(status.view, { side: $("side"), top: $("top") });
 }
@@ -181,8 +191,8 @@ $("stop").addEventListener("click", (event) => event.detail === 0 && stop(event.
 $("take").addEventListener("click", () => send({ type: mine() ? "release" : "take" }));
 $("reset").addEventListener("click", () => send({ type: "reset" }));
 $("level").addEventListener("click", level);
-$("gait").addEventListener("change", () => send({ type: "gait", gait: $("gait").value }));
-$("balance").addEventListener("change", () => send({ type: "balance", on: $("balance").checked }));
+$("gait").addEventListener("change", () => choose({ type: "gait", gait: $("gait").value }));
+$("balance").addEventListener("change", () => choose({ type: "balance", on: $("balance").checked }));
 $("share").addEventListener("input", () => ($("share-now").textContent = `${$("share").value} %`));
 for (const button of document.querySelectorAll("[data-posture]")) {
   button.addEventListener("click", () => posture(button.dataset.posture));

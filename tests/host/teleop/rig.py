@@ -34,7 +34,14 @@ class Rig:
         self.bus = SimulatedBus(self.robot, self.clock)
         self.bus.open()
         attitude = Attitude(self.robot, SimulatedImu(self.robot, self.bus.plant.inertial))
-        self.supervisor = Supervisor(self.robot, self.bus, attitude.update)
+        self.put_back = 0
+
+        def put_back():
+            self.put_back += 1
+            self.bus.plant.put_back()
+            attitude.align()
+
+        self.supervisor = Supervisor(self.robot, self.bus, attitude.update, put_back=put_back)
         self.loop = Loop(self.supervisor, clock=self.clock)
         self.arbiter = self.supervisor.arbiter
 

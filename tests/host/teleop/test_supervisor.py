@@ -1,5 +1,6 @@
 """From disarmed to walking and back; stops, faults and reasons; on the simulated robot, in simulated time."""
 
+import re
 from dataclasses import replace
 
 import pytest
@@ -110,6 +111,48 @@ def test_a_fall_lets_go_in_the_tick_that_senses_it(rig, monkeypatch):
     rig.loop.tick(Silence())
     assert not rig.holding
     assert rig.reason == "the robot has fallen over: put it on its feet; then reset"
+
+
+@pytest.mark.parametrize("walked_s", [1.0, 1.1, 1.3, 1.5])
+def test_after_a_stop_in_mid_walk_it_gets_up_again(rig, walked_s):
+    """Limp, it may lie on its belly, the legs to the rear; rising from there would tip it over its nose."""
+    rig.stand()
+    rig.run(walked_s, AHEAD)
+    rig.send(STOP)
+    rig.run(2.0)
+    lies = bool(rig.supervisor.stretched())
+    assert lies == (walked_s != 1.1)
+    rig.send(RESET)
+    rig.run(0.1)
+    assert rig.put_back == lies
+    assert rig.reason == "the joints are off: stand up first"
+    rig.send(STAND)
+    rig.run(4.0, STILL)
+    assert (rig.supervisor.state, rig.reason) == ("standing", "the sticks are at rest")
+
+
+def test_it_does_not_rise_on_stretched_legs_and_says_so(rig, monkeypatch):
+    rig.stand()
+    rig.run(1.0, AHEAD)
+    rig.send(STOP)
+    rig.run(2.0)
+    monkeypatch.setattr(rig.supervisor, "_put_back", lambda: None)  # a real robot
+    rig.send(RESET)
+    rig.run(0.1)
+    told = (
+        r"FR lies stretched out, its foot \d+ mm behind the hip, allowed 120: put the robot on its feet, seated, then"
+    )
+    assert re.match(told, rig.reason)
+    rig.send(STAND)
+    rig.run(0.5)
+    assert re.match(told, rig.reason)
+    assert not rig.holding
+    rig.bus.plant.put_back()
+    rig.run(0.5)
+    assert (rig.reason, rig.holding) == ("the joints are off: stand up first", False), "it waits to be told again"
+    rig.send(STAND)
+    rig.run(4.0, STILL)
+    assert rig.supervisor.state == "standing"
 
 
 def test_unknown_joints_are_not_armed(rig, monkeypatch):
