@@ -238,7 +238,8 @@ S_HOME_RESULT = const(55)  # HOME_*
 S_HOME_RATE = const(56)  # rate the search asks for
 S_RAISED = const(57)  # FAULT_* raised by homing or calibration, taken by the next tick
 S_RAISED_VALUE = const(58)
-STATE_SIZE = const(59)
+S_ACCEL_FEED = const(59)  # cu, Q4, the acceleration's smoothed share of the current
+STATE_SIZE = const(60)
 
 TORQUE_OFF = const(0)  # bridge off, the joint coasts
 TORQUE_DAMP = const(1)  # only against the motion, no set-point

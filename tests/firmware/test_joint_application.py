@@ -1,13 +1,8 @@
 """The joint's application over its bus: sessions, set-points, requests, status, storage, faults, random frames."""
 
-import json
 import os
 import random
-import shutil
-import subprocess
-import sys
 from array import array
-from pathlib import Path
 
 import pytest
 
@@ -15,8 +10,6 @@ from firmware import joint_store
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.joint_service import HOME_POSE
-from host.build.rewrite import rewrite
-from host.build.source import closure, read_modules
 from host.motor.bench import SESSION, Bench
 from host.robot_file import load_robot
 from shared.joint import faults as f
@@ -31,8 +24,6 @@ from shared.wire.parameters import (
     PARAMETER_UPTIME,
 )
 
-ROOT = Path(__file__).resolve().parents[2]
-VM = Path(sys.executable).with_name("micropython")
 BLDC = load_robot("parallel").actuator
 
 
@@ -408,86 +399,3 @@ def _disturb(bench, chance, number):
         if identifier in (w.SERVICE_REQUEST_ID, w.SERVICE_REQUEST_ID + 1) and words[0] & 0xFF in (2, 13, 14):
             return  # a new node would end the test's own conversation
         bench.board.deliver(identifier, words, chance.randrange(9))
-
-
-ALLOCATION = """
-import gc, json, micropython
-from array import array
-from firmware.board_sim import SimBoard
-from firmware.joint import Joint
-from shared.joint import layout as j
-from shared.joint.encoder import home_by_encoder
-from shared.wire import codec, names as w
-from data import FOC, CFG
-
-board = SimBoard()
-joint = Joint(board, "none.bin")
-c = joint.control
-for place in (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE):
-    c.foc[place] = FOC[place]
-for place in range(j.CFG_SIZE):
-    c.cfg[place] = CFG[place]
-c.cfg[j.K_CALIBRATED] = 1
-joint.set_node(1)
-joint.start()
-frame, out = array("H", [0] * 4), array("H", [0] * 4)
-sync = array("i", [0, 17])
-read = array("i", [w.COMMAND_READ_PARAMETER, 0, 17, 9, 0])
-goal = array("i", [0, 0, 0, 0])
-
-def millisecond(number):
-    for _ in range(10):
-        board.now_us += 100
-        board.handler()
-    if number % 5 == 0:
-        codec.encode_group(frame, goal, 0)
-        board.deliver(0x100, frame, 8)
-        sync[0] = number // 5 & 255
-        codec.encode_sync(frame, sync, 0)
-        board.deliver(0x80, frame, 2)
-    if number % 7 == 0:
-        read[1] = number & 255
-        codec.encode_service_request(frame, read, 0)
-        board.deliver(0x381, frame, 8)
-    joint.poll()
-    while board.sent.take(out) >= 0:
-        pass
-
-for number in range(80):
-    millisecond(number)
-arm = array("i", [w.COMMAND_ARM, 1, 17, 0, w.PROTOCOL_HASH])
-codec.encode_service_request(frame, arm, 0)
-board.deliver(0x381, frame, 8)
-for number in range(80, 300):
-    millisecond(number)
-state = c.state[j.S_DRIVE]
-gc.collect()
-gc.disable()
-used = gc.mem_alloc()
-micropython.heap_lock()
-for number in range(300, 900):
-    millisecond(number)
-micropython.heap_unlock()
-left = gc.mem_alloc() - used
-print(json.dumps({"armed": [state, c.state[j.S_DRIVE]], "failed": c.failed, "fault": c.state[j.S_FAULT_CODE],
-                  "bytes": left}))
-"""
-
-
-def test_nothing_is_allocated_while_armed(tmp_path):
-    if not VM.exists():
-        pytest.skip("no MicroPython unix VM beside this python")
-    modules = read_modules(ROOT, ("shared", "firmware"))
-    for name in closure(modules, ["firmware.joint", "firmware.board_sim"]):
-        module = modules[name]
-        target = tmp_path / module.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(rewrite(module, modules, "viper", "x64"))
-    blocks = Bench(BLDC).blocks
-    (tmp_path / "data.py").write_text(f"FOC = {list(blocks.foc)}\nCFG = {list(blocks.cfg)}\n")
-    (tmp_path / "main.py").write_text(ALLOCATION)
-    ran = subprocess.run([VM, "main.py"], cwd=tmp_path, capture_output=True, text=True, timeout=120)
-    assert ran.returncode == 0, ran.stdout + ran.stderr
-    answer = json.loads(ran.stdout)
-    assert answer == {"armed": [4, 4], "failed": 0, "fault": 0, "bytes": 0}
-    shutil.rmtree(tmp_path)

@@ -46,6 +46,11 @@ def velocity_loop(error, integral, kp, ki_tick, feed, limit):
     return given, integral
 
 
+def smooth(fed, wanted):
+    """A quarter of the way a tick."""
+    return fed + (wanted - fed) / 4
+
+
 def feed_voltages(rate, current, emf, omega_l, dead, zone, ahead):
     """Return (d, q): back-EMF, coupling and dead time in the rotor's frame, turned ahead by ``ahead`` rad."""
     d = -omega_l * current

@@ -183,6 +183,7 @@ PROBES = (
     _probe(cascade, "cascade_reset", CFG, STATE),
     _probe(cascade, "cascade_step", CFG, STATE, IO),
     _probe(cascade, "follow_position", CFG, STATE, IO),
+    _probe(cascade, "feed_acceleration", CFG, STATE, Range(-65535, 65535)),
     _probe(cascade, "follow_velocity", CFG, STATE, Range(-(1 << 24), 1 << 24)),
     _probe(cascade, "velocity_loop", CFG, STATE, CURRENT),
     _probe(cascade, "impedance", CFG, STATE, IO),

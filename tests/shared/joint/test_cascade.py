@@ -201,6 +201,18 @@ def test_limit_current_falls_with_the_bus_and_says_why():
     assert s[j.S_LIMITS] & LIMIT_OVER_VOLTAGE
 
 
+@given(st.lists(st.integers(-65535, 65535), min_size=1, max_size=40))
+def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(changes):
+    blocks = make()
+    inertia, fed = blocks.cfg[j.K_INERTIA] / 256, 0.0
+    for change in changes:
+        fed = twin.smooth(fed, change * inertia)
+        assert abs(cascade.feed_acceleration(blocks.cfg, blocks.state, change) - fed) <= 1
+    for _ in range(100):
+        cascade.feed_acceleration(blocks.cfg, blocks.state, 0)
+    assert blocks.state[j.S_CURRENT_REF] == 0
+
+
 @given(RATE)
 def test_damping_only_brakes(rate):
     blocks = make()

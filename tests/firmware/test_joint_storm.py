@@ -1,0 +1,103 @@
+"""Ten thousand random frames, resets and sensor faults: the joint's whole application, on CPython and in real VMs.
+
+Never torque outside of operation enabled, never an exception, nothing allocated while armed; and every runtime ends
+with the same digest of states, duties and frames sent, so that it is one program everywhere.
+"""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from host.build.source import ROOT, closure, read_modules
+from host.motor.bench import Bench
+from host.robot_file import load_robot
+from host.runtimes import Unix, Wasi
+
+from .storm import Storm
+
+FRAMES = 10_000
+STARTS = ("firmware.joint", "firmware.board_sim")
+SCRIPT = """
+import json, micropython
+from data import FOC, CFG, CURVE
+from storm.storm import Storm
+
+storm = Storm(FOC, CFG, CURVE, micropython.heap_lock, micropython.heap_unlock)
+%s
+storm.run(%d)
+print("@@" + json.dumps({"figures": storm.figures()}))
+"""
+PLANTED = """
+good = storm.joint.control._watch
+def bad():
+    [0] * 20
+    good()
+storm.joint.control._watch = bad
+"""
+
+
+def settings():
+    blocks = Bench(load_robot("parallel").actuator).blocks
+    return list(blocks.foc), list(blocks.cfg), list(blocks.curve)
+
+
+def nothing():
+    return None
+
+
+@pytest.fixture(scope="module")
+def reference():
+    storm = Storm(*settings(), nothing, nothing)
+    storm.run(FRAMES)
+    return storm
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """The application with what it imports, the storm, and the joint's integers."""
+    folder = tmp_path_factory.mktemp("storm")
+    modules = read_modules(ROOT)
+    for name in closure(modules, list(STARTS)):
+        path = modules[name].path
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / path, folder / path)
+    (folder / "storm").mkdir()
+    shutil.copy(Path(__file__).with_name("storm.py"), folder / "storm" / "storm.py")
+    (folder / "storm" / "__init__.py").write_text("")
+    foc, cfg, curve = settings()
+    (folder / "data").mkdir()
+    (folder / "data" / "__init__.py").write_text(f"FOC = {foc}\nCFG = {cfg}\nCURVE = {curve}\n")
+    return folder
+
+
+def ran(runtime, sources, work, frames, planted=""):
+    if runtime.missing():
+        pytest.skip(str(runtime.missing()))
+    tree = runtime.prepare(sources, work)
+    return runtime.ask(tree, SCRIPT % (planted, frames))["figures"]
+
+
+def test_it_is_a_storm(reference):
+    assert reference.enabled > 500  # it was armed often enough for the rest to mean something
+    assert reference.locked > 500
+    assert reference.faults > 500
+    assert reference.resets > 5
+
+
+def test_never_torque_outside_operation_enabled_and_never_an_exception(reference):
+    assert (reference.wrong_torque, reference.exceptions) == (0, 0)
+
+
+def test_a_32_bit_vm_does_the_same_and_allocates_nothing_while_armed(reference, sources, tmp_path):
+    assert ran(Wasi(), sources, tmp_path, FRAMES) == reference.figures()
+
+
+@pytest.mark.parametrize("emitter", ["viper", "native"])
+def test_machine_code_does_the_same_and_allocates_nothing_while_armed(reference, sources, tmp_path, emitter):
+    assert ran(Unix(emitter), sources, tmp_path, FRAMES) == reference.figures()
+
+
+def test_a_planted_allocation_is_found(sources, tmp_path):
+    figures = ran(Wasi(), sources, tmp_path, 300, PLANTED)
+    assert figures[4] > 0  # exceptions
