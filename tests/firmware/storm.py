@@ -172,5 +172,6 @@ class Storm:
 
     def figures(self):
         """Return what was counted; the same list on every runtime."""
-        counts = [self.enabled, self.locked, self.exceptions, self.wrong_torque, self.faults, self.resets]
-        return [self.digest, self.ms, *counts]
+        counts = [self.digest, self.ms, self.enabled, self.locked, self.exceptions, self.wrong_torque]
+        counts.extend([self.faults, self.resets])
+        return counts
