@@ -4,7 +4,6 @@ Turns a driver's wish and sensed SI values into the core's blocks, runs one tick
 twelve angles back. Everything between those two conversions is the core's integers.
 """
 
-from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -24,6 +23,7 @@ from shared.command import (
 )
 from shared.gaits import GAIT_NAMES
 from shared.planner import Planner
+from shared.runtime import zeros
 
 from .errors import UserError
 from .robot_model import Robot
@@ -61,19 +61,19 @@ class Driver:
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
-        self.planner = Planner(core_params(robot, rate_hz, planar))
+        self.planner = Planner(list(core_params(robot, rate_hz, planar)))  # a list: see shared/runtime.py
         self.command = Command(gait=robot.gait.default)
-        self._command = array("i", [0] * COMMAND_SIZE)
-        self._sensed = array("i", [0] * core.SENSED_SIZE)
+        self._command: list[int] = zeros(COMMAND_SIZE)
+        self._sensed: list[int] = zeros(core.SENSED_SIZE)
         self.flags = 0
 
     @property
-    def command_block(self) -> array:  # type: ignore[type-arg]
+    def command_block(self) -> list[int]:
         """The core's command of the last tick (shared/command.py); a record keeps it."""
         return self._command
 
     @property
-    def sensed_block(self) -> array:  # type: ignore[type-arg]
+    def sensed_block(self) -> list[int]:
         """What the core was told to be sensed in the last tick (shared/planner_layout.py)."""
         return self._sensed
 

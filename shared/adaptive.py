@@ -33,7 +33,6 @@ from .params import (
     JOINTS,
     LEG_HIP,
     LEG_REST,
-    LEG_SIDE_L1,
     LEG_SIZE,
     LEGS,
     LF_BITS,
@@ -95,7 +94,8 @@ W_BEHIND = const(18)  # ticks behind the reference, BEHIND_STEP times, less thos
 W_MARGIN = const(19)  # lu, of the centre of mass in the support
 W_ADVICE = const(20)  # ADVICE_...
 W_ACTIVE = const(21)  # 1: the body is not where a table gait wants it
-W_SIZE = const(22)
+W_FAR = const(22)  # lu^2, thigh joint to foot of the longest leg, as planned last
+W_SIZE = const(23)
 
 ADVICE_FINE = const(0)
 ADVICE_BEHIND = const(1)  # held up: another gait may get on
@@ -344,16 +344,15 @@ def learn_centre(params, walk, clock) -> int:
 
 
 @hot
-def raise_body(params, walk, reached, own: int) -> int:
+def raise_body(params, walk, own: int) -> int:
     """Move height and lead of the body by one tick; return 1 while they are not those of a table gait.
 
     own: 1 for the adaptive stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
     shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
-    reached: 12 lu from the hips, as planned in the tick before. Intermediates: squares of a leg, below 2^30.
+    Intermediates: squares of a leg, below 2^30.
     """
     p = ptr32(params)
     w = ptr32(walk.state)
-    f = ptr32(reached)
     forces = ptr32(walk.load)
     up = p[P_HEIGHT_SLEW]
     wanted = 0
@@ -363,13 +362,7 @@ def raise_body(params, walk, reached, own: int) -> int:
         leg = p[P_LEG_LENGTH]
         wanted = p[P_RAISE] + saturate((w[W_WEIGHT_Q12] - 4096) * (leg >> 3) >> 12, 0, leg // 10)
         longest = p[P_LEG_LONGEST]
-        far = 0
-        for at in range(0, JOINTS, 3):
-            side = p[P_SIZE_BODY + at // 3 * LEG_SIZE + LEG_SIDE_L1]
-            square = f[at] * f[at] + f[at + 1] * f[at + 1] + f[at + 2] * f[at + 2] - side * side
-            if square > far:
-                far = square
-        over = (far - longest * longest) // (2 * longest + 1)
+        over = (w[W_FAR] - longest * longest) // (2 * longest + 1)
         if over > 0:
             wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - over)
         elif wanted > w[W_RAISED]:
@@ -414,11 +407,18 @@ def carry(params, walk, reached, swinging: int, own: int) -> int:
     body = ptr32(walk.body)
     stands = ptr32(walk.stands)
     t = ptr32(walk.tip)
+    at = 0
+    hip = P_SIZE_BODY + LEG_HIP
     for leg in range(LEGS):
-        at = leg * 3
-        hip = P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP
-        body[at] = saturate(f[at] + p[hip], -32767, 32767)
-        body[at + 1] = saturate(f[at + 1] + p[hip + 1], -32767, 32767)
+        x = f[at] + p[hip]
+        y = f[at + 1] + p[hip + 1]
+        if x > 32767 or x < -32767 or y > 32767 or y < -32767:
+            x = saturate(x, -32767, 32767)
+            y = saturate(y, -32767, 32767)
+        body[at] = x
+        body[at + 1] = y
+        at += 3
+        hip += LEG_SIZE
         stands[leg] = 0
         if swinging >> leg & 1:
             w[W_AGE + leg] = 0

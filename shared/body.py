@@ -75,10 +75,17 @@ def body_to_hip(params, leg: int, pose, rotation, feet, hip_feet) -> int:
     out = ptr32(hip_feet)
     hip = P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP
     at = leg * 3
-    x = saturate(foot[at] - c[POSE_X], -65535, 65535)
-    y = saturate(foot[at + 1] - c[POSE_Y], -65535, 65535)
-    z = saturate(foot[at + 2] - c[POSE_Z], -65535, 65535)
-    for axis in range(3):
-        turned = (x * r[axis] + 0x2000 >> 14) + (y * r[axis + 3] + 0x2000 >> 14) + (z * r[axis + 6] + 0x2000 >> 14)
-        out[at + axis] = turned - p[hip + axis]
+    x = foot[at] - c[POSE_X]
+    y = foot[at + 1] - c[POSE_Y]
+    z = foot[at + 2] - c[POSE_Z]
+    if x > 65535 or x < -65535 or y > 65535 or y < -65535 or z > 65535 or z < -65535:
+        x = saturate(x, -65535, 65535)
+        y = saturate(y, -65535, 65535)
+        z = saturate(z, -65535, 65535)
+    turned = (x * r[0] + 0x2000 >> 14) + (y * r[3] + 0x2000 >> 14) + (z * r[6] + 0x2000 >> 14)
+    out[at] = turned - p[hip]
+    turned = (x * r[1] + 0x2000 >> 14) + (y * r[4] + 0x2000 >> 14) + (z * r[7] + 0x2000 >> 14)
+    out[at + 1] = turned - p[hip + 1]
+    turned = (x * r[2] + 0x2000 >> 14) + (y * r[5] + 0x2000 >> 14) + (z * r[8] + 0x2000 >> 14)
+    out[at + 2] = turned - p[hip + 2]
     return 0

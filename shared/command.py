@@ -45,12 +45,16 @@ def slew_speed(params, gait, command, halves: int, speed) -> int:
     still = 1
     for axis in range(SPEED_SIZE):
         top = g[G_VX_MAX + axis]
-        wanted = saturate(c[C_SPEED + axis], -top, top) * halves
+        wanted = c[C_SPEED + axis]
+        if wanted > top or wanted < -top:
+            wanted = saturate(wanted, -top, top)
+        wanted *= halves
         if wanted < 0:
             wanted = -(-wanted >> 1)
         else:
             wanted >>= 1
-        v[axis] = slew(v[axis], wanted, p[P_VX_SLEW + axis])
+        if v[axis] != wanted:
+            v[axis] = slew(v[axis], wanted, p[P_VX_SLEW + axis])
         if v[axis]:
             still = 0
     return still
@@ -66,6 +70,9 @@ def slew_pose(params, command, standing: int, pose) -> int:
         wanted = 0
         if standing:
             top = p[P_POSE_MAX + axis]
-            wanted = saturate(c[C_POSE + axis], -top, top)
-        w[axis] = slew(w[axis], wanted, p[P_POSE_SLEW + axis])
+            wanted = c[C_POSE + axis]
+            if wanted > top or wanted < -top:
+                wanted = saturate(wanted, -top, top)
+        if w[axis] != wanted:
+            w[axis] = slew(w[axis], wanted, p[P_POSE_SLEW + axis])
     return 0

@@ -57,7 +57,8 @@ def sag_leg(params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joint
     fz = saturate(fz_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
     x = f[at]
     thigh = q[at + 1]
-    knee_x = -mul_q15(p[P_SIZE_BODY + leg * LEG_SIZE + LEG_L2], sin_q15(thigh))
+    length = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_L2]
+    knee_x = -(length * sin_q15(thigh) + 0x4000 >> 15)  # mul_q15 without its call
     above = knee_x * fz + 2048 >> 12
     below = (x - knee_x) * fz + 2048 >> 12
     around = f[at + 1] * fz + 2048 >> 12
@@ -67,7 +68,7 @@ def sag_leg(params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joint
         sine = sin_q15(q[at])
         cosine = cos_q15(q[at])
         around -= torque(f[at + 2], fy)
-        knee_drop = mul_q15(p[P_SIZE_BODY + leg * LEG_SIZE + LEG_L2], cos_q15(thigh))
+        knee_drop = mul_q15(length, cos_q15(thigh))
         drop = mul_q15(f[at + 1], sine) - mul_q15(f[at + 2], cosine)
         along = saturate(mul_q15(fz, cosine) - mul_q15(fy, sine), -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         above = torque(knee_x, along) + torque(knee_drop, fx)

@@ -67,7 +67,7 @@ def press_feet(params, steps, twist_lu: int) -> int:
         else:
             floor -= twist_lu
         s[at + STEP_TO_Z] = floor
-        if s[at + STEP_TICKS] == 0:
+        if s[at + STEP_TICKS] == 0 and s[at + STEP_Z] != floor:
             s[at + STEP_Z] += saturate(floor - s[at + STEP_Z], -step, step)
     return 0
 

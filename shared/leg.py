@@ -60,7 +60,7 @@ def leg_forward(params, leg: int, joints, feet) -> int:
 
 @hot
 def leg_inverse(params, leg: int, feet, joints) -> int:
-    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return 0.
+    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
 
     feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
     outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
@@ -98,7 +98,7 @@ def leg_inverse(params, leg: int, feet, joints) -> int:
     q[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
     q[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
     q[at + 2] = round_brad(bend)
-    return 0
+    return length_sq
 
 
 @hot
@@ -111,18 +111,20 @@ def limit_joints(params, leg: int, joints) -> int:
     p = ptr32(params)
     q = ptr32(joints)
     low = P_SIZE_BODY + leg * LEG_SIZE + LEG_MIN
+    high = low + LEG_MAX - LEG_MIN
     at = leg * 3
     flags = 0
-    bit = LIMIT_HIP
     for joint in range(3):
-        angle = q[at + joint]
-        if angle < p[low + joint]:
-            q[at + joint] = p[low + joint]
-            flags |= bit
-        elif angle > p[low + joint + LEG_MAX - LEG_MIN]:
-            q[at + joint] = p[low + joint + LEG_MAX - LEG_MIN]
-            flags |= bit
-        bit <<= 1
+        angle = q[at]
+        if angle < p[low]:
+            q[at] = p[low]
+            flags |= LIMIT_HIP << joint
+        elif angle > p[high]:
+            q[at] = p[high]
+            flags |= LIMIT_HIP << joint
+        at += 1
+        low += 1
+        high += 1
     return flags
 
 

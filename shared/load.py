@@ -16,7 +16,8 @@ L_MIDDLE = const(8)  # 2 values: the weighted middle of the feet, lu
 L_MOMENT = const(10)  # 3 values: second moments xx, xy, yy about it
 L_SHIFT = const(13)  # how many bits the moments were shortened by
 L_ALONG = const(14)  # 2 values: how the share grows along x and y
-LOAD_SIZE = const(16)
+L_ARM = const(16)  # 8 values: x, y of each foot that stands, from the middle, 32 lu
+LOAD_SIZE = const(24)
 
 STANDS_Q8 = const(256)  # the weight of a foot that stands
 _UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
@@ -44,7 +45,6 @@ def load_share(feet, weights, com_x: int, com_y: int, weight_q12: int, planar: i
     Intermediates: 4096 * 16383 + 2^11, and those of load_moments and load_slope.
     """
     w = ptr32(weights)
-    f = ptr32(feet)
     b = ptr32(block)
     total = load_moments(feet, weights, planar, block)
     if total <= 0:
@@ -54,25 +54,32 @@ def load_share(feet, weights, com_x: int, com_y: int, weight_q12: int, planar: i
     load_slope(com_x, com_y, planar, block)
     even = 0x100000 // total
     shift = b[L_SHIFT] + 6
+    along_x = b[L_ALONG]
+    along_y = b[L_ALONG + 1]
+    arm = L_ARM
     for leg in range(LEGS):
         share = 0
         if w[leg] > 0:
-            x = saturate(f[leg * 3] - b[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-            tilt = b[L_ALONG] * x
-            if planar == 0:
-                y = saturate(f[leg * 3 + 1] - b[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-                tilt += b[L_ALONG + 1] * y
-            share = saturate(even + saturate(tilt >> shift, -0x200000, 0x200000), 0, 0x200000) * w[leg] >> 8
-            share = saturate(share, 0, 4096) * weight_q12 + 2048 >> 12
+            share = even + (along_x * b[arm] + along_y * b[arm + 1] >> shift)
+            if share < 0:
+                share = 0
+            elif share > 0x200000:
+                share = 0x200000
+            share = share * w[leg] >> 8
+            if share > 4096:
+                share = 4096
+            share = share * weight_q12 + 2048 >> 12
         b[L_WANTED_Q12 + leg] = share
+        arm += 2
     return 1
 
 
 @hot
 def load_moments(feet, weights, planar: int, block) -> int:
-    """Write the weighted middle of the feet and their second moments about it; return the sum of the weights.
+    """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
 
     Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
+    In the plane all y are 0.
     """
     f = ptr32(feet)
     w = ptr32(weights)
@@ -85,15 +92,26 @@ def load_moments(feet, weights, planar: int, block) -> int:
     xx = 0
     xy = 0
     yy = 0
+    arm = L_ARM
+    at = 0
     for leg in range(LEGS):
-        if w[leg] > 0:
-            x = saturate(f[leg * 3] - middle_x + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+        weight = w[leg]
+        if weight > 0:
+            x = f[at] - middle_x + _UNIT_HALF >> _UNIT_BITS
+            if x > 1023 or x < -1023:
+                x = saturate(x, -1023, 1023)
             y = 0
             if planar == 0:
-                y = saturate(f[leg * 3 + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-            xx += x * x * w[leg] >> 8
-            xy += x * y * w[leg] >> 8
-            yy += y * y * w[leg] >> 8
+                y = f[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
+                if y > 1023 or y < -1023:
+                    y = saturate(y, -1023, 1023)
+            b[arm] = x
+            b[arm + 1] = y
+            xx += x * x * weight >> 8
+            xy += x * y * weight >> 8
+            yy += y * y * weight >> 8
+        arm += 2
+        at += 3
     shift = 0
     while xx + yy > 16383:
         xx >>= 1
@@ -145,6 +163,7 @@ def load_slew(block, step_q12: int) -> int:
     """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
     b = ptr32(block)
     for leg in range(LEGS):
-        force = b[L_FORCE_Q12 + leg]
-        b[L_FORCE_Q12 + leg] = force + saturate(b[L_WANTED_Q12 + leg] - force, -step_q12, step_q12)
+        short = b[L_WANTED_Q12 + leg] - b[L_FORCE_Q12 + leg]
+        if short:
+            b[L_FORCE_Q12 + leg] += saturate(short, -step_q12, step_q12)
     return 0

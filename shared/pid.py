@@ -41,10 +41,14 @@ def pid_step(block, base: int, wanted: int, measured: int) -> int:
     three terms in Q12, each limited to 2^28, is below 2^30.
     """
     b = ptr32(block)
-    error = saturate(wanted - measured, -_ERROR_MAX, _ERROR_MAX)
+    error = wanted - measured
+    if error > _ERROR_MAX or error < -_ERROR_MAX:
+        error = saturate(error, -_ERROR_MAX, _ERROR_MAX)
     change = 0
     if b[base + PID_STARTED]:
-        change = saturate(measured - b[base + PID_PREVIOUS], -_ERROR_MAX, _ERROR_MAX)
+        change = measured - b[base + PID_PREVIOUS]
+        if change > _ERROR_MAX or change < -_ERROR_MAX:
+            change = saturate(change, -_ERROR_MAX, _ERROR_MAX)
     b[base + PID_PREVIOUS] = measured
     b[base + PID_STARTED] = 1
     integral = b[base + PID_INTEGRAL_Q12]

@@ -128,7 +128,7 @@ def tread(planner, command, sensed) -> int:
         feel(planner, sensed)
     step_gait(planner, command)
     level(planner, command, sensed)
-    active = raise_body(planner.params, planner.walk, planner.reached, own)
+    active = raise_body(planner.params, planner.walk, own)
     n[N_MARGIN] = carry(planner.params, planner.walk, planner.reached, n[N_SWINGING], own)
     if active:
         b = ptr32(planner.balance)

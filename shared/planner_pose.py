@@ -1,5 +1,6 @@
 """The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
 
+from .adaptive import W_FAR
 from .balance import BALANCE_PITCH, BALANCE_ROLL, balance_release, balance_step
 from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
 from .command import C_BALANCE
@@ -43,15 +44,20 @@ def solve_legs(planner, joints) -> int:
     """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together."""
     per_leg = ptr32(planner.leg_flags)
     forces = ptr32(planner.load)
+    w = ptr32(planner.felt)
     body_rotation(planner.posed, planner.rotation)
     together = 0
+    farthest = 0
     for leg in range(LEGS):
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
         flags = reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
-        leg_inverse(planner.params, leg, planner.reached, joints)
+        far = leg_inverse(planner.params, leg, planner.reached, joints)
+        if far > farthest:
+            farthest = far
         if forces[L_FORCE_Q12 + leg]:
             sag_leg(planner.params, leg, planner.reached, 0, 0, forces[L_FORCE_Q12 + leg], joints)
         flags |= limit_joints(planner.params, leg, joints)
         per_leg[leg] = flags
         together |= flags
+    w[W_FAR] = farthest
     return together

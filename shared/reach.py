@@ -63,26 +63,32 @@ def reach_foot(params, leg: int, feet, reached) -> int:
         z >>= 1
         flags = TOO_FAR
     reach = p[base + LEG_REACH]
-    quarter = (x * x >> 2) + (y * y >> 2) + (z * z >> 2)
+    ahead_sq = x * x
+    aside_sq = y * y
+    down_sq = z * z
+    quarter = (ahead_sq >> 2) + (aside_sq >> 2) + (down_sq >> 2)
     if flags or quarter > (reach + 2) * (reach + 2) >> 2:
         flags = TOO_FAR
         distance = 2 * isqrt(quarter) + 1
         x = scale_down(x, reach, distance)
         y = scale_down(y, reach, distance)
         z = scale_down(z, reach, distance)
+        ahead_sq = x * x
+        aside_sq = y * y
+        down_sq = z * z
     out[at] = x
     out[at + 1] = y
     out[at + 2] = z
     radius = p[base + LEG_SIDE_L1]
     if radius < 0:
         radius = -radius
-    if radius > 1 and y * y + z * z < (radius - 1) * (radius - 1):
+    if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
         flags |= leave_hip(params, base, radius, reached, at)
-        x = out[at]
-        y = out[at + 1]
-        z = out[at + 2]
+        ahead_sq = out[at] * out[at]
+        aside_sq = out[at + 1] * out[at + 1]
+        down_sq = out[at + 2] * out[at + 2]
     near = p[base + LEG_NEAR]
-    if near > 2 and x * x + y * y + z * z < (near - 2) * (near - 2):
+    if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
         flags |= leave_centre(near, reached, at)
     return flags
 

@@ -11,7 +11,7 @@ two torques are the foot's force along the leg:
 with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
-from .fixed import cos_q15, mul_q15, saturate, sin_q15
+from .fixed import cos_q15, saturate, sin_q15
 from .params import (
     JOINTS,
     LEG_HIP,
@@ -40,12 +40,20 @@ M_MOVED_X = const(45)  # lf: how far the body moved in this tick, level axes
 M_MOVED_Y = const(46)
 M_SENT_AT = const(47)  # where in the ring the next goals go
 M_SENT = const(48)  # 16 * 12 brad: the goals of the last 16 ticks
-SENSING_SIZE = const(240)
+# What is the same for all legs in a tick
+M_ROLL = const(240)  # brad
+M_PITCH = const(241)
+M_ROLL_SINE_Q13 = const(242)
+M_ROLL_COSINE_Q13 = const(243)
+M_PITCH_SINE_Q13 = const(244)
+M_PITCH_COSINE_Q13 = const(245)
+M_ROLLS_Q12 = const(246)  # lu that a foot rolls per brad
+M_ANSWERED = const(247)  # where the goals begin that the measured joints answer; 0: there are none yet
+SENSING_SIZE = const(248)
 
 _BRAD_TO_RAD_Q26 = const(6434)  # 2 pi / 65536 in Q26 = 6433.98
 _ERROR_MAX = const(4095)  # brad, 22 deg: beyond it a drive gives all it has anyway
 _TURN_MAX = const(4095)  # brad per tick
-_PLACE_MAX = const(65535)  # lu, per axis
 _FORCE_MAX_Q12 = const(16383)
 _STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell a force
 
@@ -76,28 +84,24 @@ def sense_legs(params, joints, first: int, roll_brad: int, pitch_brad: int, bloc
     """Take 12 measured joints from ``joints[first]`` on, update feet and forces; return the ticks known, up to 100.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. M_LEVEL within 6 lu + 2e-4 of
-    the foot's distance, which is limited to +-65535 lu an axis. M_FORCE_Q12 answers the goals of P_SENT_TICKS
-    ticks ago and is limited to +-16383; it is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
+    the foot's distance. M_FORCE_Q12 answers the goals of P_SENT_TICKS ticks ago and is limited to +-16383; it
+    is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
+    p = ptr32(params)
     m = ptr32(block)
     q = ptr32(joints)
-    sine_roll = sin_q15(roll_brad) >> 2
-    cosine_roll = cos_q15(roll_brad) >> 2
-    sine_pitch = sin_q15(pitch_brad) >> 2
-    cosine_pitch = cos_q15(pitch_brad) >> 2
+    m[M_ROLL] = roll_brad
+    m[M_PITCH] = pitch_brad
+    m[M_ROLL_SINE_Q13] = sin_q15(roll_brad) >> 2
+    m[M_ROLL_COSINE_Q13] = cos_q15(roll_brad) >> 2
+    m[M_PITCH_SINE_Q13] = sin_q15(pitch_brad) >> 2
+    m[M_PITCH_COSINE_Q13] = cos_q15(pitch_brad) >> 2
+    m[M_ROLLS_Q12] = p[P_FOOT_RADIUS] * _BRAD_TO_RAD_Q26 >> 14
+    m[M_ANSWERED] = 0
+    if m[M_KNOWN] > p[P_SENT_TICKS]:
+        m[M_ANSWERED] = M_SENT + (m[M_SENT_AT] - p[P_SENT_TICKS] & 15) * JOINTS
     for leg in range(LEGS):
         sense_leg(params, leg, joints, first + leg * 3, block)
-        at = M_LEVEL + leg * 3
-        x = m[at]
-        y = m[at + 1]
-        z = m[at + 2]
-        m[at] = x * cosine_pitch + z * sine_pitch + 0x1000 >> 13
-        z = z * cosine_pitch - x * sine_pitch + 0x1000 >> 13
-        m[at + 1] = y * cosine_roll - z * sine_roll + 0x1000 >> 13
-        m[at + 2] = y * sine_roll + z * cosine_roll + 0x1000 >> 13
-        joint = first + leg * 3
-        shank = q[joint + 1] + q[joint + 2] + pitch_brad
-        roll_off(params, leg, q[joint] + roll_brad, shank, block)
     for joint in range(JOINTS):
         m[M_JOINTS + joint] = q[first + joint]
     if m[M_KNOWN] < 100:
@@ -107,33 +111,72 @@ def sense_legs(params, joints, first: int, roll_brad: int, pitch_brad: int, bloc
 
 @hot
 def sense_leg(params, leg: int, joints, at_joint: int, block) -> int:
-    """Write one foot in body axes into M_LEVEL and its force into M_FORCE_Q12; return 0. Used by sense_legs."""
+    """Write one foot into M_LEVEL and M_ROLLED and its force into M_FORCE_Q12; return 0. Used by sense_legs.
+
+    A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
+    """
     p = ptr32(params)
     q = ptr32(joints)
     m = ptr32(block)
     base = P_SIZE_BODY + leg * LEG_SIZE
+    hip = q[at_joint]
     thigh = q[at_joint + 1]
     shank = thigh + q[at_joint + 2]
-    knee_drop = mul_q15(p[base + LEG_L2], cos_q15(thigh))
-    calf_drop = mul_q15(p[base + LEG_L3], cos_q15(shank))
+    length = p[base + LEG_L2]
+    knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
+    place = base + LEG_HIP
+    x = p[place] - (length * sin_q15(thigh) + 0x4000 >> 15)
+    length = p[base + LEG_L3]
+    calf_drop = length * cos_q15(shank) + 0x4000 >> 15
+    x -= length * sin_q15(shank) + 0x4000 >> 15
     drop = knee_drop + calf_drop
-    sine = sin_q15(q[at_joint])
-    cosine = cos_q15(q[at_joint])
-    l1 = p[base + LEG_SIDE_L1]
-    hip = base + LEG_HIP
-    at = M_LEVEL + leg * 3
-    x = p[hip] - mul_q15(p[base + LEG_L2], sin_q15(thigh)) - mul_q15(p[base + LEG_L3], sin_q15(shank))
-    m[at] = saturate(x, -_PLACE_MAX, _PLACE_MAX)
-    y = p[hip + 1] + mul_q15(l1, cosine) + mul_q15(drop, sine)
-    m[at + 1] = saturate(y, -_PLACE_MAX, _PLACE_MAX)
-    m[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine) + p[hip + 2]
-    m[M_FORCE_Q12 + leg] = leg_force(params, leg, joints, at_joint, knee_drop, calf_drop, block)
+    side = p[base + LEG_SIDE_L1]
+    sine = sin_q15(hip)
+    cosine = cos_q15(hip)
+    y = p[place + 1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+    z = p[place + 2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+    keep_foot(leg, hip, shank, x, y, z, block)
+    m[M_FORCE_Q12 + leg] = 0
+    if m[M_ANSWERED]:
+        m[M_FORCE_Q12 + leg] = leg_force(params, leg, joints, at_joint, knee_drop, calf_drop, block)
+    return 0
+
+
+@hot
+def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, block) -> int:
+    """Turn a foot at (x, y, z) in the body level into M_LEVEL; write where its contact had been without rolling.
+
+    x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. M_ROLLED: error at
+    most 1/600 of the way rolled + 1 lu; its last values go to M_BEFORE. Returns 0. Used by sense_leg.
+    Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
+    """
+    m = ptr32(block)
+    at = leg * 3
+    sine = m[M_PITCH_SINE_Q13]
+    cosine = m[M_PITCH_COSINE_Q13]
+    ahead = x * cosine + z * sine + 0x1000 >> 13
+    z = z * cosine - x * sine + 0x1000 >> 13
+    sine = m[M_ROLL_SINE_Q13]
+    cosine = m[M_ROLL_COSINE_Q13]
+    aside = y * cosine - z * sine + 0x1000 >> 13
+    m[at] = ahead
+    m[at + 1] = aside
+    m[at + 2] = y * sine + z * cosine + 0x1000 >> 13
+    at = M_ROLLED + leg * 2
+    before = M_BEFORE + leg * 2
+    m[before] = m[at]
+    m[before + 1] = m[at + 1]
+    rolls_q12 = m[M_ROLLS_Q12]
+    shank_brad = (shank_brad + m[M_PITCH] + 0x8000 & 0xFFFF) - 0x8000
+    hip_brad = (hip_brad + m[M_ROLL] + 0x8000 & 0xFFFF) - 0x8000
+    m[at] = ahead - (rolls_q12 * shank_brad >> 12)
+    m[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
     return 0
 
 
 @hot
 def leg_force(params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop: int, block) -> int:
-    """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383; 0 if unknown.
+    """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
     knee_drop, calf_drop: ak and ac of this file's head, lu. A calf motor on the body answers the errors of thigh
     and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
@@ -141,22 +184,24 @@ def leg_force(params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop
     p = ptr32(params)
     q = ptr32(joints)
     m = ptr32(block)
-    if m[M_KNOWN] <= p[P_SENT_TICKS]:
-        return 0
-    base = P_SIZE_BODY + leg * LEG_SIZE
     at = leg * 3 + 1
-    sent = M_SENT + (m[M_SENT_AT] - p[P_SENT_TICKS] & 15) * JOINTS + at
+    sent = m[M_ANSWERED] + at
     thigh = q[at_joint + 1]
     calf = q[at_joint + 2]
     error = m[sent] - thigh
     turned = thigh - m[M_JOINTS + at]
-    above = joint_torque(params, 1, error, turned)
+    above = joint_torque(p[P_STIFF_Q8 + 1], p[P_DAMP_Q8 + 1], error, turned)
     if p[P_COUPLED]:
-        below = joint_torque(params, 2, error + m[sent + 1] - calf, turned + calf - m[M_JOINTS + at + 1])
+        error += m[sent + 1] - calf
+        turned += calf - m[M_JOINTS + at + 1]
+        below = joint_torque(p[P_STIFF_Q8 + 2], p[P_DAMP_Q8 + 2], error, turned)
     else:
-        below = joint_torque(params, 2, m[sent + 1] - calf, calf - m[M_JOINTS + at + 1])
+        error = m[sent + 1] - calf
+        turned = calf - m[M_JOINTS + at + 1]
+        below = joint_torque(p[P_STIFF_Q8 + 2], p[P_DAMP_Q8 + 2], error, turned)
         above = saturate(above - below, -32767, 32767)
-    arms = -mul_q15(p[base + LEG_L2] * p[base + LEG_L3] >> 13, sin_q15(calf))
+    base = P_SIZE_BODY + leg * LEG_SIZE
+    arms = -((p[base + LEG_L2] * p[base + LEG_L3] >> 13) * sin_q15(calf) + 0x4000 >> 15)
     if arms < _STRAIGHT and arms > -_STRAIGHT:
         return 0
     force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
@@ -164,12 +209,12 @@ def leg_force(params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop
 
 
 @hot
-def joint_torque(params, joint: int, error_brad: int, turned_brad: int) -> int:
-    """Return the torque of thigh (1) or calf (2): stiffness * error - damping * speed; own weight times lu, +-32767.
+def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int) -> int:
+    """Return a joint's torque, stiffness * error - damping * speed, in own weight times lu, +-32767.
 
-    error: goal minus measured; turned: way in one tick; each limited to +-4095 brad. Intermediates: 4095 * 32767 * 2.
+    stiff, damp: P_STIFF_Q8 and P_DAMP_Q8 of the joint; error: goal minus measured; turned: way in one tick; each
+    limited to +-4095 brad. Intermediates: 4095 * 32767 * 2.
     """
-    p = ptr32(params)
     if error_brad > _ERROR_MAX:
         error_brad = _ERROR_MAX
     elif error_brad < -_ERROR_MAX:
@@ -178,27 +223,12 @@ def joint_torque(params, joint: int, error_brad: int, turned_brad: int) -> int:
         turned_brad = _TURN_MAX
     elif turned_brad < -_TURN_MAX:
         turned_brad = -_TURN_MAX
-    return saturate((p[P_STIFF_Q8 + joint] * error_brad - p[P_DAMP_Q8 + joint] * turned_brad) >> 8, -32767, 32767)
-
-
-@hot
-def roll_off(params, leg: int, hip_brad: int, shank_brad: int, block) -> int:
-    """Write where the contact of ``leg`` would be had its foot not rolled into M_ROLLED, keep the last; return 0.
-
-    hip, shank: angles of the leg in the world about x and y, brad. Error at most 1/600 of the way rolled + 1 lu.
-    Intermediates: 5147 * 32768 and less.
-    """
-    p = ptr32(params)
-    m = ptr32(block)
-    per_brad_q12 = p[P_FOOT_RADIUS] * _BRAD_TO_RAD_Q26 >> 14
-    at = leg * 2
-    m[M_BEFORE + at] = m[M_ROLLED + at]
-    m[M_BEFORE + at + 1] = m[M_ROLLED + at + 1]
-    shank = (shank_brad + 0x8000 & 0xFFFF) - 0x8000
-    hip = (hip_brad + 0x8000 & 0xFFFF) - 0x8000
-    m[M_ROLLED + at] = m[M_LEVEL + leg * 3] - (per_brad_q12 * shank >> 12)
-    m[M_ROLLED + at + 1] = m[M_LEVEL + leg * 3 + 1] + (per_brad_q12 * hip >> 12)
-    return 0
+    torque = stiff_q8 * error_brad - damp_q8 * turned_brad >> 8
+    if torque > 32767:
+        return 32767
+    if torque < -32767:
+        return -32767
+    return torque
 
 
 @hot
@@ -214,11 +244,15 @@ def sense_moved(block, weights) -> int:
     x = 0
     y = 0
     if m[M_KNOWN] > 1:
+        at = M_ROLLED
+        before = M_BEFORE
         for leg in range(LEGS):
             if w[leg] > 0:
-                x -= saturate(m[M_ROLLED + leg * 2] - m[M_BEFORE + leg * 2], -_TURN_MAX, _TURN_MAX)
-                y -= saturate(m[M_ROLLED + leg * 2 + 1] - m[M_BEFORE + leg * 2 + 1], -_TURN_MAX, _TURN_MAX)
+                x -= saturate(m[at] - m[before], -_TURN_MAX, _TURN_MAX)
+                y -= saturate(m[at + 1] - m[before + 1], -_TURN_MAX, _TURN_MAX)
                 count += 1
+            at += 2
+            before += 2
     if count:
         x = (x << LF_BITS) // count
         y = (y << LF_BITS) // count

@@ -4,7 +4,7 @@ The polygon's corners are the standing feet, in the level plane. Two feet have a
 margin is never above 0; four, three or two go through the same few lines.
 """
 
-from .fixed import hypot, saturate
+from .fixed import hypot, isqrt, saturate
 from .params import LEGS
 from .runtime import const, hot, ptr32
 
@@ -40,7 +40,7 @@ def edge_margin(feet, one: int, other: int, x: int, y: int) -> int:
     from_y = f[one * 3 + 1]
     along_x = f[other * 3] - from_x >> 2
     along_y = f[other * 3 + 1] - from_y >> 2
-    length = hypot(along_x, along_y)
+    length = isqrt(along_x * along_x + along_y * along_y)
     if length == 0:
         return -hypot(x - from_x, y - from_y)
     side = along_x * (y - from_y >> 2) - along_y * (x - from_x >> 2)

@@ -177,11 +177,14 @@ def move_feet(steps, speed, ticks_q10: int) -> int:
         turn >>= 1
         shift -= 1
     half = 1 << shift
-    for leg in range(LEGS):
-        at = leg * STEP_SIZE
-        x = s[at + STEP_X] + ((s[at + STEP_Y] + 128 >> LF_BITS) * turn + half >> shift + 1)
-        y = s[at + STEP_Y] - ((x + 128 >> LF_BITS) * turn + (half >> 1) >> shift)
-        s[at + STEP_X] = x + ((y + 128 >> LF_BITS) * turn + half >> shift + 1) - dx
+    for at in range(0, STEPS_SIZE, STEP_SIZE):
+        x = s[at + STEP_X]
+        y = s[at + STEP_Y]
+        if turn:
+            x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
+            y -= (x + 128 >> LF_BITS) * turn + (half >> 1) >> shift
+            x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
+        s[at + STEP_X] = x - dx
         s[at + STEP_Y] = y - dy
         if s[at + STEP_TICKS]:
             s[at + STEP_LEFT_Q10] -= ticks_q10

@@ -42,8 +42,8 @@ def bench(
     """Measure the core: time of each function in each runtime, exact cost, accuracy; and the simulator's speed.
 
     Fuel is what the WASI VM burns, the same in every run; more than 5 % over the budget in the
-    repository, or a figure that misses its bar, makes the exit code 1. Bytecode, native, viper and
-    floats are measured in one VM, MicroPython's unix port.
+    repository, or a figure that misses its bar, makes the exit code 1. CPython's times are processor
+    time. Bytecode, native, viper and floats are measured in one VM, MicroPython's unix port.
 
     With --teleop: deadlines and processor share of a walk, stick to packet and stop to torque off from every source,
     bad messages; through a browser where there is one. Exit code 1 if a figure is not reached.
@@ -102,6 +102,7 @@ def _summary(found: "Bench") -> dict[str, Any]:
         ],
         "tick_us": found.ticks,
         "cortex_m4_instructions": found.instructions,
+        "loop_us": found.loop_us,
         "simulator": found.simulator,
         "skipped": found.skipped,
         "missed": found.missed,
@@ -111,7 +112,7 @@ def _summary(found: "Bench") -> dict[str, Any]:
 def _print(found: "Bench") -> None:
     from rich.table import Table
 
-    from ..parity.bench import TICK_US
+    from ..parity.bench import LOOP_TURNS, TICK_US
 
     console = screen()
     console.width = max(console.width, WIDTH)
@@ -125,6 +126,11 @@ def _print(found: "Bench") -> None:
     if found.instructions:
         counts = ", ".join(f"{name} {count}" for name, count in found.instructions.items())
         console.print(f"instructions of a Cortex-M4 as viper, call included: {counts}", soft_wrap=True)
+    console.print(
+        f"this machine: {LOOP_TURNS} turns of x = x * 3 + i & 0xFFFF take {found.loop_us:.0f} us on CPython",
+        soft_wrap=True,
+        markup=False,
+    )
     if found.simulator:
         row = found.simulator
         console.print(

@@ -9,10 +9,11 @@ from ..extras import missing_library
 from ..runtimes import CortexM, CPython, Unix, Wasi
 from .accuracy import Accuracy, accuracies
 from .budget import over_budget, read_budget
-from .figures import float_microseconds, fuel, instructions, microseconds
+from .figures import float_microseconds, fuel, instructions, loop_microseconds, microseconds
 from .sources import gather
 
 REPEATS = 50  # calls in a timed loop
+LOOP_TURNS = 1000  # of the loop whose time tells how fast the machine is
 UNIX = ("bytecode", "native", "viper")
 
 # What the figures have to reach. A time depends on the machine, so it is told and judged by the reader.
@@ -25,7 +26,10 @@ INSTRUCTIONS_MOST = {"joint.current_step": 824}  # of a Cortex-M4 as viper: what
 
 @dataclass
 class Bench:
-    """``cost`` holds a row of figures by function; ``skipped`` says which runtime is missing and why."""
+    """``cost`` holds a row of figures by function; ``skipped`` says which runtime is missing and why.
+
+    ``loop_us``: LOOP_TURNS turns of ``x = x * 3 + i & 0xFFFF`` on CPython, to compare machines by.
+    """
 
     cost: dict[str, dict[str, float]] = field(default_factory=dict)
     accuracy: list[Accuracy] = field(default_factory=list)
@@ -33,6 +37,7 @@ class Bench:
     instructions: dict[str, int] = field(default_factory=dict)
     skipped: dict[str, str] = field(default_factory=dict)
     over: list[str] = field(default_factory=list)
+    loop_us: float = 0.0
 
     def fill(self, column: str, figures: dict[str, float] | dict[str, int]) -> None:
         for name, figure in figures.items():
@@ -65,6 +70,7 @@ def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> 
     bench = Bench()
     sources = gather(work)
     steps = [
+        lambda: setattr(bench, "loop_us", loop_microseconds(sources, _new(work, "loop"), LOOP_TURNS)),
         lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS)),
         lambda: _fuel(bench, sources, _new(work, "wasi")),
         *(lambda emitter=emitter: _unix(bench, sources, work, emitter) for emitter in UNIX),

@@ -113,6 +113,10 @@ def _zeros(size: int) -> CheckedArray:
     return CheckedArray("i", [0] * size)
 
 
+def _table(values: tuple[int, ...]) -> CheckedArray:
+    return CheckedArray("H", values)
+
+
 def _range(*bounds: int) -> Iterator[Checked]:
     return (check(index) for index in builtins.range(*bounds))
 
@@ -147,7 +151,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         module.__dict__.update(_checked=check, range=_range, int=_integer)
         super().exec_module(module)
         if module.__name__ == "shared.runtime":
-            module.__dict__["zeros"] = _zeros
+            module.__dict__.update(zeros=_zeros, table=_table)
 
 
 class _Finder(importlib.abc.MetaPathFinder):

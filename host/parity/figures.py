@@ -132,6 +132,12 @@ def microseconds(runtime: Runtime, sources: Path, work: Path, repeats: int) -> d
     return found
 
 
+def loop_microseconds(sources: Path, work: Path, turns: int) -> float:
+    """Return the CPython microseconds of ``turns`` turns of ``x = x * 3 + i & 0xFFFF``: how fast the machine is."""
+    runtime = CPython()
+    return float(runtime.ask(runtime.prepare(sources, work), _measure("loop", turns))["us"])
+
+
 def float_microseconds(runtime: Unix, sources: Path, work: Path, repeats: int) -> dict[str, float]:
     """Return microseconds of the float reference's counterparts; nothing if the checkout's tests are not here."""
     tree = runtime.prepare(sources, work)

@@ -51,7 +51,12 @@ def robot_blocks() -> str:
     joints = [_joint_blocks(**setup) for setup in JOINT_SETUPS]
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
-        "from array import array\n\n"
+        "from shared.runtime import zeros\n\n\n"
+        "def _block(values):\n"
+        "    made = zeros(len(values))\n"
+        "    for at in range(len(values)):\n"
+        "        made[at] = values[at]\n"
+        "    return made\n\n\n"
         f"PARAMS = {_listing(params)}\n"
         f"ATTITUDES = {_listing(attitudes)}\n"
         f"JOINTS = ({''.join(_listing(blocks) + ', ' for blocks in joints)})\n"
@@ -71,5 +76,5 @@ def _with_legs(robot: Robot, **legs: Any) -> Robot:
 
 
 def _listing(blocks: list[Any]) -> str:
-    rows = "".join(f'    array("i", {tuple(block)}),\n' for block in blocks)
+    rows = "".join(f'    _block({tuple(block)}),\n' for block in blocks)
     return f"(\n{rows})"

@@ -27,6 +27,7 @@ WALK = adaptive.Adaptive(PARAMS[0])
 ROBOT = Pick(*PARAMS)
 STATE = (WALK.state, WALK.load, WALK.nav, WALK.tip)
 RATE = Range(-(1 << 15), (1 << 15) - 1)
+SQUARE = Range(0, (1 << 30) - 1)
 
 
 def _begin():
@@ -64,7 +65,8 @@ def _live(values, dice):
     adaptive.feel_legs(params, WALK, ANGLES.array, LEGS_FROM, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
     adaptive.drive_speed(params, WALK, SPEED.array, DRIVE)
     adaptive.sway_body(params, WALK, gait, CLOCK, 1)
-    adaptive.raise_body(params, WALK, REACHED.array, dice.bits(1))
+    WALK.state[adaptive.W_FAR] = SQUARE.any(dice)
+    adaptive.raise_body(params, WALK, dice.bits(1))
     adaptive.carry(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
 
 
@@ -90,7 +92,7 @@ PROBES = (
     _part("begin_segment", (ROBOT, WALK, 0, CLOCK, SPEED, SPEED), STATE, _with_gait(2)),
     _part("sway_body", (ROBOT, WALK, 0, CLOCK, FLAG), STATE, _with_gait(2)),
     _part("learn_centre", (ROBOT, WALK, CLOCK)),
-    _part("raise_body", (ROBOT, WALK, REACHED, FLAG)),
+    _part("raise_body", (ROBOT, WALK, FLAG)),
     _part("pose_body", (ROBOT, WALK, BRAD, BRAD, POSED), (POSED.array,)),
     _part("carry", (ROBOT, WALK, REACHED, Range(0, 15), FLAG)),
 )

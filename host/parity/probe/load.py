@@ -12,7 +12,10 @@ FORCE = Range(0, 16383)
 PLANAR = Range(0, 1)
 FEET = Block(array("i", [0] * 12), (12, PLACE))
 WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, load.STANDS_Q8)))
-BLOCK = Block(array("i", [0] * load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)))
+ARM = Range(-1023, 1023)
+BLOCK = Block(
+    array("i", [0] * load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
+)
 
 
 def _moments(values, dice):

@@ -1,7 +1,5 @@
 """shared/planner*.py: their parts in any state a command can bring about, and long walks of every gait."""
 
-from array import array
-
 from shared import planner, planner_climb, planner_pose, planner_senses, planner_states, planner_steps
 from shared import planner_layout as n
 from shared.adaptive import W_ACTIVE, W_SWAY
@@ -21,6 +19,7 @@ from shared.crawl import crawl_start
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
 from shared.params import P_POSE_MAX, P_VX_MAX
 from shared.retreat import R_ENDS, R_STOOD
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, GAIT, INT30
@@ -29,11 +28,11 @@ from .robots import PARAMS
 
 SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
 
-COMMAND = array("i", [0] * COMMAND_SIZE)
-SENSED = array("i", [0] * n.SENSED_SIZE)
+COMMAND = zeros(COMMAND_SIZE)
+SENSED = zeros(n.SENSED_SIZE)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
-GOAL = array("i", [0] * 12)
+GOAL = zeros(12)
 ANY_MODE = Range(-1, 4)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
 USUAL = 200  # vectors of a function, for which a walk has all its ticks

@@ -7,6 +7,7 @@ from shared import sensing
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
+from .robots import PARAMS
 
 ANGLES = Block(array("i", [0] * 16), (16, BRAD))
 GOALS = Block(array("i", [0] * 12), (12, BRAD))
@@ -14,6 +15,8 @@ WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, 1)))
 BLOCK = array("i", [0] * sensing.SENSING_SIZE)
 DROP = Range(-32767, 32767)
 ANGLE18 = Range(-131072, 131071)
+PLACE = Range(-65534, 65534)
+GAIN = Range(0, 32767)
 
 
 def _some_ticks(values, dice):
@@ -27,6 +30,7 @@ def _some_ticks(values, dice):
 def _begin():
     sensing.sensing_reset(BLOCK)
     BLOCK[sensing.M_KNOWN] = 90
+    sensing.sense_legs(PARAMS[0], ANGLES.array, 3, 2000, -1000, BLOCK)  # for the parts: what is the same for all legs
 
 
 def _soil(values, dice):
@@ -49,7 +53,13 @@ PROBES = (
         "sense_leg", sensing.sense_leg, (ROBOT, LEG, ANGLES, 3, BLOCK), watch=(BLOCK,), fit=_some_ticks, begin=_begin
     ),
     Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, 3, DROP, DROP, BLOCK), fit=_some_ticks, begin=_begin),
-    Probe("joint_torque", sensing.joint_torque, (ROBOT, Range(1, 2), ANGLE18, ANGLE18)),
-    Probe("roll_off", sensing.roll_off, (ROBOT, LEG, ANGLE18, ANGLE18, BLOCK), watch=(BLOCK,), begin=_begin),
+    Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
+    Probe(
+        "keep_foot",
+        sensing.keep_foot,
+        (LEG, ANGLE18, ANGLE18, PLACE, PLACE, PLACE, BLOCK),
+        watch=(BLOCK,),
+        begin=_begin,
+    ),
     Probe("sense_moved", sensing.sense_moved, (BLOCK, WEIGHTS), watch=(BLOCK,), fit=None, begin=_begin),
 )
