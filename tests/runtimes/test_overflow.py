@@ -24,7 +24,7 @@ PLANTED = [
     ("a shift by 32", "fixed", PRODUCT, "return (a * b_q15 + 0x4000) >> 32", "shifts by 0 .. 31"),
     ("a list", "fixed", PRODUCT, "return [a * b_q15]", "a list"),
     ("a tuple", "fixed", PRODUCT, "return a, b_q15", "a tuple"),
-    ("an index before an array", "fixed", "phase = angle_brad & 0x7FFF", "phase = angle_brad", "before the array"),
+    ("an index before an array", "fixed", "index = ratio >> 10", "index = ~ratio >> 10", "before the array"),
     ("a divisor of 0", "reach", "if denominator < 1:\n        return 0\n    if", "if", "ZeroDivisionError"),
 ]
 

@@ -54,15 +54,16 @@ def planted_report(runtime: Runtime, sources: Path, work: Path) -> Report:
 
 def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
     reference = planted_report(CPython(), sources, tmp_path / "reference")
-    copy = plant(sources, tmp_path, "shared/fixed.py", "if value > 32767:", "if value > 32760:")
+    end = "    return value\n\n\n@hot\ndef cos_q15("
+    copy = plant(sources, tmp_path, "shared/fixed.py", end, "    if value > 32000:\n        return 32767\n" + end)
     other = planted_report(Wasi("source"), copy, tmp_path / "other")
     assert other.failure is None
     difference = first_difference(reference, other)
     assert difference is not None
     assert difference.function == "fixed.sin_q15"
     angle = difference.inputs[0]
-    assert angle & 0x3FFF in (*range(0x3F00, 0x4000), 0)
-    assert 32760 < abs(difference.expected[0]) <= 32767
+    assert abs((angle & 0xFFFF) - 0x4000) < 2400
+    assert 32000 < abs(difference.expected[0]) < 32767
     assert abs(difference.found[0]) == 32767
     other.difference = difference
     assert list(failures([reference, other])) == [f"wasi-source: {difference.sentence()}"]
