@@ -10,7 +10,7 @@ from ..errors import NOT_ACHIEVED
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..motor.scenarios import Result
+    from ..motor.result import Result
     from ..robot_actuators import Bldc
 
 motor_app = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 @motor_app.command("sim")
 def sim(
     scenario: Annotated[
-        str | None, typer.Option(help="step, sine, stall, current, closed-loop, calibrate, or fault-NAME.")
+        str | None, typer.Option(help="step, sine, glitches, stall, current, closed-loop, calibrate, or fault-NAME.")
     ] = None,
     robot: RobotOption = "parallel",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,

@@ -81,6 +81,7 @@ class Bench:
         self.goal = 0.0
         self.goal_speed = 0.0
         self.peak_A = 0.0
+        self.rejected = 0  # rotor readings that the joint did not believe
         self.fast: list[float] | None = None  # q current at every step, if wanted
         self._values = array("i", [w.NO_CHANGE] * 4)
         self._frame = array("H", [0] * 4)
@@ -127,6 +128,7 @@ class Bench:
                 self.motor.supply_V = self.wrong.supply_V
             self.motor.warm(STEP_S * STEPS_PER_MS)
             self.sensors.read_slow(self.motor, self.board)
+            self.rejected += self.joint.control.foc[j.F_GLITCHES]
             self.joint.poll()
             self._ms += 1
             self._record()

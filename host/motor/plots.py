@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..files import atomic_path
 
 if TYPE_CHECKING:
-    from .scenarios import Result
+    from .result import Result
 
 
 def draw(result: "Result", path: Path) -> None:
@@ -21,7 +21,7 @@ def draw(result: "Result", path: Path) -> None:
     position, speed, current, torque, heat = figure.subplots(5, 1, sharex=True)
     figure.suptitle(f"{result.name}: {'ok' if result.ok else 'not achieved'}")
     position.plot(t.time_s, [degrees(x) for x in t.joint_rad], label="joint")
-    if result.name in ("step", "sine"):
+    if result.name in ("step", "glitches", "sine"):
         position.plot(t.time_s, [degrees(x) for x in t.goal_rad], "--", label="set-point")
     position.set_ylabel("position, deg")
     speed.plot(t.time_s, t.speed_rad_s, label="joint")

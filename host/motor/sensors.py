@@ -45,6 +45,7 @@ class Sensors:
         self._per_A = drive.shunt_ohm * drive.amplifier_gain / volt
         self._noise = [self._random.gauss(0, self.noise_counts) for _ in range(4096)]
         self._at = 0
+        self.glitches = 0  # readings that were none
 
     def read_fast(self, motor: Motor, out: SimBoard) -> None:
         """Write what every current step reads."""
@@ -59,6 +60,7 @@ class Sensors:
             out.rotor = -1
         elif self.wrong.glitch_share and self._random.random() < self.wrong.glitch_share:
             out.rotor = self._random.randrange(16384)
+            self.glitches += 1
         else:
             out.rotor = int(motor.rotor_rad / tau * 16384 + 0.3 * noise[at]) & 16383
 

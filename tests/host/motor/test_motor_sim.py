@@ -7,12 +7,15 @@ import pytest
 
 from host.cli import main
 from host.errors import UserError
-from host.motor import scenarios
+from host.motor import faults, scenarios
 from host.motor.accuracy import accuracy, closed_form
+from host.motor.bench import Bench
 from host.motor.model import Load, Motor
 from host.motor.plots import draw
 from host.robot_file import load_robot
+from shared.joint import faults as f
 from shared.joint import layout as j
+from shared.wire import names as w
 
 BLDC = load_robot("parallel").actuator
 
@@ -92,9 +95,34 @@ def test_a_scenario_can_fail(monkeypatch):
     slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
     assert not scenarios.run_scenario(slow, "step").ok
     monkeypatch.setitem(
-        scenarios.FAULTS, "bus-sag", scenarios.FaultCase(j.K_BUS_TICKS, 10, scenarios.FAULTS["bus-sag"].begin)
+        faults.FAULTS, "bus-sag", faults.FaultCase(j.K_BUS_TICKS, 10, faults.FAULTS["bus-sag"].begin)
     )
     assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
+
+
+def test_a_magnet_that_creeps_is_found_before_the_rotor_turn_could_be_mistaken():
+    """At 6 degrees for five ticks; half a rotor turn, where the turn would be ambiguous, is 8.18."""
+    bench = Bench(BLDC)
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    for _ in range(100):
+        bench.wrong.joint_turned_rad += math.radians(0.1)
+        bench.run(1)
+        if bench.state[j.S_FAULT_CODE]:
+            break
+    assert bench.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_DISAGREE
+    assert 6.0 <= abs(bench.state[j.S_FAULT_VALUE]) / 16384 * 360 / BLDC.gear.ratio < 7.0
+    assert math.degrees(bench.wrong.joint_turned_rad) < 8.18
+
+
+def test_readings_that_cannot_be_are_left_out_and_many_of_them_are_a_fault():
+    result = scenarios.run_scenario(BLDC, "glitches")
+    assert result.figures["glitches"] > 200
+    assert result.figures["rejected"] >= 0.9 * result.figures["glitches"]
+    bench = Bench(BLDC)
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    bench.wrong.glitch_share = 0.95
+    bench.run(20)
+    assert bench.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST
 
 
 def test_an_unknown_scenario_is_told_with_the_list():

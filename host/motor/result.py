@@ -1,0 +1,28 @@
+"""What a scenario of the simulated joint hands over: its figures, and the bench with its record."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from shared.joint import layout as j
+from shared.wire import names as w
+
+from .bench import Bench
+
+
+@dataclass
+class Result:
+    """The figures, as they go into JSON, and the bench with its record."""
+
+    name: str
+    figures: dict[str, Any]
+    bench: Bench
+
+    @property
+    def ok(self) -> bool:
+        """Whether the scenario's bar was reached."""
+        return bool(self.figures["ok"])
+
+
+def enabled(bench: Bench) -> bool:
+    """Return whether the joint still does what it is told."""
+    return int(bench.state[j.S_DRIVE]) == w.STATE_OPERATION_ENABLED
