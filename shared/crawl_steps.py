@@ -7,11 +7,11 @@ somewhere else, at most three times; the body goes along so that the leg comes d
 """
 
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, take_tare
+from .crawl_even import count_even
 from .crawl_goals import bridge
 from .crawl_layout import (
     C_BODY_TICKS,
     C_DROPPED,
-    C_EVEN,
     C_EVENT,
     C_EVENT_LEG,
     C_EVENT_X,
@@ -21,7 +21,6 @@ from .crawl_layout import (
     C_FOOT,
     C_FORCE,
     C_HITS,
-    C_LANDED,
     C_LEG,
     C_LOAD,
     C_ON_PRINT,
@@ -33,7 +32,6 @@ from .crawl_layout import (
     C_PRINT,
     C_SEEN,
     C_SHARE,
-    C_SOURCE,
     C_SPEED,
     C_STANDS,
     C_STEPS_EVEN,
@@ -400,58 +398,3 @@ def land(crawl, leg: int) -> int:
     c[C_PACE] -= k[K_PACE]
     enter(crawl.state, REST)
     return 0
-
-
-@hot
-def count_even(settings, state, leg: int) -> int:
-    """Note how uneven the ground is where ``leg`` has landed, and for how many landings it was even; return that.
-
-    Even is within K_VOID / 3 (8 mm of a leg of 240 mm) of a slope along the way: the trot's own measure. A robot
-    astride an edge stands on a slope too, but its front feet do not go on along it.
-    """
-    k = ptr32(settings)
-    c = ptr32(state)
-    dx = even_length(state)
-    dz = saturate(c[C_FOOT + 2] + c[C_FOOT + 5] - c[C_FOOT + 8] - c[C_FOOT + 11] >> LF_BITS + 1, -16383, 16383)
-    low = 0x1FFFF
-    high = -0x1FFFF
-    for other in range(LEGS):
-        at = C_FOOT + other * 3
-        off = off_slope(c[at] - c[C_FOOT], c[at + 2] - c[C_FOOT + 2], dx, dz)
-        if off < low:
-            low = off
-        if off > high:
-            high = off
-    uneven = high - low
-    if leg < RR:
-        at = C_FOOT + leg * 3
-        off = off_slope(c[at] - c[C_SOURCE], c[at + 2] - c[C_EXPECT], dx, dz)
-        if off < 0:
-            off = -off
-        if off > uneven:
-            uneven = off
-    c[C_EVEN] = uneven
-    c[C_LANDED] = c[C_LANDED] + 1 & 0xFFFFFF
-    c[C_STEPS_EVEN] += 1
-    if uneven > k[K_VOID] // 3:
-        c[C_STEPS_EVEN] = 0
-    return c[C_STEPS_EVEN]
-
-
-@hot
-def even_length(state) -> int:
-    """Return how far the middle of the front feet is before that of the hind feet, 4 lu: 1 .. 16383."""
-    c = ptr32(state)
-    return saturate(c[C_FOOT] + c[C_FOOT + 3] - c[C_FOOT + 6] - c[C_FOOT + 9] >> LF_BITS + 3, 1, 16383)
-
-
-@hot
-def off_slope(way_lf: int, rise_lf: int, dx: int, dz: int) -> int:
-    """Return by how much ``rise`` over ``way`` (lf) is off a slope of dz (lu) in dx (4 lu), lu.
-
-    Way limited to +-65532 lu, rise to +-16383; dx 1 .. 16383, dz within 16383. Error at most 2 lu and what dz and
-    dx were rounded by. Largest intermediate 16383 * 16383.
-    """
-    way = saturate(way_lf >> LF_BITS + 2, -16383, 16383)
-    rise = saturate(rise_lf >> LF_BITS, -16383, 16383)
-    return rise - way * dz // dx

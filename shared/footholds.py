@@ -4,6 +4,7 @@ So only the front feet meet unknown ground, and the hind feet know its height. E
 of at most four prints. A front foot goes half a stride beyond the other front foot.
 """
 
+from .crawl_even import expected_rise
 from .crawl_layout import (
     C_EXPECT,
     C_FOOT,
@@ -95,7 +96,7 @@ def aim(params, settings, state, leg: int) -> int:
 
 @hot
 def aim_front(params, settings, state, leg: int) -> int:
-    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own; return 0.
+    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope; return 0.
 
     The top is K_LIFT_FRONT above the higher of both front feet, the other counting only if it stands before
     or at the target: what it stands on may begin right here.
@@ -109,7 +110,7 @@ def aim_front(params, settings, state, leg: int) -> int:
     c[C_TARGET] = x
     c[C_TARGET + 1] = print_line(params, leg)
     c[C_TARGET + 2] = c[own + 2]
-    c[C_EXPECT] = c[own + 2]
+    c[C_EXPECT] = c[own + 2] + expected_rise(settings, state, x - c[own])
     top = c[own + 2]
     if c[other + 2] > top and c[other] <= x + (k[K_HIT] * 5 // 3 << LF_BITS):
         top = c[other + 2]

@@ -4,6 +4,7 @@ import math
 import random
 from array import array
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,7 +18,7 @@ from shared.crawl import Crawl
 from shared.crawl_map import fit_body, rebase
 from shared.filters import fraction, quintic_q15
 from shared.footholds import MOST_PRINTS, print_add, print_drop
-from shared.handover import REASON_BEHIND, REASON_COMMAND
+from shared.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
 from shared.sensing import M_LEVEL, SENSING_SIZE
 from shared.swing_leg import brake_speed
 from sim2d import terrain
@@ -187,6 +188,12 @@ class Scripted:
         return goals
 
 
+def slope_all_along(angle_deg):
+    """Return a slope that the robot stands on from the start."""
+    rise = math.tan(math.radians(angle_deg))
+    return terrain.Terrain("slope", ((-3.0, -3.0 * rise), (4.0, 4.0 * rise)))
+
+
 def walked(controller, ground, seconds, distance_m=None):
     robot = planar_robot(load_robot("caramelo"))
     return simulate(robot, controller, ground, duration_s=seconds, distance_m=distance_m, stuck_after_s=seconds)
@@ -221,6 +228,19 @@ def test_the_adaptive_gait_crawls_where_its_trot_is_held_up_and_says_so():
     assert script.crawls[backing[-1] + 1] == n.CLIMB_ON
     x_m = recording.torso_x_m
     assert 0.05 < x_m[backing[0]] - x_m[backing[-1]] < 0.11
+
+
+@pytest.mark.parametrize("angle_deg", [8.0, -8.0])
+def test_a_slope_is_no_obstacle_the_crawl_hands_back_to_the_trot_on_it(angle_deg):
+    ground = slope_all_along(angle_deg)
+    script = Scripted("climb", _4={"gait": "adaptive"})
+    recording = walked(script, ground, 58.0, 0.6)
+    assert recording.outcome.kind != "fell", recording.outcome.sentence
+    assert REASON_EVEN in script.reasons
+    back = script.reasons.index(REASON_EVEN)
+    assert script.crawls[back] == n.CLIMB_OFF
+    assert script.driver.planner.climb.state[at.C_LANDED] >= LEGS_EVEN
+    assert n.CLIMB_ON not in script.crawls[back:]
 
 
 def test_backing_off_ends_with_the_command_to_walk_on():

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import body, contact, crawl_goals, crawl_map, crawl_pose, crawl_steps, footholds, handover, swing_leg
+from shared import body, contact, crawl_even, crawl_goals, crawl_map, crawl_pose, footholds, handover, swing_leg
 from shared import crawl_layout as at
 from shared import params as p
 from shared.crawl import Crawl
@@ -129,9 +129,9 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     feet, leg = standing(dice, dice.uniform(-0.2, 0.2), dice.choice((0.0, 0.003, 0.01))), seed % 4
     put(crawl, feet)
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
-    crawl.state[at.C_SOURCE], crawl.state[at.C_EXPECT] = fine(came_from[0]), fine(came_from[1])
+    crawl.state[at.C_SOURCE], crawl.state[at.C_TARGET + 2] = fine(came_from[0]), fine(came_from[1])
     crawl.state[at.C_STEPS_EVEN] = 5
-    count = crawl_steps.count_even(crawl.settings, crawl.state, leg)
+    count = crawl_even.count_even(crawl.settings, crawl.state, leg)
     exact, found = twin.uneven(feet, leg, came_from), crawl.state[at.C_EVEN] * UNIT_M
     assert abs(found - exact) < 0.15 * MM
     if abs(exact - setting(crawl, at.K_VOID) / 3) > 0.2 * MM:
@@ -142,10 +142,22 @@ def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     """Front feet on a step of 40 mm, hind feet below, all on one slope: the last step along it did not rise."""
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
-    crawl.state[at.C_SOURCE], crawl.state[at.C_EXPECT] = fine(0.125 - 0.076), fine(0.04)
-    assert crawl_steps.count_even(crawl.settings, crawl.state, 0) == 0
-    crawl.state[at.C_EXPECT] = fine(0.04 - 0.04 * 76 / 230)
-    assert crawl_steps.count_even(crawl.settings, crawl.state, 0) == 1
+    crawl.state[at.C_SOURCE], crawl.state[at.C_TARGET + 2] = fine(0.125 - 0.076), fine(0.04)
+    assert crawl_even.count_even(crawl.settings, crawl.state, 0) == 0
+    crawl.state[at.C_TARGET + 2] = fine(0.04 - 0.04 * 76 / 230)
+    assert crawl_even.count_even(crawl.settings, crawl.state, 0) == 1
+
+
+@pytest.mark.parametrize("slope", [-0.2, -0.03, 0.03, 0.2])
+def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
+    """4 mm over the step are level: what sag and odometry err."""
+    feet = standing(random.Random(6), slope, 0.0)
+    put(crawl, feet)
+    rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting(crawl, at.K_STRIDE)) - feet[0][0])
+    for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
+        crawl.state[at.C_STEPS_EVEN] = landings
+        footholds.aim(crawl.limbs, crawl.settings, crawl.state, 0)
+        assert crawl.state[at.C_EXPECT] * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
 
 
 # --- pose
