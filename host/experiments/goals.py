@@ -148,7 +148,8 @@ def space_goals(options: Options) -> list[Goal]:
               for kind in ramp.KINDS]
     for kind in ("up", "down"):
         goals += _steps(options, "3-D", kind, {0.04: every, 0.05: nearly, 0.06: reported})
-    for kind in steps.SPACE_KINDS:
+    goals += _steps(options, "3-D", "over", {0.04: every, 0.05: nearly})
+    for kind in ("angled", "left"):
         goals += _steps(options, "3-D", kind, {0.02: reported, 0.04: reported})
     return goals
 

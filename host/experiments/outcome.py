@@ -7,6 +7,7 @@ from typing import Any
 
 from sim2d.recording import Recording
 
+from ..gait_changes import change_lines
 from .trials import Answer
 
 
@@ -67,6 +68,7 @@ def film(title: str, answer: Answer) -> list[Film]:
     facts = [
         ("speed", f"{figures['mean_speed_m_s']:.4f} m/s"),
         ("pitch range", f"{figures['pitch_range_deg']:.1f} deg"),
+        *change_lines(figures["gait_changes"]),
         ("outcome", str(figures["reason"])),
     ]
     return [Film(title, recording, facts)]

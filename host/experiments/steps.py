@@ -1,7 +1,8 @@
 """Steps up, steps down and boxes to step over (paper A, section 4.1.4), from start offsets across one stride.
 
 A verdict near a limit flips with where the feet happen to be when they meet the edge, so one start proves nothing.
-In space two more are reported: a step met at 20 degrees and one under the left legs only, both up and down.
+In space three more go up and, 0.45 m later, down again: a step met squarely, one at 20 degrees, one under the left
+legs only.
 """
 
 from functools import partial
@@ -20,7 +21,7 @@ from .trials import Answer, Options, PlaneTrial, SpaceTrial
 
 HEIGHTS_M = (0.02, 0.03, 0.04, 0.05, 0.06)
 KINDS = ("up", "down", "box")
-SPACE_KINDS = ("angled", "left")
+SPACE_KINDS = ("over", "angled", "left")
 FRICTIONS = (0.6, 0.9)
 OFFSETS = 10
 STRIDE_M = 0.10  # paper A: 0.05 m/s in cycles of 2 s
@@ -82,7 +83,7 @@ def trial(
 def space_ground(kind: str, height_m: float, start_m: float) -> Ground:
     """Return the ground of a kind in space."""
     if kind in SPACE_KINDS:
-        return make_ground(GroundSpec(kind, height_m, start_m=start_m))
+        return make_ground(GroundSpec("step" if kind == "over" else kind, height_m, start_m=start_m))
     return extrude(course(kind, height_m, start_m))
 
 
