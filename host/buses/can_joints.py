@@ -4,6 +4,7 @@ The planner's 50 goals a second become 200 set-points by the cycle (host/joints/
 a thread of its own, as on the robot; without, whoever drives calls ``run_until``, as in simulated time.
 """
 
+import secrets
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -95,9 +96,10 @@ class CanJoints(Bus):
         """Do the cycles at their times; between them, others have the bus."""
         try:
             while not self._over.is_set():
-                self.port.wait_until(self.cycle.due_s)
+                due_s = self.cycle.due_s
+                self.port.wait_until(due_s)
                 with self._lock:
-                    self.cycle.run_until(self.port.now())
+                    self.cycle.run_until(max(due_s, self.port.now()))
         except Exception as error:
             self._failure = error  # without set-points the joints damp; whoever drives is told at once
 
@@ -249,6 +251,11 @@ class CanJoints(Bus):
         if self.link.syncs:
             self._disarm()
         self.port.close()
+
+
+def new_session() -> int:
+    """Return a session 1 .. 255 that the joints most likely do not know yet."""
+    return 1 + secrets.randbelow(255)
 
 
 def _host_loops(robot: Robot) -> HostLoops | None:

@@ -1,4 +1,4 @@
-"""Which joints and which inertial sensor a command talks to: real, emulated servos, or simulated without a bus."""
+"""Which joints and which inertial sensor a command talks to: servos or joints on CAN, emulated ones, or simulated."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
@@ -39,6 +39,7 @@ def hardware(
     """Yield a robot's joints and sensor, not yet opened; what runs beside them ends with the block.
 
     ``which``: ``real``, ``emulated`` (servos behind a pseudo-terminal, in a process of their own) or ``simulated``.
+    Joints on CAN that ``caramelo joints sim`` simulates are real ones here.
     ``source`` is the name or file that the robot was loaded from, which the emulator loads again.
     """
     makers = {"real": _real, "emulated": _emulated, "simulated": _simulated}
@@ -75,6 +76,9 @@ def _emulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Pat
 
 def _real(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:
     from ..imu.mpu6050 import Mpu6050
+
+    if robot.bus.kind == "can":
+        return Hardware(can_joints(robot, port), Attitude(robot, Mpu6050(robot)))
     from ..servos.bus import ServoBus
     from ..servos.port import ServoPort
 
@@ -82,6 +86,20 @@ def _real(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | 
     data = load_calibration(calibration or default_path(robot), robot)
     bus = ServoBus(robot, data, ServoPort(port or device(robot), baud(robot)))
     return Hardware(bus, Attitude(robot, Mpu6050(robot)))
+
+
+def can_joints(robot: Robot, port: str | None) -> Bus:
+    """Return the joints on CAN; ``port`` INTERFACE:CHANNEL goes before the robot file's own."""
+    from ..can.open import open_port
+    from ..emulator.plant import seated_pose_rad
+    from .can_joints import CanJoints, new_session
+
+    assert robot.bus.kind == "can"
+    interface, colon, channel = (port or "").partition(":")
+    if port and not (colon and interface and channel):
+        raise UserError(f"--port {port}: of joints on CAN it is INTERFACE:CHANNEL, such as socketcan:can0")
+    bus_port = open_port(robot.bus, interface or None, channel or None)
+    return CanJoints(robot, bus_port, new_session(), seated_pose_rad(robot), threaded=True)
 
 
 def baud(robot: Robot) -> int:

@@ -24,7 +24,7 @@ def teleop(
     log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record into an MCAP file, or a folder.")] = None,
     gamepad: Annotated[str | None, typer.Option(metavar="DEVICE", help="auto, or /dev/input/eventN.")] = None,
     socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Unix socket or local port for scripts.")] = None,
-    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port, or INTERFACE:CHANNEL of CAN.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
     headless: Annotated[bool, typer.Option("--headless", help="No keyboard and no screen, as a service.")] = False,
     direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,

@@ -64,6 +64,7 @@ class Cycle:
         self._report = report
         self._goals: list[float] | None = None
         self._e_stops = 0
+        self._holding = False
         self._steps = [0.0] * 12
         self._left = 0
         self.due_s = link.port.now()
@@ -74,7 +75,8 @@ class Cycle:
         return None if self._goals is None else list(self._goals)
 
     def hold(self) -> None:
-        """Have the goals be where the joints are now: what they are armed with."""
+        """Have the goals be where the joints are, each until it is enabled: what they are armed with."""
+        self._holding = True
         self._goals = [float(_position(self.link.views[node].reply)) for node in self.link.nodes]
         self._left = 0
         if self.loops is not None:
@@ -112,6 +114,8 @@ class Cycle:
         self.link.receive()
         if self.armed:
             self._watch()
+        if self._holding:
+            self._follow()
         goals = self._goals  # another thread may end them
         if goals is not None:
             self._send_goals(goals)
@@ -147,15 +151,22 @@ class Cycle:
         elif reaction == "stop":
             self.stop()
 
+    def _follow(self) -> None:
+        for i, node in enumerate(self.link.nodes):
+            view = self.link.views[node]
+            if self._goals is not None and not view.enabled:
+                self._goals[i] = float(_position(view.reply))
+
     def start(self) -> None:
         """Watch the joints from here on: they are armed."""
+        self._holding = False
         self.reaction, self.notices, self._e_stops = "none", [], self.link.e_stops
         self.guard.start()
         self.armed = True
 
     def end(self) -> None:
         """End the set-points and the watching."""
-        self.armed = False
+        self.armed = self._holding = False
         self._goals = None
 
     def damp(self) -> None:

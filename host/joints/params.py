@@ -1,11 +1,12 @@
 """A joint's parameters over the bus, by name and in their own units (host/protocol/parameters.toml)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from shared.wire import names as w
 
 from ..errors import UserError
 from ..protocol.parameters import Parameter, ParameterError, load
+from .param_file import kept
 from .service import Requests
 
 
@@ -34,7 +35,25 @@ def write(requests: Requests, node: int, parameter: Parameter, value: float) -> 
     return read(requests, node, parameter)
 
 
-def differences(requests: Requests, node: int) -> list[tuple[Parameter, int]]:
-    """Return the kept parameters that are not a fresh board's, with their raw values."""
-    rows = [(parameter, read(requests, node, parameter)) for parameter in load() if parameter.stored]
-    return [(parameter, raw) for parameter, raw in rows if raw != parameter.default]
+def read_kept(requests: Requests, node: int) -> dict[str, int]:
+    """Return the raw values of the parameters that are kept, but for the node itself."""
+    return {parameter.name: read(requests, node, parameter) for parameter in kept()}
+
+
+def write_kept(requests: Requests, node: int, values: Mapping[str, int]) -> int:
+    """Write raw values by name where they differ; return how many did."""
+    changed = 0
+    for parameter in kept():
+        if parameter.name in values and read(requests, node, parameter) != values[parameter.name]:
+            requests.demand(node, w.COMMAND_WRITE_PARAMETER, parameter.id, values[parameter.name])
+            changed += 1
+    return changed
+
+
+def differences(
+    requests: Requests, node: int, wanted: Mapping[str, int] | None = None
+) -> list[tuple[Parameter, int, int]]:
+    """Return the kept parameters that differ from a file's values, or a fresh board's: raw, and raw wanted."""
+    expected = {parameter.name: parameter.default for parameter in kept()} if wanted is None else wanted
+    rows = [(p, read(requests, node, p), expected[p.name]) for p in kept() if p.name in expected]
+    return [row for row in rows if row[1] != row[2]]

@@ -97,11 +97,14 @@ class Supervisor:
         if not self.armed and (self.safety.action == "limp" or self.stretched()):
             self._put_back()
             self.attitude = None
-        self.safety.reset(self.measured, self.attitude)
         try:
             self.bus.clear_faults()
         except UserError as error:
             self.safety.raise_fault(Fault("limp", "joints", str(error)))
+            return
+        if self.measured.faults or any(self.measured.error):
+            self.measured = self.bus.read()
+        self.safety.reset(self.measured, self.attitude)
 
     def stretched(self) -> str:
         """Return why it can't stand up from where its legs are, "" if it can.

@@ -11,6 +11,7 @@ from host.errors import UserError
 from host.joints.gateway import Gateway
 from host.joints.sim_robot import SimRobot
 from host.robot_file import load_robot
+from shared.wire.names import PROTOCOL_HASH
 
 
 def run(capsys, *words):
@@ -61,6 +62,38 @@ def test_parameters_are_read_and_refused_in_words(capsys):
 @pytest.mark.parametrize("command", [["save", "3"], ["restore", "3"]])
 def test_parameters_are_kept_and_restored(capsys, command):
     assert run(capsys, "params", *command, "--sim")[0] == 0
+
+
+def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
+    path = tmp_path / "joint5.json"
+    code, out, _ = run(capsys, "params", "save", "5", "--file", str(path), "--sim")
+    assert code == 0
+    values = json.loads(path.read_text())
+    assert values["parameters"]["has_joint_encoder"] == 0
+    assert "node_id" not in values["parameters"]
+    code, out, _ = run(capsys, "params", "diff", "6", "--file", str(path), "--sim", "--json")
+    different = {row["parameter"]: (row["raw"], row["wanted"]) for row in json.loads(out)["different"]}
+    assert different["has_joint_encoder"] == (1, 0)
+    code, out, _ = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    assert code == 0
+    assert f"{len(different)} changed" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{}", "is no file of params save --file"),
+        ('{"protocol": "0x0000", "parameters": {}}', "is of protocol 0x0000"),
+        ('{"protocol": "HASH", "parameters": {"melt": 3}}', "melt = 3"),
+        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625 is not allowed"),
+    ],
+)
+def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):
+    path = tmp_path / "wrong.json"
+    path.write_text(text.replace("HASH", f"{PROTOCOL_HASH:#06x}"))
+    code, _, err = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    assert code == 2
+    assert words in err
 
 
 def test_busload_prints_the_schedule(capsys):

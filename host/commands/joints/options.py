@@ -1,6 +1,5 @@
 """Options that the joints' commands share, and the joints of a robot opened by them."""
 
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated, Any
@@ -29,14 +28,13 @@ Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long
 @contextmanager
 def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
     """Yield the joints of a robot, listened to for two heartbeats but not checked."""
-    from ...buses.can_joints import LISTEN_S, CanJoints
+    from ...buses.can_joints import LISTEN_S, CanJoints, new_session
     from ...emulator.plant import seated_pose_rad
     from ...robot_file import load_robot
 
     data = load_robot(robot)
     if data.bus.kind != "can":
         raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
-    session = 1 + secrets.randbelow(255)
     if simulated:
         from ...joints.sim_robot import SimRobot, sim_port
 
@@ -46,7 +44,8 @@ def joints(robot: str, interface: str | None, channel: str | None, simulated: bo
         from ...can.open import open_port
 
         port = open_port(data.bus, interface, channel)
-    bus = CanJoints(data, port, session, seated_pose_rad(data), report=lambda notice: write_error(notice.sentence))
+    pose_rad = seated_pose_rad(data)
+    bus = CanJoints(data, port, new_session(), pose_rad, report=lambda notice: write_error(notice.sentence))
     try:
         bus.run_for(LISTEN_S)
         yield bus

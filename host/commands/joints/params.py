@@ -1,5 +1,6 @@
 """`caramelo joints params`: reads, writes, keeps and compares a joint's parameters."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -48,54 +49,71 @@ def set_(
     return 0
 
 
-def save(
-    node: Node, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False
-) -> int:
-    """Keep a joint's parameters over a power cycle.
+File = Annotated[Path | None, typer.Option("--file", metavar="FILE", help="Parameters as params save writes them.")]
 
-    Example: caramelo joints params save 5
+
+def save(
+    node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
+    sim: Sim = False,
+) -> int:  # fmt: skip
+    """Keep a joint's parameters over a power cycle; with --file write them into a file too.
+
+    Examples: caramelo joints params save 5; caramelo joints params save 5 --file joint5.json
     """
     from shared.wire import names as w
 
+    from ...joints.param_file import write_file
+    from ...joints.params import read_kept
+
     with joints(robot, interface, channel, sim) as bus:
         bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
-    screen().print(f"node {node}: parameters are kept")
+        if file is not None:
+            write_file(file, node, read_kept(bus.requests, node))
+    screen().print(f"node {node}: parameters are kept" + (f", and in {file}" if file else ""), soft_wrap=True)
     return 0
 
 
 def restore(
-    node: Node, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False
-) -> int:
-    """Set a joint's parameters back to those of a fresh board, until it loses power; params save keeps them.
+    node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
+    sim: Sim = False,
+) -> int:  # fmt: skip
+    """Set a joint's parameters to a file's, or to a fresh board's, until it loses power; params save keeps them.
 
-    Example: caramelo joints params restore 5
+    Examples: caramelo joints params restore 5; caramelo joints params restore 5 --file joint5.json
     """
     from shared.wire import names as w
 
+    from ...joints.param_file import read_file
+    from ...joints.params import write_kept
+
+    values = None if file is None else read_file(file)
     with joints(robot, interface, channel, sim) as bus:
-        bus.requests.demand(node, w.COMMAND_RESTORE_DEFAULTS)
-    screen().print(f"node {node}: parameters are those of a fresh board; params save keeps them")
+        if values is None:
+            bus.requests.demand(node, w.COMMAND_RESTORE_DEFAULTS)
+            what = "those of a fresh board"
+        else:
+            what = f"those of {file}, {write_kept(bus.requests, node, values)} changed"
+    screen().print(f"node {node}: parameters are {what}; params save keeps them", soft_wrap=True)
     return 0
 
 
 def diff(
-    node: Node, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
-    as_json: Json = False,
+    node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
+    sim: Sim = False, as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Show where a joint's parameters differ from a fresh board's.
+    """Show where a joint's parameters differ from a file's, or from a fresh board's.
 
-    Example: caramelo joints params diff 5 --sim
+    Examples: caramelo joints params diff 5 --sim; caramelo joints params diff 5 --file joint5.json
     """
+    from ...joints.param_file import read_file
     from ...joints.params import differences
 
+    wanted, name = (None, "fresh board") if file is None else (read_file(file), "file")
     with joints(robot, interface, channel, sim) as bus:
-        rows = differences(bus.requests, node)
+        rows = differences(bus.requests, node, wanted)
     if as_json:
-        write_json(
-            {"node": node, "different": [{"parameter": p.name, "raw": raw, "fresh": p.default} for p, raw in rows]}
-        )
+        different = [{"parameter": p.name, "raw": raw, "wanted": other} for p, raw, other in rows]
+        write_json({"node": node, "beside": name, "different": different})
     else:
-        print_table(
-            ("parameter", "raw", "fresh board", "unit of raw"), [(p.name, raw, p.default, p.unit) for p, raw in rows]
-        )
+        print_table(("parameter", "raw", name, "unit of raw"), [(p.name, raw, other, p.unit) for p, raw, other in rows])
     return 0
