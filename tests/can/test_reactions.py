@@ -188,7 +188,10 @@ def test_a_silent_joint_makes_all_damp_and_the_driver_is_told(rig):
 
 
 def test_after_a_stop_on_the_bus_the_driver_resets_and_stands_up_again(rig):
-    rig.stand()
+    rig.run(0.1)
+    rig.loop.receive(SCRIPT, STAND)
+    rig.run(0.4, STILL)  # not yet so far up that it falls over its legs
+    assert not rig.sim.torque_free
     rig.sim.nodes[3].send(w.E_STOP_ID, b"")
     rig.run(0.1, AHEAD)
     assert rig.sim.torque_free
