@@ -30,10 +30,10 @@ from .crawl_layout import (
     K_PLANAR,
 )
 from .filters import fraction
-from .fixed import cos_q15, isqrt, mul_q15, saturate, sin_q15
-from .leg import leg_inverse, limit_joints
+from .fixed import cos_q15, mul_q15, saturate, sin_q15
+from .leg import leg_inverse, limit_joints, plane_length
 from .load import L_WANTED_Q12, load_share
-from .params import JOINTS, LEG_SIDE_L1, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY
+from .params import JOINTS, LEGS, LF_BITS
 from .reach import reach_foot
 from .runtime import const, hot, ptr32
 from .stability import support_margin
@@ -131,9 +131,6 @@ def foot_in_body(state, leg: int, swings: int, pose, feet) -> int:
 def leg_goal(crawl, leg: int, swings: int) -> int:
     """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
     c = ptr32(crawl.state)
-    leg * 3
-    ptr32(crawl.level)
-    ptr32(crawl.hip_feet)
     r = ptr32(crawl.rotation)
     foot_in_body(crawl.state, leg, swings, crawl.pose, crawl.feet)
     body_to_hip(crawl.limbs, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
@@ -148,19 +145,6 @@ def leg_goal(crawl, leg: int, swings: int) -> int:
         fz = load * r[8] + 0x2000 >> 14
         sag_leg(crawl.limbs, leg, crawl.reached, fx, fy, fz, crawl.joints)
     return flags
-
-
-@hot
-def plane_length(params, leg: int, hip_feet) -> int:
-    """Return the distance from thigh joint to foot, lu, of a wanted foot; error at most 4 lu up to 32767 lu."""
-    p = ptr32(params)
-    h = ptr32(hip_feet)
-    at = leg * 3
-    x = saturate(h[at] >> 1, -16383, 16383)
-    y = saturate(h[at + 1] >> 1, -16383, 16383)
-    z = saturate(h[at + 2] >> 1, -16383, 16383)
-    side = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_SIDE_L1] >> 1
-    return 2 * isqrt(x * x + y * y + z * z - side * side)
 
 
 @hot

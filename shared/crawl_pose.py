@@ -41,7 +41,8 @@ from .crawl_layout import (
 )
 from .filters import fraction, quintic_q15
 from .fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
-from .params import LEG_SIDE_L1, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY
+from .leg import plane_length
+from .params import LEGS, LF_BITS
 from .runtime import const, hot, ptr32
 from .stability import point_inside
 
@@ -127,22 +128,14 @@ def resting_x(settings, state) -> int:
 def longest_leg(params, pose, rotation, feet, hip_feet, skip: int) -> int:
     """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``pose`` over ``feet``.
 
-    pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Halves of a leg's
-    sides are limited to 16383 lu: 3 * 2^28 in the sum of squares. Error at most 4 lu.
+    pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Error as plane_length.
     """
-    p = ptr32(params)
-    out = ptr32(hip_feet)
     body_rotation(pose, rotation)
     longest = 0
     for leg in range(LEGS):
         if leg != skip:
             body_to_hip(params, leg, pose, rotation, feet, hip_feet)
-            at = leg * 3
-            x = saturate(out[at] >> 1, -16383, 16383)
-            y = saturate(out[at + 1] >> 1, -16383, 16383)
-            z = saturate(out[at + 2] >> 1, -16383, 16383)
-            side = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_SIDE_L1] >> 1
-            length = 2 * isqrt(x * x + y * y + z * z - side * side)
+            length = plane_length(params, leg, hip_feet)
             if length > longest:
                 longest = length
     return longest

@@ -10,7 +10,7 @@ The paper's theta1 = q1, theta2 = -q2, theta3 = -q3. Paper B's leg (its eqs 1-12
 in other axes. All four knee configurations differ only in the k of each leg.
 """
 
-from .fixed import atan2_brad18, cos_q15, mul_q15, round_brad, round_sqrt, sin_q15
+from .fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
 from .params import (
     LEG_HALF_DIFF,
     LEG_INNER_SQ,
@@ -99,6 +99,23 @@ def leg_inverse(params, leg: int, feet, joints) -> int:
     q[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
     q[at + 2] = round_brad(bend)
     return length_sq
+
+
+@hot
+def plane_length(params, leg: int, hip_feet) -> int:
+    """Return the distance d from thigh joint to foot, lu, of ``leg``'s foot in ``hip_feet``, in reach or not.
+
+    hip_feet: 12 lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
+    sum of squares. Error at most 4 lu up to 32767 lu. With L1: d^2 = x^2 + y^2 + z^2 - L1^2 (paper A eqs 1-6).
+    """
+    p = ptr32(params)
+    h = ptr32(hip_feet)
+    at = leg * 3
+    x = saturate(h[at] >> 1, -16383, 16383)
+    y = saturate(h[at + 1] >> 1, -16383, 16383)
+    z = saturate(h[at + 2] >> 1, -16383, 16383)
+    side = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_SIDE_L1] >> 1
+    return 2 * isqrt(x * x + y * y + z * z - side * side)
 
 
 @hot

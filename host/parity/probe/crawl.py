@@ -247,7 +247,6 @@ PROBES = (
     _stateful(crawl_goals, "take_pose", STATE, SWINGS, CRAWL.pose, CRAWL.rotation),
     _stateful(crawl_goals, "foot_in_body", STATE, LEG, SWINGS, CRAWL.pose, CRAWL.feet),
     _stateful(crawl_goals, "leg_goal", CRAWL, LEG, SWINGS),
-    _stateful(crawl_goals, "plane_length", ROBOT, LEG, CRAWL.hip_feet),
     _stateful(crawl_goals, "bridge", CRAWL, LEG, SWINGS),
     _stateful(crawl_goals, "legs_goals", CRAWL, GOALS),
     _stateful(crawl_steps, "tell", STATE, Range(0, 7), PLACE, PLACE),

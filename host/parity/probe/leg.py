@@ -30,6 +30,7 @@ PROBES = (
         fit=_bring_into_reach,
         vectors=4,
     ),
+    Probe("plane_length", leg.plane_length, (ROBOT, LEG, ANY_FEET)),
     Probe("limit_joints", leg.limit_joints, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
     Probe("calf_motor", leg.calf_motor, (BRAD, BRAD)),
     Probe("calf_joint", leg.calf_joint, (BRAD, BRAD)),
