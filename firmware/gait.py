@@ -55,6 +55,8 @@ class GaitBoard:
         self.obeyed = link.int_block(COMMAND_SIZE)  # as the planner gets it
         self.sensed = link.int_block(SENSED_SIZE)
         self.counts = link.int_block(6)
+        self.asked = link.int_block(6)  # what the host gets to read, apart from what the board itself plans with
+        self.question = 0
         self.reader = link.Reader()
         self.writer = link.Writer()
         self.rate_hz = params[P_RATE_HZ]
@@ -78,12 +80,24 @@ class GaitBoard:
             self._take_command()
         elif kind == link.SENSED:
             self._take_joints()
+        elif kind == link.READ:
+            self.question = self.reader.buffer[2]
         elif kind == link.STOP:
             self.stopped = True
         elif kind == link.RESET:
             self.stopped = False
             self.command[C_MODE] = MODE_LIMP  # what was commanded before is not obeyed after it
         return kind
+
+    def reading(self):
+        """Read the sensor for the host, build the READING frame in the writer; return its length."""
+        w = self.writer
+        w.open(link.READING)
+        w.put(self.question, 1)
+        w.put(self.sensor.read(self.asked), 1)
+        for i in range(6):
+            w.put(self.asked[i], 2)
+        return w.close()
 
     def tick(self):
         """Read the sensor, plan one tick, build the SETPOINTS frame in the writer; return its length."""

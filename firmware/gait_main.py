@@ -69,6 +69,8 @@ def run_piped(params, attitude):
         kind = board.take(byte)
         if kind == link.COUNTS:
             sensor.put(board.reader.buffer)
+        elif kind == link.READ:
+            pipe.write(board.writer.buffer, board.reading())
         elif kind == link.TICK:
             pipe.write(board.writer.buffer, board.tick())
 
@@ -84,12 +86,15 @@ def run_board(params, attitude, sensor, stream, clock=time):
     byte = bytearray(1)
     out = memoryview(board.writer.buffer)[: board.hello()]
     stream.write(out)
-    setpoints = None
+    setpoints = reading = None
     due = clock.ticks_add(clock.ticks_us(), period_us)
     while True:
         while stream.any():
-            if stream.readinto(byte):
-                board.take(byte[0])
+            if stream.readinto(byte) and board.take(byte[0]) == link.READ:
+                length = board.reading()
+                if reading is None:
+                    reading = memoryview(board.writer.buffer)[:length]  # as are readings
+                stream.write(reading)
         now = clock.ticks_us()
         if clock.ticks_diff(now, due) < 0:
             continue

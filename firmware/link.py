@@ -21,9 +21,11 @@ COUNTS = const(3)  # 6 int16 gyro and accelerometer counts: for a board without 
 TICK = const(4)  # plan one tick now: for a board that is paced from outside
 STOP = const(5)  # emergency stop: drive nothing until RESET
 RESET = const(6)
+READ = const(7)  # uint8 number: read the inertial sensor now and answer with READING
 # From the board
 SETPOINTS = const(0x81)  # uint32 tick, uint32 flags, uint8 state, uint8 gait, 12 int16 joint angles in brad
 READY = const(0x82)  # uint16 planner rate, uint8 number of gaits: sent once at the start
+READING = const(0x83)  # uint8 number of the question, uint8 sensor fault, 6 int16 counts as in COUNTS
 
 
 def crc16(data, start, end):

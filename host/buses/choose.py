@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..calibration.data import default_path, load_calibration, nominal, servo_of
 from ..errors import UserError
 from ..imu.attitude import Attitude
+from ..imu.choose import I2C, open_source
 from ..imu.simulated import SimulatedImu
 from ..robot_file import find
 from ..robot_model import Robot
@@ -35,16 +36,19 @@ def hardware(
     port: str | None = None,
     calibration: Path | None = None,
     source: str | None = None,
+    imu: str | None = None,
 ) -> Iterator[Hardware]:
     """Yield a robot's joints and sensor, not yet opened; what runs beside them ends with the block.
 
     ``which``: ``real``, ``emulated`` (servos behind a pseudo-terminal, in a process of their own) or ``simulated``.
     Joints on CAN that ``caramelo joints sim`` simulates are real ones here.
-    ``source`` is the name or file that the robot was loaded from, which the emulator loads again.
+    ``source`` is the name or file that the robot was loaded from, which the emulator loads again. ``imu`` names
+    another inertial sensor than the usual one (host/imu/choose.py).
     """
     makers = {"real": _real, "emulated": _emulated, "simulated": _simulated}
     with ExitStack() as stack:
-        yield makers[which](stack, robot, port, calibration, source or robot.name)
+        parts = makers[which](stack, robot, port, calibration, source or robot.name)
+        yield parts if imu is None else replace(parts, attitude=Attitude(robot, open_source(robot, imu)))
 
 
 def _simulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:
@@ -75,17 +79,15 @@ def _emulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Pat
 
 
 def _real(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:
-    from ..imu.mpu6050 import Mpu6050
-
     if robot.bus.kind == "can":
-        return Hardware(can_joints(robot, port), Attitude(robot, Mpu6050(robot)))
+        return Hardware(can_joints(robot, port), Attitude(robot, open_source(robot, I2C)))
     from ..servos.bus import ServoBus
     from ..servos.port import ServoPort
 
     servo_of(robot)
     data = load_calibration(calibration or default_path(robot), robot)
     bus = ServoBus(robot, data, ServoPort(port or device(robot), baud(robot)))
-    return Hardware(bus, Attitude(robot, Mpu6050(robot)))
+    return Hardware(bus, Attitude(robot, open_source(robot, I2C)))
 
 
 def can_joints(robot: Robot, port: str | None) -> Bus:

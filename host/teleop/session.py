@@ -41,6 +41,7 @@ class Options:
     robot: str = "caramelo"
     which: str = "real"
     port: str | None = None
+    imu: str | None = None
     calibration: Path | None = None
     web: bool = False
     listen: str = "127.0.0.1:8080"
@@ -72,7 +73,14 @@ class Session:
             # Before the emulated servos start: they inherit it, as they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
             parts = stack.enter_context(
-                hardware(self.robot, options.which, options.port, options.calibration, str(find(options.robot)))
+                hardware(
+                    self.robot,
+                    options.which,
+                    options.port,
+                    options.calibration,
+                    str(find(options.robot)),
+                    options.imu,
+                )
             )
             supervisor = self._open(stack, parts)
             loop = Loop(supervisor, self._after_tick)

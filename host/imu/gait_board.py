@@ -1,0 +1,119 @@
+"""The inertial sensor of a gait board, over its serial link: each reading is asked for and comes by its number.
+
+The board goes on with what it does by itself; its other frames are read and thrown away.
+"""
+
+import select
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+import serial
+
+from firmware import link
+from firmware.mpu6050 import FAULT_NAMES, OK
+
+from .base import COUNTS, Imu, ImuError, ImuLate
+
+START_S = 1.0  # a board that has just been opened may still be starting a tick (chosen)
+ANSWER_S = 0.004  # the patience with a servo (host/servos/port.py): USB, the board's tick, the scheduler
+WRITE_S = 0.005
+BAUD = 115200  # the board's USB takes any
+CHUNK = 4096
+
+
+class Stream(Protocol):
+    """A byte stream to a board that never blocks."""
+
+    def fileno(self) -> int:
+        """What select() can wait for."""
+
+    def read(self, count: int) -> bytes | None:
+        """Return what is there, at most ``count`` bytes."""
+
+    def write(self, data: bytes) -> int | None:
+        """Send bytes."""
+
+    def close(self) -> None:
+        """Hang up."""
+
+
+def open_serial(port: str) -> Stream:
+    """Return an open serial port; ImuError says what to do."""
+    from ..servos.port import explain
+
+    try:
+        stream: Stream = serial.Serial(port, BAUD, timeout=0, write_timeout=WRITE_S, exclusive=True)
+    except serial.SerialException as error:
+        raise ImuError(explain(port, error)) from None
+    return stream
+
+
+class GaitBoardImu(Imu):
+    """The sensor of the board at ``port``."""
+
+    kind = "gait board"
+
+    def __init__(self, port: str, opener: Callable[[str], Stream] = open_serial) -> None:
+        self._port, self._opener = port, opener
+        self._stream: Stream | None = None
+        self._reader, self._writer = link.Reader(), link.Writer()
+        self._number, self._reading = 0, bytearray()
+
+    def open(self) -> None:
+        """See Imu: the board must answer."""
+        self.close()
+        try:
+            self._stream = self._opener(self._port)
+            self._ask(START_S)
+        except ImuLate:
+            self.close()
+            raise ImuError(f"{self._port}: no gait board answers: caramelo flash --role gait installs it") from None
+        except BaseException:
+            self.close()
+            raise
+
+    def read(self) -> tuple[int, ...]:
+        """See Imu."""
+        if self._stream is None:
+            raise ImuError(f"{self._port}: not open")
+        return self._ask(ANSWER_S)
+
+    def _ask(self, patience_s: float) -> tuple[int, ...]:
+        """Ask for a reading and return it; answers to older questions are thrown away."""
+        assert self._stream is not None
+        end_s = time.monotonic() + patience_s
+        self._number = (self._number + 1) & 0xFF
+        self._writer.open(link.READ)
+        self._writer.put(self._number, 1)
+        try:
+            self._stream.write(bytes(self._writer.buffer[: self._writer.close()]))
+            while not self._found():
+                left_s = end_s - time.monotonic()
+                if left_s <= 0 or not select.select([self._stream.fileno()], [], [], left_s)[0]:
+                    raise ImuLate(f"{self._port}: the gait board does not answer in time: check its cable and power")
+        except serial.SerialTimeoutException:
+            raise ImuLate(f"{self._port}: the gait board takes no bytes: check its cable and power") from None
+        except (serial.SerialException, OSError) as error:
+            raise ImuError(f"{self._port}: the gait board is gone ({error}): check its cable") from None
+        fault = self._reading[1]
+        if fault != OK:
+            name = FAULT_NAMES[fault] if fault < len(FAULT_NAMES) else f"in fault {fault}"
+            raise ImuError(f"{self._port}: the gait board's inertial sensor is {name}: check its wires")
+        return tuple(link.read_int16(self._reading, 2 + 2 * axis) for axis in range(COUNTS))
+
+    def _found(self) -> bool:
+        """Take the bytes that are there; True if the awaited reading is among them."""
+        assert self._stream is not None
+        found, reader = False, self._reader
+        for byte in self._stream.read(CHUNK) or b"":
+            if reader.take(byte) == link.READING and reader.buffer[2] == self._number:
+                self._reading[:] = reader.buffer[2 : 2 + reader.length]
+                found = True
+        return found
+
+    def close(self) -> None:
+        """See Imu."""
+        stream, self._stream = self._stream, None
+        if stream is not None:
+            stream.close()

@@ -1,0 +1,204 @@
+"""The inertial sensor of a gait board: the real firmware in the unix VM behind pipes, and what goes wrong."""
+
+import os
+import pty
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from firmware import gait_main, link
+from firmware.gait_main import FrameSensor
+from firmware.mpu6050 import STUCK
+from host.errors import UserError
+from host.imu.attitude import Attitude
+from host.imu.base import ImuError, ImuLate
+from host.imu.choose import open_source
+from host.imu.gait_board import GaitBoardImu
+from host.parity.sources import ROOT
+from host.robot_file import load_robot
+from host.runtimes.unix import Unix
+from host.scale import attitude_block, core_params
+
+ROBOT = load_robot("caramelo")
+COUNTS = (-3, 7, -32768, 120, -4, 16384)
+
+
+def frame(kind, *values, size=2):
+    writer = link.Writer()
+    writer.open(kind)
+    for value in values:
+        writer.put(value, size)
+    return bytes(writer.buffer[: writer.close()])
+
+
+class VmStream:
+    """The board's program in a process; its sensor gets ``counts`` before each question, if there are any."""
+
+    def __init__(self, tree):
+        script = (
+            "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
+            f"run_piped(array('i', {list(core_params(ROBOT))}), array('i', {list(attitude_block(ROBOT))}))\n"
+        )
+        command = [sys.executable, "-m", "micropython_unix", "-c", script]
+        self.process = subprocess.Popen(command, cwd=tree, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+        self.counts = COUNTS
+
+    def fileno(self):
+        return self.process.stdout.fileno()
+
+    def read(self, count):
+        if not select.select([self.fileno()], [], [], 0)[0]:
+            return b""
+        data = os.read(self.fileno(), count)
+        if not data:
+            raise OSError("the other side has closed")
+        return data
+
+    def write(self, data):
+        return os.write(self.process.stdin.fileno(), (frame(link.COUNTS, *self.counts) if self.counts else b"") + data)
+
+    def close(self):
+        """The process is the test's."""
+
+
+@pytest.fixture
+def vm(tmp_path):
+    unix = Unix("viper")
+    if unix.missing():
+        pytest.skip(unix.missing())
+    sources = tmp_path / "sources"
+    sources.mkdir()
+    for package in ("shared", "firmware"):
+        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
+    stream = VmStream(unix.prepare(sources, tmp_path))
+    yield stream
+    stream.process.kill()
+    stream.process.wait()
+    for end in (stream.process.stdin, stream.process.stdout):
+        end.close()
+
+
+def opened(vm, patience=20):
+    """Return the sensor once the program runs: MicroPython takes a moment to load it."""
+    sensor = GaitBoardImu("vm", lambda port: vm)
+    for _ in range(patience):
+        try:
+            sensor.open()
+        except ImuError:
+            continue
+        return sensor
+    raise AssertionError("the board does not answer")
+
+
+def reading(sensor):
+    """Return a reading; a busy machine may be late for a few."""
+    for _ in range(1000):
+        try:
+            return sensor.read()
+        except ImuLate:
+            continue
+    raise AssertionError("no reading")
+
+
+def test_the_real_firmware_answers_with_its_sensors_counts(vm):
+    sensor = opened(vm)
+    assert reading(sensor) == COUNTS
+    vm.counts = (1, 2, 3, 4, 5, 6)
+    assert reading(sensor) == (1, 2, 3, 4, 5, 6)
+    os.kill(vm.process.pid, signal.SIGSTOP)
+    vm.counts = (6, 5, 4, 3, 2, 1)
+    for _ in range(3):
+        with pytest.raises(ImuLate, match="vm: the gait board does not answer in time"):
+            sensor.read()
+    vm.counts = (7, 7, 7, 7, 7, 7)
+    os.kill(vm.process.pid, signal.SIGCONT)
+    assert reading(sensor) == (7, 7, 7, 7, 7, 7), "late answers are not taken for this one"
+    sensor.close()
+    with pytest.raises(ImuError, match="not open"):
+        sensor.read()
+
+
+def test_the_robots_attitude_comes_from_the_board(vm):
+    attitude = Attitude(ROBOT, opened(vm))
+    attitude.open()
+    for tick in range(5000):
+        vm.counts = (tick % 3, 1, 2, 0, 0, 16384)
+        if attitude.update() is not None:
+            break
+    assert attitude.state == "ok"
+    assert attitude.angles_rad == pytest.approx((0.0, 0.0), abs=0.01)
+    vm.process.kill()
+    vm.process.wait()
+    attitude.update()
+    assert "vm: the gait board is gone" in attitude.fault
+
+
+def test_the_boards_sensor_fault_is_told(vm):
+    sensor = opened(vm)
+    vm.counts = None
+    with pytest.raises(ImuError, match="vm: the gait board's inertial sensor is missing: check its wires"):
+        reading(sensor)
+
+
+class Board:
+    """run_board's stream: bytes in, frames out; ends when all is taken."""
+
+    def __init__(self, data):
+        self.waiting, self.out = bytearray(data), bytearray()
+
+    def any(self):
+        if not self.waiting:
+            raise EOFError
+        return len(self.waiting)
+
+    def readinto(self, buffer):
+        buffer[0] = self.waiting.pop(0)
+        return 1
+
+    def write(self, data):
+        self.out += bytes(data)
+
+
+def test_a_board_that_plans_by_itself_answers_between_its_ticks():
+    stream, sensor = Board(frame(link.READ, 9, size=1) + frame(link.READ, 10, size=1)), FrameSensor()
+    sensor.read = lambda counts: STUCK
+    clock = type(
+        "Clock", (), {"ticks_us": lambda: 0, "ticks_add": lambda a, b: a + b, "ticks_diff": lambda a, b: a - b}
+    )
+    with pytest.raises(EOFError):
+        gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, clock)
+    reader, answers = link.Reader(), []
+    for byte in stream.out:
+        if reader.take(byte) == link.READING:
+            answers.append(bytes(reader.buffer[2:4]))
+    assert answers == [bytes((9, STUCK)), bytes((10, STUCK))]
+
+
+def test_a_port_without_a_board_says_so():
+    ours, theirs = pty.openpty()
+    sensor = GaitBoardImu(os.ttyname(theirs))
+    began_s = time.monotonic()
+    with pytest.raises(ImuError, match="no gait board answers: caramelo flash --role gait installs it"):
+        sensor.open()
+    assert time.monotonic() - began_s < 10
+    os.close(ours)
+    os.close(theirs)
+    with pytest.raises(ImuError, match="no such port"):
+        GaitBoardImu("/dev/ttyACM97").open()
+
+
+@pytest.mark.parametrize(
+    ("where", "kind"), [("i2c", "mpu6050"), ("/dev/ttyACM0", "gait board"), ("walk.csv", "recorded")]
+)
+def test_the_option_names_a_source(where, kind):
+    assert open_source(ROBOT, where).kind == kind
+
+
+def test_another_option_is_refused():
+    with pytest.raises(UserError, match="--imu ttyACM0: allowed: i2c, a gait board's port"):
+        open_source(ROBOT, "ttyACM0")
