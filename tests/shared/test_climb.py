@@ -209,6 +209,24 @@ def test_no_goal_jumps_into_the_crawl_through_it_and_out_of_it():
     assert script.largest_step_rad <= 0.15  # a trot's swing at 0.05 m/s takes 0.12 in a tick
 
 
+def test_on_level_ground_the_legs_land_in_order_without_a_second_try():
+    class Landings(Scripted):
+        legs, seen = (), 0
+
+        def tick(self, sensed):
+            goals, state = super().tick(sensed), self.driver.planner.climb.state
+            if state[at.C_EVENTS] != self.seen:
+                self.seen = state[at.C_EVENTS]
+                assert state[at.C_EVENT] == at.EVENT_LANDED
+                self.legs += (state[at.C_EVENT_LEG],)
+            return goals
+
+    script = Landings("climb")
+    walked(script, terrain.flat(), 20.0)
+    assert len(script.legs) >= 7
+    assert script.legs[:8] == (3, 1, 2, 0, 3, 1, 2, 0)[: len(script.legs)]
+
+
 def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
     script = Scripted("climb", _5={"vx_m_s": 0.0}, _9={"mode": "sit"})
     walked(script, terrain.flat(), 14.0)

@@ -8,9 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import body, contact, crawl_even, crawl_goals, crawl_map, crawl_pose, footholds, handover, swing_leg
+from shared import (
+    body,
+    contact,
+    crawl_even,
+    crawl_goals,
+    crawl_map,
+    crawl_pose,
+    footholds,
+    handover,
+    retreat,
+    swing_leg,
+)
 from shared import crawl_layout as at
 from shared import params as p
+from shared.command import C_SPEED, COMMAND_SIZE
 from shared.crawl import Crawl
 from shared.sensing import M_LEVEL, SENSING_SIZE
 from tests.float_twin import crawl as twin
@@ -317,6 +329,38 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     margin = behind_m - setting(crawl, at.K_HIT) - way_m / ((ticks + 1) / RATE) * k[at.K_HIT_LAG] / RATE
     if abs(margin) > 0.05 * MM:
         assert bool(contact.feel_riser(k, c, leg)) == late
+
+
+@pytest.mark.parametrize("tare", [-400, 0, 700])
+def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(crawl, tare):
+    """In parts of Caramelo's 21.6 N: 3 N are 569, 4 N are 758. What the hanging leg reads does not count."""
+    c, k = crawl.state, crawl.settings
+
+    def felt(*loads):
+        c[at.C_TARE], c[at.C_TOUCHED], c[at.C_PEAK] = tare, 0, 0
+        answers = []
+        for load in loads:
+            c[at.C_FORCE] = tare + load
+            answers.append(contact.feel_ground(k, c, 0))
+        return answers
+
+    assert felt(600, 800, 600) == [0, 0, 1]
+    assert felt(600, 700, 600, 700) == [0, 0, 0, 0]  # never above 4 N
+    assert felt(800, 800, 0, 800, 800) == [0, 0, 0, 0, 0]  # never three in a row
+
+
+@repeatable(100)
+@given(st.floats(-0.002, 0.004), st.integers(20, 500))
+def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_second_of_standing(back_m, rate_hz):
+    params = block("caramelo", rate_hz)
+    command, state = array("i", [0] * COMMAND_SIZE), array("i", [0] * retreat.RETREAT_SIZE)
+    ticks = 0
+    while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state):
+        ticks += 1
+        assert state[C_SPEED] <= 0
+        assert ticks < 8 * rate_hz
+    by_way = math.ceil(0.3 * 0.24 / back_m) if back_m > 1e-5 else math.inf
+    assert abs(ticks - min(by_way, 6 * rate_hz) - rate_hz / 2) <= 3 + 0.001 * ticks
 
 
 # --- goals
