@@ -115,6 +115,7 @@ def test_set_id_refuses_a_node_that_is_taken(capsys):
 def test_monitor_records(capsys, tmp_path):
     path = tmp_path / "joints.jsonl"
     assert run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
+    assert run(capsys, "monitor", "--sim", "--plot", "smell")[0] == 2
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     assert len(lines) >= 3
     assert len(lines[0]["joints"]) == 12

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 from .. import HARDWARE
-from . import board, compare, drive, load, look, params, simulate
+from . import board, compare, drive, figures, load, look, params, simulate
 
 
 def register(app: typer.Typer) -> None:
@@ -24,6 +24,7 @@ def register(app: typer.Typer) -> None:
         "calibrate": board.calibrate,
         "busload": load.busload,
         "compare": compare.compare,
+        "figures": figures.figures,
         "sim": simulate.sim,
     }
     for name, command in commands.items():

@@ -11,16 +11,20 @@ from .options import Channel, Interface, RobotName, Seconds, Sim, joints
 
 def arm(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
-    limit: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the current limit to hold with.")] = 0.5,
+    limit: Annotated[
+        float | None, typer.Option(min=0.0, max=1.0, help="Share of the current limit; else stand.torque_fraction.")
+    ] = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
     """Arm all joints where they are and hold them while this runs; then disarm. Exit code 1 if one gives up.
+
+    A robot that stands on its legs needs most of the current: half of it ends in a stall after a second.
 
     Example: caramelo joints arm --sim --seconds 1
     """
     with joints(robot, interface, channel, sim) as bus:
         bus.open()
-        bus.limit_torque(limit)
+        bus.limit_torque(bus.robot.stand.torque_fraction if limit is None else limit)
         console = screen()  # loading it takes longer than the joints' watchdog waits
         console.print("arming; Ctrl-C disarms")
         bus.torque(True)

@@ -1,13 +1,15 @@
 """`caramelo joints scan|status|monitor`: what is on the bus, and what every joint says."""
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, TextIO
 
 import typer
 
 from ...console import screen, write_json
-from ...errors import NOT_ACHIEVED
+from ...errors import NOT_ACHIEVED, UserError
 from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints, print_table
 from .table import rows_of, table
 
@@ -60,31 +62,60 @@ def status(
     return 0 if all(row["fault"] == "none" for row in rows) else NOT_ACHIEVED
 
 
+REFRESH_S = 0.1
+# What monitor can plot: key of a row, and the least span that fills a curve
+PLOTS = {
+    "angle": ("motor_deg", 2.0),
+    "current": ("current_A", 0.2),
+    "heat": ("winding_C", 2.0),
+    "supply": ("bus_V", 0.5),
+}
+
+
 def monitor(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
+    plot: Annotated[str, typer.Option(help="Curve of the last seconds: angle, current, heat or supply.")] = "angle",
     out: Annotated[Path | None, typer.Option(help="Record what every joint said, one JSON object a line.")] = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Watch all joints, as a live table; nothing is armed. Records with --out.
+    """Watch all joints, as a live table with a curve each; nothing is armed. Records with --out, line by line.
 
-    Example: caramelo joints monitor --sim --seconds 2 --out joints.jsonl
+    Example: caramelo joints monitor --sim --seconds 2 --plot current --out joints.jsonl
     """
     from rich.live import Live
 
-    from ...files import write_text
+    from ...joints.spark import Curves
 
-    lines: list[str] = []
-    with joints(robot, interface, channel, sim) as bus, Live(console=screen(), auto_refresh=False) as live:
+    if plot not in PLOTS:
+        raise UserError(f"--plot {plot}: allowed {', '.join(PLOTS)}")
+    key, span = PLOTS[plot]
+    curves = Curves(span)
+    with (
+        _record(out) as record,
+        joints(robot, interface, channel, sim) as bus,
+        Live(console=screen(), auto_refresh=False) as live,
+    ):
         began_s = bus.now()
         try:
             while seconds is None or bus.now() - began_s < seconds:
-                bus.run_for(0.1)
+                bus.run_for(REFRESH_S)
                 rows = rows_of(bus)
-                live.update(table(rows), refresh=True)
-                if out is not None:
-                    lines.append(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}))
+                live.update(table(rows, plot, [curves.add(row["joint"], row.get(key)) for row in rows]), refresh=True)
+                if record is not None:
+                    record.write(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}) + "\n")
         except KeyboardInterrupt:
             screen().print("stopped")
-    if out is not None:
-        write_text(out, "".join(line + "\n" for line in lines))
     return 0
+
+
+@contextmanager
+def _record(path: Path | None) -> Iterator[TextIO | None]:
+    """Yield a file that takes line by line, so that nothing is lost when this ends; None without a path."""
+    if path is None:
+        yield None
+        return
+    try:
+        with path.open("w", buffering=1) as file:
+            yield file
+    except OSError as error:
+        raise UserError(f"--out {path}: can't be written: {error.strerror or error}") from error

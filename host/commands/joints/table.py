@@ -1,5 +1,6 @@
 """What one joint said last as a row, and all rows as a table with the faults in sentences below it."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -54,15 +55,16 @@ def rows_of(bus: "CanJoints") -> list[dict[str, Any]]:
     return [_row(bus, bus.link.views[node]) for node in bus.link.nodes]
 
 
-def table(rows: list[dict[str, Any]]) -> Any:
+def table(rows: list[dict[str, Any]], plotted: str = "", curves: Sequence[str] = ()) -> Any:
+    """Return the rows as a table, with a curve each where there are any."""
     from rich.console import Group
     from rich.table import Table
     from rich.text import Text
 
-    table = Table("joint", *_COLUMNS.values(), box=None, pad_edge=False)
-    for row in rows:
+    table = Table("joint", *_COLUMNS.values(), *filter(None, [plotted]), box=None, pad_edge=False)
+    for i, row in enumerate(rows):
         cells = (row.get(key) for key in _COLUMNS)
         shown = ["-" if v is None else f"{v:.1f}" if isinstance(v, float) else str(v) for v in cells]
-        table.add_row(str(row["joint"]).replace("node ", ""), *shown)
+        table.add_row(str(row["joint"]).replace("node ", ""), *shown, *curves[i : i + 1])
     wrong = [Text(f"{row['joint']}: {row['fault']}") for row in rows if row["fault"] != "none"]
     return Group(table, *wrong)
