@@ -7,8 +7,8 @@ the pages and the records.
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from shared import adaptive, handover
 from shared import crawl_layout as crawl
-from shared import handover
 from shared import params as p
 from shared import planner_layout as core
 from shared.adaptive import BEHIND_STEP
@@ -40,10 +40,25 @@ def change_reason(driver: Driver) -> str:
     return {
         handover.REASON_NONE: "",
         handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
-        handover.REASON_COMMAND: "the crawl was commanded" if crawls
+        handover.REASON_COMMAND: "the crawl was commanded"
+        if crawls
         else "a gait or a way was commanded that is not the crawl's",
         handover.REASON_EVEN: f"even ground under the last {handover.LEGS_EVEN} footholds",
     }[driver.planner.numbers[core.N_REASON]]
+
+
+def advice(driver: Driver) -> str:
+    """Return what the adaptive trot advises, "" if it does well."""
+    return {
+        adaptive.ADVICE_FINE: "",
+        adaptive.ADVICE_BEHIND: "it does not get on: another gait may",
+        adaptive.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
+    }[driver.planner.numbers[core.N_ADVICE]]
+
+
+def margin_m(driver: Driver) -> float:
+    """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
+    return driver.scale.metres(driver.planner.numbers[core.N_MARGIN])
 
 
 def crawl_event(driver: Driver) -> str:

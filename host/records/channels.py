@@ -17,7 +17,7 @@ def _many(of: dict[str, Any], count: int) -> dict[str, Any]:
 
 JOINT_NUMBERS = _many(NUMBER, 12)
 
-# Topic -> field -> schema. Every tick, but /state and /fault (on change), /health (once a second).
+# Topic -> field -> schema. Every tick, but /state, /gait and /fault (on change), /health (once a second).
 CHANNELS: dict[str, dict[str, dict[str, Any]]] = {
     "/command": {
         "driver": TEXT,
@@ -32,6 +32,8 @@ CHANNELS: dict[str, dict[str, dict[str, Any]]] = {
         "stop": TEXT,
     },
     "/state": {"state": TEXT, "reason": TEXT},
+    "/gait": {"walks": TEXT, "remark": TEXT},
+    "/stability": {"margin_m": NUMBER},
     "/fault": {"cause": TEXT, "action": TEXT, "sentence": TEXT},
     "/attitude": {"known": YES, "roll_rad": NUMBER, "pitch_rad": NUMBER},
     "/joints": {"wanted_rad": JOINT_NUMBERS, "measured_rad": JOINT_NUMBERS, "speed_rad_s": JOINT_NUMBERS},

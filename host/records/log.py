@@ -6,6 +6,7 @@ from typing import Any
 
 import shared
 
+from ..gait_changes import gait_now, margin_m
 from ..robot_model import Robot
 from ..teleop.loop import Loop
 from ..teleop.supervisor import Supervisor
@@ -38,6 +39,7 @@ class LoopLog:
         self.recorder = recorder
         self._tick = 0
         self._fault: Any = None
+        self._gait: dict[str, Any] = {}
 
     def tick(self, loop: Loop) -> None:
         """Record the tick that has just ended."""
@@ -50,6 +52,7 @@ class LoopLog:
         while supervisor.changes:
             change = supervisor.changes.popleft()
             self._put("/state", change.time_s, {"state": change.state, "reason": change.reason})
+        self._note_gait(supervisor, now_s)
         self._note_fault(supervisor, now_s)
         self._tick += 1
 
@@ -61,6 +64,7 @@ class LoopLog:
         self._put("/attitude", now_s, {"known": known, "roll_rad": roll_rad, "pitch_rad": pitch_rad})
         joints = {"wanted_rad": supervisor.goals, "measured_rad": measured.position_rad}
         self._put("/joints", now_s, {**joints, "speed_rad_s": measured.speed_rad_s})
+        self._put("/stability", now_s, {"margin_m": margin_m(driver)})
         self._put("/load", now_s, {"load": measured.load})
         late_ms, busy_ms = 1000 * pacer.late_s[-1], 1000 * pacer.busy_s[-1]
         timing = {"late_ms": round(late_ms, 3), "busy_ms": round(busy_ms, 3), "missed": pacer.missed}
@@ -68,6 +72,13 @@ class LoopLog:
         blocks = {"command": list(driver.command_block), "sensed": list(driver.sensed_block)}
         planned = {"joints": list(driver.planner.joints), "flags": driver.flags}
         self._put("/planner", now_s, {"tick": self._tick, **blocks, **planned})
+
+    def _note_gait(self, supervisor: Supervisor, now_s: float) -> None:
+        walks = gait_now(supervisor.driver) if supervisor.driver.state == "walking" else ""
+        gait = {"walks": walks, "remark": supervisor.remark}
+        if gait != self._gait:
+            self._gait = gait
+            self._put("/gait", now_s, gait)
 
     def _note_fault(self, supervisor: Supervisor, now_s: float) -> None:
         fault = supervisor.safety.first

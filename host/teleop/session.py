@@ -115,7 +115,10 @@ class Session:
             if attitude is not None:
                 attitude.align()
 
-        return Supervisor(self.robot, parts.bus, sense, put_back=put_back)
+        # The simulated robots live in a plane: they never turn, which the planner would take for being held up.
+        measured = attitude is not None and self.options.which == "real"
+        rates = (lambda: attitude.rates_rad_s) if attitude is not None and measured else (lambda: None)
+        return Supervisor(self.robot, parts.bus, sense, put_back=put_back, rates=rates)
 
     def _note(self, check: StartCheck) -> None:
         self.extra.checks.append(check)

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from shared import planner_layout as core
-from shared.gaits import GAIT_NAMES
 
 from ..buses.base import Bus, Measured
 from ..drive import Driver
 from ..errors import UserError
+from ..gait_changes import GaitWatch, advice, crawl_event, gait_now
 from ..kinematics_si import leg_forward
 from ..robot_model import LEG_NAMES, Robot
 from ..safety import Fault, Safety, torque_limit
@@ -24,6 +24,7 @@ from .messages import Drive
 STRETCHED = 0.5
 STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
 Attitude = tuple[float, float] | None
+Rates = tuple[float, float, float] | None
 # The planner's state in the driver's words.
 _WORDS = {"limp": "disarmed", "rising": "standing up", "seated": "sitting"}
 
@@ -40,6 +41,8 @@ class Change:
 class Supervisor:
     """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown.
 
+    ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None where they are not to be believed.
+
     ``put_back``: a reset puts a limp simulated robot on its feet, which is a person's task with a real one.
     """
 
@@ -50,8 +53,10 @@ class Supervisor:
         attitude: Callable[[], Attitude] = lambda: None,
         rate_hz: int | None = None,
         put_back: Callable[[], object] = lambda: None,
+        rates: Callable[[], Rates] = lambda: None,
     ) -> None:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
+        self._read_rates = rates
         self.driver = Driver(robot, rate_hz)
         self.arbiter = Arbiter(gait=robot.gait.default)
         self.safety = Safety(robot)
@@ -63,6 +68,7 @@ class Supervisor:
         self._limit: float | None = None
         self._stopped = False
         self._last = ("", "")
+        self._gait_watch, self.exchanged = GaitWatch(self.driver), ""
 
     def sense(self) -> None:
         """Read the joints and the attitude, and look for faults."""
@@ -77,14 +83,33 @@ class Supervisor:
         self._check_stop()
         self._command(sticks, now_s)
         joints = self.measured.position_rad if self.measured.complete else None
-        self.driver.sense(joints, *(self.attitude or (None, None)))
+        roll_rad, pitch_rad = self.attitude or (None, None)
+        self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
         self.goals = self.driver.step()
+        self._watch_gait()
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
             self._disarm()
         if self.armed:
             self._limit_torque()
             self.bus.write(self.goals)
         self._note(now_s)
+
+    def _watch_gait(self) -> None:
+        """Keep why trot and crawl were last exchanged; forgotten once it stands."""
+        self._gait_watch.look()
+        if self._gait_watch.notes:
+            self.exchanged = self._gait_watch.notes.pop().why
+        elif self.driver.state != "walking":
+            self.exchanged = ""
+
+    @property
+    def remark(self) -> str:
+        """What the driver should know about the gait: why it changed, what the crawl met, what is advised; or ""."""
+        if self.driver.state != "walking":
+            return ""
+        crawls = self.driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
+        parts = (self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver))
+        return "; ".join(part for part in parts if part)
 
     def stop_now(self) -> None:
         """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
@@ -192,7 +217,7 @@ class Supervisor:
         if self.safety.first is not None:
             return "fault"
         word = self.driver.state
-        if word == "walking" and GAIT_NAMES[self.driver.planner.numbers[core.N_GAIT]] == "crawl":
+        if word == "walking" and gait_now(self.driver) in ("crawl", "backing off"):
             return "crawling"
         return _WORDS.get(word, word)
 

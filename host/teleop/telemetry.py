@@ -7,6 +7,7 @@ from typing import Any
 from shared import planner_layout as core
 from shared.gaits import GAIT_NAMES
 
+from ..gait_changes import gait_now, margin_m
 from ..robot_model import Robot
 from .loop import Loop
 
@@ -66,6 +67,9 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
         "fresh": arbiter.fresh(now_s),
         "armed": supervisor.armed,
         "gait": arbiter.gait,
+        "walks": gait_now(supervisor.driver) if supervisor.driver.state == "walking" else "",
+        "remark": supervisor.remark,
+        "margin_m": round(margin_m(supervisor.driver), 4) if supervisor.armed else None,
         "balance": arbiter.balance,
         "speed": rounded((arbiter.drive.vx_m_s, arbiter.drive.vy_m_s, arbiter.drive.wz_rad_s), 4),
         "attitude_rad": None if supervisor.attitude is None else rounded(supervisor.attitude, 4),

@@ -80,11 +80,12 @@ def screen_lines(status: dict[str, Any]) -> list[str]:
     who = "nobody" if driver is None else " ".join(str(part) for part in driver if part)
     attitude = status["attitude_rad"]
     tilt = "unknown" if attitude is None else "roll {:+.1f}, pitch {:+.1f} deg".format(*(57.2958 * a for a in attitude))
+    margin = "" if status["margin_m"] is None else f"   stability margin {1000 * status['margin_m']:+.0f} mm"
     volts = "unknown" if status["battery_V"] is None else f"{status['battery_V']:.1f} V"
     lines = [
         f"{mark} {status['state']} {PLAIN} {status['reason']}",
-        "",
-        f"driver {who}   gait {status['gait']}   balance {'on' if status['balance'] else 'off'}",
+        status["remark"],
+        f"driver {who}   gait {status['gait']}   balance {'on' if status['balance'] else 'off'}{margin}",
         "speed {:+.3f} {:+.3f} m/s, turning {:+.2f} rad/s".format(*status["speed"]),
         f"attitude {tilt}   battery {volts}   bus errors {status['bus_errors']}",
         f"{timing['rate_hz']} Hz   ticks {timing['ticks']}   missed {timing['missed']}   {status['web']}",

@@ -133,6 +133,7 @@ function show() {
   $("reason").textContent = silent ? "the robot does not answer; it stops by itself" : status.reason || "moving as told";
   for (const id of ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level"]) $(id).disabled = silent || !free();
   for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(silent || !free()));
+  $("remark").textContent = silent ? "" : status.remark;
   if (silent) return;
   $("take").textContent = mine() ? "You drive: let go" : "Take the controls";
   $("take").setAttribute("aria-pressed", String(mine()));
@@ -149,6 +150,7 @@ function facts() {
   const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(1)}°`;
   $("roll").textContent = status.attitude_rad ? degrees(status.attitude_rad[0]) : "unknown";
   $("pitch").textContent = status.attitude_rad ? degrees(status.attitude_rad[1]) : "unknown";
+  $("margin").textContent = status.margin_m === null ? "–" : `${(1000 * status.margin_m).toFixed(0)} mm`;
   $("battery").textContent = status.battery_V === null ? "unknown" : `${status.battery_V.toFixed(1)} V`;
   $("missed").textContent = `${status.timing.missed} of ${status.timing.ticks}`;
   const table = $("joints");

@@ -116,7 +116,6 @@ class Terminal:
                 return
         raise AssertionError(f"{pattern} is not shown: {self.shown[-2000:]}")
 
-
     def hang_up(self):
         """Take the terminal away, as a broken ssh does."""
         os.close(self._ours)

@@ -6,6 +6,10 @@ from dataclasses import replace
 import pytest
 
 from host.teleop.supervisor import STATES
+from host.teleop.telemetry import Extra, status
+from host.teleop.terminal import screen_lines
+from shared import adaptive, handover
+from shared import planner_layout as core
 
 from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig, Silence
 
@@ -168,3 +172,31 @@ def test_the_pose_is_limited_and_kept_by_the_planner(rig):
     rig.run(2.0, {**STILL, "pose": [0, 0, 2.0, 0, 0, 0]})
     top = rig.robot.body_limits.z_m
     assert rig.supervisor.driver.planner.pose[2] == rig.supervisor.driver.scale.lu(top)
+
+
+def test_turning_speeds_reach_the_planner_where_there_are_any(rig, monkeypatch):
+    rig.run(0.1)
+    block = rig.supervisor.driver.sensed_block
+    assert block[core.S_RATES_OK] == 0
+    monkeypatch.setattr(rig.supervisor, "_read_rates", lambda: (0.1, 0.0, -0.2))
+    rig.run(0.1)
+    scale = rig.supervisor.driver.scale
+    assert block[core.S_RATES_OK] == 1
+    assert list(block[core.S_RATES : core.S_RATES + 3]) == [scale.yaw18_per_tick(rate) for rate in (0.1, 0.0, -0.2)]
+
+
+def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
+    rig.stand()
+    rig.run(1.0, AHEAD)
+    assert (rig.supervisor.state, rig.supervisor.remark) == ("walking", "")
+    numbers = rig.supervisor.driver.planner.numbers
+    numbers[core.N_ADVICE] = adaptive.ADVICE_TILTED
+    assert rig.supervisor.remark == "it tilts a lot on this ground: the crawl is safer"
+    numbers[core.N_ADVICE] = adaptive.ADVICE_FINE
+    numbers[core.N_CLIMB], numbers[core.N_REASON] = core.CLIMB_ON, handover.REASON_BEHIND
+    rig.supervisor._watch_gait()
+    assert rig.supervisor.state == "crawling"
+    assert rig.supervisor.remark.startswith("held up: more than ")
+    told = status(rig.loop, Extra())
+    assert (told["walks"], told["remark"]) == ("crawl", rig.supervisor.remark)
+    assert any(line.startswith("held up: more than ") for line in screen_lines(told))
