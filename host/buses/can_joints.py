@@ -73,12 +73,16 @@ class CanJoints(Bus):
 
     def open(self) -> None:
         """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
-        self.run_for(LISTEN_S)
-        boards = self.requests.discover()
-        wrong = self.cycle.guard.before_arming(boards)
-        if wrong:
-            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
-        self._home()
+        try:
+            self.run_for(LISTEN_S)
+            boards = self.requests.discover()
+            wrong = self.cycle.guard.before_arming(boards)
+            if wrong:
+                raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+            self._home()
+        except BaseException:
+            self.port.close()
+            raise
         if self._threaded:
             self._thread = threading.Thread(target=self._run, name="can-cycle", daemon=True)
             self._thread.start()

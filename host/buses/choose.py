@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..calibration.data import default_path, load_calibration, nominal, servo_of
 from ..errors import UserError
+from ..imu.absent import AbsentImu
 from ..imu.attitude import Attitude
 from ..imu.choose import I2C, open_source
 from ..imu.simulated import SimulatedImu
@@ -78,9 +79,15 @@ def _emulated(stack: ExitStack, robot: Robot, port: str | None, calibration: Pat
     return Hardware(bus, Attitude(robot, EmulatorImu(emulator)), put_back)
 
 
+SIMULATED_INTERFACES = ("udp_multicast", "virtual")  # what caramelo joints sim is reached by
+ELSEWHERE = "the joints are simulated elsewhere, and their body's sensor is not here: the body is not kept level"
+
+
 def _real(stack: ExitStack, robot: Robot, port: str | None, calibration: Path | None, source: str) -> Hardware:
     if robot.bus.kind == "can":
-        return Hardware(can_joints(robot, port), Attitude(robot, open_source(robot, I2C)))
+        elsewhere = (port or robot.bus.interface).partition(":")[0] in SIMULATED_INTERFACES
+        imu = AbsentImu(ELSEWHERE) if elsewhere else open_source(robot, I2C)
+        return Hardware(can_joints(robot, port), Attitude(robot, imu))
     from ..servos.bus import ServoBus
     from ..servos.port import ServoPort
 

@@ -19,7 +19,8 @@ from .service import joint_name
 
 REACTIONS = ("none", "refuse", "sit", "damp", "stop")  # rising
 E_STOP = "an emergency stop came over the bus: look who pulled it, clear the faults, then arm"
-HEARTBEAT_S = 0.5  # two and a half heartbeats
+NOBODY = "check the supply, the CAN cable and both terminators, and that this is the right interface and channel"
+HEARTBEAT_S = 1.0  # five heartbeats
 SILENT_S = 0.05  # ten cycles at 200 Hz without a reply while armed
 LOSS_SHARE = 0.1  # of the replies of a window
 LOSS_WINDOW = 200  # cycles
@@ -59,6 +60,8 @@ class Guard:
     def before_arming(self, boards: dict[int, set[int]] | None = None) -> list[Notice]:
         """Return what keeps the robot from being armed; ``boards`` is what discovery found, if it was asked."""
         now = self.link.port.now()
+        if all(now - self.link.views[node].heartbeat_s > HEARTBEAT_S for node in self.link.nodes):
+            return [Notice(0, "missing", f"no joint answers on {self.link.port.name}: {NOBODY}", "refuse")]
         found = [notice for node in self.link.nodes for notice in self._at_rest(self.link.views[node], now)]
         for node, numbers in sorted((boards or {}).items()):
             if node and len(numbers) > 1:
