@@ -39,6 +39,7 @@ async function askForPairing() {
   try {
     const answer = await (await fetch("/paired")).json();
     $("pairing").hidden = answer.paired;
+    show();
   } catch {
     $("pairing").hidden = true; // the robot is not there: the state says so
   }
@@ -129,8 +130,11 @@ function again() {
 function show() {
   const silent = !status || performance.now() - heardMs > SILENT_MS;
   $("state").className = silent || status.stop || status.fault ? "halted" : status.reason ? "" : "moves";
-  $("word").textContent = silent ? "no connection" : status.state;
-  $("reason").textContent = silent ? "the robot does not answer; it stops by itself" : status.reason || "moving as told";
+  const paired = $("pairing").hidden;
+  $("word").textContent = !silent ? status.state : paired ? "no connection" : "not paired";
+  $("reason").textContent = !silent ? status.reason || "moving as told" : paired
+    ? "the robot does not answer; it stops by itself" : "this page can't drive or stop the robot yet: type the code below";
+  $("stop").classList.toggle("dead", silent);
   for (const id of ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level"]) $(id).disabled = silent || !free();
   for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(silent || !free()));
   $("remark").textContent = silent ? "" : status.remark;
@@ -147,10 +151,11 @@ function show() {
 }
 
 function facts() {
-  const degrees = (angle) => `${((angle * 180) / Math.PI).toFixed(1)}°`;
+  const shown = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1"); // no "-0"
+  const degrees = (angle) => `${shown((angle * 180) / Math.PI, 1)}°`;
   $("roll").textContent = status.attitude_rad ? degrees(status.attitude_rad[0]) : "unknown";
   $("pitch").textContent = status.attitude_rad ? degrees(status.attitude_rad[1]) : "unknown";
-  $("margin").textContent = status.margin_m === null ? "–" : `${(1000 * status.margin_m).toFixed(0)} mm`;
+  $("margin").textContent = status.margin_m === null ? "–" : `${shown(1000 * status.margin_m, 0)} mm`;
   $("battery").textContent = status.battery_V === null ? "unknown" : `${status.battery_V.toFixed(1)} V`;
   $("missed").textContent = `${status.timing.missed} of ${status.timing.ticks}`;
   const table = $("joints");
@@ -159,7 +164,7 @@ function facts() {
   }
   status.load.forEach((load, i) => {
     const cell = table.rows[Math.floor(i / 3)].cells[1 + (i % 3)];
-    cell.textContent = `${(100 * load).toFixed(0)} % ${(status.temperature_C[i] ?? 0).toFixed(0)} °C`;
+    cell.textContent = `${shown(100 * load, 0)} % ${(status.temperature_C[i] ?? 0).toFixed(0)} °C`;
     cell.className = Math.abs(load) > HOT_SHARE ? "high" : "";
   });
 }

@@ -282,3 +282,18 @@ def test_latency_figures(browser, tmp_path):
     print({key: figures[key] for key in ("command_to_packet_ms", "stop_to_packet_ms", "missed", "ticks", "busy_ms")})
     assert figures["command_to_packet_ms"]["web"]["p99"] <= 150, "five times what is aimed at: the machine may be busy"
     assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125
+
+
+def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path):
+    with Teleop(tmp_path, host="0.0.0.0") as teleop:
+        code = teleop.status()["web"].rpartition(" ")[2]
+        page = browser.new_page()
+        page.goto(teleop.url)
+        playwright.expect(page.locator("#word")).to_have_text("not paired")
+        assert page.locator("#stop").get_attribute("class") == "dead", "it could stop nothing"
+        page.fill("#code", code)
+        page.keyboard.press("Enter")
+        page.wait_for_selector("#take:enabled")
+        assert page.locator("#stop").get_attribute("class") == ""
+        press_until(teleop, page, "Space", lambda status: status["stop"])
+        page.close()
