@@ -161,13 +161,14 @@ class BoardFiles:
         self._step(f"os.rename(root + {old!r}, root + {new!r})\nif hasattr(os, 'sync'):\n    os.sync()")
 
     def write(self, path: str, data: bytes, done: Callable[[int], None]) -> None:
-        """Write one file; ``done`` is told the bytes of each part."""
-        self._step(f"out = open(root + {path!r}, 'wb')")
-        for at in range(0, len(data), CHUNK):
+        """Write one file, a script for each part; ``done`` is told its bytes."""
+        start = f"out = open(root + {path!r}, 'wb')\n"
+        for at in range(0, max(1, len(data)), CHUNK):
             part = data[at : at + CHUNK]
-            self._step(f"out.write(binascii.a2b_base64({base64.b64encode(part)!r}))")
+            end = "\nout.close()" if at + CHUNK >= len(data) else ""
+            self._step(f"{start}out.write(binascii.a2b_base64({base64.b64encode(part)!r})){end}")
+            start = ""
             done(len(part))
-        self._step("out.close()")
 
     def copy(self, old: str, new: str) -> None:
         """Copy a file on the board itself."""

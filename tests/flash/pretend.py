@@ -88,14 +88,15 @@ class PretendBoard:
             time.sleep(0.01)
         raise AssertionError(f"the board has not said {words!r} and stayed up: {self.said!r}")
 
-    def after_reset(self, reset, words):
-        """Call ``reset``, wait until the board has started again and said ``words``."""
-        before = self.resets
-        reset()
-        end = time.monotonic() + 10
-        while self.resets == before and time.monotonic() < end:
+    def after_reset(self, reset, words, count=1):
+        """Return what ``reset`` does, once the board has started again so often and said ``words``."""
+        wanted = self.resets + count
+        answer = reset()
+        end = time.monotonic() + 60
+        while self.resets < wanted and time.monotonic() < end:
             time.sleep(0.01)
-        assert self.wait_for(words)
+        assert self.wait_for(words, 60)
+        return answer
 
     def _start(self):
         """Start the board; ``resets`` counts it only when the new one runs and nothing of the last is in ``said``."""

@@ -100,11 +100,14 @@ def test_several_boards_info_logs_and_reset(run, small, tmp_path):
         assert "nothing to do: slot a" in run("flash", "--port", one.port)[1]
         small("2")
         assert "would write slot b" in run("flash", "--port", one.port, "--dry-run")[1]
-        assert "self-test passed, confirmed" in run("flash", "--port", one.port)[1]
-        facts = json.loads(run("board", "info", "--port", one.port, "--json")[1])
+        flashed = one.after_reset(lambda: run("flash", "--port", one.port), b"running 2", count=2)
+        assert "self-test passed, confirmed" in flashed[1]
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port, "--json"), b"running 2")
+        facts = json.loads(info[1])
         assert (facts["running"], facts["confirmed"], facts["version"], facts["mpy"]) == ("b", True, "2", "6.3")
         assert facts["file_system"] == "VfsLfs2"
-        assert "version      2" in run("board", "info", "--port", one.port)[1]
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 2")
+        assert "version      2" in info[1]
         assert "nothing noted" in run("board", "logs", "--port", one.port)[1]
         assert run("board", "reset", "--port", one.port)[0] == 0
         assert one.wait_for(b"running 2")
