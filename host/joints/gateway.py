@@ -10,26 +10,26 @@ from collections.abc import Callable
 from shared.wire import names as w
 
 from ..can.port import Port
+from ..can.simulated import Node, SimBus
 from ..errors import UserError
 from .sim_robot import SimRobot, power_off
 
-FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage")
+FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage", "hot")
+HOT_C = 90.0
 BABBLE_ID = 0x07F  # below SYNC: nobody else gets a word in
 CATCH_UP_S = 0.1  # farther behind than that, the simulated time stays behind
 
 
 class Gateway:
-    """A simulated robot behind a port."""
+    """A simulated robot behind a port for each of its buses."""
 
-    def __init__(self, sim: SimRobot, port: Port) -> None:
-        self.sim, self.port = sim, port
-        self._node = sim.bus.attach(self._out, room=4096)
+    def __init__(self, sim: SimRobot, *ports: Port) -> None:
+        assert len(ports) == len(sim.buses)
+        self.sim = sim
+        self._ends = [(port, _attach(bus, port)) for bus, port in zip(sim.buses, ports, strict=True)]
         self.behind_s = 0.0
         self.stopping = False  # another thread may end it
         self._extra = sim.bus.attach(lambda time_us, identifier, data: None)
-
-    def _out(self, time_us: int, identifier: int, data: bytes) -> None:
-        self.port.send(identifier, data)
 
     def inject(self, fault: str) -> None:
         """Have a fault happen: KIND[:NODE]@SECONDS from now. UserError if it is none."""
@@ -53,6 +53,7 @@ class Gateway:
             "e-stop": lambda: self._stop(node),
             "babble": lambda: sim.each_ms.append(self._babble),
             "under-voltage": lambda: joint.set_volts(12.0),
+            "hot": lambda: joint.set_winding(HOT_C),
         }
         return actions[kind]
 
@@ -77,8 +78,17 @@ class Gateway:
                 began_s += behind_s
 
     def _take(self) -> None:
-        while True:
-            frame = self.port.receive()
-            if frame is None:
-                return
-            self._node.send(frame.identifier, frame.data)
+        for port, node in self._ends:
+            frame = port.receive()
+            while frame is not None:
+                node.send(frame.identifier, frame.data)
+                frame = port.receive()
+
+
+def _attach(bus: SimBus, port: Port) -> Node:
+    """Return the end of a simulated bus whose frames go out through a port."""
+
+    def out(time_us: int, identifier: int, data: bytes) -> None:
+        port.send(identifier, data)
+
+    return bus.attach(out, room=4096)

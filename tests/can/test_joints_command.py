@@ -11,7 +11,7 @@ from host.errors import UserError
 from host.joints.gateway import Gateway
 from host.joints.sim_robot import SimRobot
 from host.robot_file import load_robot
-from shared.wire.names import PROTOCOL_HASH
+from shared.wire.names import HEARTBEAT_ID, PROTOCOL_HASH
 
 
 def run(capsys, *words):
@@ -98,11 +98,13 @@ def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):
 
 def test_busload_prints_the_schedule(capsys):
     code, out, _ = run(capsys, "busload", "--json")
-    total = json.loads(out)["rows"][-1]
+    total = json.loads(out)["buses"][0]["rows"][-1]
     assert code == 0
     assert total["worst_share"] <= 0.40
     assert run(capsys, "busload", "--rate", "400")[0] == 1
-    assert run(capsys, "busload", "--rate", "400", "--buses", "2")[0] == 0
+    code, out, _ = run(capsys, "busload", "--rate", "400", "--buses", "2")
+    assert code == 0
+    assert [out.count(words) for words in ("nodes 1 to 6, 400 Hz", "nodes 7 to 12, 400 Hz", "total")] == [1, 1, 2]
 
 
 def test_set_id_refuses_a_node_that_is_taken(capsys):
@@ -153,6 +155,26 @@ def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, sha
     assert code == 1
     assert len(stopped) == 12
     assert volts[3] == pytest.approx(12.0, abs=0.3)
+
+
+def test_two_buses_are_simulated_with_their_faults(capsys):
+    """The rear legs' joint on the second bus gets hot; a machine that is too slow only says so."""
+    words = ("--interface", "virtual", "--channel", "caramelo-front,caramelo-rear", "--fault", "hot:9@0.01")
+    heard = []
+    with (
+        AdapterPort("virtual", "caramelo-rear", 1_000_000) as rear,
+        AdapterPort("virtual", "caramelo-front", 1_000_000) as front,
+    ):
+        assert run(capsys, "sim", *words, "--seconds", "0.5")[0] == 0
+        for port in (front, rear):
+            heard.append(set())
+            while (frame := port.receive()) is not None:
+                heard[-1].add(frame.identifier)
+    heartbeats = [{node for node in range(1, 13) if HEARTBEAT_ID + node in identifiers} for identifiers in heard]
+    assert heartbeats == [set(range(1, 7)), set(range(7, 13))]
+    code, _, err = run(capsys, "sim", "--robot", "caramelo", "--seconds", "0.1")
+    assert code == 2
+    assert "no joints on CAN" in err
 
 
 @pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1"])

@@ -8,18 +8,18 @@ from ...console import screen, write_json
 from ...errors import NOT_ACHIEVED, UserError
 from .options import Json, RobotName, print_table
 
+# Key of a row: its heading and its form
 COLUMNS = {
-    "loops": "{}",
-    "rate_hz": "{} Hz",
-    "buses": "{}",
-    "speed_m_s": "{:.3f} m/s",
-    "error_rms_deg": "{:.2f} deg",
-    "error_worst_deg": "{:.1f} deg",
-    "lag_ms": "{} ms",
-    "error_after_lag_deg": "{:.2f} deg",
-    "lowest_body_m": "{:.3f} m",
+    "loops": ("loops", "{}"),
+    "rate_hz": ("Hz", "{}"),
+    "buses": ("buses", "{}"),
+    "speed_m_s": ("m/s", "{:.3f}"),
+    "error_rms_deg": ("error deg", "{:.2f}"),
+    "error_worst_deg": ("worst", "{:.1f}"),
+    "lag_ms": ("lag ms", "{}"),
+    "error_after_lag_deg": ("left deg", "{:.2f}"),
+    "lowest_body_m": ("body m", "{:.3f}"),
 }
-HEAD = ("loops", "cycle", "buses", "speed", "error rms", "worst", "lag", "error left", "body, lowest")
 
 
 def compare(
@@ -29,8 +29,8 @@ def compare(
 ) -> int:
     """Walk at 0.05 m/s with the position loops in the joint, and on the host in velocity and in current mode.
 
-    Error is set-point minus angle of all twelve motors; lag is the shift in time that makes it least, error left what
-    remains then. Exit code 1 if the robot did not walk with one of them.
+    Error is set-point minus angle of all twelve motors, rms and worst; lag is the shift in time that makes it least,
+    and what is left then; body its least height. Exit code 1 if the robot did not walk with one of them.
 
     Example: caramelo joints compare --seconds 3
     """
@@ -47,7 +47,8 @@ def compare(
     if as_json:
         write_json({"seconds": seconds, "walks": rows})
     else:
-        print_table(HEAD, [tuple(form.format(row[key]) for key, form in COLUMNS.items()) for row in rows])
+        head = tuple(heading for heading, _ in COLUMNS.values())
+        print_table(head, [tuple(form.format(row[key]) for key, (_, form) in COLUMNS.items()) for row in rows])
         for row in rows:
             if row["stopped"]:
                 screen().print(f"{row['loops']}, {row['rate_hz']} Hz: {row['stopped']}", soft_wrap=True)

@@ -1,17 +1,19 @@
 """`caramelo joints sim`: the robot's joints on a bus, without hardware."""
 
+from contextlib import closing
 from typing import Annotated
 
 import typer
 
 from ...console import screen
+from ...errors import UserError
 from .options import RobotName, Seconds
 
 
 def sim(
     robot: RobotName = "parallel",
     interface: Annotated[str, typer.Option(help="udp_multicast, or socketcan with a vcan channel.")] = "udp_multicast",
-    channel: Annotated[str, typer.Option(help="default is python-can's own multicast group.")] = "default",
+    channel: Annotated[str, typer.Option(help="default is python-can's own group; two with a comma.")] = "default",
     fault: Annotated[list[str] | None, typer.Option(help="KIND[:NODE]@SECONDS, such as power-cycle:5@10.")] = None,
     loss: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of frames that each node does not hear.")] = 0.0,
     vm: Annotated[int, typer.Option(min=0, max=12, help="So many joints run in MicroPython VMs of their own.")] = 0,
@@ -23,15 +25,19 @@ def sim(
 
     Examples: caramelo joints sim --fault power-cycle:5@10 --loss 0.01; caramelo joints sim --vm 4
     """
-    from ...can.adapter import AdapterPort
+    from ...can.open import open_port
+    from ...can.pair import PairPort
     from ...joints.gateway import Gateway
     from ...joints.sim_robot import SimRobot
     from ...robot_file import load_robot
 
     data = load_robot(robot)
-    with AdapterPort(interface, channel, 1_000_000) as port:
-        robot_sim = SimRobot(data, in_vm=range(1, 1 + vm))
-        gateway = Gateway(robot_sim, port)
+    if data.bus.kind != "can":
+        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    bus = data.bus.model_copy(update={"interface": interface, "channel": channel})
+    data = data.model_copy(update={"bus": bus})
+    with open_port(bus) as port, closing(SimRobot(data, in_vm=range(1, 1 + vm))) as robot_sim:
+        gateway = Gateway(robot_sim, *(port.ports if isinstance(port, PairPort) else (port,)))
         for node in robot_sim.nodes:
             node.loss = loss
         for one in fault or ():
@@ -41,8 +47,6 @@ def sim(
             gateway.run(seconds)
         except KeyboardInterrupt:
             screen().print("stopped")
-        finally:
-            robot_sim.close()
     if gateway.behind_s:
         screen().print(f"this machine was too slow by {gateway.behind_s:.1f} s in all")
     return 0
