@@ -32,6 +32,7 @@ LISTEN_S = 0.45  # two heartbeats of every joint
 APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
 ENABLE_S = 0.05
 POLL_S = 0.001
+ABANDONED_S = 0.2  # whoever asked for torque and does not ask again for so long no longer wants it
 ACTIONS = {"sit": "sit", "damp": "damp", "stop": "limp"}  # of host/safety.py, by reaction of host/joints/guard.py
 HOME_POSE = 1  # index of a home request: the joint stands at the value
 
@@ -69,6 +70,7 @@ class CanJoints(Bus):
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None
         self._arming: Future[None] | None = None
+        self._asked_s = 0.0
         self._last = Measured()
 
     def open(self) -> None:
@@ -131,7 +133,10 @@ class CanJoints(Bus):
     def read(self) -> Measured:
         """See Bus."""
         self._check_thread()
-        if self._arming is None:
+        if self._arming is not None and self._arming.done() and self.now() - self._asked_s > ABANDONED_S:
+            self._arming = None
+            self.torque(False)
+        if self._arming is None or self._arming.done():
             with self._lock:
                 self.link.receive()
                 self._last = self._measured()
@@ -219,10 +224,14 @@ class CanJoints(Bus):
         self._fraction = checked_fraction(fraction)
 
     def try_torque(self) -> bool:
-        """See Bus: with the cycle in its own thread, arming takes another; meanwhile nothing new is read."""
+        """See Bus: with the cycle in its own thread, arming takes another; meanwhile nothing new is read.
+
+        Torque that nobody waits for any more is taken away again.
+        """
         if self._thread is None:
             self.torque(True)
             return True
+        self._asked_s = self.now()
         if self._arming is None:
             self._arming = _in_thread(lambda: self.torque(True))
         if not self._arming.done():

@@ -59,6 +59,8 @@ class SimJoint:
         self._counts_per_A = bldc.drive.shunt_ohm * bldc.drive.amplifier_gain / volt_per_count
         self._folder = tempfile.TemporaryDirectory(prefix="caramelo-joint-")
         self.now_us = 0
+        self._pairs: list[tuple[int, int]] = []
+        self._heard: dict[int, bool] = {}
         self._read = self._sensors()
         self.inside = make(self.unique_id, str(Path(self._folder.name) / "joint.bin"))
         self._boot()
@@ -102,7 +104,11 @@ class SimJoint:
 
     def hears(self, identifier: int) -> bool:
         """Return whether a hardware filter lets a frame through."""
-        return any(identifier & mask == wanted & mask for wanted, mask in self.inside.pairs)
+        if self.inside.pairs is not self._pairs:
+            self._pairs, self._heard = self.inside.pairs, {}
+        if identifier not in self._heard:
+            self._heard[identifier] = any(identifier & mask == wanted & mask for wanted, mask in self._pairs)
+        return self._heard[identifier]
 
     def deliver(self, identifier: int, data: bytes) -> None:
         """Let a frame arrive."""

@@ -1,5 +1,7 @@
 """What is wrong with the joints as a whole: each is noticed, named, and answered by the whole robot."""
 
+from concurrent.futures import wait
+
 import pytest
 
 from host.buses.can_joints import CanJoints
@@ -220,6 +222,23 @@ def test_the_cycle_in_a_thread_of_its_own_stands_the_robot_up():
         end_s = rig.bus.now() + 0.02
         rig.bus.run_until(end_s)
         assert rig.sim.torque_free
+    finally:
+        rig.bus.close()
+        rig.sim.close()
+
+
+def test_torque_that_nobody_waits_for_any_more_is_taken_away():
+    rig = Rig(threaded=True)
+    try:
+        rig.bus.open()
+        assert not rig.bus.try_torque()
+        wait([rig.bus._arming])
+        assert not rig.sim.torque_free
+        rig.bus.run_for(0.3)
+        rig.bus.read()
+        rig.bus.run_for(0.1)
+        assert rig.sim.torque_free
+        assert rig.bus.read().complete
     finally:
         rig.bus.close()
         rig.sim.close()
