@@ -186,7 +186,7 @@ S_HOMED = const(7)  # 1: S_TURNS is absolute
 S_DISAGREE_TICKS = const(8)
 S_JOINT_ERROR = const(9)  # rc, joint encoder minus rotor
 # state: cascade
-S_TARGET = const(10)  # rc/256, where the position set-point has moved to by now
+S_TARGET = const(10)  # rc/256, what the trajectory follows: glides to S_GOAL
 S_TARGET_AGE = const(11)  # ticks since it came
 S_PROFILE = const(12)  # rc/256, limited trajectory
 S_PROFILE_RATE = const(13)  # rate
@@ -239,7 +239,10 @@ S_HOME_RATE = const(56)  # rate the search asks for
 S_RAISED = const(57)  # FAULT_* raised by homing or calibration, taken by the next tick
 S_RAISED_VALUE = const(58)
 S_ACCEL_FEED = const(59)  # cu, Q4, the acceleration's smoothed share of the current
-STATE_SIZE = const(60)
+S_GOAL = const(60)  # rc/256, where the last set-point and its velocity say that the joint should be by now
+S_TARGET_RATE = const(61)  # rate, on its way to the set-point's velocity
+S_TARGET_LEFT = const(62)  # ticks until S_TARGET is S_GOAL
+STATE_SIZE = const(63)
 
 TORQUE_OFF = const(0)  # bridge off, the joint coasts
 TORQUE_DAMP = const(1)  # only against the motion, no set-point

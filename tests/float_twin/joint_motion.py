@@ -46,6 +46,15 @@ def velocity_loop(error, integral, kp, ki_tick, feed, limit):
     return given, integral
 
 
+def glide(target, rate, goal, feed, left):
+    """Rate in equal steps to the goal's, what is missing at the end shared out evenly: (target, rate) after a tick."""
+    if left <= 1:
+        return goal, feed
+    rate += (feed - rate) / left
+    missing = goal + feed * (left - 1) - target - left * (rate + feed) / 2
+    return target + rate + missing / left, rate
+
+
 def smooth(fed, wanted):
     """A quarter of the way a tick."""
     return fed + (wanted - fed) / 4

@@ -55,6 +55,7 @@ SOURCES = (
 BLOCKS = (FOC, CFG, STATE, IO, CAL)
 ROTOR = Range(0, 16383)
 CURRENT = Range(-12288, 12288)
+RATE = Range(-(1 << 18), (1 << 18) - 1)
 SQUARE = Range(0, (1 << 19) - 1)
 OFFSET = Range(0, 65520)
 POSITION = Range(-(1 << 28), 1 << 28)
@@ -93,6 +94,13 @@ def _long_vector(values, dice):
     limit = FOC[j.F_LIMIT]
     values[1] = (dice.below(2 * limit + 1) - limit) << 4
     values[2] = (dice.below(2 * limit + 1) - limit) << 3
+
+
+def _gliding(values, dice):
+    live(values, dice)
+    STATE[j.S_TARGET_RATE] = dice.bits(19) - (1 << 18)
+    STATE[j.S_TARGET_LEFT] = dice.below(17)
+    STATE[j.S_GOAL] = max(-(1 << 29), min((1 << 29) - 1, STATE[j.S_TARGET] + dice.bits(21) - (1 << 20)))
 
 
 def _posed(values, dice):
@@ -183,6 +191,7 @@ PROBES = (
     _probe(cascade, "cascade_reset", CFG, STATE),
     _probe(cascade, "cascade_step", CFG, STATE, IO),
     _probe(cascade, "follow_position", CFG, STATE, IO),
+    _probe(cascade, "glide", STATE, RATE, fit=_gliding),
     _probe(cascade, "feed_acceleration", CFG, STATE, Range(-65535, 65535)),
     _probe(cascade, "follow_velocity", CFG, STATE, Range(-(1 << 24), 1 << 24)),
     _probe(cascade, "velocity_loop", CFG, STATE, CURRENT),

@@ -1,6 +1,7 @@
 """The cascade and the trajectory limiter: parts against their float twins, the whole joint in closed loop."""
 
 import math
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -211,6 +212,45 @@ def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(ch
     for _ in range(100):
         cascade.feed_acceleration(blocks.cfg, blocks.state, 0)
     assert blocks.state[j.S_CURRENT_REF] == 0
+
+
+@given(
+    st.integers(-(1 << 20), 1 << 20),
+    st.integers(-(1 << 18), 1 << 18),
+    st.integers(-(1 << 18), 1 << 18),
+    st.integers(0, 16),
+)
+def test_the_target_glides_to_its_goal_and_meets_it_exactly(apart, rate, feed, left):
+    state = make().state
+    state[j.S_TARGET], state[j.S_TARGET_RATE], state[j.S_GOAL], state[j.S_TARGET_LEFT] = 0, rate, apart, left
+    target, speed, last = 0.0, float(rate), 0
+    for tick in range(max(1, left)):
+        target, speed = twin.glide(target, speed, apart + feed * tick, feed, left - tick)
+        state[j.S_GOAL] = apart + feed * tick
+        last = cascade.glide(state, feed)
+        assert abs(state[j.S_TARGET] - target) <= 2 * left + 1
+    assert state[j.S_TARGET] == apart + feed * (max(1, left) - 1)
+    assert (state[j.S_TARGET_RATE], state[j.S_TARGET_LEFT]) == (feed, 0)
+    assert last == feed or left > 1
+
+
+def test_a_motion_of_even_acceleration_sent_at_200_hz_has_even_acceleration():
+    """Set-points every 5 ms, each with its velocity: unsmoothed every one would be a jump of 5 ms' worth."""
+    blocks, rates = make(), []
+    accel = 500.0  # rate units a tick, half of what the trajectory may do
+    blocks.state[j.S_HOMED] = 1
+    cascade.cascade_reset(blocks.cfg, blocks.state)
+    gear = blocks.cfg[j.K_GEAR_Q8]
+    for tick in range(150):
+        if tick % 5 == 0:
+            blocks.io[j.IO_POSITION] = round(accel * tick * tick / 2 / 256 * 1024 / gear)
+            blocks.io[j.IO_VELOCITY] = round(accel * tick * 256 / blocks.cfg[j.K_RATE_Q8])
+            blocks.state[j.S_SEQUENCE] += 1
+        cascade.follow_position(blocks.cfg, blocks.state, blocks.io)
+        rates.append(blocks.state[j.S_PROFILE_RATE])
+    changes = [b - a for a, b in pairwise(rates[20:])]
+    assert max(abs(change - accel) for change in changes) < 0.8 * accel  # the wire's steps: 281
+    assert sum(abs(change - accel) for change in changes) / len(changes) < 0.25 * accel
 
 
 @given(RATE)
