@@ -172,7 +172,7 @@ def follow_position(cfg, state, io) -> int:
 def glide(state, feed: int) -> int:
     """Move S_TARGET one tick towards S_GOAL, which moves at ``feed``; return the move, rc/256 a tick.
 
-    In S_TARGET_LEFT ticks it is there and as fast: its rate goes there in equal steps, and what is then still missing is
+    In S_TARGET_LEFT ticks it is there and as fast: its rate goes there in equal steps, and what is still missing is
     shared out evenly. So a smooth motion sent 200 times a second stays smooth, as if its acceleration were sent too.
     feed and S_TARGET_RATE within +-2^18, goal and target at most 2^21 rc/256 apart, at most 16 ticks left: below 2^23.
     Meets the goal exactly; on the way within 2 rc/256 a tick of exact arithmetic.
@@ -397,8 +397,8 @@ def _take_goal(state, goal_rc: int) -> int:
     """Set the goal and glide there in twice the time since the last; what is far away is gone to at once.
 
     Twice, because a set-point's position comes in steps of 1/65536 turn: of a swing sent at 200 Hz the full motor model
-    needs 0.17 A rms; it draws 0.79 A without glide and smoothing, 0.27 A if the glide takes as long as a set-point lasts,
-    0.19 A if twice as long.
+    needs 0.17 A rms; it draws 0.79 A without glide and smoothing, 0.27 A if the glide takes as long as a set-point
+    lasts, 0.19 A if twice as long.
     """
     s = ptr32(state)
     apart = goal_rc - (s[S_TARGET] >> 8)
