@@ -72,6 +72,11 @@ class Commands:
         """Read the simulated inertial sensor."""
         return {"counts": self._imu.read()}
 
+    def on_push(self, servo: int, angle_rad: float) -> dict[str, Any]:
+        """Turn the joint of a loose servo by hand."""
+        self._bus.plant.push(self._bus.servo(servo).joint, angle_rad)
+        return {}
+
     def on_put_back(self) -> dict[str, Any]:
         """Lift the robot and put it down seated, as a person does after a fall."""
         self._bus.plant.put_back()
