@@ -4,7 +4,12 @@ from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from shared.wire import names as w
+
 from ..files import atomic_path
+
+FAULTY = (w.STATE_FAULT_REACTION, w.STATE_FAULT)
+LEAST_SPAN = (2.0, 0.2, 0.2, 0.2, 1.0)  # deg, rad/s, A, N m, K: what stands still is drawn as a line, not as its noise
 
 if TYPE_CHECKING:
     from .result import Result
@@ -16,7 +21,7 @@ def draw(result: "Result", path: Path) -> None:
     from matplotlib.figure import Figure
 
     t, limit = result.bench.trace, result.bench.bldc.drive.current_limit_A
-    figure = Figure(figsize=(9, 10), layout="constrained")
+    figure = Figure(figsize=(10, 10), layout="constrained")
     FigureCanvasAgg(figure)
     position, speed, current, torque, heat = figure.subplots(5, 1, sharex=True)
     figure.suptitle(f"{result.name}: {'ok' if result.ok else 'not achieved'}")
@@ -36,8 +41,15 @@ def draw(result: "Result", path: Path) -> None:
     heat.plot(t.time_s, t.winding_C, label="winding")
     heat.set_ylabel("temperature, degrees C")
     heat.set_xlabel("time since power-on, s")
-    for axes in (position, speed, current, torque, heat):
+    faulty = next((at for at, state in zip(t.time_s, t.state, strict=True) if state in FAULTY), None)
+    for axes, least in zip((position, speed, current, torque, heat), LEAST_SPAN, strict=True):
+        if faulty is not None:
+            axes.axvline(faulty, color="tab:red", linestyle=":", label="fault")
+        low, high = axes.get_ylim()
+        wider = max(0.0, least - (high - low)) / 2
+        axes.set_ylim(low - wider, high + wider)
+        axes.ticklabel_format(useOffset=False)
         axes.grid(alpha=0.3)
-        axes.legend(loc="upper right", fontsize="small")
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
     with atomic_path(path) as draft:
         figure.savefig(draft, dpi=110)
