@@ -32,7 +32,9 @@ class Drives:
     load: list[float] = field(default_factory=lambda: [0.0] * JOINTS)
 
 
-def servo_torque_Nm(model: ServoModel, drives: Drives, joint: int, position_rad: float, speed_rad_s: float) -> float:
+def servo_torque_Nm(
+    model: ServoModel, drives: Drives, joint: int, goal_rad: float, position_rad: float, speed_rad_s: float
+) -> float:
     """Return what a servo gives: stall x clip(duty) - damping x speed, the duty within its limit; 0 if it is off.
 
     Keeps its duty in ``drives.load``, as the servo's own load register does.
@@ -41,7 +43,7 @@ def servo_torque_Nm(model: ServoModel, drives: Drives, joint: int, position_rad:
         drives.load[joint] = 0.0
         return 0.0
     most = drives.limit[joint]
-    duty = model.stiffness_Nm_rad * (drives.goal_rad[joint] - position_rad) / model.stall_torque_Nm
+    duty = model.stiffness_Nm_rad * (goal_rad - position_rad) / model.stall_torque_Nm
     duty = max(-most, min(most, duty))
     drives.load[joint] = duty
     return duty * model.stall_torque_Nm - model.damping_Nms_rad * speed_rad_s
@@ -62,9 +64,9 @@ class SwitchedServos:
         dt_s: float,
         torque_Nm: MutableSequence[float],
     ) -> None:
-        """Take the goals from the drives, not from ``goal_rad``: each servo has heard its own."""
+        """See Actuator; in motor angles where calves are coupled."""
         for i, joint, model in self._rows:
-            torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, position_rad[i], speed_rad_s[i])
+            torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
 
 
 @dataclass
@@ -79,7 +81,7 @@ class Hinge:
 
     def step(self, drives: Drives, joint: int, dt_s: float) -> None:
         """Advance by one sub-step: torque, then friction that can only brake, then the stops."""
-        torque = servo_torque_Nm(self.model, drives, joint, self.position_rad, self.speed_rad_s)
+        torque = servo_torque_Nm(self.model, drives, joint, drives.goal_rad[joint], self.position_rad, self.speed_rad_s)
         speed = self.speed_rad_s + torque / self.inertia_kg_m2 * dt_s
         braked = abs(speed) - self.model.coulomb_Nm / self.inertia_kg_m2 * dt_s
         speed = copysign(max(0.0, braked), speed)
@@ -189,7 +191,6 @@ class PlanePlant(Plant):
         self._pose_rad, self._start = tuple(pose_rad), clamped(plane, pose_rad)
         self.put_back()
         self._sensors = Sensors(self.world, seed)
-        self._no_goal = [0.0] * PLANAR_JOINTS
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
@@ -208,7 +209,7 @@ class PlanePlant(Plant):
         return (0.0, sensed.pitch_rate_rad_s, 0.0), (force_x, 0.0, force_z)
 
     def _run(self, steps: int) -> None:
-        self.world.advance(self._no_goal, steps)
+        self.world.advance([self.drives.goal_rad[joint] for joint in PLANAR_INDEX], steps)
         for i, joint in enumerate(PLANAR_INDEX):
             self.position_rad[joint] = self.world.position_rad[i]
             self.speed_rad_s[joint] = self.world.speed_rad_s[i]

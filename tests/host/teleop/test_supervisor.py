@@ -200,3 +200,23 @@ def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     told = status(rig.loop, Extra())
     assert (told["walks"], told["remark"]) == ("crawl", rig.supervisor.remark)
     assert any(line.startswith("held up: more than ") for line in screen_lines(told))
+
+
+def test_the_robot_with_coupled_calves_stands_up_with_limited_torque_and_walks():
+    rig = Rig("parallel")
+    rig.run(0.2)
+    rig.send(STAND)
+    share, most = rig.robot.stand.torque_fraction, 0.0
+    for _ in range(100):
+        rig.run(0.1, STILL)
+        if rig.supervisor.state == "standing":
+            break
+        most = max(most, *map(abs, rig.bus.plant.drives.load))
+    assert rig.supervisor.state == "standing"
+    assert 0 < most <= share + 0.001
+    torso = rig.bus.plant.world.parts.bodies[0]
+    before_m = torso.position.x
+    rig.run(8.0, AHEAD)
+    assert rig.supervisor.state == "walking"
+    assert torso.position.x - before_m > 0.25
+    assert abs(rig.supervisor.attitude[1]) < 0.1
