@@ -29,6 +29,7 @@ from ..robot_model import Robot
 from .base import JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
 
 LISTEN_S = 0.45  # two heartbeats of every joint
+LISTEN_MOST_S = 1.5
 APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
 ENABLE_S = 0.05
 POLL_S = 0.001
@@ -76,7 +77,7 @@ class CanJoints(Bus):
     def open(self) -> None:
         """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
         try:
-            self.run_for(LISTEN_S)
+            self.listen()
             boards = self.requests.discover()
             wrong = self.cycle.guard.before_arming(boards)
             if wrong:
@@ -88,6 +89,13 @@ class CanJoints(Bus):
         if self._threaded:
             self._thread = threading.Thread(target=self._run, name="can-cycle", daemon=True)
             self._thread.start()
+
+    def listen(self) -> None:
+        """Hear two heartbeats of every joint; wait longer for those that are late."""
+        end_s = self.now() + LISTEN_MOST_S
+        self.run_for(LISTEN_S)
+        while any(self.link.views[node].heartbeat_s == -inf for node in self.link.nodes) and self.now() < end_s:
+            self.run_for(2 * self.cycle.period_s)
 
     def _home(self) -> None:
         lost = [n for n in self.link.nodes if self.link.views[n].reply[w.REPLY_POSITION] == w.NOT_AVAILABLE]

@@ -28,7 +28,7 @@ Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long
 @contextmanager
 def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
     """Yield the joints of a robot, listened to for two heartbeats but not checked."""
-    from ...buses.can_joints import LISTEN_S, CanJoints, new_session
+    from ...buses.can_joints import CanJoints, new_session
     from ...emulator.plant import seated_pose_rad
     from ...robot_file import load_robot
 
@@ -47,7 +47,7 @@ def joints(robot: str, interface: str | None, channel: str | None, simulated: bo
     pose_rad = seated_pose_rad(data)
     bus = CanJoints(data, port, new_session(), pose_rad, report=lambda notice: write_error(notice.sentence))
     try:
-        bus.run_for(LISTEN_S)
+        bus.listen()
         yield bus
     finally:
         if simulated:
