@@ -12,7 +12,7 @@ from . import WALK
 if TYPE_CHECKING:
     from ..records.reader import Record
 
-File = Annotated[Path, typer.Argument(metavar="FILE", help="A record: an MCAP file.")]
+File = Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a folder: its newest record.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -82,13 +82,14 @@ def plot(
 ) -> None:
     """Draw joints, loads, attitude, health and timing into a PNG file.
 
-    Example: caramelo log plot walk.mcap --out walk.png
+    Examples: caramelo log plot walk.mcap --out walk.png; caramelo log plot logs/
     """
     from ..records.plot import plot_png
     from ..records.reader import read_record
 
-    target = out or file.with_suffix(".png")
-    plot_png(read_record(file), target)
+    record = read_record(file)
+    target = out or record.path.with_suffix(".png")
+    plot_png(record, target)
     screen().print(f"wrote {target}", soft_wrap=True)
 
 
@@ -107,7 +108,8 @@ def export(
 
     if what != "csv":
         raise UserError(f"export {what}: allowed: csv")
-    for path in export_csv(read_record(file), out or file.with_suffix("")):
+    record = read_record(file)
+    for path in export_csv(record, out or record.path.with_suffix("")):
         screen().print(f"wrote {path}", soft_wrap=True)
 
 

@@ -110,6 +110,7 @@ def scan(
 
     Examples: caramelo servos scan; caramelo servos scan --all-bauds --port /dev/ttyUSB1; caramelo servos scan --sim
     """
+    from ..buses.base import JOINTS
     from ..servos import budget as costs
     from ..servos.port import latency_ms, latency_warning
     from ..servos.tools import find, find_at_all_rates
@@ -128,6 +129,8 @@ def scan(
     else:
         _table(("id", "joint", "model", "baud"), [(r["id"], r["joint"] or "-", r["name"], r["baud"]) for r in rows])
         screen().print(f"{len(rows)} servos on {name}\n{cost.sentence()}", soft_wrap=True)
+        if 1 < len(rows) < JOINTS:
+            write_error(f"warning: a robot has {JOINTS} servos: check cables; servos that share an id count as one")
         if warning:
             write_error(f"warning: {warning}")
     if not rows:

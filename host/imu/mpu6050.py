@@ -65,6 +65,8 @@ class Mpu6050(Imu):
                 (ACCEL_CONFIG, self._accel_range << 3),
             ):
                 self._i2c.write_byte_data(self._address, register, value)
+        except ModuleNotFoundError:
+            raise ImuError("no library for the I2C bus on this machine; on a Pi: make setup-pi") from None
         except FileNotFoundError:
             raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: sudo raspi-config nonint do_i2c 0") from None
         except PermissionError:

@@ -52,11 +52,21 @@ class Record:
         return dict(Counter(row.topic for row in self.rows))
 
 
+def _newest(folder: Path) -> Path:
+    """Return a folder's newest record."""
+    records = sorted(folder.glob("*.mcap"), key=lambda path: path.stat().st_mtime_ns)
+    if not records:
+        raise UserError(f"{folder}: holds no record: make one with caramelo teleop --log {folder}")
+    return records[-1]
+
+
 def read_record(path: Path) -> Record:
-    """Return a record; UserError if the file is none."""
+    """Return a record, of a folder the newest; UserError if the file is none."""
     from mcap.exceptions import InvalidMagic, McapError
     from zstandard import ZstdError
 
+    if path.is_dir():
+        path = _newest(path)
     record = Record(path)
     try:
         with path.open("rb") as file:

@@ -108,8 +108,8 @@ class Recorder:
 
 
 def record_path(wanted: Path) -> Path:
-    """Return the file to write: ``wanted``, or a new one named by the time in it if it is a folder."""
-    if wanted.is_dir():
+    """Return the file to write: ``wanted`` if it ends in .mcap; any other name is a folder's, for a file of its own."""
+    if wanted.suffix != ".mcap" or wanted.is_dir():
         return wanted / f"caramelo-{datetime.now():%Y%m%d-%H%M%S}.mcap"
     return wanted
 

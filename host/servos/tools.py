@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from ..buses.base import JOINTS
 from ..errors import UserError
 from . import table as t
 from .link import Link, ServoError
 
 BROADCAST_FIRST, BROADCAST_LAST = 0, 252
+AGAIN_MS = 20.0  # for 241 ids that are not there five seconds (chosen)
 
 
 @dataclass(frozen=True)
@@ -29,15 +31,20 @@ class Found:
 def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> list[Found]:
     """Return all servos that answer at the port's present rate, by id.
 
-    Each id is asked by itself, twice: with answers to a broadcast one lost byte hides all that come after it.
+    Each id is asked by itself, twice: with answers to a broadcast one lost byte hides all that come after it. If
+    fewer than a robot has answer, the others are asked once more, with more patience.
     """
-    found, baud = [], link.port.getBaudRate()
-    for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
-        model = link.ping(number, tries=2)
-        if model is not None:
-            found.append(Found(number, baud, model))
-        progress((number + 1) / (BROADCAST_LAST + 1))
-    return found
+    found, baud = dict[int, Found](), link.port.getBaudRate()
+    for again in (False, True):
+        for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
+            if number not in found:
+                model = link.ping(number, 1, AGAIN_MS) if again else link.ping(number, tries=2)
+                if model is not None:
+                    found[number] = Found(number, baud, model)
+            progress((number + 1) / (BROADCAST_LAST + 1))
+        if not 0 < len(found) < JOINTS:
+            break
+    return [found[number] for number in sorted(found)]
 
 
 def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda done: None) -> Iterator[Found]:

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -127,6 +128,8 @@ def test_an_older_record_is_never_overwritten(drive, tmp_path):
         Recorder(drive, {})
     assert drive.read_bytes() == before
     assert record_path(tmp_path).parent == tmp_path
+    assert record_path(tmp_path / "logs").parent == tmp_path / "logs", "a folder that is not there yet"
+    assert record_path(tmp_path / "x.mcap") == tmp_path / "x.mcap"
 
 
 def test_messages_are_on_the_disk_within_a_second(tmp_path):
@@ -219,3 +222,12 @@ def test_killed_at_any_moment_the_record_opens(tmp_path):
         assert not record.whole
         assert record.duration_s > seconds - 1.0
         assert replay(record).ok
+
+
+def test_a_folder_stands_for_its_newest_record(drive, tmp_path):
+    with pytest.raises(UserError, match="holds no record: make one with caramelo teleop --log"):
+        read_record(tmp_path)
+    for age, name in ((2, "b.mcap"), (1, "a.mcap")):
+        shutil.copy(drive, tmp_path / name)
+        os.utime(tmp_path / name, (1000 - age, 1000 - age))
+    assert read_record(tmp_path).path == tmp_path / "a.mcap"
