@@ -1,6 +1,7 @@
 """Keyboard and gamepad as messages; the screen."""
 
 import os
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -140,3 +141,34 @@ def test_the_screen_shows_state_reason_and_keys():
     text = "\n".join(screen_lines(status(rig.loop, Extra())))
     for part in ("disarmed", "stand up first", "nobody", "EMERGENCY STOP", "missed 0", "FR", "RL"):
         assert part in text
+
+
+def pad_events():
+    """Return the events of a drive: (s, type, code, value)."""
+    lines = (Path(__file__).with_name("pad_events.csv")).read_text().splitlines()
+    rows = [line.split(",") for line in lines if not line.startswith("#")]
+    return [(float(at), int(kind), int(code), int(value)) for at, kind, code, value in rows]
+
+
+def test_a_gamepads_events_drive_the_robot():
+    """A file of kernel events through the pad's own code: it stands up, walks, stops with the button, stays limp."""
+    rig, device = Rig(), FakePad()
+    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    events, seen = pad_events(), []
+    for tick in range(round(11.0 / rig.loop.pacer.period_s)):
+        now_s = tick * rig.loop.pacer.period_s
+        while events and events[0][0] <= now_s:
+            device.say(*events.pop(0)[1:])
+        for message in pad.messages() if device.events else pad.repeat():
+            rig.send(check(message), pad.client)
+        rig.run(rig.loop.pacer.period_s)
+        if not seen or seen[-1][1] != rig.supervisor.state:
+            seen.append((now_s, rig.supervisor.state))
+    states = [state for _, state in seen]
+    assert states == ["standing up", "standing", "walking", "standing", "walking", "disarmed"]
+    walking_s, standing_s, again_s, stopped_s = (at for at, _ in seen[-4:])
+    assert 3.05 <= walking_s < 3.2
+    assert 9.0 <= again_s < 9.1, "the stick is still held"
+    assert 6.4 < standing_s < 9.0, "it ends once the dead-man button is let go of"
+    assert 9.4 <= stopped_s < 9.45
+    assert rig.reason == "emergency stop by gamepad: reset it, then stand up"
