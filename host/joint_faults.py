@@ -10,7 +10,7 @@ from math import degrees
 
 from shared.joint import faults as f
 
-from .joint_gains import Units
+from .joint_units import Units
 
 
 @dataclass(frozen=True)

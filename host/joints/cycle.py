@@ -10,7 +10,7 @@ from math import tau
 
 from shared.wire import names as w
 
-from ..joint_gains import Units
+from ..joint_units import Units
 from .guard import E_STOP, REACTIONS, Guard, Notice, worst
 from .host_loops import HostLoops
 from .link import JointLink

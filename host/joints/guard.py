@@ -13,7 +13,7 @@ from shared.joint.faults import FAULT_DUPLICATE_ID
 from shared.wire import names as w
 
 from ..joint_faults import fault_name, fault_sentence
-from ..joint_gains import Units
+from ..joint_units import Units
 from .link import JointLink, JointView
 from .service import joint_name
 

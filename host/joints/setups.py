@@ -1,7 +1,7 @@
 """What differs between the twelve joints of a robot: limits at the motor, and whether there is a joint encoder."""
 
 from ..errors import UserError
-from ..joint_gains import JointSetup
+from ..joint_units import JointSetup
 from ..robot_model import Robot
 
 

@@ -13,7 +13,8 @@ from pathlib import Path
 
 from shared.wire.identity import board_id
 
-from ..joint_gains import Board, JointSetup, joint_blocks
+from ..joint_gains import joint_blocks
+from ..joint_units import Board, JointSetup
 from ..motor.sensors import thermistor_counts
 from ..robot_actuators import Bldc
 from .vm.inside import STEP_PLACES, Inside

@@ -10,7 +10,8 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
 from shared.joint.svpwm import svpwm
 
-from ..joint_gains import JointSetup, joint_blocks
+from ..joint_gains import joint_blocks
+from ..joint_units import JointSetup
 from ..robot_actuators import Bldc
 
 VECTORS = 10_000

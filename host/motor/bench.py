@@ -22,7 +22,8 @@ from shared.wire.codec import (
 )
 
 from ..errors import UserError
-from ..joint_gains import Board, JointBlocks, JointSetup, joint_blocks
+from ..joint_gains import JointBlocks, joint_blocks
+from ..joint_units import Board, JointSetup
 from ..robot_actuators import Bldc
 from .model import Load, Motor
 from .sensors import Sensors, Wrong

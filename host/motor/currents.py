@@ -3,7 +3,7 @@
 from shared.joint import layout as j
 from shared.wire import names as w
 
-from ..joint_gains import JointSetup
+from ..joint_units import JointSetup
 from ..robot_actuators import Bldc
 from .bench import STEP_S, Bench
 from .model import Load

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from ..joint_gains import Board
+from ..joint_units import Board
 from ..runtimes.base import MARK
 
 SCRIPT = f"""

@@ -9,7 +9,8 @@ from math import exp, log, tau
 
 from firmware.board_sim import SimBoard
 
-from ..joint_gains import PTC_PER_K, Board
+from ..joint_heat import PTC_PER_K
+from ..joint_units import Board
 from ..robot_actuators import Bldc
 from .model import Motor
 
@@ -82,7 +83,7 @@ class Sensors:
 
 
 def thermistor_counts(bldc: Bldc, board: Board, winding_C: float) -> int:
-    """Return the ADC's reading of the thermistor at a temperature: thermistor_C of host/joint_gains.py turned back."""
+    """Return the ADC's reading of the thermistor at a temperature: thermistor_C of host/joint_heat.py turned back."""
     t = bldc.thermal
     if t.thermistor == "ptc":
         ohm = t.thermistor_25C_ohm * (1 + PTC_PER_K * (winding_C - 25))

@@ -16,7 +16,8 @@ from sim2d.actuator import Actuator, CalfOnTorso
 from sim2d.model import PLANAR_JOINTS
 from sim2d.recording import Recording
 
-from ..joint_gains import JointSetup, joint_blocks
+from ..joint_gains import joint_blocks
+from ..joint_units import JointSetup
 from ..robot_actuators import Bldc
 from ..robot_model import Robot
 from .model import COPPER_PER_K

@@ -7,7 +7,8 @@ from typing import Any
 from shared.joint import layout as j
 
 from ..build.source import ROOT
-from ..joint_gains import JointSetup, joint_blocks
+from ..joint_gains import joint_blocks
+from ..joint_units import JointSetup
 from ..robot_actuators import Bldc
 from ..robot_file import load_robot, robot_names
 from ..robot_model import Robot

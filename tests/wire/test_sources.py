@@ -7,7 +7,8 @@ import cantools
 import pytest
 
 from host.gen import wire, wire_codec, wire_docs
-from host.joint_gains import JointSetup, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import JointSetup
 from host.protocol import dbc, parameters
 from host.robot_file import load_robot
 from shared.joint import faults, layout

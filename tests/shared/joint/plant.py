@@ -3,7 +3,8 @@
 import math
 from array import array
 
-from host.joint_gains import Board, JointBlocks, JointSetup, joint_blocks
+from host.joint_gains import JointBlocks, joint_blocks
+from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
 from shared.joint import layout as j
 from shared.joint.calibration import CAL_SIZE

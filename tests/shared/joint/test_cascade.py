@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import RATE_PER_RAD_S, JointSetup, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import RATE_PER_RAD_S, JointSetup
 from host.robot_file import load_robot
 from shared.joint import cascade, feed, profile, report
 from shared.joint import layout as j

@@ -10,7 +10,8 @@ import pytest
 
 from host.build.rewrite import rewrite
 from host.build.source import closure, read_modules
-from host.joint_gains import JointSetup, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint.calibration import set_commutation
 from shared.joint.feed import feed_bus

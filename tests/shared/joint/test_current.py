@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import JointSetup, current_gains, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import JointSetup, current_gains
 from host.robot_file import load_robot
 from shared.fixed import cos_q15, sin_q15
 from shared.joint import layout as j

@@ -5,7 +5,8 @@ from array import array
 
 import pytest
 
-from host.joint_gains import JointSetup, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint import faults
 from shared.joint import layout as j

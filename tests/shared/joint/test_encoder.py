@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import JointSetup, joint_blocks
+from host.joint_gains import joint_blocks
+from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint import coupling, encoder
 from shared.joint import layout as j

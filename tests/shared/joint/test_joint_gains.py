@@ -7,7 +7,8 @@ import pytest
 
 from host.errors import UserError
 from host.joint_faults import WORDS, fault_name, fault_sentence
-from host.joint_gains import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, joint_blocks, ripple_A, trip_A
+from host.joint_gains import joint_blocks
+from host.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
 from host.robot_file import load_robot
 from shared.joint import faults
 from shared.joint import layout as j

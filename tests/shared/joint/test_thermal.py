@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import SLOW_HZ, Board, JointSetup, joint_blocks, thermistor_C
+from host.joint_gains import joint_blocks
+from host.joint_heat import SLOW_HZ, thermistor_C
+from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
 from shared.joint import thermal
 from tests.float_twin import joint_motion as twin
