@@ -65,6 +65,7 @@ class Session:
         self._screen: Screen | None = None
         self._web: WebProcess | None = None
         self._measure: Measure | None = None
+        self._attitude: Attitude | None = None
 
     def run(self) -> dict[str, Any]:
         """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
@@ -98,6 +99,7 @@ class Session:
         """Open the joints and the sensor, and check them in order."""
         stack.enter_context(parts.bus)
         attitude: Attitude | None = parts.attitude
+        self._attitude = parts.attitude
         try:
             parts.attitude.open()
             stack.callback(parts.attitude.close)
@@ -203,6 +205,9 @@ class Session:
         self.extra.scripts, self.extra.bad_messages = hub.scripts, hub.bad
         if self.options.log is not None and self._recorder.trouble:
             self.extra.log = self._recorder.trouble
+        sensor = self._attitude
+        if sensor is not None:
+            self.extra.attitude_note, self.extra.readings_missed = sensor.fault or sensor.note, sensor.missed
         news = status(loop, self.extra)
         hub.tell(news)
         if self._screen is not None:

@@ -30,6 +30,8 @@ class Extra:
     pages: int = 0
     scripts: int = 0
     bad_messages: int = 0
+    attitude_note: str = ""  # why the attitude is not known
+    readings_missed: int = 0
     log: str = ""
     web_counts: dict[str, int] = field(default_factory=dict)
 
@@ -73,6 +75,8 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
         "balance": arbiter.balance,
         "speed": rounded((arbiter.drive.vx_m_s, arbiter.drive.vy_m_s, arbiter.drive.wz_rad_s), 4),
         "attitude_rad": None if supervisor.attitude is None else rounded(supervisor.attitude, 4),
+        "attitude_note": extra.attitude_note,
+        "readings_missed": extra.readings_missed,
         "battery_V": None if battery_V is None else round(battery_V, 2),
         "joints_rad": rounded(measured.position_rad, 4),
         "load": rounded(measured.load, 3),

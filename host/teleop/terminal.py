@@ -79,7 +79,8 @@ def screen_lines(status: dict[str, Any]) -> list[str]:
     mark = RED if status["stop"] or status["fault"] else GREEN if not status["reason"] else BOLD
     who = "nobody" if driver is None else " ".join(str(part) for part in driver if part)
     attitude = status["attitude_rad"]
-    tilt = "unknown" if attitude is None else "roll {:+.1f}, pitch {:+.1f} deg".format(*(57.2958 * a for a in attitude))
+    unknown = f"unknown: {status['attitude_note']}" if status["attitude_note"] else "unknown"
+    tilt = unknown if attitude is None else "roll {:+.1f}, pitch {:+.1f} deg".format(*(57.2958 * a for a in attitude))
     margin = "" if status["margin_m"] is None else f"   stability margin {1000 * status['margin_m']:+.0f} mm"
     volts = "unknown" if status["battery_V"] is None else f"{status['battery_V']:.1f} V"
     lines = [

@@ -137,7 +137,7 @@ function show() {
   $("stop").classList.toggle("dead", silent);
   for (const id of ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level"]) $(id).disabled = silent || !free();
   for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(silent || !free()));
-  $("remark").textContent = silent ? "" : status.remark;
+  $("remark").textContent = silent ? "" : [status.remark, status.attitude_note].filter(Boolean).join("; ");
   if (silent) return;
   $("take").textContent = mine() ? "You drive: let go" : "Take the controls";
   $("take").setAttribute("aria-pressed", String(mine()));

@@ -200,6 +200,8 @@ def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     told = status(rig.loop, Extra())
     assert (told["walks"], told["remark"]) == ("crawl", rig.supervisor.remark)
     assert any(line.startswith("held up: more than ") for line in screen_lines(told))
+    lost = status(rig.loop, Extra(attitude_note="the IMU is stuck")) | {"attitude_rad": None}
+    assert any("attitude unknown: the IMU is stuck" in line for line in screen_lines(lost))
 
 
 def test_the_robot_with_coupled_calves_stands_up_with_limited_torque_and_walks():
