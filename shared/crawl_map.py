@@ -180,14 +180,18 @@ def fit_body(settings, sensing, state) -> int:
 def follow_slips(settings, state) -> int:
     """Let the map's places of loaded feet follow slowly where the feet are seen, and prints their feet; return 0.
 
-    Only feet that carry count, with more than half their share. A foot more than K_FAR off in height is followed
-    fast: it stood on something that gave way.
+    Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
+    down again, the others too. A foot more than K_FAR off in height is followed fast: it stood on something that
+    gave way.
     """
     k = ptr32(settings)
     c = ptr32(state)
+    least = _LOADED_Q12
+    if k[K_PLANAR]:
+        least = -0x8000
     for leg in range(LEGS):
         at = leg * 3
-        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12 and c[C_FORCE + leg] > _LOADED_Q12:
+        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12 and c[C_FORCE + leg] > least:
             for axis in range(3):
                 gap = saturate(c[C_SEEN + at + axis] - c[C_FOOT + at + axis], -0xFFFFFF, 0xFFFFFF)
                 gain = k[K_SLIP_XY]

@@ -36,6 +36,8 @@ def swings(cases: list[tuple[str, Swing]], target: Path) -> None:
             axes.plot(wanted[:, 0], 1000 * wanted[:, row + 1], ".", color=_COLOURS[1], markersize=4, label="wanted")
             axes.plot(done[:, 0], 1000 * done[:, row + 1], color=_COLOURS[0], linewidth=1.2, label="done")
             axes.set_ylabel(f"{what}, mm")
+            if np.ptp(wanted[:, row + 1]) == 0:  # the plane has no sideways
+                axes.set_ylim(-1, 1)
             axes.grid(alpha=0.3)
         grid[0][column].set_title(f"Foot in the air {name}")
         grid[0][column].legend(loc="lower right")
