@@ -189,7 +189,8 @@ class Supervisor:
         if not self.measured.complete:
             return
         if self.stretched():
-            self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
+            if max(self.measured.age_s) < 1 / self.driver.rate_hz:  # else a lost answer may hide where a leg is now
+                self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
             return
         try:
             self._limit = None
