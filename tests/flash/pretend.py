@@ -76,6 +76,13 @@ class PretendBoard:
             time.sleep(0.01)
         return words in self.said
 
+    def wait_for_no_power(self, seconds=10):
+        """Wait until the power has gone; on a busy machine the other end may see the board fall silent before."""
+        end = time.monotonic() + seconds
+        while self.powered and time.monotonic() < end:
+            time.sleep(0.01)
+        return not self.powered
+
     def settle(self, words, quiet_s=0.5):
         """Wait until the board has said ``words`` and has not been reset for so long."""
         end = time.monotonic() + 10
