@@ -4,7 +4,6 @@ A ``Scale`` belongs to one robot at one planner rate: the length unit is the rob
 (2^-length_shift m), speeds are per tick. Angles are 1/65536 turn everywhere.
 """
 
-from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, floor, isqrt, pi, sqrt
@@ -19,14 +18,15 @@ from shared.attitude import (
     ATTITUDE_SIZE,
     attitude_reset,
 )
+from shared.runtime import zeros
 
 from .errors import UserError
 from .mass import com_at_rest_m
 from .plane import joint_drives
-from .robot_model import JOINT_NAMES, Robot
+from .robot_model import JOINT_NAMES, Adaptive, Balance, Robot
 
 BRAD_PER_RAD = 65536 / (2 * pi)
-Q8, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 12, 1 << 15, 1 << 16, 1 << 30
+Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
 YAW18 = 1 << 18
 # Limits of the core's fields, from the docstrings of shared/steps.py and shared/pid.py.
 LARGEST_SPEED = (1 << 19) - 1
@@ -92,13 +92,13 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
     return Scale(robot.length_shift, robot.control.rate_hz if rate_hz is None else rate_hz)
 
 
-def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> array:  # type: ignore[type-arg]
+def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> list[int]:
     """Return the robot as the core's block of integers (shared/params.py); ``planar``: it may not sway sideways.
 
     Raises UserError, naming the key, where a value of the file can't be had at this rate.
     """
     scale = scale_of(robot, rate_hz)
-    block = array("i", [0] * p.P_SIZE)
+    block = zeros(p.P_SIZE)
     block[p.P_RATE_HZ] = scale.rate_hz
     block[p.P_LENGTH_SHIFT] = scale.length_shift
     _speeds(block, robot, scale)
@@ -116,7 +116,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     return block
 
 
-def _speeds(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+def _speeds(block: list[int], robot: Robot, scale: Scale) -> None:
     limits = robot.speed_limits
     values = (
         ("vx_m_s", scale.lf_per_tick(limits.vx_m_s)),
@@ -135,7 +135,7 @@ def _speeds(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[t
         block[p.P_VX_MAX + at] = max(1, value)
 
 
-def _pose_limits(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+def _pose_limits(block: list[int], robot: Robot, scale: Scale) -> None:
     limits = robot.body_limits
     for axis, length_m in enumerate((limits.x_m, limits.y_m, limits.z_m)):
         block[p.P_POSE_MAX + axis] = scale.lu(length_m)
@@ -145,25 +145,29 @@ def _pose_limits(block: array, robot: Robot, scale: Scale) -> None:  # type: ign
         block[p.P_POSE_SLEW + 3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
 
 
-def _balance(block: array, robot: Robot, rate_hz: int) -> None:  # type: ignore[type-arg]
-    gains = robot.balance
+def _gains(block: list[int], first: int, table: str, gains: Balance | Adaptive, rate_hz: int) -> None:
+    """Write kp, ki and kd of a table of the file as the three gains of shared/pid.py, from ``block[first]`` on."""
     values = (
         ("kp", gains.kp * Q12),
         ("ki_1_s", gains.ki_1_s / rate_hz * Q16),
-        ("kd_s", gains.kd_s * rate_hz * Q12),
+        ("kd_s", gains.kd_s * rate_hz * Q10),
     )
     for at, (key, value) in enumerate(values):
         if round(value) > LARGEST_GAIN:
-            largest = getattr(gains, key) * LARGEST_GAIN / value
-            raise UserError(
-                f"balance.{key}: {getattr(gains, key):g} is too large for {rate_hz} Hz: at most {largest:.4g}"
-            )
-        block[p.P_KP_Q12 + at] = round(value)
+            wanted = getattr(gains, key)
+            largest = wanted * LARGEST_GAIN / value
+            raise UserError(f"{table}.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
+        block[first + at] = round(value)
+
+
+def _balance(block: list[int], robot: Robot, rate_hz: int) -> None:
+    gains = robot.balance
+    _gains(block, p.P_KP_Q12, "balance", gains, rate_hz)
     block[p.P_INTEGRAL_MAX] = brad(gains.integral_limit_rad)
     block[p.P_BALANCE_MAX] = brad(gains.output_limit_rad)
 
 
-def _leg(block: array, robot: Robot, scale: Scale, leg: int) -> None:  # type: ignore[type-arg]
+def _leg(block: list[int], robot: Robot, scale: Scale, leg: int) -> None:
     base = p.P_SIZE_BODY + leg * p.LEG_SIZE
     l1, l2, l3 = (scale.lu(length_m) for length_m in robot.geometry.links_m)
     block[base + p.LEG_SIDE_L1] = robot.side(leg) * l1
@@ -185,7 +189,7 @@ def _leg(block: array, robot: Robot, scale: Scale, leg: int) -> None:  # type: i
         block[base + p.LEG_REST + axis] = scale.lu(hip_m[axis]) + scale.lu(foot_m[axis])
 
 
-def _compliance(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+def _compliance(block: list[int], robot: Robot, scale: Scale) -> None:
     """Fill in how the joints give under load, in own weights, and where the mass lies."""
     weight_N = robot.mass_kg * GRAVITY_M_S2
     for joint, drive in enumerate(joint_drives(robot)):
@@ -208,7 +212,7 @@ def _compliance(block: array, robot: Robot, scale: Scale) -> None:  # type: igno
     block[p.P_LATERAL_Q12] = round(robot.gait.lateral_shift * Q12)
 
 
-def _adaptive(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore[type-arg]
+def _adaptive(block: list[int], robot: Robot, scale: Scale) -> None:
     """Fill in what the adaptive trot needs; its times grow with the time constant of tipping."""
     own, rate, limits = robot.adaptive, scale.rate_hz, robot.speed_limits
     block[p.P_RAISE], block[p.P_FORWARD] = scale.lu(own.raise_m), scale.lu(own.forward_m)
@@ -227,10 +231,7 @@ def _adaptive(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore
     block[p.P_WARP_GAIN_Q15] = round(Q15 * 5 / rate)
     block[p.P_PRESS] = max(1, scale.lu(PRESS_M_S / rate))
     block[p.P_HOLD_Q16] = round(Q16 * 0.5 / rate)
-    for at, value in enumerate((own.kp * Q12, own.ki_1_s / rate * Q16, own.kd_s * rate * Q12)):
-        if round(value) > LARGEST_GAIN:
-            raise UserError(f"adaptive.{('kp', 'ki_1_s', 'kd_s')[at]}: too large for {rate} Hz")
-        block[p.P_OWN_KP_Q12 + at] = round(value)
+    _gains(block, p.P_OWN_KP_Q12, "adaptive", own, rate)
     block[p.P_ROUGH_DECAY_Q15] = round(Q15 / ROUGH_S / rate)
     block[p.P_LATE_TICKS] = min(255, round(LATE_S * rate))
     block[p.P_SWAY_SLEW] = max(1, scale.lu(SWAY_M_S / rate))
@@ -239,11 +240,11 @@ def _adaptive(block: array, robot: Robot, scale: Scale) -> None:  # type: ignore
     block[p.P_ADVICE_TICKS] = round(ADVICE_S * rate)
 
 
-def attitude_block(robot: Robot, rate_hz: int | None = None) -> array:  # type: ignore[type-arg]
+def attitude_block(robot: Robot, rate_hz: int | None = None) -> list[int]:
     """Return a fresh attitude filter block (shared/attitude.py) with the robot's IMU scales."""
     rate = robot.control.rate_hz if rate_hz is None else rate_hz
     imu = robot.imu
-    block = array("i", [0] * ATTITUDE_SIZE)
+    block = zeros(ATTITUDE_SIZE)
     block[A_GYRO_Q30] = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
     block[A_ONE_G] = imu.accel_counts_per_g
     block[A_TRUST_Q15] = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))

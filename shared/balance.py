@@ -9,7 +9,7 @@ from .fixed import mul_q15, saturate
 from .params import P_BALANCE_MAX, P_INTEGRAL_MAX, P_KP_Q12
 from .pid import (
     PID_INTEGRAL_MAX,
-    PID_KD_Q12,
+    PID_KD_Q10,
     PID_KI_Q16,
     PID_KP_Q12,
     PID_OUTPUT_MAX,
@@ -45,7 +45,7 @@ def balance_gains(params, first: int, block) -> int:
     for base in range(0, BALANCE_ROLL, PID_SIZE):
         b[base + PID_KP_Q12] = p[first]
         b[base + PID_KI_Q16] = p[first + 1]
-        b[base + PID_KD_Q12] = p[first + 2]
+        b[base + PID_KD_Q10] = p[first + 2]
     return 0
 
 

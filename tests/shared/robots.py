@@ -77,7 +77,7 @@ def planner_si(params):
     rate = params[p.P_RATE_HZ]
     speeds = params[p.P_VX_MAX : p.P_WZ_SLEW + 1]
     poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(params[p.P_POSE_MAX : p.P_POSE_SLEW + 6])]
-    gains = params[p.P_KP_Q12] / 4096, params[p.P_KI_Q16] / 65536 * rate, params[p.P_KD_Q12] / 4096 / rate
+    gains = params[p.P_KP_Q12] / 4096, params[p.P_KI_Q16] / 65536 * rate, params[p.P_KD_Q10] / 1024 / rate
     return SimpleNamespace(
         unit_m=unit_m,
         legs=[leg_si(params, leg) for leg in range(4)],

@@ -23,10 +23,10 @@ LIMIT = integers(0, 16383)
 ANGLE = integers(-32768, 32767)
 
 
-def controller(kp_q12, ki_q16, kd_q12, integral_max, output_max):
+def controller(kp_q12, ki_q16, kd_q10, integral_max, output_max):
     """Return a controller's block and the float controller with the same gains, in brad and ticks."""
-    made = array("i", [kp_q12, ki_q16, kd_q12, integral_max, output_max, 0, 0, 0])
-    return made, Pid(kp_q12 / 4096, ki_q16 / 65536, kd_q12 / 4096, integral_max, output_max, 1)
+    made = array("i", [kp_q12, ki_q16, kd_q10, integral_max, output_max, 0, 0, 0])
+    return made, Pid(kp_q12 / 4096, ki_q16 / 65536, kd_q10 / 1024, integral_max, output_max, 1)
 
 
 @repeatable(400)
@@ -54,7 +54,7 @@ def test_the_paper_gains_follow_the_float_controller_for_long():
 
 
 def test_derivative_acts_on_the_measurement_only():
-    made, _ = controller(0, 0, 4096, 0, 16383)
+    made, _ = controller(0, 0, 1024, 0, 16383)
     assert pid.pid_step(made, 0, 500, 100) == 0
     assert pid.pid_step(made, 0, -8000, 100) == 0
     assert pid.pid_step(made, 0, -8000, 130) == -30
