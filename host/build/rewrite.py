@@ -31,33 +31,33 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
     functions become int(...), and on x64, where ptr32 reads unsigned, elements are sign-extended,
     and -x becomes (0 - x), because MicroPython's x64 viper (1.28) negates the local x itself.
     """
-    place = _Places(module.text)
+    place = Places(module.text)
     edits: list[Edit] = []
     for function in _functions(module.tree):
-        edits += _inline_constants(module, function, place)
+        edits += inline_constants(module, function, place)
     hot = hot_functions(module.tree)
     for function in hot:
         check_hot(module, function, modules)
         if emitter == "bytecode":
-            edits += _strip_pointers(function, place)
+            edits += strip_pointers(function, place)
             continue
         for mark in function.decorator_list:
             if isinstance(mark, ast.Name) and mark.id == "hot":
                 edits.append(Edit(place.start(mark), len("hot"), f"micropython.{emitter}"))
         if emitter == "native":
-            edits += _strip_pointers(function, place)
+            edits += strip_pointers(function, place)
         else:
             edits += _wrap_calls(module, function, modules, place)
             if arch == "x64":
                 edits += _extend_signs(function, place)
                 edits += _subtract_from_zero(function, place)
-    text = _apply(module.text, edits)
+    text = apply_edits(module.text, edits)
     if emitter == "viper" and arch == "x64":
         text = _expand_augmented(module, text)
     return text
 
 
-class _Places:
+class Places:
     """Byte offsets of the nodes of one text."""
 
     def __init__(self, text: bytes) -> None:
@@ -76,7 +76,7 @@ def _functions(tree: ast.Module) -> list[ast.FunctionDef]:
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
 
-def _inline_constants(module: Module, function: ast.FunctionDef, place: _Places) -> list[Edit]:
+def inline_constants(module: Module, function: ast.FunctionDef, place: Places) -> list[Edit]:
     """Numbers instead of names: saves a look-up in bytecode, and viper would see an object."""
     local = {a.arg for a in function.args.args}
     local |= {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
@@ -91,7 +91,7 @@ def _inline_constants(module: Module, function: ast.FunctionDef, place: _Places)
     return edits
 
 
-def _strip_pointers(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """``ptr16(x)`` is x outside viper; without the call it costs nothing."""
     edits = []
     for node in ast.walk(function):
@@ -102,7 +102,7 @@ def _strip_pointers(function: ast.FunctionDef, place: _Places) -> list[Edit]:
 
 
 def _wrap_calls(
-    module: Module, function: ast.FunctionDef, modules: dict[str, Module], place: _Places
+    module: Module, function: ast.FunctionDef, modules: dict[str, Module], place: Places
 ) -> list[Edit]:
     dropped = {id(node.value) for node in ast.walk(function) if isinstance(node, ast.Expr)}
     edits = []
@@ -115,7 +115,7 @@ def _wrap_calls(
     return edits
 
 
-def _extend_signs(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+def _extend_signs(function: ast.FunctionDef, place: Places) -> list[Edit]:
     signed = {name for name, kind in aliases(function).items() if kind == "ptr32"}
     edits = []
     for node in ast.walk(function):
@@ -130,7 +130,7 @@ def _extend_signs(function: ast.FunctionDef, place: _Places) -> list[Edit]:
     return edits
 
 
-def _subtract_from_zero(function: ast.FunctionDef, place: _Places) -> list[Edit]:
+def _subtract_from_zero(function: ast.FunctionDef, place: Places) -> list[Edit]:
     edits = []
     for node in ast.walk(function):
         negates = isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub)
@@ -143,7 +143,7 @@ def _subtract_from_zero(function: ast.FunctionDef, place: _Places) -> list[Edit]
 def _expand_augmented(module: Module, text: bytes) -> bytes:
     """``p[i] >>= n`` would shift the unsigned word: spell it with a sign-extended read (x64 only)."""
     tree = ast.parse(text, module.path)
-    place = _Places(text)
+    place = Places(text)
     signs = {ast.RShift: ">>", ast.FloorDiv: "//", ast.Mod: "%"}
     edits = []
     for function in _functions(tree):
@@ -161,10 +161,10 @@ def _expand_augmented(module: Module, text: bytes) -> bytes:
                 sign = signs[type(node.op)]
                 edits.append(Edit(start, value - start, f" = (({again} << 32) >> 32) {sign} ("))
                 edits.append(Edit(place.end(node), 0, ")", rank=1))
-    return _apply(text, edits)
+    return apply_edits(text, edits)
 
 
-def _apply(text: bytes, edits: list[Edit]) -> bytes:
+def apply_edits(text: bytes, edits: list[Edit]) -> bytes:
     result, at = [], 0
     for edit in sorted(set(edits), key=lambda e: (e.offset, e.rank)):
         result += [text[at : edit.offset], edit.text.encode()]

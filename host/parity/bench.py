@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..extras import missing_library
-from ..runtimes import CortexM, CPython, Unix, Wasi
+from ..runtimes import Compiled, CortexM, CPython, Runtime, Unix, Wasi
 from .accuracy import Accuracy, accuracies
 from .budget import over_budget, read_budget
 from .figures import float_microseconds, fuel, instructions, loop_microseconds, microseconds
@@ -43,13 +43,12 @@ class Bench:
         for name, figure in figures.items():
             self.cost.setdefault(name, {})[column] = figure
 
-    @property
-    def ticks(self) -> dict[str, float]:
-        """Return the microseconds of whole ticks on CPython by walk."""
+    def ticks(self, column: str) -> dict[str, float]:
+        """Return the microseconds of whole ticks by walk: of ``cpython_us`` or ``compiled_us``."""
         return {
-            name.removeprefix(TICK): row["cpython_us"]
+            name.removeprefix(TICK): row[column]
             for name, row in self.cost.items()
-            if name.startswith(TICK) and "cpython_us" in row
+            if name.startswith(TICK) and column in row
         }
 
     @property
@@ -72,6 +71,7 @@ def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> 
     steps = [
         lambda: setattr(bench, "loop_us", loop_microseconds(sources, _new(work, "loop"), LOOP_TURNS)),
         lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS)),
+        lambda: _time(bench, "compiled_us", Compiled(), sources, work),
         lambda: _fuel(bench, sources, _new(work, "wasi")),
         *(lambda emitter=emitter: _unix(bench, sources, work, emitter) for emitter in UNIX),
         lambda: _instructions(bench, sources, _new(work, "cortex-m")),
@@ -125,14 +125,19 @@ def _instructions(bench: Bench, sources: Path, work: Path) -> None:
     bench.instructions.update(instructions(runtime, sources, work))
 
 
-def _unix(bench: Bench, sources: Path, work: Path, emitter: str) -> None:
-    runtime = Unix(emitter)
+def _time(bench: Bench, column: str, runtime: Runtime, sources: Path, work: Path) -> bool:
+    """Fill a column with microseconds; return False if the runtime is missing."""
     missing = runtime.missing()
     if missing:
         bench.skipped[runtime.name] = missing
-        return
-    bench.fill(f"{emitter}_us", microseconds(runtime, sources, _new(work, runtime.name), REPEATS))
-    if emitter == "viper":
+        return False
+    bench.fill(column, microseconds(runtime, sources, _new(work, runtime.name), REPEATS))
+    return True
+
+
+def _unix(bench: Bench, sources: Path, work: Path, emitter: str) -> None:
+    runtime = Unix(emitter)
+    if _time(bench, f"{emitter}_us", runtime, sources, work) and emitter == "viper":
         floats = float_microseconds(runtime, sources, _new(work, "floats"), REPEATS)
         bench.fill("float_us", {name: us for name, us in floats.items() if name in bench.cost})
         for row in bench.cost.values():

@@ -2,13 +2,25 @@
 
 from .base import Runtime, RuntimeFailure
 from .board import Board
+from .compiled import Compiled
 from .cortex_m import CortexM
 from .cpython import CPython
 from .node import Node
 from .unix import Unix
 from .wasi import Wasi
 
-__all__ = ["Board", "CPython", "CortexM", "Node", "Runtime", "RuntimeFailure", "Unix", "Wasi", "all_runtimes"]
+__all__ = [
+    "Board",
+    "CPython",
+    "Compiled",
+    "CortexM",
+    "Node",
+    "Runtime",
+    "RuntimeFailure",
+    "Unix",
+    "Wasi",
+    "all_runtimes",
+]
 
 
 def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtime]:
@@ -18,6 +30,7 @@ def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtim
     """
     runtimes: list[Runtime] = [
         CPython(),
+        Compiled(),
         Wasi("source"),
         Wasi("bytecode"),
         Node(),

@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 
+from host import core
+from host.build.native_core import build_core, why_not
 from host.parity.figures import allocations, largest_values, promises
 from host.parity.sources import gather
 from host.runtimes import Unix, Wasi
@@ -76,3 +78,16 @@ def bytecode(sources, once):
 def viper(sources, once):
     """What each function takes from the heap as viper code."""
     return once("viper", lambda work: allocations(Unix("viper"), sources, work))
+
+
+@pytest.fixture(scope="session")
+def compiled_home(once):
+    """A folder that holds the core compiled of this checkout's sources; not to be changed."""
+    if why_not():
+        pytest.skip(str(why_not()))
+
+    def build(work: Path) -> Path:
+        build_core(work / core.sources_id())
+        return work
+
+    return once("compiled", build)

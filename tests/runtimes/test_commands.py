@@ -38,7 +38,7 @@ def test_parity_exits_1_if_a_runtime_fails(capsys, monkeypatch):
 
 def test_an_unknown_runtime_is_wrong_use(capsys):
     assert main(["parity", "--runtime", "pdp11"]) == 2
-    assert "--runtime pdp11: not known; there are cpython, wasi-source" in capsys.readouterr().err
+    assert "--runtime pdp11: not known; there are cpython, cpython-compiled, wasi-source" in capsys.readouterr().err
 
 
 def test_the_board_comes_only_with_a_port():

@@ -4,6 +4,7 @@ import time
 
 import pytest
 
+from host.core import SWITCH
 from host.parity.check import call
 from host.runtimes import Board, CPython, Node, RuntimeFailure, Unix, Wasi, all_runtimes, wasi
 from host.runtimes.process import run_command
@@ -14,14 +15,14 @@ NEEDS_UNIX = pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(
 ASK = "print('chatter')\nprint('@@{\"answer\": 42}')\n"
 
 
-def test_every_runtime_that_is_here_answers(tmp_path):
-    (tmp_path / "sources").mkdir()
+def test_every_runtime_that_is_here_answers(sources, compiled_home, tmp_path, monkeypatch):
+    monkeypatch.setenv(SWITCH, str(compiled_home))
     asked = 0
     for runtime in all_runtimes():
         if runtime.missing() is None:
             work = tmp_path / runtime.name
             work.mkdir()
-            assert runtime.ask(runtime.prepare(tmp_path / "sources", work), ASK) == {"answer": 42}
+            assert runtime.ask(runtime.prepare(sources, work), ASK) == {"answer": 42}
             asked += 1
     assert asked >= 3
 

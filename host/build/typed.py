@@ -1,0 +1,103 @@
+"""The core with types, for mypyc: what makes a C compiler's work of it is what makes viper's (rules.py).
+
+A hot function has numbers, pointers to arrays and nothing else, and its marks tell which is which. Written out as
+types they turn CPython's core into machine code; nothing that is computed changes, and no line moves.
+"""
+
+import ast
+
+from .rewrite import Edit, Places, apply_edits, inline_constants, strip_pointers
+from .rules import aliases, check_hot
+from .source import Module, hot_functions, resolve
+
+NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64 would raise OverflowError
+_ARRAY = "list[int]"  # what zeros() makes on CPython
+_TABLE = "tuple[int, ...]"  # what table() leaves
+_ANY = "Any"
+_IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
+
+
+def typed(module: Module, modules: dict[str, Module]) -> bytes:
+    """Return the module's text with types in its hot functions; BuildError with file, line and the rule it breaks."""
+    place = Places(module.text)
+    edits = [_beside(module, module.tree, _IMPORTS, place)]
+    for function in hot_functions(module.tree):
+        check_hot(module, function, modules)
+        edits += inline_constants(module, function, place)
+        edits += strip_pointers(function, place)
+        edits += _unmark(function, place)
+        edits += _type_signature(function, place)
+        names = "; ".join(f"{name}: {kind}" for name, kind in _locals(module, function, modules).items())
+        if names:
+            edits.append(_beside(module, function, names, place))
+    return apply_edits(module.text, edits)
+
+
+def _beside(module: Module, owner: ast.Module | ast.FunctionDef, text: str, place: Places) -> Edit:
+    """Put statements on a line that is there: behind the docstring, else before the first statement."""
+    first = owner.body[0]
+    if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+        return Edit(place.end(first), 0, f"; {text}")
+    if hasattr(first, "body"):
+        raise module.error(first, "a hot function that begins with a block needs a docstring before it")
+    return Edit(place.start(first), 0, f"{text}; ", rank=-2)
+
+
+def _unmark(function: ast.FunctionDef, place: Places) -> list[Edit]:
+    """Take ``@hot`` away: a decorated function is an object, looked up and called as one."""
+    marks = [mark for mark in function.decorator_list if isinstance(mark, ast.Name) and mark.id == "hot"]
+    return [Edit(place.start(mark) - 1, len("@hot"), "") for mark in marks]
+
+
+def _type_signature(function: ast.FunctionDef, place: Places) -> list[Edit]:
+    arrays = {name for name, kind in _pointers(function) if kind == "ptr32"}
+    edits = []
+    for parameter in function.args.args:
+        if parameter.annotation is not None:
+            edits.append(Edit(place.start(parameter.annotation), len("int"), NUMBER))
+        else:
+            kind = _ARRAY if parameter.arg in arrays else _ANY
+            edits.append(Edit(place.end(parameter), 0, f": {kind}"))
+    assert function.returns is not None  # check_hot saw to that
+    edits.append(Edit(place.start(function.returns), len("int"), NUMBER))
+    return edits
+
+
+def _pointers(function: ast.FunctionDef) -> list[tuple[str, str]]:
+    """Return the names that pointers are made of, each with its kind."""
+    calls = [node for node in ast.walk(function) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
+    return [(call.args[0].id, call.func.id) for call in calls  # type: ignore[attr-defined]
+            if call.func.id.startswith("ptr") and isinstance(call.args[0], ast.Name)]  # type: ignore[attr-defined]
+
+
+def _locals(module: Module, function: ast.FunctionDef, modules: dict[str, Module]) -> dict[str, str]:
+    """Return every local name with its type: a pointer's, else that of numbers."""
+    given = {parameter.arg for parameter in function.args.args}
+    stored = {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    pointers = aliases(function)
+    kinds = dict.fromkeys(sorted(stored - given), NUMBER)
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id in pointers:
+            kinds[node.targets[0].id] = _aliased(module, node.value, given, modules)
+    return kinds
+
+
+def _aliased(module: Module, call: ast.expr, given: set[str], modules: dict[str, Module]) -> str:
+    """Return the type of what ``ptr16(x)`` or ``ptr32(x)`` stands for."""
+    assert isinstance(call, ast.Call)
+    assert isinstance(call.func, ast.Name)
+    source = call.args[0]
+    if isinstance(source, ast.Name) and source.id not in given:
+        return _TABLE if _is_table(module, source.id, modules) else _ANY
+    return _ARRAY if call.func.id == "ptr32" else _ANY  # a frame is an array of the wire
+
+
+def _is_table(module: Module, name: str, modules: dict[str, Module]) -> bool:
+    found = resolve(module, name, modules)
+    if found is None:
+        return False
+    for node in found[0].tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == found[1]:
+            call = node.value
+            return isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "table"
+    return False

@@ -1,0 +1,101 @@
+"""`caramelo core`: the control core as machine code for this computer."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..console import screen, write_json, write_note
+from ..errors import UserError
+from . import CHECKS
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the group to the command."""
+    group = typer.Typer(help="Make the control core ten times as fast on this computer.", no_args_is_help=True)
+    for command in (build, show, remove):
+        group.command(command.__name__)(command)
+    app.add_typer(group, name="core", rich_help_panel=CHECKS)
+
+
+def build(as_json: Json = False) -> int:
+    """Compile shared/ for this Python. Every caramelo command uses the result until a source changes.
+
+    Takes a minute on a PC and several on a Raspberry Pi, and a C compiler. It computes the same numbers to the bit
+    (caramelo parity --runtime cpython-compiled shows it); CARAMELO_CORE=source leaves it out for once.
+
+    Example: caramelo core build
+    """
+    from ..build.native_core import build_core
+    from ..core import find_core, home, kept_cores, sources_id
+
+    _allow()
+    found = find_core()
+    if found is None:
+        write_note("compiling shared/, which takes a minute on a PC and several on a Raspberry Pi")
+        found = home() / sources_id()
+        try:
+            build_core(found)
+        except OSError as error:
+            raise UserError(f"{home()}: cannot be written: {error.strerror}") from error
+    _drop([core for core in kept_cores() if core != found])
+    return _tell(as_json)
+
+
+def show(as_json: Json = False) -> int:
+    """Tell whether there is a compiled core, and whether it is of these sources.
+
+    Example: caramelo core show --json
+    """
+    return _tell(as_json)
+
+
+def remove(as_json: Json = False) -> int:
+    """Remove the compiled core: the sources run again.
+
+    Example: caramelo core remove
+    """
+    from ..core import kept_cores
+
+    _allow()
+    _drop(kept_cores())
+    return _tell(as_json)
+
+
+def _drop(cores: "list[Path]") -> None:
+    import shutil
+
+    for core in cores:
+        try:
+            shutil.rmtree(core)
+        except OSError as error:
+            raise UserError(f"{core}: cannot be removed: {error.strerror}") from error
+
+
+def _allow() -> None:
+    import os
+
+    from ..core import SWITCH
+
+    if os.environ.get(SWITCH) == "source":
+        raise UserError(f"{SWITCH} is source, which says to use no compiled core: unset it first")
+
+
+def _tell(as_json: bool) -> int:
+    from ..core import find_core, kept_cores
+
+    found = find_core()
+    if as_json:
+        write_json({"compiled": found is not None, "folder": str(found) if found else None})
+    elif found:
+        screen().print(f"the core runs as machine code, from {found}", soft_wrap=True, markup=False)
+    elif kept_cores():
+        screen().print("the core runs from its sources: the compiled one is of others; build it again: "
+                       "caramelo core build", soft_wrap=True)
+    else:
+        screen().print("the core runs from its sources; to compile it: caramelo core build", soft_wrap=True)
+    return 0
