@@ -4,7 +4,6 @@ Knows no register: ``board`` is firmware/board_stm32f405.py or firmware/board_si
 is switched off first and looked into afterwards. After ``start`` nothing here allocates.
 """
 
-from array import array
 
 from shared.joint.calibration import CAL_SIZE
 from shared.joint.current import current_repair, current_step, set_offsets
@@ -49,7 +48,7 @@ from shared.joint.layout import (
 from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
-from shared.runtime import const
+from shared.runtime import const, zeros
 from shared.wire.names import STATE_FAULT_REACTION, STATE_READY
 
 PART_STEP = const(1)  # values of FAULT_EXCEPTION
@@ -74,13 +73,13 @@ class Control:
 
     def __init__(self, board):
         self.board = board
-        self.foc = array("i", [0] * FOC_SIZE)
+        self.foc = zeros(FOC_SIZE)
         fill_sine(self.foc)
-        self.cfg = array("i", [0] * CFG_SIZE)
-        self.curve = array("i", [0] * CURVE_SIZE)
-        self.state = array("i", [0] * STATE_SIZE)
-        self.io = array("i", [0] * IO_SIZE)
-        self.cal = array("i", [0] * CAL_SIZE)
+        self.cfg = zeros(CFG_SIZE)
+        self.curve = zeros(CURVE_SIZE)
+        self.state = zeros(STATE_SIZE)
+        self.io = zeros(IO_SIZE)
+        self.cal = zeros(CAL_SIZE)
         self.bridge = 0  # 1: the bridge is on
         self.steps = 0  # current steps, modulo 2^30
         self.late = 0  # late steps since power-on
@@ -97,7 +96,7 @@ class Control:
         self._hold_ms = 0
         self._e_stop_ms = 0
         self._slow_ticks = 0
-        self._sums = array("i", [0, 0, 0])
+        self._sums = zeros(3)
 
     def start(self):
         """Set the driver up and begin to measure the current offsets; the configuration must be in place."""

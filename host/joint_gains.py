@@ -5,7 +5,6 @@ refused are in joint_units.py, heat in joint_heat.py. Every value is checked her
 shared/joint reaches 2^30.
 """
 
-from array import array
 from dataclasses import dataclass, field
 from math import exp, pi
 
@@ -13,6 +12,7 @@ from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import set_offsets
 from shared.joint.sine import fill_sine
+from shared.runtime import zeros
 
 from .errors import UserError
 from .joint_heat import heat_places, thermistor_curve
@@ -40,12 +40,12 @@ CURRENT_SHARE = 0.98  # of the limit may be asked for: noise and overshoot of th
 class JointBlocks:
     """The integer blocks of one joint, ready for joint_reset, and their units."""
 
-    foc: array
-    cfg: array
-    curve: array
+    foc: list[int]
+    cfg: list[int]
+    curve: list[int]
     units: Units
-    state: array = field(default_factory=lambda: array("i", [0] * j.STATE_SIZE))
-    io: array = field(default_factory=lambda: array("i", [0] * j.IO_SIZE))
+    state: list[int] = field(default_factory=lambda: zeros(j.STATE_SIZE))
+    io: list[int] = field(default_factory=lambda: zeros(j.IO_SIZE))
 
 
 def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> JointBlocks:
@@ -55,7 +55,7 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     check_ripple(bldc)
     units = choose_units(bldc, board)
     foc = _foc(bldc, board, units)
-    cfg = array("i", [0] * j.CFG_SIZE)
+    cfg = zeros(j.CFG_SIZE)
     for part in (_electrical, _mechanics, _wire, _cascade, _protection, heat_places, _states, _calibration):
         for place, value in part(bldc, setup, board, units).items():
             cfg[place] = value
@@ -65,8 +65,8 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     return JointBlocks(foc, cfg, thermistor_curve(bldc, board), units)
 
 
-def _foc(bldc: Bldc, board: Board, units: Units) -> array:
-    foc = array("i", [0] * j.FOC_SIZE)
+def _foc(bldc: Bldc, board: Board, units: Units) -> list[int]:
+    foc = zeros(j.FOC_SIZE)
     period = round(board.timer_hz / (2 * bldc.drive.pwm_hz))
     if not 500 <= period <= 7000:
         low, high = board.timer_hz / 14000, board.timer_hz / 1000
@@ -225,7 +225,7 @@ _RANGES = {
 }
 
 
-def _check_ranges(cfg: array) -> None:
+def _check_ranges(cfg: list[int]) -> None:
     for place, (low, high, name) in _RANGES.items():
         if not low <= cfg[place] <= high:
             raise UserError(f"{name}: gives {cfg[place]} in the joint's integers, {low} .. {high} is allowed")

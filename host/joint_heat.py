@@ -1,6 +1,5 @@
 """A joint's heat in integers: the thermistor's curve, the two-node model of winding and housing, the derating."""
 
-from array import array
 from math import log
 
 from shared.joint import layout as j
@@ -46,7 +45,7 @@ def heat_places(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> di
     }
 
 
-def thermistor_curve(bldc: Bldc, board: Board) -> array:
+def thermistor_curve(bldc: Bldc, board: Board) -> list[int]:
     """Return CURVE_SIZE temperatures in 1/16 degree C over the ADC's range, -60 .. 250 degrees C."""
     step = 4096 // (CURVE_SIZE - 1)
     points = []
@@ -54,7 +53,7 @@ def thermistor_curve(bldc: Bldc, board: Board) -> array:
         raw = min(max(i * step, 1), 4095)
         ohm = board.thermistor_pull_up_ohm * raw / (4096 - raw)
         points.append(round(16 * min(max(thermistor_C(bldc, ohm), -60.0), 250.0)))
-    return array("i", points)
+    return points
 
 
 def thermistor_C(bldc: Bldc, ohm: float) -> float:

@@ -1,6 +1,5 @@
 """Modules of a board's firmware that are no files of the sources: what it is, and whose robot it walks."""
 
-from array import array
 from importlib.metadata import version
 
 APPLICATION = "firmware/application.py"
@@ -43,5 +42,5 @@ ATTITUDE = {_array(attitude_block(robot))}
 '''
 
 
-def _array(block: array) -> str:  # type: ignore[type-arg]
-    return f'array("i", {list(block)})'
+def _array(block: list[int]) -> str:
+    return f'array("i", {block})'

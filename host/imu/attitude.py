@@ -4,7 +4,6 @@ States: ``aligning`` (at rest, gathering the start attitude and the gyro's bias)
 and last there is no attitude, so the planner walks without balance; a sensor that comes back aligns again.
 """
 
-from array import array
 from collections.abc import Sequence
 
 from shared.attitude import (
@@ -19,6 +18,7 @@ from shared.attitude import (
     attitude_step,
     rate_q18,
 )
+from shared.runtime import zeros
 
 from ..robot_model import Robot
 from ..scale import attitude_block, rad
@@ -35,7 +35,7 @@ class Attitude:
 
     def __init__(self, robot: Robot, source: Imu, rate_hz: int | None = None) -> None:
         self.source = source
-        self.raw = array("i", [0] * COUNTS)
+        self.raw = zeros(COUNTS)
         self.block = attitude_block(robot, rate_hz)
         self.fault = ""
         self.note = ""

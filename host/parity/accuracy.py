@@ -3,13 +3,13 @@
 import importlib.util
 import math
 import random
-from array import array
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from shared import body, fixed, leg
 from shared import params as p
+from shared.runtime import zeros
 
 from ..kinematics_si import Vector, leg_forward
 from ..robot_file import load_robot, robot_names
@@ -80,7 +80,7 @@ def _leg_errors(name: str, samples: int) -> list[float]:
     params = core_params(robot)
     unit_mm = 1000 * 2.0 ** -params[p.P_LENGTH_SHIFT]
     dice = random.Random(3)
-    feet, joints = array("i", [0] * 12), array("i", [0] * 12)
+    feet, joints = zeros(12), zeros(12)
     errors = []
     for at in range(samples):
         number = at % 4
@@ -88,14 +88,14 @@ def _leg_errors(name: str, samples: int) -> list[float]:
         angles = [dice.randint(a, b) for a, b in zip(low, high, strict=True)]
         reached = leg_forward(links, robot.side(number), _rads(angles))
         foot = [round(v) for v in reached]
-        feet[number * 3 : number * 3 + 3] = array("i", foot)
+        feet[number * 3 : number * 3 + 3] = foot
         leg.leg_inverse(params, number, feet, joints)
         solved = leg_forward(links, robot.side(number), _rads(list(joints[number * 3 : number * 3 + 3])))
         errors.append(math.dist(foot, solved) * unit_mm)
     return errors
 
 
-def _leg_data(params: "array[int]", number: int) -> tuple[Vector, list[int], list[int]]:
+def _leg_data(params: list[int], number: int) -> tuple[Vector, list[int], list[int]]:
     """Return link lengths in lu and the joint limits in brad of one leg's block."""
     base = p.P_SIZE_BODY + number * p.LEG_SIZE
     links = (float(abs(params[base + p.LEG_SIDE_L1])), float(params[base + p.LEG_L2]), float(params[base + p.LEG_L3]))
@@ -112,8 +112,8 @@ def _body_errors(name: str, samples: int) -> list[float]:
     params = core_params(load_robot(name))
     unit_mm = 1000 * 2.0 ** -params[p.P_LENGTH_SHIFT]
     dice = random.Random(4)
-    pose, rotation = array("i", [0] * body.POSE_SIZE), array("i", [0] * 9)
-    feet, hip_feet = array("i", [0] * 12), array("i", [0] * 12)
+    pose, rotation = zeros(body.POSE_SIZE), zeros(9)
+    feet, hip_feet = zeros(12), zeros(12)
     errors = []
     for at in range(samples // 4):
         number = at % 4

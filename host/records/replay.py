@@ -48,9 +48,9 @@ def replay(record: Record) -> Replay:
     return Replay(len(rows), "", same_core)
 
 
-def _block(values: list[int] | list[str], size: int, record: Record) -> array:  # type: ignore[type-arg]
+def _block(values: list[int] | list[str], size: int, record: Record) -> list[int]:
     try:
-        block = array("i", [int(value) for value in values])
+        block = list(array("i", [int(value) for value in values]))  # an array refuses what is no 32-bit number
     except (ValueError, OverflowError):
         raise UserError(f"{record.path}: a planner block is damaged: allowed: whole numbers of 32 bits") from None
     if len(block) != size:

@@ -125,6 +125,7 @@ def i2t_step(cfg, state, square: int) -> int:
 
 @hot
 def _node(value: int) -> int:
+    """Return ``value`` within what a node of the model holds."""
     if value < 0:
         return 0
     if value > _NODE_MOST:

@@ -118,8 +118,8 @@ def test_a_gait_board_gets_its_robots_integers():
         modules = generated_modules("gait", name)
         robot, found = load_robot(name), {}
         exec(modules[ROBOT_PARAMS], found)
-        assert found["PARAMS"] == core_params(robot)
-        assert found["ATTITUDE"] == attitude_block(robot)
+        assert list(found["PARAMS"]) == core_params(robot)
+        assert list(found["ATTITUDE"]) == attitude_block(robot)
         assert "PROTOCOL = None" in modules[APPLICATION]
     joint = generated_modules("joint", "caramelo")
     assert list(joint) == [APPLICATION]

@@ -106,7 +106,7 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
     params = BLOCKS[name]
     feet, hip_feet, reached, joints = (array("i", [0] * 12) for _ in range(4))
     for leg in range(4):
-        feet[leg * 3 : leg * 3 + 3] = params[base_of(leg) + p.LEG_REST : base_of(leg) + p.LEG_REST + 3]
+        feet[leg * 3 : leg * 3 + 3] = array("i", params[base_of(leg) + p.LEG_REST : base_of(leg) + p.LEG_REST + 3])
     stayed = 0
     for pose in poses(params, 1500, 9):
         rotation, packed = rotated(pose), array("i", pose)

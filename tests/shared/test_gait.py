@@ -12,6 +12,7 @@ from shared import params as p
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_NAMES, GAITS
+from shared.runtime import zeros
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
 
@@ -244,7 +245,7 @@ def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
         assert made[g.G_CYCLE] == exact.cycle
         for leg in range(4):
             assert made[g.G_STANCE_Q10 + leg] / 1024 == pytest.approx(exact.way_of_stance[leg], abs=0.25)
-        clock = type(params)("i", [0] * g.CLOCK_SIZE)
+        clock = zeros(g.CLOCK_SIZE)
         for place in range(exact.cycle):
             assert s.body_advance(made, clock) / 1024 == pytest.approx(exact.way(place), abs=8e-3 + 5e-5 * exact.cycle)
             assert g.gait_clock(made, clock) == (place == exact.cycle - 1)

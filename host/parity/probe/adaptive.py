@@ -1,10 +1,10 @@
 """shared/adaptive.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
 
-from array import array
 
 from shared import adaptive
 from shared.gait import CLOCK_SEGMENT, CLOCK_SIZE, CLOCK_TICK, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
+from shared.runtime import zeros
 from shared.steps import SPEED_SIZE, STEPS_SIZE, steps_reset
 
 from .draw import Range
@@ -14,13 +14,13 @@ from .robots import PARAMS
 
 LEGS_FROM = 3
 PLACE = Range(-18900, 18900)  # three squares of it are below 2^30
-ANGLES = Block(array("i", [0] * 16), (16, BRAD))
-REACHED = Block(array("i", [0] * 12), (12, PLACE))
-POSED = Block(array("i", [0] * 6), (3, Range(-65535, 65535)), (3, BRAD))
-SPEED = Block(array("i", [0] * SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
-DRIVE = array("i", [0] * SPEED_SIZE)
-STEPS = array("i", [0] * STEPS_SIZE)
-CLOCK = array("i", [0] * CLOCK_SIZE)
+ANGLES = Block(zeros(16), (16, BRAD))
+REACHED = Block(zeros(12), (12, PLACE))
+POSED = Block(zeros(6), (3, Range(-65535, 65535)), (3, BRAD))
+SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
+DRIVE = zeros(SPEED_SIZE)
+STEPS = zeros(STEPS_SIZE)
+CLOCK = zeros(CLOCK_SIZE)
 FLAG = Range(0, 1)
 GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
 WALK = adaptive.Adaptive(PARAMS[0])

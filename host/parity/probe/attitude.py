@@ -1,15 +1,15 @@
 """shared/attitude.py: any int16 readings, half of them near 1 g so that they are believed."""
 
-from array import array
 
 from shared import attitude
+from shared.runtime import zeros
 
 from .draw import Range
 from .probe import Probe
 from .robots import ATTITUDES
 
-BLOCK = array("i", [0] * attitude.ATTITUDE_SIZE)
-COUNTS = array("i", [0] * 6)
+BLOCK = zeros(attitude.ATTITUDE_SIZE)
+COUNTS = zeros(6)
 INT16 = Range(-32768, 32767)
 UNIT = Range(-(1 << 22), 1 << 22)
 RATE = Range(-(1 << 15), 1 << 15)

@@ -1,17 +1,17 @@
 """shared/balance.py: both controllers of each robot, fed noise."""
 
-from array import array
 
 from shared import balance
 from shared.body import POSE_SIZE
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 
-BLOCK = array("i", [0] * balance.BALANCE_SIZE)
-POSE = Block(array("i", [0] * POSE_SIZE), (POSE_SIZE, BRAD))
+BLOCK = zeros(balance.BALANCE_SIZE)
+POSE = Block(zeros(POSE_SIZE), (POSE_SIZE, BRAD))
 TILT = Range(-32768, 32768)
 
 

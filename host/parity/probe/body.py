@@ -1,8 +1,8 @@
 """shared/body.py: any pose over feet anywhere near; rotations are always ones the core made."""
 
-from array import array
 
 from shared import body
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG, ROBOT
@@ -10,12 +10,12 @@ from .probe import Block, Probe
 
 UNIT = Range(-32767, 32767)
 LENGTH = Range(-(1 << 28), 1 << 28)
-POSE = Block(array("i", [0] * body.POSE_SIZE), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
-FEET = Block(array("i", [0] * 12), (12, LENGTH))
-NEAR_POSE = Block(array("i", [0] * body.POSE_SIZE), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
-NEAR_FEET = Block(array("i", [0] * 12), (12, Range(-32767, 32767)))
-ROTATION = array("i", [0] * 9)
-HIP_FEET = array("i", [0] * 12)
+POSE = Block(zeros(body.POSE_SIZE), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
+FEET = Block(zeros(12), (12, LENGTH))
+NEAR_POSE = Block(zeros(body.POSE_SIZE), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
+NEAR_FEET = Block(zeros(12), (12, Range(-32767, 32767)))
+ROTATION = zeros(9)
+HIP_FEET = zeros(12)
 
 
 def _rotate(values, dice):

@@ -1,18 +1,18 @@
 """shared/command.py: any command block, limited and slewed."""
 
-from array import array
 
 from shared import command
 from shared.body import POSE_SIZE
+from shared.runtime import zeros
 from shared.steps import SPEED_SIZE
 
 from .draw import Range
 from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
 from .probe import Block, Probe
 
-COMMAND = Block(array("i", [0] * command.COMMAND_SIZE), (command.COMMAND_SIZE, INT30))
-SPEED = array("i", [0] * SPEED_SIZE)
-POSE = array("i", [0] * POSE_SIZE)
+COMMAND = Block(zeros(command.COMMAND_SIZE), (command.COMMAND_SIZE, INT30))
+SPEED = zeros(SPEED_SIZE)
+POSE = zeros(POSE_SIZE)
 
 
 def _use_gait(values, dice):

@@ -1,8 +1,8 @@
 """shared/compliance.py: any lever, force and angle."""
 
-from array import array
 
 from shared import compliance
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
@@ -11,8 +11,8 @@ from .probe import Block, Probe
 LEVER = Range(-32767, 32767)
 FORCE = Range(-16383, 16383)
 ANY_FORCE = Range(-(1 << 30), (1 << 30) - 1)
-FOOT = Block(array("i", [0] * 12), (12, LEVER))
-JOINTS = Block(array("i", [0] * 12), (12, BRAD))
+FOOT = Block(zeros(12), (12, LEVER))
+JOINTS = Block(zeros(12), (12, BRAD))
 
 PROBES = (
     Probe("torque", compliance.torque, (LEVER, FORCE)),

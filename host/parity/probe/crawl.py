@@ -1,6 +1,5 @@
 """The crawl, shared/crawl*.py and its helpers: any state whose places lie within 32767 lu, and long crawls."""
 
-from array import array
 
 from shared import (
     contact,
@@ -20,6 +19,7 @@ from shared import crawl_layout as at
 from shared.command import C_SPEED, COMMAND_SIZE
 from shared.filters import fraction, quintic_q15
 from shared.params import P_SIZE
+from shared.runtime import zeros
 from shared.sensing import M_FORCE_Q12, M_LEVEL, SENSING_SIZE, keep_sent, sense_legs, sensing_reset
 from shared.steps import STEPS_SIZE
 
@@ -47,11 +47,11 @@ SOURCES = (
 CRAWL = crawl.Crawl(PARAMS[0])
 STATE = CRAWL.state
 SET = CRAWL.settings
-LIMBS = array("i", [0] * P_SIZE)
-SETTINGS = array("i", [0] * at.K_SIZE)
-SENSING = array("i", [0] * SENSING_SIZE)
-JOINTS = array("i", [0] * 12)
-GOALS = array("i", [0] * 12)
+LIMBS = zeros(P_SIZE)
+SETTINGS = zeros(at.K_SIZE)
+SENSING = zeros(SENSING_SIZE)
+JOINTS = zeros(12)
+GOALS = zeros(12)
 PLACE = Range(-(1 << 23), (1 << 23) - 1)
 LU = Range(-32767, 32767)
 HIND = Range(2, 3)
@@ -158,10 +158,10 @@ class _Walk:
 
 WALK = _Walk()
 TILT = Range(-600, 600)
-STEPS = array("i", [0] * STEPS_SIZE)
-COMMAND = array("i", [0] * COMMAND_SIZE)
-RETREAT = array("i", [0] * retreat.RETREAT_SIZE)
-FADE = array("i", [0] * handover.FADE_SIZE)
+STEPS = zeros(STEPS_SIZE)
+COMMAND = zeros(COMMAND_SIZE)
+RETREAT = zeros(retreat.RETREAT_SIZE)
+FADE = zeros(handover.FADE_SIZE)
 
 
 def _any_speed(values, dice):

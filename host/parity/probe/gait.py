@@ -1,16 +1,16 @@
 """shared/gait.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
 
-from array import array
 
 from shared import gait
 from shared.gaits import GAITS
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .probe import Pick, Probe
 
-CLOCK = array("i", [0] * gait.CLOCK_SIZE)
-BLOCK = array("i", [0] * (gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE))
+CLOCK = zeros(gait.CLOCK_SIZE)
+BLOCK = zeros(gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE)
 ROW = [400, 0, 1]
 
 

@@ -1,8 +1,8 @@
 """shared/ground.py: any feet as measured, any tilt and lag."""
 
-from array import array
 
 from shared import ground
+from shared.runtime import zeros
 from shared.sensing import SENSING_SIZE
 from shared.steps import STEPS_SIZE
 
@@ -12,8 +12,8 @@ from .probe import Block, Probe
 
 LF = Range(-(1 << 22), 1 << 22)
 LENGTH = Range(-65535, 65535)
-SENSING = Block(array("i", [0] * SENSING_SIZE), (12, LENGTH))
-STEPS = Block(array("i", [0] * STEPS_SIZE), *([(2, LF), (1, LENGTH), (5, Range(0, 1000))] * 4))
+SENSING = Block(zeros(SENSING_SIZE), (12, LENGTH))
+STEPS = Block(zeros(STEPS_SIZE), *([(2, LF), (1, LENGTH), (5, Range(0, 1000))] * 4))
 
 PROBES = (
     Probe("twist", ground.twist, (SENSING, BRAD, BRAD)),

@@ -1,6 +1,5 @@
 """shared/joint: the functions of plain numbers, each over its stated range."""
 
-from array import array
 
 from shared.joint import (
     cascade,
@@ -15,6 +14,7 @@ from shared.joint import (
     thermal,
     transforms,
 )
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import INT30
@@ -47,7 +47,7 @@ ADC = Range(0, 4095)
 ACCEL = Range(0, 65535)
 RATE_MAX = Range(1, (1 << 18) - 1)
 DISTANCE = Range(0, (1 << 29) - 1)
-STATE = array("i", [0] * 64)
+STATE = zeros(64)
 
 
 def _on_circle(values, dice):

@@ -1,6 +1,5 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
-from array import array
 
 from shared.joint import layout as j
 from shared.joint.calibration import CAL_SIZE
@@ -8,18 +7,19 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.runtime import zeros
 from shared.wire.names import MODE_CALIBRATING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
 from .draw import Range
-from .probe import Pick
+from .probe import Head, Pick
 from .robots import JOINTS
 
-FOC = array("i", [0] * j.FOC_SIZE)
-FIELDS = memoryview(FOC)[: j.F_SINE]  # without the sine table, which nothing changes
-CFG = array("i", [0] * j.CFG_SIZE)
-STATE = array("i", [0] * j.STATE_SIZE)
-IO = array("i", [0] * j.IO_SIZE)
-CAL = array("i", [0] * CAL_SIZE)
+FOC = zeros(j.FOC_SIZE)
+FIELDS = Head(FOC, j.F_SINE)  # without the sine table, which nothing changes
+CFG = zeros(j.CFG_SIZE)
+STATE = zeros(j.STATE_SIZE)
+IO = zeros(j.IO_SIZE)
+CAL = zeros(CAL_SIZE)
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 

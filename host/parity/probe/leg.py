@@ -1,19 +1,19 @@
 """shared/leg.py: kinematics of one leg, on feet brought into reach first as the planner does."""
 
-from array import array
 
 from shared import leg
 from shared.reach import reach_foot
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 
-ANY_ANGLES = Block(array("i", [0] * 12), (12, Range(-(1 << 28), 1 << 28)))
-ANGLES = Block(array("i", [0] * 12), (12, BRAD))
-ANY_FEET = Block(array("i", [0] * 12), (12, Range(-40000, 40000)))
-FEET = array("i", [0] * 12)
-JOINTS = array("i", [0] * 12)
+ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
+ANGLES = Block(zeros(12), (12, BRAD))
+ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))
+FEET = zeros(12)
+JOINTS = zeros(12)
 
 
 def _bring_into_reach(values, dice):

@@ -1,8 +1,8 @@
 """shared/load.py: any feet, any weights, any centre of mass."""
 
-from array import array
 
 from shared import load
+from shared.runtime import zeros
 
 from .draw import Range
 from .probe import Block, Probe
@@ -10,11 +10,11 @@ from .probe import Block, Probe
 PLACE = Range(-32767, 32767)
 FORCE = Range(0, 16383)
 PLANAR = Range(0, 1)
-FEET = Block(array("i", [0] * 12), (12, PLACE))
-WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, load.STANDS_Q8)))
+FEET = Block(zeros(12), (12, PLACE))
+WEIGHTS = Block(zeros(4), (4, Range(0, load.STANDS_Q8)))
 ARM = Range(-1023, 1023)
 BLOCK = Block(
-    array("i", [0] * load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
+    zeros(load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
 )
 
 

@@ -1,8 +1,8 @@
 """shared/navigate.py: any errors, speeds and ways of a tick."""
 
-from array import array
 
 from shared import navigate
+from shared.runtime import zeros
 from shared.steps import SPEED_SIZE
 
 from .draw import Range
@@ -11,9 +11,9 @@ from .probe import Block, Probe
 
 LF = Range(-(1 << 22), 1 << 22)
 PLACE = Range(-32767, 32767)
-NAV = Block(array("i", [0] * navigate.NAV_SIZE), (2, LF), (1, Range(-91750, 91750)))
-SPEED = Block(array("i", [0] * SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
-DRIVE = array("i", [0] * SPEED_SIZE)
+NAV = Block(zeros(navigate.NAV_SIZE), (2, LF), (1, Range(-91750, 91750)))
+SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
+DRIVE = zeros(SPEED_SIZE)
 KNOWN = Range(0, 1)
 
 PROBES = (

@@ -1,13 +1,13 @@
 """shared/pid.py: a controller whose gains change now and then, its state carried from vector to vector."""
 
-from array import array
 
 from shared import pid
+from shared.runtime import zeros
 
 from .draw import Range
 from .probe import Probe
 
-BLOCK = array("i", [0] * (2 * pid.PID_SIZE))
+BLOCK = zeros(2 * pid.PID_SIZE)
 BASE = Range(0, 1)
 SIGNAL = Range(-(1 << 20), 1 << 20)
 _GAIN = Range(0, 32767)

@@ -1,17 +1,17 @@
 """shared/posture.py: slow moves between any two poses."""
 
-from array import array
 
 from shared import posture
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 
-JOINTS = Block(array("i", [0] * 12), (12, BRAD))
-GOAL = Block(array("i", [0] * 12), (12, BRAD))
-MOVE = array("i", [0] * posture.MOVE_SIZE)
-OUT = array("i", [0] * 12)
+JOINTS = Block(zeros(12), (12, BRAD))
+GOAL = Block(zeros(12), (12, BRAD))
+MOVE = zeros(posture.MOVE_SIZE)
+OUT = zeros(12)
 TICKS = Range(1, 1 << 28)
 
 

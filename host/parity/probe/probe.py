@@ -25,6 +25,25 @@ class Pick:
         self.choices = choices
 
 
+class Head:
+    """The first ``size`` numbers of an array, to be watched where the rest never changes."""
+
+    def __init__(self, array, size: int) -> None:
+        self.array = array
+        self.size = size
+
+    def __len__(self) -> int:
+        return self.size
+
+    def __getitem__(self, at: int) -> int:
+        if at >= self.size:  # ends a loop over it
+            raise IndexError
+        return int(self.array[at])
+
+    def __setitem__(self, at: int, value: int) -> None:
+        self.array[at] = value
+
+
 class Probe:
     """How to feed one function, and what is promised about it.
 

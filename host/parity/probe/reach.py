@@ -1,19 +1,19 @@
 """shared/reach.py: feet anywhere a 30-bit number can put them."""
 
-from array import array
 
 from shared import reach
 from shared.params import LEG_SIDE_L1, LEG_SIZE, P_SIZE_BODY
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import INT30, LEG, ROBOT
 from .probe import Block, Probe
 
-ANYWHERE = Block(array("i", [0] * 12), (12, INT30))
-NEARBY = Block(array("i", [0] * 12), (12, Range(-40000, 40000)))
-WITHIN = Block(array("i", [0] * 12), (12, Range(-18000, 18000)))
-CLOSE = Block(array("i", [0] * 12), (12, Range(-15000, 15000)))
-REACHED = array("i", [0] * 12)
+ANYWHERE = Block(zeros(12), (12, INT30))
+NEARBY = Block(zeros(12), (12, Range(-40000, 40000)))
+WITHIN = Block(zeros(12), (12, Range(-18000, 18000)))
+CLOSE = Block(zeros(12), (12, Range(-15000, 15000)))
+REACHED = zeros(12)
 SIDE = Range(-32767, 32767)
 
 

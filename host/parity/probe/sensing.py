@@ -1,18 +1,18 @@
 """shared/sensing.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
 
-from array import array
 
 from shared import sensing
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 
-ANGLES = Block(array("i", [0] * 16), (16, BRAD))
-GOALS = Block(array("i", [0] * 12), (12, BRAD))
-WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, 1)))
-BLOCK = array("i", [0] * sensing.SENSING_SIZE)
+ANGLES = Block(zeros(16), (16, BRAD))
+GOALS = Block(zeros(12), (12, BRAD))
+WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
+BLOCK = zeros(sensing.SENSING_SIZE)
 DROP = Range(-32767, 32767)
 ANGLE18 = Range(-131072, 131071)
 PLACE = Range(-65534, 65534)

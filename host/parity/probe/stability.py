@@ -1,17 +1,17 @@
 """shared/stability.py: any feet, standing or not, and any point."""
 
-from array import array
 
 from shared import stability
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG
 from .probe import Block, Probe
 
 PLACE = Range(-32767, 32767)
-FEET = Block(array("i", [0] * 12), (12, PLACE))
-WEIGHTS = Block(array("i", [0] * 4), (4, Range(0, 1)))
-POINT = Block(array("i", [0] * 2), (2, PLACE))
+FEET = Block(zeros(12), (12, PLACE))
+WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
+POINT = Block(zeros(2), (2, PLACE))
 
 PROBES = (
     Probe("around", stability.around, (Range(-8, 8),)),

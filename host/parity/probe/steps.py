@@ -1,20 +1,20 @@
 """shared/steps.py: feet anywhere in their stride, in every gait, at every speed the gait allows."""
 
-from array import array
 
 from shared import steps
 from shared.gait import CLOCK_SIZE, G_VX_MAX
 from shared.params import LEG_REST, LEG_SIZE, LF_BITS, P_SIZE_BODY
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .gait import draw_clock
 from .probe import Probe
 
-STEPS = array("i", [0] * steps.STEPS_SIZE)
-SPEED = array("i", [0] * steps.SPEED_SIZE)
-CLOCK = array("i", [0] * CLOCK_SIZE)
-FEET = array("i", [0] * 12)
+STEPS = zeros(steps.STEPS_SIZE)
+SPEED = zeros(steps.SPEED_SIZE)
+CLOCK = zeros(CLOCK_SIZE)
+FEET = zeros(12)
 HEIGHT = Range(0, 6000)
 SPEED_LF = Range(-(1 << 19) + 1, (1 << 19) - 1)
 TICKS_Q10 = Range(0, (1 << 24) - 1)

@@ -1,8 +1,8 @@
 """shared/sway.py: any feet, any centre of mass."""
 
-from array import array
 
 from shared import sway
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG, ROBOT
@@ -10,7 +10,7 @@ from .probe import Block, Probe
 
 PLACE = Range(-32767, 32767)
 FAR = Range(-65535, 65535)
-FEET = Block(array("i", [0] * 12), (12, PLACE))
+FEET = Block(zeros(12), (12, PLACE))
 
 PROBES = (
     Probe("smooth_q12", sway.smooth_q12, (Range(-100, 262143), Range(0, 262143))),

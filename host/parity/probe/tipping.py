@@ -1,8 +1,8 @@
 """shared/tipping.py: any turns over any diagonal, with what was learnt before."""
 
-from array import array
 
 from shared import tipping
+from shared.runtime import zeros
 
 from .draw import Range
 from .draws import HALF30, LEG, ROBOT
@@ -10,8 +10,8 @@ from .probe import Block, Probe
 
 SUM = Range(-16383, 16383)
 LF = Range(-(1 << 20), 1 << 20)
-TIP = Block(array("i", [0] * tipping.TIP_SIZE), (2, SUM), (2, LF), (1, Range(0, 8)))
-FEET = Block(array("i", [0] * 12), (12, Range(-32767, 32767)))
+TIP = Block(zeros(tipping.TIP_SIZE), (2, SUM), (2, LF), (1, Range(0, 8)))
+FEET = Block(zeros(12), (12, Range(-32767, 32767)))
 
 PROBES = (
     Probe("tip_reset", tipping.tip_reset, (TIP, Range(0, 1)), watch=(TIP.array,)),
