@@ -12,11 +12,13 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
 
+from ..child import end_child
 from ..errors import NOT_ACHIEVED, UserError
 from ..imu.base import Imu, ImuError, ImuLate
 
 START_S = 30.0
 ANSWER_S = 10.0  # an order outside of a control loop may wait for a busy machine
+END_S = 2.0
 IMU_S = 0.004  # a reading must not hold up a tick; the same patience as with a servo (host/servos/port.py)
 MOST_OWED = 20  # late answers before no more orders are sent: a pipe that nobody reads must not fill up
 CHUNK = 4096
@@ -108,17 +110,8 @@ class Emulator:
     def stop(self) -> None:
         """End it; may be called twice."""
         process, self._process = self._process, None
-        if process is None:
-            return
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdin.close()
-        try:
-            process.wait(2.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdout.close()
+        if process is not None:
+            end_child(process, END_S)
 
     def __enter__(self) -> Self:
         self.start()

@@ -12,10 +12,12 @@ from pathlib import Path
 from shutil import copytree, ignore_patterns
 from typing import Any
 
+from ..child import end_child
 from ..errors import NOT_ACHIEVED, UserError
 from .vm import messages as m
 
 ANSWER_S = 30.0  # a loaded machine takes long to start a VM; after it there is one millisecond's work at a time
+END_S = 5.0
 PACKAGE = "joint_vm"
 EMITTER, ARCH = "viper", "x64"
 
@@ -103,17 +105,8 @@ class VmInside:
     def close(self) -> None:
         """End the VM; may be called twice."""
         process, self._process = self._process, None
-        if process is None:
-            return
-        assert process.stdin is not None
-        assert process.stdout is not None
-        process.stdin.close()
-        try:
-            process.wait(5.0)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        process.stdout.close()
+        if process is not None:
+            end_child(process, END_S)
 
 
 @cache

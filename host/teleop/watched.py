@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from ..child import end_child
 from ..errors import NOT_ACHIEVED, UserError
 
 START_S = 30.0
@@ -137,11 +138,7 @@ class Watched:
         if self.process.poll() is None:
             with contextlib.suppress(Exception):
                 self.stop()
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        if self.process.stdout is not None:
-            self.process.stdout.close()
+        end_child(self.process, 0.0)
         for descriptor in self._terminal or ():
             os.close(descriptor)
         self._terminal = None

@@ -6,9 +6,11 @@ import subprocess
 import sys
 from dataclasses import dataclass
 
+from ..child import end_child
 from ..errors import UserError
 
 START_S = 15.0
+END_S = 3.0
 DEFAULT = "127.0.0.1:8080"
 
 
@@ -24,11 +26,7 @@ class WebProcess:
     def close(self) -> None:
         """Hang up, which ends it."""
         self.stream.close()
-        try:
-            self.process.wait(3.0)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
+        end_child(self.process, END_S)
 
 
 def listen_address(text: str) -> tuple[str, int]:
