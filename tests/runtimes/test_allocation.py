@@ -6,9 +6,8 @@ from host.parity.figures import allocations
 from host.parity.frames import LARGEST_ON_STACK, deepest_frames, own_frames
 from host.runtimes import Unix, Wasi
 
+from ..marks import NEEDS_UNIX
 from .plant import plant
-
-NEEDS_UNIX = pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
 
 
 def test_nothing_of_a_tick_takes_memory_in_bytecode(bytecode, bound):

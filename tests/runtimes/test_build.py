@@ -11,6 +11,8 @@ from host.build.rewrite import EMITTERS, rewrite
 from host.build.source import ROOT, BuildError, closure, read_modules
 from host.runtimes import Unix
 
+from ..marks import NEEDS_UNIX
+
 HEAD = """from array import array
 
 from .runtime import const, hot, ptr16, ptr32
@@ -209,7 +211,7 @@ def test_the_manifest_carries_the_protocol(tmp_path):
     assert image.manifest["protocol"] == 0x1234
 
 
-@pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
+@NEEDS_UNIX
 def test_pointers_are_signed_on_x64_too(tmp_path):
     runtime = Unix("viper")
     sources = core(tmp_path / "root", GOOD)
@@ -218,7 +220,7 @@ def test_pointers_are_signed_on_x64_too(tmp_path):
     assert runtime.execute(tree, script) == "-106 array('i', [-5, -100])\n"
 
 
-@pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
+@NEEDS_UNIX
 def test_a_negated_name_keeps_its_value_on_x64(tmp_path):
     body = hot("p = ptr32(b)", "x = -a", "y = -p[0] * 2", "return a * 10000 + x * 100 + y")
     sources = core(tmp_path / "root", body)

@@ -7,6 +7,8 @@ from host.parity.figures import instructions as counted
 from host.runtimes import CortexM
 from host.runtimes.cortex_m import image_path, instructions
 
+from ..marks import skip_without
+
 
 @pytest.mark.parametrize(
     ("code", "count"),
@@ -27,7 +29,6 @@ def test_without_its_image_it_says_where_that_belongs(monkeypatch, tmp_path):
 @pytest.mark.slow
 def test_the_current_step_needs_no_more_instructions_than_the_first_prototype(sources, tmp_path):
     runtime = CortexM(counting=True)
-    if runtime.missing():
-        pytest.skip(str(runtime.missing()))
+    skip_without(runtime)
     found = counted(runtime, sources, tmp_path)
     assert 400 < found["joint.current_step"] <= INSTRUCTIONS_MOST["joint.current_step"]

@@ -10,6 +10,8 @@ from host.parity.bench import Bench
 from host.parity.figures import float_microseconds, fuel, microseconds
 from host.runtimes import Unix
 
+from ..marks import NEEDS_UNIX
+
 
 def test_no_function_costs_more_than_its_budget(sources, tmp_path):
     burnt = fuel(sources, tmp_path)
@@ -60,7 +62,7 @@ def test_a_missed_bar_is_told():
     assert bench.ticks("compiled_us") == {}
 
 
-@pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
+@NEEDS_UNIX
 def test_viper_beats_floats_in_the_same_vm(sources, tmp_path):
     viper = microseconds(Unix("viper"), sources, tmp_path / "viper", 20)
     floats = float_microseconds(Unix("viper"), sources, tmp_path / "floats", 20)

@@ -9,6 +9,7 @@ from host.parity.coverage import TracedNode, compare, cover
 from host.parity.figures import unregistered
 from host.runtimes import CPython, Runtime, Unix, Wasi
 
+from ..marks import skip_without
 from .plant import plant
 
 VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
@@ -86,8 +87,7 @@ def test_a_missing_runtime_says_why(sources, tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_statements_of_the_core_run_in_a_traced_vm(sources, tmp_path):
-    if TracedNode().missing():
-        pytest.skip(str(TracedNode().missing()))
+    skip_without(TracedNode())
     covered = cover(sources, tmp_path / "traced")
     assert covered.share >= 0.95, covered.sentence()
 

@@ -9,9 +9,9 @@ from host.parity.check import call
 from host.runtimes import Board, CPython, Node, RuntimeFailure, Unix, Wasi, all_runtimes, wasi
 from host.runtimes.process import run_command
 
+from ..marks import NEEDS_UNIX
 from .pretend_board import PretendBoard
 
-NEEDS_UNIX = pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
 ASK = "print('chatter')\nprint('@@{\"answer\": 42}')\n"
 
 

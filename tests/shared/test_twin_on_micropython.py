@@ -7,6 +7,7 @@ import pytest
 
 from host.runtimes.unix import Unix
 from tests.float_twin import sample
+from tests.marks import skip_without
 
 ROOT = Path(__file__).resolve().parents[2]
 USED = ("attitude", "balance", "body", "fixed", "gait", "leg", "pid", "planner", "reach", "sample", "swing")
@@ -15,8 +16,7 @@ SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.
 
 def test_every_number_of_the_sample_is_the_same(tmp_path):
     runtime = Unix("source")
-    if runtime.missing():
-        pytest.skip(runtime.missing())
+    skip_without(runtime)
     for package, names in (("float_twin", USED), ("shared", ("gaits", "runtime"))):
         (tmp_path / package).mkdir()
         (tmp_path / package / "__init__.py").write_text("")
