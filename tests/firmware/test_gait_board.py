@@ -2,9 +2,6 @@
 
 import math
 import random
-import shutil
-import subprocess
-import sys
 from array import array
 
 import pytest
@@ -15,10 +12,8 @@ from firmware.gait import GaitBoard
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import MISSING, STUCK
 from host.gait_board import GaitBoardLink
-from host.parity.sources import ROOT
 from host.plane import planar_robot
 from host.robot_file import load_robot
-from host.runtimes.unix import Unix
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
 from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
 from shared.command import C_BALANCE, C_MODE, C_SPEED, COMMAND_SIZE, MODE_WALK
@@ -33,6 +28,8 @@ from shared.planner_layout import (
 )
 from sim2d import terrain
 from sim2d.run import simulate
+
+from .gait_vm import start_gait_vm
 
 ROBOT = load_robot("caramelo")
 LEVEL = [0, 0, 0, 0, 0, 16384]
@@ -159,23 +156,11 @@ class VirtualBoard:
 
     rate_hz = 50
 
-    def __init__(self, tree):
-        params, attitude = core_params(ROBOT), attitude_block(ROBOT)
-        script = (
-            "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
-            f"run_piped(array('i', {list(params)}), array('i', {list(attitude)}))\n"
-        )
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "micropython_unix", "-c", script],
-            cwd=tree,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-        )
-        assert self.process.stdin
-        assert self.process.stdout
-        self.read, self.write, self.flush = self.process.stdout.read, self.process.stdin.write, self.process.stdin.flush
+    def __init__(self, process):
+        self.process = process
+        self.read, self.write, self.flush = process.stdout.read, process.stdin.write, process.stdin.flush
         self.link = GaitBoardLink(self)
-        self.planner, self.attitude = Planner(params), attitude
+        self.planner, self.attitude = Planner(core_params(ROBOT)), attitude_block(ROBOT)
         self.sensed = array("i", [0] * SENSED_SIZE)
         self.sensed[S_JOINTS_OK] = 1
         self.compared = 0
@@ -210,14 +195,7 @@ class VirtualBoard:
 
 
 def test_a_real_micropython_walks_the_simulator_bit_for_bit_like_the_host(tmp_path):
-    vm = Unix("viper")
-    if vm.missing():
-        pytest.skip(vm.missing())
-    sources = tmp_path / "sources"
-    sources.mkdir()
-    for package in ("shared", "firmware"):
-        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
-    board = VirtualBoard(vm.prepare(sources, tmp_path))
+    board = VirtualBoard(start_gait_vm(tmp_path, ROBOT))
     recording = simulate(planar_robot(ROBOT), board, terrain.flat(), duration_s=30, distance_m=0.3)
     assert recording.outcome.ok, recording.outcome.sentence
     assert board.compared > 400

@@ -3,10 +3,7 @@
 import os
 import pty
 import select
-import shutil
 import signal
-import subprocess
-import sys
 import time
 
 import pytest
@@ -14,15 +11,16 @@ import pytest
 from firmware import gait_main, link
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import STUCK
+from host.child import end_child
 from host.errors import UserError
 from host.imu.attitude import Attitude
 from host.imu.base import ImuError, ImuLate
 from host.imu.choose import open_source
 from host.imu.gait_board import GaitBoardImu
-from host.parity.sources import ROOT
 from host.robot_file import load_robot
-from host.runtimes.unix import Unix
 from host.scale import attitude_block, core_params
+
+from ...firmware.gait_vm import start_gait_vm
 
 ROBOT = load_robot("caramelo")
 COUNTS = (-3, 7, -32768, 120, -4, 16384)
@@ -39,13 +37,8 @@ def frame(kind, *values, size=2):
 class VmStream:
     """The board's program in a process; its sensor gets ``counts`` before each question, if there are any."""
 
-    def __init__(self, tree):
-        script = (
-            "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
-            f"run_piped(array('i', {list(core_params(ROBOT))}), array('i', {list(attitude_block(ROBOT))}))\n"
-        )
-        command = [sys.executable, "-m", "micropython_unix", "-c", script]
-        self.process = subprocess.Popen(command, cwd=tree, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0)
+    def __init__(self, process):
+        self.process = process
         self.counts = COUNTS
 
     def fileno(self):
@@ -68,19 +61,9 @@ class VmStream:
 
 @pytest.fixture
 def vm(tmp_path):
-    unix = Unix("viper")
-    if unix.missing():
-        pytest.skip(unix.missing())
-    sources = tmp_path / "sources"
-    sources.mkdir()
-    for package in ("shared", "firmware"):
-        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
-    stream = VmStream(unix.prepare(sources, tmp_path))
+    stream = VmStream(start_gait_vm(tmp_path, ROBOT, bufsize=0))
     yield stream
-    stream.process.kill()
-    stream.process.wait()
-    for end in (stream.process.stdin, stream.process.stdout):
-        end.close()
+    end_child(stream.process, 0.0)
 
 
 def opened(vm, patience=20):

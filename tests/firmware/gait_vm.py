@@ -1,0 +1,32 @@
+"""The gait board's program in the unix VM: the real firmware behind pipes, which are its serial link."""
+
+import shutil
+import subprocess
+import sys
+
+from host.parity.sources import ROOT
+from host.runtimes.unix import Unix
+from host.scale import attitude_block, core_params
+
+from ..marks import skip_without
+
+
+def start_gait_vm(work, robot, bufsize=-1):
+    """Compile the firmware in the folder ``work`` and start it for a robot; ``bufsize`` is Popen's, of both pipes."""
+    unix = Unix("viper")
+    skip_without(unix)
+    sources = work / "sources"
+    sources.mkdir()
+    for package in ("shared", "firmware"):
+        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
+    script = (
+        "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
+        f"run_piped(array('i', {list(core_params(robot))}), array('i', {list(attitude_block(robot))}))\n"
+    )
+    return subprocess.Popen(
+        [sys.executable, "-m", "micropython_unix", "-c", script],
+        cwd=unix.prepare(sources, work),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        bufsize=bufsize,
+    )
