@@ -1,6 +1,7 @@
 """What is wrong with the joints as a whole: each is noticed, named, and answered by the whole robot."""
 
 from concurrent.futures import wait
+from contextlib import contextmanager
 
 import pytest
 
@@ -53,13 +54,22 @@ class Rig:
         self.run_until(lambda: self.supervisor.state == "standing", STILL)
 
 
+@contextmanager
+def opened(threaded=False):
+    """Yield the robot with its bus open; whatever happens, its threads and joints end."""
+    rig = Rig(threaded)
+    try:
+        rig.bus.open()
+        yield rig
+    finally:
+        rig.bus.close()
+        rig.sim.close()
+
+
 @pytest.fixture
 def rig():
-    rig = Rig()
-    rig.bus.open()
-    yield rig
-    rig.bus.close()
-    rig.sim.close()
+    with opened() as rig:
+        yield rig
 
 
 @pytest.fixture
@@ -211,9 +221,7 @@ def test_after_a_stop_on_the_bus_the_driver_resets_and_stands_up_again(rig):
 
 def test_the_cycle_in_a_thread_of_its_own_stands_the_robot_up():
     """The thread moves the simulated time, so that a busy machine makes no difference."""
-    rig = Rig(threaded=True)
-    try:
-        rig.bus.open()
+    with opened(threaded=True) as rig:
         rig.run_until(lambda: rig.supervisor.measured.complete)
         rig.loop.receive(SCRIPT, STAND)
         rig.run_until(lambda: rig.supervisor.armed, STILL)
@@ -222,15 +230,10 @@ def test_the_cycle_in_a_thread_of_its_own_stands_the_robot_up():
         end_s = rig.bus.now() + 0.02
         rig.bus.run_until(end_s)
         assert rig.sim.torque_free
-    finally:
-        rig.bus.close()
-        rig.sim.close()
 
 
 def test_torque_that_nobody_waits_for_any_more_is_taken_away():
-    rig = Rig(threaded=True)
-    try:
-        rig.bus.open()
+    with opened(threaded=True) as rig:
         assert not rig.bus.try_torque()
         wait([rig.bus._arming])
         assert not rig.sim.torque_free
@@ -239,24 +242,15 @@ def test_torque_that_nobody_waits_for_any_more_is_taken_away():
         rig.bus.run_for(0.1)
         assert rig.sim.torque_free
         assert rig.bus.read().complete
-    finally:
-        rig.bus.close()
-        rig.sim.close()
 
 
 def test_a_cycle_that_ends_is_told(monkeypatch):
-    rig = Rig(threaded=True)
-    try:
-        rig.bus.open()
-        monkeypatch.setattr(rig.bus.cycle, "step", lambda: 1 / 0)
+    with opened(threaded=True) as rig, monkeypatch.context() as patch:
+        patch.setattr(rig.bus.cycle, "step", lambda: 1 / 0)
         with pytest.raises(UserError, match="the cycle on simulated has ended: division by zero"):
             rig.bus.run_for(60.0)
         with pytest.raises(UserError, match="has ended"):
             rig.bus.read()
-    finally:
-        monkeypatch.undo()
-        rig.bus.close()
-        rig.sim.close()
 
 
 def test_teleoperation_opens_the_joints_and_tells_when_nobody_answers():
