@@ -15,6 +15,7 @@ FLAGS = (
     "--disable-component-update",
     "--disable-sync",
 )
+DESK = {"width": 1280, "height": 900}
 # A gamepad that the caller moves: window.pad is what the browser would tell.
 FAKE_PAD = """
 window.pad = {connected: true, axes: [0, 0, 0, 0], buttons: Array.from({length: 17}, () => ({pressed: false}))};
@@ -37,18 +38,25 @@ def missing() -> str:
 
 
 @contextmanager
-def open_page(url: str) -> Iterator[Any]:
-    """Yield the page once it may drive, with a gamepad that lies still."""
+def open_browser() -> Iterator[Any]:
+    """Yield the machine's own browser, without a window."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as library:
         browser = library.chromium.launch(executable_path=executable(), args=list(FLAGS))
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def open_page(url: str) -> Iterator[Any]:
+    """Yield the page once it may drive, with a gamepad that lies still."""
+    with open_browser() as browser:
+        page = browser.new_page(viewport=DESK)
         page.add_init_script(FAKE_PAD)
         page.goto(url)
         page.wait_for_selector("#take:enabled")
         yield page
-        browser.close()
 
 
 class PageKeys:

@@ -1,45 +1,27 @@
 """The page in a real browser: drive, stop, a second driver, a lost connection, phones and keyboards, latencies."""
 
 import contextlib
-import shutil
 
 import pytest
 
 from host.errors import UserError
 from host.robot_file import load_robot
+from host.web.browser import DESK, FAKE_PAD, missing, open_browser
 
 from .rig import Teleop
 
 playwright = pytest.importorskip("playwright.sync_api", reason="the library playwright is not installed")
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no browser: apt-get install chromium")
+pytestmark = pytest.mark.skipif(missing() != "", reason=missing())
 
-FLAGS = [
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
 ROBOT = load_robot("caramelo")
 PHONE = {"width": 390, "height": 844}
 LYING = {"width": 844, "height": 390}
-DESK = {"width": 1280, "height": 900}
-# A gamepad that the test moves: window.pad is what the browser would tell.
-FAKE_PAD = """
-window.pad = {connected: true, axes: [0, 0, 0, 0], buttons: Array.from({length: 17}, () => ({pressed: false}))};
-navigator.getGamepads = () => [window.pad];
-"""
 
 
 @pytest.fixture(scope="module")
 def browser():
-    with playwright.sync_playwright() as library:
-        browser = library.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+    with open_browser() as browser:
         yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")
@@ -243,26 +225,29 @@ def press_until(teleop, page, key, found):
     raise AssertionError(f"{key} does nothing")
 
 
-def measure(teleop, page, presses, stops):
-    """Press keys and stop; the loop measures from the browser's event to the packet, both by this machine's clock."""
-    for number in range(presses):
-        page.keyboard.down("w")
-        page.wait_for_timeout(47 + number % 13)
-        page.keyboard.up("w")
-        page.wait_for_timeout(31 + number % 17)
-    for _ in range(stops):
-        press_until(teleop, page, "Space", lambda status: status["stop"])
-        press_until(teleop, page, "r", lambda status: status["stop"] is None)
+def measured(browser, folder, presses, stops):
+    """Press keys and stop; return the figures of the command.
 
-
-def test_latency_is_measured_end_to_end(browser, tmp_path):
-    with Teleop(tmp_path) as teleop:
+    Its loop measures from the browser's event to the packet, both by this machine's clock.
+    """
+    with Teleop(folder) as teleop:
         page = browser.new_page()
         page.goto(teleop.url)
         page.wait_for_selector("#take:enabled")
         press_until(teleop, page, "t", lambda status: status["state"] == "standing")
-        measure(teleop, page, 15, 3)
-        figures = teleop.stop()
+        for number in range(presses):
+            page.keyboard.down("w")
+            page.wait_for_timeout(47 + number % 13)
+            page.keyboard.up("w")
+            page.wait_for_timeout(31 + number % 17)
+        for _ in range(stops):
+            press_until(teleop, page, "Space", lambda status: status["stop"])
+            press_until(teleop, page, "r", lambda status: status["stop"] is None)
+        return teleop.stop()
+
+
+def test_latency_is_measured_end_to_end(browser, tmp_path):
+    figures = measured(browser, tmp_path, 15, 3)
     keys, stops = figures["command_to_packet_ms"]["web"], figures["stop_to_packet_ms"]["web"]
     assert keys["count"] >= 25
     assert keys["p50"] < 100
@@ -272,13 +257,7 @@ def test_latency_is_measured_end_to_end(browser, tmp_path):
 
 @pytest.mark.slow
 def test_latency_figures(browser, tmp_path):
-    with Teleop(tmp_path) as teleop:
-        page = browser.new_page()
-        page.goto(teleop.url)
-        page.wait_for_selector("#take:enabled")
-        press_until(teleop, page, "t", lambda status: status["state"] == "standing")
-        measure(teleop, page, 300, 60)
-        figures = teleop.stop()
+    figures = measured(browser, tmp_path, 300, 60)
     print({key: figures[key] for key in ("command_to_packet_ms", "stop_to_packet_ms", "missed", "ticks", "busy_ms")})
     assert figures["command_to_packet_ms"]["web"]["p99"] <= 150, "five times what is aimed at: the machine may be busy"
     assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125
