@@ -43,6 +43,27 @@ def crc16(data: bytes) -> int:
     return value
 
 
+def _take_packet(buffer: bytearray, header: bytes, length_at: int, length_size: int) -> bytes | None:
+    """Take the first whole packet from the buffer, and what lies before it; None if there is none yet.
+
+    A packet starts with ``header``; its length, ``length_size`` bytes at ``length_at``, counts the bytes after it.
+    """
+    at = buffer.find(header)
+    if at < 0:
+        del buffer[: max(0, len(buffer) - len(header) + 1)]  # the rest may be a header's beginning
+        return None
+    del buffer[:at]
+    counted_from = length_at + length_size
+    if len(buffer) < counted_from:
+        return None
+    end = counted_from + int.from_bytes(buffer[length_at:counted_from], "little")
+    if len(buffer) < end:
+        return None
+    packet = bytes(buffer[:end])
+    del buffer[:end]
+    return packet
+
+
 class Framing2:
     """Protocol 2.0."""
 
@@ -50,19 +71,10 @@ class Framing2:
 
     def take(self, buffer: bytearray) -> Instruction | None:
         """Take the first whole packet from the buffer; None if there is none yet."""
-        at = buffer.find(HEADER_2)
-        if at < 0:
-            del buffer[: max(0, len(buffer) - 2)]
+        packet = _take_packet(buffer, HEADER_2, 5, 2)
+        if packet is None:
             return None
-        del buffer[:at]
-        if len(buffer) < 7:
-            return None
-        end = 7 + int.from_bytes(buffer[5:7], "little")
-        if len(buffer) < end:
-            return None
-        packet = bytes(buffer[:end])
-        del buffer[:end]
-        if end < 10:
+        if len(packet) < 10:
             return Instruction(packet[4], 0, b"", False)
         intact = crc16(packet[:-2]) == int.from_bytes(packet[-2:], "little")
         body = packet[7:-2].replace(b"\xff\xff\xfd\xfd", HEADER_2)
@@ -82,19 +94,10 @@ class Framing1:
 
     def take(self, buffer: bytearray) -> Instruction | None:
         """See Framing2."""
-        at = buffer.find(HEADER_1)
-        if at < 0:
-            del buffer[: max(0, len(buffer) - 1)]
+        packet = _take_packet(buffer, HEADER_1, 3, 1)
+        if packet is None:
             return None
-        del buffer[:at]
-        if len(buffer) < 4:
-            return None
-        end = 4 + buffer[3]
-        if len(buffer) < end:
-            return None
-        packet = bytes(buffer[:end])
-        del buffer[:end]
-        if end < 6:
+        if len(packet) < 6:
             return Instruction(packet[2], 0, b"", False)
         return Instruction(packet[2], packet[4], packet[5:-1], packet[-1] == ~sum(packet[2:-1]) & 0xFF)
 
