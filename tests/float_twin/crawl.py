@@ -71,14 +71,18 @@ def mass_ahead(com, pitch):
     return com[0] * math.cos(pitch) + com[1] * math.sin(pitch)
 
 
-def body_height(feet, hips, sides, place, pitch, wanted_m, reach_m):
-    """Return the greatest height up to ``wanted`` above the feet's mean from which all legs reach, by bisection."""
+def body_height(feet, hips, sides, place, pitch, wanted_m, reach_m, in_air=None):
+    """Return the greatest height up to ``wanted`` above the feet's mean from which all legs reach, by bisection.
+
+    ``in_air``: a leg that need not reach its old foothold.
+    """
     ground = middle(feet)[2]
 
     def longest(height):
         pose = [place[0], place[1], ground + height, 0.0, pitch, 0.0]
         legs = [twin_body.from_base(pose, foot, hip) for foot, hip in zip(feet, hips)]
-        return max([math.sqrt(x * x + y * y + z * z - s * s) for (x, y, z), s in zip(legs, sides)])
+        lengths = [math.sqrt(max(0.0, x * x + y * y + z * z - s * s)) for (x, y, z), s in zip(legs, sides)]
+        return max([length for leg, length in enumerate(lengths) if leg != in_air])
 
     if longest(wanted_m) <= reach_m:
         return wanted_m

@@ -9,9 +9,80 @@ from types import SimpleNamespace
 from host.robot_file import find, read_toml
 from host.robot_model import Robot
 from host.scale import BRAD_PER_RAD, core_params
+from shared import crawl_layout
 from shared import params as p
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
+
+# The crawl's settings by what the float twin calls them
+CRAWL_LENGTHS = {
+    "stride": crawl_layout.K_STRIDE,
+    "height": crawl_layout.K_HEIGHT,
+    "tall": crawl_layout.K_TALL,
+    "reach": crawl_layout.K_REACH,
+    "reach_swing": crawl_layout.K_REACH_SWING,
+    "near": crawl_layout.K_NEAR,
+    "margin": crawl_layout.K_MARGIN,
+    "ahead": crawl_layout.K_AHEAD,
+    "com_x": crawl_layout.K_COM_X,
+    "com_z": crawl_layout.K_COM_Z,
+    "lift_front": crawl_layout.K_LIFT_FRONT,
+    "lift_rear": crawl_layout.K_LIFT_REAR,
+    "near_print": crawl_layout.K_NEAR_PRINT,
+    "deepest": crawl_layout.K_DEEPEST,
+    "hit": crawl_layout.K_HIT,
+    "high": crawl_layout.K_HIGH,
+    "void": crawl_layout.K_VOID,
+    "advance": crawl_layout.K_ADVANCE,
+    "advance_void": crawl_layout.K_ADVANCE_VOID,
+    "back": crawl_layout.K_BACK,
+    "hit_back": crawl_layout.K_HIT_BACK,
+    "shin": crawl_layout.K_SHIN,
+    "shin_raise": crawl_layout.K_SHIN_RAISE,
+    "too_high": crawl_layout.K_TOO_HIGH,
+    "clear": crawl_layout.K_CLEAR,
+    "arm_x": crawl_layout.K_ARM_X,
+    "arm_y": crawl_layout.K_ARM_Y,
+    "raised": crawl_layout.K_RAISE,
+}
+CRAWL_FINE = {
+    "body_v": crawl_layout.K_BODY_V,
+    "v_up": crawl_layout.K_V_UP,
+    "a_up": crawl_layout.K_A_UP,
+    "brake": crawl_layout.K_BRAKE,
+    "v_top": crawl_layout.K_V_TOP,
+    "move_pace": crawl_layout.K_MOVE_PACE,
+    "v_tare": crawl_layout.K_V_TARE,
+    "a_down": crawl_layout.K_A_DOWN,
+    "v_front": crawl_layout.K_V_FRONT,
+    "v_rear": crawl_layout.K_V_REAR,
+    "v_slow": crawl_layout.K_V_SLOW,
+    "v_quick": crawl_layout.K_V_QUICK,
+    "warp": crawl_layout.K_WARP,
+    "warp_v": crawl_layout.K_WARP_V,
+    "warp_max": crawl_layout.K_WARP_MAX,
+    "pace": crawl_layout.K_PACE,
+    "rebase": crawl_layout.K_REBASE,
+    "limit": crawl_layout.K_LIMIT_X,
+}
+CRAWL_TICKS = {
+    "body_ticks": crawl_layout.K_BODY_TICKS,
+    "settle": crawl_layout.K_SETTLE,
+    "share_ticks": crawl_layout.K_SHARE_TICKS,
+    "move_ticks": crawl_layout.K_MOVE_TICKS,
+    "tare_ticks": crawl_layout.K_TARE_TICKS,
+    "tare_skip": crawl_layout.K_TARE_SKIP,
+    "touch_ticks": crawl_layout.K_TOUCH_TICKS,
+    "hit_after": crawl_layout.K_HIT_AFTER,
+    "hit_lag": crawl_layout.K_HIT_LAG,
+    "late": crawl_layout.K_LATE,
+    "warp_ticks": crawl_layout.K_WARP_TICKS,
+}
+CRAWL_GAINS = {
+    "tare_in": crawl_layout.K_TARE_IN,
+    "tare_slow": crawl_layout.K_TARE_SLOW,
+    "tare_fast": crawl_layout.K_TARE_FAST,
+}
 
 
 def variant(name, **geometry):
@@ -90,4 +161,26 @@ def planner_si(params):
         sit_z=params[p.P_SIT_Z] * unit_m,
         stride=params[p.P_STRIDE_MAX] * unit_m,
         gains=(*gains, rad(params[p.P_INTEGRAL_MAX]), rad(params[p.P_BALANCE_MAX]), rate),
+    )
+
+
+def crawl_si(params, settings):
+    """Return what the float crawl needs, in m, rad and ticks, speeds per tick, forces in own weights."""
+    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    rate = settings[crawl_layout.K_RATE]
+    legs = [leg_si(params, leg) for leg in range(4)]
+    values = {}
+    for names, scale in ((CRAWL_LENGTHS, unit_m), (CRAWL_FINE, unit_m / 256), (CRAWL_TICKS, 1)):
+        for name, place in names.items():
+            values[name] = settings[place] * scale
+    for name, place in CRAWL_GAINS.items():
+        values[name] = settings[place] / 32768
+    return SimpleNamespace(
+        **values,
+        share=settings[crawl_layout.K_SHARE] / 4096,
+        acceleration=settings[crawl_layout.K_ACC] * unit_m / rate**2,
+        planar=bool(settings[crawl_layout.K_PLANAR]),
+        hips=[leg.hip for leg in legs],
+        sides=[leg.side_l1 for leg in legs],
+        line=[legs[2 + side].rest[1] for side in range(2)],
     )

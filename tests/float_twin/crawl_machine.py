@@ -1,0 +1,387 @@
+"""The crawl's machine in floats: which stage follows which, when, and where body and foot are to go.
+
+Lengths in m, angles in rad, times in ticks and speeds per tick, forces as parts of the own weight. Legs FR, FL, RR,
+RL. What is felt comes as an object: seen (4 places of the map), force and load (4), body (the measured pose),
+length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (commanded in this tick).
+"""
+
+import math
+
+from . import crawl, crawl_swing
+from .crawl_plan import BodyMove
+from .fixed import limit
+
+SHIFT, LIFT, MOVE, TARE, DOWN, REST = range(6)
+LANDED, HIGH, VOID, SHIN, HIT, NOTHING, WARP = range(1, 8)
+FR, FL, RR, RL = range(4)
+ORDER = (RL, FL, RR, FR)
+
+NEWTON = 1 / 21.6  # of Caramelo's own weight
+FORCE_ROUNDING = 1.5 / 4096
+PLACE_ROUNDING = 0.05e-3
+TILT_ROUNDING = 0.3e-3  # m at the corners: 0.2 % of a way of 0.3 rad
+EVEN_ROUNDING = 0.15e-3
+QUINTIC_ROUNDING = 0.0026  # of the way
+TRIES, HITS = 3, 2
+SURE_LANDINGS = 3
+
+
+def tare_rounding(k):
+    """Return how far rounding keeps a slow tare from its force: where a step is below half a unit, it stays."""
+    return 0.6 / 4096 / k.tare_slow
+
+
+class Swing:
+    """A foot in the air: where it is wanted, where it is to land, what it has met and what it feels."""
+
+    def __init__(self, leg, place, past):
+        self.leg, self.place, self.source = leg, list(place), list(place[:2])
+        self.target, self.expect, self.top = None, None, None
+        self.speed, self.ticks_across = 0.0, 0
+        self.tries, self.hits, self.dropped = 0, 0, False
+        self.tare, self.touched, self.peak = 0.0, 0, False
+        self.past = [place[0]] * past
+
+
+class Machine:
+    """The machine of a crawl on ``feet``; k: settings (settings_si in the tests); doubt: a Doubt."""
+
+    def __init__(self, k, doubt, feet, pose, heavy):
+        self.k, self.doubt = k, doubt
+        self.feet = [list(foot) for foot in feet]
+        self.stands, self.share = [True] * 4, [1.0] * 4
+        self.prints = [self.first_prints(side) for side in range(2)]
+        self.on_print = [True, False]
+        self.turn, self.pace, self.warp = 0, 0.0, 0.0
+        self.steps_even, self.landed, self.events = 0, 0, []
+        self.swing = None
+        self.body = BodyMove(k, pose)
+        self.plan_shift(heavy)
+
+    @property
+    def leg(self):
+        """Return the leg it is about."""
+        return ORDER[self.turn % 4]
+
+    def first_prints(self, side):
+        """Return the prints that lie behind a robot that came this way."""
+        hind, front = self.feet[2 + side], self.feet[side]
+        places = crawl_swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)
+        return [[x, self.k.line[side], z] for x, z in places]
+
+    def enter(self, stage):
+        """Begin a stage; a foot begins it at rest."""
+        self.stage, self.ticks = stage, 0
+        if self.swing:
+            self.swing.speed = 0.0
+
+    def tell(self, event, x, z):
+        """Note what has happened; anything but a landing ends even ground."""
+        self.events.append((event, self.leg, x, z))
+        if event != LANDED:
+            self.steps_even = 0
+
+    def tick(self, felt):
+        """Take one tick: pace and body go on whatever the stage is."""
+        self.events = []
+        self.body.planned = False
+        self.ticks += 1
+        self.pace = limit(self.pace + limit(felt.way, 0.0, self.k.pace), -self.k.pace, self.k.pace)
+        self.body.step()
+        if self.stage == REST:
+            self.rest(felt)
+        elif self.stage == SHIFT:
+            self.shift(felt)
+        else:
+            self.swing.past.append(self.swing.place[0])
+            (self.lift, self.move, self.hang, self.lower)[self.stage - LIFT](felt)
+
+    def move_origin(self, body):
+        """Put the map's origin under the body if it is half a leg away, sideways a whole leg; return the way or None.
+
+        Sideways it stays as long as it can: its x axis is the line that is walked along.
+        """
+        half = self.k.rebase
+        if abs(body[0]) <= half and abs(body[1]) <= 2 * half and abs(body[2]) <= half:
+            return None
+        way = [body[0], body[1] if abs(body[1]) > 2 * half else 0.0, body[2]]
+        places = self.feet + self.prints[0] + self.prints[1] + [self.body.wanted, self.body.start, self.body.goal]
+        if self.swing:
+            s = self.swing
+            places += [s.place, s.target, s.source]
+            s.expect, s.top, s.past = s.expect - way[2], s.top - way[2], [x - way[0] for x in s.past]
+        for place in places:
+            place[: len(place[:3])] = [a - b for a, b in zip(place[:3], way)]
+        return way
+
+    # --- all feet down
+
+    def rest(self, felt):
+        """Go on once the command asks for another step."""
+        if felt.way > 0 and self.pace >= 0:
+            self.plan_shift(felt.heavy)
+
+    def plan_shift(self, heavy):
+        """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
+        wanted = crawl.middle(self.feet)[0] + self.k.ahead * heavy
+        if self.steps_down():
+            wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
+        self.enter(SHIFT)
+        self.body.plan(self.feet, self.leg, wanted, heavy, None)
+
+    def steps_down(self):
+        """Return whether a hind leg's next print lies an edge below it."""
+        if self.leg < RR or not self.prints[self.leg - RR]:
+            return False
+        drop = self.feet[self.leg][2] - self.prints[self.leg - RR][0][2]
+        return self.doubt.above(drop, self.k.high, PLACE_ROUNDING)
+
+    def over_foot(self, x):
+        """Return where the centre of mass is when the leg's hip is above ``x``."""
+        return x - self.k.hips[self.leg][0] + self.k.com_x
+
+    def shift(self, felt):
+        """Unload the leg in the second half of the move, or its last ticks; lift it when it and the body are ready."""
+        move, k, leg = self.body, self.k, self.leg
+        for other in range(4):
+            if other != leg:
+                self.share[other] = min(1.0, self.share[other] + k.share)
+        if move.ticks - self.ticks < k.share_ticks or self.ticks >= move.ticks / 2:
+            self.share[leg] = max(0.0, self.share[leg] - k.share)
+        error = self.match_diagonals(felt)
+        if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle:
+            return
+        if self.ticks > move.ticks + k.warp_ticks:
+            self.tell(WARP, self.feet[leg][0], self.warp)
+            self.leave_ground(felt)
+        elif not self.doubt.above(abs(error), 4 * NEWTON, FORCE_ROUNDING):
+            self.leave_ground(felt)
+
+    def match_diagonals(self, felt):
+        """Warp the feet against too much load on FR and RL; return that. Nothing shows when the leg is free."""
+        leg = self.leg
+        if self.k.planar:
+            return 0.0
+        if self.share[leg] == 0 and not self.doubt.above(felt.force[leg], 2 * NEWTON, FORCE_ROUNDING):
+            return 0.0
+        over = [force - load for force, load in zip(felt.force, felt.load)]
+        error = limit(over[FR] + over[RL] - over[FL] - over[RR], -4.0, 4.0)
+        step = limit(error * self.k.warp, -self.k.warp_v, self.k.warp_v)
+        self.warp = limit(self.warp + step, -self.k.warp_max, self.k.warp_max)
+        return error
+
+    def leave_ground(self, felt):
+        """Let the leg go, towards its foothold."""
+        leg = self.leg
+        self.swing = Swing(leg, self.feet[leg], self.k.late + 1)
+        if leg < RR:
+            self.aim_front(self.swing)
+            self.on_print[leg] = False
+        else:
+            self.aim_hind(self.swing)
+        self.stands[leg], self.share[leg] = False, 0.0
+        self.enter(LIFT)
+
+    def aim_front(self, swing):
+        """Half a stride beyond the other front foot, on the slope if there surely is one, over both feet's ground."""
+        own, other = self.feet[swing.leg], self.feet[1 - swing.leg]
+        x = crawl_swing.front_target(own[0], other[0], self.k.stride)
+        swing.target = [x, self.k.line[swing.leg], own[2]]
+        swing.expect = own[2] + self.expected_rise(x - own[0])
+        before = not self.doubt.above(other[0], x + self.k.hit * 5 / 3, PLACE_ROUNDING)
+        swing.top = (max(own[2], other[2]) if before else own[2]) + self.k.lift_front
+
+    def expected_rise(self, way):
+        """Return how much the slope of the feet rises over a way; less than 4 mm, or not sure yet, counts as level."""
+        if self.steps_even < SURE_LANDINGS:
+            return 0.0
+        front, hind = crawl.middle(self.feet[:2]), crawl.middle(self.feet[2:])
+        rise = way * (front[2] - hind[2]) / (front[0] - hind[0])
+        return rise if self.doubt.above(abs(rise), self.k.void / 6, PLACE_ROUNDING) else 0.0
+
+    def aim_hind(self, swing):
+        """Into the oldest print of its side, or a stride ahead if there is none."""
+        own, prints = self.feet[swing.leg], self.prints[swing.leg - RR]
+        swing.target = prints.pop(0) if prints else [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
+        swing.expect = swing.target[2]
+        swing.top = max(own[2], swing.target[2]) + self.k.lift_rear
+
+    # --- a foot in the air
+
+    def lift(self, felt):
+        """Go up and brake before the top; a folded leg has its top where it is."""
+        s, k = self.swing, self.k
+        braked = math.sqrt(k.brake * max(0.0, s.top - s.place[2])) + k.v_top
+        s.speed = min(s.speed + k.a_up, braked, k.v_up)
+        z = min(s.top, s.place[2] + s.speed)
+        if felt.length < k.near:
+            s.top = z
+        s.place[2] = max(s.place[2], z)
+        if not self.doubt.above(s.top, z, PLACE_ROUNDING):
+            self.start_across()
+
+    def start_across(self):
+        """Begin the way across, as long as its mean speed makes it."""
+        s = self.swing
+        s.source = s.place[:2]
+        way = math.sqrt((s.target[0] - s.place[0]) ** 2 + (s.target[1] - s.place[1]) ** 2)
+        s.ticks_across = max(self.k.move_ticks, self.doubt.whole(way / self.k.move_pace, 0.02))
+        self.enter(MOVE)
+
+    def move(self, felt):
+        """Go across; into a riser go back and higher; there, once the body is there too, hang."""
+        s, k = self.swing, self.k
+        share = crawl.quintic(min(1.0, self.ticks / s.ticks_across))
+        s.place[:2] = [a + share * (b - a) for a, b in zip(s.source, s.target)]
+        if self.runs_into(felt):
+            seen = felt.seen[s.leg]
+            s.hits += 1
+            self.tell(HIT, seen[0], seen[2] - s.expect)
+            s.place[0], s.top = seen[0] - k.hit_back, s.place[2] + k.raised
+            self.enter(LIFT)
+        elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
+            self.enter(TARE)
+
+    def runs_into(self, felt):
+        """Return whether the foot is held up; a leg at its limits is not, and twice in a swing is enough."""
+        s, k = self.swing, self.k
+        if self.ticks <= k.hit_after or s.hits == HITS or felt.clipped:
+            return False
+        behind = s.past[-1 - k.late] - felt.seen[s.leg][0]
+        way = s.target[0] - s.source[0]
+        late = abs(way) / (s.ticks_across + 1) * k.hit_lag
+        return self.doubt.above(behind, k.hit + late, PLACE_ROUNDING + QUINTIC_ROUNDING * abs(way))
+
+    def hang(self, felt):
+        """Creep down and learn what the joints read without load; the first ticks still shake."""
+        s, k = self.swing, self.k
+        s.place[2] -= k.v_tare
+        gain = 1.0 if self.ticks <= k.tare_skip + 1 else k.tare_in
+        s.tare += gain * (felt.force[s.leg] - s.tare)
+        if self.ticks >= k.tare_ticks:
+            self.enter(DOWN)
+            s.speed, s.touched, s.peak = k.v_tare, 0, False
+
+    def lower(self, felt):
+        """Go down until something is met: the shin's edge, ground, a drop, or nothing at all."""
+        s, k = self.swing, self.k
+        self.go_down(felt)
+        touches = self.feels_ground(felt)
+        z, below = felt.seen[s.leg][2], s.expect - s.place[2]
+        again = s.tries < TRIES
+        if again and self.doubt.above(self.pushed_up(felt), k.shin, TILT_ROUNDING):
+            self.free_shin(felt, z)
+        elif touches and self.doubt.above(s.expect + k.too_high, z, PLACE_ROUNDING):
+            self.touch(felt, z)
+        elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.void, PLACE_ROUNDING):
+            self.drop(felt)
+        elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
+            self.tell(NOTHING, s.place[0], -below)
+            self.land(felt)
+
+    def go_down(self, felt):
+        """Lower the foot, or with a straight leg the body as long as that follows."""
+        s, k = self.swing, self.k
+        most = k.v_front
+        if s.leg >= RR:
+            most = crawl_swing.fall_speed(s.place[2] - s.expect - k.near_print, k.v_slow, k.v_rear, k.a_down)
+        s.speed = min(s.speed + k.a_down, most)
+        lag = felt.body[2] - self.body.wanted[2]
+        if felt.length > k.reach_swing and self.doubt.above(k.limit, lag, PLACE_ROUNDING):
+            self.body.wanted[2] -= k.body_v
+        else:
+            s.place[2] -= s.speed
+
+    def feels_ground(self, felt):
+        """Return whether 60 ms of more than 3 N, once more than 4 N, are under the foot; a fast one needs 9 N."""
+        s, k = self.swing, self.k
+        fast = s.leg >= RR and self.doubt.above(s.speed, k.v_quick, 1e-5)
+        load = felt.force[s.leg] - s.tare
+        within = FORCE_ROUNDING + tare_rounding(k)
+        if not self.doubt.above(load, (9 if fast else 3) * NEWTON, within):
+            s.touched, s.peak = 0, False
+            s.tare += (k.tare_fast if fast else k.tare_slow) * load
+            return False
+        s.touched += 1
+        s.peak = s.peak or self.doubt.above(load, 4 * NEWTON, within)
+        return s.peak and s.touched >= k.touch_ticks
+
+    def pushed_up(self, felt):
+        """Return how far the corner over the leg is above its plan."""
+        wanted = self.body.wanted
+        nose_up, left_up = wanted[4] - felt.body[4], felt.body[3] - wanted[3]
+        return crawl_swing.corner_lift(nose_up, left_up, self.k.arm_x, self.k.arm_y, self.swing.leg)
+
+    # --- what is met
+
+    def again(self, x, top):
+        """Try once more, at ``x``."""
+        self.swing.tries += 1
+        self.swing.target[0], self.swing.top = x, top
+        self.enter(LIFT)
+
+    def again_with_hip(self, felt, x, top):
+        """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
+        self.again(x, top)
+        self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg)
+
+    def free_shin(self, felt, z):
+        """Off the edge and on a little."""
+        s, k = self.swing, self.k
+        self.tell(SHIN, s.place[0], z - s.expect)
+        self.again_with_hip(felt, s.place[0] + k.advance, max(z + k.shin_raise, s.expect + k.clear))
+
+    def touch(self, felt, z):
+        """Stand here, or, on an edge where there should be none, look for a better place.
+
+        A front foot has found higher ground and goes on; so does a hind foot on its way down an edge; any other is
+        on the corner of what its print lies on and goes back.
+        """
+        s, k = self.swing, self.k
+        tries = 2 if s.leg < RR else TRIES
+        if s.tries >= tries or not self.doubt.above(z - s.expect, k.high, PLACE_ROUNDING):
+            self.land(felt)
+            return
+        self.tell(HIGH, s.place[0], z - s.expect)
+        x = s.place[0] + k.advance
+        if s.leg < RR:
+            s.expect = z
+        elif not self.doubt.above(self.feet[s.leg][2] - k.high, s.expect, PLACE_ROUNDING):
+            x = s.place[0] - k.back
+        self.again(x, z + k.raised)
+
+    def drop(self, felt):
+        """Look for ground elsewhere: a front foot farther out, a hind foot nearer, or farther on if it climbs."""
+        s, k = self.swing, self.k
+        if s.leg < RR:
+            s.dropped = True
+            if self.other_is_down(s):
+                return
+        self.tell(VOID, s.place[0], s.place[2] - s.expect)
+        if s.leg < RR:
+            self.again_with_hip(felt, s.place[0] + k.advance_void, s.expect + k.clear)
+        else:
+            climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.high, PLACE_ROUNDING)
+            self.again(s.place[0] + (k.advance if climbs else -k.advance), s.expect + k.raised)
+
+    def other_is_down(self, s):
+        """Return whether the other front foot stands below, and well behind: then the edge is far enough behind."""
+        other = self.feet[1 - s.leg]
+        down = self.doubt.above(s.expect - self.k.high * 2 / 3, other[2], PLACE_ROUNDING)
+        return down and self.doubt.above(s.place[0] - other[0], self.k.advance * 6 / 5, 2 * PLACE_ROUNDING)
+
+    def land(self, felt):
+        """Stand where the foot is seen, leave a print for the hind foot, and rest before the next leg."""
+        s, leg = self.swing, self.leg
+        self.feet[leg] = list(felt.seen[leg])
+        self.stands[leg], self.share[leg] = True, 0.0
+        self.tell(LANDED, self.feet[leg][0], self.feet[leg][2] - s.expect)
+        if leg < RR:
+            self.prints[leg] = (self.prints[leg] + [list(self.feet[leg])])[-4:]
+            self.on_print[leg] = True
+        off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))
+        self.steps_even = 0 if self.doubt.above(off, self.k.void / 3, EVEN_ROUNDING) else self.steps_even + 1
+        self.landed += 1
+        self.turn += 1
+        self.pace -= self.k.pace
+        self.enter(REST)

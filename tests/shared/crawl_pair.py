@@ -1,0 +1,330 @@
+"""The crawl's machine and its float twin side by side: the same senses, each with its own state.
+
+The ground is a make-believe one: feet that go below it are held up and loaded, those that run into it are stopped.
+It is the core whose foot meets it, so both feel the same. Only the plan of the body is taken over from the core,
+after it has been compared: the core comes near to the best place, the twin is there.
+"""
+
+import math
+import pickle
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+
+from shared import crawl_layout as at
+from shared import crawl_map, crawl_steps, footholds
+from shared import params as p
+from shared.crawl import Crawl
+from tests.float_twin import crawl_machine as twin
+from tests.float_twin.doubt import Doubt
+
+from .robots import block, crawl_si, leg_si
+
+FINE_RAD = 2 * math.pi / (1 << 24)
+FLAT_M = 0.004  # what a foot may be off without a riser
+
+
+@dataclass
+class Trouble:
+    """What is drawn of a walk: ground, noise and what goes wrong. Of a leg of 240 mm; others in proportion."""
+
+    steps: list = field(default_factory=list)  # (x, rise) in m
+    slope: float = 0.0
+    tare: float = 0.0  # what a hanging leg reads
+    noise: float = 0.0
+    skew: float = 0.0  # load on the wrong diagonal before any warp
+    sticks: bool = False  # that load stays on the leg that is to lift
+    heavy: float = 0.0
+    shins: float = 0.0  # how many of the swings stand on their shin
+    clipped: float = 0.0
+    pauses: float = 0.0  # how many of the ticks command nothing
+
+
+class Pair:
+    """One crawl and its twin on made-up ground; ``dice`` draws the noise."""
+
+    def __init__(self, trouble, dice, name="caramelo", rate_hz=50, planar=False):
+        params = block(name, rate_hz)
+        if planar:
+            params[p.P_LATERAL_Q12] = 0
+        self.crawl, self.trouble, self.dice = Crawl(params), trouble, dice
+        self.legs = [leg_si(params, leg) for leg in range(4)]
+        self.unit_m = self.legs[0].unit_m
+        self.fine_m = self.unit_m / 256
+        self.size = (self.legs[0].l2 + self.legs[0].l3) / 0.24
+        self.k = crawl_si(params, self.crawl.settings)
+        self.bounds = {**BOUNDS, "tare": twin.FORCE_ROUNDING + twin.tare_rounding(self.k)}
+        self.origin = [0.0] * 3
+        self.far, self.pushed, self.doubts, self.turned, self.met = {}, 0.0, 0, 0, set()
+        self.stand()
+
+    def stand(self):
+        """Both begin on the ground, the first shift planned."""
+        c = self.crawl.state
+        for leg, shape in enumerate(self.legs):
+            c[at.C_STANDS + leg], c[at.C_SHARE + leg] = 1, 4096
+            foot = shape.rest[0], shape.rest[1], self.ground(shape.rest[0])
+            for axis in range(3):
+                c[at.C_FOOT + leg * 3 + axis] = self.fine(foot[axis])
+        c[at.C_REF + 2] = self.fine(self.k.height)
+        c[at.C_HEAVY] = round(self.trouble.heavy * 4096)
+        footholds.prints_start(self.crawl.limbs, c)
+        crawl_steps.start_machine(self.crawl)
+        pose = [0.0, 0.0, self.k.height, 0.0, 0.0, 0.0]
+        self.twin = twin.Machine(self.k, Doubt(), self.feet(at.C_FOOT), pose, c[at.C_HEAVY] / 4096)
+        self.compare_plan()
+
+    def fine(self, metres):
+        """Return lf."""
+        return round(metres / self.fine_m)
+
+    def feet(self, place):
+        """Return four places of the core's state in m."""
+        return [self.metres(place + leg * 3) for leg in range(4)]
+
+    def metres(self, place, count=3):
+        """Return values of the core's state in m."""
+        return [value * self.fine_m for value in self.crawl.state[place : place + count]]
+
+    def pose(self, place):
+        """Return a pose of the core's state in m and rad."""
+        angles = [value * FINE_RAD for value in self.crawl.state[place + 3 : place + 6]]
+        return self.metres(place) + angles
+
+    def ground(self, x):
+        """Return the height of the ground."""
+        x += self.origin[0]
+        steps = sum(rise * self.size for edge, rise in self.trouble.steps if edge * self.size <= x)
+        return x * self.trouble.slope + steps - self.origin[2]
+
+    # --- senses
+
+    def sense(self):
+        """Write what is felt in this tick into the core's state, and return it for the twin."""
+        c, dice, trouble = self.crawl.state, self.dice, self.trouble
+        c[at.C_CLIPPED] = int(dice.random() < trouble.clipped)
+        for axis in range(6):
+            c[at.C_BODY + axis] = c[at.C_REF + axis] + round(dice.uniform(-1, 1) * trouble.noise * (300, 800)[axis > 2])
+        for leg in range(4):
+            if c[at.C_STANDS + leg]:
+                self.sense_standing(leg)
+            else:
+                self.sense_swing(leg)
+        way = 0 if dice.random() < trouble.pauses else c_way(self.crawl)
+        return SimpleNamespace(
+            seen=self.feet(at.C_SEEN),
+            force=[value / 4096 for value in c[at.C_FORCE : at.C_FORCE + 4]],
+            load=[value / 4096 for value in c[at.C_LOAD : at.C_LOAD + 4]],
+            body=self.pose(at.C_BODY),
+            length=c[at.C_LENGTH] * self.unit_m,
+            clipped=c[at.C_CLIPPED],
+            heavy=c[at.C_HEAVY] / 4096,
+            way=way * self.fine_m,
+        ), way
+
+    def sense_standing(self, leg):
+        """A foot that stands carries its share, and what is wrong with the diagonals; a warp takes that away."""
+        c, trouble = self.crawl.state, self.trouble
+        warp = c[at.C_WARP] * self.fine_m / (0.04 * self.size)
+        share = c[at.C_SHARE + leg] / 4096
+        sign = 1 if leg in (twin.FR, twin.RL) else -1
+        load = 0.3 * share
+        wrong = trouble.skew - warp + trouble.noise * self.dice.uniform(-0.2, 0.2)
+        wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
+        c[at.C_LOAD + leg], c[at.C_FORCE + leg] = round(load * 4096), round((load + wrong) * 4096)
+        for axis in range(3):
+            c[at.C_SEEN + leg * 3 + axis] = c[at.C_FOOT + leg * 3 + axis]
+
+    def sense_swing(self, leg):
+        """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
+        c, trouble = self.crawl.state, self.trouble
+        x, y, z = self.metres(at.C_POS)
+        seen_x = self.stopped(x, z)
+        ground = self.ground(seen_x)
+        load = max(0.0, ground - z) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
+        seen = seen_x, y, max(z, ground)
+        for axis in range(3):
+            c[at.C_SEEN + leg * 3 + axis] = self.fine(seen[axis])
+        c[at.C_LOAD + leg], c[at.C_FORCE + leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
+        hip = [self.pose(at.C_REF)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
+        away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
+        plane = sum(way * way for way in away) - self.legs[leg].l1 ** 2
+        c[at.C_LENGTH] = round(math.sqrt(max(0.0, plane)) / self.unit_m)
+        self.push(leg)
+
+    def stopped(self, x, z):
+        """Return where a foot wanted at (x, z) is stopped by the risers."""
+        if self.crawl.state[at.C_PHASE] not in (at.MOVE, at.LIFT):
+            return x
+        for edge, _ in sorted(self.trouble.steps):
+            riser = edge * self.size - self.origin[0]
+            if riser <= x and self.ground(riser) > z + FLAT_M * self.size:
+                return riser - 1e-4
+        return x
+
+    def push(self, leg):
+        """Push the corner of the body over a leg that comes down on its shin, until it lifts."""
+        c = self.crawl.state
+        if c[at.C_PHASE] == at.DOWN and c[at.C_TICK] == 3 and self.dice.random() < self.trouble.shins:
+            self.pushed = self.dice.uniform(0.05, 0.15)
+        elif c[at.C_PHASE] != at.DOWN:
+            self.pushed = 0.0
+        c[at.C_BODY + 4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+
+    # --- ticks
+
+    def tick(self):
+        """Take one tick of both; where they differ one doubtful answer of the twin must explain it."""
+        self.move_origin()
+        felt, way = self.sense()
+        before = pickle.dumps(self.twin)
+        crawl_steps.machine(self.crawl, way)
+        self.twin.doubt.begin()
+        self.twin.tick(felt)
+        first, doubts = self.difference(), self.twin.doubt.count
+        self.doubts += doubts > 0
+        if first and self.explained(before, felt, doubts):
+            self.turned += 1
+        elif first:
+            raise AssertionError(first)
+        self.met.update(event[0] for event in self.twin.events)
+        if self.twin.body.planned:
+            self.compare_plan()
+
+    def move_origin(self):
+        """Both keep their maps under the body: what is measured last is where it is."""
+        body = self.metres(at.C_BODY)
+        way = self.twin.move_origin(body)
+        assert crawl_map.rebase(self.crawl.settings, self.crawl.state) == int(way is not None)
+        if way:
+            self.origin = [a + b for a, b in zip(self.origin, way, strict=True)]
+
+    def explained(self, before, felt, doubts):
+        """Return whether the twin comes out as the core with one of its doubtful answers the other way."""
+        for turned in range(doubts):
+            self.twin = pickle.loads(before)
+            self.twin.doubt.begin(turned)
+            self.twin.tick(felt)
+            if not self.difference():
+                return True
+        return False
+
+    def difference(self):
+        """Return what differs first between core and twin after a tick, or nothing."""
+        c, other = self.crawl.state, self.twin
+        same = {
+            "stage": (c[at.C_PHASE], other.stage),
+            "leg": (c[at.C_LEG], other.leg),
+            "tick": (c[at.C_TICK], other.ticks),
+            "stands": (c[at.C_STANDS : at.C_STANDS + 4], [int(s) for s in other.stands]),
+            "on print": (c[at.C_ON_PRINT : at.C_ON_PRINT + 2], [int(s) for s in other.on_print]),
+            "prints": (c[at.C_PRINTS : at.C_PRINTS + 2], [len(side) for side in other.prints]),
+            "even": (c[at.C_STEPS_EVEN], other.steps_even),
+            "landed": (c[at.C_LANDED], other.landed),
+            "planned": (c[at.C_BODY_TICK] == 0, other.body.planned),
+        }
+        if other.swing:
+            s = other.swing
+            same["tries"] = c[at.C_TRIES : at.C_DROPPED + 1], [s.tries, s.hits, int(s.dropped)]
+            if other.stage in (twin.DOWN, twin.REST):
+                same["touched"] = (c[at.C_TOUCHED], c[at.C_PEAK]), (s.touched, int(s.peak))
+        if other.events:
+            event, leg, _, _ = other.events[-1]
+            same["event"] = c[at.C_EVENT : at.C_EVENT + 2], [event, leg]
+        for what, (core, exact) in same.items():
+            if list_of(core) != list_of(exact):
+                return f"{what}: core {core}, twin {exact}"
+        return self.far_off()
+
+    def far_off(self):
+        """Return what lies farther apart than its bound, or nothing; keep the largest distances."""
+        c, other = self.crawl.state, self.twin
+        pairs = [
+            ("feet", self.feet(at.C_FOOT), other.feet),
+            ("shares", [value / 4096 for value in c[at.C_SHARE : at.C_SHARE + 4]], other.share),
+            ("pace", [c[at.C_PACE] * self.fine_m], [other.pace]),
+            ("warp", [c[at.C_WARP] * self.fine_m], [other.warp]),
+            ("body", self.metres(at.C_REF), other.body.wanted[:3]),
+            ("tilt", self.pose(at.C_REF)[3:], other.body.wanted[3:]),
+        ]
+        for side, prints in enumerate(other.prints):
+            places = [self.metres(at.C_PRINT + side * 12 + place * 3) for place in range(len(prints))]
+            pairs.append(("prints", places, prints))
+        if other.swing:
+            s = other.swing
+            pairs += [
+                ("foot", self.metres(at.C_POS), s.place),
+                ("target", self.metres(at.C_TARGET), s.target),
+                ("expected", self.metres(at.C_EXPECT, 1), [s.expect]),
+                ("top", self.metres(at.C_TOP, 1), [s.top]),
+                ("speed", self.metres(at.C_SPEED, 1), [s.speed]),
+            ]
+            if feels(other):
+                pairs.append(("tare", [c[at.C_TARE] / 4096], [s.tare]))
+        if other.events:
+            pairs.append(("event", [v * self.unit_m for v in c[at.C_EVENT_X : at.C_EVENT_Z + 1]], other.events[-1][2:]))
+        for what, core, exact in pairs:
+            off = largest(core, exact) / (self.size if what not in ("shares", "tare", "tilt") else 1)
+            if off > self.bounds[what]:
+                return f"{what}: core {core}, twin {exact}"
+            self.far[what] = max(self.far.get(what, 0.0), off)
+        return ""
+
+    def compare_plan(self):
+        """Compare where the body is to go and how long it takes, then let the twin go there too."""
+        move, goal, ticks = self.twin.body, self.pose(at.C_TO), self.crawl.state[at.C_BODY_TICKS]
+        off = {
+            "plan x y": math.dist(goal[:2], move.goal[:2]) / self.size,
+            "plan z": abs(goal[2] - move.goal[2]) / self.size,
+            "plan pitch": largest(goal[3:], move.goal[3:]),
+        }
+        for what, value in off.items():
+            self.far[what] = max(self.far.get(what, 0.0), value)
+            assert value <= self.bounds[what], f"{what}: core {goal}, twin {move.goal}"
+        move.goal = goal
+        exact = move.how_long()
+        assert abs(ticks - exact) <= 1.6 + 0.02 * exact, f"core {ticks} ticks, twin {exact}"
+        move.ticks = ticks
+
+
+def c_way(crawl):
+    """Return a commanded way, lf a tick, of 50 mm/s of a leg of 240 mm."""
+    return crawl.settings[at.K_V_SLOW] * 5 // 6
+
+
+def feels(other):
+    """Return whether the twin's foot has a tare in this swing: until then the core keeps the last one's."""
+    return other.stage in (twin.DOWN, twin.REST) or (other.stage == twin.TARE and other.ticks > 0)
+
+
+def list_of(values):
+    """Return a list of values, or one."""
+    return list(values) if isinstance(values, (list, tuple)) else values
+
+
+def largest(core, exact):
+    """Return the largest difference between numbers or points."""
+    flat = [(a, b) for a, b in zip(core, exact, strict=True)]
+    return max((largest(a, b) if isinstance(a, list) else abs(a - b) for a, b in flat), default=0.0)
+
+
+MM = 1e-3
+# Of a leg of 240 mm, a foot's and the body's way by the quintic's 0.2 %. The plan: the core steps towards the point
+# nearest inside the support and stops near it.
+BOUNDS = {
+    "feet": 1e-9,
+    "prints": 0.01 * MM,
+    "shares": 1e-9,
+    "pace": 1e-9,
+    "warp": 0.03 * MM,
+    "body": 0.2 * MM,
+    "tilt": 0.6e-3,
+    "foot": 0.2 * MM,
+    "target": 0.01 * MM,
+    "expected": 0.03 * MM,
+    "top": 0.02 * MM,
+    "speed": 0.01 * MM,
+    "event": 0.03 * MM,
+    "plan x y": 2.5 * MM,
+    "plan z": 1.0 * MM,
+    "plan pitch": 0.2e-3,
+}

@@ -1,0 +1,116 @@
+"""The crawl's machine against its float twin over whole walks: the same stage of the same leg at the same tick.
+
+A tick may differ only where a value lies within rounding of its threshold (see float_twin/doubt.py).
+"""
+
+import random
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from shared import crawl_layout as at
+from shared import crawl_steps
+from tests.float_twin import crawl_machine as twin
+
+from .bars import repeatable
+from .crawl_pair import Pair, Trouble
+
+ROBOTS = [("caramelo", 50), ("caramelo", 20), ("parallel", 100), ("long-leg", 50), ("unequal", 200)]
+STEPS = st.lists(
+    st.tuples(st.floats(0.05, 0.3), st.one_of(st.floats(-0.06, 0.06), st.floats(-0.12, 0.12))), max_size=3
+)
+TROUBLES = st.builds(
+    Trouble,
+    steps=STEPS,
+    slope=st.sampled_from((0.0, 0.0, -0.15, -0.02, 0.03, 0.15)),
+    tare=st.floats(-0.1, 0.15),
+    noise=st.sampled_from((0.0, 1.0)),
+    skew=st.floats(-1.6, 1.6),
+    sticks=st.booleans(),
+    heavy=st.sampled_from((0.0, 0.0, 0.5, 1.0)),
+    shins=st.sampled_from((0.0, 0.0, 0.4)),
+    clipped=st.sampled_from((0.0, 0.1)),
+    pauses=st.sampled_from((0.0, 0.05, 0.5)),
+)
+
+
+def walked(pair, seconds):
+    """Take the ticks of some seconds; return the pair."""
+    for _ in range(round(seconds * pair.crawl.settings[at.K_RATE])):
+        pair.tick()
+    return pair
+
+
+def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
+    """Of all ticks less than one in a thousand is taken again for a doubtful answer; everything there is happens."""
+    met, ticks, turned = set(), 0, 0
+
+    @repeatable(30)
+    @example(Trouble(steps=[(0.14, -0.12)]), ROBOTS[0], False, 1)
+    @example(Trouble(steps=[(0.17, 0.09)]), ROBOTS[0], False, 1)
+    @example(Trouble(skew=1.6, sticks=True), ROBOTS[0], False, 1)
+    @given(TROUBLES, st.sampled_from(ROBOTS), st.booleans(), st.integers(0, 1 << 20))
+    def walks(trouble, robot, planar, seed):
+        nonlocal ticks, turned
+        pair = walked(Pair(trouble, random.Random(seed), *robot, planar=planar and robot[0] == "caramelo"), 12.0)
+        ticks, turned = ticks + 12 * robot[1], turned + pair.turned
+        met.update(pair.met)
+
+    walks()
+    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.SHIN, twin.HIT, twin.NOTHING, twin.WARP}
+    assert turned < ticks / 1000
+
+
+def test_a_long_walk_on_level_ground_and_of_a_slope():
+    """Legs in order, one landing each, until the ground counts as even; the front feet then expect the slope."""
+    for slope in (0.0, 0.15):
+        pair = walked(Pair(Trouble(slope=slope), random.Random(1)), 50.0)
+        assert pair.met == {twin.LANDED}
+        assert pair.twin.landed == pair.twin.steps_even > 16
+        while pair.twin.leg > 1 or pair.twin.stage != twin.MOVE:
+            pair.tick()
+        x, _, z = pair.twin.feet[pair.twin.leg]
+        rise = slope * (pair.twin.swing.target[0] - x)
+        assert pair.crawl.state[at.C_EXPECT] * pair.fine_m - z == pytest.approx(rise, abs=0.1e-3)
+
+
+PLANTED = {
+    at.K_TARE_TICKS: 1,  # a tick later
+    at.K_SHARE_TICKS: 1,
+    at.K_TOUCH_TICKS: 1,
+    at.K_SETTLE: 1,
+    at.K_STRIDE: 20,  # 0.15 mm
+    at.K_HIGH: 100,
+    at.K_VOID: 30,
+    at.K_SHIN: 60,
+    at.K_ADVANCE: 60,
+    at.K_LIFT_REAR: 60,
+    at.K_V_FRONT: 1000,
+    at.K_PACE: 100,
+}
+
+
+@pytest.mark.parametrize("setting", PLANTED)
+def test_a_setting_that_is_a_little_off_in_the_core_is_seen(setting):
+    """The comparison can fail: each is found in one of a few walks."""
+
+    def walks():
+        for seed in range(40):
+            dice = random.Random(seed)
+            steps = [(dice.uniform(0.05, 0.3), dice.choice((0.0185, 0.05, -0.03, -0.06)))]
+            pair = Pair(Trouble(steps=steps, shins=0.3, pauses=0.1), dice)
+            pair.crawl.settings[setting] += PLANTED[setting]
+            walked(pair, 12.0)
+
+    with pytest.raises(AssertionError, match="core"):
+        walks()
+
+
+def test_a_stage_that_goes_on_a_tick_early_is_seen(monkeypatch):
+    """The comparison can fail: a front foot that lands at the first touch, a body that does not wait."""
+    for name, wrong in (("feel_ground", lambda *_: 1), ("move_foot", lambda *_: 1), ("corner_lift", lambda *_: 0)):
+        with monkeypatch.context() as planted:
+            planted.setattr(crawl_steps, name, wrong)
+            with pytest.raises(AssertionError, match="core"):
+                walked(Pair(Trouble(shins=1.0), random.Random(1)), 14.0)
