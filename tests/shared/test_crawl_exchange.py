@@ -1,0 +1,306 @@
+"""Trot and crawl take over from each other as in the float twin: the same stage, reason and state in every tick."""
+
+import random
+from array import array
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared import command as c
+from shared import crawl_layout as at
+from shared import handover, planner, planner_climb, retreat, sensing
+from shared import params as p
+from shared import planner_layout as n
+from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED, W_BEHIND, W_ROUGH
+from shared.gait import CLOCK_TICK
+from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
+from tests.float_twin import crawl_exchange as twin
+from tests.float_twin.doubt import Doubt
+
+from .bars import repeatable
+from .robots import block
+from .walker import Walker
+
+YAW_RAD = 2.0**-18
+
+
+def robot_si(params):
+    """Return what the twin needs of a robot."""
+    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    return SimpleNamespace(
+        unit_m=unit_m,
+        leg_m=params[p.P_LEG_LENGTH] * unit_m,
+        vx_max=params[p.P_VX_MAX] * unit_m / 256,
+        wz_max=params[p.P_WZ_MAX] * YAW_RAD,
+        rate_hz=params[p.P_RATE_HZ],
+        sent_ticks=params[p.P_SENT_TICKS],
+        stand_ticks=params[p.P_STAND_TICKS],
+    )
+
+
+class Pair:
+    """A planner, and the twin of its decisions that is told what the planner knows."""
+
+    def __init__(self, rate_hz=50, walker=None):
+        self.walker = walker or Walker(rate_hz=rate_hz)
+        self.robot = robot_si(self.walker.params)
+        self.twin = twin.Exchange(self.robot, Doubt())
+        self.seen = set()
+
+    @property
+    def numbers(self):
+        return self.walker.planner.numbers
+
+    def command(self, block):
+        """Return a command for the twin."""
+        fine_m = self.robot.unit_m / 256
+        speed = [value * unit for value, unit in zip(block[c.C_SPEED :][:3], (fine_m, fine_m, YAW_RAD), strict=True)]
+        return SimpleNamespace(walk=block[c.C_MODE] == c.MODE_WALK, gait=block[c.C_GAIT], speed=speed)
+
+    def known(self, sensed):
+        """Return what the planner knows now."""
+        robot, numbers = self.walker.planner, self.numbers
+        return SimpleNamespace(
+            joints_ok=sensed[n.S_JOINTS_OK],
+            attitude_ok=sensed[n.S_ATTITUDE_OK],
+            fallen=numbers[n.N_FALLEN],
+            standing=numbers[n.N_STATE] == n.STANDING,
+            swinging=numbers[n.N_SWINGING],
+            walked=numbers[n.N_GAIT],
+            behind=numbers[n.N_ADVICE] == ADVICE_BEHIND,
+            segment=robot.clock[CLOCK_TICK],
+            moved=robot.sensing[sensing.M_MOVED_X] * self.robot.unit_m / 256,
+            known=robot.sensing[sensing.M_KNOWN],
+        )
+
+    def climbs(self, robot, command, sensed):
+        """Stand in for shared.planner_climb.climbs: both decide."""
+        wanted, known = self.command(command), self.known(sensed)
+        flags = self.numbers[n.N_FLAGS]
+        self.numbers[n.N_FLAGS] = 0
+        answer = planner_climb.climbs(robot, command, sensed)
+        assert bool(answer) == self.twin.takes(wanted, known)
+        self.compare(known.standing)
+        self.numbers[n.N_FLAGS] |= flags
+        return answer
+
+    def climb(self, robot, command, sensed):
+        """Stand in for shared.planner_climb.climb: both take the tick."""
+        wanted, known = self.command(command), self.known(sensed)
+        crawl = robot.climb.state
+        before = SimpleNamespace(even=crawl[at.C_STEPS_EVEN])
+        flags, events = self.numbers[n.N_FLAGS], crawl[at.C_LANDED]
+        self.numbers[n.N_FLAGS] = 0
+        planner_climb.climb(robot, command, sensed)
+        known.known = robot.sensing[sensing.M_KNOWN]
+        was = self.twin.stage
+        self.twin.begin_crawl(known)
+        standing, self.twin.walked = known.standing, known.walked
+        if self.twin.stage == twin.ON and not self.twin.blind:
+            reason = self.twin.why_end(wanted, before if was == twin.ON else SimpleNamespace(even=0))
+            standing = self.twin.end_crawl(wanted, known, reason, crawl[at.C_PHASE] == at.REST)
+            assert reason or crawl[at.C_LANDED] in (events, events + 1, 0)
+            assert self.swings(crawl)
+            if self.twin.stage == twin.OFF:
+                self.handed_over()
+        self.compare(standing)
+        self.numbers[n.N_FLAGS] |= flags
+        return 0
+
+    def swings(self, crawl):
+        """Return whether the planner says which leg is in the air."""
+        bits = sum(1 << leg for leg in range(4) if not crawl[at.C_STANDS + leg])
+        return self.numbers[n.N_SWINGING] == bits and self.numbers[n.N_MARGIN] == crawl[at.C_MARGIN]
+
+    def handed_over(self):
+        """The trot begins from rest, with nothing held against it."""
+        robot = self.walker.planner
+        assert list(robot.speed) == [0, 0, 0]
+        assert (self.numbers[n.N_ADVICE], self.numbers[n.N_CYCLES], robot.felt[W_ROUGH]) == (0, 0, 0)
+        assert robot.clock[CLOCK_TICK] == 0
+
+    def compare(self, standing):
+        """The same stage, reason, state, gait and flag."""
+        numbers = self.numbers
+        core = numbers[n.N_CLIMB], numbers[n.N_REASON], numbers[n.N_STATE] == n.STANDING, numbers[n.N_GAIT]
+        assert core == (self.twin.stage, self.twin.reason, standing, self.twin.walked)
+        assert bool(numbers[n.N_FLAGS] & n.BLIND) == self.twin.blind
+        self.seen.add((self.twin.stage, self.twin.reason))
+
+    def tick(self):
+        """One tick of the planner; whoever sits, rises or is limp has forgotten the crawl."""
+        self.walker.tick()
+        if self.walker.state not in (n.STANDING, n.WALKING):
+            self.twin.stage = twin.OFF
+
+
+@pytest.fixture
+def spied(monkeypatch):
+    """Return what makes a pair and lets it look over the planner's shoulder."""
+
+    def make(rate_hz=50):
+        pair = Pair(rate_hz)
+        monkeypatch.setattr(planner, "climbs", pair.climbs)
+        monkeypatch.setattr(planner, "climb", pair.climb)
+        pair.walker.stand()
+        return pair
+
+    return make
+
+
+MODES = (c.MODE_WALK,) * 12 + (c.MODE_STAND, c.MODE_SIT)
+GAITS = (GAIT_CLIMB,) * 3 + (GAIT_ADAPTIVE,) * 6 + (1, 7)
+SPEEDS_SI = ((0.05, 0.0, 0.0),) * 6 + (
+    (0.05, 0.04, 0.0),
+    (0.03, 0.0, 0.1),
+    (0.0, 0.0, 0.0),
+    (0.02, 0.04, 0.0),
+    (-0.05, 0.0, 0.0),
+)
+
+
+def trouble(pair, dice):
+    """Draw a command now and then, and senses, advice and even ground."""
+    block, sensed, numbers = pair.walker.command, pair.walker.sensed, pair.numbers
+    if dice.random() < 0.006:
+        block[c.C_MODE], block[c.C_GAIT] = dice.choice(MODES), dice.choice(GAITS)
+        pair.walker.speed(*dice.choice(SPEEDS_SI))
+    sensed[n.S_JOINTS_OK] = int(dice.random() > 0.002)
+    sensed[n.S_ATTITUDE_OK] = int(dice.random() > 0.002)
+    if dice.random() < 0.3 and numbers[n.N_GAIT] == GAIT_ADAPTIVE:
+        numbers[n.N_ADVICE] = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
+    if dice.random() < 0.05 and numbers[n.N_CLIMB] == n.CLIMB_ON:
+        pair.walker.planner.climb.state[at.C_STEPS_EVEN] = dice.choice((0, 15, 16, 20))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_restless_driver_gets_the_same_exchanges(spied, seed):
+    """Feet that never feel ground give up and stand in the air: enough for the decisions, and every leg rests."""
+    pair, dice = spied(), random.Random(seed)
+    for _ in range(5000):
+        trouble(pair, dice)
+        pair.tick()
+    stages = {stage for stage, _ in pair.seen}
+    assert stages == {twin.OFF, twin.READY, twin.ON, twin.BACK}
+    assert {reason for stage, reason in pair.seen if stage == twin.OFF} >= {twin.COMMAND, twin.EVEN}
+
+
+def near(value):
+    """Return a strategy of integers at and around +-value."""
+    return st.sampled_from([sign * value + step for sign in (-1, 1) for step in (-1, 0, 1)])
+
+
+PARAMS = block("caramelo")
+TURN = PARAMS[p.P_WZ_MAX] // 4
+SPEEDS = st.tuples(
+    st.one_of(st.integers(-2, 2), st.just(30000)), st.one_of(near(30000), near(1), st.just(0)), st.one_of(near(TURN))
+)
+COMMANDS = st.tuples(st.sampled_from((c.MODE_WALK,) * 4 + (c.MODE_STAND,)), st.sampled_from((4, 3, 3, 1, -1, 5)))
+TROTS = st.fixed_dictionaries(
+    {
+        n.N_STATE: st.sampled_from((n.STANDING, n.WALKING)),
+        n.N_GAIT: st.sampled_from((3, 3, 4, 1)),
+        n.N_FALLEN: st.sampled_from((0, 0, 0, 1)),
+        n.N_SWINGING: st.sampled_from((0, 0, 0, 6)),
+        n.N_ADVICE: st.sampled_from((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED)),
+        n.N_CLIMB: st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
+    }
+)
+SHARED_WALKER = Walker()
+
+
+def put(numbers, clock, speed, command):
+    """Return a pair whose planner is at a point that was drawn, and its command."""
+    pair = Pair(walker=SHARED_WALKER)
+    robot, block = pair.walker.planner, pair.walker.command
+    for place, value in numbers.items():
+        robot.numbers[place] = value
+    robot.numbers[n.N_REASON], pair.twin.stage = 0, numbers[n.N_CLIMB]
+    robot.clock[CLOCK_TICK] = pair.robot.stand_ticks + clock
+    block[c.C_MODE], block[c.C_GAIT] = command
+    block[c.C_SPEED : c.C_SPEED + 3] = array("i", speed)
+    return pair, robot, block
+
+
+@repeatable(1500)
+@given(TROTS, st.integers(0, 1), SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)))
+def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed, command, senses):
+    pair, robot, block = put(numbers, clock, speed, command)
+    sensed = pair.walker.sensed
+    sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
+    retreat.retreat_start(robot.retreat)
+    pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
+    robot.felt[W_BEHIND], robot.nav[0], robot.speed[0] = 99, 99, 99
+    pair.climbs(robot, block, sensed)
+    if numbers[n.N_CLIMB] == n.CLIMB_OFF:
+        backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
+        assert (robot.felt[W_BEHIND], robot.nav[0]) == ((0, 0) if backs else (99, 99))
+        assert robot.speed[0] == (0 if stands else 99)
+
+
+@repeatable(600)
+@given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
+def test_the_crawl_ends_for_the_same_reason_at_any_point(numbers, speed, command, even):
+    pair, robot, block = put(numbers, 0, speed, command)
+    robot.climb.state[at.C_STEPS_EVEN] = even
+    wanted = pair.command(block)
+    pair.twin.walked = numbers[n.N_GAIT]
+    assert planner_climb.leaves(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
+    assert robot.numbers[n.N_GAIT] == pair.twin.walked
+
+
+@repeatable(60)
+@given(st.integers(0, 1 << 20), st.sampled_from((20, 50, 333)), st.booleans())
+def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
+    """Odometry that stutters, a trot that stands and walks again: the same speed, and the end in the same tick."""
+    dice, params = random.Random(seed), block("caramelo", rate_hz)
+    robot = robot_si(params)
+    doubt = Doubt()
+    back, state = twin.Retreat(robot, doubt), [7] * retreat.RETREAT_SIZE
+    retreat.retreat_start(state)
+    command = [dice.randint(-9999, 9999) for _ in range(c.COMMAND_SIZE)]
+    for tick in range(9 * rate_hz):
+        most = params[p.P_VX_MAX]
+        moved = dice.randint(-most // 3, most // 3 if stuck else most // 9)
+        standing = int(tick % (2 * rate_hz) > rate_hz and dice.random() < 0.999)
+        doubt.begin()
+        speed, done = back.step(moved * robot.unit_m / 256, standing)
+        assert retreat.retreat_step(params, command, moved, standing, state) == int(done)
+        if doubt.count:
+            back.ends = bool(state[retreat.R_ENDS])
+        assert state[c.C_SPEED] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
+        assert state[c.C_SPEED + 1 : c.C_SPEED + 3] == [0, 0]
+        assert state[c.C_POSE : c.COMMAND_SIZE] == command[c.C_POSE :]
+        if done:
+            return
+    assert stuck or not back.ends
+
+
+@repeatable(60)
+@given(st.lists(st.integers(-32768, 32767), min_size=24, max_size=24), st.sampled_from((20, 50, 333)))
+def test_goals_go_on_from_the_crawls_and_fade_to_the_trots(values, rate_hz):
+    params, fade = block("caramelo", rate_hz), [0] * handover.FADE_SIZE
+    sent, goals = values[:12], values[12:]
+    ticks = handover.fade_start(params, fade, sent)
+    assert abs(ticks - rate_hz / 2) <= 1
+    for left in range(ticks, -3, -1):
+        found = list(goals)
+        handover.fade_out(fade, found)
+        exact = [twin.faded(goal, old - goal, max(0, left), ticks) for goal, old in zip(goals, sent, strict=True)]
+        assert max(abs(a - b) for a, b in zip(found, exact, strict=True)) <= 1
+
+
+def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
+    """The comparison can fail: a crawl that stays on even ground, follows any command, or never tires of backing."""
+    for module, name, wrong in (
+        (planner_climb, "ground_even", lambda *_: 0),
+        (planner_climb, "straight_on", lambda *_: 1),
+        (planner_climb, "retreat_step", lambda *_: 0),
+        (planner_climb, "advised", lambda *_: twin.NO_REASON),
+    ):
+        with monkeypatch.context() as planted:
+            planted.setattr(module, name, wrong)
+            with pytest.raises(AssertionError):
+                test_a_restless_driver_gets_the_same_exchanges(spied, 0)
