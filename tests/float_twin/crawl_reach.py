@@ -1,0 +1,32 @@
+"""What a crawl of a robot's shape may plan with, in floats (m, rad): reach by the cosine rule, height, stride."""
+
+import math
+
+
+def leg_lengths(shape):
+    """Return (straightest, most bent) distance from thigh joint to foot that the calf's limits leave."""
+    ends = [
+        math.sqrt(shape.l2**2 + shape.l3**2 + 2 * shape.l2 * shape.l3 * math.cos(calf))
+        for calf in (shape.low[2], shape.high[2])
+    ]
+    return max(ends), min(ends)
+
+
+def shape(legs):
+    """Return the lengths that the crawl plans with, by their names.
+
+    Hips are carried at 0.865 of the straightest leg; planned reach stays 2 % inside it, a leg in the air 0.4 %; a leg
+    within 1.4 % of the most bent is folded. The stride is a third of the hips' distance, at most 90 mm of a leg of 240.
+    """
+    straight = min([leg_lengths(leg)[0] for leg in legs])
+    bent = max([leg_lengths(leg)[1] for leg in legs])
+    hips = legs[0].hip[0] - legs[2].hip[0]
+    return {
+        "height": 0.865 * straight,
+        "reach": straight * 48 / 49,
+        "reach_swing": straight * 239 / 240,
+        "near": bent * 73 / 72,
+        "stride": min(hips / 3, (legs[0].l2 + legs[0].l3) * 90 / 240),
+        "arm_x": hips / 2,
+        "arm_y": abs(legs[0].hip[1] + legs[0].side_l1),
+    }
