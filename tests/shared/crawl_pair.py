@@ -187,9 +187,24 @@ class Pair:
         self.jump_ground()
         self.jump_body()
         self.jump_swing(c[at.C_LEG])
+        aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 2.6, -2.6)
+        far = dice.choice((0.0, 0.0, 1.3, -1.3)), dice.choice(aside)
+        self.carry_off(*[self.fine(self.k.rebase * value) for value in far])
         self.adopt()
+        self.move_origin()
         way = dice.choice((0, c_way(self.crawl)))
         self.both(self.felt(way), way)
+
+    def carry_off(self, dx, dy):
+        """Move everything along the map by lf, as if the walk had begun far away."""
+        c = self.crawl.state
+        for place, count in ((at.C_FOOT, 4), (at.C_SEEN, 4), (at.C_PRINT, 8), (at.C_POS, 1), (at.C_TARGET, 1)):
+            crawl_map.shift_points(c, place, count, -dx, -dy, 0)
+        for place in (at.C_BODY, at.C_REF, at.C_FROM, at.C_TO):
+            crawl_map.shift_points(c, place, 1, -dx, -dy, 0)
+        c[at.C_SOURCE], c[at.C_SOURCE + 1] = c[at.C_SOURCE] + dx, c[at.C_SOURCE + 1] + dy
+        for place in range(at.C_PAST, at.C_PAST + at.PAST_SIZE):
+            c[place] += dx
 
     def spread(self, millimetres):
         """Return a way that is drawn within +-millimetres of a leg of 240 mm, lf."""
@@ -198,8 +213,9 @@ class Pair:
     def jump_ground(self):
         """Draw feet, prints, shares and loads."""
         c, dice, leg = self.crawl.state, self.dice, self.crawl.state[at.C_LEG]
+        along = dice.choice((30, 90)) if c[at.C_PHASE] == at.SHIFT else 30  # no plan is made there
         for other, shape in enumerate(self.legs):
-            for axis, rest, way in ((0, shape.rest[0], 30), (1, shape.rest[1], 10), (2, 0.0, 40)):
+            for axis, rest, way in ((0, shape.rest[0], along), (1, shape.rest[1], 10), (2, 0.0, 40)):
                 c[at.C_FOOT + other * 3 + axis] = self.fine(rest) + self.spread(way)
                 c[at.C_SEEN + other * 3 + axis] = c[at.C_FOOT + other * 3 + axis]
             c[at.C_STANDS + other] = int(other != leg or c[at.C_PHASE] in (at.SHIFT, at.REST))
@@ -210,8 +226,20 @@ class Pair:
             for value in range(12):
                 c[at.C_PRINT + side * 12 + value] = c[at.C_FOOT + 6 + side * 3 + value % 3] + self.spread(60)
         c[at.C_WARP], c[at.C_STEPS_EVEN] = self.spread(39), dice.randrange(6)
-        c[at.C_PACE] = dice.choice((0, 1, -1, self.fine(self.k.pace), -self.fine(self.k.pace) // 2))
+        way, pace = c_way(self.crawl), self.fine(self.k.pace)
+        c[at.C_PACE] = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
         c[at.C_HEAVY] = dice.choice((0, 4096))
+        if dice.random() < 0.5:
+            self.jump_diagonals(leg)
+
+    def jump_diagonals(self, leg):
+        """Draw a leg that is free or just not yet, and diagonals that carry nearly what they should, or just not."""
+        c, dice = self.crawl.state, self.dice
+        c[at.C_SHARE + leg] = 0
+        c[at.C_FORCE + leg] = round(2 * twin.NEWTON * 4096) + dice.randint(-40, 400)
+        wrong = [c[at.C_FORCE + other] - c[at.C_LOAD + other] for other in range(4)]
+        off = dice.choice((-1, 1)) * round(4 * twin.NEWTON * 4096) + dice.randint(-40, 40)
+        c[at.C_LOAD + (leg ^ 1)] += (off - (wrong[0] + wrong[3] - wrong[1] - wrong[2])) * (1 if leg in (0, 3) else -1)
 
     def jump_body(self):
         """Draw a move of the body, how far it is, and where the body really is."""

@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from shared import crawl_setup
 from shared import params as p
 from shared.crawl import Crawl
 from tests.float_twin import crawl_reach as twin
@@ -70,3 +71,26 @@ def test_the_limbs_reach_no_farther_than_the_calves_bend(name):
         assert limbs[base + p.LEG_NEAR] * unit_m == pytest.approx(near, abs=6 * unit_m)
     outside = range(p.P_SIZE_BODY + 4 * p.LEG_SIZE, len(params))
     assert [limbs[place] for place in outside] == [params[place] for place in outside]
+
+
+# From docs/gaits.md and the texts of the core, m and s
+CARAMELO = {"margin": 0.028, "lift_front": 0.065, "lift_rear": 0.035, "high": 0.018, "void": 0.024, "deepest": 0.085}
+CARAMELO_S = {"touch_ticks": 0.06, "tare_ticks": 0.14, "warp_ticks": 1.5, "share_ticks": 0.3, "settle": 0.06}
+
+
+def caramelos_are_those_of_the_texts():
+    found, unit_m, _ = settings("caramelo", 50)
+    for what, metres in CARAMELO.items():
+        assert getattr(found, what) == pytest.approx(metres, abs=2 * unit_m), what
+    for what, seconds in CARAMELO_S.items():
+        assert getattr(found, what) == round(seconds * 50), what
+    assert found.v_up * 50 == pytest.approx(0.24, rel=1e-3)
+    assert found.brake * 2500 / 2 == pytest.approx(2.5, rel=1e-3)
+
+
+def test_caramelos_settings_are_those_of_the_texts(monkeypatch):
+    """And the check can fail: lengths that belong to a leg of 250 mm."""
+    caramelos_are_those_of_the_texts()
+    monkeypatch.setattr(crawl_setup, "_LEG_MM", 250)
+    with pytest.raises(AssertionError, match="margin"):
+        caramelos_are_those_of_the_texts()
