@@ -188,21 +188,22 @@ class Pair:
         self.jump_body()
         self.jump_swing(c[at.C_LEG])
         aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 2.6, -2.6)
-        far = dice.choice((0.0, 0.0, 1.3, -1.3)), dice.choice(aside)
-        self.carry_off(*[self.fine(self.k.rebase * value) for value in far])
+        far = [self.k.rebase * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
+        self.carry_off(*[self.fine(value) for value in (*far, -dice.randrange(2) * self.k.height)])
         self.adopt()
         self.move_origin()
         way = dice.choice((0, c_way(self.crawl)))
         self.both(self.felt(way), way)
 
-    def carry_off(self, dx, dy):
+    def carry_off(self, dx, dy, dz):
         """Move everything along the map by lf, as if the walk had begun far away."""
         c = self.crawl.state
         for place, count in ((at.C_FOOT, 4), (at.C_SEEN, 4), (at.C_PRINT, 8), (at.C_POS, 1), (at.C_TARGET, 1)):
-            crawl_map.shift_points(c, place, count, -dx, -dy, 0)
+            crawl_map.shift_points(c, place, count, -dx, -dy, -dz)
         for place in (at.C_BODY, at.C_REF, at.C_FROM, at.C_TO):
-            crawl_map.shift_points(c, place, 1, -dx, -dy, 0)
+            crawl_map.shift_points(c, place, 1, -dx, -dy, -dz)
         c[at.C_SOURCE], c[at.C_SOURCE + 1] = c[at.C_SOURCE] + dx, c[at.C_SOURCE + 1] + dy
+        c[at.C_EXPECT], c[at.C_TOP] = c[at.C_EXPECT] + dz, c[at.C_TOP] + dz
         for place in range(at.C_PAST, at.C_PAST + at.PAST_SIZE):
             c[place] += dx
 
