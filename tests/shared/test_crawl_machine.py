@@ -79,7 +79,7 @@ def test_a_long_walk_on_level_ground_and_on_a_slope():
 def test_any_point_of_a_crawl_goes_on_the_same_way(robot):
     """Points that a walk hardly ever comes to: any try, any ground, any load. (The long leg's have no room to plan.)"""
 
-    @repeatable(50)
+    @repeatable(35)
     @given(st.integers(0, 1 << 20))
     def points(seed):
         pair = Pair(Trouble(), random.Random(seed), *robot, planar=seed % 8 == 7)
