@@ -50,7 +50,7 @@ from .planner_layout import (
 from .planner_steps import use_gait, wanted_gait
 from .retreat import retreat_start, retreat_step
 from .runtime import hot, ptr32
-from .sensing import M_KNOWN, M_MOVED_X, keep_sent, sense_legs
+from .sensing import M_KNOWN, M_MOVED_X, keep_sent, sense_legs, stands_level
 from .steps import SPEED_SIZE
 
 
@@ -59,7 +59,7 @@ def climbs(planner, command, sensed) -> int:
     """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
 
     It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
-    advised to stop, at a moment when all feet have stood for long enough; held up, the trot backs off first.
+    advised to give way, at a moment when all feet have stood for long enough; held up, the trot backs off first.
     Without measured joints or attitude it never begins (BLIND): its table is walked instead.
     """
     n = ptr32(planner.numbers)
@@ -76,8 +76,8 @@ def climbs(planner, command, sensed) -> int:
         return 0
     if c[C_GAIT] == GAIT_CLIMB and (n[N_STATE] == STANDING or n[N_GAIT] == GAIT_CLIMB):
         reason = REASON_COMMAND
-    elif c[C_GAIT] == GAIT_ADAPTIVE and n[N_GAIT] == GAIT_ADAPTIVE:
-        reason = advised(planner)
+    elif n[N_GAIT] == GAIT_ADAPTIVE and (c[C_GAIT] == GAIT_ADAPTIVE or c[C_GAIT] == GAIT_CLIMB):
+        reason = advised(planner, c[C_GAIT])
     if reason == REASON_NONE:
         return 0
     if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
@@ -123,7 +123,7 @@ def backed_off(planner, command, sensed) -> int:
     s = ptr32(sensed)
     m = ptr32(planner.sensing)
     keeps_on = straight_on(planner.params, command)
-    if c[C_MODE] != MODE_WALK or c[C_GAIT] != GAIT_ADAPTIVE or n[N_FALLEN]:
+    if c[C_MODE] != MODE_WALK or n[N_FALLEN] or (c[C_GAIT] != GAIT_ADAPTIVE and c[C_GAIT] != GAIT_CLIMB):
         keeps_on = 0
     if keeps_on == 0 or s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
         n[N_CLIMB] = CLIMB_OFF
@@ -132,21 +132,27 @@ def backed_off(planner, command, sensed) -> int:
     if n[N_STATE] == STANDING:
         standing = 1
     if retreat_step(planner.params, command, m[M_MOVED_X], standing, planner.retreat):
-        return stop_to_climb(planner, GAIT_ADAPTIVE)
+        return stop_to_climb(planner, c[C_GAIT])
     return 0
 
 
 @hot
-def advised(planner) -> int:
+def advised(planner, wanted: int) -> int:
     """Return why the adaptive trot should give way to the crawl, once all feet surely stand; else REASON_NONE.
 
-    Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does not know where it is.
+    wanted: the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does
+    not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up.
     """
     n = ptr32(planner.numbers)
     p = ptr32(planner.params)
+    w = ptr32(planner.felt)
     clock = ptr32(planner.clock)
-    if n[N_STATE] == WALKING and clock[CLOCK_TICK] > p[P_STAND_TICKS] and n[N_ADVICE] == ADVICE_BEHIND:
+    if n[N_STATE] != WALKING or clock[CLOCK_TICK] <= p[P_STAND_TICKS]:
+        return REASON_NONE
+    if n[N_ADVICE] == ADVICE_BEHIND:
         return REASON_BEHIND
+    if wanted == GAIT_CLIMB and w[W_BEHIND] == 0 and stands_level(planner.params, planner.sensing):
+        return REASON_COMMAND
     return REASON_NONE
 
 

@@ -44,7 +44,8 @@ N_TILTED = const(9)  # ticks in a row of too much tilt
 N_FALLEN = const(10)  # 1: fallen
 N_CLIMB = const(11)  # the crawl over obstacles: CLIMB_...
 N_REASON = const(12)  # why trot and crawl were last exchanged, handover.REASON_...
-N_SIZE = const(13)
+N_WAITED = const(13)  # ticks for which the commanded crawl has waited for level feet
+N_SIZE = const(14)
 
 CLIMB_OFF = const(0)
 CLIMB_READY = const(1)  # standing still until the joints' loads are known

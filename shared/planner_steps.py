@@ -8,9 +8,9 @@ from .balance import balance_gains
 from .command import C_GAIT, C_HEIGHT, C_MODE, MODE_WALK, slew_pose, slew_speed
 from .fixed import saturate
 from .gait import CLOCK_MADE_Q10, CLOCK_SEGMENT, CLOCK_TICK, G_HEIGHT_MM, G_VX_MAX, gait_clock
-from .gaits import GAIT_ADAPTIVE
+from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .navigate import drive_as_told
-from .params import P_KP_Q12, P_LENGTH_SHIFT, P_OWN_KP_Q12, P_SIT_Z, P_VX_MAX, P_WZ_MAX
+from .params import P_KP_Q12, P_LENGTH_SHIFT, P_OWN_KP_Q12, P_RATE_HZ, P_SIT_Z, P_VX_MAX, P_WZ_MAX
 from .planner_layout import (
     BAD_COMMAND,
     N_CYCLES,
@@ -21,11 +21,15 @@ from .planner_layout import (
     N_HEIGHT,
     N_STATE,
     N_SWINGING,
+    N_WAITED,
     STANDING,
     WALKING,
 )
-from .runtime import hot, ptr32
+from .runtime import const, hot, ptr32
+from .sensing import M_KNOWN
 from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
+
+_WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
 @hot
@@ -37,7 +41,7 @@ def step_gait(planner, command) -> int:
     """
     n = ptr32(planner.numbers)
     c = ptr32(command)
-    wanted = wanted_gait(planner, command)
+    wanted = crawl_waits(planner, wanted_gait(planner, command))
     if n[N_STATE] == STANDING:
         use_gait(planner, wanted)
         n[N_CYCLES] = 0
@@ -158,6 +162,26 @@ def wanted_gait(planner, command) -> int:
         n[N_FLAGS] |= BAD_COMMAND
         return n[N_GAIT]
     return gait
+
+
+@hot
+def crawl_waits(planner, wanted: int) -> int:
+    """Return the gait to go on with: ``wanted``, or the adaptive trot while it feels for where the crawl may begin.
+
+    A walking robot trots on adaptively until its feet stand level or it was held up and has backed off
+    (planner_climb.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
+    does not wait.
+    """
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    m = ptr32(planner.sensing)
+    if wanted != GAIT_CLIMB or n[N_STATE] != WALKING or n[N_GAIT] == GAIT_CLIMB:
+        n[N_WAITED] = 0
+        return wanted
+    n[N_WAITED] = saturate(n[N_WAITED] + 1, 0, 0xFFFF)
+    if n[N_WAITED] > p[P_RATE_HZ] * _WAIT_S or (n[N_GAIT] == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
+        return wanted
+    return GAIT_ADAPTIVE
 
 
 @hot

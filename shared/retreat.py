@@ -5,8 +5,9 @@ foot while the robot's weight is across the other diagonal, and it tips over; be
 of the edge it does not. The way back is measured by the legs' odometry, so slip does not count.
 """
 
-from .command import C_SPEED, COMMAND_SIZE
+from .command import C_GAIT, C_SPEED, COMMAND_SIZE
 from .fixed import saturate
+from .gaits import GAIT_ADAPTIVE
 from .params import LF_BITS, P_LEG_LENGTH, P_RATE_HZ, P_VX_MAX
 from .runtime import const, hot, ptr32
 
@@ -34,7 +35,7 @@ def retreat_step(params, command, moved_lf: int, standing: int, retreat) -> int:
     """Write this tick's command for the trot: backwards, then nothing; return 1 once it has stood for half a second.
 
     moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
-    Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed; all else as commanded.
+    Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed, adaptively; all else as commanded.
     Intermediates: 3 * 2^15 * 2^8 lf.
     """
     p = ptr32(params)
@@ -46,6 +47,7 @@ def retreat_step(params, command, moved_lf: int, standing: int, retreat) -> int:
     r[R_TICKS] = saturate(r[R_TICKS] + 1, 0, 0xFFFF)
     if r[R_MOVED] >= (p[P_LEG_LENGTH] * 3 << LF_BITS) // 10 or r[R_TICKS] > p[P_RATE_HZ] * _LONGEST_S:
         r[R_ENDS] = 1
+    r[C_GAIT] = GAIT_ADAPTIVE
     r[C_SPEED] = -(p[P_VX_MAX] * 3 // 10)
     r[C_SPEED + 1] = 0
     r[C_SPEED + 2] = 0

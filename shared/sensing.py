@@ -24,6 +24,7 @@ from .params import (
     P_COUPLED,
     P_DAMP_Q8,
     P_FOOT_RADIUS,
+    P_LEG_LENGTH,
     P_SENT_TICKS,
     P_SIZE_BODY,
     P_STIFF_Q8,
@@ -259,3 +260,25 @@ def sense_moved(block, weights) -> int:
     m[M_MOVED_X] = x
     m[M_MOVED_Y] = y
     return count
+
+
+@hot
+def stands_level(params, block) -> int:
+    """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
+
+    A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
+    """
+    p = ptr32(params)
+    m = ptr32(block)
+    if m[M_KNOWN] == 0:
+        return 1
+    low = m[M_LEVEL + 2]
+    high = low
+    for at in range(M_LEVEL + 5, M_LEVEL + 12, 3):
+        if m[at] < low:
+            low = m[at]
+        if m[at] > high:
+            high = m[at]
+    if high - low > p[P_LEG_LENGTH] >> 5:
+        return 0
+    return 1

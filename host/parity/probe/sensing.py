@@ -37,7 +37,15 @@ def _soil(values, dice):
     BLOCK[dice.below(len(BLOCK))] = 7
 
 
+def _nearly_level(values, dice):
+    """Put the feet at heights that differ by about as much as is allowed, now and then before any is known."""
+    BLOCK[sensing.M_KNOWN] = dice.bits(2)
+    for leg in range(4):
+        BLOCK[sensing.M_LEVEL + leg * 3 + 2] = dice.bits(11) - 22000
+
+
 PROBES = (
+    Probe("stands_level", sensing.stands_level, (ROBOT, BLOCK), fit=_nearly_level),
     Probe("sensing_reset", sensing.sensing_reset, (BLOCK,), watch=(BLOCK,), fit=_soil),
     Probe("keep_sent", sensing.keep_sent, (BLOCK, GOALS), watch=(BLOCK,), begin=_begin),
     Probe(
