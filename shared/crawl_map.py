@@ -223,7 +223,8 @@ def shift_points(state, at: int, count: int, dx: int, dy: int, dz: int) -> int:
 def rebase(settings, state) -> int:
     """Move the map's origin to the body's x and z if those are farther than K_REBASE; return 1 if it was moved.
 
-    y stays, because its axis is the line that is walked along, until the body is twice as far off it: a new line.
+    y stays, because its axis is the line that is walked along, until the body is half as far again off it: a new line.
+    Farther out the body's next target, which is limited to 32767 lu, would be cut short.
 
     Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
     motion changes, and the numbers stay within 2^16 lu however far it walks.
@@ -231,17 +232,18 @@ def rebase(settings, state) -> int:
     k = ptr32(settings)
     c = ptr32(state)
     far = 0
+    aside = k[K_REBASE] * 3 >> 1
     for axis in range(3):
         most = k[K_REBASE]
         if axis == 1:
-            most += most
+            most = aside
         if c[C_BODY + axis] > most or c[C_BODY + axis] < -most:
             far = 1
     if far == 0:
         return 0
     dx = c[C_BODY]
     dy = 0
-    if c[C_BODY + 1] > 2 * k[K_REBASE] or c[C_BODY + 1] < -2 * k[K_REBASE]:
+    if c[C_BODY + 1] > aside or c[C_BODY + 1] < -aside:
         dy = c[C_BODY + 1]
     dz = c[C_BODY + 2]
     shift_points(state, C_FOOT, 4, dx, dy, dz)

@@ -2,8 +2,9 @@
 
 Speeds are per tick. A command comes as an object with walk (bool), gait and speed (vx, vy, wz); what is known of the
 robot with joints_ok, attitude_ok, fallen, standing, swinging, walked (the gait), behind (the trot is held up),
-segment (ticks of its segment), moved (m, forwards in the last tick), known (ticks measured in a row); of the crawl
-with resting and even (landings in a row on even ground).
+lag (above 0: it was behind of late), heights (m, of the four feet, level), segment (ticks of its segment), moved (m,
+forwards in the last tick), known (ticks measured in a row); of the crawl with resting and even (landings in a row on
+even ground).
 """
 
 OFF, READY, ON, BACK = range(4)
@@ -43,7 +44,7 @@ class Exchange:
     def __init__(self, robot, doubt):
         self.robot, self.doubt = robot, doubt
         self.stage, self.reason, self.blind = OFF, NO_REASON, False
-        self.walked, self.retreat = None, None
+        self.walked, self.retreat, self.waited = None, None, 0
 
     def takes(self, command, known):
         """Return whether this tick is the crawl's; what else has changed is in stage, reason and the gait walked."""
@@ -69,21 +70,34 @@ class Exchange:
         """Return why the crawl is to begin now, or NO_REASON."""
         if not command.walk or known.fallen or known.swinging or not can_follow(self.robot, command.speed):
             return NO_REASON
-        if command.gait == CLIMB:
-            return COMMAND if known.standing or known.walked == CLIMB else NO_REASON
-        trots = command.gait == known.walked == ADAPTIVE and not known.standing
-        stands_surely = known.segment > self.robot.stand_ticks
-        return BEHIND if trots and stands_surely and known.behind else NO_REASON
+        if command.gait == CLIMB and (known.standing or known.walked == CLIMB):
+            return COMMAND
+        trots = command.gait in (ADAPTIVE, CLIMB) and known.walked == ADAPTIVE and not known.standing
+        if not trots or known.segment <= self.robot.stand_ticks:
+            return NO_REASON
+        if known.behind:
+            return BEHIND
+        clear = not known.lag and stands_level(self.robot, known)
+        return COMMAND if command.gait == CLIMB and clear else NO_REASON
+
+    def next_gait(self, wanted, known):
+        """Return the gait to go on with in this tick: before the crawl the adaptive one, for at most 6 s."""
+        if wanted != CLIMB or known.standing or known.walked == CLIMB:
+            self.waited = 0
+            return wanted
+        self.waited += 1
+        feels_nothing = known.walked == ADAPTIVE and known.known == 0
+        return wanted if feels_nothing or self.waited > 6 * self.robot.rate_hz else ADAPTIVE
 
     def backs_off(self, command, known):
         """Take one tick of backing off; return whether it is done. Another command or missing senses end it."""
-        wanted = command.walk and command.gait == ADAPTIVE and can_follow(self.robot, command.speed)
+        wanted = command.walk and command.gait in (ADAPTIVE, CLIMB) and can_follow(self.robot, command.speed)
         if known.fallen or not wanted or not senses(known):
             self.stage = OFF
             return False
         done = self.retreat.step(known.moved, known.standing)[1]
         if done:
-            self.stage, self.walked = READY, ADAPTIVE
+            self.stage, self.walked = READY, command.gait
         return done
 
     def wanted(self, command):
@@ -117,6 +131,11 @@ class Exchange:
             self.stage, self.reason, self.walked = OFF, reason, self.wanted(command)
             return False
         return resting and not goes
+
+
+def stands_level(robot, known):
+    """Return whether the feet are within 1/32 of the leg in height, as far as is known."""
+    return known.known == 0 or max(known.heights) - min(known.heights) <= robot.leg_m / 32
 
 
 def senses(known):

@@ -97,14 +97,14 @@ class Machine:
             (self.lift, self.move, self.hang, self.lower)[self.stage - LIFT](felt)
 
     def move_origin(self, body):
-        """Put the map's origin under the body if it is half a leg away, sideways a whole leg; return the way or None.
+        """Put the map's origin under the body if it is half a leg away, sideways 3/4 of one; return the way or None.
 
         Sideways it stays as long as it can: its x axis is the line that is walked along.
         """
         half = self.k.rebase
-        if abs(body[0]) <= half and abs(body[1]) <= 2 * half and abs(body[2]) <= half:
+        if abs(body[0]) <= half and abs(body[1]) <= 1.5 * half and abs(body[2]) <= half:
             return None
-        way = [body[0], body[1] if abs(body[1]) > 2 * half else 0.0, body[2]]
+        way = [body[0], body[1] if abs(body[1]) > 1.5 * half else 0.0, body[2]]
         places = self.feet + self.prints[0] + self.prints[1] + [self.body.wanted, self.body.start, self.body.goal]
         if self.swing:
             s = self.swing

@@ -187,7 +187,7 @@ class Pair:
         self.jump_ground()
         self.jump_body()
         self.jump_swing(c[at.C_LEG])
-        aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 2.6, -2.6)
+        aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 1.45, -1.45, 2.6, -2.6)
         far = [self.k.rebase * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
         self.carry_off(*[self.fine(value) for value in (*far, -dice.randrange(2) * self.k.height)])
         self.adopt()

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from shared import command as c
 from shared import crawl_layout as at
-from shared import handover, planner, planner_climb, retreat, sensing
+from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
 from shared import params as p
 from shared import planner_layout as n
 from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED, W_BEHIND, W_ROUGH
@@ -70,6 +70,8 @@ class Pair:
             swinging=numbers[n.N_SWINGING],
             walked=numbers[n.N_GAIT],
             behind=numbers[n.N_ADVICE] == ADVICE_BEHIND,
+            lag=robot.felt[W_BEHIND],
+            heights=[height * self.robot.unit_m for height in robot.sensing[sensing.M_LEVEL + 2 : 12 : 3]],
             segment=robot.clock[CLOCK_TICK],
             moved=robot.sensing[sensing.M_MOVED_X] * self.robot.unit_m / 256,
             known=robot.sensing[sensing.M_KNOWN],
@@ -175,16 +177,20 @@ def trouble(pair, dice):
         pair.walker.planner.climb.state[at.C_STEPS_EVEN] = dice.choice((0, 15, 16, 20))
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_restless_driver_gets_the_same_exchanges(spied, seed):
-    """Feet that never feel ground give up and stand in the air: enough for the decisions, and every leg rests."""
+def restless(spied, seed):
+    """Drive for 100 s, both deciding; return the stages met, each with the reason of the last exchange."""
     pair, dice = spied(), random.Random(seed)
     for _ in range(5000):
         trouble(pair, dice)
         pair.tick()
-    stages = {stage for stage, _ in pair.seen}
-    assert stages == {twin.OFF, twin.READY, twin.ON, twin.BACK}
-    assert {reason for stage, reason in pair.seen if stage == twin.OFF} >= {twin.COMMAND, twin.EVEN}
+    return pair.seen
+
+
+def test_a_restless_driver_gets_the_same_exchanges(spied):
+    """Feet that never feel ground give up and stand in the air: enough for the decisions, and every leg rests."""
+    seen = set().union(*(restless(spied, seed) for seed in range(3)))
+    assert {stage for stage, _ in seen} == {twin.OFF, twin.READY, twin.ON, twin.BACK}
+    assert {reason for stage, reason in seen if stage == twin.OFF} >= {twin.COMMAND, twin.EVEN}
 
 
 def near(value):
@@ -208,6 +214,9 @@ TROTS = st.fixed_dictionaries(
         n.N_CLIMB: st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
     }
 )
+LEVEL = PARAMS[p.P_LEG_LENGTH] // 32
+HEIGHTS = st.permutations((0, LEVEL // 2, LEVEL, LEVEL + 1)) | st.permutations((0, 0, 7, LEVEL))
+FEET = st.tuples(st.sampled_from((0, 5)), HEIGHTS)
 SHARED_WALKER = Walker()
 
 
@@ -225,18 +234,19 @@ def put(numbers, clock, speed, command):
 
 
 @repeatable(1500)
-@given(TROTS, st.integers(0, 1), SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)))
-def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed, command, senses):
+@given(TROTS, st.integers(0, 1), SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), FEET, st.sampled_from((0, 0, 99)))
+def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed, command, senses, feet, lag):
     pair, robot, block = put(numbers, clock, speed, command)
     sensed = pair.walker.sensed
     sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.felt[W_BEHIND], robot.nav[0], robot.speed[0] = 99, 99, 99
+    robot.felt[W_BEHIND], robot.nav[0], robot.speed[0] = lag, 99, 99
+    robot.sensing[sensing.M_KNOWN], robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
     pair.climbs(robot, block, sensed)
     if numbers[n.N_CLIMB] == n.CLIMB_OFF:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        assert (robot.felt[W_BEHIND], robot.nav[0]) == ((0, 0) if backs else (99, 99))
+        assert (robot.felt[W_BEHIND], robot.nav[0]) == ((0, 0) if backs else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 
 
@@ -264,7 +274,8 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     for tick in range(9 * rate_hz):
         most = params[p.P_VX_MAX]
         moved = dice.randint(-most // 3, most // 3 if stuck else most // 9)
-        standing = int(tick % (2 * rate_hz) > rate_hz and dice.random() < 0.999)
+        steady = tick > 6 * rate_hz or dice.random() < 0.999  # the last time it stands it stands long enough
+        standing = int(tick % (2 * rate_hz) > rate_hz and steady)
         doubt.begin()
         speed, done = back.step(moved * robot.unit_m / 256, standing)
         assert retreat.retreat_step(params, command, moved, standing, state) == int(done)
@@ -272,10 +283,29 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
             back.ends = bool(state[retreat.R_ENDS])
         assert state[c.C_SPEED] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
         assert state[c.C_SPEED + 1 : c.C_SPEED + 3] == [0, 0]
+        assert state[c.C_GAIT] == GAIT_ADAPTIVE
         assert state[c.C_POSE : c.COMMAND_SIZE] == command[c.C_POSE :]
         if done:
             return
     assert stuck or not back.ends
+
+
+@repeatable(100)
+@given(
+    st.lists(st.tuples(st.sampled_from((4, 4, 4, 3)), st.sampled_from((3, 3, 1, 4)), st.integers(1, 250)), max_size=8),
+    st.sampled_from((n.WALKING, n.WALKING, n.STANDING)),
+    st.sampled_from((0, 5)),
+)
+def test_the_crawl_waits_as_long_as_the_twin(wishes, state, known):
+    """The wait begins anew with each command for another gait, and ends after six seconds of one."""
+    pair = Pair(walker=SHARED_WALKER)
+    robot, numbers = pair.walker.planner, pair.numbers
+    numbers[n.N_STATE], numbers[n.N_WAITED], robot.sensing[sensing.M_KNOWN] = state, 0, known
+    for wanted, walked, ticks in wishes:
+        numbers[n.N_GAIT] = walked
+        for _ in range(ticks):
+            told = pair.twin.next_gait(wanted, pair.known(pair.walker.sensed))
+            assert planner_steps.crawl_waits(robot, wanted) == told
 
 
 @repeatable(60)
@@ -303,4 +333,4 @@ def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
         with monkeypatch.context() as planted:
             planted.setattr(module, name, wrong)
             with pytest.raises(AssertionError):
-                test_a_restless_driver_gets_the_same_exchanges(spied, 0)
+                restless(spied, 0)

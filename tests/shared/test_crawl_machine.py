@@ -47,6 +47,8 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
     met, ticks, turned = set(), 0, 0
 
     @repeatable(30)
+    @example(Trouble(steps=[(0.15, 0.03)]), ROBOTS[0], False, 1)
+    @example(Trouble(shins=0.4), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.14, -0.12)]), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.17, 0.09)]), ROBOTS[0], False, 1)
     @example(Trouble(skew=1.6, sticks=True), ROBOTS[0], False, 1)
