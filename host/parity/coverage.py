@@ -35,10 +35,16 @@ class Coverage:
         return {"statements": self.statements, "share": round(self.share, 4), "missed": list(self.missed)}
 
     def sentence(self) -> str:
+        """Return the figure, and a line for each file with statements that did not run."""
         if self.skipped:
             return f"coverage: skipped: {self.skipped}"
-        missed = f"; not run: {', '.join(self.missed)}" if self.missed else ""
-        return f"coverage: {self.share:.1%} of {self.statements} statements of shared/ ran in the traced VM{missed}"
+        told = f"coverage: {self.share:.1%} of {self.statements} statements of shared/ ran in the traced VM"
+        by_file: dict[str, list[int]] = {}
+        for place in self.missed:
+            path, _, line = place.rpartition(":")
+            by_file.setdefault(path, []).append(int(line))
+        rows = [f"  {path}: {', '.join(map(str, sorted(lines)))}" for path, lines in sorted(by_file.items())]
+        return "\n".join([told + (", not these lines:" if rows else ""), *rows])
 
 
 class TracedNode(Node):

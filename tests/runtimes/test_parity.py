@@ -99,4 +99,8 @@ def test_coverage_counts_what_did_not_run(tmp_path):
     covered = compare(tmp_path, {"shared/one.py": {3, 5}})
     assert covered.statements == 3
     assert covered.missed == ("shared/one.py:4",)
+    assert covered.sentence().splitlines() == [
+        "coverage: 66.7% of 3 statements of shared/ ran in the traced VM, not these lines:",
+        "  shared/one.py: 4",
+    ]
     assert not covered.enough
