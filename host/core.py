@@ -5,6 +5,7 @@ the sources it was made of; after any change to them it is not used until it is 
 """
 
 import hashlib
+import importlib
 import os
 import re
 import sys
@@ -12,6 +13,7 @@ import sysconfig
 from pathlib import Path
 
 from .build.source import ROOT
+from .console import write_error
 
 SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
 _RULES = ("typed.py", "native_core.py")  # of host/build: another way to compile makes another core
@@ -62,6 +64,20 @@ def use_core() -> bool:
     core = find_core()
     if core is None:
         return False
-    sys.modules.pop("shared", None)
+    _forget()
     sys.path.insert(0, str(core))
+    try:
+        importlib.import_module("shared.fixed")
+    except ImportError as error:
+        _forget()
+        sys.path.remove(str(core))
+        write_error(f"the compiled core cannot be loaded ({error}); the sources run instead. To make it anew: "
+                    "caramelo core remove, then caramelo core build")
+        return False
     return True
+
+
+def _forget() -> None:
+    """Let shared be looked for anew."""
+    for name in [name for name in sys.modules if name == "shared" or name.startswith("shared.")]:
+        del sys.modules[name]

@@ -89,6 +89,20 @@ def test_it_is_not_used_after_a_source_changed(compiled_home, monkeypatch):
     assert core.find_core() is None
 
 
+def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
+    shared = tmp_path / core.sources_id() / "shared"
+    shared.mkdir(parents=True)
+    for name, text in (("__init__", ""), ("planner", ""), ("fixed", "raise ImportError('on purpose')\n")):
+        (shared / f"{name}.py").write_text(text)
+    script = f"import sys\nfrom host import cli\nassert cli.main(['robots', 'check', 'caramelo']) == 0\n{WHERE}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, core.SWITCH: str(tmp_path)})
+    assert done.returncode == 0
+    assert "the compiled core cannot be loaded (on purpose); the sources run instead" in done.stderr
+    assert done.stdout.endswith(str(Path("shared", "leg.py")))
+    assert str(tmp_path) not in done.stdout
+
+
 def test_another_source_is_another_core(sources, tmp_path):
     changed = plant(sources, tmp_path, "shared/pid.py", "@hot\ndef pid_step(", "\n@hot\ndef pid_step(")
     assert core.sources_id(changed) != core.sources_id(sources) == core.sources_id()
