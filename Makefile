@@ -11,6 +11,7 @@ PYTHON ?= python3
 EXTRAS ?= sim,web,record,firmware,test
 JOBS ?= 2
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
@@ -19,12 +20,16 @@ STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 setup: $(STAMP)
 
-$(STAMP): pyproject.toml constraints.txt
+# Whatever comes from a package index has the hash that constraints.txt says; the project itself is built with what is
+# installed by then.
+$(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 	@command -v $(PYTHON) >/dev/null || { echo "make setup: $(PYTHON) not found: install Python 3.11 or newer, or name one: make setup PYTHON=python3.12" >&2; exit 1; }
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "make setup: $$($(PYTHON) -V 2>&1) is too old: 3.11 or newer is needed, name one: make setup PYTHON=python3.12" >&2; exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make setup: $(PYTHON) comes without its venv module: on Debian, apt-get install python3-venv" >&2; exit 1; }
 	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt --editable '.[$(EXTRAS)]'
+	$(BIN)/python .ci/requirements.py '$(EXTRAS)' > .venv/requirements.txt
+	$(PIP) --require-hashes --requirement .venv/requirements.txt
+	$(PIP) --no-deps --no-build-isolation --editable .
 	@touch $@
 
 setup-pi:
@@ -45,8 +50,8 @@ core:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile
 	$(BIN)/caramelo core build
 
-lock: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check uv
+lock:
+	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),lock
 	$(BIN)/python .ci/lock.py
 
 pi-wheels: setup

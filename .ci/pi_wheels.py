@@ -8,8 +8,9 @@ without installing anything.
 import subprocess
 import sys
 import tempfile
-import tomllib
 from pathlib import Path
+
+from requirements import requirements
 
 ROOT = Path(__file__).resolve().parent.parent
 EXTRAS = ("web", "record", "pi", "compile")
@@ -18,16 +19,15 @@ PLATFORMS = ("manylinux_2_28_aarch64", "manylinux_2_17_aarch64", "manylinux2014_
 
 
 def main() -> int:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    wanted = list(project["dependencies"])
-    for extra in EXTRAS:
-        wanted += project["optional-dependencies"][extra]
+    wanted = requirements((ROOT / "constraints.txt").read_text(), EXTRAS)
     for python in PYTHONS:
         with tempfile.TemporaryDirectory() as nowhere:
+            needed = Path(nowhere, "requirements.txt")
+            needed.write_text(wanted)
             command = [sys.executable, "-m", "pip", "install", "--dry-run", "--quiet", "--target", nowhere]
             command += ["--disable-pip-version-check", "--ignore-installed", "--only-binary=:all:"]
             command += [f"--platform={platform}" for platform in PLATFORMS]
-            command += ["--python-version", python, "--constraint", str(ROOT / "constraints.txt"), *wanted]
+            command += ["--python-version", python, "--require-hashes", "--requirement", str(needed)]
             if subprocess.run(command, check=False).returncode:
                 print(f"pi-wheels: Python {python}: not all packages have an aarch64 wheel, see above", file=sys.stderr)
                 return 1

@@ -6,9 +6,24 @@ The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``com
 
 from array import array
 
-from shared.joint.layout import F_DUTY_A, F_DUTY_B, F_DUTY_C, F_RAW_A, F_RAW_B, F_RAW_C
+from shared.joint.layout import (
+    F_DUTY_A,
+    F_DUTY_B,
+    F_DUTY_C,
+    F_RAW_A,
+    F_RAW_B,
+    F_RAW_C,
+    IO_BUS_RAW,
+    IO_JOINT_RAW,
+    IO_JOINT_VALID,
+)
+from shared.wire.names import REPLY_LENGTH
+
+from .joint_bus import FRAMES_MOST, WANTS_REPLY, take_frame, write_reply
+from .joint_run import BRIDGE_OFF, BRIDGE_ON, RUN_STEPS, RUN_STEPS_FED, RUN_UNSENT, take_motion, take_step
 
 _QUEUE = 64  # frames
+_MASK = 0x3FFFFFFF
 
 
 class SimBoard:
@@ -21,6 +36,7 @@ class SimBoard:
 
     def __init__(self, unique_id=bytes(range(12))):
         self._unique_id = unique_id
+        self._drawn = 1 + unique_id[0]
         self.raw = array("i", [2048, 2048, 2048])
         self.rotor = 0  # rc, -1: the reading failed its check
         self.joint = 0
@@ -36,34 +52,57 @@ class SimBoard:
         self.fed = 0
         self.resets = 0
         self.to_loader = False
-        self.can_length = 0
         self.filters = 0
         self._in = Frames()
         self.sent = Frames()
 
-    def start(self, handler):
-        """Call ``handler`` for every current step from now on."""
-        self.handler = handler
+    def start(self, control):
+        """From now on ``handler()`` does a current step on the control's blocks, ``millisecond()`` a motion tick."""
+        self._control = control
+        self.handler = self._step
 
-    def pwm_on(self):
-        """Let the bridge follow the compare registers."""
-        self.bridge = 1
+    def _step(self):
+        """Do what the chip's interrupt does: samples, rotor, control, compares."""
+        foc = self._control.foc
+        foc[F_RAW_A] = self.raw[0]
+        foc[F_RAW_B] = self.raw[1]
+        foc[F_RAW_C] = self.raw[2]
+        wanted = take_step(foc, self._control.run, self.now_us & 0x3FFFFFFF, self.rotor)
+        if wanted == BRIDGE_OFF:
+            self.bridge = 0
+        elif wanted == BRIDGE_ON:
+            self._write_compares(foc)
+
+    def _write_compares(self, foc):
+        self.compare[0] = foc[F_DUTY_A]
+        self.compare[1] = foc[F_DUTY_B]
+        self.compare[2] = foc[F_DUTY_C]
 
     def pwm_off(self):
         """Open all six switches."""
         self.bridge = 0
 
-    def pwm_write(self, foc):
-        """Set the compare registers from F_DUTY_*."""
-        self.compare[0] = foc[F_DUTY_A]
-        self.compare[1] = foc[F_DUTY_B]
-        self.compare[2] = foc[F_DUTY_C]
+    def millisecond(self):
+        """Do what the chip does: sensors, a motion tick, the bridge, the watchdog; return the gate driver's fault."""
+        c = self._control
+        self._sense(c.io)
+        wanted = take_motion(c.foc, c.cfg, c.state, c.io, c.cal, c.run, self.driver)
+        if wanted == BRIDGE_ON:
+            self._write_compares(c.foc)
+            self.bridge = 1
+        elif wanted == BRIDGE_OFF:
+            self.bridge = 0
+        if c.run[RUN_STEPS] != c.run[RUN_STEPS_FED]:
+            c.run[RUN_STEPS_FED] = c.run[RUN_STEPS]
+            self.fed = (self.fed + 1) & 0x3FFFFFFF
+        return self.driver
 
-    def read_currents(self, foc):
-        """Write the last conversions of the three shunt amplifiers to F_RAW_*."""
-        foc[F_RAW_A] = self.raw[0]
-        foc[F_RAW_B] = self.raw[1]
-        foc[F_RAW_C] = self.raw[2]
+    def _sense(self, io):
+        io[IO_BUS_RAW] = self.bus
+        io[IO_JOINT_VALID] = 0
+        if self.joint >= 0:
+            io[IO_JOINT_RAW] = self.joint
+            io[IO_JOINT_VALID] = 1
 
     def read_rotor(self):
         """Return the rotor encoder's angle, 0 .. 16383, or -1 if the reading failed its check."""
@@ -93,17 +132,18 @@ class SimBoard:
         """Read the registers again; return the first that differs, -1 if none."""
         return self.driver_wrong
 
-    def driver_fault(self):
-        """Return both fault registers of the gate driver in one number, 0 if it reports none."""
-        return self.driver
-
     def ticks_us(self):
         """Return microseconds modulo 2^30."""
         return self.now_us & 0x3FFFFFFF
 
-    def ticks_ms(self):
-        """Return milliseconds modulo 2^30."""
-        return self.now_us // 1000 & 0x3FFFFFFF
+    def random(self):
+        """Return 30 bits that follow from the board's number, its time and the draws before (xorshift)."""
+        x = self._drawn ^ (self.now_us & _MASK)
+        x ^= (x & 0x1FFFF) << 13
+        x ^= x >> 17
+        x ^= (x & 0x1FFFFFF) << 5
+        self._drawn = x
+        return x
 
     def unique_id(self):
         """Return the chip's twelve bytes."""
@@ -117,11 +157,28 @@ class SimBoard:
         """Set the hardware filters; a simulated bus hands over every frame."""
         self.filters = count
 
+    def listen(self, control, link, frame, out):
+        """Return what serves the bus: called without arguments, it does what chip_joint.serve_bus does."""
+        return lambda: self._serve(control, link, frame, out)
+
+    def _serve(self, c, link, frame, out):
+        for _ in range(FRAMES_MOST):
+            came = self.can_receive(frame)
+            if came < 0:
+                return -1
+            left = take_frame(link, c.io, came, frame)
+            if left >= 0:
+                return left
+            if left == WANTS_REPLY:
+                identifier = write_reply(link, c.foc, c.cfg, c.state, c.run, out)
+                if identifier and self.can_send(identifier, out, REPLY_LENGTH) == 0:
+                    c.run[RUN_UNSENT] = (c.run[RUN_UNSENT] + 1) & 0x3FFFFFFF
+        return -1
+
     def can_receive(self, frame):
-        """Copy the oldest frame into ``frame`` and its length to ``can_length``; return its identifier, or -1."""
+        """Copy the oldest frame into ``frame``; return its identifier + its length << 11, or -1."""
         identifier = self._in.take(frame)
-        self.can_length = self._in.length
-        return identifier
+        return identifier if identifier < 0 else identifier | self._in.length << 11
 
     def can_send(self, identifier, frame, length):
         """Send a frame; return 0 if there is no room for it."""
@@ -130,10 +187,6 @@ class SimBoard:
     def deliver(self, identifier, frame, length):
         """Let a frame arrive from the bus; return 0 if the receive queue is full."""
         return self._in.put(identifier, frame, length)
-
-    def feed_watchdog(self):
-        """Put the watchdog off."""
-        self.fed = (self.fed + 1) & 0x3FFFFFFF
 
     def reset(self, to_loader):
         """Start the board anew."""

@@ -13,7 +13,7 @@ GATE_DRIVE_LS = const(0x04)
 OCP_CONTROL = const(0x05)
 CSA_CONTROL = const(0x06)
 
-_READ = const(0x80)
+DRIVER_READ = const(0x8000)
 _CLEAR = const(0x01)  # CLR_FLT, clears itself
 
 # (register, value): chosen; each field as the data sheet names it
@@ -27,23 +27,19 @@ SETTINGS = (
 
 
 class Drv8323:
-    """``spi`` is a machine.SPI, ``select`` the chip select pin (active low). Nothing here allocates after it exists."""
+    """``exchange(word)`` sends 16 bits and returns those that come meanwhile, -1 for none. Nothing here allocates."""
 
-    def __init__(self, spi, select):
-        self._spi = spi
-        self._select = select
-        self._out = bytearray(2)
-        self._in = bytearray(2)
-        select(1)
+    def __init__(self, exchange):
+        self._exchange = exchange
 
     def read(self, register):
-        """Return the 11 bits of a register."""
-        self._transfer(_READ | register << 3, 0)
-        return (self._in[0] & 7) << 8 | self._in[1]
+        """Return the 11 bits of a register, or -1."""
+        word = self._exchange(DRIVER_READ | register << 11)
+        return word if word < 0 else word & 0x7FF
 
     def write(self, register, value):
         """Write the 11 bits of a register."""
-        self._transfer(register << 3 | value >> 8, value & 0xFF)
+        self._exchange(register << 11 | value)
 
     def setup(self):
         """Clear faults, write all settings and read them back; return the first register that differs, -1 if none."""
@@ -58,15 +54,3 @@ class Drv8323:
             if self.read(register) != value:
                 return register
         return -1
-
-    def faults(self):
-        """Return fault status 1 (bits 0 .. 10) and 2 (bits 11 .. 21), each read once; 0 if there is none."""
-        first = self.read(FAULT_STATUS_1)
-        return first | self.read(FAULT_STATUS_2) << 11
-
-    def _transfer(self, high, low):
-        self._out[0] = high
-        self._out[1] = low
-        self._select(0)
-        self._spi.write_readinto(self._out, self._in)
-        self._select(1)

@@ -1,7 +1,8 @@
 """The gait controller: a board that runs the whole planner by itself.
 
 Commands come in over a link, the inertial sensor is read, set-points go out; no Raspberry Pi. The
-application knows no hardware: a board gives it a sensor with ``read(counts)`` and a stream.
+application knows no hardware: a board gives it a sensor with ``read(counts)`` and a stream. What happens
+at a stream's or the clock's pace is one hot function each, on blocks made at the start.
 
 * No command for 300 ms: it stops walking and stands.
 * No trustworthy inertial sensor: it walks without balance at half speed, and says so.
@@ -20,7 +21,7 @@ from shared.command import (
 )
 from shared.gaits import GAIT_NAMES
 from shared.params import JOINTS, P_RATE_HZ
-from shared.planner import Planner
+from shared.planner import Planner, plan
 from shared.planner_layout import (
     N_GAIT,
     N_STATE,
@@ -31,9 +32,31 @@ from shared.planner_layout import (
     S_ROLL,
     SENSED_SIZE,
 )
-from shared.runtime import const
+from shared.runtime import const, hot, ptr32
 
-from . import link
+from .link import (
+    COMMAND,
+    PAYLOAD,
+    R_BROKEN,
+    READ,
+    READER_BYTES,
+    READER_SIZE,
+    READING,
+    READY,
+    RESET,
+    SENSED,
+    SETPOINTS,
+    STOP,
+    TAKEN,
+    close_frame,
+    int_block,
+    next_frame,
+    ptr8,
+    put,
+    put_each,
+    read_each,
+    read_int30,
+)
 
 STALE_MS = const(300)  # the driver's dead-man time
 # Flags of the application, above the planner's
@@ -43,132 +66,216 @@ STOPPED = const(0x40000)
 ALIGNING_NOW = const(0x80000)
 _FAULT_SHIFT = const(20)
 
+# The board's own numbers, one block
+B_AGE = const(0)  # ticks since the last command, up to B_STALE
+B_STALE = const(1)  # the age from which on a command is stale
+B_TICKS = const(2)
+B_FLAGS = const(3)  # of the last tick: the planner's and the application's
+B_STOPPED = const(4)  # 1: from STOP until RESET
+B_QUESTION = const(5)  # number of the last READ
+BOARD_SIZE = const(6)
+
+SETPOINTS_BYTES = const(40)  # whole frames: link.OVERHEAD and what link.py says is in them
+READING_BYTES = const(20)
+READY_BYTES = const(9)
+_COUNTS = const(6)
+_MASK = const(0x3FFFFFFF)
+
 
 class GaitBoard:
-    """The application. ``attitude`` is an attitude block (shared/attitude.py), ``sensor`` anything with read()."""
+    """The application. ``attitude`` is an attitude block (shared/attitude.py), ``sensor`` anything with read().
+
+    The frames it answers with lie in ``ready``, ``setpoints`` and ``reading``, each as many bytes as are to be sent.
+    """
 
     def __init__(self, params, attitude, sensor):
         self.planner = Planner(params)
-        self.attitude = attitude
         self.sensor = sensor
-        self.command = link.int_block(COMMAND_SIZE)  # as received
-        self.obeyed = link.int_block(COMMAND_SIZE)  # as the planner gets it
-        self.sensed = link.int_block(SENSED_SIZE)
-        self.counts = link.int_block(6)
-        self.asked = link.int_block(6)  # what the host gets to read, apart from what the board itself plans with
-        self.question = 0
-        self.reader = link.Reader()
-        self.writer = link.Writer()
+        self.command = int_block(COMMAND_SIZE)  # as received
+        self.sensed = int_block(SENSED_SIZE)
+        self.counts = int_block(_COUNTS)
+        self.asked = int_block(_COUNTS)  # what the host gets to read, apart from what the board itself plans with
+        self.reader = int_block(READER_SIZE)
+        self.frame = bytearray(READER_BYTES)  # as received
+        self.setpoints = bytearray(SETPOINTS_BYTES)
+        self.reading = bytearray(READING_BYTES)
+        self.ready = bytearray(READY_BYTES)
         self.rate_hz = params[P_RATE_HZ]
-        self.stale_ticks = max(1, STALE_MS * self.rate_hz // 1000)
-        self.age = self.stale_ticks  # ticks since the last command
-        self.ticks = 0
-        self.flags = 0
-        self.stopped = False
+        self.numbers = int_block(BOARD_SIZE)
+        self.numbers[B_STALE] = self.numbers[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
+        at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)
+        close_frame(self.ready, READY, at)
+        self.attitude = attitude
+        self.obeyed = int_block(COMMAND_SIZE)  # the command as the planner gets it
 
-    def hello(self):
-        """Build the first frame, READY, in the writer; return its length."""
-        self.writer.open(link.READY)
-        self.writer.put(self.rate_hz, 2)
-        self.writer.put(len(GAIT_NAMES), 1)
-        return self.writer.close()
+    def take(self, data, count):
+        """Take data[:count] of the stream: see take_frames."""
+        return take_frames(self.reader, self.frame, self.numbers, self.command, self.sensed, data, count)
 
-    def take(self, byte):
-        """Take a byte from the stream and do what a complete frame says; return its kind or 0."""
-        kind = self.reader.take(byte)
-        if kind == link.COMMAND:
-            self._take_command()
-        elif kind == link.SENSED:
-            self._take_joints()
-        elif kind == link.READ:
-            self.question = self.reader.buffer[2]
-        elif kind == link.STOP:
-            self.stopped = True
-        elif kind == link.RESET:
-            self.stopped = False
-            self.command[C_MODE] = MODE_LIMP  # what was commanded before is not obeyed after it
-        return kind
-
-    def reading(self):
-        """Read the sensor for the host, build the READING frame in the writer; return its length."""
-        w = self.writer
-        w.open(link.READING)
-        w.put(self.question, 1)
-        w.put(self.sensor.read(self.asked), 1)
-        for i in range(6):
-            w.put(self.asked[i], 2)
-        return w.close()
+    def answer(self):
+        """Read the sensor for the host into the frame ``reading``."""
+        write_reading(self.reading, self.numbers, self.sensor.read(self.asked), self.asked)
 
     def tick(self):
-        """Read the sensor, plan one tick, build the SETPOINTS frame in the writer; return its length."""
-        fault = self._sense()
-        self._obey(fault)
-        self.flags = self.planner.tick(self.obeyed, self.sensed) | self._own_flags(fault)
-        self.ticks = (self.ticks + 1) & 0x3FFFFFFF
-        if self.age < self.stale_ticks:
-            self.age += 1
-        return self._answer()
-
-    def _take_command(self):
-        if self.reader.length != 4 * COMMAND_SIZE:
-            self.reader.broken += 1
-            return
-        for i in range(COMMAND_SIZE):
-            self.command[i] = link.read_int30(self.reader.buffer, 2 + 4 * i)
-        self.age = 0
-
-    def _take_joints(self):
-        if self.reader.length != 2 * JOINTS:
-            self.reader.broken += 1
-            return
-        for joint in range(JOINTS):
-            self.sensed[S_JOINTS + joint] = link.read_int16(self.reader.buffer, 2 + 2 * joint)
-        self.sensed[S_JOINTS_OK] = 1
-
-    def _sense(self):
-        """Update the attitude; return the sensor's fault, 0 if it is well."""
+        """Read the sensor and plan one tick into the frame ``setpoints``; return the flags."""
         fault = self.sensor.read(self.counts)
-        if fault:
-            self.sensed[S_ATTITUDE_OK] = 0
-            return fault
-        aligning = attitude_step(self.attitude, self.counts) & ALIGNING
-        self.sensed[S_ATTITUDE_OK] = 0 if aligning else 1
-        self.sensed[S_ROLL] = self.attitude[A_ROLL]
-        self.sensed[S_PITCH] = self.attitude[A_PITCH]
+        return tick(self, self.planner, self.numbers, self.command, self.obeyed, self.sensed, fault)
+
+
+@hot
+def take_frames(reader, frame, numbers, command, sensed, data, count: int) -> int:
+    """Take data[:count] and do what complete frames say; return the kind of one that is left to the caller, else 0.
+
+    After a kind that is not 0, call again with the same data: it goes on behind that frame (link.next_frame).
+    """
+    n = ptr32(numbers)
+    f = ptr8(frame)
+    kind = next_frame(reader, frame, data, count)
+    while kind:
+        if kind == COMMAND:
+            take_command(reader, frame, numbers, command)
+        elif kind == SENSED:
+            take_joints(reader, frame, sensed)
+        elif kind == STOP:
+            n[B_STOPPED] = 1
+        elif kind == RESET:
+            reset(numbers, command)
+        else:
+            if kind == READ:
+                n[B_QUESTION] = f[TAKEN]
+            return kind
+        kind = next_frame(reader, frame, data, count)
+    return 0
+
+
+@hot
+def take_command(reader, frame, numbers, command) -> int:
+    """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
+    c = ptr32(command)
+    n = ptr32(numbers)
+    if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
         return 0
+    for i in range(COMMAND_SIZE):
+        c[i] = read_int30(frame, TAKEN + 4 * i)
+    n[B_AGE] = 0
+    return 1
 
-    def _obey(self, fault):
-        """Turn the command as received into what the planner may do now."""
-        for i in range(COMMAND_SIZE):
-            self.obeyed[i] = self.command[i]
-        if self.stopped:
-            self.obeyed[C_MODE] = MODE_LIMP
-        elif self.age >= self.stale_ticks and self.obeyed[C_MODE] == MODE_WALK:
-            self.obeyed[C_MODE] = MODE_STAND
-        if fault:
-            self.obeyed[C_BALANCE] = 0
-            for axis in range(3):
-                self.obeyed[C_SPEED + axis] >>= 1
 
-    def _own_flags(self, fault):
-        flags = fault << _FAULT_SHIFT
-        if fault:
-            flags |= SENSOR_FAULT
-        elif not self.sensed[S_ATTITUDE_OK]:
-            flags |= ALIGNING_NOW
-        if self.age >= self.stale_ticks:
-            flags |= COMMAND_STALE
-        if self.stopped:
-            flags |= STOPPED
-        return flags
+@hot
+def take_joints(reader, frame, sensed) -> int:
+    """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
+    s = ptr32(sensed)
+    if is_length(reader, frame, 2 * JOINTS) == 0:
+        return 0
+    read_each(frame, TAKEN, sensed, S_JOINTS, JOINTS)
+    s[S_JOINTS_OK] = 1
+    return 1
 
-    def _answer(self):
-        w = self.writer
-        w.open(link.SETPOINTS)
-        w.put(self.ticks, 4)
-        w.put(self.flags, 4)
-        w.put(self.planner.numbers[N_STATE], 1)
-        w.put(self.planner.numbers[N_GAIT], 1)
-        for joint in range(JOINTS):
-            w.put(self.planner.joints[joint], 2)
-        return w.close()
+
+@hot
+def is_length(reader, frame, length: int) -> int:
+    """Return 1 if the frame's payload has this length; else count it as broken and return 0."""
+    r = ptr32(reader)
+    f = ptr8(frame)
+    if f[1] == length:
+        return 1
+    r[R_BROKEN] = (r[R_BROKEN] + 1) & _MASK
+    return 0
+
+
+@hot
+def reset(numbers, command) -> int:
+    """Drive again; what was commanded before is not obeyed after it. Return 0."""
+    n = ptr32(numbers)
+    c = ptr32(command)
+    n[B_STOPPED] = 0
+    c[C_MODE] = MODE_LIMP
+    return 0
+
+
+@hot
+def tick(board, planner, numbers, command, obeyed, sensed, fault: int) -> int:
+    """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
+    n = ptr32(numbers)
+    sense(board.attitude, board.counts, sensed, fault)
+    obey(numbers, command, obeyed, fault)
+    flags = plan(planner, obeyed, sensed)
+    n[B_FLAGS] = flags | own_flags(numbers, sensed, fault)
+    n[B_TICKS] = (n[B_TICKS] + 1) & _MASK
+    if n[B_AGE] < n[B_STALE]:
+        n[B_AGE] += 1
+    return write_setpoints(board.setpoints, numbers, planner.numbers, planner.joints)
+
+
+@hot
+def sense(attitude, counts, sensed, fault: int) -> int:
+    """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
+    s = ptr32(sensed)
+    a = ptr32(attitude)
+    s[S_ATTITUDE_OK] = 0
+    if fault:
+        return 0
+    aligning = attitude_step(attitude, counts) & ALIGNING
+    if aligning == 0:
+        s[S_ATTITUDE_OK] = 1
+    s[S_ROLL] = a[A_ROLL]
+    s[S_PITCH] = a[A_PITCH]
+    return s[S_ATTITUDE_OK]
+
+
+@hot
+def obey(numbers, command, obeyed, fault: int) -> int:
+    """Turn the command as received into what the planner may do now; return its mode."""
+    n = ptr32(numbers)
+    c = ptr32(command)
+    o = ptr32(obeyed)
+    for i in range(COMMAND_SIZE):
+        o[i] = c[i]
+    if n[B_STOPPED]:
+        o[C_MODE] = MODE_LIMP
+    elif n[B_AGE] >= n[B_STALE] and o[C_MODE] == MODE_WALK:
+        o[C_MODE] = MODE_STAND
+    if fault:
+        o[C_BALANCE] = 0
+        for axis in range(3):
+            o[C_SPEED + axis] = c[C_SPEED + axis] >> 1
+    return o[C_MODE]
+
+
+@hot
+def own_flags(numbers, sensed, fault: int) -> int:
+    """Return the application's flags."""
+    n = ptr32(numbers)
+    s = ptr32(sensed)
+    flags = fault << _FAULT_SHIFT
+    if fault:
+        flags |= SENSOR_FAULT
+    elif s[S_ATTITUDE_OK] == 0:
+        flags |= ALIGNING_NOW
+    if n[B_AGE] >= n[B_STALE]:
+        flags |= COMMAND_STALE
+    if n[B_STOPPED]:
+        flags |= STOPPED
+    return flags
+
+
+@hot
+def write_setpoints(frame, numbers, planned, joints) -> int:
+    """Write the SETPOINTS frame; return the flags in it."""
+    n = ptr32(numbers)
+    p = ptr32(planned)
+    at = put(frame, PAYLOAD, n[B_TICKS], 4)
+    at = put(frame, at, n[B_FLAGS], 4)
+    at = put(frame, at, p[N_STATE], 1)
+    at = put(frame, at, p[N_GAIT], 1)
+    close_frame(frame, SETPOINTS, put_each(frame, at, joints, JOINTS, 2))
+    return n[B_FLAGS]
+
+
+@hot
+def write_reading(frame, numbers, fault: int, counts) -> int:
+    """Write the READING frame; return its length."""
+    n = ptr32(numbers)
+    at = put(frame, PAYLOAD, n[B_QUESTION], 1)
+    at = put(frame, at, fault, 1)
+    return close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))

@@ -1,119 +1,133 @@
-"""What only silicon can tell, measured on the joint's own board with the bridge off: times, samples, registers.
+"""What only silicon can tell, measured on the joint's own board: times, samples with the bridge off and on, registers.
 
-``measure(board)`` takes a board of either kind and returns a dictionary of integers, for the host to judge and print.
+``measure(board)`` returns a dictionary of integers, for the host to judge and print. With ``bridge`` all three phases
+also switch with half the period for as long again: no current flows into a motor at rest, and the samples show what
+switching does to them.
 """
 
-import time
 from array import array
 
 from shared.joint.calibration import set_commutation
-from shared.joint.current import current_repair, current_reset, current_step
-from shared.joint.layout import F_RAW_A, F_ROTOR
+from shared.joint.current import current_reset, current_step
+from shared.joint.layout import F_GLITCHES, F_ROTOR, F_TRIP_SQUARE
 from shared.runtime import const
 
+from .chip_probe import (
+    SEEN_END_MOST,
+    SEEN_ENTRY_MOST,
+    SEEN_GAP_LEAST,
+    SEEN_GAP_MOST,
+    SEEN_RAW_HIGH,
+    SEEN_RAW_LOW,
+    SEEN_SIZE,
+    SEEN_STALE,
+    probed,
+)
 from .joint_control import Control
+from .joint_run import RUN_FAILED, RUN_SINCE_MOTION, RUN_STEPS
 from .joint_store import Parameters
+from .settings import Memory
 
 STEPS = const(2000)
 CALLS = const(500)
-_TIMEOUT_MS = const(2000)
+_TIMEOUT_US = const(2000000)
+_LARGE = const(1000000)
+_NEVER = const(0x3FFFFFFF)
+_MASK = const(0x3FFFFFFF)
 
 
-class Probe:
-    """An interrupt handler that does what a current step does and notes when it was called and how long it took."""
-
-    def __init__(self, board):
-        self.board = board
-        self.control = Control(board)
-        Parameters(self.control, "").defaults()
-        set_commutation(self.control.foc, self.control.cfg)
-        current_reset(self.control.foc, 0)
-        self.count = 0
-        self.failed = 0
-        self.bad_rotor = 0
-        self.last = -1
-        self.shortest = 1000000
-        self.longest = 0
-        self.step_most = 0
-        self.low = array("i", [4095, 4095, 4095])
-        self.high = array("i", [0, 0, 0])
-
-    def step(self):
-        """Be called once per current step."""
-        try:
-            self._step()
-        except Exception:
-            self.failed += 1
-        self.count += 1
-
-    def _step(self):
-        now = self.board.ticks_us()
-        if self.last >= 0:
-            gap = (now - self.last) & 0x3FFFFFFF
-            self.shortest = min(self.shortest, gap)
-            self.longest = max(self.longest, gap)
-        self.last = now
-        foc = self.control.foc
-        self.board.read_currents(foc)
-        rotor = self.board.read_rotor()
-        if rotor < 0:
-            self.bad_rotor += 1
-            rotor = foc[F_ROTOR]
-        code = current_step(rotor, 0, foc)
-        if code:
-            current_repair(code, rotor, 0, foc)
-        self.board.pwm_write(foc)
-        for phase in range(3):
-            self.low[phase] = min(self.low[phase], foc[F_RAW_A + phase])
-            self.high[phase] = max(self.high[phase], foc[F_RAW_A + phase])
-        self.step_most = max(self.step_most, (self.board.ticks_us() - now) & 0x3FFFFFFF)
-
-
-def measure(board):
-    """Return the figures; the bridge stays off. The watchdog that ``start`` brings is fed until the end."""
+def measure(board, bridge=False):
+    """Return the figures. The watchdog that ``start`` brings is fed until the end, and the bridge is off then."""
     board.pwm_off()
     driver = board.driver_setup()
-    probe = Probe(board)
-    board.start(probe.step)
-    began = board.ticks_ms()
-    while probe.count < STEPS and (board.ticks_ms() - began) & 0x3FFFFFFF < _TIMEOUT_MS:
-        board.feed_watchdog()
-    took = (board.ticks_ms() - began) & 0x3FFFFFFF
+    angle = board.read_rotor()
+    control = Control(board)
+    Parameters(control, Memory()).defaults()
+    set_commutation(control.foc, control.cfg)
+    current_reset(control.foc, max(angle, 0))
+    control.foc[F_TRIP_SQUARE] = _NEVER  # offsets are not measured here
+    seen = array("i", [0] * SEEN_SIZE)
+    seen[SEEN_GAP_LEAST] = _LARGE
+    _forget_samples(seen)
+    board.start(control, probed, seen)
+    took = _wait(board, control, STEPS)
+    found = {"driver": driver, "took_us": took, "raw_low": _low(seen), "raw_high": _high(seen)}
+    if bridge:
+        found.update(_switched(board, control, seen, driver))
     board.pwm_off()
-    figures = {
-        "driver": driver,
-        "driver_fault": board.driver_fault(),
-        "steps": probe.count,
-        "took_ms": took,
-        "failed": probe.failed,
-        "bad_rotor": probe.bad_rotor,
-        "gap_least_us": probe.shortest,
-        "gap_most_us": probe.longest,
-        "handler_most_us": probe.step_most,
-        "raw_low": list(probe.low),
-        "raw_high": list(probe.high),
-        "bus": board.read_bus(),
-        "thermistor": board.read_thermistor(),
-        "mcu": board.read_mcu(),
+    found.update({
+        "steps": control.run[RUN_STEPS],
+        "failed": control.run[RUN_FAILED],
+        "stale": seen[SEEN_STALE],
+        "bad_rotor": control.foc[F_GLITCHES],
+        "driver_fault": board.millisecond(),  # a motion tick, which takes note of failures and clears them
+        "gap_least_us": seen[SEEN_GAP_LEAST],
+        "gap_most_us": seen[SEEN_GAP_MOST],
+        "entry_most_ns": seen[SEEN_ENTRY_MOST] * 1000 // 168,
+        "end_most_ns": seen[SEEN_END_MOST] * 1000 // 168,
+        "bus": _counts(board.read_bus),
+        "thermistor": _counts(board.read_thermistor),
+        "mcu": _counts(board.read_mcu),
         "joint": board.read_joint(),
-    }
-    figures["step_ns"] = _step_ns(probe.control.foc)
-    return figures
+        "step_ns": _step_ns(board, control.foc),
+    })  # fmt: skip
+    return found
 
 
-def _step_ns(foc):
-    """Return the mean time of one current step alone, interrupts included."""
-    clock = getattr(time, "ticks_us", None)
-    if clock is None:
+def _switched(board, control, seen, driver):
+    """Return what the samples are while the bridge switches; nothing if the gate driver is not set up."""
+    if driver != -1:
+        return {"bridge_on": 0}
+    _forget_samples(seen)
+    board.pwm_on(control.foc)  # compares in the middle, as current_reset left them
+    _wait(board, control, 2 * STEPS)
+    return {"bridge_on": board.pwm_is_on(), "on_low": _low(seen), "on_high": _high(seen)}
+
+
+def _forget_samples(seen):
+    for phase in range(3):
+        seen[SEEN_RAW_LOW + phase] = 4095
+        seen[SEEN_RAW_HIGH + phase] = 0
+
+
+def _low(seen):
+    return list(seen[SEEN_RAW_LOW : SEEN_RAW_LOW + 3])
+
+
+def _high(seen):
+    return list(seen[SEEN_RAW_HIGH : SEEN_RAW_HIGH + 3])
+
+
+def _counts(read):
+    """Return what an ADC channel reads, -1 if no conversion ends."""
+    try:
+        return read()
+    except OSError:
         return -1
-    start = clock()
+
+
+def _wait(board, control, steps):
+    """Wait until so many steps are done, or for two seconds; return how long. Feeds what the main loop feeds."""
+    run = control.run
+    began = board.ticks_us()
+    took = 0
+    while run[RUN_STEPS] < steps and took < _TIMEOUT_US:
+        board.feed_watchdog()
+        run[RUN_SINCE_MOTION] = 0  # no motion ticks here
+        took = (board.ticks_us() - began) & _MASK
+    return took
+
+
+def _step_ns(board, foc):
+    """Return the mean time of one current step alone, interrupts included."""
+    start = board.ticks_us()
     for _ in range(CALLS):
         current_step(foc[F_ROTOR], 0, foc)
-    return (clock() - start) * 1000 // CALLS
+    return ((board.ticks_us() - start) & _MASK) * 1000 // CALLS
 
 
-def run():
+def run(bridge=False):
     """Measure the board this runs on."""
     from .board_stm32f405 import Stm32F405Board
 
-    return measure(Stm32F405Board())
+    return measure(Stm32F405Board(), bridge)

@@ -2,6 +2,8 @@
 
 A request repeated bit by bit is answered again and not done again. To all nodes only discover, set_id and
 reboot_to_loader are obeyed; the last two carry the board's number, and a board with another one stays silent.
+A request that arms, calibrates or homes carries the joint's challenge, which the host reads before: old frames played
+again do none of it.
 """
 
 from array import array
@@ -44,6 +46,7 @@ from shared.wire.names import (
     MODE_CALIBRATING,
     MODE_HOMING,
     MODE_OFF,
+    NOT_AVAILABLE,
     PROTOCOL_HASH,
     RESULT_NEEDS_DISARMED,
     RESULT_NOT_CALIBRATED,
@@ -52,6 +55,7 @@ from shared.wire.names import (
     RESULT_OUT_OF_RANGE,
     RESULT_STORAGE_FAILED,
     RESULT_UNKNOWN_COMMAND,
+    RESULT_WRONG_CHALLENGE,
     RESULT_WRONG_KEY,
     RESULT_WRONG_STATE,
     SERVICE_REQUEST_COMMAND,
@@ -71,6 +75,7 @@ from shared.wire.parameters import (
     PARAMETER_BAD_FRAMES,
     PARAMETER_BUILD_ID,
     PARAMETER_BUS_OFF,
+    PARAMETER_CHALLENGE,
     PARAMETER_FAULT_CODE,
     PARAMETER_FAULT_TICK,
     PARAMETER_FAULT_VALUE,
@@ -83,6 +88,13 @@ from shared.wire.parameters import (
     PARAMETER_UPTIME,
 )
 from shared.wire.receive import LINK_BAD, LINK_LOST, start_session
+
+from .joint_run import RUN_LATE, RUN_UNSENT
+
+# Value of arm, calibrate and home: the challenge above 16 bits of their own
+_CHALLENGE_SHIFT = const(16)
+_LOW_BITS = const(0xFFFF)
+_CHALLENGE_BITS = const(0x3FFF)
 
 # Index of a home request
 HOME_ENCODER = const(0)  # by the joint encoder
@@ -113,7 +125,16 @@ class Service:
         self._last = array("H", [0] * 4)
         self._answered = False
         self.discover_ms = 0
+        self.challenge = 0
+        self.renew_challenge()
         self.reboot = 0  # COMMAND_REBOOT or COMMAND_REBOOT_TO_LOADER once one was accepted
+
+    def renew_challenge(self):
+        """Have the next request carry another number than the last: after power-on, arming and the end of torque."""
+        drawn = self._control.board.random() & _CHALLENGE_BITS
+        if drawn == self.challenge:
+            drawn = (drawn + 1) & _CHALLENGE_BITS
+        self.challenge = drawn
 
     def take(self, frame, to_all):
         """Do what a request frame says; return SILENT, ANSWER or ANSWER_LATER."""
@@ -174,9 +195,22 @@ class Service:
             return drive_clear(self._control.state)
         if command == COMMAND_QUICK_STOP:
             return drive_quick_stop(self._control.state)
-        if command == COMMAND_ARM:
-            return self._arm(MODE_OFF, value)
+        if command == COMMAND_ARM or command == COMMAND_CALIBRATE or command == COMMAND_HOME:
+            return self._do_challenged(command, index, value)
         return self._do_disarmed(command, index, value)
+
+    def _do_challenged(self, command, index, value):
+        """Do what carries the challenge, and pass on what stands below it."""
+        if command != COMMAND_ARM and self._control.armed():
+            return RESULT_NEEDS_DISARMED
+        if value >> _CHALLENGE_SHIFT != self.challenge:
+            return RESULT_WRONG_CHALLENGE
+        low = value & _LOW_BITS
+        if command == COMMAND_ARM:
+            return self._arm(MODE_OFF, low)
+        if command == COMMAND_CALIBRATE:
+            return self._calibrate(index, low)
+        return self._home(index, low)
 
     def _do_disarmed(self, command, index, value):
         if self._control.armed():
@@ -188,10 +222,6 @@ class Service:
         if command == COMMAND_RESTORE_DEFAULTS:
             self._parameters.defaults()
             return RESULT_OK
-        if command == COMMAND_CALIBRATE:
-            return self._calibrate(index, value)
-        if command == COMMAND_HOME:
-            return self._home(index, value)
         if command == COMMAND_REBOOT:
             self.reboot = command
             return RESULT_OK
@@ -202,25 +232,26 @@ class Service:
             return RESULT_OK
         return RESULT_UNKNOWN_COMMAND
 
-    def _arm(self, purpose, value):
+    def _arm(self, purpose, found_hash):
         """Ask the states for torque in the session of the request; nothing of it stays when refused."""
         io = self._control.io
         session = self._request[SERVICE_REQUEST_SESSION]
         if self._control.armed():
             return RESULT_WRONG_STATE
-        io[IO_HASH_OK] = 1 if value == PROTOCOL_HASH else 0
+        io[IO_HASH_OK] = 1 if found_hash == PROTOCOL_HASH else 0
         io[IO_SESSION] = session
         result = drive_arm(self._control.cfg, self._control.state, io, purpose)
         if result == RESULT_OK:
             start_session(self._joint.link, session)
+            self.renew_challenge()
         else:
             io[IO_HASH_OK] = 0
             io[IO_SESSION] = 0
             self._response[SERVICE_RESPONSE_VALUE] = self._control.state[S_FAULT_CODE]
         return result
 
-    def _calibrate(self, index, value):
-        """Start a calibration; the request needs a session, its value is a pose and not the hash."""
+    def _calibrate(self, index, low):
+        """Start a calibration; the request needs a session, ``low`` is a pose and not the hash."""
         kind = index & ~CALIBRATE_AT_POSE
         if kind < CAL_FULL or kind > CAL_VERIFY:
             return RESULT_OUT_OF_RANGE
@@ -229,23 +260,25 @@ class Service:
             return RESULT_WRONG_STATE
         cal[C_POSE_GIVEN] = 0
         if index & CALIBRATE_AT_POSE:
-            if value < -32767 or value > 32767:
+            pose = _signed(low)
+            if pose == NOT_AVAILABLE:
                 return RESULT_OUT_OF_RANGE
             cal[C_POSE_GIVEN] = 1
-            cal[C_POSE] = position_from_wire(value, self._control.cfg[K_GEAR_Q8])
+            cal[C_POSE] = position_from_wire(pose, self._control.cfg[K_GEAR_Q8])
         return self._arm(MODE_CALIBRATING, PROTOCOL_HASH)
 
-    def _home(self, index, value):
+    def _home(self, index, low):
         c = self._control
         if c.cfg[K_CALIBRATED] == 0:
             return RESULT_NOT_CALIBRATED
         if index == HOME_STOP:
-            return self._arm(MODE_HOMING, PROTOCOL_HASH)
+            return self._arm(MODE_HOMING, low)
         if index == HOME_ENCODER:
             return RESULT_OK if home_by_encoder(c.cfg, c.state, c.io) else RESULT_NOT_HOMED
-        if index != HOME_POSE or value < -32767 or value > 32767:
+        pose = _signed(low)
+        if index != HOME_POSE or pose == NOT_AVAILABLE:
             return RESULT_OUT_OF_RANGE
-        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(value, c.cfg[K_GEAR_Q8])) else RESULT_NOT_HOMED
+        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(pose, c.cfg[K_GEAR_Q8])) else RESULT_NOT_HOMED
 
     def _set_id(self, index, value):
         if value != self.board:
@@ -293,12 +326,18 @@ class Service:
         if parameter == PARAMETER_BAD_FRAMES:
             return self._joint.link[LINK_BAD]
         if parameter == PARAMETER_SEND_FAILURES:
-            return self._joint.send_failures
+            return self._control.run[RUN_UNSENT]
+        if parameter == PARAMETER_CHALLENGE:
+            return self.challenge
         if parameter == PARAMETER_BUS_OFF:
             return self._control.board.bus_off()
         if parameter == PARAMETER_OVERRUNS:
-            return self._control.late
+            return self._control.run[RUN_LATE]
         return 0
+
+
+def _signed(low):
+    return (low ^ 0x8000) - 0x8000
 
 
 def _three_bytes(data, at):

@@ -1,11 +1,9 @@
-"""The joint's parameters: where each lives in the blocks, and the file that keeps them over a power cycle.
+"""The joint's parameters: where each lives in the blocks, and how they are kept over a power cycle (settings.py).
 
-File: magic, protocol hash, number of records, then (id, value) pairs, then CRC-32, all little-endian. It is written
-beside the old one, read back, and renamed over it, so that a power cut leaves either the old or the new.
+Kept are: magic, protocol hash, number of records, then (id, value) pairs, then CRC-32, all little-endian.
 """
 
 import binascii
-import os
 import struct
 
 from shared.joint.calibration import set_commutation
@@ -30,7 +28,7 @@ from shared.wire.parameters import (
     PARAMETER_LOW,
     PARAMETER_NODE_ID,
     PARAMETER_POLE_PAIRS,
-    PARAMETER_THERMISTOR_CURVE,
+    PARAMETER_THERMISTOR_RAW,
     PARAMETERS,
 )
 
@@ -38,6 +36,7 @@ LOADED = const(1)
 MISSING = const(2)
 BROKEN = const(3)
 
+KEY = "joint"
 _MAGIC = const(0x4A50)
 _HEAD = "<HHH"
 _RECORD = "<Hi"
@@ -48,29 +47,29 @@ _STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_
 class Parameters:
     """Reads and writes the stored kind of parameters in the blocks of ``control``; ``node`` is the first of them."""
 
-    def __init__(self, control, path):
+    def __init__(self, control, settings):
         self._control = control
-        self._path = path
+        self._settings = settings
         self.node = 0
 
     def get(self, parameter):
         """Return the raw value of a stored parameter."""
         if parameter == PARAMETER_NODE_ID:
             return self.node
-        if parameter < PARAMETER_THERMISTOR_CURVE:
+        if parameter < PARAMETER_THERMISTOR_RAW:
             return self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]]
-        if parameter < PARAMETER_THERMISTOR_CURVE + CURVE_SIZE:
-            return self._control.curve[parameter - PARAMETER_THERMISTOR_CURVE]
+        if parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
+            return self._control.curve[parameter - PARAMETER_THERMISTOR_RAW]
         return self._control.cfg[parameter - PARAMETER_POLE_PAIRS]
 
     def put(self, parameter, value):
         """Set one stored parameter; its limits are the caller's to check."""
         if parameter == PARAMETER_NODE_ID:
             self.node = value
-        elif parameter < PARAMETER_THERMISTOR_CURVE:
+        elif parameter < PARAMETER_THERMISTOR_RAW:
             self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]] = value
-        elif parameter < PARAMETER_THERMISTOR_CURVE + CURVE_SIZE:
-            self._control.curve[parameter - PARAMETER_THERMISTOR_CURVE] = value
+        elif parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
+            self._control.curve[parameter - PARAMETER_THERMISTOR_RAW] = value
         else:
             self._control.cfg[parameter - PARAMETER_POLE_PAIRS] = value
             if self._control.armed() == 0:
@@ -82,12 +81,10 @@ class Parameters:
             self.put(parameter, PARAMETER_DEFAULT[parameter])
 
     def load(self):
-        """Read the file over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""
+        """Read what is kept over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""
         self.defaults()
-        try:
-            with open(self._path, "rb") as file:
-                data = file.read()
-        except OSError:
+        data = self._settings.get(KEY)
+        if data is None:
             return MISSING
         if not _sound(data):
             return BROKEN
@@ -101,21 +98,8 @@ class Parameters:
         return LOADED
 
     def save(self):
-        """Write the file anew; return 1, or 0 if the file system refused or reads back differently."""
-        data = self._packed()
-        draft = self._path + ".new"
-        try:
-            with open(draft, "wb") as file:
-                file.write(data)
-            with open(draft, "rb") as file:
-                if file.read() != data:
-                    return 0
-            os.rename(draft, self._path)
-            if hasattr(os, "sync"):
-                os.sync()
-        except OSError:
-            return 0
-        return 1
+        """Keep all stored parameters; return 1, or 0 if that failed: then the old ones are still kept."""
+        return self._settings.put(KEY, self._packed())
 
     def _packed(self):
         stored = [parameter for parameter in range(PARAMETERS) if is_stored(parameter)]

@@ -2,17 +2,20 @@
 
     0xCA 0x5E  kind  length  payload (0 .. 64 bytes)  CRC-16/CCITT-FALSE of kind, length and payload, low byte first
 
-Numbers are little-endian. A broken frame is counted and dropped, and the next sync found; nothing
-here allocates once the link exists.
+Numbers are little-endian. A broken frame is counted and dropped, and the next sync found. All byte work is done by
+hot functions on blocks made beforehand: a stream is taken in blocks, not in bytes (``next_frame``), and a frame is
+built in its own bytes (``put`` ... ``close_frame``).
 """
 
 from array import array
 
-from shared.runtime import const
+from shared.runtime import const, hot, ptr32
 
 SYNC_0 = const(0xCA)
 SYNC_1 = const(0x5E)
-LARGEST = const(64)
+LARGEST = const(64)  # bytes of payload
+OVERHEAD = const(6)  # bytes of a frame beside its payload
+PAYLOAD = const(4)  # where the payload of a frame to be sent begins
 
 # To the board
 COMMAND = const(1)  # COMMAND_SIZE int32: shared/command.py
@@ -27,108 +30,155 @@ SETPOINTS = const(0x81)  # uint32 tick, uint32 flags, uint8 state, uint8 gait, 1
 READY = const(0x82)  # uint16 planner rate, uint8 number of gaits: sent once at the start
 READING = const(0x83)  # uint8 number of the question, uint8 sensor fault, 6 int16 counts as in COUNTS
 
+# A reader: this block and READER_BYTES bytes, which hold kind, length, payload and CRC of the frame being read
+R_AT = const(0)  # bytes of the frame that are there, counted from its second sync byte: 0, 1 wait for the sync
+R_NEXT = const(1)  # where next_frame goes on in the bytes it was given
+R_BROKEN = const(2)  # frames dropped
+READER_SIZE = const(3)
+READER_BYTES = const(LARGEST + 4)
+TAKEN = const(2)  # where the payload of a frame read begins
 
-def crc16(data, start, end):
+_MASK = const(0x3FFFFFFF)
+
+
+def ptr8(block):
+    """Return ``block``: in viper and C a pointer to unsigned bytes."""
+    return block
+
+
+@hot
+def crc16(data, start: int, end: int) -> int:
     """Return the CRC-16/CCITT-FALSE (polynomial 0x1021, start 0xFFFF) of data[start:end]."""
+    d = ptr8(data)
     crc = 0xFFFF
     for i in range(start, end):
-        crc ^= data[i] << 8
-        for _ in range(8):
-            crc = (crc << 1) ^ 0x1021 if crc & 0x8000 else crc << 1
-            crc &= 0xFFFF
+        x = crc >> 8 ^ d[i]
+        x ^= x >> 4
+        crc = (crc << 8 ^ x << 12 ^ x << 5 ^ x) & 0xFFFF
     return crc
 
 
-class Reader:
-    """Finds frames in single bytes: ``take(byte)`` returns a frame's kind when it is complete, else 0.
+@hot
+def next_frame(reader, frame, data, count: int) -> int:
+    """Take data[reader[R_NEXT]:count] up to the end of the first whole frame; return its kind.
 
-    ``buffer[2:2 + length]`` then holds the payload. ``broken`` counts frames dropped.
+    frame[TAKEN:TAKEN + frame[1]] is then its payload, and the next call goes on behind it. Return 0 when all is taken;
+    then the next call begins with the first byte of its data. How a stream is split into data does not matter.
     """
-
-    def __init__(self):
-        self.buffer = bytearray(LARGEST + 4)
-        self.length = 0
-        self.broken = 0
-        self._at = -2  # -2, -1: bytes of the sync still to come; else place in the buffer
-
-    def take(self, byte):
-        """Take the next byte of the stream; return the kind of the frame it ends, or 0."""
-        if self._at < 0:
-            self._find_sync(byte)
-            return 0
-        self.buffer[self._at] = byte
-        self._at += 1
-        if self._at == 2 and byte > LARGEST:
-            return self._drop()
-        if self._at < 2 or self._at < self.buffer[1] + 4:
-            return 0
-        self._at = -2
-        end = self.buffer[1] + 2
-        if crc16(self.buffer, 0, end) != self.buffer[end] | self.buffer[end + 1] << 8:
-            return self._drop()
-        self.length = end - 2
-        return self.buffer[0]
-
-    def _find_sync(self, byte):
-        if self._at == -2:
-            if byte == SYNC_0:
-                self._at = -1
-        elif byte == SYNC_1:
-            self._at = 0
-        elif byte != SYNC_0:
-            self._at = -2
-
-    def _drop(self):
-        self._at = -2
-        self.broken += 1
-        return 0
+    r = ptr32(reader)
+    f = ptr8(frame)
+    d = ptr8(data)
+    at = r[R_AT]
+    i = r[R_NEXT]
+    kind = 0
+    while i < count and kind == 0:
+        byte = d[i]
+        i += 1
+        if at < 2:
+            at = _sync(at, byte)
+        else:
+            f[at - 2] = byte
+            at += 1
+            if at == 4 and byte > LARGEST:
+                at = _drop(reader)
+            elif at >= 4 and at == f[1] + OVERHEAD:
+                at = 0
+                kind = _checked(reader, frame)
+    r[R_AT] = at
+    r[R_NEXT] = i
+    if kind == 0:
+        r[R_NEXT] = 0
+    return kind
 
 
-class Writer:
-    """Builds one frame at a time in ``buffer``; ``close`` returns its whole length in bytes."""
-
-    def __init__(self):
-        self.buffer = bytearray(LARGEST + 6)
-        self.buffer[0] = SYNC_0
-        self.buffer[1] = SYNC_1
-        self._at = 4
-
-    def open(self, kind):
-        """Begin a frame of this kind."""
-        self.buffer[2] = kind
-        self._at = 4
-
-    def put(self, value, size):
-        """Append the low ``size`` bytes of a number."""
-        for _ in range(size):
-            self.buffer[self._at] = value & 0xFF
-            value >>= 8
-            self._at += 1
-
-    def close(self):
-        """Fill in length and CRC; return the number of bytes to send."""
-        end = self._at
-        self.buffer[3] = end - 4
-        crc = crc16(self.buffer, 2, end)
-        self.buffer[end] = crc & 0xFF
-        self.buffer[end + 1] = crc >> 8
-        return end + 2
+@hot
+def _sync(at: int, byte: int) -> int:
+    """Return how many bytes of the sync are there after this one: 0, 1 or 2."""
+    if at == 1 and byte == SYNC_1:
+        return 2
+    if byte == SYNC_0:
+        return 1
+    return 0
 
 
-def read_int16(buffer, at):
+@hot
+def _checked(reader, frame) -> int:
+    """Return the kind of a frame whose last byte has come; 0 if its CRC is wrong."""
+    f = ptr8(frame)
+    end = f[1] + TAKEN
+    if crc16(frame, 0, end) == f[end] | f[end + 1] << 8:
+        return f[0]
+    return _drop(reader)
+
+
+@hot
+def _drop(reader) -> int:
+    """Count a broken frame; return 0."""
+    r = ptr32(reader)
+    r[R_BROKEN] = (r[R_BROKEN] + 1) & _MASK
+    return 0
+
+
+@hot
+def put(frame, at: int, value: int, size: int) -> int:
+    """Write the low ``size`` bytes of a number at ``at``; return where the next one goes."""
+    f = ptr8(frame)
+    for i in range(size):
+        f[at + i] = value & 0xFF
+        value >>= 8
+    return at + size
+
+
+@hot
+def put_each(frame, at: int, values, count: int, size: int) -> int:
+    """Write the low ``size`` bytes of each of ``count`` numbers; return where the next one goes."""
+    v = ptr32(values)
+    for i in range(count):
+        at = put(frame, at, v[i], size)
+    return at
+
+
+@hot
+def close_frame(frame, kind: int, end: int) -> int:
+    """Complete the frame whose payload lies in frame[PAYLOAD:end]; return its whole length in bytes."""
+    f = ptr8(frame)
+    f[0] = SYNC_0
+    f[1] = SYNC_1
+    f[2] = kind
+    f[3] = end - PAYLOAD
+    crc = crc16(frame, 2, end)
+    return put(frame, end, crc, 2)
+
+
+@hot
+def read_int16(data, at: int) -> int:
     """Return the signed 16-bit number at ``at``."""
-    value = buffer[at] | buffer[at + 1] << 8
-    return value - 0x10000 if value & 0x8000 else value
+    d = ptr8(data)
+    value = d[at] | d[at + 1] << 8
+    if value & 0x8000:
+        value -= 0x10000
+    return value
 
 
-def read_int30(buffer, at):
+@hot
+def read_int30(data, at: int) -> int:
     """Return the signed 32-bit number at ``at``, limited to 30 bits and sign so that it stays a small int."""
-    high = read_int16(buffer, at + 2)
+    d = ptr8(data)
+    high = read_int16(data, at + 2)
     if high < -0x4000:
         return -0x40000000
     if high > 0x3FFF:
         return 0x3FFFFFFF
-    return (high << 16) | buffer[at] | buffer[at + 1] << 8
+    return high << 16 | d[at] | d[at + 1] << 8
+
+
+@hot
+def read_each(data, at: int, values, start: int, count: int) -> int:
+    """Write ``count`` signed 16-bit numbers from ``at`` on into values[start:]; return 0."""
+    v = ptr32(values)
+    for i in range(count):
+        v[start + i] = read_int16(data, at + 2 * i)
+    return 0
 
 
 def int_block(size):

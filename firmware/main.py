@@ -1,5 +1,6 @@
-"""Second file that runs, once USB is up: starts the firmware that boot.py chose (slots.py). Never needs to change."""
+"""Frozen as the board's main module: MicroPython runs it once USB is up."""
 
-from firmware.slots import run
+from firmware.startup import start
 
-run()
+start.settle()
+start.run()

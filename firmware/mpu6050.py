@@ -13,8 +13,11 @@ The gyro's bias is not this file's: shared/attitude.py averages it while the rob
 """
 
 import time
+from array import array
 
-from shared.runtime import const
+from shared.runtime import const, hot, ptr32
+
+from .link import ptr8
 
 OK = const(0)
 MISSING = const(1)
@@ -36,6 +39,13 @@ _ACCEL_XOUT_H = const(0x3B)
 _PWR_MGMT_1 = const(0x6B)
 _WHO_AM_I = const(0x75)
 _SELF_TEST_SHARE = const(14)  # per cent, section 4.1
+_RAW_BYTES = const(14)  # accelerometer, temperature, gyro
+_TEMPERATURE = const(6)  # where its two bytes lie
+_GYRO = const(8)
+
+_SAME = const(0)  # readings in a row, up to now: alike; with a number at the end of its range
+_FULL = const(1)
+_RUNS_SIZE = const(2)
 
 
 class Mpu6050:
@@ -45,10 +55,9 @@ class Mpu6050:
         self._i2c = i2c
         self._address = address
         self._sleep_ms = sleep_ms or getattr(time, "sleep_ms", None)
-        self._raw = bytearray(14)
-        self._last = bytearray(14)
-        self._same = 0
-        self._full = 0
+        self._raw = bytearray(_RAW_BYTES)
+        self._last = bytearray(_RAW_BYTES)
+        self._runs = array("i", [0] * _RUNS_SIZE)
         self.fault = OK
         self.self_test_percent = [0] * 6
         self.start()
@@ -77,39 +86,8 @@ class Mpu6050:
         except OSError:
             self.fault = MISSING
             return MISSING
-        fault = self._judge()
-        if self.fault == SELF_TEST or self.fault == MISSING:
-            return self.fault  # only start() clears these: the settings are gone after a power loss
-        self.fault = fault
-        if fault == OK:
-            for axis in range(3):
-                counts[axis] = self._count(8 + 2 * axis)
-                counts[axis + 3] = self._count(2 * axis)
-        return fault
-
-    def _judge(self):
-        same = True
-        full = False
-        for i in range(14):
-            # bytes 6, 7 are the temperature
-            if i != 6 and i != 7:
-                same = same and self._raw[i] == self._last[i]
-            self._last[i] = self._raw[i]
-        for i in range(0, 14, 2):
-            if i != 6:
-                count = self._count(i)
-                full = full or count >= 32767 or count <= -32768
-        self._same = self._same + 1 if same else 0
-        self._full = self._full + 1 if full else 0
-        if self._same >= STUCK_READS:
-            return STUCK
-        if self._full >= SATURATED_READS:
-            return SATURATED
-        return OK
-
-    def _count(self, at):
-        value = self._raw[at] << 8 | self._raw[at + 1]
-        return value - 0x10000 if value & 0x8000 else value
+        self.fault = judge(self._raw, self._last, self._runs, counts, self.fault)
+        return self.fault
 
     def _write(self, register, value):
         self._i2c.writeto_mem(self._address, register, bytes((value,)))
@@ -121,7 +99,7 @@ class Mpu6050:
             self._sleep_ms(5)
             self._i2c.readfrom_mem_into(self._address, _ACCEL_XOUT_H, self._raw)
             for i in range(6):
-                sums[i] += self._count(2 * i if i < 3 else 2 * i + 2)
+                sums[i] += count_at(self._raw, 2 * i if i < 3 else 2 * i + 2)
         return [total / count for total in sums]
 
     def _self_test(self):
@@ -158,3 +136,62 @@ def factory_trims(registers):
         sign = -1 if axis == 1 else 1
         trims.append(sign * 25 * 131 * 1.046 ** (code - 1) if code else 0)
     return trims
+
+
+@hot
+def judge(raw, last, runs, counts, fault: int) -> int:
+    """Return what is wrong with a reading, OK if nothing is; then the six counts, gyro first, are in ``counts``.
+
+    ``last``, ``runs``: the reading before and the runs up to it, kept here. ``fault``: the one before this reading;
+    SELF_TEST and MISSING stay, as only start() clears them: the settings are gone after a power loss.
+    """
+    c = ptr32(counts)
+    found = _runs_of(raw, last, runs)
+    if fault == SELF_TEST or fault == MISSING:
+        return fault
+    if found == OK:
+        for axis in range(3):
+            c[axis] = count_at(raw, _GYRO + 2 * axis)
+            c[axis + 3] = count_at(raw, 2 * axis)
+    return found
+
+
+@hot
+def _runs_of(raw, last, runs) -> int:
+    """Continue or end the runs with a reading, and keep it; return STUCK, SATURATED or OK. Temperature is left out."""
+    r = ptr8(raw)
+    before = ptr8(last)
+    u = ptr32(runs)
+    same = u[_SAME]
+    if same < STUCK_READS:
+        same += 1
+    longer = u[_FULL]
+    if longer < SATURATED_READS:
+        longer += 1
+    full = 0
+    for i in range(0, _RAW_BYTES, 2):
+        if i != _TEMPERATURE:
+            if r[i] != before[i] or r[i + 1] != before[i + 1]:
+                same = 0
+            count = count_at(raw, i)
+            if count == 32767 or count == -32768:
+                full = longer
+        before[i] = r[i]
+        before[i + 1] = r[i + 1]
+    u[_SAME] = same
+    u[_FULL] = full
+    if same == STUCK_READS:
+        return STUCK
+    if full == SATURATED_READS:
+        return SATURATED
+    return OK
+
+
+@hot
+def count_at(raw, at: int) -> int:
+    """Return the signed number at ``at``, high byte first."""
+    r = ptr8(raw)
+    value = r[at] << 8 | r[at + 1]
+    if value & 0x8000:
+        value -= 0x10000
+    return value

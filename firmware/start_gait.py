@@ -1,14 +1,27 @@
 """Starts a gait board: its inertial sensor on I2C 1, its link on USB, its robot from the build."""
 
-from shared.runtime import const
+from shared.runtime import const, hot
 
 from .gait_main import run_board
+from .link import ptr8
 from .mpu6050 import Mpu6050
 from .robot_params import ATTITUDE, PARAMS
 
 WATCHDOG = False  # it starts none
 _CTRL_C = const(3)
 _RUN = const(10)  # Ctrl-C in a row that stop the application: no frame holds so many bytes 3 (link.py)
+
+
+@hot
+def ctrl_c_run(data, count: int, run: int) -> int:
+    """Return how many bytes of Ctrl-C in a row data[:count] ends with, ``run`` of them before it; _RUN once reached."""
+    d = ptr8(data)
+    for i in range(count):
+        if run < _RUN:
+            run += 1
+            if d[i] != _CTRL_C:
+                run = 0
+    return run
 
 
 class UsbStream:
@@ -19,18 +32,15 @@ class UsbStream:
         self._run = 0
         port.setinterrupt(-1)
 
-    def any(self):
-        """Return True if a byte has arrived."""
-        return self._port.any()
-
-    def readinto(self, byte):
-        """Read one byte into a buffer of one; KeyboardInterrupt after ten Ctrl-C in a row."""
-        count = self._port.readinto(byte)
-        if count:
-            self._run = self._run + 1 if byte[0] == _CTRL_C else 0
-            if self._run >= _RUN:
-                self._port.setinterrupt(_CTRL_C)
-                raise KeyboardInterrupt
+    def readinto(self, data):
+        """Read what has come into ``data``; return how many bytes. KeyboardInterrupt after ten Ctrl-C in a row."""
+        count = self._port.readinto(data)
+        if not count:
+            return 0
+        self._run = ctrl_c_run(data, count, self._run)
+        if self._run == _RUN:
+            self._port.setinterrupt(_CTRL_C)
+            raise KeyboardInterrupt
         return count
 
     def write(self, buffer):
@@ -43,8 +53,13 @@ def motor_supply_mV():
     return 0
 
 
-def start():
-    """Serve the link for ever."""
+def armed():
+    """Return False: nothing moves by this board's own doing."""
+    return False
+
+
+def start(settings):
+    """Serve the link for ever; a gait board keeps no settings."""
     import machine
     import pyb
 

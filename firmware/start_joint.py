@@ -2,15 +2,20 @@
 
 import gc
 
+import machine
 import micropython
+import stm
+
+from shared.runtime import const
 
 from .board_stm32f405 import Stm32F405Board
 from .joint import Joint
-from .node_id import take_node
+from .joint_store import BROKEN
 
 WATCHDOG = True  # the board starts it with the interrupt
-PARAMETER_FILE = "/flash/joint.bin"
+NODE = "node"  # key of the id that ``caramelo flash --id`` leaves, until the joint has taken it over
 _BUS_FULL_SCALE_MV = 42900  # 13:1 divider at 3.3 V
+_MAIN_OUTPUT = const(1 << 15)  # MOE in TIM1's BDTR
 
 
 def motor_supply_mV():
@@ -18,13 +23,30 @@ def motor_supply_mV():
     return Stm32F405Board().read_bus() * _BUS_FULL_SCALE_MV // 4096
 
 
-def start():
+def armed():
+    """Return True if the bridge may switch."""
+    return bool(machine.mem32[stm.TIM1 + stm.TIM_BDTR] & _MAIN_OUTPUT)
+
+
+def take_node(joint, settings):
+    """Make an id that was left in the settings that of the joint, and save it; return 1 if that was done.
+
+    Parameters that can't be read are left alone, as evidence: then the id stays where it is.
+    """
+    data = settings.get(NODE)
+    if not data or joint.loaded == BROKEN or not 1 <= data[0] <= 12:
+        return 0
+    joint.set_node(data[0])
+    return 1 if joint.parameters.save() and settings.put(NODE, b"") else 0
+
+
+def start(settings):
     """Run the joint until something stops the program; the bridge is off afterwards whatever it was."""
     micropython.alloc_emergency_exception_buf(100)
     board = Stm32F405Board()
     try:
-        joint = Joint(board, PARAMETER_FILE)
-        take_node(joint)
+        joint = Joint(board, settings)
+        take_node(joint, settings)
         gc.collect()
         joint.start()
         while True:

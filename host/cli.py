@@ -2,6 +2,7 @@
 
 import importlib
 import pkgutil
+import signal
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -9,10 +10,11 @@ from typing import Annotated
 import typer
 
 from . import commands
-from .console import write_error
+from .console import end_output, say, write_error
 from .core import use_core
-from .errors import INTERRUPTED, WRONG_USE, UserError
+from .errors import INTERRUPTED, NOT_ACHIEVED, WRONG_USE, UserError
 from .extras import missing_library
+from .leave import heard_signals
 
 HELP = """Control software of two walking robots, and a simulator to try it in.
 
@@ -51,7 +53,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        print(version("caramelo"))
+        say(version("caramelo"))
         raise typer.Exit
 
 
@@ -67,8 +69,23 @@ def _top(
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; errors are printed as one line on stderr."""
-    use_core()
+    with heard_signals() as heard:
+        code = _run(arguments)
+    if code == INTERRUPTED and heard:
+        write_error(f"stopped by {signal.Signals(heard[0]).name}")
+        return 128 + heard[0]
+    if code == INTERRUPTED:
+        write_error("stopped by Ctrl-C")
+    trouble = end_output()
+    if trouble:
+        write_error(trouble)
+        return NOT_ACHIEVED
+    return code
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     try:
+        use_core()
         code = build_app()(args=arguments, prog_name="caramelo", standalone_mode=False)
     except UserError as error:
         write_error(str(error))
@@ -85,11 +102,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except typer.TyperException as error:
         write_error(_wrong_use(error))
         return WRONG_USE
+    except OSError as error:
+        write_error(end_output() or _refusal(error))
+        return NOT_ACHIEVED
     except KeyboardInterrupt:
-        code = INTERRUPTED
-    if code == INTERRUPTED:
-        write_error("stopped by Ctrl-C")
+        return INTERRUPTED
     return code if isinstance(code, int) else 0
+
+
+def _refusal(error: OSError) -> str:
+    """Return what the system refused where no command had words of its own for it: a full disk, a lost right."""
+    what = "" if error.filename is None else f"{error.filename}: "
+    return f"{what}the system refuses: {error.strerror or error}"
 
 
 def _wrong_use(error: typer.TyperException) -> str:

@@ -1,10 +1,14 @@
-"""What commands print: results on stdout, progress and errors on stderr, one JSON object when asked for."""
+"""What commands print: results on stdout, progress and errors on stderr, one JSON object when asked for.
+
+A text may come from a file, a board or the network and hold what a terminal obeys; nothing of that is printed raw.
+"""
 
 import json
+import os
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -12,29 +16,71 @@ if TYPE_CHECKING:
 # rich is imported where it is used: with --json nothing needs it.
 
 
-def screen() -> "Console":
-    """Return the console for results."""
-    from rich.console import Console
+def plain(text: str) -> str:
+    """Return a text that a terminal only shows: what can't be printed is written as its escape, but tabs and line ends.
 
-    return Console(file=sys.stdout, highlight=False)
+    That is every control character (ESC and C1 among them), what turns the direction of writing, half a surrogate.
+    """
+    if text.isprintable():
+        return text
+    return "".join(char if char.isprintable() or char in "\n\t" else ascii(char)[1:-1] for char in text)
+
+
+def screen() -> "Console":
+    """Return the console for results: what is put into it is text, never markup (use rich's Text for a style)."""
+    return _console(sys.stdout)
+
+
+def _console(file: TextIO) -> "Console":
+    from rich.console import Console
+    from rich.segment import Segment
+
+    class PlainConsole(Console):
+        def render(self, *args: Any, **options: Any) -> Iterable[Segment]:
+            for segment in super().render(*args, **options):
+                yield segment if segment.control else Segment(plain(segment.text), segment.style)
+
+    return PlainConsole(file=file, highlight=False, markup=False, emoji=False)
+
+
+def say(text: str) -> None:
+    """Print a text and the end of its line on stdout."""
+    sys.stdout.write(f"{plain(text)}\n")
+    sys.stdout.flush()
 
 
 def write_json(value: Mapping[str, Any]) -> None:
     """Print exactly one JSON object on one line. NaN and infinity are refused: they are no JSON."""
-    sys.stdout.write(json.dumps(value, ensure_ascii=False, allow_nan=False) + "\n")
+    sys.stdout.write(_plain_json(json.dumps(value, ensure_ascii=False, allow_nan=False)) + "\n")
     sys.stdout.flush()
+
+
+def _plain_json(line: str) -> str:
+    """Return the same JSON with what can't be printed escaped as JSON has it; outside strings there is none."""
+    return "".join(char if char.isprintable() else json.dumps(char)[1:-1] for char in line)
+
+
+def end_output() -> str:
+    """Write out what stdout still holds; return "", or in one line why that fails: then all that comes is dropped."""
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return f"the output can't be written: {error.strerror or error}"
+    return ""
 
 
 def write_error(sentence: str) -> None:
     """Print one line on stderr, with the command's name in front."""
-    sys.stderr.write(f"caramelo: {' '.join(sentence.split())}\n")
-    sys.stderr.flush()
+    with suppress(OSError):  # a terminal that is gone, a full disk: nobody is left to be told
+        sys.stderr.write(f"caramelo: {plain(' '.join(sentence.split()))}\n")
+        sys.stderr.flush()
 
 
 def write_note(what: str) -> None:
     """Tell on stderr what is being done, if somebody watches."""
     if sys.stderr.isatty():
-        sys.stderr.write(f"{what} ...\n")
+        sys.stderr.write(f"{plain(what)} ...\n")
         sys.stderr.flush()
 
 
@@ -44,10 +90,10 @@ def progress(title: str, total: float) -> Iterator[Callable[[float], None]]:
     if not sys.stderr.isatty():
         yield lambda done: None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(file=sys.stderr), transient=True) as bar:
+    what = TextColumn("{task.description}", markup=False)
+    columns = (what, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
         task = bar.add_task(title, total=total)
         yield lambda done: bar.update(task, completed=done)

@@ -21,7 +21,9 @@ from shared.command import (
     MODE_STAND,
     MODE_WALK,
 )
+from shared.gait import G_VX_MAX
 from shared.gaits import GAIT_NAMES
+from shared.params import P_VX_MAX
 from shared.planner import Planner
 from shared.runtime import zeros
 
@@ -81,6 +83,15 @@ class Driver:
     def state(self) -> str:
         """The planner's state in a word."""
         return core.STATE_NAMES[self.planner.numbers[core.N_STATE]]
+
+    def speed_limit(self, gait: str) -> tuple[float, str]:
+        """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
+
+        The crawl over obstacles takes its own time; the figure is that of the table it goes over to.
+        """
+        most = self.planner.gaits[gait_index(gait)][G_VX_MAX]
+        key = "vx_m_s" if most == self.planner.params[P_VX_MAX] else "stride_m"
+        return self.scale.metres_per_second(most), f"speed_limits.{key}"
 
     def set_command(self, **wish: object) -> None:
         """Change some of the command's fields for the ticks to come."""

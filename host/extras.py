@@ -1,7 +1,10 @@
 """Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
 
+from pathlib import Path
+
 from .errors import UserError
 
+ROOT = Path(__file__).resolve().parent.parent
 EXTRA_OF = {
     "pymunk": "sim",
     "matplotlib": "sim",
@@ -34,5 +37,8 @@ def missing_library(error: ModuleNotFoundError) -> UserError | None:
 
 
 def how_to_get(library: str) -> str:
-    """Return how to install the extra that a library belongs to."""
-    return f"run make setup EXTRAS={EXTRA_OF[library]} in the project's folder"
+    """Return how to install the extra that a library belongs to: by make in a checkout, else by pip."""
+    extra = EXTRA_OF[library]
+    if (ROOT / "Makefile").exists() and (ROOT / "pyproject.toml").exists():
+        return f"run make setup EXTRAS={extra} in the project's folder"
+    return f"run pip install 'caramelo[{extra}]', with the wheel's file in place of the name if you installed from one"

@@ -1,11 +1,17 @@
 """Files appear whole or not at all: written beside their place under a hidden name, then renamed."""
 
 import os
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 from .errors import UserError
+
+DEEPEST = 20  # tables and lists within each other in a TOML file; ours have four
+TOO_DEEP = "its tables or lists are nested too deeply"
 
 
 def check_folder(flag: str, path: Path | None) -> None:
@@ -20,6 +26,40 @@ def check_folder(flag: str, path: Path | None) -> None:
 
 
 @contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn what the system refuses while ``path`` is written into one sentence."""
+    try:
+        yield
+    except OSError as error:
+        raise UserError(f"{path}: can't be written: {error.strerror or error}") from error
+
+
+def file_name(foreign: str) -> str:
+    """Return a name that came from a file or a board as the name of one file: it can lead nowhere else.
+
+    All but ASCII letters, digits and ``_.-~`` is written as ``%2F`` and the like, a dot in front too: different names
+    stay different.
+    """
+    name = quote(foreign.encode("utf-8", "surrogatepass"), safe="")
+    return f"%2E{name[1:]}" if name.startswith(".") else name or "%"
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file; OSError if it can't be read, ValueError if it is none."""
+    try:
+        tables = tomllib.loads(path.read_bytes().decode())
+    except RecursionError:
+        raise ValueError(TOO_DEEP) from None
+    inner: list[Any] = [tables]
+    for _ in range(DEEPEST):
+        inner = [each for table in inner for each in (table.values() if isinstance(table, dict) else table)
+                 if isinstance(each, dict | list)]  # fmt: skip
+    if inner:
+        raise ValueError(TOO_DEEP)
+    return tables
+
+
+@contextmanager
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.
 
@@ -27,15 +67,13 @@ def atomic_path(path: Path) -> Iterator[Path]:
     UserError if the system refuses.
     """
     draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield draft
             os.replace(draft, path)
         finally:
             draft.unlink(missing_ok=True)
-    except OSError as error:
-        raise UserError(f"{path}: can't be written: {error.strerror or error}") from error
 
 
 def write_bytes(path: Path, content: bytes) -> None:

@@ -13,6 +13,7 @@ from shared.params import JOINTS
 from shared.planner_layout import STATE_NAMES
 
 from .errors import UserError
+from .gait_frames import FrameReader, frame
 
 
 class Stream(Protocol):
@@ -59,7 +60,7 @@ class GaitBoardLink:
 
     def __init__(self, stream: Stream) -> None:
         self._stream = stream
-        self._writer, self._reader = link.Writer(), link.Reader()
+        self._reader = FrameReader()
         payload = self._wait_for(link.READY)
         self.rate_hz = payload[0] | payload[1] << 8
         self.gaits = payload[2]
@@ -78,15 +79,15 @@ class GaitBoardLink:
 
     def stop(self) -> None:
         """Emergency stop: the board drives nothing until reset()."""
-        self._send(link.STOP, (), 0)
+        self._send(link.STOP)
 
     def reset(self) -> None:
         """Allow driving again after stop(); the board waits for a new command."""
-        self._send(link.RESET, (), 0)
+        self._send(link.RESET)
 
     def tick(self) -> Setpoints:
         """Pace the board by one tick and return what it planned."""
-        self._send(link.TICK, (), 0)
+        self._send(link.TICK)
         return self.receive()
 
     def receive(self) -> Setpoints:
@@ -101,11 +102,8 @@ class GaitBoardLink:
             joints_brad=tuple(numbers),
         )
 
-    def _send(self, kind: int, values: Sequence[int], size: int) -> None:
-        self._writer.open(kind)
-        for value in values:
-            self._writer.put(value, size)
-        self._stream.write(bytes(self._writer.buffer[: self._writer.close()]))
+    def _send(self, kind: int, values: Sequence[int] = (), size: int = 1) -> None:
+        self._stream.write(frame(kind, values, size))
         self._stream.flush()
 
     def _wait_for(self, kind: int) -> bytes:
@@ -114,6 +112,7 @@ class GaitBoardLink:
             byte = self._stream.read(1)
             if not byte:
                 raise UserError("gait board: no answer: is it powered, and does it run the gait firmware?")
-            if self._reader.take(byte[0]) == kind:
-                return bytes(self._reader.buffer[2 : 2 + self._reader.length])
+            for came, payload in self._reader.frames(byte):
+                if came == kind:
+                    return payload
         raise UserError("gait board: answers, but not in frames: is this the gait board's port?")

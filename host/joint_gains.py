@@ -15,7 +15,7 @@ from shared.joint.sine import fill_sine
 from shared.runtime import zeros
 
 from .errors import UserError
-from .joint_heat import heat_places, thermistor_curve
+from .joint_heat import heat_places
 from .joint_units import (
     AXIS_MOST_VU,
     MOTION_HZ,
@@ -32,6 +32,7 @@ from .joint_units import (
     trip_A,
 )
 from .robot_actuators import Bldc
+from .thermistor import curve, part_of, refusal
 
 CURRENT_SHARE = 0.98  # of the limit may be asked for: noise and overshoot of the current loop need the rest (chosen)
 
@@ -53,6 +54,8 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     board = board or Board()
     check_bandwidths(bldc)
     check_ripple(bldc)
+    if why := refusal(bldc, board):
+        raise UserError(f"actuator.thermal.thermistor_25C_ohm {bldc.thermal.thermistor_25C_ohm:g}: use {why}")
     units = choose_units(bldc, board)
     foc = _foc(bldc, board, units)
     cfg = zeros(j.CFG_SIZE)
@@ -62,7 +65,7 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     _check_ranges(cfg)
     set_commutation(foc, cfg)
     set_offsets(foc, 2048 << 4, 2048 << 4, 2048 << 4)
-    return JointBlocks(foc, cfg, thermistor_curve(bldc, board), units)
+    return JointBlocks(foc, cfg, list(curve(part_of(bldc, board))), units)
 
 
 def _foc(bldc: Bldc, board: Board, units: Units) -> list[int]:
@@ -90,7 +93,7 @@ def _electrical(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> di
         )
     volt_s = motor.torque_constant_Nm_A / 1.5  # V per rad/s of the rotor on the q axis
     henry = motor.inductance_H * motor.pole_pairs * units.ampere_per_cu / units.volt_per_vu
-    steps = 1.5 * MOTION_HZ / drive.current_loop_hz
+    brad_per_step = 4 * motor.pole_pairs / 256 * 65536 * MOTION_HZ / drive.current_loop_hz  # and rate, Q16
     return {
         j.K_POLE_PAIRS: motor.pole_pairs,
         j.K_DIRECTION: 1,
@@ -98,7 +101,8 @@ def _electrical(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> di
         j.K_BUS_LEAST: max(64, round(drive.bus_voltage_V / 4 / units.volt_per_vu)),
         j.K_BEMF: round(volt_s / RATE_PER_RAD_S * 8 / units.volt_per_vu * 65536),
         j.K_OMEGA_L: round(henry / RATE_PER_RAD_S * 8 * 65536 * 4096),
-        j.K_ADVANCE: round(4 * motor.pole_pairs * steps / 256 * 65536),
+        j.K_ADVANCE: round(brad_per_step * (board.duty_delay_steps + 0.5)),  # to the middle of the step they act
+        j.K_AGE: round(brad_per_step * board.rotor_age_steps),
         j.K_DEAD: round(4 / pi * board.dead_time_s * drive.pwm_hz * 32768),
         j.K_DEAD_ZONE: max(1, round(0.1 / units.ampere_per_cu)),
     }
@@ -206,6 +210,7 @@ _RANGES = {
     j.K_BEMF: (0, 16383, "actuator.motor.torque_constant_Nm_A"),
     j.K_OMEGA_L: (0, 16383, "actuator.motor.inductance_H"),
     j.K_ADVANCE: (0, 2047, "actuator.motor.pole_pairs"),
+    j.K_AGE: (0, 2047, "actuator.motor.pole_pairs"),
     j.K_POSITION_P: (1, 4095, "actuator.drive.position_bandwidth_hz"),
     j.K_VELOCITY_P: (4, 8191, "actuator.drive.velocity_bandwidth_hz"),
     j.K_VELOCITY_I: (1, 8191, "actuator.drive.velocity_bandwidth_hz"),

@@ -24,6 +24,8 @@ class Board:
     timer_hz: float = 168e6  # STM32F405, TIM1
     bus_divider: float = 13.0  # assumed: 42.9 V full scale
     dead_time_s: float = 100e-9  # DRV8323 default
+    duty_delay_steps: float = 1.0  # from the samples to the update event that takes their duties over (docs/joint.md)
+    rotor_age_steps: float = 1.0  # of the rotor's reading at the samples: an answer comes with the next read
     settling_s: float = 2.5e-6  # shunt amplifier, low side on that long before a sample
     shortest_pulse_s: float = 0.5e-6  # assumed
     thermistor_pull_up_ohm: float = 1000.0  # assumed: to the ADC's supply, thermistor to ground

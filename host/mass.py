@@ -17,6 +17,14 @@ def com_at_rest_m(robot: Robot) -> Vector:
     return x, y, z
 
 
+def lever_m(robot: Robot, joint: int) -> float:
+    """Return how far from a joint's axis (0 hip, 1 thigh, 2 calf) the ground's push on a resting foot passes by, m."""
+    foot_m = robot.foot_m(0, robot.stance.rest_height_m)
+    pose = leg_inverse(robot.geometry.links_m, robot.side(0), robot.knee_sign(0), foot_m)
+    thigh = pose[1] if pose else 0.0
+    return (abs(foot_m[1]), abs(foot_m[0]), abs(foot_m[0] + robot.geometry.thigh_m * sin(thigh)))[joint]
+
+
 def _leg_parts(robot: Robot, leg: int) -> list[tuple[float, Vector]]:
     """Return mass and centre, in the body, of hip, thigh and calf; the files' links are a left elbow leg's."""
     side, knee = robot.side(leg), robot.knee_sign(leg)

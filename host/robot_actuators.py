@@ -37,6 +37,11 @@ class Servo(Table):
     supply: tuple[SupplyPoint, ...]
 
     @property
+    def fastest_rad_s(self) -> float:
+        """The fastest it turns: its no-load speed at the nominal voltage."""
+        return self.nominal.no_load_rad_s
+
+    @property
     def nominal(self) -> SupplyPoint:
         """The supply point of the nominal voltage."""
         return next(point for point in self.supply if point.voltage_V == self.nominal_voltage_V)
@@ -107,6 +112,11 @@ class Bldc(Table):
     gear: Gear
     drive: Drive
     thermal: Thermal
+
+    @property
+    def fastest_rad_s(self) -> float:
+        """The fastest it turns: its board's limit."""
+        return self.drive.speed_limit_rad_s
 
     @property
     def torque_limit_Nm(self) -> float:

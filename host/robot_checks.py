@@ -8,11 +8,15 @@ from itertools import pairwise
 from math import degrees
 
 from shared.gaits import GAIT_NAMES
+from sim2d.model import least_inertia_kgm2
 
+from .joint_units import Board
 from .kinematics_si import leg_inverse
+from .plane import joint_drives
 from .robot_actuators import Bldc, CanBus, Servo
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 from .scale import BRAD_PER_RAD, LARGEST_GAIN, LARGEST_SPEED, Q12, Q16, YAW18
+from .thermistor import refusal
 
 Complaint = tuple[str, object, str]
 
@@ -21,6 +25,7 @@ SHORTEST_LEG_M = 0.05
 LONGEST_LEG_M = 1.0
 FARTHEST_FOOT_LU = 1 << 17
 HOST_CURRENT_HZ = 400  # with 200 Hz the robot falls in the simulator (caramelo joints compare)
+STEP_S = 0.001  # of the plane and of the simulated bus
 CURRENT_LOOP_PER_BANDWIDTH = 20  # one step of delay: more bandwidth loses the phase margin
 
 
@@ -32,13 +37,15 @@ def complaints(robot: Robot) -> Iterator[Complaint]:
     yield from feet_fit_the_integers(robot)
     yield from changes_fit_the_integers(robot)
     yield from gains_fit_the_integers(robot)
-    yield from gait_exists(robot)
+    yield from gaits_exist(robot)
     yield from poses_are_reachable(robot)
     if isinstance(robot.actuator, Servo):
         yield from servo_is_consistent(robot.actuator)
     else:
         yield from joint_is_consistent(robot.actuator)
     yield from bus_suits_the_actuator(robot)
+    yield from calf_suits_the_actuator(robot)
+    yield from simulators_can_step(robot)
 
 
 def hips_are_symmetric(robot: Robot) -> Iterator[Complaint]:
@@ -115,10 +122,16 @@ def gains_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
             yield key, value, f"at most {largest:.3g} at {rate} Hz: more does not fit the core's gain"
 
 
-def gait_exists(robot: Robot) -> Iterator[Complaint]:
-    """The gait after start-up is one of the core's tables."""
-    if robot.gait.default not in GAIT_NAMES:
-        yield "gait.default", robot.gait.default, "one of " + ", ".join(GAIT_NAMES)
+def gaits_exist(robot: Robot) -> Iterator[Complaint]:
+    """The gaits named are tables of the core, and none is both advised and not."""
+    own = robot.gait
+    for key, named in (("default", [own.default]), ("advised_m_s", own.advised_m_s), ("not_advised", own.not_advised)):
+        for name in named:
+            if name not in GAIT_NAMES:
+                yield f"gait.{key}", name, "one of " + ", ".join(GAIT_NAMES)
+    for name in own.advised_m_s:
+        if name in own.not_advised:
+            yield "gait.advised_m_s", name, "a gait that gait.not_advised does not name"
 
 
 def poses_are_reachable(robot: Robot) -> Iterator[Complaint]:
@@ -183,6 +196,8 @@ def joint_is_consistent(joint: Bldc) -> Iterator[Complaint]:
     ):  # fmt: skip
         if not low < value < high:
             yield f"actuator.{key}", value, why
+    if why := refusal(joint, Board()):
+        yield "actuator.thermal.thermistor_25C_ohm", heat.thermistor_25C_ohm, why
     if drive.current_bandwidth_hz * CURRENT_LOOP_PER_BANDWIDTH > rate:
         allowed = f"at most {rate / CURRENT_LOOP_PER_BANDWIDTH:g} Hz, a twentieth of current_loop_hz"
         yield "actuator.drive.current_bandwidth_hz", drive.current_bandwidth_hz, allowed
@@ -195,6 +210,28 @@ def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
         yield "bus.kind", robot.bus.kind, f'"{wanted}" for actuator.kind = "{robot.actuator.kind}"'
     elif robot.bus.kind == "can":
         yield from can_bus_is_usable(robot.bus, robot.control.rate_hz)
+
+
+def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
+    """Brushless joints turn the calf one to one: their boards know no ratio but the gear's."""
+    if isinstance(robot.actuator, Bldc) and robot.calf_drive.ratio != 1.0:
+        yield "calf_drive.ratio", robot.calf_drive.ratio, '1 for actuator.kind = "bldc"; the gear has its own ratio'
+
+
+def simulators_can_step(robot: Robot) -> Iterator[Complaint]:
+    """A servo's damping does not overshoot the inertia that it brakes within the simulators' step (sim2d/model.py)."""
+    if not isinstance(robot.actuator, Servo):
+        return
+    _, thigh, calf = joint_drives(robot)
+    for name, link, servo, ratio in (
+        ("thigh", robot.links.thigh, thigh, 1.0), ("calf", robot.links.calf, calf, robot.calf_drive.ratio),
+    ):  # fmt: skip
+        damping = max(servo.at_voltage(point.voltage_V).damping_Nms_rad for point in robot.actuator.supply)
+        least = (least_inertia_kgm2(damping, STEP_S) - link.inertia_kg_m2[1]) * ratio**2
+        if robot.actuator.armature_kg_m2 < least:
+            why = f"with less the {name}'s damping overshoots in a step of {STEP_S:g} s"
+            allowed = f"at least {least * 1.005:.3g}: {why}"
+            yield "actuator.armature_kg_m2", robot.actuator.armature_kg_m2, allowed
 
 
 def can_bus_is_usable(bus: CanBus, control_hz: int) -> Iterator[Complaint]:

@@ -1,6 +1,5 @@
 """Loads robot files: TOML in, one checked Robot out, or one line that says file, key, value and what is allowed."""
 
-import tomllib
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn, get_args
@@ -8,7 +7,9 @@ from typing import Any, NoReturn, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from . import files
 from .errors import UserError
+from .robot_builds import unbuildable
 from .robot_checks import complaints
 from .robot_model import Robot
 from .robot_values import show
@@ -39,6 +40,8 @@ def load_robot(name_or_path: str) -> Robot:
         raise RobotFileError(f"{path}: {explain(first, data)}") from None
     for key, value, allowed in complaints(robot):
         raise RobotFileError(f"{path}: {key}: value {show(value)}: allowed: {allowed}")
+    for sentence in unbuildable(robot):
+        raise RobotFileError(f"{path}: {sentence}")
     return robot
 
 
@@ -58,8 +61,7 @@ def find(name_or_path: str) -> Path:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file."""
     try:
-        with path.open("rb") as file:
-            return tomllib.load(file)
+        return files.read_toml(path)
     except FileNotFoundError:
         known = ", ".join(robot_names())
         raise RobotFileError(f"{path}: no such file: robots known by name are {known}") from None
@@ -67,7 +69,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise RobotFileError(f"{path}: can't be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise RobotFileError(f"{path}: byte {error.start}: is not UTF-8 text: save the file as UTF-8") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         _complain_about_syntax(path, str(error))
 
 
@@ -81,7 +83,7 @@ def _complain_about_syntax(path: Path, message: str) -> NoReturn:
 
 def explain(error: ErrorDetails, data: dict[str, Any]) -> str:
     """Return ``key: value ...: what is allowed`` of one pydantic error."""
-    place = [part for at, part in enumerate(error["loc"]) if not _is_union_tag(error["loc"], at)]
+    place = [part for at, part in enumerate(error["loc"]) if not _is_no_key(error["loc"], at)]
     key, kind, value = ".".join(str(part) for part in place), error["type"], error["input"]
     if kind == "missing":
         return f"{key}: value missing: allowed: any that docs/robot-files.md names, but it must be there"
@@ -97,8 +99,8 @@ def explain(error: ErrorDetails, data: dict[str, Any]) -> str:
     return f"{key}: value {show(value)}: allowed: {'an array of tables' if kind == 'tuple_type' else 'a table'}"
 
 
-def _is_union_tag(place: tuple[int | str, ...], at: int) -> bool:
-    return at == 1 and place[at] in UNION_KEYS.get(str(place[0]), ())
+def _is_no_key(place: tuple[int | str, ...], at: int) -> bool:
+    return place[at] == "[key]" or (at == 1 and place[at] in UNION_KEYS.get(str(place[0]), ()))
 
 
 def known_keys(place: list[int | str], data: dict[str, Any]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .robot_actuators import Bldc, CanBus, Servo, ServoBus
-from .robot_values import Table, body_axes, number, numbers, one_of, rising, text, whole
+from .robot_values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
 JOINT_NAMES = ("hip", "thigh", "calf")
@@ -27,6 +27,8 @@ Vector = tuple[float, float, float]
 PositiveLength = Annotated[float, number(0.01, 1.0, "m")]
 Mass = Annotated[float, number(0.001, 100.0, "kg")]
 Position = Annotated[Vector, numbers(3, -1.0, 1.0, "m", "x, y, z")]
+GaitName = Annotated[str, text("[a-z][a-z0-9-]{0,30}", "a gait's name: lower-case letters, digits, hyphens")]
+Line = Annotated[str, text(LINE, "one line of 1 .. 200 printable characters")]
 Fraction = Annotated[float, number(0.0, 1.0)]
 
 
@@ -45,7 +47,7 @@ class Geometry(Table):
     hip_offset_m: Annotated[float, number(0.0, 0.5, "m")]
     thigh_m: PositiveLength
     calf_m: PositiveLength
-    foot_radius_m: Annotated[float, number(0.0, 0.1, "m")]
+    foot_radius_m: Annotated[float, number(0.001, 0.1, "m")]
     foot_friction: Annotated[float, number(0.05, 2.0)]
     knee_configuration: Annotated[str, one_of(*KNEE_CONFIGURATIONS)]
     hips_m: HipPositions
@@ -173,9 +175,14 @@ class Balance(Table):
 
 
 class Gait(Table):
-    """The gait after start-up and what all gaits share; the gaits themselves are tables in shared/gaits.py."""
+    """The gait after start-up, which gaits suit the robot, and what all share; the gaits are in shared/gaits.py.
 
-    default: Annotated[str, text("[a-z][a-z0-9-]{0,30}", "a gait's name: lower-case letters, digits, hyphens")]
+    Ask host/gait_advice.py which gaits are advised: it knows those that are named nowhere here, too.
+    """
+
+    default: GaitName
+    advised_m_s: dict[GaitName, Annotated[float, number(0.001, 3.0, "m/s")]] = Field(default_factory=dict)
+    not_advised: dict[GaitName, Line] = Field(default_factory=dict)
     sag_compensation: Annotated[float, number(0.0, 1.5)]
     lateral_shift: Annotated[float, number(0.0, 1.5)]
 
@@ -214,7 +221,7 @@ class Robot(Table):
     """One robot file, checked. Made by host/robot_file.py only."""
 
     name: Annotated[str, text("[a-z][a-z0-9_-]{0,30}", "lower-case letters, digits, - and _, at most 31")]
-    description: Annotated[str, text(r"[^\x00-\x1f]{1,200}", "one line of 1 .. 200 characters")]
+    description: Line
     geometry: Geometry
     stance: Stance
     joint_limits: JointLimits

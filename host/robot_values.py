@@ -9,6 +9,8 @@ from math import inf
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
+LINE = r"[^\x00-\x1f\x7f-\x9f]{1,200}"  # one line for people: nothing that steers a terminal
+
 
 class Table(BaseModel):
     """Common to all tables: unknown keys are errors and nothing changes after loading."""

@@ -6,7 +6,7 @@ A ``Scale`` belongs to one robot at one planner rate: the length unit is the rob
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import ceil, floor, isqrt, pi, sqrt
+from math import ceil, degrees, floor, isqrt, pi, sqrt
 
 from shared import params as p
 from shared.attitude import (
@@ -21,7 +21,7 @@ from shared.attitude import (
 from shared.runtime import zeros
 
 from .errors import UserError
-from .mass import com_at_rest_m
+from .mass import com_at_rest_m, lever_m
 from .plane import joint_drives
 from .robot_model import JOINT_NAMES, Adaptive, Balance, Robot
 
@@ -47,7 +47,7 @@ ROUGH_S = 2.0  # how long a tilt is remembered
 LATE_S = 0.12  # lag behind the reference that is normal
 FALLEN_S = 0.1  # tilted for so long is fallen
 ADVICE_S = 2.0  # held up for so long is stuck
-
+FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
 
 def brad(angle_rad: float) -> int:
     """Return an angle in 1/65536 turn, not wrapped."""
@@ -107,6 +107,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     block[p.P_JOINT_STEP] = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
     block[p.P_SIT_Z] = -scale.lu(robot.stance.sit_height_m)
     block[p.P_STRIDE_MAX] = scale.lu(robot.speed_limits.stride_m)
+    _joint_speeds(block, robot, scale.rate_hz)
     for leg in range(p.LEGS):
         _leg(block, robot, scale, leg)
     _compliance(block, robot, scale)
@@ -167,6 +168,25 @@ def _balance(block: list[int], robot: Robot, rate_hz: int) -> None:
     block[p.P_BALANCE_MAX] = brad(gains.output_limit_rad)
 
 
+def _joint_speeds(block: list[int], robot: Robot, rate_hz: int) -> None:
+    """Fill in how fast goals may move, and how far a reading may be from the one before.
+
+    A joint pushed from outside turns faster than its motor does, and a bus may be late by a tick: twice as far.
+    """
+    motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
+    for joint, times in enumerate((1.0, 1.0, ratio)):
+        block[p.P_JOINT_TOP + joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
+    block[p.P_JOINT_NEAR] = min(block[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]) >> int(robot.calf_drive.coupled)
+    calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
+    block[p.P_READ_STEP] = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, BUS_DELAY_S))
+    block[p.P_TILT_STEP] = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, BUS_DELAY_S))
+
+
+def _brad_step(speed_rad_s: float, time_s: float) -> int:
+    """Return how far a speed leads in a time, 1 .. 32767 brad."""
+    return min(32767, max(1, floor(speed_rad_s * time_s * BRAD_PER_RAD)))
+
+
 def _leg(block: list[int], robot: Robot, scale: Scale, leg: int) -> None:
     base = p.P_SIZE_BODY + leg * p.LEG_SIZE
     l1, l2, l3 = (scale.lu(length_m) for length_m in robot.geometry.links_m)
@@ -191,16 +211,19 @@ def _leg(block: list[int], robot: Robot, scale: Scale, leg: int) -> None:
 
 def _compliance(block: list[int], robot: Robot, scale: Scale) -> None:
     """Fill in how the joints give under load, in own weights, and where the mass lies."""
-    weight_N = robot.mass_kg * GRAVITY_M_S2
+    weight_N, gives = robot.mass_kg * GRAVITY_M_S2, []
     for joint, drive in enumerate(joint_drives(robot)):
         stiffness = drive.stiffness_Nm_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD
         give = robot.gait.sag_compensation / stiffness
         damping = drive.damping_Nms_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD * scale.rate_hz
-        if give * Q16 > LARGEST_GAIN:
-            raise UserError(f"actuator: {JOINT_NAMES[joint]} gives {give * BRAD_PER_RAD:.3g} of a turn: too soft")
+        gives.append(give)
         block[p.P_SAG_Q16 + joint] = round(give * Q16)
         block[p.P_STIFF_Q8 + joint] = min(LARGEST_GAIN, round(stiffness * Q8))
         block[p.P_DAMP_Q8 + joint] = min(LARGEST_GAIN, round(damping * Q8))
+    softest = max(range(len(gives)), key=gives.__getitem__)
+    if gives[softest] * Q16 > LARGEST_GAIN:
+        most = robot.gait.sag_compensation * LARGEST_GAIN / Q16 / gives[softest]
+        raise UserError(_too_soft(robot, softest, most))
     block[p.P_COUPLED] = int(robot.calf_drive.coupled)
     block[p.P_SAGS] = int(robot.gait.sag_compensation > 0)
     com_m = com_at_rest_m(robot)
@@ -210,6 +233,20 @@ def _compliance(block: list[int], robot: Robot, scale: Scale) -> None:
     block[p.P_LOAD_SLEW_Q12] = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
     block[p.P_LEG_LENGTH] = block[p.P_SIZE_BODY + p.LEG_L2] + block[p.P_SIZE_BODY + p.LEG_L3]
     block[p.P_LATERAL_Q12] = round(robot.gait.lateral_shift * Q12)
+
+
+def _too_soft(robot: Robot, joint: int, most: float) -> str:
+    """Return what the softest joint does while its leg carries half of the robot, and up to what can be compensated."""
+    drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
+    torque_Nm = robot.mass_kg * GRAVITY_M_S2 / 2 * lever_m(robot, joint)
+    sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm
+    stiffer = {"servo": "actuator.duty_per_rad", "bldc": "actuator.drive.position_bandwidth_hz"}[robot.actuator.kind]
+    return (
+        f"gait.sag_compensation: value {value:g}: allowed: at most {floor(100 * most) / 100:.2f}: "
+        f"the {JOINT_NAMES[joint]} is too soft for {robot.mass_kg:.3g} kg; with half of it on one leg it sags by "
+        f"{sag_deg:.1f} deg at {share:.0f} % of its stall torque; a stiffer drive ({stiffer}) or a lighter robot "
+        f"allows more"
+    )
 
 
 def _adaptive(block: list[int], robot: Robot, scale: Scale) -> None:

@@ -6,18 +6,22 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from sim2d import metrics, terrain
-from sim2d.actuator import Actuator
+from sim2d.actuator import Drives
 from sim2d.recording import Recording
 from sim2d.run import Sensed, simulate
 
 from .drive import Driver, gait_index
 from .errors import UserError
+from .gait_advice import why_not_advised
 from .gait_changes import GaitWatch, change_lines, notes_json
 from .plane import planar_robot
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 
 TERRAINS = ("flat", "stones", "gravel", "ramp", "step", "step-up", "step-down", "box")
 DEFAULT_HEIGHT_M = {"stones": 0.012, "gravel": 0.012, "step": 0.02, "step-up": 0.02, "step-down": 0.02, "box": 0.02}
+
+ENOUGH = 0.5  # of the commanded speed, where nothing was in the way
+_FASTER = 1.001  # a command is limited if it is beyond the limit by more than the core's rounding
 
 
 @dataclass(frozen=True)
@@ -116,7 +120,7 @@ def run_walk(
     spec: WalkSpec,
     progress: Callable[[float], None] | None = None,
     ground: terrain.Terrain | None = None,
-    actuator: Actuator | None = None,
+    actuator: Drives | None = None,
 ) -> Recording:
     """Simulate the walk; the same spec, the same recording.
 
@@ -140,7 +144,7 @@ def run_walk(
             actuator=actuator,
             progress=progress,
         )
-    except ValueError as error:
+    except (ValueError, ArithmeticError) as error:
         raise UserError(f"walk: {error}") from error
     return replace(recording, notes=tuple(controller.watch.notes))
 
@@ -171,16 +175,36 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     }
 
 
+def judged(spec: WalkSpec, result: dict[str, Any]) -> dict[str, Any]:
+    """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
+
+    A command beyond what robot and gait allow is limited, and so not achieved. Slower than ENOUGH of it counts as
+    achieved only where it backed off and crawled on: then the ground was in the way, which is told.
+    """
+    most_m_s, key = Driver(spec.robot, planar=True).speed_limit(spec.gait)
+    limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
+    share = result["mean_speed_m_s"] / spec.speed_m_s
+    more: dict[str, Any] = {"limited": limited, "advice": why_not_advised(spec.robot, spec.gait, spec.speed_m_s)}
+    if result["ok"] and limited:
+        more |= {"ok": False, "reason": f"{result['reason']}, but {spec.speed_m_s:g} m/s was {limited}"}
+    elif result["ok"] and share < ENOUGH and all(change["to"] != "backing off" for change in result["gait_changes"]):
+        slow = f"at {100 * share:.0f} % of the commanded speed; at least {100 * ENOUGH:.0f} % is asked"
+        more |= {"ok": False, "reason": f"{result['reason']}, but {slow}"}
+    return result | more
+
+
 def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the walk's figures as rows of name and value with unit, for people."""
+    """Return the figures of a walk, judged, as rows of name and value with unit, for people."""
     share = result["mean_speed_m_s"] / result["commanded_speed_m_s"]
     worst = max(result["torque_rms_fraction"], key=lambda name: result["torque_rms_fraction"][name])
     height = f" {1000 * result['height_m']:.0f} mm" if result["height_m"] else ""
     return [
         ("robot", result["robot"]),
         ("gait", result["gait"]),
+        *([("not advised", result["advice"])] if result["advice"] else []),
         ("terrain", result["terrain"] + height),
         ("speed", f"{result['mean_speed_m_s']:.4f} of {result['commanded_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),
+        *([("command", result["limited"])] if result["limited"] else []),
         ("distance", f"{result['distance_m']:.3f} m in {result['duration_s']:.1f} s"),
         ("pitch range", f"{result['pitch_range_deg']:.1f} deg"),
         ("least clearance of a swing", f"{1000 * result['min_clearance_m']:.1f} mm"),
@@ -193,14 +217,15 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def energy_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return what the drives took and gave, for results that have it (host/motor/walking.py)."""
+    """Return what the drives took and gave (host/motor/walking.py); per metre only where it went some way ahead."""
     rows = []
-    if result.get("energy_per_metre_J") is not None:
-        cost = f"{result['energy_per_metre_J']:.0f} J/m, {result['cost_of_transport']:.1f} J/(N m)"
-        rows.append(("legs' drives", cost))
-    if result.get("largest_torque_Nm") is not None:
-        best = result["energy_per_metre_regenerating_J"]
-        rows.append(("with all braking energy fed back", f"{best:.0f} J/m"))
+    per_metre_J = result["energy_per_metre_J"]
+    if per_metre_J is not None:
+        rows.append(("legs' drives", f"{per_metre_J:.0f} J/m, {result['cost_of_transport']:.1f} J/(N m)"))
+    if result["largest_torque_Nm"] is not None:
+        if per_metre_J is not None:
+            best_J = result["energy_per_metre_regenerating_J"]
+            rows.append(("with all braking energy fed back", f"{best_J:.0f} J/m"))
         rows.append(("largest torque", f"{result['largest_torque_Nm']:.2f} N m"))
         rows.append(("hottest winding", f"{result['hottest_winding_C']:.1f} degrees C"))
     return rows

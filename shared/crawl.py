@@ -75,7 +75,6 @@ def crawl_start(crawl, sensing, joints, first: int, goals, roll_brad: int, pitch
     """
     c = ptr32(crawl.state)
     m = ptr32(sensing)
-    ptr32(joints)
     g = ptr32(goals)
     k = ptr32(crawl.settings)
     for at in range(C_SIZE):

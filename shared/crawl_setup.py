@@ -85,6 +85,7 @@ from .crawl_layout import (
 from .fixed import cos_q15, hypot, isqrt
 from .params import (
     FR,
+    LEG_CLEAR,
     LEG_HIP,
     LEG_KNEE,
     LEG_L2,
@@ -229,6 +230,10 @@ def body_shape(params, settings, leg):
 def bend_limits(params, settings, limbs):
     """Copy ``params`` to ``limbs`` with the reach that the calves' limits leave; fill in the planned reach.
 
+    A trot's foot is put no higher than half way from the hip's offset to the shortest leg below the hip (LEG_CLEAR):
+    there its leg's direction turns by no more than the foot's way over that depth. What the joints reach above it
+    lies at the ends of thigh and calf.
+
     By the cosine rule, L2^2 + L3^2 + 2 L2 L3 cos q3 at both limits of q3. The hips are carried at 0.865 of the
     straightest leg (185 mm of Caramelo's 214): the straighter the knees, the less they carry.
     """
@@ -246,6 +251,7 @@ def bend_limits(params, settings, limbs):
         side = params[base + LEG_SIDE_L1]
         limbs[base + LEG_REACH] = min(hypot(far, side), params[base + LEG_REACH])
         limbs[base + LEG_NEAR] = max(hypot(near, side) + 1, params[base + LEG_NEAR])
+        limbs[base + LEG_CLEAR] = -(limbs[base + LEG_NEAR] + abs(side) >> 1)
         shortest = min(shortest, far)
         settings[K_NEAR] = max(settings[K_NEAR] if leg else 0, near + near // 72)
     settings[K_HEIGHT] = shortest * 173 // 200

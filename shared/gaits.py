@@ -1,4 +1,4 @@
-"""The gaits as tables: adding a gait is adding a table here and its name to GAITS.
+"""The gaits as tables: adding a gait is adding its name and its table at the end of _NAMED.
 
 A table is a head and a row per segment of the cycle:
 
@@ -53,8 +53,16 @@ ADAPTIVE = (
     ((360, 0, 46), (200, _FR | _RL, 10), (360, 0, 46), (200, _FL | _RR, 10)),
 )
 
-# The crawl over obstacles, shared/crawl.py, goes straight on; what it cannot follow is walked by this table.
-GAIT_NAMES = ("paper-trot", "trot", "crawl", "adaptive", "climb")
-GAITS = (PAPER_TROT, TROT, CRAWL, ADAPTIVE, CRAWL)
+# "climb", the crawl over obstacles (shared/crawl.py), goes straight on; what it cannot follow is walked by its table.
+# The order is what commands count by: new gaits go to the end.
+_NAMED = (
+    ("paper-trot", PAPER_TROT),
+    ("trot", TROT),
+    ("crawl", CRAWL),
+    ("adaptive", ADAPTIVE),
+    ("climb", CRAWL),
+)
+GAIT_NAMES = tuple([row[0] for row in _NAMED])
+GAITS = tuple([row[1] for row in _NAMED])
 GAIT_ADAPTIVE = const(3)
 GAIT_CLIMB = const(4)

@@ -34,7 +34,8 @@ P_INTEGRAL_MAX = const(25)  # brad, limit of the integral term
 P_BALANCE_MAX = const(26)  # brad, limit of roll and pitch correction together
 P_STRIDE_MAX = const(27)  # lu, longest way of a foot along the ground in one stance
 P_BALANCE_ON = const(28)  # 1: balance acts unless the command says otherwise
-P_SIZE_BODY = const(32)  # the legs follow; the space between is kept for what comes
+P_JOINT_TOP = const(29)  # 3 values: hip, thigh, calf; brad / tick, the fastest the motor turns its joint
+P_SIZE_BODY = const(32)  # the legs follow
 
 # One leg, at P_SIZE_BODY + leg * LEG_SIZE
 LEG_SIDE_L1 = const(0)  # lu, hip offset, + left, - right
@@ -50,6 +51,7 @@ LEG_MIN = const(9)  # 3 values: lowest hip, thigh, calf angle, brad
 LEG_MAX = const(12)  # 3 values: highest
 LEG_HIP = const(15)  # 3 values: the hip in the body, lu
 LEG_REST = const(18)  # 3 values: the foot in the body at rest, lu
+LEG_CLEAR = const(21)  # lu, the highest a foot is put, from its hip (negative); only in the crawl's limbs
 LEG_SIZE = const(24)
 
 # How the joints give, and how the robot's own mass lies; after the legs, at P_SIZE_BODY + LEGS * LEG_SIZE
@@ -94,5 +96,9 @@ P_SWAY_SLEW = const(169)  # lu / tick, back to the middle when standing
 P_TILT_MAX = const(170)  # brad, roll or pitch beyond which the robot has fallen
 P_TILT_TICKS = const(171)  # for so long
 P_ADVICE_TICKS = const(172)  # how long trouble lasts before another gait is advised
+# What is believed
+P_READ_STEP = const(173)  # brad, how far a joint's reading may be from the one before
+P_TILT_STEP = const(174)  # brad, how far roll and pitch may be
+P_JOINT_NEAR = const(175)  # brad / tick that every joint of a leg can turn, whatever the others do
 P_SIZE = const(192)
 LF_BITS = const(8)  # lf = lu / 2^8

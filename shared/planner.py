@@ -1,6 +1,6 @@
 """The whole robot, once a tick: command and senses in, twelve joint angles and flags out.
 
-    command -> slew -> gait clock -> feet -> balance -> body pose -> 4 x leg -> limits -> joints
+    command -> slew -> gait clock -> feet -> balance -> body pose -> 4 x leg -> limits -> wanted -> speed -> joints
 
 States: limp (nothing is driven), rising, standing, walking, sitting (going down), seated. A
 command names a mode, and the planner goes there through the states between: nobody walks who has
@@ -16,6 +16,7 @@ from .body import POSE_SIZE
 from .crawl import Crawl
 from .gait import CLOCK_SIZE, G_ROWS, compile_gait
 from .gaits import GAIT_ADAPTIVE, GAITS
+from .goals import READ_SIZE, follow_goals
 from .handover import F_LEFT, FADE_SIZE, fade_out
 from .leg import limit_joints
 from .params import JOINTS, LEGS
@@ -33,16 +34,17 @@ from .planner_layout import (
     N_SWINGING,
     RISING,
     SEATED,
+    SENSED_SIZE,
     SITTING,
 )
 from .planner_pose import level, solve_legs
-from .planner_senses import feel, relax
+from .planner_senses import feel, relax, take_senses
 from .planner_states import choose_state, follow_joints, settle
 from .planner_steps import step_gait
 from .posture import MOVE_SIZE, posture_step
 from .retreat import RETREAT_SIZE
 from .runtime import hot, ptr32, zeros
-from .sensing import keep_sent
+from .sensing import M_KNOWN, keep_sent
 from .steps import SPEED_SIZE, STEPS_SIZE
 
 
@@ -50,7 +52,7 @@ class Planner:
     """The control core of one robot at one rate.
 
     ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read
-    ``joints`` (12 brad), ``leg_flags`` (4), ``numbers`` (N_...), ``feet`` (12 lu, planned, in the
+    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``numbers`` (N_...), ``feet`` (12 lu, planned, in the
     base frame), ``reached`` (12 lu from the hips). Raises ValueError if a gait can't fit the robot.
     """
 
@@ -72,8 +74,11 @@ class Planner:
         self.feet = zeros(JOINTS)
         self.hip_feet = zeros(JOINTS)
         self.reached = zeros(JOINTS)
-        self.goal = zeros(JOINTS)
+        self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
         self.joints = zeros(JOINTS)
+        self.sensed = zeros(SENSED_SIZE)  # what is believed of what is sensed
+        self.joints_read = zeros(JOINTS + READ_SIZE)
+        self.tilt_read = zeros(2 + READ_SIZE)
         self.leg_flags = zeros(LEGS)
         self.walk = Adaptive(params)
         self.sensing = self.walk.sensing
@@ -100,21 +105,26 @@ class Planner:
 def plan(planner, command, sensed) -> int:
     """One tick of the planner; returns its flags."""
     n = ptr32(planner.numbers)
+    m = ptr32(planner.sensing)
     n[N_FLAGS] = 0
-    choose_state(planner, command, sensed)
+    take_senses(planner, sensed)
+    choose_state(planner, command, planner.sensed)
     state = n[N_STATE]
     if state == LIMP:
-        follow_joints(planner, sensed)
+        follow_joints(planner, planner.sensed)
     elif state == RISING or state == SITTING:
-        if posture_step(planner.move, planner.joints) == 0:
+        if posture_step(planner.move, planner.goal) == 0:
             n[N_STATE] = state + 1
     elif state != SEATED:
-        if climbs(planner, command, sensed):
-            climb(planner, command, sensed)
+        if climbs(planner, command, planner.sensed):
+            climb(planner, command, planner.sensed)
         elif n[N_CLIMB] == CLIMB_BACK:
-            tread(planner, planner.retreat, sensed)
+            tread(planner, planner.retreat, planner.sensed)
         else:
-            tread(planner, command, sensed)
+            tread(planner, command, planner.sensed)
+    follow_goals(planner.params, planner.goal, planner.joints)
+    if m[M_KNOWN]:
+        keep_sent(planner.sensing, planner.joints)
     return n[N_FLAGS]
 
 
@@ -133,14 +143,12 @@ def tread(planner, command, sensed) -> int:
     if active:
         b = ptr32(planner.balance)
         pose_body(planner.params, planner.walk, b[BALANCE_ROLL], b[BALANCE_PITCH], planner.posed)
-    n[N_FLAGS] |= solve_legs(planner, planner.joints)
+    n[N_FLAGS] |= solve_legs(planner, planner.goal)
     fade = ptr32(planner.fade)
     if fade[F_LEFT]:
-        fade_out(planner.fade, planner.joints)
+        fade_out(planner.fade, planner.goal)
         for leg in range(LEGS):
-            limit_joints(planner.params, leg, planner.joints)
-    if own:
-        keep_sent(planner.sensing, planner.joints)
-    else:
+            limit_joints(planner.params, leg, planner.goal)
+    if own == 0:
         relax(planner)
     return 0

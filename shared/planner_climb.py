@@ -50,7 +50,7 @@ from .planner_layout import (
 from .planner_steps import use_gait, wanted_gait
 from .retreat import retreat_start, retreat_step
 from .runtime import hot, ptr32
-from .sensing import M_KNOWN, M_MOVED_X, keep_sent, sense_legs, stands_level
+from .sensing import M_KNOWN, M_MOVED_X, sense_legs, stands_level
 from .steps import SPEED_SIZE
 
 
@@ -182,7 +182,7 @@ def climb(planner, command, sensed) -> int:
         way = c[C_SPEED]
         if reason or c[C_MODE] != MODE_WALK or n[N_FALLEN]:
             way = 0
-        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.joints)
+        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
         n[N_SWINGING] = 0
         if at[C_STANDS + at[C_LEG]] == 0:
             n[N_SWINGING] = 1 << at[C_LEG]
@@ -193,7 +193,6 @@ def climb(planner, command, sensed) -> int:
                 hand_to_trot(planner, command, reason)
             elif way <= 0:
                 n[N_STATE] = STANDING
-    keep_sent(planner.sensing, planner.joints)
     return 0
 
 

@@ -28,6 +28,8 @@ NO_ATTITUDE = const(0x80)  # balance was asked for and there is no attitude
 NO_JOINTS = const(0x100)  # standing up was asked for and the joints' positions are not known
 BAD_COMMAND = const(0x200)  # a mode or gait that does not exist: taken as standing, as the last gait
 BLIND = const(0x400)  # the adaptive trot lacks measured joints, attitude or turning rates: it walks on expectations
+ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
+POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
 
 # The planner's own numbers, one block
@@ -45,7 +47,11 @@ N_FALLEN = const(10)  # 1: fallen
 N_CLIMB = const(11)  # the crawl over obstacles: CLIMB_...
 N_REASON = const(12)  # why trot and crawl were last exchanged, handover.REASON_...
 N_WAITED = const(13)  # ticks for which the commanded crawl has waited for level feet
-N_SIZE = const(14)
+N_MET = const(14)  # 1: the joints have been known
+N_HELD = const(15)  # 6 values: the commanded pose that was out of reach, lu and brad
+N_HOLDS = const(21)  # 1: it was
+N_BEYOND = const(22)  # 1: a standing leg was out of reach or at its limits in the last tick
+N_SIZE = const(23)
 
 CLIMB_OFF = const(0)
 CLIMB_READY = const(1)  # standing still until the joints' loads are known

@@ -8,9 +8,9 @@ from .compliance import sag_leg
 from .fixed import saturate
 from .leg import leg_inverse, limit_joints
 from .load import L_FORCE_Q12
-from .params import LEGS, P_POSE_SLEW
-from .planner_layout import N_FLAGS, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
-from .reach import reach_foot
+from .params import LEG_CLEAR, LEG_SIZE, LEGS, P_POSE_SLEW, P_SIZE_BODY
+from .planner_layout import N_BEYOND, N_FLAGS, N_SWINGING, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
+from .reach import TOO_NEAR, reach_foot
 from .runtime import hot, ptr32
 
 
@@ -41,16 +41,29 @@ def level(planner, command, sensed) -> int:
 
 @hot
 def solve_legs(planner, joints) -> int:
-    """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together."""
+    """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together.
+
+    A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
+    tick or two. N_BEYOND is set where a standing leg has flags.
+    """
+    n = ptr32(planner.numbers)
+    hip_feet = ptr32(planner.hip_feet)
+    limbs = ptr32(planner.climb.limbs)
     per_leg = ptr32(planner.leg_flags)
     forces = ptr32(planner.load)
     w = ptr32(planner.felt)
     body_rotation(planner.posed, planner.rotation)
+    n[N_BEYOND] = 0
     together = 0
     farthest = 0
     for leg in range(LEGS):
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
-        flags = reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
+        flags = 0
+        highest = limbs[P_SIZE_BODY + leg * LEG_SIZE + LEG_CLEAR]
+        if hip_feet[leg * 3 + 2] > highest:
+            hip_feet[leg * 3 + 2] = highest
+            flags = TOO_NEAR
+        flags |= reach_foot(planner.climb.limbs, leg, planner.hip_feet, planner.reached)
         far = leg_inverse(planner.params, leg, planner.reached, joints)
         if far > farthest:
             farthest = far
@@ -59,5 +72,7 @@ def solve_legs(planner, joints) -> int:
         flags |= limit_joints(planner.params, leg, joints)
         per_leg[leg] = flags
         together |= flags
+        if flags and n[N_SWINGING] >> leg & 1 == 0:
+            n[N_BEYOND] = 1
     w[W_FAR] = farthest
     return together

@@ -1,13 +1,17 @@
-"""What the adaptive trot is given to feel, and what is forgotten under a gait that feels nothing."""
+"""What is believed of the senses, what the adaptive trot feels of it, and what a gait that feels nothing forgets."""
 
 from .adaptive import W_ACTIVE, W_ADVICE, W_RATES, W_TURNED, W_TWIST, feel_ground, feel_legs, sway_body
 from .balance import BALANCE_PITCH, BALANCE_ROLL
 from .fixed import saturate
+from .goals import believe
 from .ground import press_feet
+from .params import JOINTS, P_READ_STEP, P_TILT_STEP
 from .planner_layout import (
     BLIND,
     N_ADVICE,
     N_FLAGS,
+    N_MET,
+    ODD_READING,
     S_ATTITUDE_OK,
     S_JOINTS,
     S_JOINTS_OK,
@@ -15,9 +19,55 @@ from .planner_layout import (
     S_RATES,
     S_RATES_OK,
     S_ROLL,
+    SENSED_SIZE,
 )
 from .runtime import hot, ptr32
 from .sensing import M_KNOWN
+
+
+@hot
+def take_senses(planner, sensed) -> int:
+    """Write into ``planner.sensed`` what may be believed of ``sensed``; return 0. ODD_READING if not all of it.
+
+    Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
+    """
+    n = ptr32(planner.numbers)
+    p = ptr32(planner.params)
+    s = ptr32(sensed)
+    own = ptr32(planner.sensed)
+    odd = 0
+    own[S_ATTITUDE_OK] = 0
+    if s[S_ATTITUDE_OK]:
+        odd = believe(sensed, S_ROLL, 2, p[P_TILT_STEP], planner.sensed, planner.tilt_read)
+        if odd >= 0:
+            own[S_ATTITUDE_OK] = 1
+        if odd > 0:
+            n[N_FLAGS] |= ODD_READING
+    own[S_JOINTS_OK] = 0
+    if s[S_JOINTS_OK]:
+        odd = believe(sensed, S_JOINTS, JOINTS, p[P_READ_STEP], planner.sensed, planner.joints_read)
+        if n[N_MET] == 0:
+            meet(planner)
+        if odd >= 0:
+            own[S_JOINTS_OK] = 1
+            n[N_MET] = 1
+        if odd > 0:
+            n[N_FLAGS] |= ODD_READING
+    for at in range(S_RATES, SENSED_SIZE):
+        own[at] = s[at]
+    return 0
+
+
+@hot
+def meet(planner) -> int:
+    """Take the joints as they were read as the goals; return 0."""
+    own = ptr32(planner.sensed)
+    q = ptr32(planner.joints)
+    to = ptr32(planner.goal)
+    for joint in range(JOINTS):
+        to[joint] = own[S_JOINTS + joint]
+        q[joint] = own[S_JOINTS + joint]
+    return 0
 
 
 @hot

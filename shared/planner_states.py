@@ -9,7 +9,7 @@ from .adaptive import adaptive_reset
 from .balance import balance_reset
 from .body import POSE_SIZE
 from .command import C_MODE, MODE_LIMP, MODE_SIT, MODE_STAND
-from .fixed import saturate
+from .goals import joints_near
 from .handover import F_LEFT
 from .params import JOINTS, LEG_HIP, LEG_SIZE, LEGS, P_SIT_Z, P_SIZE_BODY, P_TILT_MAX, P_TILT_TICKS
 from .planner_layout import (
@@ -20,6 +20,7 @@ from .planner_layout import (
     N_CLIMB,
     N_FALLEN,
     N_FLAGS,
+    N_HOLDS,
     N_STATE,
     N_SWINGING,
     N_TILTED,
@@ -95,18 +96,17 @@ def watch_tilt(planner, sensed, mode: int) -> int:
 
 @hot
 def begin_move(planner, sensed, state: int) -> int:
-    """Start RISING to the rest stance or SITTING down from the measured joints; return 0.
+    """Start RISING to the rest stance or SITTING down from the last goals; return 0.
 
-    Without measured joints a limp robot stays limp (NO_JOINTS): its pose is anybody's guess. One
-    that is driven goes on from its last goals.
+    Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
+    it stays limp (NO_JOINTS): its pose is anybody's guess.
     """
     n = ptr32(planner.numbers)
     s = ptr32(sensed)
-    q = ptr32(planner.joints)
+    known = 0
     if s[S_JOINTS_OK]:
-        for joint in range(JOINTS):
-            q[joint] = saturate(s[S_JOINTS + joint], -32768, 32767)
-    elif n[N_STATE] == LIMP:
+        known = joints_near(planner.params, sensed, S_JOINTS, planner.joints)
+    if n[N_STATE] == LIMP and known == 0:
         n[N_FLAGS] |= NO_JOINTS
         return 0
     n[N_STATE] = state
@@ -134,6 +134,7 @@ def settle(planner) -> int:
     fade[F_LEFT] = 0
     n = ptr32(planner.numbers)
     n[N_CLIMB] = CLIMB_OFF
+    n[N_HOLDS] = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     adaptive_reset(planner.params, planner.walk)
@@ -156,9 +157,9 @@ def follow_joints(planner, sensed) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
     n = ptr32(planner.numbers)
     s = ptr32(sensed)
-    q = ptr32(planner.joints)
+    q = ptr32(planner.goal)
     n[N_FLAGS] |= NOT_DRIVEN
     if s[S_JOINTS_OK]:
         for joint in range(JOINTS):
-            q[joint] = saturate(s[S_JOINTS + joint], -32768, 32767)
+            q[joint] = s[S_JOINTS + joint]
     return 0

@@ -5,7 +5,8 @@
 
 from .adaptive import W_FASTEST, W_LIFT, adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
 from .balance import balance_gains
-from .command import C_GAIT, C_HEIGHT, C_MODE, MODE_WALK, slew_pose, slew_speed
+from .body import POSE_SIZE
+from .command import C_GAIT, C_HEIGHT, C_MODE, C_POSE, MODE_WALK, slew_pose, slew_speed
 from .fixed import saturate
 from .gait import CLOCK_MADE_Q10, CLOCK_SEGMENT, CLOCK_TICK, G_HEIGHT_MM, G_VX_MAX, gait_clock
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
@@ -13,15 +14,19 @@ from .navigate import drive_as_told
 from .params import P_KP_Q12, P_LENGTH_SHIFT, P_OWN_KP_Q12, P_RATE_HZ, P_SIT_Z, P_VX_MAX, P_WZ_MAX
 from .planner_layout import (
     BAD_COMMAND,
+    N_BEYOND,
     N_CYCLES,
     N_FALLEN,
     N_FLAGS,
     N_GAIT,
     N_GAITS,
     N_HEIGHT,
+    N_HELD,
+    N_HOLDS,
     N_STATE,
     N_SWINGING,
     N_WAITED,
+    POSE_HELD,
     STANDING,
     WALKING,
 )
@@ -52,10 +57,15 @@ def step_gait(planner, command) -> int:
         if n[N_CYCLES] or n[N_GAIT] == GAIT_ADAPTIVE:
             halves = 2
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
-    slew_pose(planner.params, command, 1, planner.pose)
+    held = 0
+    if n[N_BEYOND] or n[N_HOLDS]:
+        held = hold_back(planner, command)
+    if held == 0:
+        slew_pose(planner.params, command, 1, planner.pose)
     if n[N_STATE] == STANDING:
         if still:
             place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
+            n[N_SWINGING] = 0
             if n[N_GAIT] == GAIT_ADAPTIVE:
                 sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
             return 0
@@ -71,6 +81,30 @@ def step_gait(planner, command) -> int:
         else:
             use_gait(planner, n[N_GAIT])
     return 0
+
+
+@hot
+def hold_back(planner, command) -> int:
+    """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
+
+    It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
+    """
+    n = ptr32(planner.numbers)
+    c = ptr32(command)
+    w = ptr32(planner.pose)
+    posed = 0
+    for axis in range(POSE_SIZE):
+        if w[axis]:
+            posed = 1
+        if n[N_HELD + axis] != c[C_POSE + axis]:
+            n[N_HELD + axis] = c[C_POSE + axis]
+            n[N_HOLDS] = 0
+    if n[N_BEYOND] and posed:
+        n[N_HOLDS] = 1
+        slew_pose(planner.params, command, 0, planner.pose)
+    if n[N_HOLDS]:
+        n[N_FLAGS] |= POSE_HELD
+    return n[N_HOLDS]
 
 
 @hot

@@ -1,17 +1,32 @@
 """The only file that knows which Python runs it.
 
-The core is plain Python. Six names carry what a MicroPython build needs to know about it:
+The core is plain Python. Nine names carry what a MicroPython build needs to know about it:
 
 ``const``  marks a private module constant, which MicroPython folds at compile time.
 ``hot``    marks a function of the inner loops. It is the identity here; the firmware build
            (host/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
 ``ptr16``  and ``ptr32`` alias an array inside a hot function for fast element access. They are
            the identity here and raw pointers in viper: ptr16 reads unsigned, ptr32 signed.
+``reg16``  and ``reg32`` alias a chip's registers likewise: what is read may change by itself. Here the chip is a model.
+``bound``  makes a function of one that wants more, so that an interrupt finds its blocks.
 ``zeros``  makes the array that state lives in, and ``table`` one of numbers that never change.
 """
 
 from array import array
 from sys import implementation
+
+try:
+    from _core import bound  # an image's core in C (host/build/c_core.py) brings its own
+except ImportError:
+
+    def bound(function, *given):
+        """Return what calls ``function`` with ``given`` and then what it is called with itself. For set-up."""
+
+        def call(*more):
+            return function(*(given + more))
+
+        return call
+
 
 _CPYTHON = implementation.name == "cpython"
 
@@ -34,6 +49,16 @@ def ptr16(block):
 def ptr32(block):
     """Return ``block``: in viper a pointer to signed 32-bit elements."""
     return block
+
+
+def reg16(chip):
+    """Return the 16-bit registers of ``chip``: there an address, elsewhere a model of it (host/chip)."""
+    return chip.halves
+
+
+def reg32(chip):
+    """Return the 32-bit registers of ``chip``: there an address, elsewhere a model of it."""
+    return chip.words
 
 
 def zeros(size):

@@ -21,7 +21,19 @@ class Actuator(Protocol):
         dt_s: float,
         torque_Nm: MutableSequence[float],
     ) -> None:
-        """Write into ``torque_Nm`` what each drive gives for the coming ``dt_s``; positive about +y."""
+        """Write into ``torque_Nm`` what acts on each joint for the coming ``dt_s``; positive about +y."""
+
+
+class Drives(Actuator, Protocol):
+    """Drives that also say what each of them gives at its own shaft, which is what its limit bounds."""
+
+    @property
+    def given_Nm(self) -> Sequence[float]:
+        """The drives' own torques of the last call."""
+
+    @property
+    def limit_Nm(self) -> Sequence[float]:
+        """What each drive gives at most: its stall torque, or that of its current limit."""
 
 
 class PositionServos:
@@ -34,6 +46,8 @@ class PositionServos:
         if len(servos) != PLANAR_JOINTS:
             raise ValueError(f"actuator: {len(servos)} servos, must be {PLANAR_JOINTS}")
         self._rows = [(i, s.stiffness_Nm_rad, s.stall_torque_Nm, s.damping_Nms_rad) for i, s in enumerate(servos)]
+        self.given_Nm = [0.0] * PLANAR_JOINTS
+        self.limit_Nm = [s.stall_torque_Nm for s in servos]
 
     def torques(
         self,
@@ -44,13 +58,14 @@ class PositionServos:
         torque_Nm: MutableSequence[float],
     ) -> None:
         """See ``Actuator``. Written without calls: this runs eight thousand times per simulated second."""
+        given_Nm = self.given_Nm
         for i, stiffness, stall, damping in self._rows:
             drive = stiffness * (goal_rad[i] - position_rad[i])
             if drive > stall:
                 drive = stall
             elif drive < -stall:
                 drive = -stall
-            torque_Nm[i] = drive - damping * speed_rad_s[i]
+            torque_Nm[i] = given_Nm[i] = drive - damping * speed_rad_s[i]
 
 
 class CalfOnTorso:
@@ -83,6 +98,24 @@ class CalfOnTorso:
             torque_Nm[thigh] += torque_Nm[thigh + 1]
 
 
+class CoupledDrives(CalfOnTorso):
+    """The same of drives that say what they give."""
+
+    def __init__(self, motors: Drives) -> None:
+        super().__init__(motors)
+        self._drives = motors
+
+    @property
+    def given_Nm(self) -> Sequence[float]:
+        """See ``Drives``: the motors' torques, not the joints'."""
+        return self._drives.given_Nm
+
+    @property
+    def limit_Nm(self) -> Sequence[float]:
+        """See ``Drives``."""
+        return self._drives.limit_Nm
+
+
 def _to_motor(joint: Sequence[float], motor: MutableSequence[float]) -> None:
     """Write motor values (thigh, thigh + calf) from joint values (thigh, calf), leg by leg."""
     for thigh in range(0, PLANAR_JOINTS, 2):
@@ -90,9 +123,9 @@ def _to_motor(joint: Sequence[float], motor: MutableSequence[float]) -> None:
         motor[thigh + 1] = joint[thigh] + joint[thigh + 1]
 
 
-def servos_of(robot: PlanarRobot, supply_voltage_V: float) -> Actuator:
+def servos_of(robot: PlanarRobot, supply_voltage_V: float) -> Drives:
     """Return the robot's own position servos at a supply voltage, coupled if its calves are."""
     thigh = robot.thigh_servo.at_voltage(supply_voltage_V)
     calf = robot.calf_servo.at_voltage(supply_voltage_V)
     servos = PositionServos([thigh, calf] * 4)
-    return CalfOnTorso(servos) if robot.calf_on_torso else servos
+    return CoupledDrives(servos) if robot.calf_on_torso else servos

@@ -66,19 +66,19 @@ def min_clearance_m(rec: Recording) -> float:
 
 
 def torque_rms_Nm(rec: Recording) -> Array:
-    """Root mean square of each joint's torque."""
+    """Root mean square of each drive's torque."""
     return np.asarray(np.sqrt(np.mean(rec.torque_Nm**2, axis=0)))
 
 
 def torque_rms_fraction(rec: Recording) -> Array:
-    """The same as a share of the joint's stall torque; 0 for the hips, which the plane does not have."""
+    """The same as a share of the drive's largest torque; 0 for the hips, which the plane does not have."""
     return np.divide(torque_rms_Nm(rec), rec.stall_Nm, out=np.zeros(len(rec.stall_Nm)), where=rec.stall_Nm > 0)
 
 
 def mechanical_work_J(rec: Recording) -> tuple[Array, Array]:
     """Work of each drive, (given, taken back): sums of mean torque x angle turned from row to row, both >= 0."""
     torque = 0.5 * (rec.torque_Nm[1:] + rec.torque_Nm[:-1])
-    work = torque * np.diff(rec.joint_rad, axis=0)
+    work = torque * np.diff(rec.drive_rad, axis=0)
     return np.asarray(np.maximum(work, 0).sum(axis=0)), np.asarray(np.maximum(-work, 0).sum(axis=0))
 
 

@@ -13,6 +13,7 @@ LEGS = ("FR", "FL", "RR", "RL")
 JOINTS = 12
 PLANAR_JOINTS = 8
 HIP, THIGH, CALF = 0, 1, 2
+_MAX_BRAKING = 0.5  # of its speed may a joint lose to damping in one sub-step
 # The joints that turn in the plane, in the order of every planar array: thigh and calf of each leg.
 PLANAR_INDEX = tuple(leg * 3 + joint for leg in range(4) for joint in (THIGH, CALF))
 
@@ -91,6 +92,11 @@ class ServoModel:
                 part = (voltage_V - v0) / (v1 - v0)
                 return t0 + (t1 - t0) * part, s0 + (s1 - s0) * part
         return points[-1][1], points[-1][2]
+
+
+def least_inertia_kgm2(damping_Nms_rad: float, dt_s: float) -> float:
+    """Return the least inertia that damping may brake: an explicit drive overshoots when damping x dt comes near it."""
+    return damping_Nms_rad * dt_s / _MAX_BRAKING
 
 
 @dataclass(frozen=True)

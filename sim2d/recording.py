@@ -2,7 +2,8 @@
 
 A row is the instant the controller was asked: states before its answer, and the answer itself as the goal.
 Legs FR, FL, RR, RL; joints hip, thigh, calf; the plane has no hips, so they repeat their goal and carry no
-torque. Angles about +y, pitch > 0 is nose down.
+torque. A torque is what a drive gives at its own shaft: that of a calf's motor on the torso turns thigh + calf.
+Angles about +y, pitch > 0 is nose down.
 """
 
 import hashlib
@@ -14,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from .actuator import Drives
 from .model import CALF, HIP, JOINTS, THIGH
 from .notes import Note
 from .referee import Outcome
@@ -60,6 +62,15 @@ class Recording:
     outcome: Outcome
     real_time_factor: float
     notes: tuple[Note, ...] = ()
+    calf_on_torso: bool = False
+
+    @property
+    def drive_rad(self) -> Array:
+        """The angles of the drives' shafts: a calf's motor on the torso has that of thigh and calf together."""
+        angles = self.joint_rad.copy()
+        if self.calf_on_torso:
+            angles[:, CALF::3] += angles[:, THIGH::3]
+        return angles
 
     def digest(self) -> str:
         """SHA-256 of every array's bytes: equal for equal runs on the same machine."""
@@ -79,8 +90,8 @@ def arrays_digest(recording: "DataclassInstance") -> str:
 class Log:
     """Gathers raw rows during a run, as cheaply as it can, and turns them into a Recording at its end."""
 
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, world: World, drives: Drives) -> None:
+        self._world, self._drives = world, drives
         self._origin_x_m, self._origin_z_m = world.parts.torso_origin_m
         self._times: list[float] = []
         self._states: list[bytes] = []
@@ -99,7 +110,7 @@ class Log:
         self._states.append(state)
         self._contacts.append(contacts)
         self._goals.append(goals_rad)
-        self._torques.append(self._world.torque_Nm.copy())
+        self._torques.append(list(self._drives.given_Nm))
 
     def close(self, outcome: Outcome, wall_s: float, settings: dict[str, Setting]) -> Recording:
         """Return the recording; ``wall_s`` is what the ticks took on the clock on the wall."""
@@ -112,7 +123,6 @@ class Log:
         hips = _points(torso, parts.hip_anchor_m)
         knees = _points(thighs, (parts.thigh_knee_m,))
         simulated_s = self._times[-1] - self._times[0]
-        voltage_V = world.supply_voltage_V
         return Recording(
             time_s=np.array(self._times),
             torso_x_m=origin[:, 0],
@@ -135,15 +145,13 @@ class Log:
             penetration_m=np.array([c.penetration_m for c in self._contacts]),
             stone_xz_m=loose[:, :, 0:2].copy(),
             stone_turn_rad=loose[:, :, 2].copy(),
-            stall_Nm=np.array(
-                [0.0, robot.thigh_servo.at_voltage(voltage_V).stall_torque_Nm,
-                 robot.calf_servo.at_voltage(voltage_V).stall_torque_Nm] * 4
-            ),
+            stall_Nm=_spread(np.array([self._drives.limit_Nm]))[0],
             foot_radius_m=robot.foot_radius_m,
             terrain=world.terrain,
             settings={"robot": robot.name, "terrain": world.terrain.name, **settings},
             outcome=outcome,
             real_time_factor=simulated_s / wall_s if wall_s > 0 else 0.0,
+            calf_on_torso=robot.calf_on_torso,
         )
 
 

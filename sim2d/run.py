@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from .actuator import Actuator
+from .actuator import Drives
 from .body import planar
 from .bus import LateBus
 from .model import JOINTS, PlanarRobot
@@ -36,6 +36,7 @@ class _Run:
     def __init__(
         self,
         world: World,
+        drives: Drives,
         controller: Controller,
         pose_rad: Sequence[float],
         bus_delay_s: float,
@@ -44,7 +45,7 @@ class _Run:
         self.world, self._controller = world, controller
         self._goals = clamped(world.robot, pose_rad)
         self._bus = LateBus(world, bus_delay_s, planar(self._goals))
-        self._sensors, self.log = Sensors(world, seed), Log(world)
+        self._sensors, self.log = Sensors(world, seed), Log(world, drives)
         self._ticks, self._start_step = 0, 0
 
     def settle(self, seconds: float) -> float:
@@ -91,7 +92,7 @@ def simulate(
     initial_pose_rad: Sequence[float] | None = None,
     settle_s: float = 0.5,
     stuck_after_s: float = 10.0,
-    actuator: Actuator | None = None,
+    actuator: Drives | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Recording:
     """Run ``controller`` on ``robot`` over ``terrain`` and return the recording of every control tick.
@@ -108,7 +109,7 @@ def simulate(
         robot, terrain, payload_kg=payload_kg, supply_voltage_V=supply_voltage_V, actuator=actuator, dt_s=dt_s
     )
     world.place(pose, start_x_m)
-    run = _Run(world, controller, pose, bus_delay_s, seed)
+    run = _Run(world, world.servos if actuator is None else actuator, controller, pose, bus_delay_s, seed)
     referee = Referee(run.settle(settle_s), distance_m, duration_s, stuck_after_s)
     began, outcome = time.perf_counter(), None
     while outcome is None:

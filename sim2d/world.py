@@ -20,7 +20,7 @@ from pymunk import batch
 
 from . import body
 from .actuator import Actuator, servos_of
-from .model import PLANAR_JOINTS, PlanarRobot
+from .model import PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
 from .terrain import Terrain
 
 GRAVITY_M_S2 = 9.81
@@ -32,8 +32,6 @@ _CONTACT_ERROR_LEFT = 0.9
 # A contact belongs to the foot when it is this close to the foot's circle.
 _FOOT_MARGIN_M = 1.5e-3
 MAX_DT_S = 0.002
-# An explicit drive overshoots when damping x dt comes near the inertia it brakes: half of it is the limit.
-_MAX_BRAKING = 0.5
 
 # Per body: x, z, angle, vx, vz, angular speed; both angles counter-clockwise, as pymunk has them.
 BODY_FIELDS = 6
@@ -63,7 +61,10 @@ class Contacts:
 
 
 class World:
-    """The plane. ``position_rad``, ``speed_rad_s`` and ``torque_Nm`` hold the last sub-step's eight joints."""
+    """The plane. ``position_rad``, ``speed_rad_s`` and ``torque_Nm`` hold the last sub-step's eight joints.
+
+    ``servos`` are the robot's own drives, which move it unless ``actuator`` does.
+    """
 
     def __init__(
         self,
@@ -86,7 +87,8 @@ class World:
         self.space = _space(dt_s)
         self.parts = body.build(self.space, robot, payload_kg, _JOINT_ERROR_LEFT ** (1 / dt_s))
         _add_ground(self.space, terrain)
-        self._actuator = servos_of(robot, voltage_V) if actuator is None else actuator
+        self.servos = servos_of(robot, voltage_V)
+        self._actuator = self.servos if actuator is None else actuator
         self._stops = _end_stops(robot)
         self._moving = ROBOT_BODIES + len(terrain.loose)
         self.position_rad = [0.0] * PLANAR_JOINTS
@@ -226,7 +228,7 @@ def _check_stable(robot: PlanarRobot, supply_voltage_V: float, dt_s: float) -> N
     """Refuse servos whose damping is too strong for the sub-step and the inertia they turn."""
     for name, link, servo in (("thigh", robot.thigh, robot.thigh_servo), ("calf", robot.calf, robot.calf_servo)):
         inertia = link.inertia_kgm2 + servo.armature_kgm2
-        longest_s = _MAX_BRAKING * inertia / servo.at_voltage(supply_voltage_V).damping_Nms_rad
+        longest_s = inertia / least_inertia_kgm2(servo.at_voltage(supply_voltage_V).damping_Nms_rad, 1.0)
         if dt_s > longest_s:
             raise ValueError(
                 f"{robot.name}: dt_s = {dt_s:g} is too long for the {name} servo's damping and armature:"

@@ -3,12 +3,15 @@
 import os
 
 import pytest
+from hypothesis import settings
 
 from host import cli
 from host.core import SWITCH, use_core
 
 os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
 use_core()
+settings.register_profile("caramelo", deadline=None)  # how long an example takes says how busy the machine is
+settings.load_profile("caramelo")
 
 
 @pytest.fixture

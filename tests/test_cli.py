@@ -13,7 +13,7 @@ import pytest
 import typer
 from packaging.requirements import Requirement
 
-from host import cli, commands
+from host import cli, commands, extras
 from host.console import progress, write_json
 from host.errors import UserError
 from host.extras import EXTRA_OF
@@ -175,8 +175,11 @@ def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
         cli.main([])
 
 
-def test_ctrl_c_leaves_no_file_and_exit_code_130(tmp_path):
-    code = (
+@pytest.mark.parametrize(("number", "code", "words"), [
+    (signal.SIGINT, 130, "Ctrl-C"), (signal.SIGTERM, 143, "SIGTERM"), (signal.SIGHUP, 129, "SIGHUP"),
+])  # fmt: skip
+def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
+    script = (
         "import sys, time; from pathlib import Path; import typer; from host import cli, files\n"
         "app = typer.Typer(pretty_exceptions_enable=False)\n"
         "@app.command()\n"
@@ -189,7 +192,7 @@ def test_ctrl_c_leaves_no_file_and_exit_code_130(tmp_path):
     target = tmp_path / "result.html"
     target.write_text("old")
     process = subprocess.Popen(
-        [sys.executable, "-c", code, str(target)],
+        [sys.executable, "-c", script, str(target)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -197,12 +200,50 @@ def test_ctrl_c_leaves_no_file_and_exit_code_130(tmp_path):
         preexec_fn=hear_ctrl_c,
     )
     assert process.stdout.readline() == "ready\n"
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert err == "caramelo: stopped by Ctrl-C\n"
+    assert process.returncode == code
+    assert err == f"caramelo: stopped by {words}\n"
     assert os.listdir(tmp_path) == ["result.html"]
     assert target.read_text() == "old"
+
+
+def test_a_signal_that_is_ignored_stays_so(run):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        assert run("--version")[0] == 0
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("arguments", [["robots"], ["robots", "--json"], ["--help"], ["--version"]])
+def test_an_output_that_takes_nothing_is_told_in_a_line(arguments):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([CARAMELO, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert "No space left on device" in one_line(done.stderr)
+
+
+def test_what_the_system_refuses_is_a_line(run, monkeypatch):
+    def full(*_):
+        raise OSError(28, "No space left on device", "/tmp/x")
+
+    monkeypatch.setattr("host.robot_file.robot_names", full)
+    assert run("robots") == (1, "", "caramelo: /tmp/x: the system refuses: No space left on device\n")
+
+
+def test_ctrl_c_while_the_command_is_imported_is_a_line():
+    script = (
+        "import sys; from host.__main__ import main\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'typer': raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.returncode, done.stderr) == (130, "caramelo: stopped by Ctrl-C\n")
 
 
 @pytest.mark.parametrize("command", [["walk"], ["experiment", "table1"], ["motor", "sim"]])
@@ -274,14 +315,21 @@ def test_progress_shows_a_bar_on_a_terminal():
     assert out == b""
 
 
+def test_a_missing_extra_is_told_by_make_in_a_checkout_and_by_pip_elsewhere(monkeypatch, tmp_path):
+    assert extras.how_to_get("pymunk") == "run make setup EXTRAS=sim in the project's folder"
+    monkeypatch.setattr(extras, "ROOT", tmp_path)
+    assert extras.how_to_get("pymunk").startswith("run pip install 'caramelo[sim]'")
+    assert "make" not in str(extras.missing_library(ModuleNotFoundError("no", name="aiohttp")))
+
+
 def test_every_library_is_assigned_to_the_extra_that_installs_it():
-    extras = {}
+    wanted_by = {}
     for line in requires("caramelo"):
         wanted = Requirement(line)
         for extra in ("sim", "web", "record", "pi", "gamepad", "firmware", "compile", "test"):
             if wanted.marker and f'extra == "{extra}"' in str(wanted.marker):
-                extras.setdefault(wanted.name.lower().replace("-", "_"), extra)
+                wanted_by.setdefault(wanted.name.lower().replace("-", "_"), extra)
     distributions = packages_distributions()
     for library, extra in EXTRA_OF.items():
         names = [name.lower().replace("-", "_") for name in distributions.get(library, [library])]
-        assert extra in [extras.get(name) for name in names], library
+        assert extra in [wanted_by.get(name) for name in names], library

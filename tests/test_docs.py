@@ -69,7 +69,7 @@ def test_most_pages_show_commands():
     [
         ("caramelo wlak --speed 0.1", "has no command wlak"),
         ("caramelo walk --sped 0.1", "caramelo walk has no option --sped"),
-        ("caramelo firmware build --roles gait", "caramelo firmware build has no option --roles"),
+        ("caramelo firmware image --roles gait", "caramelo firmware image has no option --roles"),
         ("make demos", "make has no target demos"),
         ("caramelo walk --speed 0.1 --out out/x", ""),
     ],

@@ -21,7 +21,7 @@ BOARD_MODULES = {
     "array", "binascii", "collections", "errno", "gc", "hashlib", "io", "json", "machine", "math", "micropython",
     "os", "pyb", "random", "select", "stm", "struct", "sys", "time", "uctypes", "vfs",
 }  # fmt: skip
-OUTSIDE = {"shared": {"array", "sys"}, "firmware": BOARD_MODULES}
+OUTSIDE = {"shared": {"array", "sys", "_core"}, "firmware": BOARD_MODULES}  # _core: hot functions in C
 
 
 def imports(path: Path, root: Path) -> Iterator[str]:

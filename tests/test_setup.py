@@ -1,9 +1,13 @@
-"""The set-up on a fresh machine: locked versions of everything, and make targets that fail when they should."""
+"""The set-up on a fresh machine: locked versions and hashes of everything, make targets that fail when they should."""
 
 import os
 import re
+import runpy
+import shutil
 import subprocess
+import sys
 import tomllib
+import zipfile
 from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
 
@@ -17,11 +21,14 @@ LOCK = (ROOT / "constraints.txt").read_text()
 
 
 def locked_names(text: str) -> set[str]:
-    """Return the names of the packages with exactly one version each per environment."""
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    for line in lines:
-        assert re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+-]+( ; .+)?", line), line
-    return {canonicalize_name(line.partition("==")[0]) for line in lines}
+    """Return the names of the packages with exactly one version each per environment, and the hashes of its files."""
+    names = set()
+    wanted = re.compile(r"[A-Za-z0-9._-]+==[A-Za-z0-9.!+-]+( ; [^#]+?)?( --hash=sha256:[0-9a-f]{64})+")
+    for line in re.sub(r" \\\n +", " ", text).splitlines():
+        if line.strip() and not line.lstrip().startswith("#"):
+            assert wanted.fullmatch(line), line
+            names.add(canonicalize_name(line.partition("==")[0]))
+    return names
 
 
 def wanted_packages() -> list[Requirement]:
@@ -34,8 +41,61 @@ def test_every_direct_dependency_is_locked():
     assert {canonicalize_name(wanted.name) for wanted in wanted_packages()} <= locked_names(LOCK)
 
 
+@pytest.mark.parametrize("line", ["numpy==2.0 --hash=md5:0", "numpy==2.0", "numpy>=2.0 --hash=sha256:" + 64 * "0"])
+def test_a_package_without_version_or_hash_is_found(line):
+    with pytest.raises(AssertionError):
+        locked_names(f"{LOCK}\n{line}\n")
+
+
+@pytest.fixture(scope="module")
+def picked():
+    """Return the function that picks from the lock what some extras need."""
+    return runpy.run_path(str(ROOT / ".ci/requirements.py"))["requirements"]
+
+
+@pytest.mark.parametrize("extras", ["", "web,record,pi", "sim,web,record,firmware,test", "compile", "lock"])
+def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, extras):
+    extras = extras.split(",") if extras else []
+    text = picked(LOCK, extras)
+    names = locked_names(text)
+    needed = [Requirement(line) for line in PROJECT["dependencies"]]
+    needed += [Requirement(line) for extra in extras for line in PROJECT["optional-dependencies"][extra]]
+    check_closed(needed, names)
+    assert canonicalize_name("setuptools") in names, "the project itself is built without asking a package index"
+    assert set(text.splitlines()) <= set(LOCK.splitlines())
+
+
+def test_a_pi_gets_nothing_for_simulator_and_tests(picked):
+    names = locked_names(picked(LOCK, ["web", "record", "pi"]))
+    assert names.isdisjoint({"pymunk", "matplotlib", "scipy", "pytest", "ruff", "mypy", "mujoco", "uv"})
+
+
+def test_an_extra_that_does_not_exist_is_named(picked):
+    with pytest.raises(SystemExit, match=r"EXTRAS: there is no wbe: there are compile, "):
+        picked(LOCK, ["wbe"])
+
+
+def test_whatever_is_built_is_built_with_the_locked_setuptools():
+    (build,) = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
+    assert f"\n{build} \\\n" in LOCK
+
+
+def test_make_setup_takes_nothing_without_a_hash(tmp_path):
+    done = make("--dry-run", "setup", f"STAMP={tmp_path / 'no-stamp'}")
+    installs = [line for line in done.stdout.splitlines() if "pip install" in line]
+    assert len(installs) == 2
+    assert "--require-hashes" in installs[0]
+    assert "--constraint" not in done.stdout
+    assert installs[1].endswith("--no-deps --no-build-isolation --editable .")
+
+
 def test_what_the_dependencies_need_is_locked_too():
-    names, seen, queue = locked_names(LOCK), set(), wanted_packages()
+    check_closed(wanted_packages(), locked_names(LOCK))
+
+
+def check_closed(queue: list[Requirement], names: set[str]) -> None:
+    """Check that what the packages need, as far as they are installed here, is among the names."""
+    seen: set[tuple[str, frozenset[str]]] = set()
     while queue:
         wanted = queue.pop()
         name = canonicalize_name(wanted.name)
@@ -51,7 +111,7 @@ def test_what_the_dependencies_need_is_locked_too():
         except PackageNotFoundError:
             continue  # an extra that this environment was made without
         queue += [need for need in below if not need.marker or any(need.marker.evaluate({"extra": e}) for e in extras)]
-    assert len(seen) > len(PROJECT["dependencies"])
+    assert seen
 
 
 def addresses(text: str) -> list[str]:
@@ -69,6 +129,24 @@ def test_the_lock_names_no_host():
 )
 def test_an_address_in_the_lock_is_found(line):
     assert addresses(LOCK + line)
+
+
+def test_a_wheel_has_every_file_of_the_packages(tmp_path):
+    """It lacked the systemd unit: a file that is no Python has to be named in pyproject.toml."""
+    packages = ("host", "shared", "sim2d", "firmware")
+    wanted = set()
+    for package in packages:
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
+        wanted |= {path.relative_to(tmp_path).as_posix() for path in (tmp_path / package).rglob("*") if path.is_file()}
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, tmp_path)
+    build = "from setuptools import build_meta; print(build_meta.build_wheel('dist'))"
+    done = subprocess.run([sys.executable, "-c", build], cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
+        held = set(wheel.namelist())
+    assert "host/service/caramelo.service" in wanted
+    assert wanted - held == set()
 
 
 def test_pi_needs_neither_simulator_nor_tests():

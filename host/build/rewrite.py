@@ -7,7 +7,7 @@ the board names the line of the source.
 import ast
 from dataclasses import dataclass
 
-from .rules import POINTERS, aliases, check_hot, hot_arity
+from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_arity
 from .source import Module, hot_functions
 
 EMITTERS = ("bytecode", "native", "viper")
@@ -48,6 +48,7 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
             edits += strip_pointers(function, place)
         else:
             edits += _wrap_calls(module, function, modules, place)
+            edits += _name_registers(function, place)
             if arch == "x64":
                 edits += _extend_signs(function, place)
                 edits += _subtract_from_zero(function, place)
@@ -95,10 +96,16 @@ def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """``ptr16(x)`` is x outside viper; without the call it costs nothing."""
     edits = []
     for node in ast.walk(function):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in POINTERS:
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in (*POINTERS, *REGISTERS):
             edits.append(Edit(place.start(node), place.start(node.args[0]) - place.start(node), ""))
             edits.append(Edit(place.end(node.args[0]), place.end(node) - place.end(node.args[0]), ""))
     return edits
+
+
+def _name_registers(function: ast.FunctionDef, place: Places) -> list[Edit]:
+    """``reg32(x)`` is ptr32(x): viper reads and writes memory each time it is told to."""
+    return [Edit(place.start(node), len("reg"), "ptr") for node in ast.walk(function)
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in REGISTERS]
 
 
 def _wrap_calls(

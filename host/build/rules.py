@@ -10,7 +10,8 @@ from collections.abc import Iterator
 from .source import Module, constant_value, resolve
 
 POINTERS = ("ptr8", "ptr16", "ptr32")
-_BUILTINS = (*POINTERS, "int", "range")
+REGISTERS = ("reg16", "reg32")  # pointers to a chip's registers, which change by themselves
+_BUILTINS = (*POINTERS, *REGISTERS, "int", "range")
 _WORD = 1 << 30
 
 _FORBIDDEN: tuple[tuple[type[ast.AST], str], ...] = (
@@ -68,7 +69,7 @@ def aliases(function: ast.FunctionDef) -> dict[str, str]:
             and isinstance(node.targets[0], ast.Name)
             and isinstance(node.value, ast.Call)
             and isinstance(node.value.func, ast.Name)
-            and node.value.func.id in POINTERS
+            and node.value.func.id in (*POINTERS, *REGISTERS)
         ):
             found[node.targets[0].id] = node.value.func.id
     return found

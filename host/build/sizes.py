@@ -5,11 +5,12 @@ from pathlib import Path
 
 from .compiler import compile_text
 from .rewrite import EMITTERS, rewrite
-from .source import PACKAGES, read_modules
+from .source import PACKAGES, ROOT, read_modules
 
 BUDGET = Path(__file__).with_name("size_budget.json")
 ARCH = "armv7emsp"  # the STM32F405 of both boards
 GROWTH = 0.03  # a module may grow by this much before the budget has to be changed on purpose
+GROWS = ("shared/gaits.py",)  # a table for each gait: it may grow by any gait that is added
 
 Sizes = dict[str, dict[str, int]]
 
@@ -45,9 +46,13 @@ def over_budget(sizes: Sizes, budget: Sizes) -> list[str]:
             continue
         for emitter, size in row.items():
             allowed = budget[path][emitter]
-            if size > allowed * (1 + GROWTH):
+            if path not in GROWS and size > allowed * (1 + GROWTH):
                 sentences.append(
                     f"{path}: {size} bytes as {emitter}, the budget is {allowed} (+{size / allowed - 1:.1%})"
                 )
     sentences += [f"{path}: in the size budget, but not in the sources" for path in budget if path not in sizes]
     return sentences
+
+
+if __name__ == "__main__":  # python -m host.build.sizes: today's sizes become the budget, on purpose
+    write_budget(measure_sizes(ROOT))

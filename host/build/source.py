@@ -41,7 +41,7 @@ def read_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, 
             module = _read(root, path)
             modules[module.name] = module
     for module in modules.values():
-        _find_imports(module, modules)
+        find_imports(module, modules)
     for module in modules.values():
         _find_constants(module, modules, ())
         module.hot = {f.name: len(f.args.args) for f in hot_functions(module.tree)}
@@ -99,7 +99,8 @@ def _is_name(node: ast.AST, name: str) -> bool:
     return isinstance(node, ast.Name) and node.id == name
 
 
-def _find_imports(module: Module, modules: dict[str, Module]) -> None:
+def find_imports(module: Module, modules: dict[str, Module]) -> None:
+    """Fill ``module.imports`` and ``module.needs`` from its tree."""
     for node in ast.walk(module.tree):
         if isinstance(node, ast.Import):
             module.needs |= {alias.name for alias in node.names if alias.name in modules}

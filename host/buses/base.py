@@ -1,8 +1,9 @@
 """One interface to the joints of any robot: read what they measure, write goals, let go.
 
 Twelve joints, index leg * 3 + joint (legs FR, FL, RR, RL; hip, thigh, calf), SI units, the signs of the robot
-file. One call per tick each: ``measured = bus.read()``, then ``bus.write(goals)``. Nothing here blocks longer than
-a tick: a joint that does not answer keeps its last values and grows old.
+file. One call per tick each: ``measured = bus.read()``, then ``bus.write(goals)``. Neither blocks longer than a tick,
+nor do ``try_torque``, ``try_clear_faults``, ``torque(False)``, ``limit_torque`` and ``emergency_stop``: a joint that
+does not answer keeps its last values and grows old. Letting go is repeated until the joints say that they have.
 """
 
 from abc import ABC, abstractmethod
@@ -64,13 +65,18 @@ class Measured:
 
 @dataclass
 class Counters:
-    """What went over the bus, and what of it was bad. Bad answers are counted and never obeyed."""
+    """What went over the bus, and what of it was bad. Bad answers are counted and never obeyed.
+
+    ``sent`` counts the answers asked for. ``late`` are answers that came after they had been given up: each of them is
+    among the ``lost`` already, so it is no error of its own.
+    """
 
     sent: int = 0
     answered: int = 0
     lost: int = 0
     corrupted: int = 0
     wrong: int = 0
+    late: int = 0
     refused: int = 0
     per_joint_lost: list[int] = field(default_factory=lambda: [0] * JOINTS)
 
@@ -119,6 +125,11 @@ class Bus(ABC):
     def clear_faults(self) -> None:
         """Clear what the joints have latched, if they do; arms nothing. UserError if a cause is still there."""
         return
+
+    def try_clear_faults(self) -> bool:
+        """Clear what the joints have latched as far as that takes no longer than a tick; as ``try_torque``."""
+        self.clear_faults()
+        return True
 
     @abstractmethod
     def limit_torque(self, fraction: float) -> None:

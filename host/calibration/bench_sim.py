@@ -6,6 +6,7 @@ Ids are shuffled, signs are flipped and zeros are off; a hand that turns joints 
 import random
 
 from ..buses.base import JOINT_LABELS, JOINTS
+from ..console import say
 from ..emulator.bus import EmulatedBus
 from ..emulator.loopback import LoopbackPort
 from ..emulator.plant import JointPlant
@@ -51,7 +52,7 @@ class SimulatedBench(Bench):
         joint = self.truth.ids.index(servo)
         direction = super().nudge(servo)
         way = "+" if direction * self.truth.joints[joint].sign > 0 else "-"
-        print(f"  (simulated: {JOINT_LABELS[joint]} went to {way} and back)")
+        say(f"  (simulated: {JOINT_LABELS[joint]} went to {way} and back)")
         return direction
 
     def _pass_time(self, seconds: float) -> None:

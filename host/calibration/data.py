@@ -6,7 +6,6 @@
 calf, which can't be stretched, that is a place it never reaches, and may lie outside of the servo's turn.
 """
 
-import tomllib
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from typing import Any
 
 from ..buses.base import JOINT_LABELS, JOINTS
 from ..errors import UserError
-from ..files import write_text
+from ..files import read_toml, write_text
 from ..plane import rest_pose_rad
 from ..robot_actuators import Servo
 from ..robot_model import JOINT_NAMES, LEG_NAMES, Robot
@@ -160,7 +159,7 @@ def load_calibration(path: Path, robot: Robot) -> Calibration:
 def read_tables(path: Path) -> dict[str, Any]:
     """Return a file's TOML tables."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return read_toml(path)
     except FileNotFoundError:
         raise CalibrationError(f"{path}: no calibration yet; run: caramelo calibrate") from None
     except OSError as error:

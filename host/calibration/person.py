@@ -3,13 +3,13 @@
 Every question has a key, such as ``servo 5 direction``; a file of answers is a TOML table from keys to texts.
 """
 
-import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
+from ..console import plain, say
 from ..errors import UserError
-from ..files import write_text
+from ..files import read_toml, write_text
 
 
 class Person(Protocol):
@@ -36,20 +36,24 @@ def matching(answer: str, choices: Sequence[str]) -> str | None:
 def enter(prompt: str) -> str:
     """Return a line typed at the terminal."""
     try:
-        return input(prompt)
+        return input(plain(prompt))
     except EOFError:
         raise UserError("calibrate: the input ended; what is done so far is kept, start again to go on") from None
 
 
 class AtTerminal:
-    """Someone at the keyboard. Keeps the answers, so that they can be written to a file."""
+    """Someone at the keyboard. Each answer is written to the file ``record`` when it is given; older ones stay there.
 
-    def __init__(self) -> None:
-        self.answers: dict[str, str] = {}
+    UserError if the file is none of answers.
+    """
+
+    def __init__(self, record: Path | None = None) -> None:
+        self._record = record
+        self.answers = read_answers(record) if record is not None and record.exists() else dict[str, str]()
 
     def say(self, text: str) -> None:
         """See Person."""
-        print(text)
+        say(text)
 
     def ask(self, key: str, question: str, choices: Sequence[str]) -> str:
         """See Person; asks until the answer is one of the choices."""
@@ -57,13 +61,18 @@ class AtTerminal:
             line = enter(f"{question} {'[' + ', '.join(choices) + ']' if choices else '[Enter]'} ")
             answer = "" if not choices else matching(line, choices)
             if answer is not None:
-                self.answers[key] = answer
+                self._keep(key, answer)
                 return answer
-            print(f"  {line!r}: answer one of {', '.join(choices)}")
+            say(f"  {line!r}: answer one of {', '.join(choices)}")
+
+    def _keep(self, key: str, answer: str) -> None:
+        self.answers[key] = answer
+        if self._record is not None:
+            write_answers(self._record, self.answers)
 
     def refuse(self, key: str, reason: str) -> None:
         """See Person."""
-        print(f"  {reason}")
+        say(f"  {reason}")
 
 
 class FromFile:
@@ -78,7 +87,7 @@ class FromFile:
     def say(self, text: str) -> None:
         """See Person; only where someone is."""
         if self._hands:
-            print(text)
+            say(text)
 
     def ask(self, key: str, question: str, choices: Sequence[str]) -> str:
         """See Person."""
@@ -101,7 +110,7 @@ class FromFile:
 def read_answers(path: Path) -> dict[str, str]:
     """Return a file's answers."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
+        table = read_toml(path)
     except OSError as error:
         raise UserError(f"{path}: can't be read: {error.strerror}") from None
     except ValueError as error:

@@ -6,7 +6,6 @@ What is done is kept after every servo in a file beside the calibration, so that
 """
 
 import difflib
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict
 from math import copysign, degrees, pi
@@ -14,7 +13,7 @@ from pathlib import Path
 
 from ..buses.base import JOINT_LABELS, JOINTS
 from ..errors import NOT_ACHIEVED, UserError
-from ..files import write_text
+from ..files import read_toml, write_text
 from ..plane import rest_pose_rad
 from ..robot_model import LEG_NAMES, Robot
 from ..servos.link import ServoError
@@ -204,7 +203,7 @@ def _read_kept(path: Path, robot: Robot) -> dict[int, JointCalibration]:
     """Return what an unfinished calibration holds; UserError if it is no such file."""
     remedy = "delete it to start anew"
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = read_toml(path)
         if tables.pop("robot") != robot.name:
             raise UserError(f"{path}: begun for another robot; {remedy}")
         done = {JOINT_LABELS.index(label): _kept_joint(values) for label, values in tables.items()}

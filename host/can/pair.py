@@ -54,6 +54,11 @@ class PairPort(Port):
         sent = [self.ports[bus].send(identifier, data) for bus in buses_for(identifier)]
         return all(sent)
 
+    def send_first(self, identifier: int, data: bytes) -> bool:
+        """See Port: True if every bus it concerns has taken it."""
+        sent = [self.ports[bus].send_first(identifier, data) for bus in buses_for(identifier)]
+        return all(sent)
+
     def receive(self) -> Received | None:
         """See Port: from both buses in turn."""
         for _ in self.ports:
@@ -61,7 +66,7 @@ class PairPort(Port):
             frame = self.ports[bus].receive()
             if frame is not None:
                 if frame.identifier == w.E_STOP_ID:
-                    self.ports[1 - bus].send(w.E_STOP_ID, b"")
+                    self.ports[1 - bus].send_first(w.E_STOP_ID, b"")
                 return frame
         return None
 

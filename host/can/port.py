@@ -43,9 +43,13 @@ class Port(ABC):
     def send(self, identifier: int, data: bytes) -> bool:
         """Put a frame into the send buffer; False, and counted, if there is no room or the node is bus-off."""
 
+    def send_first(self, identifier: int, data: bytes) -> bool:
+        """Send a frame before all that waits; what waits is thrown away as far as the adapter lets us."""
+        return self.send(identifier, data)
+
     @abstractmethod
     def receive(self) -> Received | None:
-        """Return the oldest frame that has come, or None; does not wait."""
+        """Return the oldest frame that has come, or None; does not wait, and looks at a few frames at most."""
 
     @abstractmethod
     def now(self) -> float:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, screen, write_json
+from ..console import screen, write_json
 from ..errors import NOT_ACHIEVED
 from . import CHECKS
 
@@ -59,9 +59,10 @@ def bench(
 
     from ..parity.bench import run_bench
     from ..parity.budget import write_budget
+    from ..progress import cases
 
-    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, progress("bench", 1.0) as done:
-        found = run_bench(Path(folder), simulator, done)
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("bench") as tell:
+        found = run_bench(Path(folder), simulator, tell)
     burnt = {name: int(row["fuel"]) for name, row in found.cost.items() if "fuel" in row}
     if update_budget and burnt:
         write_budget(burnt)
@@ -76,10 +77,10 @@ def bench(
 def _teleop(seconds: float, presses: int, as_json: bool) -> int:
     from rich.table import Table
 
-    from ..console import write_note
+    from ..progress import write_step
     from ..teleop.bench import run_bench
 
-    found = run_bench(seconds, presses, write_note)
+    found = run_bench(seconds, presses, write_step)
     if as_json:
         write_json(found.as_dict())
     else:
@@ -135,7 +136,6 @@ def _print(found: "Bench") -> None:
     console.print(
         f"this machine: {LOOP_TURNS} turns of x = x * 3 + i & 0xFFFF take {found.loop_us:.0f} us on CPython",
         soft_wrap=True,
-        markup=False,
     )
     if found.simulator:
         row = found.simulator
@@ -146,7 +146,7 @@ def _print(found: "Bench") -> None:
     for name, reason in found.skipped.items():
         console.print(f"{name}: skipped: {reason}", soft_wrap=True)
     for sentence in found.missed:
-        console.print(sentence, style="red", markup=False, soft_wrap=True)
+        console.print(sentence, style="red", soft_wrap=True)
 
 
 def _print_accuracy(console: "Console", found: "Bench") -> None:

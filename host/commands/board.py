@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..console import screen, write_json
+from ..console import say, screen, write_json
 from ..errors import UserError
 from . import HARDWARE
 
@@ -52,7 +52,7 @@ def logs(port: Port, as_json: Json = False) -> int:
     if as_json:
         write_json({"port": port, "lines": lines})
     else:
-        print("\n".join(lines) if lines else f"{port}: nothing noted")
+        say("\n".join(lines) if lines else f"{port}: nothing noted")
     return 0
 
 
@@ -64,7 +64,7 @@ def reset(port: Port) -> int:
     from ..flash.inspect import restart
 
     restart(port)
-    print(f"{port}: reset")
+    say(f"{port}: reset")
     return 0
 
 

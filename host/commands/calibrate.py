@@ -25,7 +25,7 @@ def calibrate(
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Where to; without it the robot's own.")] = None,
     answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the answers given to a file.")] = None,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write each answer to a file at once.")] = None,
     preview: Annotated[bool, typer.Option("--preview", help="Show the change, leave the file as it is.")] = False,
     sim: Annotated[bool, typer.Option("--sim", help="Practise on emulated servos, mounted anyhow.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="How the emulated servos are mounted.")] = 0,
@@ -45,13 +45,15 @@ def calibrate(
     data = load_robot(robot)
     servo_of(data)
     path = out or (Path("out/calibrate") / f"{data.name}.calibration.toml" if sim else default_path(data))
-    person: AtTerminal | FromFile = FromFile(read_answers(answers), str(answers), not sim) if answers else AtTerminal()
+    person: AtTerminal | FromFile = AtTerminal(record)
+    if answers is not None:
+        person = FromFile(read_answers(answers), str(answers), not sim)
     wrong: list[str] = []
     with _bench(data, port, sim, seed) as bench:
         procedure = Procedure(data, bench, person, path.with_name(path.name + ".unfinished"))
         found = procedure.run()
         change = difference(path, found)
-        screen().print(change or f"{path}: nothing changes", markup=False, soft_wrap=True)
+        screen().print(change or f"{path}: nothing changes", soft_wrap=True)
         wanted = not change or (not preview and person.ask("write", f"Write {path}?", ["yes", "no"]) == "yes")
         if wanted:
             kept = save_calibration(path, found)
@@ -61,7 +63,7 @@ def calibrate(
             wrong = procedure.check_legs(found)
         else:
             screen().print(f"nothing written; {procedure.keep} keeps what was found", soft_wrap=True)
-    if record is not None:
+    if record is not None and answers is not None:
         write_answers(record, person.answers)
     if wrong:
         raise complain_about(wrong, found)

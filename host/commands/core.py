@@ -92,7 +92,7 @@ def _tell(as_json: bool) -> int:
     if as_json:
         write_json({"compiled": found is not None, "folder": str(found) if found else None})
     elif found:
-        screen().print(f"the core runs as machine code, from {found}", soft_wrap=True, markup=False)
+        screen().print(f"the core runs as machine code, from {found}", soft_wrap=True)
     elif kept_cores():
         screen().print("the core runs from its sources: the compiled one is of others; build it again: "
                        "caramelo core build", soft_wrap=True)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import progress, screen, write_error, write_json
+from ..console import screen, write_error, write_json
 from . import CHECKS
 
 if TYPE_CHECKING:
@@ -39,7 +39,9 @@ def experiment(
     from ..drive import gait_index
     from ..experiments.run import names_of, run_experiment, write_outcomes
     from ..experiments.trials import Options, space_is_there
+    from ..extras import how_to_get
     from ..files import check_folder
+    from ..progress import cases
     from ..robot_file import load_robot
 
     check_folder("--out", out)
@@ -48,12 +50,12 @@ def experiment(
     gait_index(chosen)
     in_space = three_d and space_is_there()
     if three_d and not in_space:
-        write_error("MuJoCo is not installed, so the 3-D columns stay empty: make setup EXTRAS=sim,test installs it")
+        write_error(f"MuJoCo is not installed, so the 3-D columns stay empty: {how_to_get('mujoco')}")
     options = Options(data, chosen, trials, jobs, in_space)
     outcomes = []
     for name in names:
-        with progress(f"{name} ({chosen})", 1.0) as show:
-            outcomes.append(run_experiment(name, options, show))
+        with cases(f"{name} ({chosen})") as tell:
+            outcomes.append(run_experiment(name, options, tell))
         if not as_json:
             show_outcome(outcomes[-1])
     written = write_outcomes(options, outcomes, out) if out else []

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..console import screen, write_json
+from ..console import say, screen, write_json
 from . import ROBOTS
 
 RobotName = Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")]
@@ -88,7 +88,7 @@ def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) 
     if as_json and out is None:
         raise UserError("--json: the model itself is no JSON; say where it goes with --out FILE")
     if out is None:
-        print(text, end="")
+        say(text.removesuffix("\n"))
         return
     write_text(out, text)
     if as_json:

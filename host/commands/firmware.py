@@ -1,114 +1,163 @@
 """`caramelo firmware`: builds what a board runs."""
 
+import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import screen, write_json
+from ..console import progress, screen, write_json, write_note
 from ..errors import NOT_ACHIEVED, UserError
+from ..files import check_folder, write_bytes, write_text
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..build.image import Image
+    from ..build.board_image import Built
+    from ..build.image_budget import Row
+    from ..parity.paths import RoleFigures
 
-Role = Annotated[str | None, typer.Option(help="What the board is to be: joint or gait; without it, all modules.")]
+Sources = Annotated[Path, typer.Option("--micropython", help="MicroPython's sources: a checkout with its submodules.")]
+Role = Annotated[str | None, typer.Option(help="What the board is to be: joint or gait; without it, both.")]
 RobotName = Annotated[str, typer.Option("--robot", help="Whose data a gait board gets: a name, or a .toml file.")]
-Arch = Annotated[str, typer.Option(help="Processor: armv7emsp (STM32F405), armv6m, armv7m, x64, ...")]
-Emitter = Annotated[str, typer.Option(help="Code of the marked functions: viper, native or bytecode.")]
-Out = Annotated[Path, typer.Option(help="Folder of the tree; a former build there is replaced.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: the manifest and the sizes.")]
-Update = Annotated[bool, typer.Option("--update-budget", help="Take today's sizes as the budget.")]
+Out = Annotated[Path, typer.Option(help="Folder of the images; builds go on in build/ in it.")]
+Jobs = Annotated[int | None, typer.Option(min=1, help="Files compiled at once; without it, one per processor.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
 def register(app: typer.Typer) -> None:
     """Add the group to the command."""
     group = typer.Typer(help="Build what a board runs.", no_args_is_help=True)
-    group.command("build")(build)
+    group.callback()(_group)
+    group.command("image")(image)
+    group.command("measure")(measure)
     app.add_typer(group, name="firmware", rich_help_panel=HARDWARE)
 
 
-def build(
+def _group() -> None:
+    """Build what a board runs."""
+
+
+def image(
+    micropython: Sources,
     role: Role = None,
-    arch: Arch = "armv7emsp",
-    emitter: Emitter = "viper",
     robot: RobotName = "caramelo",
     out: Out = Path("out/firmware"),
-    update_budget: Update = False,
+    jobs: Jobs = None,
     as_json: Json = False,
 ) -> int:
-    """Compile shared/ and firmware/ for a board. The same sources give the same bytes.
+    """Build the complete image of a board from MicroPython's sources, and print what it takes of the chip.
 
-    A module more than 3 % over the size budget in the repository makes the exit code 1.
+    Writes ROLE.caramelo for `caramelo flash`, and ROLE.dfu and ROLE.hex for a bare board. Needs ARM's compiler. More
+    than host/build/image_budget.json allows makes the exit code 1.
 
-    Example: caramelo firmware build --role joint --out out/joint
+    Example: caramelo firmware image --micropython ~/micropython --role joint
     """
-    from ..build.image import write_image
-    from ..build.source import BuildError
+    from ..build.image_budget import over_budget, rows
 
-    _check(role, arch, emitter)
-    try:
-        image = board_image(role, emitter, arch, robot)
-        write_image(image, out)
-        sizes, over = _sizes(update_budget)
-    except BuildError as error:
-        raise UserError(str(error)) from error
+    roles = _roles(role)
+    check_folder("--out", out)
+    told, over = {}, []
+    for name in roles:
+        built = _build(name, robot, micropython, out, jobs or os.cpu_count() or 1)
+        table = rows(name, built.bytes)
+        over += over_budget(name, table)
+        told[name] = {"build": built.image.about.build, "bytes": built.bytes}
+        if not as_json:
+            _print(name, built, table, out)
     if as_json:
-        write_json({"out": str(out), "manifest": image.manifest, "sizes": sizes, "over_budget": over})
+        write_json({"out": str(out), "images": told, "over_budget": over})
     else:
-        _print(image, out, sizes, over)
+        for sentence in over:
+            screen().print(sentence, style="red", soft_wrap=True)
     return NOT_ACHIEVED if over else 0
 
 
-def _check(role: str | None, arch: str, emitter: str) -> None:
-    from ..build.compiler import ARCHES
-    from ..build.image import ROLES
-    from ..build.rewrite import EMITTERS
+def measure(micropython: Sources, role: Role = None, jobs: Jobs = None, as_json: Json = False) -> int:
+    """Count what whole paths of the firmware cost on an emulated Cortex-M4, in instructions, and the heap they leave.
 
-    for option, value, allowed in (("--role", role, ROLES), ("--arch", arch, ARCHES), ("--emitter", emitter, EMITTERS)):
-        if value is not None and value not in allowed:
-            raise UserError(f"{option} {value}: not known; there are {', '.join(allowed)}")
+    Builds MicroPython's qemu port with the firmware frozen in and runs it against the model of the chip. Needs ARM's
+    compiler and unicorn (pip install unicorn). More than host/parity/path_budget.json allows makes the exit code 1.
 
+    Example: caramelo firmware measure --micropython ~/micropython --role joint
+    """
+    from ..parity.paths import HEAP_BYTES, figures_of
+    from ..runtimes.base import RuntimeFailure
 
-def board_image(role: str | None, emitter: str, arch: str, robot: str) -> "Image":
-    """Return the files of a board, what it is and whose included; BuildError or UserError if they can't be had."""
-    from ..build.generated import generated_modules
-    from ..build.image import build_image
-    from ..build.source import PACKAGES, ROOT
-
-    return build_image(ROOT, role, emitter, arch, PACKAGES, generated_modules(role, robot))
-
-
-def _sizes(update_budget: bool) -> tuple[dict[str, dict[str, int]], list[str]]:
-    from ..build.sizes import measure_sizes, over_budget, read_budget, write_budget
-    from ..build.source import ROOT
-
-    sizes = measure_sizes(ROOT)
-    if update_budget:
-        write_budget(sizes)
-    return sizes, over_budget(sizes, read_budget())
+    told, ok = {}, True
+    for name in _roles(role):
+        write_note(f"{name}: building, then counting; some minutes")
+        try:
+            figures = figures_of(name, micropython, jobs or os.cpu_count() or 1)
+        except RuntimeFailure as error:
+            raise UserError(str(error), NOT_ACHIEVED) from error
+        ok = ok and figures.ok
+        told[name] = figures.told()
+        if not as_json:
+            _print_paths(name, figures, HEAP_BYTES)
+    if as_json:
+        write_json({"ok": ok, "heap_bytes": HEAP_BYTES, "roles": told})
+    return 0 if ok else NOT_ACHIEVED
 
 
-def _print(image: "Image", out: Path, sizes: dict[str, dict[str, int]], over: list[str]) -> None:
+def _print_paths(role: str, figures: "RoleFigures", heap_bytes: int) -> None:
     from rich.table import Table
 
-    manifest: dict[str, Any] = image.manifest
-    table = Table("module", "bytecode", "native", "viper", box=None, pad_edge=False)
-    for path, row in [*sizes.items(), ("all", _total(sizes))]:
-        table.add_row(path, *(str(row[emitter]) for emitter in ("bytecode", "native", "viper")))
+    shown = Table(f"{role}, instructions", "middle", "dearest", "at most", "", box=None, pad_edge=False)
+    for path in figures.paths:
+        verdict = "" if path.ok else "too dear"
+        shown.add_row(path.name, str(path.median), str(path.most), str(path.budget), verdict)
     console = screen()
-    console.width = max(console.width, 100)
-    console.print(table)
-    size = sum(len(data) for data in image.files.values())
-    console.print(f"(bytes for armv7emsp)\n\n{out}: {len(image.files)} files, {size} bytes")
-    protocol = manifest["protocol"]
+    console.print(shown)
+    free = f"heap of {heap_bytes} bytes: {figures.free} free after set-up, {figures.left} after the run"
+    console.print(free + f", at least {figures.least_free} wanted", soft_wrap=True)
+    for sentence in figures.complaints:
+        console.print(sentence, style="red", soft_wrap=True)
+
+
+def _roles(role: str | None) -> list[str]:
+    from ..build.frozen import ROLES
+
+    if role is not None and role not in ROLES:
+        raise UserError(f"--role {role}: not known; there are {', '.join(ROLES)}")
+    return [role] if role else list(ROLES)
+
+
+def _build(role: str, robot: str, micropython: Path, out: Path, jobs: int) -> "Built":
+    from ..build.board_image import COMPILED_FILES, build_board_image
+    from ..build.dfu import dfu_file, hex_file
+    from ..build.image_file import write_image_file
+    from ..build.source import BuildError
+
+    done = 0
+    with progress(f"{role}: building", COMPILED_FILES) as advance:
+
+        def tell() -> None:
+            nonlocal done
+            done += 1
+            advance(min(done, COMPILED_FILES))
+
+        try:
+            built = build_board_image(role, robot, micropython, out / "build" / role, jobs, tell)
+        except BuildError as error:
+            raise UserError(str(error)) from error
+    write_image_file(built.image, out / f"{role}.caramelo")
+    write_bytes(out / f"{role}.dfu", dfu_file(built.image))
+    write_text(out / f"{role}.hex", hex_file(built.image))
+    return built
+
+
+def _print(role: str, built: "Built", table: "list[Row]", out: Path) -> None:
+    from rich.table import Table
+
+    shown = Table("memory", "what", "bytes", "budget", "room", box=None, pad_edge=False)
+    for row in table:
+        budget = f"{'>=' if row.least else '<='} {row.budget}"
+        shown.add_row(row.memory, row.what, str(row.bytes), budget, str(row.room))
+    about = built.image.about
+    console = screen()
+    console.soft_wrap = True
     console.print(
-        f"build {manifest['build']}, {manifest['emitter']} for {manifest['arch']}, mpy {manifest['mpy']}, "
-        f"protocol {'none' if protocol is None else f'{protocol:#x}'}"
+        f"{out / role}.caramelo: {about.board}, version {about.version}, build {about.build}, "
+        f"MicroPython {about.micropython}; for a bare board {role}.dfu and {role}.hex"
     )
-    for sentence in over:
-        console.print(sentence, style="red")
-
-
-def _total(sizes: dict[str, dict[str, int]]) -> dict[str, int]:
-    return {emitter: sum(row[emitter] for row in sizes.values()) for emitter in ("bytecode", "native", "viper")}
+    console.print(shown)

@@ -1,6 +1,7 @@
 """`caramelo flash`: puts firmware on boards, and never leaves one without."""
 
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,15 +11,12 @@ from ..errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..build.image import Image
     from ..flash.flash import Outcome, Wish
 
+ImagePath = Annotated[Path, typer.Argument(metavar="IMAGE", help="Image file that caramelo firmware image has made.")]
 Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; with --all, several times.")]
 All = Annotated[bool, typer.Option("--all", help="Flash every board named by --port; without any, every board found.")]
-Role = Annotated[str, typer.Option(help="What the board is to be: joint or gait.")]
 Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="The joint's id on the bus; it keeps it.")]
-RobotName = Annotated[str, typer.Option("--robot", help="Whose data a gait board gets: a name, or a .toml file.")]
-Slot = Annotated[str, typer.Option(help="Slot to write: a, b, or auto for the one not in use.")]
 Dry = Annotated[bool, typer.Option("--dry-run", help="Only tell what would be done.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
@@ -29,27 +27,27 @@ def register(app: typer.Typer) -> None:
 
 
 def flash(
+    image: ImagePath,
     port: Port = None,
     every: All = False,
-    role: Role = "joint",
     node: Node = None,
-    robot: RobotName = "caramelo",
-    slot: Slot = "auto",
     dry_run: Dry = False,
     as_json: Json = False,
 ) -> int:
-    """Build firmware and put it on a board: only what changed, compared on the board, old firmware kept until the new
+    """Put firmware on a board: into the slot that does not run, compared on the board, old firmware kept until the new
     one has proved itself.
 
-    The motor supply must be off. Files of your own and a joint's parameters stay.
+    The motor supply must be off. A joint's parameters stay.
 
-    Example: caramelo flash --port /dev/ttyACM0 --role joint --id 3
+    Example: caramelo flash out/firmware/joint.caramelo --port /dev/ttyACM0 --id 3
     """
+    from ..build.image_file import read_image_file
     from ..flash.flash import Wish
 
     ports = _ports(port or [], every)
-    _check(role, node, slot, len(ports))
-    wish = Wish(role, lambda emitter, arch: _image(role, emitter, arch, robot), slot, node, dry_run)
+    if node is not None and len(ports) > 1:
+        raise UserError(f"--id {node}: two joints with one id can't share a bus; flash them one by one")
+    wish = Wish(read_image_file(image), node, dry_run)
     outcomes, failures = [], {}
     for device in ports:
         try:
@@ -88,29 +86,6 @@ def _ports(named: list[str], every: bool) -> list[str]:
     return list(dict.fromkeys(ports))
 
 
-def _check(role: str, node: int | None, slot: str, boards: int) -> None:
-    from ..build.image import ROLES
-    from ..flash.plan import SLOTS
-
-    for option, value, allowed in (("--role", role, tuple(ROLES)), ("--slot", slot, ("auto", *SLOTS))):
-        if value not in allowed:
-            raise UserError(f"{option} {value}: not known; there are {', '.join(allowed)}")
-    if node is not None and role != "joint":
-        raise UserError(f"--id {node}: only joints have one; this is the role {role}")
-    if node is not None and boards > 1:
-        raise UserError(f"--id {node}: two joints with one id can't share a bus; flash them one by one")
-
-
-def _image(role: str, emitter: str, arch: str, robot: str) -> "Image":
-    from ..build.source import BuildError
-    from .firmware import board_image
-
-    try:
-        return board_image(role, emitter, arch, robot)
-    except BuildError as error:
-        raise UserError(str(error)) from error
-
-
 def _print(outcome: "Outcome") -> None:
     console = screen()
     console.soft_wrap = True
@@ -118,17 +93,11 @@ def _print(outcome: "Outcome") -> None:
         console.print(f"{outcome.port}: nothing to do: slot {outcome.slot} runs build {outcome.build}")
         return
     head = "would write" if outcome.dry_run else "wrote"
-    console.print(
-        f"{outcome.port}: {head} slot {outcome.slot}, build {outcome.build}: {len(outcome.uploaded)} files sent "
-        f"({outcome.bytes} bytes), {len(outcome.copied)} copied on the board, {len(outcome.removed)} removed"
-    )
-    if outcome.dry_run:
-        for path in outcome.uploaded:
-            console.print(f"  send    {path}")
-        for path in outcome.removed:
-            console.print(f"  remove  {path}")
-        return
-    protocol = "none" if outcome.protocol is None else f"{outcome.protocol:#x}"
-    console.print(
-        f"{outcome.port}: runs version {outcome.version}, protocol {protocol}, self-test {outcome.self_test}, confirmed"
-    )
+    size = f"{outcome.bytes} bytes" if outcome.bytes else "which holds it already"
+    console.print(f"{outcome.port}: {head} build {outcome.build} to slot {outcome.slot}, {size}")
+    if not outcome.dry_run:
+        protocol = "none" if outcome.protocol is None else f"{outcome.protocol:#x}"
+        console.print(
+            f"{outcome.port}: runs version {outcome.version}, protocol {protocol}, "
+            f"self-test {outcome.self_test}, confirmed"
+        )

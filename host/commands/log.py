@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import screen, write_json
-from ..errors import NOT_ACHIEVED
+from ..console import progress, say, screen, write_json, write_note
+from ..errors import NOT_ACHIEVED, UserError
+from ..files import check_folder
 from . import WALK
 
 if TYPE_CHECKING:
-    from ..records.reader import Record
+    from ..records.reader import Fields, Record
 
 File = Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a folder: its newest record.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
@@ -31,13 +32,25 @@ def info(file: File, as_json: Json = False) -> None:
 
     Example: caramelo log info walk.mcap
     """
-    from ..records.reader import read_record
-
-    facts = record_facts(read_record(file))
+    facts = record_facts(_read(file, FACTS))
     if as_json:
         write_json(facts)
     else:
         _show(facts)
+
+
+# What record_facts is made of, for read_record.
+FACTS = {"/state": ("state", "reason"), "/fault": ("sentence",), "/timing": ("missed",)}
+
+
+def _read(file: Path, wanted: "Fields") -> "Record":
+    """Return a record of these fields; a bar shows how far it is read."""
+    from ..records.reader import find_record, read_record
+
+    path = find_record(file)
+    size = path.stat().st_size if path.exists() else 0
+    with progress(f"reading {path.name}", size) as show:
+        return read_record(path, wanted, show)
 
 
 def record_facts(record: "Record") -> dict[str, Any]:
@@ -49,10 +62,11 @@ def record_facts(record: "Record") -> dict[str, Any]:
         "core": record.about.get("core", ""),
         "duration_s": round(record.duration_s, 3),
         "whole": record.whole,
-        "messages": record.counts(),
+        "messages": dict(record.counts),
         "missed": timing[-1].values["missed"] if timing else 0,
         "states": [
-            {"time_s": round((row.time_ns - record.start_ns) / 1e9, 3), **row.values} for row in record.of("/state")
+            {"time_s": round(time_s, 3), **row.values}
+            for time_s, row in zip(record.times_s("/state"), record.of("/state"), strict=True)
         ],
         "faults": [row.values["sentence"] for row in record.of("/fault")],
     }
@@ -60,7 +74,6 @@ def record_facts(record: "Record") -> dict[str, Any]:
 
 def _show(facts: dict[str, Any]) -> None:
     from rich.table import Table
-    from rich.text import Text
 
     console = screen()
     end = "whole" if facts["whole"] else "cut off: read up to where it was cut"
@@ -72,9 +85,9 @@ def _show(facts: dict[str, Any]) -> None:
         table.add_row(topic, str(count))
     console.print(table)
     for change in facts["states"]:
-        console.print(Text(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}"))
+        console.print(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}")
     for fault in facts["faults"]:
-        console.print(Text(f"fault: {fault}"))
+        console.print(f"fault: {fault}")
 
 
 def plot(
@@ -84,32 +97,39 @@ def plot(
 
     Examples: caramelo log plot walk.mcap --out walk.png; caramelo log plot logs/
     """
-    from ..records.plot import plot_png
-    from ..records.reader import read_record
+    from ..records.plot import FIELDS, plot_png
 
-    record = read_record(file)
+    if out is not None and out.suffix != ".png":
+        raise UserError(f"--out {out}: allowed: a name that ends in .png")
+    record = _read(file, FIELDS)
     target = out or record.path.with_suffix(".png")
+    if target.resolve() == record.path.resolve():
+        raise UserError(f"{target}: is the record itself: name the picture with --out")
+    write_note("drawing")
     plot_png(record, target)
     screen().print(f"wrote {target}", soft_wrap=True)
 
 
 def export(
     what: Annotated[str, typer.Argument(metavar="csv", help="The format: csv.")],
-    file: File,
+    file: Annotated[Path | None, typer.Argument(metavar="FILE", help="A record, or a folder: its newest one.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Without it a folder beside the record.")] = None,
 ) -> None:
     """Write one CSV file per channel.
 
     Example: caramelo log export csv walk.mcap --out walk-csv
     """
-    from ..errors import UserError
     from ..records.export import export_csv
-    from ..records.reader import read_record
 
-    if what != "csv":
-        raise UserError(f"export {what}: allowed: csv")
-    record = read_record(file)
-    for path in export_csv(record, out or record.path.with_suffix("")):
+    if what != "csv" or file is None:
+        wrong = "no record is named" if what == "csv" else f"{what} is no format"
+        raise UserError(f"log export: {wrong}: allowed: caramelo log export csv FILE, such as "
+                        f"caramelo log export csv {what if what != 'csv' and file is None else 'walk.mcap'}")
+    check_folder("--out", out)
+    record = _read(file, {})
+    with progress(f"writing {record.counts.total()} rows", record.path.stat().st_size) as show:
+        written = export_csv(record, out or record.path.with_suffix(""), show)
+    for path in written:
         screen().print(f"wrote {path}", soft_wrap=True)
 
 
@@ -118,14 +138,16 @@ def replay(file: File, as_json: Json = False) -> int:
 
     Exit code 1 at the first difference. Example: caramelo log replay walk.mcap
     """
-    from ..records.reader import read_record
+    from ..records.replay import FIELDS
     from ..records.replay import replay as again
 
-    result = again(read_record(file))
+    record = _read(file, FIELDS)
+    with progress("replaying", len(record.of("/planner"))) as show:
+        result = again(record, show)
     facts = {"ok": result.ok, "ticks": result.ticks, "difference": result.difference, "same_core": result.same_core}
     if as_json:
         write_json(facts)
     else:
         core = "" if result.same_core else " (recorded with another version of the core)"
-        print(f"{result.ticks} ticks are the same to the bit{core}" + (f"; {result.difference}" * (not result.ok)))
+        say(f"{result.ticks} ticks are the same to the bit{core}" + (f"; {result.difference}" * (not result.ok)))
     return 0 if result.ok else NOT_ACHIEVED

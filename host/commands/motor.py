@@ -69,9 +69,18 @@ def sim(
 @motor_app.command("selftest")
 def selftest(
     port: Annotated[str, typer.Option(help="Serial device of the joint's board, such as /dev/ttyACM0.")],
+    bridge: Annotated[
+        bool,
+        typer.Option(
+            "--bridge",
+            help="Also switch all three phases at half the period for 0.2 s. Must be connected: the supply, limited to "
+            "0.2 A, and USB. Must not be connected: the motor, unless the test without --bridge has passed and the "
+            "joint is free.",
+        ),
+    ] = False,
     as_json: Json = False,
 ) -> int:
-    """Measure on a real joint's board what no simulation can tell; the bridge stays off, the motor does not move.
+    """Measure on a real joint's board what no simulation can tell; without --bridge it stays off, nothing moves.
 
     Times of the control interrupt and the current step, ADC noise, gate driver, encoders. Exit code 1 if one is
     outside of what is allowed.
@@ -80,16 +89,17 @@ def selftest(
     """
     from ..motor.selftest import ask, judge
 
-    rows = judge(ask(port))
+    rows = judge(ask(port, bridge))
     ok = all(row.ok for row in rows)
     if as_json:
         write_json({"ok": ok, "figures": [vars(row) for row in rows]})
         return 0 if ok else NOT_ACHIEVED
     from rich.table import Table
+    from rich.text import Text
 
     table = Table("figure", "found", "allowed", "", box=None, pad_edge=False)
     for row in rows:
-        table.add_row(row.name, row.found, row.allowed, "ok" if row.ok else "[red]outside[/]")
+        table.add_row(row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red"))
     screen().print(table)
     return 0 if ok else NOT_ACHIEVED
 

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, screen, write_json
+from ..console import screen, write_json
 from ..errors import NOT_ACHIEVED, UserError
 from . import CHECKS
 
@@ -48,18 +48,17 @@ def parity(
     from ..parity.check import examine, failures
     from ..parity.coverage import cover
     from ..parity.sources import gather
+    from ..progress import cases
 
     chosen = choose(runtime, port)
-    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, progress("parity", len(chosen)) as done:
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("parity") as tell:
         work = Path(folder)
         sources = gather(work)
-        started: list[str] = []
-
-        def advance(name: str) -> None:
-            done(len(started))
-            started.append(name)
-
-        reports = examine(chosen, sources, work, vectors, advance)
+        names = [runtime.name for runtime in chosen]
+        steps = len(names) + coverage
+        reports = examine(chosen, sources, work, vectors, lambda name: tell(names.index(name) + 1, steps, name))
+        if coverage:
+            tell(steps, steps, "coverage")
         covered = cover(sources, work / "coverage") if coverage else None
     broken = list(failures(reports))
     if as_json:
@@ -112,9 +111,9 @@ def _print(reports: "list[Report]", broken: list[str], covered: Any) -> None:
     console.width = max(console.width, 130)
     console.print(table, soft_wrap=True)
     for sentence in broken:
-        console.print(sentence, markup=False, soft_wrap=True)
+        console.print(sentence, soft_wrap=True)
     if covered is not None:
-        console.print(covered.sentence(), markup=False, soft_wrap=True)
+        console.print(covered.sentence(), soft_wrap=True)
 
 
 def _verdict(report: "Report", reference: "Report") -> str:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import screen, write_json
+from ..console import say, screen, write_json
 from . import ROBOTS
 
 if TYPE_CHECKING:
@@ -69,20 +69,24 @@ def check_robot(which: Which, as_json: Json = False) -> None:
     if as_json:
         write_json({"ok": True, "file": which, "name": robot.name, "derived": derived(robot)})
     else:
-        print(f'{which}: ok: "{robot.name}", {robot.mass_kg:.3f} kg')
+        say(f'{which}: ok: "{robot.name}", {robot.mass_kg:.3f} kg')
 
 
 def derived(robot: "Robot") -> dict[str, Any]:
     """Return what follows from a robot's file."""
+    from ..gait_advice import gait_advice
+
     return {
         "mass_kg": robot.mass_kg,
         "reach_m": robot.geometry.reach_m,
         "length_unit_m": 2.0**-robot.length_shift,
+        "gaits_not_advised": {gait: reason for gait, reason in gait_advice(robot).items() if reason},
     }
 
 
 def overview(robot: "Robot") -> list[tuple[str, str]]:
     """Return the figures that matter most, as rows of name and value with unit."""
+    from ..gait_advice import gait_advice
     from ..robot_checks import reachable_heights
 
     geometry, stance, limits, speed = robot.geometry, robot.stance, robot.joint_limits, robot.speed_limits
@@ -100,8 +104,13 @@ def overview(robot: "Robot") -> list[tuple[str, str]]:
         ("actuator", _actuator(robot)),
         ("speed", f"x {speed.vx_m_s:g} m/s, y {speed.vy_m_s:g} m/s, turning {speed.wz_rad_s:g} rad/s"),
         ("planner", f"{robot.control.rate_hz} Hz, gait {robot.gait.default}"),
+        *((f"gait {gait}", _advice(robot, gait, reason)) for gait, reason in gait_advice(robot).items()),
         ("length unit", f"2^-{robot.length_shift} m"),
     ]
+
+
+def _advice(robot: "Robot", gait: str, reason: str) -> str:
+    return f"not advised: {reason}" if reason else f"advised up to {robot.gait.advised_m_s[gait]:g} m/s"
 
 
 def _actuator(robot: "Robot") -> str:

@@ -1,14 +1,19 @@
 """`caramelo teleop`: drives a robot from keyboard, gamepad, web page or script."""
 
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from ..console import screen, write_json
+from ..console import say, screen, write_json
 from ..errors import NOT_ACHIEVED, UserError
 from . import WALK
+
+# What is still running so long after the joints have been let go hangs on a disk, a pipe or a terminal: the system ends
+# the program then.
+END_MOST_S = 15
 
 
 def register(app: typer.Typer) -> None:
@@ -22,6 +27,7 @@ def teleop(
     web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
     listen: Annotated[str, typer.Option(metavar="ADDR", help="Where: address or address:port.")] = "127.0.0.1:8080",
     log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record into an MCAP file, or a folder.")] = None,
+    keep: Annotated[float | None, typer.Option(metavar="GB", help="Oldest records of the folder go beyond it.")] = None,
     gamepad: Annotated[str | None, typer.Option(metavar="DEVICE", help="auto, or /dev/input/eventN.")] = None,
     socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Unix socket or local port for scripts.")] = None,
     port: Annotated[str | None, typer.Option(help="Serial port, or INTERFACE:CHANNEL of CAN.")] = None,
@@ -45,6 +51,7 @@ def teleop(
     from ..teleop.session import Options, Session
 
     _check(measure, direct, sim)
+    _check_keep(keep, log)
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UserError("no terminal to take keys from: add --headless, with --web, --gamepad or --socket")
@@ -57,16 +64,21 @@ def teleop(
         web=web,
         listen=listen,
         log=log,
+        keep_GB=keep,
         socket=socket,
         gamepad=gamepad,
         measure_s=measure,
         terminal=not quiet,
     )
-    figures = Session(options, _quiet if as_json else _say).run()
-    if as_json:
-        write_json(figures)
-    else:
-        _show(figures)
+    session = Session(options, _quiet if as_json else say, lambda: signal.alarm(END_MOST_S))
+    try:
+        figures = session.run()
+        if as_json:
+            write_json(figures)
+        else:
+            _show(figures)
+    finally:
+        signal.alarm(0)
     failed = measure is not None and (figures["missed"] or figures["failure"])
     return NOT_ACHIEVED if failed else 0
 
@@ -78,15 +90,18 @@ def _check(measure: float | None, direct: bool, sim: bool) -> None:
         raise UserError("--direct: only with --sim")
 
 
+def _check_keep(keep: float | None, log: Path | None) -> None:
+    if keep is not None and not 0.01 <= keep <= 100_000:
+        raise UserError(f"--keep {keep:g}: allowed 0.01 .. 100000 GB")
+    if keep is not None and log is None:
+        raise UserError(f"--keep {keep:g}: only with --log and a folder")
+
+
 def _which(kind: str, sim: bool, direct: bool) -> str:
     """Return the kind of hardware: brushless joints have no servo bus to emulate."""
     if not sim:
         return "real"
     return "simulated" if direct or kind != "servo" else "emulated"
-
-
-def _say(line: str) -> None:
-    print(line, flush=True)
 
 
 def _quiet(line: str) -> None:
@@ -109,8 +124,10 @@ def _show(figures: dict[str, Any]) -> None:
     for source, stops in figures["stop_to_packet_ms"].items():
         console.print(f"stop by {source}: torque off after {stops['max']:.1f} ms at most ({stops['count']})")
     if figures.get("failure"):
-        console.print(f"not achieved: {figures['failure']}", soft_wrap=True, markup=False)
+        console.print(f"not achieved: {figures['failure']}", soft_wrap=True)
     if figures.get("log"):
         console.print(f"wrote {figures['log']}", soft_wrap=True)
+    if figures["left_behind"]:
+        console.print(f"not ended in time, left behind: {', '.join(figures['left_behind'])}")
     if figures.get("log_trouble"):
         console.print(figures["log_trouble"], soft_wrap=True)

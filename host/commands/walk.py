@@ -43,7 +43,8 @@ def walk(
 ) -> int:
     """Walk a simulated robot, show the figures, and write an animation and a picture of the path.
 
-    Exit code 0 if it arrived, 1 if it did not (the reason is told), 2 for wrong use.
+    Exit code 0 if it arrived as commanded, 1 if it did not (the reason is told), 2 for wrong use. The plane has no
+    left and right: a gait that is not advised for the robot is told so.
 
     Examples: caramelo walk; caramelo walk --gait paper-trot --terrain step --height 0.05;
     caramelo walk --robot parallel --speed 0.1 --out out/parallel
@@ -52,7 +53,7 @@ def walk(
     from ..motor.walking import joint_motors, transport
     from ..robot_actuators import Bldc
     from ..robot_file import load_robot
-    from ..walk import WalkSpec, run_walk, walk_result
+    from ..walk import WalkSpec, judged, run_walk, walk_result
 
     check_folder("--out", out)
     data = load_robot(robot)
@@ -76,7 +77,7 @@ def walk(
     motors, actuator = joint_motors(data) if isinstance(data.actuator, Bldc) else (None, None)
     with progress(f"{data.name} walks {distance:g} m ({terrain})", 1.0) as show:
         recording = run_walk(spec, show, actuator=actuator)
-    result = walk_result(spec, recording) | transport(data, recording, payload, motors)
+    result = judged(spec, walk_result(spec, recording)) | transport(data, recording, payload, motors)
     written = write_results(out, spec, recording, result) if out else []
     if as_json:
         write_json(result)
@@ -107,12 +108,13 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 def show_result(result: dict[str, Any], written: list[Path]) -> None:
     """Print the walk's figures as tables, and how it ended."""
     from rich.table import Table
+    from rich.text import Text
 
     from ..walk import facts
 
     table = Table(show_header=False, box=None, pad_edge=False)
     for name, value in facts(result):
-        table.add_row(f"[bold]{name}[/]", value)
+        table.add_row(Text(name, style="bold"), value)
     torque = Table(box=None, pad_edge=False)
     legs = sorted({name.partition("_")[0] for name in result["torque_rms_fraction"]})
     for column in ("torque rms, % of stall", "hip", "thigh", "calf"):
@@ -123,6 +125,6 @@ def show_result(result: dict[str, Any], written: list[Path]) -> None:
     console = screen()
     console.print(table)
     console.print(torque)
-    console.print(f"[bold]{'ok' if result['ok'] else 'not achieved'}[/]: {result['reason']}")
+    console.print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
     for path in written:
         console.print(f"wrote {path}", soft_wrap=True)

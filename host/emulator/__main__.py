@@ -13,6 +13,7 @@ import sys
 import termios
 import time
 import tty
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -83,12 +84,12 @@ class Commands:
         return {}
 
     def on_state(self) -> dict[str, Any]:
-        """Tell which servos hold their goals, and where the joints are."""
+        """Tell which servos have torque, which obey goals, and where the joints are."""
         servos, plant, noise = self._bus.servos, self._bus.plant, self._bus.disturbance
         return {
             "time_s": plant.time_s,
             "torque": [bool(servo.get(t.TORQUE_ENABLE)) for servo in servos],
-            "holds": [servo.holds for servo in servos],
+            "follows": [servo.follows for servo in servos],
             "watchdog": [servo.get(t.WATCHDOG) for servo in servos],
             "position_rad": plant.position_rad,
             "goal_rad": plant.drives.goal_rad,
@@ -130,13 +131,18 @@ def baud_of(terminal: int) -> int | None:
     return rates.get(speed)
 
 
+def tell(answer: Mapping[str, Any]) -> None:
+    """Write one line to whoever started this; nothing is kept that would be written again at the end."""
+    os.write(1, json.dumps(answer).encode() + b"\n")
+
+
 def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
     """Answer packets and orders until stdin ends."""
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
     bus.advance(TICK_S)  # what is slow the first time must not hold up the first answer
     # Until a program sets a rate, the terminal has its own, which no servo listens to.
-    print(json.dumps({"port": os.ttyname(theirs)}), flush=True)
+    tell({"port": os.ttyname(theirs)})
     began = time.monotonic()
     orders = b""
     while True:
@@ -154,7 +160,7 @@ def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
                 return
             *lines, orders = (orders + data).split(b"\n")
             for line in lines:
-                print(json.dumps(commands.do(json.loads(line))), flush=True)
+                tell(commands.do(json.loads(line)))
 
 
 def main() -> int:
@@ -162,7 +168,10 @@ def main() -> int:
     options = arguments()
     bus, imu = build(options)
     imu.open()
-    serve(bus, Commands(bus, imu), options.latency_ms / 1000)
+    try:
+        serve(bus, Commands(bus, imu), options.latency_ms / 1000)
+    except BrokenPipeError:
+        return 1  # whoever started this is gone, before it could close our input
     return 0
 
 

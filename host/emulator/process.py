@@ -50,9 +50,11 @@ class Emulator:
         )
         try:
             self.port = self._line(time.monotonic() + START_S)["port"]
-        except (OSError, Late):
+        except BaseException as error:  # Ctrl-C too
             self.stop()
-            raise UserError("the emulated servos did not start", NOT_ACHIEVED) from None
+            if isinstance(error, OSError | Late):
+                raise UserError("the emulated servos did not start", NOT_ACHIEVED) from None
+            raise
 
     @property
     def process(self) -> int:

@@ -1,6 +1,7 @@
 """One emulated MX-28(2.0): its control table, and what the servo does by itself when that changes.
 
-After the e-manual's MX-28(2.0) page. Left out: profiles, indirect addresses, registered writes, other operating
+After the e-manual's MX-28(2.0) page: when the bus watchdog trips, the servo stops and takes no goals, but its torque
+stays on; so it holds where it is, here too. Left out: profiles, indirect addresses, registered writes, other operating
 modes than position control.
 """
 
@@ -35,8 +36,8 @@ class EmulatedServo:
         return self.get(t.ID)
 
     @property
-    def holds(self) -> bool:
-        """True while it follows goals: torque on and watchdog not tripped."""
+    def follows(self) -> bool:
+        """True while it obeys goals: torque on and watchdog not tripped. Tripped, it still holds where it stopped."""
         return bool(self.get(t.TORQUE_ENABLE)) and self.get(t.WATCHDOG) != t.WATCHDOG_TRIPPED
 
     def get(self, register: Register) -> int:

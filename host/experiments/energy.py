@@ -17,9 +17,11 @@ Array = np.ndarray[Any, Any]
 
 
 def mean_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
-    """Return the mean electrical power of all drives and the computer; rows of twelve joints' torques and speeds."""
-    ratios = np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
-    torque, speed = torque_Nm * ratios, speed_rad_s / ratios
+    """Return the mean electrical power of all drives and the computer.
+
+    Rows of twelve drives' torques and of twelve joints' speeds.
+    """
+    torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
     if isinstance(robot.actuator, Servo):
         drives_W = _servos_W(robot.actuator, torque, speed)
     else:
@@ -29,12 +31,20 @@ def mean_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
 
 def drives_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
     """Return the mean electrical power of the drives' motors alone: no electronics, no computer."""
-    ratios = np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
-    torque, speed = torque_Nm * ratios, speed_rad_s / ratios
+    torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
     if isinstance(robot.actuator, Servo):
         standby_W = 12 * assumptions()["servo"]["standby_current_A"] * robot.actuator.nominal.voltage_V
         return _servos_W(robot.actuator, torque, speed) - float(standby_W)
     return _joints_W(robot.actuator, torque, speed) - 12 * float(assumptions()["bldc"]["board_W"])
+
+
+def _at_motors(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> tuple[Array, Array]:
+    """Return the motors' own torques and speeds: a coupled calf's motor turns with thigh and calf together."""
+    ratios = np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
+    speeds = speed_rad_s.copy()
+    if robot.calf_drive.coupled:
+        speeds[:, 2::3] += speeds[:, 1::3]
+    return torque_Nm * ratios, speeds / ratios
 
 
 def _servos_W(servo: Servo, torque: Array, speed: Array) -> float:

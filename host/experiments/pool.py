@@ -5,6 +5,8 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from typing import Any, Protocol
 
+from ..leave import LEAVE_SIGNALS
+
 
 class Task(Protocol):
     """One piece of work; it and its answer travel between processes. Its answer depends on itself alone."""
@@ -13,7 +15,7 @@ class Task(Protocol):
         """Do it."""
 
 
-def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[float], None]) -> list[Any]:
+def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[int], None]) -> list[Any]:
     """Run all tasks in ``jobs`` processes and return their answers in order; ``done`` hears how many are ready.
 
     The first error of a task is raised after dropping the rest. Ctrl-C drops everything.
@@ -36,8 +38,9 @@ def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[float], None]) -> 
 
 
 def _obey_ctrl_c() -> None:
-    """A worker dies of Ctrl-C at once and in silence; the parent tells the user."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """A worker dies of Ctrl-C and the like at once and in silence; the parent tells the user."""
+    for number in (signal.SIGINT, *LEAVE_SIGNALS):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _run(task: Task) -> Any:

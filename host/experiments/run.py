@@ -1,12 +1,13 @@
 """Experiments by name: their trials run, their figures gathered, their files written."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
 from ..errors import UserError
 from ..files import atomic_path, write_text
+from ..progress import Tell
 from .outcome import Outcome
 from .pool import run_all
 from .report import report_html
@@ -24,11 +25,11 @@ def names_of(what: str) -> tuple[str, ...]:
     return PAPERS if what == "all" else (what,)
 
 
-def run_experiment(name: str, options: Options, done: Callable[[float], None]) -> Outcome:
-    """Run one experiment; ``done`` hears the share of trials that are ready. The outcome depends on no timing."""
+def run_experiment(name: str, options: Options, tell: Tell) -> Outcome:
+    """Run one experiment; ``tell`` hears how many trials of how many are ready. The outcome depends on no timing."""
     module = import_module(f"{__package__}.{name}")
     tasks = module.tasks(options)
-    answers = run_all(tasks, options.jobs, lambda ready: done(ready / len(tasks)))
+    answers = run_all(tasks, options.jobs, lambda ready: tell(ready, len(tasks), ""))
     outcome: Outcome = module.evaluate(options, answers)
     return outcome
 

@@ -2,6 +2,7 @@
 
 The servo is torque = clip(stiffness x error, +-stall) - damping x speed: a position actuator with a force
 range, and the damping in the joint. A calf driven from the body (paper B) is a tendon over thigh + calf.
+It loads in its rest pose, which is also the keyframe "rest" with the goals that hold it.
 Contacts: hard feet (impratio 100, solimp .99 .999) creep below 0.01 mm in 20 s of standing.
 """
 
@@ -12,8 +13,8 @@ from xml.etree import ElementTree as Xml
 
 from sim2d.model import PlanarRobot, ServoModel
 
-from ..plane import planar_robot
-from ..robot_model import JOINT_NAMES, LEG_NAMES, Link, Robot
+from ..plane import planar_robot, rest_pose_rad
+from ..robot_model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
 from .ground import Ground
 
 GRAVITY_M_S2 = 9.81
@@ -22,6 +23,7 @@ STOP_MARGIN_RAD = radians(3.0)
 PAYLOAD_HALF_M = (0.06, 0.05, 0.025)
 _SOLVER = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005 0.5 2", "condim": "3"}
 _STOP = {"solreflimit": "0.02 1"}
+_AXES = ("1 0 0", "0 1 0", "0 1 0")  # of hip, thigh and calf
 _DRY = {"solreffriction": "0.004 1", "solimpfriction": "0.9999 0.9999 0.001 0.5 2"}
 
 
@@ -36,6 +38,7 @@ class ModelOptions:
     dt_s: float = 0.001
     impratio: float = 100.0
     on_a_stand: bool = False
+    at_rest: bool = True  # loads in the rest pose; else with all joints at 0, for who places the robot himself
 
 
 def joint_names() -> list[str]:
@@ -60,6 +63,8 @@ def mjcf(robot: Robot, options: ModelOptions | None = None) -> str:
     _add_ground(world, chosen.ground)
     _add_trunk(world, robot, plane, chosen)
     _add_drives(root, robot, plane, chosen.voltage_V)
+    if chosen.at_rest:
+        _add_rest(root, robot, chosen)
     Xml.indent(root)
     return Xml.tostring(root, encoding="unicode") + "\n"
 
@@ -99,10 +104,13 @@ def _inertial(body: Xml.Element, link: Link, side: int = 1, knee: int = -1) -> N
                    diaginertia=_vector(link.inertia_kg_m2))
 
 
+def _trunk_m(robot: Robot, options: ModelOptions) -> Vector:
+    return 0.0, 0.0, robot.stance.rest_height_m + robot.geometry.foot_radius_m + 0.5 * options.on_a_stand
+
+
 def _add_trunk(world: Xml.Element, robot: Robot, plane: PlanarRobot, options: ModelOptions) -> None:
     """Add the trunk at rest height, its payload, and the legs; a robot on a stand hangs half a metre up."""
-    height_m = robot.stance.rest_height_m + robot.geometry.foot_radius_m + 0.5 * options.on_a_stand
-    trunk = Xml.SubElement(world, "body", name="trunk", pos=_vector((0, 0, height_m)))
+    trunk = Xml.SubElement(world, "body", name="trunk", pos=_vector(_trunk_m(robot, options)))
     if not options.on_a_stand:
         Xml.SubElement(trunk, "freejoint", name="base")
     _inertial(trunk, robot.links.trunk)
@@ -113,7 +121,7 @@ def _add_trunk(world: Xml.Element, robot: Robot, plane: PlanarRobot, options: Mo
     if options.payload_kg > 0:
         _add_payload(trunk, robot, options.payload_kg)
     for leg in range(4):
-        _add_leg(trunk, robot, plane, leg, options.voltage_V)
+        _add_leg(trunk, robot, plane, leg, options)
 
 
 def _add_payload(trunk: Xml.Element, robot: Robot, mass_kg: float) -> None:
@@ -126,21 +134,27 @@ def _add_payload(trunk: Xml.Element, robot: Robot, mass_kg: float) -> None:
                    conaffinity="0", rgba="0.8 0.6 0.1 1")
 
 
-def _add_leg(trunk: Xml.Element, robot: Robot, plane: PlanarRobot, leg: int, voltage_V: float | None) -> None:
+def _add_leg(trunk: Xml.Element, robot: Robot, plane: PlanarRobot, leg: int, options: ModelOptions) -> None:
     """Add hip, thigh and calf with their joints and the parts that touch the ground."""
     name, side, knee = LEG_NAMES[leg], robot.side(leg), robot.knee_sign(leg)
     offset_m, thigh_m, calf_m = robot.geometry.links_m
-    links, servos = robot.links, drives(plane, voltage_V)
+    links, servos = robot.links, drives(plane, options.voltage_V)
     hip = Xml.SubElement(trunk, "body", name=f"{name}_hip", pos=_vector((*robot.hip_m(leg), 0)))
     thigh = Xml.SubElement(hip, "body", name=f"{name}_thigh", pos=_vector((0, side * offset_m, 0)))
     calf = Xml.SubElement(thigh, "body", name=f"{name}_calf", pos=_vector((0, 0, -thigh_m)))
     bodies = (hip, thigh, calf)
     for joint, link in enumerate((links.hip, links.thigh, links.calf)):
         on_tendon = joint == 2 and plane.calf_on_torso
-        _add_joint(bodies[joint], robot, leg, joint, None if on_tendon else servos[joint])
+        hinge = _add_joint(bodies[joint], robot, leg, joint, None if on_tendon else servos[joint])
+        if options.at_rest:
+            rest = _number(rest_pose_rad(robot, leg)[joint])
+            bodies[joint].set("axisangle", f"{_AXES[joint]} {rest}")
+            hinge.set("ref", rest)
         _inertial(bodies[joint], link, side, knee)
     touching, radius_m = _touching(plane.body_friction), plane.shank_radius_m
     tube = {"type": "capsule", "size": _number(radius_m), "rgba": "0.3 0.3 0.3 1"}
+    Xml.SubElement(hip, "geom", {**tube, "name": f"{name}_hip", "contype": "0", "conaffinity": "0",
+                                 "fromto": _vector((0, 0, 0, 0, side * max(offset_m, radius_m), 0))})
     Xml.SubElement(thigh, "geom", {**touching, **tube, "name": f"{name}_thigh",
                                    "fromto": _vector((0, 0, 0, 0, 0, -thigh_m))})
     Xml.SubElement(calf, "geom", {**touching, **tube, "name": f"{name}_shank",
@@ -157,14 +171,14 @@ def drives(plane: PlanarRobot, voltage_V: float | None) -> tuple[ServoModel, Ser
     return thigh, thigh, plane.calf_servo.at_voltage(volts)
 
 
-def _add_joint(body: Xml.Element, robot: Robot, leg: int, joint: int, servo: ServoModel | None) -> None:
-    """Add a hinge; without ``servo`` its drive sits on a tendon."""
+def _add_joint(body: Xml.Element, robot: Robot, leg: int, joint: int, servo: ServoModel | None) -> Xml.Element:
+    """Add a hinge and return it; without ``servo`` its drive sits on a tendon."""
     low, high = robot.joint_limits_rad(leg)[joint]
     passive = {} if servo is None else _passive(servo)
-    Xml.SubElement(body, "joint", {"name": f"{LEG_NAMES[leg]}_{JOINT_NAMES[joint]}_joint", "type": "hinge",
-                                   "axis": "1 0 0" if joint == 0 else "0 1 0",
-                                   "range": _vector((low - STOP_MARGIN_RAD, high + STOP_MARGIN_RAD)),
-                                   **passive, **_STOP})
+    return Xml.SubElement(body, "joint", {"name": f"{LEG_NAMES[leg]}_{JOINT_NAMES[joint]}_joint", "type": "hinge",
+                                          "axis": _AXES[joint],
+                                          "range": _vector((low - STOP_MARGIN_RAD, high + STOP_MARGIN_RAD)),
+                                          **passive, **_STOP})
 
 
 def _passive(servo: ServoModel) -> dict[str, str]:
@@ -191,3 +205,20 @@ def _add_drives(root: Xml.Element, robot: Robot, plane: PlanarRobot, voltage_V: 
             "gainprm": _number(stiffness), "biasprm": _vector((0, -stiffness, 0)),
             "forcerange": _vector((-stall, stall)),
         })
+
+
+def _add_rest(root: Xml.Element, robot: Robot, options: ModelOptions) -> None:
+    """Add the keyframe: every loose stone where it lies, the trunk above its feet, joints and goals at rest."""
+    pose = [angle_rad for leg in range(4) for angle_rad in rest_pose_rad(robot, leg)]
+    places: list[float] = []
+    for block in options.ground.blocks:
+        if block.mass_kg > 0:
+            places += [*block.centre_m, *block.quaternion]
+    if not options.on_a_stand:
+        places += [*_trunk_m(robot, options), 1.0, 0.0, 0.0, 0.0]
+    goals = list(pose)
+    if robot.calf_drive.coupled:
+        for calf in range(2, len(goals), 3):
+            goals[calf] += goals[calf - 1]
+    keys = Xml.SubElement(root, "keyframe")
+    Xml.SubElement(keys, "key", name="rest", qpos=_vector([*places, *pose]), ctrl=_vector(goals))

@@ -1,44 +1,44 @@
-"""What a board says of itself: its MicroPython, its file system, its slots, its log."""
+"""What a board says of itself: its MicroPython, its slots, its log."""
 
 from typing import Any
 
-from ..runtimes.board import ARCHES
-from .board_files import BoardFiles
+from firmware.flash_map import SLOTS
+
+from .answers import Held
+from .board import Board
 from .link import BoardLink
-from .plan import SLOTS, mpy_version
 
 
 def describe(port: str) -> dict[str, Any]:
     """Return what a board is and holds; it is started again afterwards."""
     with BoardLink(port) as link:
-        survey = BoardFiles(link).survey()
+        survey = Board(link).survey()
         link.reset()
-    number = survey.mpy >> 10 & 0xF
-    report = survey.report or {}
+    report = survey.report
     return {
         "port": port,
-        "micropython": survey.version,
-        "machine": survey.machine,
-        "mpy": mpy_version(survey.mpy),
-        "arch": (ARCHES[number] if number < len(ARCHES) else f"number {number}") or "bytecode only",
-        "file_system": survey.filesystem,
-        "free": f"{survey.free} bytes",
-        "slots": {slot: "whole" if survey.complete(slot) else "empty" for slot in SLOTS},
-        "running": report.get("slot") or None,
-        "confirmed": report.get("confirmed"),
-        "role": report.get("role"),
-        "version": report.get("version"),
-        "build": report.get("build"),
-        "protocol": report.get("protocol"),
-        "self_test": {None: None, "": "passed"}.get(report.get("self_test"), report.get("self_test")),
+        "board": report.board,
+        "micropython": survey.micropython,
+        "slots": {SLOTS[slot]: _held(held) for slot, held in enumerate(survey.slots)},
+        "running": SLOTS[report.slot],
+        "confirmed": report.confirmed,
+        "role": report.role,
+        "version": report.version,
+        "build": report.build,
+        "protocol": report.protocol,
+        "self_test": "passed" if report.self_test == "" else report.self_test,
         "supply_mV": survey.supply_mV,
     }
+
+
+def _held(held: Held | None) -> str:
+    return f"version {held.version}, build {held.build}" if held else "empty"
 
 
 def read_log(port: str) -> list[str]:
     """Return the lines of a board's log; it is started again afterwards."""
     with BoardLink(port) as link:
-        text = BoardFiles(link).log()
+        text = Board(link).log()
         link.reset()
     return text.splitlines()
 

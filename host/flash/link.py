@@ -3,12 +3,12 @@
 import contextlib
 import errno
 import fcntl
-import json
 import os
+import re
 import struct
 import time
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar
 
 from ..errors import NOT_ACHIEVED, UserError
 from ..runtimes.base import MARK
@@ -19,6 +19,9 @@ STEP_TIMEOUT_S = 20.0  # erasing the flash of a STM32F405 takes up to 2 s a sect
 BACK_TIMEOUT_S = 15.0  # from a reset until USB is there again
 CTRL_C = b"\x03"
 INTERRUPTS = 12  # firmware/start_gait.py wants ten in a row
+
+
+Shape = TypeVar("Shape")
 
 
 class BoardError(UserError):
@@ -81,15 +84,24 @@ class BoardLink:
         with self._failures():
             output, error = self._link.exec_raw(script, timeout=timeout_s)
         if error:
-            words = error.decode("utf-8", "replace").strip().splitlines()[-1]
+            lines = error.decode("utf-8", "replace").strip().splitlines()
+            words = lines[-1] if lines else "that something went wrong, but not what"
             raise BoardScriptError(f"{self.port}: the board says {words}", _os_error(words))
         return str(output.decode("utf-8", "replace"))
 
-    def ask(self, script: str, timeout_s: float = STEP_TIMEOUT_S) -> dict[str, Any]:
-        """Run a script that answers with one marked line of JSON, and return that."""
+    def ask(self, script: str, shape: type[Shape], timeout_s: float = STEP_TIMEOUT_S) -> Shape:
+        """Run a script that answers with one marked line of JSON, and return that; BoardError if it has another shape.
+
+        ``shape``: a class or type as pydantic takes it (answers.py).
+        """
+        from pydantic import TypeAdapter, ValidationError
+
         for line in self.run(script, timeout_s).splitlines():
             if line.startswith(MARK):
-                return dict(json.loads(line[len(MARK) :]))
+                try:
+                    return TypeAdapter(shape).validate_json(line[len(MARK) :], strict=True)
+                except ValidationError as error:
+                    raise _unreadable(self.port, error.errors(include_url=False)[0]) from None
         raise BoardError(f"{self.port}: no answer from the board: reset it and try again")
 
     def reset(self) -> None:
@@ -155,6 +167,13 @@ class BoardLink:
             ) from error
 
 
+def _unreadable(port: str, first: Mapping[str, Any]) -> BoardError:
+    """Return what is wrong with an answer; ``first`` is pydantic's first complaint."""
+    place = ".".join(str(part) for part in first["loc"])
+    return BoardError(f"{port}: what the board answers can't be read: {place}: {first['msg']}: reset it and try again; "
+                      f"if it stays, install its MicroPython anew (docs/flashing.md)"[:400])
+
+
 def check_port(port: str) -> None:
     """UserError if there is no such device or it may not be used."""
     if "://" in port:
@@ -203,6 +222,6 @@ def _os_error(words: str) -> int:
     if not words.startswith("OSError"):
         return 0
     rest = words.partition(":")[2].replace("[Errno", " ").replace("]", " ").split()
-    if rest and rest[0].isdigit():
-        return int(rest[0])
-    return int(getattr(errno, rest[0], 0)) if rest else 0
+    numbers = {name: number for number, name in errno.errorcode.items()}
+    word = rest[0] if rest else ""
+    return int(word) if re.fullmatch("[0-9]{1,9}", word) else numbers.get(word, 0)

@@ -6,6 +6,7 @@ import sys
 import termios
 import tty
 
+from ..console import say, write_note
 from .link import BoardLink
 
 LEAVE = b"\x1d"  # Ctrl-]
@@ -17,7 +18,7 @@ def run_shell(port: str) -> None:
     link.open()
     keyboard = sys.stdin.fileno()
     before = termios.tcgetattr(keyboard)
-    print(f"{port}: Ctrl-] leaves", file=sys.stderr)
+    write_note(f"{port}: Ctrl-] leaves")
     try:
         tty.setraw(keyboard)
         link.send(b"\r\x02")  # the friendly prompt, whatever was used last
@@ -25,7 +26,7 @@ def run_shell(port: str) -> None:
     finally:
         termios.tcsetattr(keyboard, termios.TCSADRAIN, before)
         link.close()
-        print()
+        say("")
 
 
 def join(link: BoardLink, keyboard: int, out: int) -> None:

@@ -13,6 +13,7 @@ import serial
 from firmware import link
 from firmware.mpu6050 import FAULT_NAMES, OK
 
+from ..gait_frames import FrameReader, frame
 from .base import COUNTS, Imu, ImuError, ImuLate
 
 START_S = 1.0  # a board that has just been opened may still be starting a tick (chosen)
@@ -20,6 +21,7 @@ ANSWER_S = 0.004  # the patience with a servo (host/servos/port.py): USB, the bo
 WRITE_S = 0.005
 BAUD = 115200  # the board's USB takes any
 CHUNK = 4096
+READING_BYTES = 2 + 2 * COUNTS  # of its payload (firmware/link.py)
 
 
 class Stream(Protocol):
@@ -57,8 +59,8 @@ class GaitBoardImu(Imu):
     def __init__(self, port: str, opener: Callable[[str], Stream] = open_serial) -> None:
         self._port, self._opener = port, opener
         self._stream: Stream | None = None
-        self._reader, self._writer = link.Reader(), link.Writer()
-        self._number, self._reading = 0, bytearray()
+        self._reader = FrameReader()
+        self._number, self._reading = 0, b""
 
     def open(self) -> None:
         """See Imu: the board must answer."""
@@ -84,10 +86,8 @@ class GaitBoardImu(Imu):
         assert self._stream is not None
         end_s = time.monotonic() + patience_s
         self._number = (self._number + 1) & 0xFF
-        self._writer.open(link.READ)
-        self._writer.put(self._number, 1)
         try:
-            self._stream.write(bytes(self._writer.buffer[: self._writer.close()]))
+            self._stream.write(frame(link.READ, (self._number,)))
             while not self._found():
                 left_s = end_s - time.monotonic()
                 if left_s <= 0 or not select.select([self._stream.fileno()], [], [], left_s)[0]:
@@ -105,11 +105,10 @@ class GaitBoardImu(Imu):
     def _found(self) -> bool:
         """Take the bytes that are there; True if the awaited reading is among them."""
         assert self._stream is not None
-        found, reader = False, self._reader
-        for byte in self._stream.read(CHUNK) or b"":
-            if reader.take(byte) == link.READING and reader.buffer[2] == self._number:
-                self._reading[:] = reader.buffer[2 : 2 + reader.length]
-                found = True
+        found = False
+        for kind, payload in self._reader.frames(self._stream.read(CHUNK) or b""):
+            if kind == link.READING and len(payload) == READING_BYTES and payload[0] == self._number:
+                self._reading, found = payload, True
         return found
 
     def close(self) -> None:

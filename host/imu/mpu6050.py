@@ -8,6 +8,7 @@ import fcntl
 import struct
 from typing import Any
 
+from ..extras import how_to_get
 from ..robot_model import Robot
 from .base import Imu, ImuError, ImuLate
 
@@ -66,7 +67,7 @@ class Mpu6050(Imu):
             ):
                 self._i2c.write_byte_data(self._address, register, value)
         except ModuleNotFoundError:
-            raise ImuError("no library for the I2C bus on this machine; on a Pi: make setup-pi") from None
+            raise ImuError(f"no library for the I2C bus on this machine: {how_to_get('smbus2')}") from None
         except FileNotFoundError:
             raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: sudo raspi-config nonint do_i2c 0") from None
         except PermissionError:

@@ -2,8 +2,12 @@
 
 Deadlines are on the monotonic clock and do not drift; how late each cycle starts goes into a histogram. Between the
 planner's goals the set-points go straight from one to the next, so that joints see 200 small steps and not 50 large.
+
+One thread does the cycles. Others may call ``set_goals`` and ``let_go``: both only leave word for the next cycle, but
+for the first frame of an emergency stop. Letting go is repeated until every joint says that it has no torque.
 """
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import tau
@@ -13,10 +17,12 @@ from shared.wire import names as w
 from ..joint_units import Units
 from .guard import E_STOP, REACTIONS, Guard, Notice, worst
 from .host_loops import HostLoops
-from .link import JointLink
+from .link import JointLink, JointView
 
 BRAD_PER_RAD = 65536 / tau
 _AT_REST = (0.0,) * 12
+TORQUE_STATES = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
+DISARM_AGAIN = 4  # cycles between two tries: a joint answers within a millisecond, by a heartbeat
 JITTER_EDGES_S = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02)
 
 
@@ -62,8 +68,12 @@ class Cycle:
         self.reaction = "none"
         self.notices: list[Notice] = []
         self._report = report
+        self.letting_go = ""  # "disarm" or "stop" until all joints have said that they are off
         self._goals: list[float] | None = None
-        self._e_stops = 0
+        self._wanted: tuple[list[float], float] | None = None
+        self._let_go_s = 0.0
+        self._repeats = self._e_stops = 0
+        self._word = threading.Lock()  # over letting_go and armed; nothing is sent while it is held
         self._holding = False
         self._steps = [0.0] * 12
         self._left = 0
@@ -82,16 +92,18 @@ class Cycle:
         if self.loops is not None:
             self.loops.reset()
 
-    def set_goals(self, goals_rad: Sequence[float] | None, within_s: float = 0.0) -> None:
-        """Go to twelve motor angles, evenly within a time; None ends the set-points."""
-        if goals_rad is None:
-            self._goals = None
+    def set_goals(self, goals_rad: Sequence[float], within_s: float = 0.0) -> None:
+        """Go to twelve motor angles from the next cycle on, evenly within a time."""
+        self._wanted = ([angle * BRAD_PER_RAD for angle in goals_rad], within_s)
+
+    def _take_wanted(self) -> None:
+        wanted, self._wanted = self._wanted, None
+        if wanted is None or not self.armed:
             return
-        wanted = [angle * BRAD_PER_RAD for angle in goals_rad]
-        if self._goals is None:
-            self._goals = list(wanted)
+        goals, within_s = wanted
+        at = self._goals = list(goals) if self._goals is None else self._goals
         self._left = max(1, round(within_s / self.period_s))
-        self._steps = [(to - at) / self._left for to, at in zip(wanted, self._goals, strict=True)]
+        self._steps = [(to - now) / self._left for to, now in zip(goals, at, strict=True)]
 
     def run_until(self, time_s: float) -> None:
         """Do the cycles due until a time, each at its own; leave out those that are over already."""
@@ -112,8 +124,11 @@ class Cycle:
     def step(self) -> None:
         """Do one cycle now."""
         self.link.receive()
+        if self.letting_go:
+            self._let_go_again()
         if self.armed:
             self._watch()
+        self._take_wanted()
         if self._holding:
             self._follow()
         goals = self._goals  # another thread may end them
@@ -157,17 +172,19 @@ class Cycle:
             if self._goals is not None and not view.enabled:
                 self._goals[i] = float(_position(view.reply))
 
-    def start(self) -> None:
-        """Watch the joints from here on: they are armed."""
+    def start(self) -> bool:
+        """Watch the joints from here on: they are armed. False if they are to let go instead."""
         self._holding = False
         self.reaction, self.notices, self._e_stops = "none", [], self.link.e_stops
         self.guard.start()
-        self.armed = True
+        with self._word:
+            self.armed = not self.letting_go
+            return self.armed
 
     def end(self) -> None:
         """End the set-points and the watching."""
         self.armed = self._holding = False
-        self._goals = None
+        self._goals = self._wanted = None
 
     def damp(self) -> None:
         """Quick stop of all joints, and no set-point any more."""
@@ -175,10 +192,46 @@ class Cycle:
         for node in self.link.nodes:
             self.link.request(node, w.COMMAND_QUICK_STOP)
 
+    def let_go(self, how: str) -> None:
+        """Take all torque away: ``disarm``, from the next cycle on; ``stop``, at once and before all other frames.
+
+        Repeated until all joints have said that they are off. A stop takes the place of disarming, not the other way
+        round.
+        """
+        with self._word:
+            self.end()
+            self._let_go_s, self._repeats = self.link.port.now(), 0
+            if self.letting_go != "stop":
+                self.letting_go = how
+        if how == "stop":
+            self.link.emergency_stop()
+
     def stop(self) -> None:
         """Take all torque away, also that of a joint which does not hear its own emergency stop."""
-        self.end()
-        self.link.emergency_stop()
+        self.let_go("stop")
+
+    @property
+    def holding(self) -> list[int]:
+        """The nodes that have not said that they are off since they were told to let go."""
+        views, since_s = self.link.views, self._let_go_s
+        return [node for node in self.link.nodes if not _is_off(views[node], since_s)]
+
+    def _let_go_again(self) -> None:
+        since_s, holding = self._let_go_s, self.holding
+        if not holding:
+            with self._word:
+                if since_s == self._let_go_s:
+                    self.letting_go = ""
+        elif self.letting_go == "stop":
+            self.link.emergency_stop()
+        elif self._repeats % DISARM_AGAIN == 0:
+            for node in holding:
+                self.link.request(node, w.COMMAND_DISARM)
+        self._repeats += 1
+
+
+def _is_off(view: JointView, since_s: float) -> bool:
+    return view.heartbeat_s > since_s and view.state not in TORQUE_STATES
 
 
 def _position(reply: Sequence[int]) -> int:

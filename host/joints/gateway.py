@@ -12,6 +12,7 @@ from shared.wire import names as w
 from ..can.port import Port
 from ..can.simulated import Node, SimBus
 from ..errors import UserError
+from .link import RECEIVE_MOST
 from .sim_robot import SimRobot, power_off
 
 FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage", "hot")
@@ -79,10 +80,11 @@ class Gateway:
 
     def _take(self) -> None:
         for port, node in self._ends:
-            frame = port.receive()
-            while frame is not None:
-                node.send(frame.identifier, frame.data)
+            for _ in range(RECEIVE_MOST):
                 frame = port.receive()
+                if frame is None:
+                    break
+                node.send(frame.identifier, frame.data)
 
 
 def _attach(bus: SimBus, port: Port) -> Node:

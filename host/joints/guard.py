@@ -14,13 +14,12 @@ from shared.wire import names as w
 
 from ..joint_faults import fault_name, fault_sentence
 from ..joint_units import Units
-from .link import JointLink, JointView
+from .link import HEARTBEAT_S, JointLink, JointView
 from .service import joint_name
 
 REACTIONS = ("none", "refuse", "sit", "damp", "stop")  # rising
 E_STOP = "an emergency stop came over the bus: look who pulled it, clear the faults, then arm"
 NOBODY = "check the supply, the CAN cable and both terminators, and that this is the right interface and channel"
-HEARTBEAT_S = 1.0  # five heartbeats
 SILENT_S = 0.05  # ten cycles at 200 Hz without a reply while armed
 LOSS_SHARE = 0.1  # of the replies of a window
 LOSS_WINDOW = 200  # cycles
@@ -60,14 +59,21 @@ class Guard:
     def before_arming(self, boards: dict[int, set[int]] | None = None) -> list[Notice]:
         """Return what keeps the robot from being armed; ``boards`` is what discovery found, if it was asked."""
         now = self.link.port.now()
-        if all(now - self.link.views[node].heartbeat_s > HEARTBEAT_S for node in self.link.nodes):
+        if not self.link.alive():
             return [Notice(0, "missing", f"no joint answers on {self.link.port.name}: {NOBODY}", "refuse")]
         found = [notice for node in self.link.nodes for notice in self._at_rest(self.link.views[node], now)]
         for node, numbers in sorted((boards or {}).items()):
             if node and len(numbers) > 1:
                 text = f"{joint_name(node)}: {len(numbers)} boards have this node; give one another: joints set-id"
                 found.append(Notice(node, "duplicate", text, "refuse"))
+        if boards is not None:
+            found += [self._mute(node) for node in self.link.alive() if node not in boards]
         return found + self._mixed()
+
+    @staticmethod
+    def _mute(node: int) -> Notice:
+        text = f"{joint_name(node)} is there but did not tell its board's number: the bus loses frames; look again"
+        return Notice(node, "mute", text, "refuse")
 
     def _at_rest(self, view: JointView, now: float) -> list[Notice]:
         name = joint_name(view.node)

@@ -27,6 +27,10 @@ from ..can.port import Port
 from ..protocol.frames import new_frame
 
 GROUPS = NODES // 4
+# Read at once: more than the shortest frames of two full buses in a cycle of 200 Hz, and less time than half of it.
+RECEIVE_MOST = 256
+HEARTBEAT_S = 1.0  # five heartbeats
+RECEIVE_S = 0.002
 
 
 @dataclass
@@ -95,6 +99,7 @@ class JointLink:
         self.clipped = 0
         self.e_stops = 0
         self.syncs = 0
+        self.floods = 0  # times that more had come than was read at once
         self._in, self._out = new_frame(), new_frame()
         self._slots = array("i", [w.NO_CHANGE] * 4)
         self._sync = array("i", [0, session])
@@ -103,6 +108,11 @@ class JointLink:
         self._counting = False
         self._sequence = 37 * session & 0xFF  # another host's last request must not look like this one's first
         self._request = array("i", [0] * w.SERVICE_REQUEST_FIELDS)
+
+    def alive(self) -> list[int]:
+        """Return the nodes that have sent a heartbeat lately."""
+        now_s = self.port.now()
+        return [node for node in self.nodes if now_s - self.views[node].heartbeat_s <= HEARTBEAT_S]
 
     def request(self, node: int, command: int, index: int = 0, value: int = 0, again: bool = False) -> int:
         """Send a request to a node, 0 for all, and return its sequence number; ``again`` repeats the last one's."""
@@ -136,18 +146,21 @@ class JointLink:
         for node in self.nodes:
             self.views[node].answered = False
 
-    def emergency_stop(self) -> None:
-        """Send the frame that takes every joint's torque away; a node without room in its buffer tries again."""
-        for _ in range(3):
-            self.port.send(w.E_STOP_ID, b"")
+    def emergency_stop(self) -> bool:
+        """Send the frame that takes every joint's torque away, before all others; False if the adapter takes none."""
+        return self.port.send_first(w.E_STOP_ID, b"")
 
     def receive(self) -> None:
-        """Read everything that has come."""
-        while True:
+        """Read what has come, up to a bound: a flood must not keep the cycle from its time."""
+        end_s = self.port.now() + RECEIVE_S
+        for _ in range(RECEIVE_MOST):
             frame = self.port.receive()
             if frame is None:
                 return
             self._take(frame.time_s, frame.identifier, frame.data)
+            if self.port.now() > end_s:
+                break
+        self.floods += 1
 
     def _take(self, time_s: float, identifier: int, data: bytes) -> None:
         block, node = frame_block(identifier), frame_node(identifier)

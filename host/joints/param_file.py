@@ -32,7 +32,7 @@ def read_file(path: Path) -> dict[str, int]:
         protocol, values = content["protocol"], dict(content["parameters"])
     except OSError as error:
         raise UserError(f"{path}: can't be read: {error.strerror or error}") from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise UserError(f"{path}: is no file of params save --file ({type(error).__name__}: {error})") from error
     if protocol != f"{PROTOCOL_HASH:#06x}":
         raise UserError(f"{path}: is of protocol {protocol}, this is {PROTOCOL_HASH:#06x}: save the joint anew")

@@ -6,6 +6,7 @@ A repeated request carries the same number, so a joint that has done it answers 
 from collections.abc import Callable
 
 from shared.wire import names as w
+from shared.wire.parameters import PARAMETER_CHALLENGE
 
 from ..buses.base import JOINT_LABELS
 from ..errors import NOT_ACHIEVED, UserError
@@ -34,6 +35,7 @@ RESULTS = {
     w.RESULT_DUPLICATE_ID: "another board has the same node: caramelo joints scan, then set-id",
     w.RESULT_WRONG_KEY: "the board's number does not match: caramelo joints scan tells it",
     w.RESULT_BUSY: "it is busy: try again",
+    w.RESULT_WRONG_CHALLENGE: "the request does not carry its challenge: it was armed or let go meanwhile, try again",
 }
 
 
@@ -85,6 +87,13 @@ class Requests:
             raise UserError(f"{joint_name(node)} refuses: {refusal(answer)}", NOT_ACHIEVED)
         return answer
 
+    def challenged(
+        self, node: int, command: int = w.COMMAND_ARM, index: int = 0, low: int = w.PROTOCOL_HASH
+    ) -> Response:
+        """Demand arming, calibrating or homing of a joint: it carries its challenge, and ``low`` below that."""
+        challenge = self.demand(node, w.COMMAND_READ_PARAMETER, PARAMETER_CHALLENGE).value
+        return self.demand(node, command, index, challenge << 16 | low & 0xFFFF)
+
     def to_board(self, command: int, number: int, index: int = 0) -> Response:
         """Ask the one board with a number, whatever its node: set-id and the loader."""
         answer = self._exchange(0, command, index, number, anybody=True)
@@ -95,16 +104,24 @@ class Requests:
         return answer
 
     def discover(self, times: int = 2) -> dict[int, set[int]]:
-        """Return the boards' numbers by node; two numbers under one node are two boards with one id."""
+        """Return the boards' numbers by node; two numbers under one node are two boards with one id.
+
+        Asked again, TRIES times more at most, while a joint that is heard has not answered: an answer may get lost.
+        """
         found: dict[int, set[int]] = {}
-        link, port = self.link, self.link.port
-        for _ in range(times):
-            link.responses.clear()
-            link.request(0, w.COMMAND_DISCOVER)
-            end_s = port.now() + DISCOVER_S
-            while port.now() < end_s:
-                self._idle(port.now() + POLL_S)
-            for answer in link.responses:
-                if answer.command == w.COMMAND_DISCOVER:
-                    found.setdefault(answer.node, set()).add(answer.value)
+        for turn in range(times + TRIES):
+            if turn >= times and all(node in found for node in self.link.alive()):
+                break
+            self._discover_once(found)
         return found
+
+    def _discover_once(self, found: dict[int, set[int]]) -> None:
+        link, port = self.link, self.link.port
+        link.responses.clear()
+        link.request(0, w.COMMAND_DISCOVER)
+        end_s = port.now() + DISCOVER_S
+        while port.now() < end_s:
+            self._idle(port.now() + POLL_S)
+        for answer in link.responses:
+            if answer.command == w.COMMAND_DISCOVER:
+                found.setdefault(answer.node, set()).add(answer.value)

@@ -6,17 +6,15 @@ that current, so that the firmware's own checks of it go on. The application is 
 VM (vm_joint.py); this file is what surrounds it: gear, encoders, supply, SI.
 """
 
-import tempfile
 from collections.abc import Callable
 from math import cos, sin, tau
-from pathlib import Path
 
 from shared.wire.identity import board_id
 
 from ..joint_gains import joint_blocks
 from ..joint_units import Board, JointSetup
-from ..motor.sensors import thermistor_counts
 from ..robot_actuators import Bldc
+from ..thermistor import part_of
 from .vm.inside import STEP_PLACES, Inside
 from .vm_joint import VmInside
 
@@ -25,7 +23,7 @@ CONTROLLER_C = 40.0
 JUMP = 400  # rotor counts a current step: more is a glitch to the firmware, so a fast joint gets more steps
 ADC_MOST = 4095
 
-MakeInside = Callable[[bytes, str], Inside | VmInside]
+MakeInside = Callable[[bytes], Inside | VmInside]
 
 
 class SimJoint:
@@ -58,12 +56,11 @@ class SimJoint:
         self._ampere = self.blocks.units.ampere_per_cu
         volt_per_count = self._reference.adc_volt / 4096
         self._counts_per_A = bldc.drive.shunt_ohm * bldc.drive.amplifier_gain / volt_per_count
-        self._folder = tempfile.TemporaryDirectory(prefix="caramelo-joint-")
         self.now_us = 0
         self._pairs: list[tuple[int, int]] = []
         self._heard: dict[int, bool] = {}
         self._read = self._sensors()
-        self.inside = make(self.unique_id, str(Path(self._folder.name) / "joint.bin"))
+        self.inside = make(self.unique_id)
         self._boot()
 
     def _boot(self) -> None:
@@ -87,7 +84,7 @@ class SimJoint:
         reference = self._reference
         full_V = reference.adc_volt * reference.bus_divider
         bus = min(ADC_MOST, round(self.volts / full_V * 4096))
-        thermistor = thermistor_counts(self.bldc, reference, self.winding_C)
+        thermistor = part_of(self.bldc, reference).counts(self.winding_C)
         mcu = round(reference.mcu_cal1 + (CONTROLLER_C - 30) * (reference.mcu_cal2 - reference.mcu_cal1) / 80)
         return bus, thermistor, mcu
 
@@ -158,6 +155,5 @@ class SimJoint:
         self._read = self._sensors()
 
     def close(self) -> None:
-        """Remove what the joint has saved."""
+        """End what the joint runs in; what it has saved is gone."""
         self.inside.close()
-        self._folder.cleanup()

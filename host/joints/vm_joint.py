@@ -25,8 +25,8 @@ EMITTER, ARCH = "viper", "x64"
 class VmInside:
     """See vm/inside.py, whose interface this is; UserError when the VM is gone or silent."""
 
-    def __init__(self, unique_id: bytes, path: str) -> None:
-        self._unique_id, self._path = unique_id, path
+    def __init__(self, unique_id: bytes) -> None:
+        self._unique_id = unique_id
         self.bridge = self.q_ref = self.resets = 0
         self.pairs: list[tuple[int, int]] = []
         self._frames: list[tuple[int, bytes]] = []
@@ -43,7 +43,7 @@ class VmInside:
     def boot(self, *arguments: Any) -> None:
         """See Inside."""
         self._process = self._process or self._start()
-        order = {"unique_id": list(self._unique_id), "path": self._path, "arguments": arguments}
+        order = {"unique_id": list(self._unique_id), "arguments": arguments}
         self._ask(m.BOOT, json.dumps(order).encode())
 
     def frame(self, identifier: int, data: bytes, room: int) -> None:
@@ -112,11 +112,11 @@ class VmInside:
 @cache
 def _built() -> tempfile.TemporaryDirectory[str]:
     """Return a folder, removed when this process ends, with the firmware as the build makes it for the unix VM."""
-    from ..build.image import build_image, write_image
     from ..build.source import PACKAGES, ROOT
+    from ..build.tree import compile_tree, write_tree
 
     folder = tempfile.TemporaryDirectory(prefix="caramelo-vm-")
-    write_image(build_image(ROOT, None, EMITTER, ARCH, PACKAGES), Path(folder.name) / "tree")
+    write_tree(compile_tree(ROOT, EMITTER, ARCH, PACKAGES), Path(folder.name) / "tree")
     source = Path(__file__).with_name("vm")
     copytree(source, Path(folder.name) / "tree" / PACKAGE, ignore=ignore_patterns("__pycache__"))
     return folder

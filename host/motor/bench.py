@@ -1,17 +1,16 @@
 """A joint on a simulated bench: the firmware's own application on the simulated board, with the motor model under it.
 
 Ten thousand current steps a second, the main loop every millisecond, and a host on the bus that sends set-points,
-SYNC and requests as frames. A step's duties take effect half a step later, as the timer's preload makes them.
+SYNC and requests as frames. A step's duties act for the whole of the next step, as the timer's preload makes them.
 """
 
-import tempfile
 from array import array
 from dataclasses import dataclass, field
 from math import tau
-from pathlib import Path
 
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
+from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.wire import names as w
 from shared.wire.codec import (
@@ -30,6 +29,7 @@ from .sensors import Sensors, Wrong
 
 STEP_S = 1e-4
 STEPS_PER_MS = 10
+SUBSTEPS = 2  # of the motor model in a current step
 SETPOINT_MS = 5  # 200 Hz
 SESSION = 17
 
@@ -73,8 +73,7 @@ class Bench:
         self.wrong = Wrong()
         self.sensors = Sensors(bldc, Board(), seed=seed, wrong=self.wrong)
         self.board = SimBoard()
-        with tempfile.TemporaryDirectory(prefix="caramelo-") as folder:
-            self.joint = Joint(self.board, str(Path(folder) / "joint.bin"))
+        self.joint = Joint(self.board, Memory())
         self._configure(calibrated, elec_offset_rad)
         self.trace = Trace()
         self.late_every = 0  # 0 never; else each such interrupt is skipped
@@ -139,13 +138,12 @@ class Bench:
         board.now_us += round(STEP_S * 1e6)
         self._steps += 1
         compare, period = board.compare, self.blocks.foc[j.F_PERIOD]
-        duties = (compare[0] / period, compare[1] / period, compare[2] / period)
-        bridge = board.bridge
-        self.sensors.read_fast(motor, board)
+        duties = (compare[0] / period, compare[1] / period, compare[2] / period)  # the update event takes them over
         if board.handler is not None and not (self.late_every and self._steps % self.late_every == 0):
+            self.sensors.read_fast(motor, board)
             board.handler()
-        motor.advance(STEP_S / 2, bool(bridge and board.bridge), *duties)
-        motor.advance(STEP_S / 2, bool(board.bridge), compare[0] / period, compare[1] / period, compare[2] / period)
+        for _ in range(SUBSTEPS):
+            motor.advance(STEP_S / SUBSTEPS, bool(board.bridge), *duties)
         if self.fast is not None:
             self.fast.append(motor.i_q)
         for current in motor.phases_A():
@@ -184,7 +182,13 @@ class Bench:
         self.board.deliver(identifier, self._frame, 8)
 
     def request(self, command: int, index: int = 0, value: int = 0) -> int:
-        """Send a service request, let it be answered, and return RESULT_*."""
+        """Send a service request, with the challenge where it needs one; return RESULT_*."""
+        if command in (w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME):
+            value = self.joint.service.challenge << 16 | value & 0xFFFF
+        return self.ask(command, index, value)
+
+    def ask(self, command: int, index: int, value: int) -> int:
+        """Send a service request as it is, let it be answered, and return RESULT_*."""
         self._sequence = (self._sequence + 1) & 0xFF
         fields = array("i", [command, self._sequence, SESSION, index, value])
         encode_service_request(self._frame, fields, 0)

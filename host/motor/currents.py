@@ -1,5 +1,7 @@
 """The current loop of the simulated joint: its step, both axes at speed, and a blocked joint at the limit until hot."""
 
+from math import degrees
+
 from shared.joint import layout as j
 from shared.wire import names as w
 
@@ -16,11 +18,22 @@ LOAD_NM = 1.0
 HOT_MS = 25000
 
 
-def current(bldc: Bldc) -> Result:
-    """Step of the current loop with the rotor locked, looked at in every current step."""
-    bench = Bench(bldc, Load(blocked=True, ideal_gear=True))
+def current_locked(bldc: Bldc) -> Result:
+    """Step of the current loop with the rotor itself locked: the winding and the loop, nothing else."""
+    return _current("current-locked", bldc, Load(locked=True))
+
+
+def current_held(bldc: Bldc) -> Result:
+    """The same step with the joint held: the rotor winds the gear's spring up and swings, its back-EMF disturbs."""
+    return _current("current-held", bldc, Load(blocked=True, ideal_gear=True))
+
+
+def _current(name: str, bldc: Bldc, load: Load) -> Result:
+    """Step of the current from rest, looked at in every current step; how far the rotor turned is told."""
+    bench = Bench(bldc, load)
     bench.arm(w.MODE_CURRENT, 0.0)
     bench.run(100)
+    stood = bench.motor.rotor_rad
     bench.goal, bench.fast = CURRENT_A, []
     bench.run(50)
     way = bench.fast
@@ -36,8 +49,9 @@ def current(bldc: Bldc) -> Result:
         "overshoot_percent": round(overshoot, 2),
         "steady_error_percent": round(error, 3),
         "max_phase_current_A": round(max(bench.trace.peak_A), 4),
+        "rotor_turned_elec_deg": round(degrees(bench.motor.pole_pairs * (bench.motor.rotor_rad - stood)), 2),
     }
-    return Result("current", figures, bench)
+    return Result(name, figures, bench)
 
 
 def closed_loop(bldc: Bldc) -> Result:

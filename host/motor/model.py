@@ -8,9 +8,9 @@ The PWM ripple is the closed form for centre-aligned PWM: a sample at the centre
 from dataclasses import dataclass
 from math import cos, exp, pi, sin, sqrt
 
+from ..joint_heat import COPPER_PER_K
 from ..robot_actuators import Bldc
 
-COPPER_PER_K = 0.0039  # resistance of copper, per K
 GEAR_DAMPING = 0.05  # share of critical damping of the gear's spring (assumed)
 
 
@@ -20,7 +20,8 @@ class Load:
 
     inertia_kg_m2: float = 0.01
     torque_Nm: float = 0.0
-    blocked: bool = False  # the joint is held where it is
+    blocked: bool = False  # the joint is held where it is; the rotor still winds the gear's spring up
+    locked: bool = False  # the rotor itself is held
     ideal_gear: bool = False  # no losses, no backlash
     swapped_phases: bool = False
     source_ohm: float = 0.1  # battery and wiring (assumed)
@@ -124,6 +125,9 @@ class Motor:
     def _mechanical(self, seconds: float) -> None:
         """Rotor and load with the gear between; the gear's losses take from whichever side drives."""
         load, gear = self.load, self.gear
+        if load.locked:
+            self.rotor_rad_s = self.joint_rad_s = 0.0
+            return
         twist = self.rotor_rad / gear - self.joint_rad
         if twist > self.slack_rad:
             touching = twist - self.slack_rad

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from ..errors import UserError
 from ..robot_actuators import Bldc
 from .calibrate import calibrate
-from .currents import closed_loop, current, stall
+from .currents import closed_loop, current_held, current_locked, stall
 from .faults import FAULTS, fault
 from .motions import glitches, sine, step
 from .result import Result
@@ -15,7 +15,8 @@ SCENARIOS: dict[str, Callable[[Bldc], Result]] = {
     "sine": sine,
     "glitches": glitches,
     "stall": stall,
-    "current": current,
+    "current-locked": current_locked,
+    "current-held": current_held,
     "closed-loop": closed_loop,
     "calibrate": calibrate,
 }

@@ -1,17 +1,18 @@
 """What a joint's board reads of the motor: shunt currents, encoders, bus, thermistor, each with its faults.
 
-Amplifier counts have an offset, noise, 12 bits and an end. The rotor encoder's jitter and glitches are seeded.
+Amplifier counts have an offset, noise, 12 bits and an end. The rotor encoder answers each read with the angle at the
+read before, as AS5047P's frames do (firmware/encoders.py); its jitter and glitches are seeded.
 """
 
 import random
 from dataclasses import dataclass, field
-from math import exp, log, tau
+from math import tau
 
 from firmware.board_sim import SimBoard
 
-from ..joint_heat import PTC_PER_K
 from ..joint_units import Board
 from ..robot_actuators import Bldc
+from ..thermistor import part_of
 from .model import Motor
 
 
@@ -46,10 +47,11 @@ class Sensors:
         self._per_A = drive.shunt_ohm * drive.amplifier_gain / volt
         self._noise = [self._random.gauss(0, self.noise_counts) for _ in range(4096)]
         self._at = 0
+        self._answer = 0  # of the rotor encoder to the next read
         self.glitches = 0  # readings that were none
 
     def read_fast(self, motor: Motor, out: SimBoard) -> None:
-        """Write what every current step reads."""
+        """Write what a current step reads; the encoder's answer to the next one is taken here."""
         at = self._at
         noise, offsets, scale, raw = self._noise, self.offsets_counts, self._per_A, out.raw
         a, b, c = motor.phases_A()
@@ -63,7 +65,8 @@ class Sensors:
             out.rotor = self._random.randrange(16384)
             self.glitches += 1
         else:
-            out.rotor = int(motor.rotor_rad / tau * 16384 + 0.3 * noise[at]) & 16383
+            out.rotor = self._answer
+        self._answer = int(motor.rotor_rad / tau * 16384 + 0.3 * noise[at]) & 16383
 
     def read_slow(self, motor: Motor, out: SimBoard) -> None:
         """Write what the motion tick and the slow tick read."""
@@ -79,17 +82,7 @@ class Sensors:
             return 4095
         if self.wrong.thermistor == "short":
             return 0
-        return thermistor_counts(self.bldc, self.board, winding_C)
-
-
-def thermistor_counts(bldc: Bldc, board: Board, winding_C: float) -> int:
-    """Return the ADC's reading of the thermistor at a temperature: thermistor_C of host/joint_heat.py turned back."""
-    t = bldc.thermal
-    if t.thermistor == "ptc":
-        ohm = t.thermistor_25C_ohm * (1 + PTC_PER_K * (winding_C - 25))
-    else:
-        ohm = exp(log(t.thermistor_25C_ohm) + t.thermistor_beta_K * (1 / (winding_C + 273.15) - 1 / 298.15))
-    return round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
+        return part_of(self.bldc, self.board).counts(winding_C)
 
 
 def _counts(value: float) -> int:

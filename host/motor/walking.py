@@ -12,15 +12,15 @@ from typing import Any
 from shared.joint import layout as j
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_POSITION
-from sim2d.actuator import Actuator, CalfOnTorso
+from sim2d.actuator import CoupledDrives, Drives
 from sim2d.model import PLANAR_JOINTS
 from sim2d.recording import Recording
 
 from ..joint_gains import joint_blocks
+from ..joint_heat import COPPER_PER_K
 from ..joint_units import JointSetup
 from ..robot_actuators import Bldc
 from ..robot_model import Robot
-from .model import COPPER_PER_K
 
 CYCLE_MS = 20  # between goals of a planner at 50 Hz; set-points go straight from one to the next
 SETPOINT_MS = 5  # 200 Hz on the bus
@@ -40,7 +40,7 @@ class JointMotor:
         state[j.S_MODE] = io[j.IO_MODE] = MODE_POSITION
         state[j.S_BUS] = round(bldc.drive.bus_voltage_V / u.volt_per_vu)
         self.winding_C = self.housing_C = 25.0
-        self.torque_Nm = self.largest_Nm = self.hottest_C = 0.0
+        self.motor_Nm = self.largest_Nm = self.hottest_C = 0.0
         self.drawn_J = self.returned_J = 0.0
         self._goal_rad: float | None = None
         self._from_rad = self._slope_rad_s = 0.0
@@ -63,9 +63,9 @@ class JointMotor:
         ampere = cascade_step(blocks.cfg, state, blocks.io) * blocks.units.ampere_per_cu
         motor_Nm = ampere * self.bldc.motor.torque_constant_Nm_A * blocks.units.gear
         slow = max(-1.0, min(1.0, speed_rad_s / LOSS_SPEED_RAD_S))
-        self.torque_Nm = motor_Nm - (1 - self.bldc.gear.efficiency) * abs(motor_Nm) * slow
+        self.motor_Nm = motor_Nm
         self._account(ampere, motor_Nm, speed_rad_s, dt_s)
-        return self.torque_Nm
+        return motor_Nm - (1 - self.bldc.gear.efficiency) * abs(motor_Nm) * slow
 
     def _take_goal(self, goal_rad: float) -> None:
         """Go straight to a goal in one planner cycle; the first starts the trajectory where the joint is."""
@@ -119,10 +119,19 @@ class JointMotor:
 
 
 class JointMotors:
-    """The eight drives of the plane, in motor angles; sim2d's Actuator."""
+    """The eight drives of the plane, in motor angles; sim2d's Drives.
+
+    What they give is the motor's torque behind an ideal gear: that is what the current limit bounds.
+    """
 
     def __init__(self, bldc: Bldc) -> None:
         self.motors = [JointMotor(bldc) for _ in range(PLANAR_JOINTS)]
+        self.limit_Nm = [bldc.torque_limit_Nm] * PLANAR_JOINTS
+
+    @property
+    def given_Nm(self) -> Sequence[float]:
+        """See sim2d.actuator.Drives."""
+        return [motor.motor_Nm for motor in self.motors]
 
     def torques(
         self,
@@ -137,12 +146,12 @@ class JointMotors:
             torque_Nm[i] = motor.torque(goal_rad[i], position_rad[i], speed_rad_s[i], dt_s)
 
 
-def joint_motors(robot: Robot) -> tuple[JointMotors, Actuator]:
-    """Return the drives of a robot with brushless joints, and the actuator to simulate with (coupled calves)."""
+def joint_motors(robot: Robot) -> tuple[JointMotors, Drives]:
+    """Return the drives of a robot with brushless joints, and those to simulate with (coupled calves)."""
     if not isinstance(robot.actuator, Bldc) or robot.calf_drive.ratio != 1.0:
         raise ValueError(f"{robot.name}: joint motors are for brushless joints with calf_drive.ratio 1")
     motors = JointMotors(robot.actuator)
-    return motors, CalfOnTorso(motors) if robot.calf_drive.coupled else motors
+    return motors, CoupledDrives(motors) if robot.calf_drive.coupled else motors
 
 
 def transport(robot: Robot, recording: Recording, payload_kg: float, motors: JointMotors | None) -> dict[str, Any]:

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from ..extras import missing_library
+from ..progress import Tell
 from ..runtimes import Compiled, CortexM, CPython, Runtime, Unix, Wasi
 from .accuracy import Accuracy, accuracies
-from .budget import over_budget, read_budget
+from .budget import WALK, over_budget, read_budget
 from .figures import float_microseconds, fuel, instructions, loop_microseconds, microseconds
 from .sources import gather
 
@@ -19,8 +21,7 @@ UNIX = ("bytecode", "native", "viper")
 # What the figures have to reach. A time depends on the machine, so it is told and judged by the reader.
 TICK_US = 60.0
 FASTER_THAN_FLOATS = 3.0
-TICK = "planner.tick:"
-COMPARED = ("leg.leg_inverse", TICK)
+COMPARED = ("leg.leg_inverse", WALK)
 INSTRUCTIONS_MOST = {"joint.current_step": 824}  # of a Cortex-M4 as viper: what a first prototype needed
 
 
@@ -46,9 +47,9 @@ class Bench:
     def ticks(self, column: str) -> dict[str, float]:
         """Return the microseconds of whole ticks by walk: of ``cpython_us`` or ``compiled_us``."""
         return {
-            name.removeprefix(TICK): row[column]
+            name.removeprefix(WALK): row[column]
             for name, row in self.cost.items()
-            if name.startswith(TICK) and column in row
+            if name.startswith(WALK) and column in row
         }
 
     @property
@@ -64,23 +65,23 @@ class Bench:
         return found + self.over
 
 
-def run_bench(work: Path, simulate: bool, progress: Callable[[float], None]) -> Bench:
-    """Measure everything that is installed here."""
+def run_bench(work: Path, simulate: bool, tell: Tell) -> Bench:
+    """Measure everything that is installed here; ``tell`` hears what comes next."""
     bench = Bench()
     sources = gather(work)
-    steps = [
-        lambda: setattr(bench, "loop_us", loop_microseconds(sources, _new(work, "loop"), LOOP_TURNS)),
-        lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS)),
-        lambda: _time(bench, "compiled_us", Compiled(), sources, work),
-        lambda: _fuel(bench, sources, _new(work, "wasi")),
-        *(lambda emitter=emitter: _unix(bench, sources, work, emitter) for emitter in UNIX),
-        lambda: _instructions(bench, sources, _new(work, "cortex-m")),
-        lambda: bench.accuracy.extend(accuracies()),
+    steps: list[tuple[str, Callable[[], object]]] = [
+        ("loop", lambda: setattr(bench, "loop_us", loop_microseconds(sources, _new(work, "loop"), LOOP_TURNS))),
+        ("cpython", lambda: bench.fill("cpython_us", microseconds(CPython(), sources, _new(work, "cpython"), REPEATS))),
+        ("compiled", lambda: _time(bench, "compiled_us", Compiled(), sources, work)),
+        ("fuel", lambda: _fuel(bench, sources, _new(work, "wasi"))),
+        *((f"unix-{emitter}", partial(_unix, bench, sources, work, emitter)) for emitter in UNIX),
+        ("instructions", lambda: _instructions(bench, sources, _new(work, "cortex-m"))),
+        ("accuracy", lambda: bench.accuracy.extend(accuracies())),
     ]
     if simulate:
-        steps.append(lambda: _simulator(bench))
-    for done, step in enumerate(steps):
-        progress(done / len(steps))
+        steps.append(("simulator", lambda: _simulator(bench)))
+    for number, (name, step) in enumerate(steps, 1):
+        tell(number, len(steps), name)
         step()
     return bench
 

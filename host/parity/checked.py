@@ -4,7 +4,9 @@ CPython never shows what a 32-bit MicroPython would allocate. Here every integer
 ``Checked``: literals by a change to the syntax tree at import, array elements and loop counters
 by arrays and ranges that hand out Checked, results because every operator returns Checked. A
 float, a shift by 32 or more, or a value of more than 31 bits is an error at the place where it
-arises. Runs by itself in a folder that holds ``shared`` and ``probe`` (see sources.py).
+arises. Numbers that a module's source names are tried as inputs too, with their neighbours and the powers of two:
+a mistake for one value only has to name it. Runs by itself in a folder that holds ``shared`` and ``probe`` (see
+sources.py).
 """
 
 import array as plain_array
@@ -33,6 +35,7 @@ class Watch:
 
 
 WATCH = Watch()
+LITERALS: dict[str, set[int]] = {}  # by module: the integers in its source, worked out where they are sums or products
 
 
 class Checked(int):
@@ -139,9 +142,33 @@ class _Literals(ast.NodeTransformer):
         return node
 
 
+def literals(tree: ast.AST) -> set[int]:
+    """Return every integer a source names, also as an expression of literals such as 3 << 8."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant | ast.BinOp | ast.UnaryOp):
+            leaves = [leaf for leaf in ast.walk(node) if isinstance(leaf, ast.expr)]
+            if all(isinstance(leaf, ast.Constant | ast.BinOp | ast.UnaryOp) for leaf in leaves):
+                try:
+                    value = eval(compile(ast.Expression(node), "literal", "eval"), {"__builtins__": {}})
+                except (TypeError, ArithmeticError, ValueError):
+                    continue
+                if type(value) is int and LOW <= value <= HIGH:
+                    found.add(value)
+    return found
+
+
+def seams(module: str, low: int, high: int) -> list[int]:
+    """Return the values within low .. high at which a mistake can hide: ends, powers of two, what the source names."""
+    marks = {low, high, *(1 << bit for bit in range(31)), *LITERALS.get(module, ())}
+    near = {sign * mark + off for mark in marks for sign in (1, -1) for off in range(-2, 3)}
+    return sorted(value for value in near if low <= value <= high)
+
+
 class _Loader(importlib.machinery.SourceFileLoader):
     def source_to_code(self, data: Any, path: Any, *, _optimize: int = -1) -> Any:  # type: ignore[override]
         tree = ast.parse(data)
+        LITERALS[self.name] = literals(tree)
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef):
                 node.body = [_Literals(str(path)).visit(statement) for statement in node.body]
@@ -181,8 +208,7 @@ def measure(probe: Any, count: int) -> dict[str, Any]:
     probe.wrap = Checked
     probe.start()
     largest = 0
-    for index in range(count):
-        probe.draw(index, count)
+    for _ in _vectors(probe, count):
         inputs = repr(probe.values)[:300]
         WATCH.largest = 0
         try:
@@ -194,6 +220,24 @@ def measure(probe: Any, count: int) -> dict[str, Any]:
             return {"name": probe.name, "largest": largest, "error": sentence}
         largest = max(largest, WATCH.largest)
     return {"name": probe.name, "largest": largest, "error": None}
+
+
+def _vectors(probe: Any, count: int) -> Iterator[None]:
+    """Draw the usual vectors into the probe, then every seam, but where a life of states comes before each vector."""
+    for index in range(count):
+        probe.draw(index, count)
+        yield
+    if probe.begin is not None:
+        return
+    kept = probe.arguments
+    for at, spread in enumerate(kept):
+        if hasattr(spread, "edges"):
+            probe.arguments = (*kept[:at], None, *kept[at + 1 :])
+            for value in seams(probe.function.__module__, spread.low, spread.high):
+                probe.values[at] = value
+                probe.draw(count, count)
+                yield
+    probe.arguments = kept
 
 
 def answer(module: str, count: int) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..build.source import ROOT
 from ..runtimes import Unix, Wasi
+from .budget import is_added, read_budget
 from .figures import Allocation, Promise, allocations, largest_values, promises
 from .sources import gather
 
@@ -38,8 +39,10 @@ def table_of(
     bytecode: dict[str, Allocation],
     viper: dict[str, Allocation],
 ) -> str:
-    """Return the table of what was measured: a row for each function of a tick."""
-    rows = [_row(name, largest[name][0], bytecode[name], viper[name]) for name in largest if bound[name].ticks]
+    """Return the table of what was measured: a row for each function of a tick, but for walks in added gaits."""
+    budget = read_budget()
+    names = [name for name in largest if bound[name].ticks and not is_added(name, budget)]
+    rows = [_row(name, largest[name][0], bytecode[name], viper[name]) for name in names]
     return HEAD + "".join(rows)
 
 

@@ -1,38 +1,64 @@
 """A record as CSV files, one per channel: a time column in s from the start, then one column per number."""
 
 import csv
-import io
 from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..files import write_text
+from ..errors import UserError
+from ..files import atomic_path, file_name
 from ..robot_model import JOINT_NAMES, LEG_NAMES
-from .reader import Record
+from .reader import Progress, Record, messages, telling, values_of
+from .values import BadValue
 
 JOINT_LABELS = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
 
 
-def export_csv(record: Record, folder: Path) -> list[Path]:
-    """Write the files and return their paths."""
-    written = []
-    for topic in record.counts():
-        path = folder / f"{topic.lstrip('/')}.csv"
-        write_text(path, csv_text(record, topic))
-        written.append(path)
-    return written
+@dataclass(frozen=True)
+class Table:
+    """One channel's CSV file while it is written."""
+
+    writer: Any
+    columns: list[str]
 
 
-def csv_text(record: Record, topic: str) -> str:
-    """Return one channel as CSV."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    for number, row in enumerate(record.of(topic)):
-        cells = dict(_cells(row.values))
-        if number == 0:
-            writer.writerow(["time_s", *cells])
-        writer.writerow([f"{(row.time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
-    return out.getvalue()
+def export_csv(record: Record, folder: Path, progress: Progress = lambda done: None) -> list[Path]:
+    """Write the files of a record that has been read through, all or none; return their paths.
+
+    UserError if a message is no JSON object, or has other values than the first of its channel.
+    """
+    paths = paths_of(record, folder)
+    again = Record(record.path)
+    with ExitStack() as stack, telling(again):
+        tables: dict[str, Table] = {}
+        for channel, time_ns, data in messages(again, progress):
+            cells = dict(_cells(values_of(channel, data)))
+            if channel.topic not in tables:
+                tables[channel.topic] = _begin(stack, paths[channel.topic], list(cells))
+            table = tables[channel.topic]
+            if list(cells) != table.columns:
+                raise BadValue("it has other values than the first one: allowed: the same ones in every message")
+            table.writer.writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
+    return list(paths.values())
+
+
+def _begin(stack: ExitStack, path: Path, columns: list[str]) -> Table:
+    """Open a file that appears when the stack ends well."""
+    draft = stack.enter_context(atomic_path(path))
+    file = stack.enter_context(draft.open("w", encoding="utf-8", errors="backslashreplace", newline=""))
+    table = Table(csv.writer(file, lineterminator="\n"), columns)
+    table.writer.writerow(["time_s", *columns])
+    return table
+
+
+def paths_of(record: Record, folder: Path) -> dict[str, Path]:
+    """Return the file of each topic, all in this one folder; UserError if two would share one."""
+    paths = {topic: folder / f"{file_name(topic.removeprefix('/'))}.csv" for topic in record.counts}
+    if len(set(paths.values())) < len(paths):
+        raise UserError(f"{record.path}: two channels have one name but for a / in front: allowed: different names")
+    return paths
 
 
 def _cells(values: dict[str, Any]) -> Iterator[tuple[str, Any]]:

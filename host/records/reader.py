@@ -1,104 +1,139 @@
 """Reads a record, also one that a power cut has ended in the middle: what is whole is read, the rest is told."""
 
-import json
 import struct
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
+from .channels import CHANNELS
+from .parts import BadPart, Channel, Message, NoMcap, Part, parts
 from .recorder import ROBOT
+from .values import BadValue, Rows, read_object
 
-LARGEST_PART = 1 << 28
-
-
-@dataclass(frozen=True)
-class Row:
-    """One message: topic, time in ns since 1970, values."""
-
-    topic: str
-    time_ns: int
-    values: dict[str, Any]
+Fields = Mapping[str, Collection[str]]  # topic -> fields that are wanted of it
+Progress = Callable[[float], None]  # takes the bytes read so far
 
 
 @dataclass
 class Record:
-    """A record's messages in order of writing, what is known of the robot, and whether the end is missing."""
+    """A record's rows by topic, of the topics that were wanted; of all: how many messages, from when to when."""
 
     path: Path
-    rows: list[Row] = field(default_factory=list)
+    rows: dict[str, Rows] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
+    start_ns: int = 0
+    end_ns: int = 0
     about: dict[str, str] = field(default_factory=dict)
     whole: bool = False
     damage: str = ""
+    latest: str = ""
 
-    def of(self, topic: str) -> list[Row]:
-        """Return a topic's rows."""
-        return [row for row in self.rows if row.topic == topic]
+    def of(self, topic: str) -> Rows:
+        """Return the rows of a topic that was wanted, in order of writing."""
+        return self.rows[topic]
 
-    @property
-    def start_ns(self) -> int:
-        """When it begins."""
-        return min((row.time_ns for row in self.rows), default=0)
+    def times_s(self, topic: str) -> list[float]:
+        """Return when the messages of such a topic were, counted from the record's first."""
+        return [(time_ns - self.start_ns) / 1e9 for time_ns in self.rows[topic].times_ns]
 
     @property
     def duration_s(self) -> float:
         """How long it lasts."""
-        return (max((row.time_ns for row in self.rows), default=0) - self.start_ns) / 1e9
-
-    def counts(self) -> dict[str, int]:
-        """Return how many messages each topic has."""
-        return dict(Counter(row.topic for row in self.rows))
+        return (self.end_ns - self.start_ns) / 1e9
 
 
-def _newest(folder: Path) -> Path:
-    """Return a folder's newest record."""
-    records = sorted(folder.glob("*.mcap"), key=lambda path: path.stat().st_mtime_ns)
+def find_record(path: Path) -> Path:
+    """Return the file: of a folder its newest record."""
+    if not path.is_dir():
+        return path
+    records = sorted(path.glob("*.mcap"), key=lambda record: record.stat().st_mtime_ns)
     if not records:
-        raise UserError(f"{folder}: holds no record: make one with caramelo teleop --log {folder}")
+        raise UserError(f"{path}: holds no record: make one with caramelo teleop --log {path}")
     return records[-1]
 
 
-def read_record(path: Path) -> Record:
-    """Return a record, of a folder the newest; UserError if the file is none."""
-    from mcap.exceptions import InvalidMagic, McapError
-    from zstandard import ZstdError
+def read_record(path: Path, wanted: Fields = CHANNELS, progress: Progress = lambda done: None) -> Record:
+    """Return a record, of a folder the newest, with the wanted fields of the wanted topics.
 
-    if path.is_dir():
-        path = _newest(path)
-    record = Record(path)
-    try:
-        with path.open("rb") as file:
-            for row in _rows(file, record):
-                record.rows.append(row)
-    except OSError as error:
-        raise UserError(f"{path}: can't be read: {error.strerror or error}") from None
-    except InvalidMagic:
-        raise _no_record(path) from None
-    except (McapError, ZstdError, ValueError, struct.error, KeyError, TypeError) as error:
-        record.damage = type(error).__name__
-    if not record.about and not record.rows:
-        raise _no_record(path)
+    UserError if the file is none, or if a wanted message is not as docs/records.md has it.
+    """
+    record = Record(find_record(path), {topic: Rows(topic, fields) for topic, fields in wanted.items()})
+    with telling(record):
+        for channel, time_ns, data in messages(record, progress):
+            rows = record.rows.get(channel.topic)
+            if rows is not None:
+                rows.add(time_ns, values_of(channel, data))
     return record
+
+
+def messages(record: Record, progress: Progress = lambda done: None) -> Iterator[Message]:
+    """Yield all messages of a record's file, and take down in the record what is known of all; UserError if none is."""
+    try:
+        with record.path.open("rb") as file:
+            for part in _until_damage(parts(file, ROBOT), record):
+                if isinstance(part, dict):
+                    record.about = part
+                elif isinstance(part, list):
+                    yield from _counted(part, record)
+                    progress(file.tell())
+                else:
+                    record.whole = True
+    except OSError as error:
+        raise UserError(f"{record.path}: can't be read: {error.strerror or error}") from None
+    except NoMcap:
+        raise _no_record(record.path) from None
+    if not record.about and not record.counts:
+        raise _no_record(record.path)
 
 
 def _no_record(path: Path) -> UserError:
     return UserError(f"{path}: no record: allowed: an MCAP file written by caramelo teleop --log")
 
 
-def _rows(file: Any, record: Record) -> Iterator[Row]:
-    """Yield the messages up to the end, or up to where the file is cut (mcap's EndOfFile and the like are raised)."""
-    from mcap.records import Channel, Footer, Message, Metadata
-    from mcap.stream_reader import StreamReader
+def _until_damage(found: Iterator[Part], record: Record) -> Iterator[Part]:
+    """Yield what is found until the file is cut off or wrong, which the record is told."""
+    from mcap.exceptions import McapError
+    from zstandard import ZstdError
 
-    topics: dict[int, str] = {}
-    for part in StreamReader(file, validate_crcs=True, record_size_limit=LARGEST_PART).records:
-        if isinstance(part, Channel):
-            topics[part.id] = part.topic
-        elif isinstance(part, Metadata) and part.name == ROBOT:
-            record.about = dict(part.metadata)
-        elif isinstance(part, Message):
-            yield Row(topics[part.channel_id], part.log_time, json.loads(part.data))
-        elif isinstance(part, Footer):
-            record.whole = True
+    while True:
+        try:
+            part = next(found)
+        except StopIteration:
+            return
+        except (McapError, ZstdError, BadPart, ValueError, OverflowError, MemoryError, struct.error) as error:
+            record.damage = str(error) or type(error).__name__
+            return
+        yield part
+
+
+def _counted(part: list[Message], record: Record) -> Iterator[Message]:
+    """Yield messages, each counted before; ``latest`` is the topic of the last one."""
+    times_ns = [time_ns for _, time_ns, _ in part]
+    if times_ns:
+        first = [] if not record.counts else [record.start_ns, record.end_ns]
+        record.start_ns, record.end_ns = min(times_ns + first), max(times_ns + first)
+    for message in part:
+        record.latest = message[0].topic
+        record.counts[record.latest] += 1
+        yield message
+
+
+def values_of(channel: Channel, data: bytes) -> dict[str, Any]:
+    """Return a message's values; BadValue if it has none."""
+    if channel.encoding != "json":
+        raise BadValue(f"its encoding is {channel.encoding or 'not given'}: allowed: json")
+    return read_object(data)
+
+
+@contextmanager
+def telling(record: Record) -> Iterator[None]:
+    """Turn a BadValue into a UserError that names the message just read."""
+    try:
+        yield
+    except BadValue as error:
+        number = record.counts[record.latest]
+        raise UserError(f"{record.path}: message {number} of {record.latest}: {error}") from None

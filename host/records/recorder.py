@@ -1,7 +1,7 @@
 """Writes a record while the robot runs: the loop hands over, a thread encodes, writes and forces it onto the disk.
 
 Four times a second the chunk in hand is closed, written and synced, so a power cut costs less than a second. A disk
-that is full or gone ends the record, not the walk.
+that is full or gone ends the record, not the walk; one that hangs costs what does not find room in memory.
 """
 
 import json
@@ -10,15 +10,18 @@ import queue
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
 from .channels import CHANNELS, schema
+from .rotation import PARTS, claim, make_room, next_part
 
 SYNC_S = 0.25
 MOST_WAITING = 5000  # messages the loop may be ahead of the disk: ten seconds
+CLOSE_S = 5.0  # for what is still waiting at the end
 CHUNK = 1 << 16  # bytes before compression; a chunk is also closed at each sync
 ROBOT = "robot"
 
@@ -26,22 +29,47 @@ ROBOT = "robot"
 class Recorder:
     """One file. ``put`` never blocks; ``trouble`` says why nothing is written any more, "" if all is well."""
 
-    def __init__(self, path: Path, about: dict[str, str], sync: Callable[[int], None] = os.fsync) -> None:
-        from mcap.writer import CompressionType, Writer
-
+    def __init__(
+        self,
+        path: Path,
+        about: dict[str, str],
+        sync: Callable[[int], None] = os.fsync,
+        most_bytes: int | None = None,
+    ) -> None:
+        """``most_bytes``: what this and the older records of its folder may take together (rotation.py)."""
         self.path, self.trouble, self.dropped = path, "", 0
-        self._sync = sync
+        self._about, self._sync, self._most_bytes, self._part = about, sync, most_bytes, 0
+        self._over = threading.Event()
         self._queue: queue.Queue[tuple[str, int, dict[str, Any]] | None] = queue.Queue(MOST_WAITING)
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
-        self._file = _create(path)
-        self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
-        self._writer.start(profile="", library="caramelo")
-        self._writer.add_metadata(ROBOT, about)
-        self._ids = {topic: self._register(topic) for topic in CHANNELS}
         self._counts = dict.fromkeys(CHANNELS, 0)
-        self._force()
+        try:
+            self._begin(path)
+        except OSError as error:
+            with suppress(OSError):  # what it still holds can't be written either
+                self._file.close()
+            path.unlink(missing_ok=True)
+            raise _refusal(path, error) from None
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
+
+    def _begin(self, path: Path) -> None:
+        """Start a file; of one that goes on where another ended the metadata tell the part."""
+        from mcap.writer import CompressionType, Writer
+
+        self._file = _create(path)
+        claim(self._file)
+        self.path, self._part = path, self._part + 1
+        if self._most_bytes is not None:
+            try:
+                make_room(path.parent, self._most_bytes - self._most_bytes // PARTS, path)
+            except OSError as error:
+                raise UserError(f"--keep: {error.filename}: can't be removed: {error.strerror}") from None
+        self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
+        self._writer.start(profile="", library="caramelo")
+        self._writer.add_metadata(ROBOT, {**self._about, "part": str(self._part)})
+        self._ids = {topic: self._register(topic) for topic in CHANNELS}
+        self._force()
 
     def put(self, topic: str, time_s: float, values: dict[str, Any]) -> None:
         """Hand over a message; ``time_s`` is monotonic. Dropped and counted if the disk can't keep up."""
@@ -51,9 +79,13 @@ class Recorder:
             self.dropped += 1
 
     def close(self) -> None:
-        """Write what is waiting, and the index. A disk that hangs is given five seconds."""
-        self._queue.put(None)
-        self._thread.join(5.0)
+        """Write what is waiting, and the index. A disk that hangs is given five seconds, and then left to itself."""
+        self._over.set()
+        with suppress(queue.Full):  # then it is awake, and looks by itself once it has written all
+            self._queue.put_nowait(None)
+        self._thread.join(CLOSE_S)
+        if self._thread.is_alive():
+            self.trouble = self.trouble or f"{self.path}: the disk hangs: the end of the record is missing"
 
     def _register(self, topic: str) -> int:
         number = self._writer.register_schema(topic.lstrip("/"), "jsonschema", json.dumps(schema(topic)).encode())
@@ -64,22 +96,34 @@ class Recorder:
         try:
             while self._write_some():
                 self._force()
+                self._go_on()
             self._writer.finish()
             self._force()
-        except OSError as error:
-            self.trouble = f"{self.path}: the record ends here: {error.strerror or error}"
+        except (OSError, UserError) as error:
+            self.trouble = f"{self.path}: the record ends here: {getattr(error, 'strerror', None) or error}"
             self._throw_away()
         finally:
             self._close_file()
 
+    def _go_on(self) -> None:
+        """Finish a file that has its share of the room, and begin the next."""
+        if self._has_its_share():
+            self._writer.finish()
+            self._force()
+            self._file.close()
+            self._begin(next_part(self.path, self._part + 1))
+
+    def _has_its_share(self) -> bool:
+        return self._most_bytes is not None and self._file.tell() >= self._most_bytes // PARTS
+
     def _write_some(self) -> bool:
-        """Write messages until it is time to sync; False after the last."""
+        """Write messages until it is time to sync or to go on in another file; False after the last."""
         end_s = time.monotonic() + SYNC_S
-        while (left_s := end_s - time.monotonic()) > 0:
+        while (left_s := end_s - time.monotonic()) > 0 and not self._has_its_share():
             try:
                 message = self._queue.get(timeout=left_s)
             except queue.Empty:
-                return True
+                return not self._over.is_set()
             if message is None:
                 return False
             self._write(*message)
@@ -103,8 +147,15 @@ class Recorder:
 
     def _throw_away(self) -> None:
         """Let the loop go on without a record."""
-        while self._queue.get() is not None:
-            self.dropped += 1
+        while True:
+            try:
+                message = self._queue.get(timeout=SYNC_S)
+            except queue.Empty:
+                message = None
+            if message is not None:
+                self.dropped += 1
+            elif self._over.is_set():
+                return
 
 
 def record_path(wanted: Path) -> Path:
@@ -122,4 +173,8 @@ def _create(path: Path) -> Any:
     except FileExistsError:
         raise UserError(f"--log {path}: the file exists: name another, or a folder") from None
     except OSError as error:
-        raise UserError(f"--log {path}: can't be written: {error.strerror or error}") from None
+        raise _refusal(path, error) from None
+
+
+def _refusal(path: Path, error: OSError) -> UserError:
+    return UserError(f"--log {path}: can't be written: {error.strerror or error}")

@@ -1,14 +1,15 @@
 """Feeds a record's planner inputs to the planner again and compares the joint targets to the bit."""
 
 from array import array
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from shared import planner_layout as core
-from shared.command import COMMAND_SIZE
 from shared.params import P_SIZE
 from shared.planner import Planner
 
 from ..errors import UserError
+from .channels import CHANNELS
 from .log import core_fingerprint
 from .reader import Record
 
@@ -27,34 +28,55 @@ class Replay:
         return not self.difference
 
 
-def replay(record: Record) -> Replay:
-    """Replay a record from its first tick; UserError if it has no planner inputs."""
+TELL_EVERY = 1000  # ticks
+FIELDS = {"/planner": tuple(CHANNELS["/planner"])}
+
+
+def replay(record: Record, progress: Callable[[float], None] = lambda done: None) -> Replay:
+    """Replay a record's ``FIELDS`` from its first tick; UserError if it has no planner inputs.
+
+    ``progress`` takes the ticks done.
+    """
+    if record.about.get("part", "1") != "1":
+        what = "only its first part can be replayed, for the planner's state at the start of the others is not recorded"
+        raise UserError(f"{record.path}: part {record.about['part']} of a drive: {what}")
     rows = record.of("/planner")
     if not rows or "params" not in record.about:
         raise UserError(f"{record.path}: nothing to replay: it holds no planner inputs")
-    planner = Planner(_block(record.about["params"].split(), P_SIZE, record))
-    same_core = record.about.get("core") == core_fingerprint()
-    for tick, row in enumerate(rows):
-        values = row.values
-        if values["tick"] != tick:
-            return Replay(
-                tick, f"ticks {tick} .. {values['tick'] - 1} are missing: the disk did not keep up", same_core
-            )
-        command = _block(values["command"], COMMAND_SIZE, record)
-        sensed = _block(values["sensed"], core.SENSED_SIZE, record)
-        flags = planner.tick(command, sensed)
-        if list(planner.joints) != values["joints"] or flags != values["flags"]:
-            return Replay(tick, f"tick {tick}: {_difference(planner, values['joints'])}", same_core)
-    return Replay(len(rows), "", same_core)
-
-
-def _block(values: list[int] | list[str], size: int, record: Record) -> list[int]:
+    tick, difference = 0, ""
     try:
-        block = list(array("i", [int(value) for value in values]))  # an array refuses what is no 32-bit number
+        planner = Planner(_params(record))
+        for tick, row in enumerate(rows):
+            difference = _differs(planner, tick, row.values)
+            if difference:
+                break
+            if tick % TELL_EVERY == 0:
+                progress(tick)
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        difference = f"tick {tick}: the core fails on it ({type(error).__name__}: {error})"
+    ticks = tick if difference else len(rows)
+    return Replay(ticks, difference, record.about.get("core") == core_fingerprint())
+
+
+def _differs(planner: Planner, tick: int, values: dict[str, Any]) -> str:
+    """Return how a tick comes out otherwise than recorded, "" if it does not."""
+    if values["tick"] != tick:
+        return f"ticks {tick} .. {values['tick'] - 1} are missing: the disk did not keep up"
+    flags = planner.tick(values["command"], values["sensed"])
+    recorded = values["joints"]
+    if list(planner.joints) == recorded and flags == values["flags"]:
+        return ""
+    return f"tick {tick}: {_difference(planner, recorded)}"
+
+
+def _params(record: Record) -> list[int]:
+    """Return the planner's parameters."""
+    try:
+        block = list(array("i", map(int, record.about["params"].split())))  # refuses what is no 32-bit number
     except (ValueError, OverflowError):
-        raise UserError(f"{record.path}: a planner block is damaged: allowed: whole numbers of 32 bits") from None
-    if len(block) != size:
-        raise UserError(f"{record.path}: a planner block has {len(block)} values, this core takes {size}")
+        raise UserError(f"{record.path}: the planner's parameters are damaged: allowed: 32-bit numbers") from None
+    if len(block) != P_SIZE:
+        raise UserError(f"{record.path}: the planner has {len(block)} parameters, this core takes {P_SIZE}")
     return block
 
 

@@ -2,6 +2,7 @@
 
 from .base import Runtime, RuntimeFailure
 from .board import Board
+from .c_core import CCore
 from .compiled import Compiled
 from .cortex_m import CortexM
 from .cpython import CPython
@@ -11,6 +12,7 @@ from .wasi import Wasi
 
 __all__ = [
     "Board",
+    "CCore",
     "CPython",
     "Compiled",
     "CortexM",
@@ -31,6 +33,7 @@ def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtim
     runtimes: list[Runtime] = [
         CPython(),
         Compiled(),
+        CCore(),
         Wasi("source"),
         Wasi("bytecode"),
         Node(),

@@ -58,9 +58,9 @@ def copy_sources(sources: Path, work: Path) -> Path:
 
 def compile_sources(sources: Path, work: Path, emitter: str, arch: str) -> Path:
     """Return the sources as the firmware build makes them."""
-    from ..build.image import build_image, write_image
+    from ..build.tree import compile_tree, write_tree
 
     tree = work / f"{emitter}-{arch}"
     packages = tuple(sorted(p.name for p in sources.iterdir() if p.is_dir() and p.name != "__pycache__"))
-    write_image(build_image(sources, None, emitter, arch, packages), tree)
+    write_tree(compile_tree(sources, emitter, arch, packages), tree)
     return tree

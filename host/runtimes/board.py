@@ -1,9 +1,11 @@
 """A real board on a serial port, by the link that flashing uses: the truth.
 
-The tree goes into a folder ``parity`` of the board's file system and is removed at the end. Every
+The tree goes into a folder ``parity`` of the board's file system and is removed at the end: a board with caramelo's
+own firmware has none, so this is for any board with MicroPython as its makers distribute it. Every
 wait is bounded: a board that says nothing is a failure with a sentence, never a hang.
 """
 
+import base64
 import contextlib
 import importlib.util
 from collections.abc import Iterator
@@ -12,12 +14,14 @@ from typing import TYPE_CHECKING
 
 from ..errors import UserError
 from ..extras import how_to_get
-from .base import Runtime, RuntimeFailure, compile_sources
+from .base import MARK, Runtime, RuntimeFailure, compile_sources
 
 if TYPE_CHECKING:
     from ..flash.link import BoardLink
 
 FOLDER = "parity"
+CHUNK = 1024  # bytes of a file that a script carries
+MAKE_FOLDER = "import os\ntry:\n    os.mkdir(%r)\nexcept OSError as e:\n    if e.args[0] != 17:\n        raise"
 LEAVE_RAW = b"\x02"  # Ctrl-B: back to the friendly prompt
 # py/persistentcode.h, the bits of sys.implementation._mpy that name the processor
 ARCHES = (
@@ -75,39 +79,42 @@ class Board(Runtime):
 
     def close(self) -> None:
         """Remove what was copied and let the port go."""
-        from ..flash.board_files import BoardFiles
-
         link, self._link = self._link, None
         if link is None:
             return
         with _failures():
-            files = BoardFiles(link)
             for path in reversed(self._files):
-                files.remove(path)
+                link.run(f"import os\nos.remove({path!r})")
             for path in reversed(self._folders):
-                files.remove_folder(path)
+                link.run(f"import os\nos.rmdir({path!r})")
             link.send(LEAVE_RAW)
             link.close()
         self._files, self._folders = [], []
 
     def _arch(self, link: "BoardLink") -> str | None:
-        word = int(link.run("print(__import__('sys').implementation._mpy)"))
+        word = link.ask(f"print({MARK!r} + str(__import__('sys').implementation._mpy))", int)
         number = word >> 10 & 0xF
         if number >= len(ARCHES):
             raise RuntimeFailure(f"{self.port}: processor number {number} is not known")
         return ARCHES[number]
 
     def _upload(self, link: "BoardLink", tree: Path) -> None:
-        from ..flash.board_files import BoardFiles
-
-        files = BoardFiles(link)
         for folder in [FOLDER, *(f"{FOLDER}/{p.relative_to(tree)}" for p in sorted(tree.rglob("*")) if p.is_dir())]:
-            files.make_folder(folder)
+            link.run(MAKE_FOLDER % folder)
             self._folders.append(folder)
         for path in sorted(tree.rglob("*.mpy")):
             target = f"{FOLDER}/{path.relative_to(tree).as_posix()}"
-            files.write(target, path.read_bytes(), lambda part: None)
+            _write(link, target, path.read_bytes())
             self._files.append(target)
+
+
+def _write(link: "BoardLink", path: str, data: bytes) -> None:
+    """Write one file, a script for each part."""
+    link.run(f"import binascii\nout = open({path!r}, 'wb')")
+    for at in range(0, len(data), CHUNK):
+        part = base64.b64encode(data[at : at + CHUNK])
+        link.run(f"out.write(binascii.a2b_base64({part!r}))")
+    link.run("out.close()")
 
 
 @contextlib.contextmanager

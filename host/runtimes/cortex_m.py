@@ -19,6 +19,7 @@ from .wasi import cache_folder
 
 ARCH = "armv7emsp"
 MEMORY_BYTES = 4 << 20  # of the image, as ports/qemu/mcu/arm/mps2.ld has it; code, heap and stack
+ROM_AT, ROM_BYTES = 0x21000000, 4 << 20  # where the port looks for a file system at its start, from MicroPython 1.26 on
 FILES_AT, MARKS_AT, SERIAL_AT, SYSTEM_AT = 0x60000000, 0x50000000, 0x40004000, 0xE000E000
 PAGE = 0x1000
 DATA, STATE, HAS_BYTE = 0, 4, 2  # registers of the serial port, and its bit for a byte that waits
@@ -87,6 +88,7 @@ class Machine:
         uc.mem_map(0, MEMORY_BYTES)
         uc.mem_write(0, image)
         uc.mem_map(SYSTEM_AT, PAGE)
+        uc.mem_map(ROM_AT, ROM_BYTES)
         uc.mem_map(FILES_AT, (len(files) + PAGE) // PAGE * PAGE)
         uc.mem_write(FILES_AT, files)
         uc.mmio_map(SERIAL_AT, PAGE, self._serial_read, None, self._serial_write, None)

@@ -1,7 +1,7 @@
 """Twelve servos as a Bus: one sync write and one sync read a cycle, voltage, heat and state of a leg in turns.
 
-The servos' own bus watchdog stops them when the host falls silent, so a killed process holds no goal. An emergency
-stop lets go of all servos with packets that nobody confirms, so it is sent again until each servo says it is off.
+When the host falls silent, the servos' own bus watchdog stops them where they are, and another process lets go of them
+(guardian.py). Letting go is a packet that nobody confirms, so it is sent again until each servo says it is off.
 """
 
 import threading
@@ -10,18 +10,21 @@ from collections.abc import Callable, Sequence
 from math import inf, tau
 from typing import Any
 
-from ..buses.base import JOINT_LABELS, JOINTS, Bus, Measured, checked_fraction, checked_goals
+from ..buses.base import JOINT_LABELS, JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
 from ..calibration.data import Calibration, counts_per_rad, servo_of
 from ..errors import UserError
 from ..robot_model import Robot
 from . import table as t
-from .link import PATIENCE_MS, Answer, Link, ServoError
+from .guardian import Guardian
+from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of
 from .port import latency_warning
 from .table import Register
 
 WATCHDOG_S = 0.2  # ten ticks of 50 Hz: longer than any hiccup that is none (chosen)
 SLICES = 8  # cycles until every servo has told voltage and heat, and state
 SILENT = "does not answer: check its cable"
+OFF_TRIES = 10  # when leaving; each asks all servos whether they have let go
+UNGUARDED = Fault("sit", "guardian", "the process that lets go of the servos if this one dies has ended: start again")
 TORQUE_TRIES = 20  # each needs an answer from all twelve: at 2 % bad packets about every second one gets it
 
 
@@ -46,6 +49,7 @@ class ServoBus(Bus):
         self._pwm, self._cycle, self._tries = t.FULL_PWM, 0, 0
         self._torque = self._stopped = self._opened = False
         self._warnings: list[str] = []
+        self._guardian: Guardian | None = None
         self._forget()
 
     def _forget(self) -> None:
@@ -72,6 +76,9 @@ class ServoBus(Bus):
             self._find_all()
             for joint, servo in enumerate(self._ids):
                 self._set_up(joint, servo)
+            if self.port.is_real:
+                packet = packet_of(self.link.protocol, t.TORQUE_ENABLE, dict.fromkeys(self._ids, 0))
+                self._guardian = Guardian(self.port.ser.fileno(), packet)
         except BaseException:
             self.close()
             raise
@@ -136,10 +143,12 @@ class ServoBus(Bus):
         """See Bus: position, speed, load of all; voltage and heat, or state, of three."""
         with self._lock:
             now_s = self._clock()
+            self._beat()
             self._take_fast(now_s)
             self._take_slice(now_s)
             if self._stopped:
                 self._let_go()
+        guarded = self._guardian is None or self._guardian.alive
         return Measured(
             time_s=now_s,
             position_rad=tuple(self._position),
@@ -150,7 +159,12 @@ class ServoBus(Bus):
             error=tuple(self._error),
             age_s=tuple(now_s - at for at in self._fast_s),
             slow_age_s=tuple(now_s - at for at in self._slow_s),
+            faults=() if guarded else (UNGUARDED,),
         )
+
+    def _beat(self) -> None:
+        if self._guardian is not None:
+            self._guardian.beat(self._torque)
 
     def _take_fast(self, now_s: float) -> None:
         answers, first = self.link.read_all(self._ids, t.FAST_BLOCK), t.FAST_BLOCK[0]
@@ -221,6 +235,7 @@ class ServoBus(Bus):
         counts = {servo: mount.limited_counts(goal, per_rad) for servo, mount, goal, per_rad in rows}
         with self._lock:
             if self._torque and not self._stopped:
+                self._beat()
                 self.link.write_all(t.GOAL_POSITION, counts)
 
     def limit_torque(self, fraction: float) -> None:
@@ -238,8 +253,9 @@ class ServoBus(Bus):
                 self._torque, self._tries = False, 0
                 self._let_go()
                 return
-            while not self._hold_here():
-                continue
+            with self.link.patient(PATIENCE_MS):  # whoever waits here is no loop
+                while not self._hold_here():
+                    continue
 
     def try_torque(self) -> bool:
         """See Bus. Between two tries all servos are off."""
@@ -270,6 +286,8 @@ class ServoBus(Bus):
 
     def _switch_on(self, present: dict[int, Answer]) -> None:
         """Torque on with the goals where the servos are."""
+        if self._guardian is not None:
+            self._guardian.beat(True)
         self._tell_all(t.WATCHDOG, 0)
         self._tell_all(t.GOAL_PWM, self._pwm)
         positions = {s: t.unpack(t.PRESENT_POSITION, a.data, t.FAST_BLOCK[0]) for s, a in present.items()}
@@ -306,6 +324,14 @@ class ServoBus(Bus):
         self._tell_all(t.TORQUE_ENABLE, 0)
         self._tell_all(t.TORQUE_ENABLE, 0)
 
+    def _let_go_for_good(self) -> None:
+        """Let go until all servos say that they have, or have been asked often."""
+        for _ in range(OFF_TRIES):
+            self._let_go()
+            answers = self.link.read_all(self._ids, (t.TORQUE_ENABLE.address, t.TORQUE_ENABLE.size))
+            if sum(not answer.data[0] for answer in answers.values()) == JOINTS:
+                return
+
     def _tell_all(self, register: Register, value: int) -> None:
         self.link.write_all(register, dict.fromkeys(self._ids, value))
 
@@ -316,9 +342,11 @@ class ServoBus(Bus):
                 return
             self._opened = self._torque = False
             try:
-                self._let_go()
+                self._let_go_for_good()
                 self._tell_all(t.WATCHDOG, 0)
             except UserError as error:
                 self._warnings.append(str(error))
             finally:
+                if self._guardian is not None:
+                    self._guardian.close()
                 self.port.closePort()

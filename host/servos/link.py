@@ -46,10 +46,11 @@ class Link:
         self.port, self.protocol = port, protocol
         self.packets = PacketHandler(protocol)
         self.counters = Counters() if counters is None else counters
+        self._given_up = 0  # answers that did not come in time and may come yet
 
     def ping(self, servo: int, tries: int = RETRIES, patience_ms: float = PING_PATIENCE_MS) -> int | None:
         """Return the model number of a servo, or None if it does not answer."""
-        with self._patient(patience_ms):
+        with self.patient(patience_ms):
             for _ in range(tries):
                 model, result, _ = self._guard(self.packets.ping, self.port, servo)
                 if self._count(result):
@@ -58,7 +59,7 @@ class Link:
 
     def read(self, servo: int, register: Register) -> int:
         """Return a register, or raise ServoError after a few tries."""
-        with self._patient(PATIENCE_MS):
+        with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
                 args = (self.port, servo, register.address, register.size)
                 data, result, _ = self._guard(self.packets.readTxRx, *args)
@@ -70,7 +71,7 @@ class Link:
     def write(self, servo: int, register: Register, value: int) -> None:
         """Write a register and have it confirmed, or raise ServoError."""
         data, error = pack(register, value), 0
-        with self._patient(PATIENCE_MS):
+        with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
                 args = (self.port, servo, register.address, register.size, data)
                 result, error = self._guard(self.packets.writeTxRx, *args)
@@ -93,7 +94,7 @@ class Link:
         """Restart a servo, which clears a trip."""
         if self.protocol == 1.0:
             raise UserError("protocol 1.0 can't restart a servo: switch its power off and on")
-        with self._patient(PATIENCE_MS):
+        with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
                 result, _ = self._guard(self.packets.reboot, self.port, servo)
                 if self._count(result):
@@ -102,7 +103,7 @@ class Link:
         raise ServoError(f"servo id {servo} does not answer: check its cable and power")
 
     @contextmanager
-    def _patient(self, patience_ms: float) -> Iterator[None]:
+    def patient(self, patience_ms: float) -> Iterator[None]:
         """Wait longer for answers than a control cycle can."""
         former, self.port.patience_ms = self.port.patience_ms, patience_ms
         try:
@@ -165,12 +166,22 @@ class Link:
                 continue
             servo, error, data = self._parts(packet)
             if servo not in wanted or servo in found or len(data) != length or self.refusal(error):
-                counters.wrong += 1
+                self._count_stray()
                 continue
             found[servo] = Answer(data, self._alert(error))
         counters.answered += len(found)
-        counters.lost += len(wanted) - len(found) - bad
+        missing = len(wanted) - len(found) - bad
+        counters.lost += missing
+        self._given_up = self._given_up + missing if missing else 0
         return found
+
+    def _count_stray(self) -> None:
+        """An answer to nothing that was asked now: one that had been given up comes late, else it is wrong."""
+        if self._given_up:
+            self._given_up -= 1
+            self.counters.late += 1
+        else:
+            self.counters.wrong += 1
 
     def _receive(self) -> tuple[list[int], int]:
         if self.protocol == 1.0:
@@ -207,3 +218,26 @@ class Link:
             self.port.is_using = False
             name = self.port.port_name
             raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start again") from None
+
+
+class _Tape:
+    """A port that keeps what is sent."""
+
+    is_using = False
+
+    def __init__(self) -> None:
+        self.data = b""
+
+    def clearPort(self) -> None:
+        """Nothing comes in."""
+
+    def writePort(self, packet: list[int]) -> int:
+        self.data += bytes(packet)
+        return len(packet)
+
+
+def packet_of(protocol: float, register: Register, values: Mapping[int, int]) -> bytes:
+    """Return the packet that ``write_all`` sends."""
+    tape = _Tape()
+    Link(tape, protocol).write_all(register, values)
+    return tape.data

@@ -1,7 +1,8 @@
 """The serial port as dynamixel-sdk wants it, but one that sleeps while it waits, gives up in time, and explains itself.
 
 The SDK's own port polls without a pause and waits at least 34 ms for a lost answer, almost two ticks of a
-50 Hz planner; both are changed here, the packets are the SDK's.
+50 Hz planner; and its packets look at the clock only while there are too few bytes, so a line that never falls silent
+would never let them go. Here a read ends by the clock; the packets are the SDK's.
 """
 
 import errno
@@ -33,6 +34,8 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         self.ser: serial.Serial | None = None
         self.baudrate = baud
         self.patience_ms = patience_ms
+        self._expected = 0  # bytes of the answer that is waited for
+        self._late: int | None = None  # bytes still taken though the time is over; None: it is not
 
     def open(self) -> None:
         """Open the device for this process alone, or raise UserError with what to do."""
@@ -57,12 +60,21 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         return baudrate if baudrate in BAUDS else -1
 
     def readPort(self, length: int) -> bytes:
-        """Return up to ``length`` bytes; sleep until there are some or the packet's time is over."""
+        """Return up to ``length`` bytes; sleep until there are some or the packet's time is over, then nothing more.
+
+        A program that was woken too late still takes the bytes that came in time, as many as an answer has.
+        """
         assert self.ser is not None
         left_s = (self.packet_timeout - self.getTimeSinceStart()) / 1000
         if left_s > 0 and not self.ser.in_waiting:
             select.select([self.ser.fileno()], [], [], left_s)
-        data: bytes = self.ser.read(length)
+            left_s = (self.packet_timeout - self.getTimeSinceStart()) / 1000
+            if left_s <= 0:
+                self._late = min(self.ser.in_waiting, self._expected)
+        if left_s <= 0:
+            length = min(length, self._late or 0)
+            self._late = (self._late or 0) - length
+        data: bytes = self.ser.read(length) if length else b""
         return data
 
     def writePort(self, packet: list[int]) -> int:
@@ -77,6 +89,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]
     def setPacketTimeout(self, packet_length: int) -> None:
         """Give a packet its time on the wire and the patience."""
         self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
+        self._expected, self._late = packet_length, None
 
     def getCurrentTime(self) -> float:
         """Return ms that never jump, unlike the SDK's wall clock."""

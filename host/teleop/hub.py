@@ -1,7 +1,8 @@
 """All command sources in one select(): scripts on a socket, the web process, the keyboard, a gamepad.
 
 A script's connection is one client. The web process has one connection for all its pages and puts each page's number
-beside the message. Whoever sends a line that is no message is hung up on and counted.
+beside the message. Whoever sends a line that is no message is hung up on and counted, and so is who sends too many:
+what is beyond the limit is not even looked at, unless it is a stop.
 """
 
 import json
@@ -9,16 +10,25 @@ import os
 import select
 import socket
 import stat
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import Any, Protocol
 
 from ..errors import UserError
+from ..web.limits import Bucket
+from ..web.peer import may_open_sockets, peer_of
 from .arbiter import Client
 from .lines import Gone, Lines
 from .messages import LONGEST, BadMessage, Message, check, parse
 
 MOST_SCRIPTS = 8
+MESSAGES_PER_S, BURST = 200.0, 200  # of a script: more than any loop has ticks
+PATIENCE = 200  # messages beyond that before a script is hung up on
+CONNECTIONS_PER_S, CONNECTION_BURST = 4.0, 16
+STOP = b'"stop"'
 WEB_LINE = 1024
 Receiver = Callable[[Client, Message], bool]
 
@@ -35,20 +45,43 @@ class Input(Protocol):
         """What it says now. OSError if it is gone."""
 
 
+@dataclass(eq=False)
+class Script:
+    """A script's connection, and how many messages it may still send."""
+
+    client: Client
+    lines: Lines
+    messages: Bucket
+    excess: int = 0
+
+    def fileno(self) -> int:
+        """Let select() wait for it."""
+        return self.lines.fileno()
+
+
 class Hub:
     """Hands messages to ``receive`` and lost clients to ``drop``."""
 
-    def __init__(self, receive: Receiver, drop: Callable[[Client], None]) -> None:
-        self._receive, self._drop = receive, drop
+    def __init__(
+        self,
+        receive: Receiver,
+        drop: Callable[[Client], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._receive, self._drop, self._clock = receive, drop, clock
+        self.came_s = inf  # since when what is being handed over may have been waiting; inf: nothing is
+        self._quiet_s: dict[object, float] = {}  # when a source was last seen with nothing to say
+        self._connections = Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock)
+        self._friends = may_open_sockets()
         self._listener: socket.socket | None = None
-        self._scripts: dict[Client, Lines] = {}
+        self._scripts: dict[Client, Script] = {}
         self._web: Lines | None = None
         self._pages: set[Client] = set()
         self._inputs: list[Input] = []
         self._path: Path | None = None
         self._number = 0
-        self.bad = 0
-        self.web_news: Callable[[dict[str, Any]], None] = lambda news: None
+        self.bad = self.limited = 0
+        self._web_news: Callable[[dict[str, Any]], None] = lambda news: None
 
     def listen(self, where: str) -> None:
         """Let scripts connect to a Unix socket's path, or to a port number on 127.0.0.1."""
@@ -63,9 +96,23 @@ class Hub:
         """Wait for a keyboard or gamepad too."""
         self._inputs.append(source)
 
-    def add_web(self, stream: socket.socket) -> None:
-        """Take the web process's end."""
-        self._web = Lines(stream, WEB_LINE)
+    def add_web(self, stream: socket.socket, news: Callable[[dict[str, Any]], None]) -> None:
+        """Take the web process's end; what it says of itself goes to ``news``."""
+        self._web, self._web_news = Lines(stream, WEB_LINE), news
+
+    @property
+    def has_web(self) -> bool:
+        """False while there is no web process, or its connection is lost."""
+        return self._web is not None
+
+    def lose_web(self) -> None:
+        """Hang up on the web process; all its pages are gone with it."""
+        if self._web is not None:
+            self._web.close()
+            self._web = None
+        for client in self._pages:
+            self._drop(client)
+        self._pages.clear()
 
     @property
     def scripts(self) -> int:
@@ -74,34 +121,46 @@ class Hub:
 
     def poll(self, timeout_s: float) -> None:
         """Wait up to ``timeout_s`` for anything and take it."""
-        waiting = [each for each in (self._listener, self._web, *self._scripts.values(), *self._inputs) if each]
-        ready, _, _ = select.select(waiting, [], [], timeout_s)
-        for each in ready:
+        waiting = [each for each in (*self._inputs, self._listener, self._web, *self._scripts.values()) if each]
+        for each in self._look(waiting, timeout_s):
+            self.came_s = self._quiet_s[each]
             if each is self._listener:
                 self._accept()
             elif each is self._web:
                 self._hear_web(self._web)
-            elif isinstance(each, Lines):
+            elif isinstance(each, Script):
                 self._hear_script(each)
             else:
                 self._hear_input(each)
+        self.came_s = inf
+
+    def _look(self, waiting: list[Any], timeout_s: float) -> list[Any]:
+        """Return who has something to say, and keep since when it may have."""
+        looked_s = self._clock()
+        ready, _, _ = select.select(waiting, [], [], 0.0)
+        before_s = {each: self._quiet_s.get(each, looked_s) if each in ready else looked_s for each in waiting}
+        if not ready and timeout_s > 0:
+            ready, _, _ = select.select(waiting, [], [], timeout_s)
+            before_s = dict.fromkeys(waiting, self._clock())  # it woke at once
+        self._quiet_s = before_s
+        return ready
 
     def tell(self, news: dict[str, Any]) -> None:
         """Send all scripts and the web process what goes on."""
-        for client, lines in list(self._scripts.items()):
+        for client, script in list(self._scripts.items()):
             try:
-                lines.send(news)
+                script.lines.send(news)
             except Gone:
                 self._lose(client)
         if self._web is not None:
             try:
                 self._web.send(news)
             except Gone:
-                self._lose_web()
+                self.lose_web()
 
     def close(self) -> None:
         """Hang up on everybody and remove the socket's file."""
-        for each in (self._listener, self._web, *self._scripts.values()):
+        for each in (self._listener, self._web, *(script.lines for script in self._scripts.values())):
             if each is not None:
                 each.close()
         if self._path is not None:
@@ -113,32 +172,47 @@ class Hub:
             stream, _ = self._listener.accept()
         except OSError:
             return
-        if len(self._scripts) >= MOST_SCRIPTS:
+        # A port is open to everybody on this machine, the socket's file to those who may drive: so it is for both.
+        welcome = self._path is not None or peer_of(stream) in self._friends
+        if not welcome or len(self._scripts) >= MOST_SCRIPTS or not self._connections.take():
             stream.close()
             return
         self._number += 1
-        self._scripts[Client("script", self._number)] = Lines(stream, LONGEST)
+        client = Client("script", self._number)
+        messages = Bucket(MESSAGES_PER_S, BURST, self._clock)
+        self._scripts[client] = Script(client, Lines(stream, LONGEST), messages)
 
-    def _hear_script(self, lines: Lines) -> None:
-        client = next((each for each, its in self._scripts.items() if its is lines), None)
-        if client is None:
+    def _hear_script(self, script: Script) -> None:
+        if script.client not in self._scripts:
             return
         try:
-            for line in lines.receive():
-                self._take(client, parse(line), lines)
+            for line in _from_the_last_stop(script.lines.receive()):
+                if script.messages.take():
+                    self._take(script.client, parse(line), script.lines)
+                else:
+                    self._skip(script, line)
         except BadMessage as error:
             self.bad += 1
-            self._answer(lines, {"type": "error", "reason": str(error)})
-            self._lose(client)
+            self._answer(script.lines, {"type": "error", "reason": str(error)})
+            self._lose(script.client)
         except Gone:
-            self._lose(client)
+            self._lose(script.client)
+
+    def _skip(self, script: Script, line: bytes) -> None:
+        """Leave out a message beyond the limit, unless it is a stop; one that does not end it is hung up on."""
+        self.limited += 1
+        script.excess += 1
+        if STOP in line and (message := parse(line))["type"] == "stop":
+            self._receive(script.client, message)
+        if script.excess >= PATIENCE:
+            raise BadMessage(f"more than {MESSAGES_PER_S:.0f} messages a second")
 
     def _hear_web(self, lines: Lines) -> None:
         try:
             for line in lines.receive():
                 self._try_web(line, lines)
         except Gone:
-            self._lose_web()
+            self.lose_web()
 
     def _try_web(self, line: bytes, lines: Lines) -> None:
         """A bad line must not cost the next one, which may be a stop."""
@@ -153,7 +227,7 @@ class Hub:
         if not isinstance(value, dict):
             raise TypeError("no object")
         if "page" not in value:
-            self.web_news(value)
+            self._web_news(value)
             return
         client = Client("web", int(value["page"]))
         if value.get("gone"):
@@ -187,17 +261,23 @@ class Hub:
             self._receive(source.client, message)
 
     def _lose(self, client: Client) -> None:
-        self._scripts.pop(client).close()
+        self._scripts.pop(client).lines.close()
         self._drop(client)
 
-    def _lose_web(self) -> None:
-        """The web process is gone, and all its pages with it."""
-        if self._web is not None:
-            self._web.close()
-            self._web = None
-        for client in self._pages:
-            self._drop(client)
-        self._pages.clear()
+
+def _from_the_last_stop(lines: Iterator[bytes]) -> Iterator[bytes]:
+    """A stop overtakes what its sender said before it and nobody has looked at yet."""
+    kept, gone = list[bytes](), None
+    try:
+        for line in lines:
+            if b'"stop"' in line:
+                kept.clear()
+            kept.append(line)
+    except Gone as error:
+        gone = error
+    yield from kept
+    if gone is not None:
+        raise gone
 
 
 def _on_port(port: int) -> socket.socket:

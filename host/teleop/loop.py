@@ -1,7 +1,8 @@
 """The loop: waits for the next tick with an ear for all command sources, then senses, listens again, acts.
 
 Commands are looked at between reading the joints and planning, so one that arrives while the joints answer still
-makes it into this tick. A stop does not wait for a tick at all.
+makes it into this tick. A stop does not wait for a tick at all. Nothing that a message asks for is waited for: it is
+done in the ticks to come.
 """
 
 import gc
@@ -21,6 +22,8 @@ KEPT = 2000
 class Source(Protocol):
     """Where commands come from."""
 
+    came_s: float  # since when what is being handed over may have been waiting, by the loop's clock; inf: it has not
+
     def poll(self, timeout_s: float) -> None:
         """Wait for input up to a time and hand what came to the loop."""
 
@@ -37,8 +40,9 @@ class Loop:
         self.supervisor, self._after_tick, self.clock = supervisor, after_tick, clock
         self.pacer = Pacer(supervisor.driver.rate_hz, clock())
         self.running = True
+        self._source: Source | None = None
         # By source: from the sender's time stamp to the packet on the bus, s, by the wall clock; only where both have
-        # one clock.
+        # one clock. Without a stamp a stop's time counts from when its source was last seen with nothing to say.
         self.command_s: dict[str, deque[float]] = {}
         self.stop_s: dict[str, deque[float]] = {}
         # When the bus was last given goals after the sticks had moved, and a stop; None: never.
@@ -52,10 +56,15 @@ class Loop:
         obeyed = supervisor.arbiter.handle(client, message, now_s)
         if message["type"] == "stop" and first:
             supervisor.stop_now()
-            self._clock_stop(client, message.get("t_ms"), now_s)
+            waited_s = min(now_s, self._source.came_s) if self._source is not None else now_s
+            self._clock_stop(client, message.get("t_ms"), waited_s)
         elif message["type"] == "reset" and obeyed:
             supervisor.reset()
         return obeyed
+
+    def end(self) -> None:
+        """End before anything more is sent to the joints; a signal's handler may call it."""
+        self.running = False
 
     def drop(self, client: Client) -> None:
         """A client is gone."""
@@ -69,7 +78,8 @@ class Loop:
         try:
             while self.running:
                 self._wait(source)
-                self.tick(source)
+                if self.running:
+                    self.tick(source)
         finally:
             gc.unfreeze()
 
@@ -79,9 +89,12 @@ class Loop:
 
     def tick(self, source: Source) -> None:
         """One tick: sense, listen, act."""
+        self._source = source
         self.pacer.begin(self.clock())
         self.supervisor.sense()
         source.poll(0.0)
+        if not self.running:
+            return
         self.supervisor.act(self.clock())
         self._clock_command()
         self.pacer.end(self.clock())
@@ -98,9 +111,9 @@ class Loop:
         if pending.t_ms is not None:
             _keep(self.command_s, pending.source, time.time() - pending.t_ms / 1000)
 
-    def _clock_stop(self, client: Client, t_ms: float | None, received_s: float) -> None:
+    def _clock_stop(self, client: Client, t_ms: float | None, came_s: float) -> None:
         self.stopped_at_s = self.clock()
-        taken_s = self.stopped_at_s - received_s if t_ms is None else time.time() - t_ms / 1000
+        taken_s = self.stopped_at_s - came_s if t_ms is None else time.time() - t_ms / 1000
         _keep(self.stop_s, client.source, taken_s)
 
     def timing(self) -> dict[str, Any]:

@@ -1,37 +1,43 @@
-"""One drive from start-up checks to sitting down: bus, sources, page, record and loop put together and apart."""
+"""One drive from start-up checks to sitting down: bus, sources, page, record and loop put together and apart.
+
+At the end the joints are let go before anything else. Record, page and screen only listen: they end after that, each
+by itself and within a bound, and one that hangs is left behind.
+"""
 
 import os
-import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..buses.choose import Hardware, hardware
+from ..console import write_error
 from ..errors import NOT_ACHIEVED, UserError
 from ..imu.attitude import Attitude
 from ..robot_file import find, load_robot
 from . import priority
 from .arbiter import Client
 from .checks import start_checks
+from .ending import end_all
 from .gamepad import Gamepad, open_gamepad
 from .hub import Hub
 from .keyboard import Keyboard
+from .leaving import Leaving
 from .loop import Loop
 from .measure import Measure, cpu_seconds
 from .messages import Message
 from .supervisor import Supervisor
 from .telemetry import Extra, StartCheck, status
 from .terminal import Screen, raw_keys
-from .webside import WebProcess, start_web
+from .webside import WebProcess
 
 STATUS_HZ = 20
 GAMEPAD_HZ = 20
-LEAVE_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 # Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
 LEAVING_S = 20.0
+END_S = 6.0  # for record, page and screen together; a record on a slow disk takes a while
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,7 @@ class Options:
     web: bool = False
     listen: str = "127.0.0.1:8080"
     log: Path | None = None
+    keep_GB: float | None = None
     socket: str | None = None
     gamepad: str | None = None
     measure_s: float | None = None
@@ -53,14 +60,15 @@ class Options:
 
 
 class Session:
-    """A drive. ``say`` prints a line of the start-up."""
+    """A drive. ``say`` prints a line of the start-up; ``free`` is called at the end, when the joints are let go."""
 
-    def __init__(self, options: Options, say: Callable[[str], None]) -> None:
-        self.options, self._say = options, say
+    def __init__(self, options: Options, say: Callable[[str], None], free: Callable[[], object] = lambda: None) -> None:
+        self.options, self._say, self._free = options, say, free
         self.robot = load_robot(options.robot)
         self.extra = Extra()
-        self.leaving = 0
         self._leave_s = 0.0
+        self._leaving: Leaving | None = None
+        self._closers: dict[str, Callable[[], object]] = {}  # of what listens, by name
         self._after: list[Callable[[Loop], None]] = []
         self._screen: Screen | None = None
         self._web: WebProcess | None = None
@@ -87,13 +95,25 @@ class Session:
             loop = Loop(supervisor, self._after_tick)
             hub = Hub(self._gate(loop), loop.drop)
             stack.callback(hub.close)
-            self._add_sources(stack, hub, loop)
-            self._add_log(stack, supervisor)
-            stack.enter_context(self._signals())
-            self._say("ready")
-            self._add_screen(stack)
-            loop.run(hub)
-            return self._figures(loop)
+            try:
+                self._drive(stack, hub, loop)
+            finally:
+                try:
+                    parts.bus.close()
+                finally:
+                    self._free()
+                    left = end_all(self._closers, END_S)
+            return {**self._figures(loop), "left_behind": left}
+
+    def _drive(self, stack: ExitStack, hub: Hub, loop: Loop) -> None:
+        """Add what commands and what listens, and go."""
+        self._add_sources(stack, hub, loop)
+        self._add_log(loop.supervisor)
+        self._leaving = stack.enter_context(Leaving(loop.end))
+        hub.add_input(self._leaving)
+        self._say("ready")
+        self._add_screen()
+        loop.run(hub)
 
     def _open(self, stack: ExitStack, parts: Hardware) -> Supervisor:
         """Open the joints and the sensor, and check them in order."""
@@ -137,12 +157,7 @@ class Session:
             self._after.append(_every(rate_hz // GAMEPAD_HZ, lambda loop: _repeat(loop, pad)))
             self._note(StartCheck("gamepad", True, "found; hold the left shoulder button to drive"))
         if options.web:
-            self._web = start_web(str(find(options.robot)), options.listen)
-            stack.callback(self._web.close)
-            hub.add_web(self._web.stream)
-            hub.web_news = self._take_web_news
-            self.extra.web = self._web.url + (f" code {self._web.code}" if self._web.code else "")
-            self._note(StartCheck("web page", True, self.extra.web))
+            self._add_page(hub, loop)
         if options.measure_s is not None:
             self._measure = Measure(options.measure_s, self.robot.speed_limits.vx_m_s, self._page_cpu_s)
             self._after.append(self._measure.tick)
@@ -151,60 +166,77 @@ class Session:
             hub.add_input(Keyboard(self.robot, sys.stdin.fileno()))
         self._after.append(_every(rate_hz // STATUS_HZ, lambda loop: self._publish(loop, hub)))
 
-    def _add_log(self, stack: ExitStack, supervisor: Supervisor) -> None:
+    def _add_page(self, hub: Hub, loop: Loop) -> None:
+        web = self._web = WebProcess(str(find(self.options.robot)), self.options.listen)
+        self._closers["page"] = web.close
+        web.start(hub)
+        web.wait(hub, loop.supervisor.sense)
+        self._after.append(
+            _every(loop.supervisor.driver.rate_hz // STATUS_HZ, lambda each: web.watch(hub, each.supervisor))
+        )
+        self._note(StartCheck("web page", True, web.note))
+        write_error(web.invitation)
+
+    def _add_log(self, supervisor: Supervisor) -> None:
         if self.options.log is None:
             return
         from ..records.log import LoopLog, about
         from ..records.recorder import Recorder, record_path
 
-        recorder = Recorder(record_path(self.options.log), about(self.robot, supervisor))
-        stack.callback(recorder.close)
+        path, keep_GB = record_path(self.options.log), self.options.keep_GB
+        if keep_GB is not None and path == self.options.log:
+            raise UserError(f"--keep {keep_GB:g}: only with a folder for --log, not with the file {path}")
+        most_bytes = None if keep_GB is None else int(keep_GB * 1e9)
+        recorder = Recorder(path, about(self.robot, supervisor), most_bytes=most_bytes)
+        self._closers["record"] = recorder.close
         self._recorder = recorder
         self.extra.log = str(recorder.path)
         self._after.insert(0, LoopLog(recorder).tick)
         self._note(StartCheck("record", True, str(recorder.path)))
 
-    def _add_screen(self, stack: ExitStack) -> None:
+    def _add_screen(self) -> None:
         if self.options.terminal:
-            self._screen = Screen()
+            self._screen = Screen(self._web.invitation if self._web else "")
             self._screen.open()
-            stack.callback(self._screen.close)
+            self._closers["screen"] = self._screen.close
 
     def _gate(self, loop: Loop) -> Callable[[Client, Message], bool]:
         """Return the way in for messages: once the session ends, only stops pass."""
 
         def receive(client: Client, message: Message) -> bool:
-            if self.leaving and message["type"] != "stop":
+            if self._must_leave and message["type"] != "stop":
                 return False
             return loop.receive(client, message)
 
         return receive
 
-    def _take_web_news(self, news: dict[str, Any]) -> None:
-        self.extra.pages = news.get("pages", self.extra.pages)
-        self.extra.web_counts = {key: news[key] for key in ("malformed", "limited", "refused") if key in news}
-
     def _after_tick(self, loop: Loop) -> None:
         for each in self._after:
             each(loop)
-        if self._measure is not None and self._measure.done and not self.leaving:
-            self.leaving = 1
-        if self.leaving:
+        if self._must_leave:
             self._leave(loop)
 
+    @property
+    def _must_leave(self) -> bool:
+        measured = self._measure is not None and self._measure.done
+        return measured or (self._leaving is not None and self._leaving.asked > 0)
+
     def _leave(self, loop: Loop) -> None:
-        """Sit down and let go, then end; at once if asked twice."""
+        """Sit down and let go, then end; a second signal ends the loop at once."""
         now_s = loop.clock()
         self._leave_s = self._leave_s or now_s
         supervisor = loop.supervisor
         supervisor.leaving, supervisor.arbiter.posture, supervisor.arbiter.driver = True, "rest", None
-        if not supervisor.armed or self.leaving > 1 or now_s - self._leave_s > LEAVING_S:
-            loop.running = False
+        if not supervisor.armed or now_s - self._leave_s > LEAVING_S:
+            loop.end()
 
     def _publish(self, loop: Loop, hub: Hub) -> None:
         self.extra.scripts, self.extra.bad_messages = hub.scripts, hub.bad
         if self.options.log is not None and self._recorder.trouble:
             self.extra.log = self._recorder.trouble
+        if self._web is not None:
+            self.extra.web, self.extra.pages = self._web.note, self._web.counts.pages
+            self.extra.web_counts = self._web.counts.refusals
         sensor = self._attitude
         if sensor is not None:
             self.extra.attitude_note, self.extra.readings_missed = sensor.fault or sensor.note, sensor.missed
@@ -214,21 +246,8 @@ class Session:
             self._screen.show(news)
 
     def _page_cpu_s(self) -> float:
-        return 0.0 if self._web is None else cpu_seconds(self._web.process.pid)
-
-    @contextmanager
-    def _signals(self) -> Iterator[None]:
-        """SIGINT, SIGTERM and SIGHUP, which a closed terminal or a broken ssh sends, mean: sit down and leave."""
-
-        def leave(number: int, frame: Any) -> None:
-            self.leaving += 1
-
-        before = {number: signal.signal(number, leave) for number in LEAVE_SIGNALS}
-        try:
-            yield
-        finally:
-            for number, handler in before.items():
-                signal.signal(number, handler)
+        process = None if self._web is None else self._web.process
+        return 0.0 if process is None or process.poll() is not None else cpu_seconds(process.pid)
 
     def _figures(self, loop: Loop) -> dict[str, Any]:
         figures: dict[str, Any] = {"robot": self.robot.name, "bus": loop.supervisor.bus.kind}

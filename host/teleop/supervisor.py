@@ -5,7 +5,7 @@ robot does not move are computed here and nowhere else.
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from shared import planner_layout as core
@@ -22,6 +22,7 @@ from .messages import Drive
 
 # A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
 STRETCHED = 0.5
+OVER = object()
 STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
 Attitude = tuple[float, float] | None
 Rates = tuple[float, float, float] | None
@@ -67,6 +68,7 @@ class Supervisor:
         self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
         self._limit: float | None = None
         self._stopped = False
+        self._resetting: Iterator[None] | None = None
         self._last = ("", "")
         self._gait_watch, self.exchanged = GaitWatch(self.driver), ""
 
@@ -80,6 +82,7 @@ class Supervisor:
     def act(self, now_s: float) -> None:
         """Plan one tick and write its goals, or let go."""
         sticks = self.arbiter.update(now_s)
+        self._go_on_resetting()
         self._check_stop()
         self._command(sticks, now_s)
         joints = self.measured.position_rad if self.measured.complete else None
@@ -114,21 +117,31 @@ class Supervisor:
     def stop_now(self) -> None:
         """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
         self.bus.emergency_stop()
-        self.armed, self._stopped, self._limit = False, True, None
+        self.armed, self._stopped, self._limit, self._resetting = False, True, None, None
 
     def reset(self) -> None:
-        """Forget the faults that are over."""
+        """Forget the faults that are over, in the ticks to come; one that is under way goes on."""
         self._stopped = False
+        if self._resetting is None:
+            self._resetting = self._reset()
+
+    def _go_on_resetting(self) -> None:
+        """Do one tick's part of a reset: no wish may hold up the loop."""
+        if self._resetting is not None and next(self._resetting, OVER) is OVER:
+            self._resetting = None
+
+    def _reset(self) -> Iterator[None]:
         if not self.armed and (self.safety.action == "limp" or self.stretched()):
             self._put_back()
             self.attitude = None
         try:
-            self.bus.clear_faults()
+            while not self.bus.try_clear_faults():
+                yield
         except UserError as error:
             self.safety.raise_fault(Fault("limp", "joints", str(error)))
             return
         if self.measured.faults or any(self.measured.error):
-            self.measured = self.bus.read()
+            yield  # they are read anew
         self.safety.reset(self.measured, self.attitude)
 
     def stretched(self) -> str:
@@ -157,7 +170,7 @@ class Supervisor:
             self.stop_now()
         elif damp and self.armed:
             self.armed, self._limit = False, None
-        if limp or damp:
+        if (limp or damp) and self._resetting is None:
             self.arbiter.posture = "rest"
 
     def _command(self, sticks: Drive, now_s: float) -> None:

@@ -5,11 +5,12 @@ from math import inf, isfinite
 from typing import Any
 
 from shared import planner_layout as core
-from shared.gaits import GAIT_NAMES
 
+from ..gait_advice import gait_advice
 from ..gait_changes import gait_now, margin_m
 from ..robot_model import Robot
 from .loop import Loop
+from .supervisor import Supervisor
 
 
 @dataclass(frozen=True)
@@ -46,10 +47,17 @@ def about(robot: Robot) -> dict[str, Any]:
     speed, body = robot.speed_limits, robot.body_limits
     return {
         "robot": robot.name,
-        "gaits": list(GAIT_NAMES),
+        "gaits": gait_advice(robot),
         "speed_limits": [speed.vx_m_s, speed.vy_m_s, speed.wz_rad_s],
         "pose_limits": [body.x_m, body.y_m, body.z_m, *(round(angle, 5) for angle in body.angles_rad)],
     }
+
+
+def _speed(supervisor: Supervisor) -> tuple[float, float, float]:
+    """Return what the planner is told to walk at, m/s and rad/s: nothing while the robot does not walk."""
+    wish = supervisor.driver.command
+    walks = supervisor.armed and supervisor.driver.state == "walking" and wish.mode == "walk"
+    return (wish.vx_m_s, wish.vy_m_s, wish.wz_rad_s) if walks else (0.0, 0.0, 0.0)
 
 
 def status(loop: Loop, extra: Extra) -> dict[str, Any]:
@@ -73,7 +81,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
         "remark": supervisor.remark,
         "margin_m": round(margin_m(supervisor.driver), 4) if supervisor.armed else None,
         "balance": arbiter.balance,
-        "speed": rounded((arbiter.drive.vx_m_s, arbiter.drive.vy_m_s, arbiter.drive.wz_rad_s), 4),
+        "speed": rounded(_speed(supervisor), 4),
         "attitude_rad": None if supervisor.attitude is None else rounded(supervisor.attitude, 4),
         "attitude_note": extra.attitude_note,
         "readings_missed": extra.readings_missed,
@@ -83,6 +91,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
         "temperature_C": rounded(measured.temperature_C, 1),
         "silent": [joint for joint, age_s in enumerate(measured.age_s) if age_s == inf],
         "swinging": numbers[core.N_SWINGING],
+        "bus_asked": supervisor.bus.counters.sent,
         "bus_errors": supervisor.bus.counters.errors,
         "obeyed": arbiter.obeyed,
         "refused": arbiter.refused,

@@ -1,6 +1,7 @@
 """The terminal: keys without Enter, and a screen with the state, the reason, the key map and the loop's figures.
 
-Painting has its own thread, so a slow terminal (ssh over a bad line) holds nothing up; it paints the newest status.
+Painting has its own thread, so a slow or halted terminal (ssh over a bad line, Ctrl-S) holds nothing up; it paints the
+newest status. All that the terminal is ever sent during a drive comes from that thread.
 """
 
 import sys
@@ -11,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
+from ..console import plain
 from ..robot_model import JOINT_NAMES, LEG_NAMES
 from .keyboard import HELP
 
@@ -29,20 +31,21 @@ def raw_keys(descriptor: int) -> Iterator[None]:
         yield
     finally:
         with suppress(termios.error):  # a terminal that is gone needs nothing put back
-            termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
+            termios.tcsetattr(descriptor, termios.TCSANOW, before)  # not after what waits: a halted one takes nothing
 
 
 class Screen:
     """Paints the newest status a few times a second until it is closed, or the terminal is gone."""
 
-    def __init__(self, stream: TextIO = sys.stdout) -> None:
+    def __init__(self, secret: str = "", stream: TextIO = sys.stdout) -> None:
+        """``secret`` is shown here and nowhere else: the page's pairing code."""
+        self._secret = secret
         self._stream, self._status = stream, dict[str, Any]()
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._paint, name="screen", daemon=True)
 
     def open(self) -> None:
         """Switch to the terminal's second page and start."""
-        self._stream.write(ENTER)
         self._thread.start()
 
     def show(self, status: dict[str, Any]) -> None:
@@ -50,18 +53,18 @@ class Screen:
         self._status = status
 
     def close(self) -> None:
-        """Back to the first page. A terminal that hangs is left to itself."""
+        """Back to the first page; waits as long as the terminal does."""
         self._done.set()
-        self._thread.join(2 * REPAINT_S)
-        if not self._thread.is_alive():
-            self._write(LEAVE)
+        self._thread.join()
 
     def _paint(self) -> None:
-        while not self._done.wait(REPAINT_S):
+        there = self._write(ENTER)
+        while there and not self._done.wait(REPAINT_S):
             if self._status:
-                text = "".join(f"{line}{CLEAR_LINE}\n" for line in screen_lines(self._status))
-                if not self._write(HOME + text + CLEAR_REST):
-                    return
+                text = "".join(f"{line}{CLEAR_LINE}\n" for line in screen_lines(self._status, self._secret))
+                there = self._write(HOME + text + CLEAR_REST)
+        if there:
+            self._write(LEAVE)
 
     def _write(self, text: str) -> bool:
         """Write to the terminal; False if it is gone, which must not end a drive before the robot has sat down."""
@@ -73,8 +76,9 @@ class Screen:
         return True
 
 
-def screen_lines(status: dict[str, Any]) -> list[str]:
-    """Return the screen's lines."""
+def screen_lines(status: dict[str, Any], secret: str = "") -> list[str]:
+    """Return the screen's lines. Texts of the status may come from anywhere: they are shown, never obeyed."""
+    status = {key: " ".join(plain(value).split()) if isinstance(value, str) else value for key, value in status.items()}
     timing, driver = status["timing"], status["driver"]
     mark = RED if status["stop"] or status["fault"] else GREEN if not status["reason"] else BOLD
     who = "nobody" if driver is None else " ".join(str(part) for part in driver if part)
@@ -88,8 +92,8 @@ def screen_lines(status: dict[str, Any]) -> list[str]:
         status["remark"],
         f"driver {who}   gait {status['gait']}   balance {'on' if status['balance'] else 'off'}{margin}",
         "speed {:+.3f} {:+.3f} m/s, turning {:+.2f} rad/s".format(*status["speed"]),
-        f"attitude {tilt}   battery {volts}   bus errors {status['bus_errors']}",
-        f"{timing['rate_hz']} Hz   ticks {timing['ticks']}   missed {timing['missed']}   {status['web']}",
+        f"attitude {tilt}   battery {volts}   bus errors {status['bus_errors']} of {status['bus_asked']}",
+        f"{timing['rate_hz']} Hz   ticks {timing['ticks']}   missed {timing['missed']}   {status['web']}   {secret}",
         "",
         f"{'':4}" + "".join(f"{name:>24}" for name in JOINT_NAMES),
     ]

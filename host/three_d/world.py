@@ -7,6 +7,7 @@ noise and counts). Truth (pose, contacts, torques) is for figures only.
 import math
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -27,7 +28,7 @@ class World:
 
     def __init__(self, robot: Robot, options: ModelOptions, rate_hz: int, *, bus_delay_s: float = 0.02) -> None:
         self.robot, self.options, self.rate_hz = robot, options, rate_hz
-        self.model = mujoco.MjModel.from_xml_string(mjcf(robot, options))
+        self.model = mujoco.MjModel.from_xml_string(mjcf(robot, replace(options, at_rest=False)))
         self.data = mujoco.MjData(self.model)
         first = self.model.joint(joint_names()[0])
         self._q, self._v = int(first.qposadr[0]), int(first.dofadr[0])

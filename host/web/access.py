@@ -1,15 +1,19 @@
-"""Who may use the page: its own origin only, and beyond this machine only who knows the code from the terminal."""
+"""Who may use the page: its own origin only, and only who knows the code from the terminal, or is the robot's user."""
 
 import hmac
 import ipaddress
 import secrets
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from urllib.parse import urlsplit
 
+from .limits import PerPeer
+
 CODE_DIGITS = 6
-# One guess a second, and a minute's rest after five: 10^6 codes are out of reach.
-GUESSES, REST_S, BETWEEN_S = 5, 60.0, 1.0
+# Each peer: one guess a second, after five wrong ones a minute's rest, then two, four ... at most an hour. Somebody
+# with all 254 addresses of a home network makes some 1 300 guesses an hour: two weeks for half of the 10^6 codes.
+GUESSES, BETWEEN_S, REST_S, LONGEST_REST_S = 5, 1.0, 60.0, 3600.0
 MOST_TOKENS = 32
 
 
@@ -26,35 +30,51 @@ def is_loopback(address: str) -> bool:
         return address == "localhost"
 
 
+@dataclass
+class Guesser:
+    """A peer's wrong guesses since its last right one, and until when it is not listened to."""
+
+    wrong: int = 0
+    closed_until_s: float = 0.0
+
+
 class Pairing:
-    """Trades the code for a token. ``code`` "" lets everybody in: the listener is this machine's own."""
+    """Trades the code for a token. ``friends`` are peers that need neither."""
 
-    def __init__(self, code: str, clock: Callable[[], float]) -> None:
-        self._code, self._clock = code, clock
-        self._tokens: list[str] = []
-        self._wrong = 0
-        self._closed_until_s = 0.0
+    def __init__(self, code: str, friends: Collection[str], clock: Callable[[], float]) -> None:
+        self._code, self._friends, self._clock = code, friends, clock
+        self._tokens: list[bytes] = []
+        self._guessers = PerPeer(Guesser)
 
-    def allows(self, token: str | None) -> bool:
-        """True for a paired browser."""
-        if not self._code:
+    def allows(self, token: str | None, peer: str) -> bool:
+        """True for a paired browser and for a friend."""
+        if peer in self._friends:
             return True
-        return token is not None and any(hmac.compare_digest(token.encode(), t.encode()) for t in self._tokens)
+        return token is not None and any(hmac.compare_digest(_bytes(token), each) for each in self._tokens)
 
-    def pair(self, code: str) -> str | None:
-        """Return a token for the right code; None for a wrong one, or while guessing rests."""
-        now_s = self._clock()
-        if now_s < self._closed_until_s:
+    def pair(self, code: str, peer: str) -> str | None:
+        """Return a token for the right code; None for a wrong one, or while this peer's guesses are not heard."""
+        now_s, guesser = self._clock(), self._guessers[peer]
+        if now_s < guesser.closed_until_s:
             return None
-        if not hmac.compare_digest(code.encode(), self._code.encode()):
-            self._wrong += 1
-            rest = self._wrong % GUESSES == 0
-            self._closed_until_s = now_s + (REST_S if rest else BETWEEN_S)
+        if not hmac.compare_digest(_bytes(code), _bytes(self._code)):
+            guesser.wrong += 1
+            guesser.closed_until_s = now_s + _rest_s(guesser.wrong)
             return None
-        self._wrong = 0
+        guesser.wrong = 0
         token = secrets.token_urlsafe(24)
-        self._tokens = [*self._tokens[-MOST_TOKENS + 1 :], token]
+        self._tokens = [*self._tokens[-MOST_TOKENS + 1 :], token.encode()]
         return token
+
+
+def _rest_s(wrong: int) -> float:
+    rounds, rest = divmod(wrong, GUESSES)
+    return BETWEEN_S if rest else min(REST_S * 2.0 ** min(rounds - 1, 10), LONGEST_REST_S)
+
+
+def _bytes(text: str) -> bytes:
+    """Return the bytes of whatever came as a header: not all of it need be text."""
+    return text.encode(errors="surrogatepass")
 
 
 class Names:

@@ -1,10 +1,15 @@
-"""A bucket of tokens: so many at once, so many a second."""
+"""How much of anything somebody may have: a bucket of tokens, and one thing per peer for a bounded number of peers."""
 
+from collections import OrderedDict
 from collections.abc import Callable
+from typing import Generic, TypeVar
+
+Kept = TypeVar("Kept")
+MOST_PEERS = 1024
 
 
 class Bucket:
-    """``take`` is true while there is a token."""
+    """``take`` is true while there is a token: so many at once, so many a second."""
 
     def __init__(self, per_s: float, burst: int, clock: Callable[[], float]) -> None:
         self._per_s, self._burst, self._clock = per_s, burst, clock
@@ -19,3 +24,22 @@ class Bucket:
             return False
         self._tokens -= 1
         return True
+
+
+class PerPeer(Generic[Kept]):
+    """What is kept of each peer; of more than MOST_PEERS the one that was not heard of for longest is forgotten."""
+
+    def __init__(self, make: Callable[[], Kept]) -> None:
+        self._make, self._kept = make, OrderedDict[str, Kept]()
+
+    def __getitem__(self, peer: str) -> Kept:
+        """Return a peer's, made anew for one that is not known."""
+        if peer not in self._kept:
+            self._kept[peer] = self._make()
+            if len(self._kept) > MOST_PEERS:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(peer)
+        return self._kept[peer]
+
+    def __len__(self) -> int:
+        return len(self._kept)

@@ -31,7 +31,10 @@ class View:
         )
 
     def points(self, joints_rad: Sequence[float], roll_rad: float, pitch_rad: float, swinging: int) -> dict[str, Any]:
-        """Return legs (hip, thigh joint, knee, foot), the feet that stand in order, and the centre of mass."""
+        """Return legs (hip, thigh joint, knee, foot), the feet that stand in order, the centre of mass and the ground.
+
+        The ground is under the lowest point: of a robot that lies, that is a knee or the body.
+        """
         legs = [self._leg(leg, joints_rad) for leg in range(4)]
         mass_kg, moment = self._trunk()
         for leg in range(4):
@@ -42,6 +45,7 @@ class View:
         level = [[_level(point, roll_rad, pitch_rad) for point in leg] for leg in legs]
         return {
             "legs": level,
+            "ground_m": min(point[2] for leg in level for point in leg),
             "standing": [leg for leg in OUTLINE if not swinging >> leg & 1],
             "com": _level((moment[0] / mass_kg, moment[1] / mass_kg, moment[2] / mass_kg), roll_rad, pitch_rad),
         }

@@ -62,6 +62,7 @@ from .layout import (
     S_BUS,
     S_RATE,
 )
+from .sine import TABLE_HALF_STEP
 
 CAL_FULL = const(1)
 CAL_SMALL = const(2)
@@ -119,7 +120,6 @@ _FULL_STEP = const(128)  # brad a tick: 2 electrical turns a second
 _SMALL_STEP = const(32)
 _SPREAD_MOST = const(10923)  # brad: 60 electrical degrees between both ways
 _POLE_PAIRS_MOST = const(40)
-_TABLE_HALF_STEP = const(32)
 
 
 @hot
@@ -127,7 +127,7 @@ def set_commutation(foc, cfg) -> int:
     """Hand the stored direction, pole pairs and offset to the current step; return F_ELEC_GAIN."""
     block = ptr32(foc)
     k = ptr32(cfg)
-    block[F_ELEC_OFFSET] = k[K_ELEC_OFFSET] + _TABLE_HALF_STEP
+    block[F_ELEC_OFFSET] = k[K_ELEC_OFFSET] + TABLE_HALF_STEP
     block[F_ELEC_GAIN] = 4 * k[K_POLE_PAIRS] * k[K_DIRECTION]
     return block[F_ELEC_GAIN]
 
@@ -274,7 +274,7 @@ def _force(foc, cal, current: int) -> int:
     block = ptr32(foc)
     c = ptr32(cal)
     block[F_ELEC_GAIN] = 0
-    block[F_ELEC_OFFSET] = (c[C_ANGLE] & 0xFFFF) + _TABLE_HALF_STEP
+    block[F_ELEC_OFFSET] = (c[C_ANGLE] & 0xFFFF) + TABLE_HALF_STEP
     block[F_FEED_D] = 0
     block[F_FEED_Q] = 0
     block[F_Q_REF] = 0

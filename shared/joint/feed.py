@@ -1,13 +1,15 @@
 """What the current step is fed once a millisecond: modulator gains from the bus voltage, voltages known beforehand.
 
 Feed-forward: back-EMF (psi w on q), the coupling of the axes (w L i), the dead-time voltage along
-the current, all turned ahead by the angle the rotor goes until the voltage acts (1.5 steps).
+the current, all turned ahead by the angle the rotor goes from the samples until the voltage acts (1.5 steps).
+The rotor's angle itself is led here by the age of its reading, so that the current step has nothing to add.
 """
 
 from ..fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import const, hot, ptr32
 from .layout import (
     F_ELEC_GAIN,
+    F_ELEC_OFFSET,
     F_FEED_D,
     F_FEED_Q,
     F_GAIN_ALPHA,
@@ -17,14 +19,17 @@ from .layout import (
     F_PERIOD,
     F_Q_REF,
     K_ADVANCE,
+    K_AGE,
     K_BEMF,
     K_BUS_LEAST,
     K_DEAD,
     K_DEAD_ZONE,
+    K_ELEC_OFFSET,
     K_OMEGA_L,
     S_BUS,
     S_RATE,
 )
+from .sine import TABLE_HALF_STEP
 
 _INV_SQRT3_Q15 = const(18919)
 _HALF_SQRT3_Q15 = const(28378)
@@ -73,6 +78,23 @@ def dead_time_voltage(current_cu: int, dead_vu: int, zone_cu: int) -> int:
         zone_cu = 1
     current_cu = saturate(current_cu, 0 - zone_cu, zone_cu)
     return current_cu * dead_vu // zone_cu
+
+
+@hot
+def lead_angle(foc, cfg, state) -> int:
+    """Set F_ELEC_OFFSET so that the last reading of the rotor gives the angle at the samples; return it in brad.
+
+    An answer of the encoder is one step old (K_AGE 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
+    what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
+    """
+    block = ptr32(foc)
+    k = ptr32(cfg)
+    s = ptr32(state)
+    lead = saturate(s[S_RATE], -_RATE_MOST, _RATE_MOST) * k[K_AGE] >> 16
+    if block[F_ELEC_GAIN] < 0:
+        lead = 0 - lead
+    block[F_ELEC_OFFSET] = k[K_ELEC_OFFSET] + TABLE_HALF_STEP + lead
+    return block[F_ELEC_OFFSET]
 
 
 @hot

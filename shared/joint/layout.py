@@ -29,7 +29,7 @@ F_GAIN_BETA = const(11)  # the same times sqrt(3)/2
 F_OFFSET_ALPHA = const(12)  # count, 2a - b - c at no current
 F_OFFSET_BETA = const(13)  # (b - c) at no current times 28378, less 8192 for the rounding
 F_ELEC_GAIN = const(14)  # brad per rc: +-4 x pole pairs; 0 while calibration forces the angle
-F_ELEC_OFFSET = const(15)  # brad, with half a step of the sine table added
+F_ELEC_OFFSET = const(15)  # brad, with half a step of the sine table added and led by the reading's age
 F_KP = const(16)  # vu per cu, Q13
 F_KI = const(17)  # vu per cu and step, Q13
 F_HALF = const(18)  # 1/16 compare count, half the period plus rounding
@@ -68,7 +68,7 @@ K_BUS_GAIN = const(4)  # vu per count of the bus voltage, Q12
 K_BUS_LEAST = const(5)  # vu, the modulator divides by no less
 K_BEMF = const(6)  # vu per rate/8, Q16
 K_OMEGA_L = const(7)  # vu per cu and rate/8: gives Q16 after >> 12
-K_ADVANCE = const(8)  # brad per rate, Q16: angle the rotor goes until the voltage acts
+K_ADVANCE = const(8)  # brad per rate, Q16: angle the rotor goes from the samples until the voltage acts
 K_DEAD = const(9)  # dead-time voltage per bus voltage, Q15
 K_DEAD_ZONE = const(10)  # cu, below it the compensation fades out
 # cfg: mechanics and encoders
@@ -151,7 +151,8 @@ K_CAL_BUS_LEAST = const(80)  # vu
 K_CAL_BUS_MOST = const(81)
 K_VERIFY = const(82)  # brad, largest change of the electrical offset that verifying accepts
 K_WIRE_BUS_Q12 = const(83)  # 1/16 V per vu
-CFG_SIZE = const(84)
+K_AGE = const(84)  # brad per rate, Q16: angle the rotor goes from its reading until the samples
+CFG_SIZE = const(85)
 
 # io: what the joint is told (the application copies the latched set-point) and what is read
 IO_POSITION = const(0)  # brad

@@ -25,9 +25,9 @@ _POSITION_MOST = const(0x1FFFFF)
 def position_to_wire(position_rc: int, gear_q8: int) -> int:
     """Return brad (1/65536 joint turn) for rc and a gear 1 .. 63.99 (Q8), within +-32767. Rounds down: error below 1.
 
-    In two divisions, so that nothing exceeds 2^29. gear_q8 below 1 gives 0.
+    In two divisions, so that nothing reaches 2^30. gear_q8 below 4, which would, gives 0.
     """
-    if gear_q8 < 1:
+    if gear_q8 < 4:
         return 0
     scaled = saturate(position_rc, -_POSITION_MOST, _POSITION_MOST) << 8
     whole = scaled // gear_q8

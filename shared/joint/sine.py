@@ -9,6 +9,7 @@ from ..fixed import sin_q15
 from ..runtime import const, hot, ptr32
 from .layout import F_SINE, FOC_SIZE
 
+TABLE_HALF_STEP = const(32)  # brad, added to an angle so that its nearest entry is taken
 _STEP_SHIFT = const(6)  # brad between entries: 64
 
 

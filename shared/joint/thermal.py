@@ -1,10 +1,11 @@
 """Temperatures: sensors through curves that are data, a two-node model of the winding, derating, I2t.
 
-Model, per slow tick (J/K and K/W are in the gains the host made): the winding is heated by 1.5 R i^2
-and leaks to the housing, the housing to the air. A thermistor between the windings lags behind the
-copper, so the hotter of sensor and model counts.
+Model, per slow tick (J/K and K/W are in the gains the host made): the winding is heated by 1.5 R i^2, with R of
+copper at the winding's temperature, and leaks to the housing, the housing to the air. A thermistor
+between the windings lags behind the copper, so the hotter of sensor and model counts.
 """
 
+from ..fixed import saturate
 from ..runtime import const, hot, ptr32
 from .cascade import fall_q15
 from .layout import (
@@ -22,27 +23,35 @@ from .layout import (
     S_MODEL_WINDING,
 )
 
-CURVE_SIZE = const(65)  # temperatures in t16 at 0, 64, 128 .. 4096 counts
+CURVE_POINTS = const(32)  # a power of two: a point is found by halving
+CURVE_SIZE = const(64)  # the points' ADC counts, growing, then their temperatures in t16
 
 _NODE_MOST = const(0x3FFFFFF)  # t16/2^14: 256 degrees above the air
 _SQUARE_MOST = const(0x7FFFF)
+_COPPER_Q24 = const(4121)  # 0.00393 per K, in 1/16 K
+_WARM_T16 = const(400)  # 25 degrees C, at which the robot file gives the resistance
 
 
 @hot
 def thermistor_t16(curve, raw: int) -> int:
-    """Return the temperature of a reading 0 .. 4095 from a curve of CURVE_SIZE points; readings beyond are cut.
+    """Return the temperature of a reading from a curve: the counts of CURVE_POINTS points, then their temperatures.
 
-    The curve is data, so NTC and PTC are the same here. Linear between points; points within +-2^20.
-    Error at most 1 t16 plus the curve's own.
+    The curve is data, so NTC and PTC are the same here: the host puts points where the curve bends. Straight between
+    points, beyond the first and the last their temperature. Counts 0 .. 4095, not falling; temperatures within +-2^16.
+    Error at most 1 t16 plus the curve's own. Below 2^30.
     """
     table = ptr32(curve)
-    if raw < 0:
-        raw = 0
-    if raw > 4095:
-        raw = 4095
-    index = raw >> 6
-    value = table[index]
-    return value + ((table[index + 1] - value) * (raw & 63) + 32 >> 6)
+    at = 0
+    half = CURVE_POINTS >> 1
+    while half:
+        if table[at + half] <= raw:
+            at += half
+        half >>= 1
+    value = table[CURVE_POINTS + at]
+    if at == CURVE_POINTS - 1 or raw <= table[at]:
+        return value
+    span = table[at + 1] - table[at]
+    return value + ((table[CURVE_POINTS + at + 1] - value) * (raw - table[at]) + (span >> 1)) // span
 
 
 @hot
@@ -73,8 +82,8 @@ def model_step(cfg, state, square: int) -> int:
     """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
 
     Ranges: K_HEAT 0 .. 2047 with K_HEAT_SHIFT 0 .. 24, the leaks 0 .. 16383 with K_LEAK_SHIFT 13 .. 30. Both
-    nodes stay within 0 .. 256 degrees above the air. Error of the end temperature below 1 degree C.
-    Intermediates: 2^19 * 2047 below 2^30.
+    nodes stay within 0 .. 256 degrees above the air, S_AIR within +-2^13. Error of the end temperature below 1 K.
+    Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
     k = ptr32(cfg)
     s = ptr32(state)
@@ -84,11 +93,24 @@ def model_step(cfg, state, square: int) -> int:
     housing = s[S_MODEL_HOUSING]
     flow = winding - housing
     shift = k[K_LEAK_SHIFT]
-    winding += (square * k[K_HEAT] >> k[K_HEAT_SHIFT]) - scaled(flow, k[K_WINDING_LEAK], shift)
+    heat = square * k[K_HEAT] >> k[K_HEAT_SHIFT]
+    if heat > _NODE_MOST:
+        heat = _NODE_MOST
+    heat += scaled(heat, copper_share(s[S_AIR] + (winding >> 14)), 14)
+    winding += heat - scaled(flow, k[K_WINDING_LEAK], shift)
     housing += scaled(flow, k[K_HOUSING_GAIN], shift) - scaled(housing, k[K_HOUSING_LEAK], shift)
     s[S_MODEL_WINDING] = _node(winding)
     s[S_MODEL_HOUSING] = _node(housing)
     return s[S_AIR] + (s[S_MODEL_WINDING] >> 14)
+
+
+@hot
+def copper_share(winding_t16: int) -> int:
+    """Return by which share copper's resistance at a temperature is above that at 25 degrees C, in Q14, -4025 .. 16379.
+
+    winding_t16 within +-2^29: below -37 degrees C that of -37, above 279 that of 279. Error 1.
+    """
+    return saturate(winding_t16 - _WARM_T16, -1000, 4070) * _COPPER_Q24 >> 10
 
 
 @hot

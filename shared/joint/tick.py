@@ -20,7 +20,7 @@ from .current import current_relax, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
 from .encoder import encoder_reset, encoder_step, watch_encoders
 from .faults import FAULT_HOME_AMBIGUOUS, FAULT_HOME_NO_STOP
-from .feed import bus_voltage, feed_bus, feed_voltages
+from .feed import bus_voltage, feed_bus, feed_voltages, lead_angle
 from .homing import homing_start, homing_step, homing_stop
 from .layout import (
     HOME_AMBIGUOUS,
@@ -142,6 +142,7 @@ def _act(foc, cfg, state, io, cal) -> int:
         s[S_CURRENT_REF] = 0
         current_relax(foc)
     write_current(foc, cfg, state)
+    lead_angle(foc, cfg, state)
     return feed_voltages(foc, cfg, state)
 
 

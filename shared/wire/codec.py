@@ -447,7 +447,7 @@ def encode_service_response(frame, values, start: int) -> int:
 
     0 command: 1 .. 14
     1 sequence: 0 .. 255
-    2 result: 0 .. 17
+    2 result: 0 .. 18
     3 index: 0 .. 255
     4 value: -1073741824 .. 1073741823
     """
@@ -455,7 +455,7 @@ def encode_service_response(frame, values, start: int) -> int:
     block = ptr32(values)
     command = saturate(block[start], 1, 14)
     sequence = saturate(block[start + 1], 0, 255)
-    result = saturate(block[start + 2], 0, 17)
+    result = saturate(block[start + 2], 0, 18)
     index = saturate(block[start + 3], 0, 255)
     value = saturate(block[start + 4], -0x3FFFFFFF - 1, 1073741823)
     words[0] = (command & 0xFF) | ((sequence & 0xFF) << 8)
@@ -477,7 +477,7 @@ def decode_service_response(frame, values, start: int) -> int:
 
     0 command: 1 .. 14
     1 sequence: 0 .. 255
-    2 result: 0 .. 17
+    2 result: 0 .. 18
     3 index: 0 .. 255
     4 value: -1073741824 .. 1073741823
     """
@@ -490,5 +490,5 @@ def decode_service_response(frame, values, start: int) -> int:
     block[start + 4] = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
     return (
         _outside(block[start], 1, 14, 1)
-        + _outside(block[start + 2], 0, 17, 0)
+        + _outside(block[start + 2], 0, 18, 0)
     )

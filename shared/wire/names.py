@@ -3,7 +3,7 @@
 from ..runtime import const
 
 # Of the meaning of every frame and parameter; host and joint refuse each other when it differs.
-PROTOCOL_HASH = const(0xB41B)
+PROTOCOL_HASH = const(0x70A5)
 
 # Identifier of node 0 or group 0, and length in bytes, of each kind of frame.
 E_STOP_ID = const(0x000)
@@ -140,6 +140,7 @@ RESULT_STORAGE_FAILED = const(14)
 RESULT_DUPLICATE_ID = const(15)
 RESULT_WRONG_KEY = const(16)
 RESULT_BUSY = const(17)
+RESULT_WRONG_CHALLENGE = const(18)
 
 # slow_status.limits
 LIMIT_CURRENT = const(1)

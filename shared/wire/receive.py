@@ -172,12 +172,10 @@ def _latch(link) -> int:
 
 @hot
 def _accept_sync(link, frame) -> int:
-    """Count, then latch; what is pending when a host with another session sends SYNC is thrown away."""
+    """Count, then latch; SYNC of a host with another session changes nothing."""
     block = ptr32(link)
     decode_sync(frame, link, LINK_SYNC)
     if block[LINK_SESSION] and block[LINK_SYNC + 1] != block[LINK_SESSION]:
-        block[LINK_PENDING_SET] = 0
-        block[LINK_PENDING_MODE] = 0
         return FRAME_OTHER_SESSION
     _count_sync(link)
     return _latch(link)

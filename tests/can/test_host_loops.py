@@ -24,9 +24,11 @@ def case(loops, rate_hz):
 def test_loops_on_the_host_walk_the_robot_nearly_as_well_as_the_joints_own():
     robot = load_robot("parallel")
     found = {loops: compare(robot, *case(loops, 200), 1.5) for loops in ("joint", "host-velocity")}
-    for one in found.values():
+    # Started from rest within 1.5 s. Loops on the host lose more since the joint's own bandwidth came down to 30 Hz for
+    # the age of the encoder's angle, and goals no longer outrun the joints.
+    for (loops, one), lost in zip(found.items(), (0.25, 0.45), strict=True):
         assert one.stopped == ""
-        assert one.speed_m_s == pytest.approx(0.05, rel=0.25)
+        assert one.speed_m_s == pytest.approx(0.05, rel=lost), loops
         assert one.error_rms_deg < 2.0
     assert found["host-velocity"].error_after_lag_deg > found["joint"].error_after_lag_deg
 

@@ -4,11 +4,20 @@ import shutil
 import subprocess
 import sys
 
-from host.parity.sources import ROOT
+from host.build.source import ROOT, closure, read_modules
 from host.runtimes.unix import Unix
 from host.scale import attitude_block, core_params
 
 from ..marks import skip_without
+
+
+def copy_modules(sources, *names):
+    """Copy these modules and all that they import into the folder ``sources``."""
+    modules = read_modules(ROOT)
+    for name in closure(modules, list(names)):
+        path = modules[name].path
+        (sources / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / path, sources / path)
 
 
 def start_gait_vm(work, robot, bufsize=-1):
@@ -16,9 +25,7 @@ def start_gait_vm(work, robot, bufsize=-1):
     unix = Unix("viper")
     skip_without(unix)
     sources = work / "sources"
-    sources.mkdir()
-    for package in ("shared", "firmware"):
-        shutil.copytree(ROOT / package, sources / package, ignore=shutil.ignore_patterns("__pycache__"))
+    copy_modules(sources, "firmware.gait_main")
     script = (
         "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
         f"run_piped(array('i', {list(core_params(robot))}), array('i', {list(attitude_block(robot))}))\n"

@@ -9,6 +9,8 @@ from array import array
 
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
+from firmware.joint_run import RUN_FAILED
+from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.joint.faults import FAULT_EXCEPTION
 from shared.wire import codec
@@ -31,7 +33,7 @@ class Storm:
         self.seed, self.digest, self.ms, self.sequence, self.requested = 4711, 0, 0, 0, 0
         self.enabled = self.locked = self.exceptions = self.wrong_torque = self.faults = self.resets = 0
         self.board = board = SimBoard()
-        self.joint = Joint(board, "none.bin")
+        self.joint = Joint(board, Memory())
         control = self.joint.control
         for place in (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE):
             control.foc[place] = foc[place]
@@ -104,7 +106,7 @@ class Storm:
             self.wrong_torque += 1
         self.enabled += drive == w.STATE_OPERATION_ENABLED
         self.faults += drive == w.STATE_FAULT
-        self.exceptions += state[j.S_FAULT_CODE] == FAULT_EXCEPTION or control.failed != 0
+        self.exceptions += state[j.S_FAULT_CODE] == FAULT_EXCEPTION or control.run[RUN_FAILED] != 0
         if self.board.resets:
             self.power_cycle()
 
@@ -144,9 +146,9 @@ class Storm:
         """As a host that wants to drive: clear, home, set-points for a while, arm, set-points again."""
         self.calm(30)
         self.request(w.COMMAND_CLEAR_FAULT, 0, 0)
-        self.request(w.COMMAND_HOME, 0, 0)
+        self.request(w.COMMAND_HOME, 0, self.joint.service.challenge << 16)
         self.calm(40)
-        self.request(w.COMMAND_ARM, 0, w.PROTOCOL_HASH)
+        self.request(w.COMMAND_ARM, 0, self.joint.service.challenge << 16 | w.PROTOCOL_HASH)
         self.calm(25)
 
     def calm(self, milliseconds):

@@ -1,7 +1,6 @@
 """The gait controller: alone, over its link, and in a real MicroPython that walks the simulator over a pipe."""
 
 import math
-import random
 from array import array
 
 import pytest
@@ -12,6 +11,7 @@ from firmware.gait import GaitBoard
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import MISSING, STUCK
 from host.gait_board import GaitBoardLink
+from host.gait_frames import frame
 from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
@@ -49,7 +49,7 @@ class Loop:
     def __init__(self):
         self.sensor = FrameSensor()
         self.board = GaitBoard(core_params(ROBOT), attitude_block(ROBOT), self.sensor)
-        self.out = bytearray(self.board.writer.buffer[: self.board.hello()])
+        self.out = bytearray(self.board.ready)
         self.link = GaitBoardLink(self)
 
     def read(self, count):
@@ -57,12 +57,12 @@ class Loop:
         return bytes(taken)
 
     def write(self, data):
-        for byte in data:
-            kind = self.board.take(byte)
+        while kind := self.board.take(data, len(data)):
             if kind == link.COUNTS:
-                self.sensor.put(self.board.reader.buffer)
+                self.sensor.put(self.board.frame)
             elif kind == link.TICK:
-                self.out += self.board.writer.buffer[: self.board.tick()]
+                self.board.tick()
+                self.out += self.board.setpoints
 
     def flush(self):
         pass
@@ -130,25 +130,26 @@ def test_stop_works_from_every_state_and_needs_a_reset(loop, ticks):
 
 def test_broken_frames_are_counted_and_not_obeyed(loop):
     loop.run(10)
-    frame = bytearray(loop.board.writer.buffer[:0])
-    writer = link.Writer()
-    writer.open(link.STOP)
-    frame += writer.buffer[: writer.close()]
-    for at in range(2, len(frame)):
-        broken = bytearray(frame)
+    stop = frame(link.STOP)
+    for at in range(2, len(stop)):
+        broken = bytearray(stop)
         broken[at] ^= 0x10
         loop.write(broken)
         loop.write(bytes(80))  # whatever it waits for ends
-    assert loop.board.reader.broken > 0
-    assert not loop.board.stopped
-    loop.write(frame)
-    assert loop.board.stopped
+    assert loop.board.reader[link.R_BROKEN] > 0
+    assert not loop.board.numbers[application.B_STOPPED]
+    loop.write(stop)
+    assert loop.board.numbers[application.B_STOPPED]
 
 
-def test_noise_never_becomes_a_command():
-    noise, reader = random.Random(7), link.Reader()
-    kinds = [reader.take(noise.randrange(256)) for _ in range(200_000)]
-    assert sum(1 for kind in kinds if kind) == 0
+@pytest.mark.parametrize(
+    ("kind", "values", "size"), [(link.COMMAND, [MODE_WALK] * (COMMAND_SIZE - 1), 4), (link.SENSED, [1] * 13, 2)]
+)
+def test_a_payload_of_another_length_is_not_taken(loop, kind, values, size):
+    before = list(loop.board.command), list(loop.board.sensed)
+    loop.write(frame(kind, values, size))
+    assert (list(loop.board.command), list(loop.board.sensed)) == before
+    assert loop.board.reader[link.R_BROKEN] == 1
 
 
 class VirtualBoard:

@@ -1,6 +1,5 @@
 """The joint's application over its bus: sessions, set-points, requests, status, storage, faults, random frames."""
 
-import os
 import random
 from array import array
 
@@ -9,7 +8,9 @@ import pytest
 from firmware import joint_store
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
+from firmware.joint_run import RUN_FAILED, RUN_READY
 from firmware.joint_service import HOME_POSE
+from firmware.settings import Memory
 from host.motor.bench import SESSION, Bench
 from host.robot_file import load_robot
 from shared.joint import faults as f
@@ -104,6 +105,27 @@ def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch
     assert bench.joint.control.io[j.IO_SESSION] == 0
     bench.run(10)
     assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+
+
+@pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME])
+def test_without_the_challenge_of_now_nothing_is_armed_calibrated_or_homed(bench, command):
+    bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
+    bench.run(20)
+    old = bench.joint.service.challenge
+    bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
+    assert bench.joint.service.challenge != old
+    armed = bench.joint.service.challenge
+    bench.request(w.COMMAND_DISARM)
+    bench.run(20)
+    now = bench.joint.service.challenge
+    assert now != armed
+    for challenge in (old, armed, now ^ 1, now ^ 0x2000, 0 if now else 1):
+        value = challenge << 16 | w.PROTOCOL_HASH
+        assert bench.ask(command, 0, value) == w.RESULT_WRONG_CHALLENGE
+        assert bench.ask(command, 0, value - (1 << 30)) == w.RESULT_WRONG_CHALLENGE
+    bench.run(10)
+    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert bench.board.bridge == 0
 
 
 def test_far_set_points_do_not_arm(bench):
@@ -246,55 +268,52 @@ def test_home_at_a_pose_is_refused_while_ambiguous(bench):
     assert ask(bench, w.COMMAND_HOME, HOME_POSE, right)[0] == w.RESULT_OK
 
 
-def saved(folder, **changes):
-    joint = Joint(SimBoard(), str(folder / "joint.bin"))
+def saved(settings, **changes):
+    joint = Joint(SimBoard(), settings)
     for parameter, value in changes.items():
         joint.parameters.put(int(parameter[1:]), value)
     return joint
 
 
-def test_parameters_survive_a_power_cycle(tmp_path):
-    joint = saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777, f"p{PARAMETER_NODE_ID}": 6})
+def test_parameters_survive_a_power_cycle():
+    settings = Memory()
+    joint = saved(settings, **{f"p{PARAMETER_ACCEL}": 777, f"p{PARAMETER_NODE_ID}": 6})
     assert joint.loaded == joint_store.MISSING
     assert joint.parameters.save() == 1
-    again = Joint(SimBoard(), str(tmp_path / "joint.bin"))
+    again = Joint(SimBoard(), settings)
     assert again.loaded == joint_store.LOADED
     assert (again.parameters.get(PARAMETER_ACCEL), again.parameters.node) == (777, 6)
 
 
-def test_every_broken_byte_of_the_file_is_noticed(tmp_path):
-    saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777}).parameters.save()
-    path = tmp_path / "joint.bin"
-    whole = path.read_bytes()
+def test_every_broken_byte_is_noticed():
+    settings = Memory()
+    saved(settings, **{f"p{PARAMETER_ACCEL}": 777}).parameters.save()
+    whole = settings.get(joint_store.KEY)
     for at in [*range(40), len(whole) // 2, len(whole) - 1]:
-        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
-        joint = Joint(SimBoard(), str(path))
+        settings.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        joint = Joint(SimBoard(), settings)
         assert joint.loaded == joint_store.BROKEN
         assert joint.parameters.get(PARAMETER_ACCEL) == PARAMETER_DEFAULT[PARAMETER_ACCEL]
-    path.write_bytes(whole[:17])
-    joint = Joint(SimBoard(), str(path))
+    settings.put(joint_store.KEY, whole[:17])
+    joint = Joint(SimBoard(), settings)
     joint.start()
     assert joint.control.io[j.IO_HARDWARE_FAULT] == f.FAULT_STORAGE
 
 
-def test_saving_that_fails_keeps_the_old_file(tmp_path, monkeypatch):
-    joint = saved(tmp_path, **{f"p{PARAMETER_ACCEL}": 777})
+def test_saving_that_fails_is_told(monkeypatch):
+    settings = Memory()
+    joint = saved(settings, **{f"p{PARAMETER_ACCEL}": 777})
     joint.parameters.save()
     joint.parameters.put(PARAMETER_ACCEL, 778)
-
-    def refuse(*args):
-        raise OSError(5)
-
-    monkeypatch.setattr(os, "rename", refuse)
+    monkeypatch.setattr(settings, "put", lambda key, data: 0)
     assert joint.parameters.save() == 0
-    assert Joint(SimBoard(), str(tmp_path / "joint.bin")).parameters.get(PARAMETER_ACCEL) == 777
+    assert Joint(SimBoard(), settings).parameters.get(PARAMETER_ACCEL) == 777
 
 
 @pytest.mark.parametrize(
     ("part", "method", "value"),
     [
-        ("read_currents", "step", 1),
-        ("read_bus", "motion", 2),
+        ("_sense", "motion", 2),
         ("read_thermistor", "slow", 3),
         ("can_receive", "bus", 4),
     ],
@@ -340,7 +359,8 @@ def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, cod
     if field == "driver":
         bench.board.driver = value
     else:
-        monkeypatch.setattr(bench.board, "read_bus", lambda: value)
+        sense = bench.board._sense
+        monkeypatch.setattr(bench.board, "_sense", lambda io: (sense(io), io.__setitem__(j.IO_BUS_RAW, value)))
     bench.run(10)
     assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, code)
 
@@ -348,7 +368,7 @@ def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, cod
 def test_a_driver_that_does_not_read_back_never_gets_ready():
     board = SimBoard()
     board.driver_wrong = 3
-    joint = Joint(board, "/nonexistent/joint.bin")
+    joint = Joint(board, Memory())
     joint.start()
     for _ms in range(100):
         for _ in range(10):
@@ -370,7 +390,7 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operat
             assert not bench.board.bridge or bench.state[j.S_DRIVE] in torque_states
             driving = bench.state[j.S_TORQUE] == j.TORQUE_DRIVE
             assert not driving or bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
-            assert control.failed == 0
+            assert control.run[RUN_FAILED] == 0
             enabled += bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
             frames(bench.board)
     assert given == 10_000
@@ -384,7 +404,7 @@ def _disturb(bench, chance, number):
     bench.wrong.thermistor = "open" if kind == 1 else ""
     if number % 1500 == 700:
         bench.joint.control.start()
-        bench.joint.control.ready = 1
+        bench.joint.control.run[RUN_READY] = 1
     if number % 200 == 0:
         bench.run(30)
         bench.request(w.COMMAND_CLEAR_FAULT)

@@ -18,7 +18,7 @@ from ..marks import skip_without
 from .storm import Storm
 
 FRAMES = 10_000
-STARTS = ("firmware.joint", "firmware.board_sim")
+STARTS = ("firmware.joint", "firmware.board_sim", "firmware.settings")
 SCRIPT = """
 import json, micropython
 from data import FOC, CFG, CURVE
@@ -30,11 +30,11 @@ storm.run(%d)
 print("@@" + json.dumps({"figures": storm.figures()}))
 """
 PLANTED = """
-good = storm.joint.control._watch
+good = storm.joint._after_motion
 def bad():
     [0] * 20
     good()
-storm.joint.control._watch = bad
+storm.joint._after_motion = bad
 """
 
 

@@ -1,9 +1,11 @@
 """The inertial sensor's driver against a register file that behaves like the chip's."""
 
+import random
+
 import pytest
 
 from firmware import mpu6050
-from firmware.mpu6050 import MISSING, OK, SATURATED, SELF_TEST, STUCK, Mpu6050, factory_trims
+from firmware.mpu6050 import MISSING, OK, SATURATED, SELF_TEST, STUCK, Mpu6050, factory_trims, judge
 
 CODES = (0b10101, 0b01110, 0b10011, 0b01101, 0b10010, 0b11001)  # accelerometer x y z, gyro x y z
 
@@ -100,6 +102,62 @@ def test_another_chip_at_the_address_is_not_taken():
     chip = Chip()
     chip.registers[0x75] = 0x70
     assert sensor(chip).fault == MISSING
+
+
+class FirstJudge:
+    """How readings were judged before it was a hot function."""
+
+    def __init__(self):
+        self.last, self.same, self.full, self.fault = bytearray(14), 0, 0, OK
+
+    def read(self, raw, counts):
+        same, full = True, False
+        for i in range(14):
+            if i not in (6, 7):
+                same = same and raw[i] == self.last[i]
+            self.last[i] = raw[i]
+        for i in range(0, 14, 2):
+            if i != 6:
+                full = full or not -32768 < self.count(raw, i) < 32767
+        self.same = self.same + 1 if same else 0
+        self.full = self.full + 1 if full else 0
+        if self.fault in (SELF_TEST, MISSING):
+            return self.fault
+        self.fault = OK
+        if self.same >= mpu6050.STUCK_READS:
+            self.fault = STUCK
+        elif self.full >= mpu6050.SATURATED_READS:
+            self.fault = SATURATED
+        else:
+            counts[:] = [self.count(raw, at) for at in (8, 10, 12, 0, 2, 4)]
+        return self.fault
+
+    def count(self, raw, at):
+        return int.from_bytes(raw[at : at + 2], "big", signed=True)
+
+
+@pytest.mark.parametrize("start", [OK, SELF_TEST, MISSING])
+def test_readings_are_judged_as_they_were(start):
+    noise = random.Random(5)
+    first, last, runs, fault = FirstJudge(), bytearray(14), [0, 0], start
+    first.fault = start
+    counts, expected, seen = [9] * 6, [9] * 6, set()
+    raw = bytes(14)
+    for _ in range(400):
+        kind = noise.choice(("same", "warmer", "live", "full", "full"))
+        for _ in range(noise.randrange(1, 60)):
+            if kind == "warmer":
+                raw = raw[:6] + noise.randbytes(2) + raw[8:]
+            elif kind != "same":
+                raw = noise.randbytes(14)
+            if kind == "full":
+                at = noise.choice((0, 2, 4, 8, 10, 12))
+                raw = raw[:at] + noise.choice((b"\x7f\xff", b"\x80\x00")) + raw[at + 2 :]
+            fault = judge(raw, last, runs, counts, fault)
+            assert fault == first.read(raw, expected)
+            assert counts == expected
+            seen.add(fault)
+    assert seen == ({OK, STUCK, SATURATED} if start == OK else {start})
 
 
 def test_a_stuck_sensor_is_noticed_and_a_live_one_is_not():

@@ -1,16 +1,20 @@
-"""What the unix VM runs to be a board: LittleFS on a file of blocks, a machine module, boot.py, main.py, the prompt.
+"""What the unix VM runs to be a board: a simulated flash in a file, a machine module, a slot's modules, the prompt.
 
-Runs on MicroPython. Power is cut by SIGKILL in the middle of a block write, a reset is SIGTERM: tests/flash/pretend.py.
+Runs on MicroPython. The loader has chosen the slot before: tests/flash/pretend.py. Power is cut by SIGKILL in the
+middle of a word written or a sector erased, a reset is SIGTERM.
 """
 
 import json
 import os
 import sys
 
-import vfs
-
 with open("board.json") as _file:
     SETTINGS = json.load(_file)
+HOST = os.getcwd()
+sys.path[:] = ["", HOST + "/running", SETTINGS["tests"]]
+
+sim_flash = __import__("sim_flash")  # found only now, as are the slot's modules
+flash_map = __import__("firmware.flash_map").flash_map
 
 
 def die(signal):
@@ -20,42 +24,40 @@ def die(signal):
         pass
 
 
-class Blocks:
-    """A block device in a file. ``cut`` counts down the block writes until the power goes in the middle of one."""
+class File:
+    """A store of bytes that survives the power."""
 
-    def __init__(self, path, size, cut):
+    def __init__(self, path):
         self.file = open(path, "r+b")  # noqa: SIM115
-        self.size = size
-        self.count = self.file.seek(0, 2) // size
-        self.cut = cut
-        self.writes = 0
 
-    def readblocks(self, block, buffer, offset=0):
-        self.file.seek(block * self.size + offset)
-        self.file.readinto(buffer)
+    def read(self, at, count):
+        """Return bytes."""
+        self.file.seek(at)
+        return self.file.read(count)
 
-    def writeblocks(self, block, buffer, offset=0):
-        self.file.seek(block * self.size + offset)
-        self._spend(buffer)
-        self.file.write(buffer)
+    def write(self, at, data):
+        """Take bytes as they are, also if the process is killed a moment later."""
+        self.file.seek(at)
+        self.file.write(data)
+        self.file.flush()
 
-    def ioctl(self, operation, block):
-        if operation == 4:
-            return self.count
-        if operation == 5:
-            return self.size
-        if operation == 6:
-            self.file.seek(block * self.size)
-            self._spend(b"\xff" * self.size)
-            self.file.write(b"\xff" * self.size)
-            return 0
-        return None
 
-    def _spend(self, data):
-        self.writes += 1
-        if self.writes == self.cut:
-            self.file.write(bytes(data)[: len(data) // 2])
-            die("KILL")
+class ChipFlash(sim_flash.SimFlash):
+    """Stands for the flash controller's."""
+
+    def __init__(self):
+        super().__init__(File("flash.bin"), SETTINGS["cut"], SETTINGS["cut"])
+
+    def _gone(self):
+        die("KILL")
+
+
+class FlashModule:
+    """Stands for firmware/chip_flash.py."""
+
+    @staticmethod
+    def ChipFlash():
+        return flash
 
 
 class Watchdog:
@@ -102,65 +104,37 @@ class Board:
     USB_VCP = Usb
 
 
+class Vectors:
+    """Stands for the processor's register of where its vectors are: where the loader left them."""
+
+    def __getitem__(self, address):
+        assert address == 0xE000ED08
+        return flash_map.BASE + flash_map.slot_at(SETTINGS["slot"]) + flash_map.HEADER
+
+
 class Machine:
     """Stands in for the machine module."""
 
     WDT = Watchdog
     I2C = SilentBus
+    mem32 = Vectors()
 
     @staticmethod
     def reset():
         with open(HOST + "/writes", "a") as file:
-            file.write(str(device.writes) + "\n")
+            file.write(str(flash.done) + "\n")
         die("TERM")
 
 
-class System:
-    """Stands in for sys where a test wants another _mpy."""
-
-    def __init__(self):
-        for name in dir(sys):
-            if name[:2] != "__":
-                setattr(self, name, getattr(sys, name))
-        self.implementation = Implementation()
-
-
-REAL = sys.implementation
-
-
-class Implementation:
-    """sys.implementation with another _mpy."""
-
-    _mpy = SETTINGS["mpy"]
-    _machine = "pretend board"
-
-    def __getitem__(self, index):
-        return REAL[index]
-
-
-HOST = os.getcwd()
-device = Blocks("flash.bin", SETTINGS["block"], SETTINGS["cut"])
-KIND = {"lfs": vfs.VfsLfs2, "fat": vfs.VfsFat}[SETTINGS["filesystem"]]
-if SETTINGS["fresh"]:
-    KIND.mkfs(device)
-    device.writes = 0
-filesystem = KIND(device)
-vfs.mount(filesystem, "/flash")
-os.chdir("/flash")
-sys.path[:] = ["", "/flash"]
+flash = ChipFlash()
+sys.modules["firmware.chip_flash"] = FlashModule
 sys.modules["machine"] = Machine
 sys.modules["pyb"] = Board
-if SETTINGS["mpy"]:
-    sys.modules["sys"] = System()
 os.system("stty isig")
 print("pretend board")
-for _name in ("boot.py", "main.py"):
-    if _name in os.listdir():
-        with open(_name) as _file:
-            _text = _file.read()
-        try:
-            exec(_text, {"__name__": "__main__"})
-        except Exception as error:
-            sys.print_exception(error)
-        except KeyboardInterrupt:
-            print("interrupted")
+try:
+    __import__("main")  # runs the application
+except Exception as error:
+    sys.print_exception(error)
+except KeyboardInterrupt:
+    print("interrupted")

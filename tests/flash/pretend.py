@@ -1,6 +1,8 @@
-"""A board that is none: the unix VM with a LittleFS behind a pseudo-terminal; it resets, and power can be cut.
+"""A board that is none: the unix VM with a simulated flash behind a pseudo-terminal; it resets, and power can be cut.
 
-Its terminal turns Ctrl-C into an interrupt while the board runs something, as USB does (harness.py: isig).
+At every start the loader's own decision (tests/flash/loader.py) chooses the slot, whose modules the VM then runs: an
+image here is a text of them. Its terminal turns Ctrl-C into an interrupt while the board runs something, as USB does
+(harness.py: isig).
 """
 
 import errno
@@ -9,6 +11,7 @@ import json
 import os
 import pty
 import select
+import shutil
 import signal
 import subprocess
 import sys
@@ -18,24 +21,31 @@ import time
 import tty
 from pathlib import Path
 
+from firmware.flash_map import BASE, HEADER, parse_header, slot_at
+from host.build.dfu import parts
+from tests.flash.loader import choose
+from tests.flash.sim_flash import Memory, SimFlash
+
 HARNESS = Path(__file__).with_name("harness.py")
-SIZE = 1 << 20
 
 
 class PretendBoard:
-    """Use as a context; ``port`` is its serial port, ``folder`` keeps its file system from one to the next.
+    """Use as a context; ``port`` is its serial port, ``folder`` keeps its flash from one to the next.
 
-    ``cut``: power goes in the middle of that block write, counted from the start after ``cut_life`` resets.
+    ``image``: what a new board is given in slot A, as by DFU. ``cut``: power goes in the middle of that word written or
+    sector erased, counted from the start after ``cut_life`` resets.
     """
 
-    def __init__(self, folder, size=SIZE, block=4096, cut=0, cut_life=0, mpy=0, filesystem="lfs"):
+    def __init__(self, folder, image=None, cut=0, cut_life=0):
         self.folder = Path(folder)
         self.folder.mkdir(exist_ok=True)
-        self._settings = {"block": block, "cut": cut, "mpy": mpy, "filesystem": filesystem}
-        self._cut_life = cut_life
-        self._fresh = not self.image.exists()
-        if self._fresh:
-            self.image.write_bytes(b"\xff" * size)
+        self._cut, self._cut_life = cut, cut_life
+        if image is not None:
+            store = Memory()
+            for at, data in parts(image):
+                store.write(at - BASE, data)
+            self.flash.write_bytes(store.data)
+        self.slot = -1
         self.said = b""
         self.resets = 0
         self.powered = True
@@ -50,7 +60,7 @@ class PretendBoard:
         self._relay = threading.Thread(target=self._carry, daemon=True)
 
     @property
-    def image(self):
+    def flash(self):
         return self.folder / "flash.bin"
 
     def __enter__(self):
@@ -110,9 +120,10 @@ class PretendBoard:
         (self.folder / "watchdog").unlink(missing_ok=True)
         self.said = b""
         again = self._process is not None
-        cut = self._settings["cut"] if self.resets + again == self._cut_life else 0
-        (self.folder / "board.json").write_text(json.dumps({**self._settings, "cut": cut, "fresh": self._fresh}))
-        self._fresh = False
+        cut = self._cut if self.resets + again == self._cut_life else 0
+        self._load()
+        settings = {"slot": self.slot, "cut": cut, "tests": str(HARNESS.parent)}
+        (self.folder / "board.json").write_text(json.dumps(settings))
         termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
         command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-i", str(HARNESS)]
         self._process = subprocess.Popen(
@@ -125,6 +136,19 @@ class PretendBoard:
             preexec_fn=lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0),
         )
         self.resets += again
+
+    def _load(self):
+        """Do what the loader does, and lay out the modules of the slot that it chooses."""
+        flash = SimFlash(Memory(self.flash.read_bytes()))
+        self.slot = choose(flash)
+        assert self.slot >= 0, "the loader finds no slot to start: this board is dead"
+        self.flash.write_bytes(flash.store.data)
+        header = parse_header(flash.view(slot_at(self.slot), HEADER))
+        running = self.folder / "running"
+        shutil.rmtree(running, ignore_errors=True)
+        for path, text in json.loads(flash.view(slot_at(self.slot) + HEADER, header.length).rstrip(b"\xff")).items():
+            (running / path).parent.mkdir(parents=True, exist_ok=True)
+            (running / path).write_text(text)
 
     def _carry(self):
         """Carry bytes both ways, start the board again after a reset, go when the power goes."""

@@ -4,25 +4,28 @@ import json
 import os
 import pty
 import threading
+import zipfile
 
 import pytest
 import serial
 
+from host.build.image_file import write_image_file
 from host.flash import link as link_module
 from host.flash.shell import join
 from tests.flash.pretend import PretendBoard
-from tests.flash.trees import image_of, tree
+from tests.flash.trees import LAYOUT_ONLY, make
 
 
 @pytest.fixture
-def small(monkeypatch, tmp_path):
-    """Let `caramelo flash` build a small firmware of a version."""
+def images(tmp_path):
+    """Return how to write an image file of a version; its path comes back."""
 
-    def use(version):
-        build = image_of(tree(tmp_path / "src", version=version))
-        monkeypatch.setattr("host.commands.flash._image", lambda role, emitter, arch, robot: build(emitter, arch))
+    def write(version):
+        path = tmp_path / f"{version}.caramelo"
+        write_image_file(make(version), path)
+        return str(path)
 
-    return use
+    return write
 
 
 def one_line(answer, code, *words):
@@ -34,15 +37,16 @@ def one_line(answer, code, *words):
 
 
 @pytest.mark.parametrize("command", [("flash",), ("board", "info"), ("board", "logs"), ("board", "reset")])
-def test_no_board(run, command):
+def test_no_board(run, images, command):
+    command = (*command, images("1")) if command == ("flash",) else command
     one_line(run(*command, "--port", "/dev/ttyACM99"), 2, "/dev/ttyACM99: no such port")
 
 
-def test_no_permission(run, tmp_path, monkeypatch):
+def test_no_permission(run, images, tmp_path, monkeypatch):
     port = tmp_path / "ttyACM0"
     port.touch()
-    monkeypatch.setattr(os, "access", lambda path, mode: False)
-    one_line(run("flash", "--port", str(port)), 2, "no permission: sudo usermod -aG dialout $USER")
+    monkeypatch.setattr(os, "access", lambda path, mode: path != str(port))
+    one_line(run("flash", images("1"), "--port", str(port)), 2, "no permission: sudo usermod -aG dialout $USER")
 
 
 def test_the_system_refuses_permission(tmp_path, monkeypatch):
@@ -53,18 +57,19 @@ def test_the_system_refuses_permission(tmp_path, monkeypatch):
     assert "no permission" in link_module._refusal("x", OSError())
 
 
-def test_port_busy(run):
+def test_port_busy(run, images):
     board, port = pty.openpty()
     with serial.Serial(os.ttyname(port), exclusive=True):
-        one_line(run("flash", "--port", os.ttyname(port)), 2, "another program uses it: close it")
+        one_line(run("flash", images("1"), "--port", os.ttyname(port)), 2, "another program uses it: close it")
     os.close(board)
     os.close(port)
 
 
-def test_something_else_on_the_port(run, monkeypatch):
+def test_something_else_on_the_port(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "PROMPT_TIMEOUT_S", 0.3)
     board, port = pty.openpty()
-    one_line(run("flash", "--port", os.ttyname(port)), 1, "does not answer as MicroPython does", "docs/flashing.md")
+    answer = run("flash", images("1"), "--port", os.ttyname(port))
+    one_line(answer, 1, "does not answer as MicroPython does", "docs/flashing.md")
     os.close(board)
     os.close(port)
 
@@ -74,53 +79,78 @@ def test_something_else_on_the_port(run, monkeypatch):
     [
         ((), "name one board with --port"),
         (("--port", "x", "--port", "y"), "several with --all"),
-        (("--port", "x", "--role", "cook"), "--role cook: not known; there are joint, gait"),
-        (("--port", "x", "--slot", "c"), "--slot c: not known; there are auto, a, b"),
-        (("--port", "x", "--role", "gait", "--id", "3"), "only joints have one"),
         (("--all", "--port", "x", "--port", "y", "--id", "3"), "flash them one by one"),
     ],
 )
-def test_wrong_use(run, arguments, words):
-    one_line(run("flash", *arguments), 2, words)
+def test_wrong_use(run, images, arguments, words):
+    one_line(run("flash", images("1"), *arguments), 2, words)
 
 
-def test_all_without_a_board(run, monkeypatch):
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (None, "no such file: caramelo firmware image makes it"),
+        (lambda data: b"hello", "not an image file of caramelo"),
+        (lambda data: data[:-30], "not an image file of caramelo"),
+        (lambda data: data.replace(b"running", b"runNing"), "not an image file of caramelo"),
+    ],
+)
+def test_an_image_file_that_is_none(run, images, tmp_path, spoil, words):
+    path = tmp_path / "spoilt.caramelo"
+    if spoil:
+        with zipfile.ZipFile(images("1")) as archive, zipfile.ZipFile(path, "w") as stored:
+            for name in archive.namelist():
+                stored.writestr(name, archive.read(name))
+        path.write_bytes(spoil(path.read_bytes()))
+    one_line(run("flash", str(path), "--port", "/dev/null"), 2, words)
+
+
+def test_an_image_file_whose_half_is_not_what_it_says(run, images, tmp_path):
+    path = tmp_path / "spoilt.caramelo"
+    with zipfile.ZipFile(images("1")) as archive, zipfile.ZipFile(path, "w") as stored:
+        for name in archive.namelist():
+            data = archive.read(name)
+            stored.writestr(name, data.replace(b"running", b"runNing") if name == "slot_b.bin" else data)
+    one_line(run("flash", str(path), "--port", "/dev/null"), 2, "slot b in it is damaged")
+
+
+def test_all_without_a_board(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "found_ports", list)
-    one_line(run("flash", "--all"), 2, "no board is plugged in")
+    one_line(run("flash", images("1"), "--all"), 2, "no board is plugged in")
 
 
-def test_several_boards_info_logs_and_reset(run, small, tmp_path):
-    small("1")
-    with PretendBoard(tmp_path / "one") as one, PretendBoard(tmp_path / "two") as two:
-        code, out, err = run("flash", "--all", "--port", one.port, "--port", two.port, "--port", "/dev/none", "--json")
+def test_several_boards_info_logs_and_reset(run, images, tmp_path):
+    with PretendBoard(tmp_path / "one", make()) as one, PretendBoard(tmp_path / "two", make()) as two:
+        ports = ("--port", one.port, "--port", two.port, "--port", "/dev/none")
+        code, out, err = run("flash", images("2"), "--all", *ports, "--json")
         answer = json.loads(out)
         assert (code, [board["self_test"] for board in answer["boards"]]) == (1, ["passed", "passed"])
         assert list(answer["failures"]) == ["/dev/none"]
         assert err.count("\n") == 1
-        assert "nothing to do: slot a" in run("flash", "--port", one.port)[1]
-        small("2")
-        assert "would write slot b" in run("flash", "--port", one.port, "--dry-run")[1]
-        flashed = one.after_reset(lambda: run("flash", "--port", one.port), b"running 2", count=2)
+        assert "nothing to do: slot b" in run("flash", images("2"), "--port", one.port)[1]
+        assert "to slot a" in run("flash", images("3"), "--port", one.port, "--dry-run")[1]
+        flashed = one.after_reset(lambda: run("flash", images("3"), "--port", one.port), b"running 3", count=2)
         assert "self-test passed, confirmed" in flashed[1]
-        info = one.after_reset(lambda: run("board", "info", "--port", one.port, "--json"), b"running 2")
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port, "--json"), b"running 3")
         facts = json.loads(info[1])
-        assert (facts["running"], facts["confirmed"], facts["version"], facts["mpy"]) == ("b", True, "2", "6.3")
-        assert facts["file_system"] == "VfsLfs2"
-        info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 2")
-        assert "version      2" in info[1]
+        assert (facts["running"], facts["confirmed"], facts["version"]) == ("a", True, "3")
+        assert facts["slots"]["b"] == f"version 2, build {make('2').about.build}"
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 3")
+        assert "version      3" in info[1]
         assert "nothing noted" in run("board", "logs", "--port", one.port)[1]
         assert run("board", "reset", "--port", one.port)[0] == 0
-        assert one.wait_for(b"running 2")
+        assert one.wait_for(b"running 3")
 
 
-def test_a_bare_micropython_answers_info(run, tmp_path):
-    with PretendBoard(tmp_path / "board") as board:
-        facts = json.loads(run("board", "info", "--port", board.port, "--json")[1])
-    assert (facts["running"], facts["role"], facts["slots"]) == (None, None, {"a": "empty", "b": "empty"})
+def test_micropython_without_our_firmware_is_told_what_to_do(run, tmp_path):
+    with PretendBoard(tmp_path / "board", make(modules={"main.py": "", **LAYOUT_ONLY})) as board:
+        for command in ("info", "logs"):
+            answer = run("board", command, "--port", board.port)
+            one_line(answer, 1, "caramelo's firmware is not on the board", "dfu-util")
 
 
 def test_the_shell_carries_both_ways_until_it_is_left(tmp_path):
-    with PretendBoard(tmp_path / "board") as board, link_module.BoardLink(board.port) as link:
+    with PretendBoard(tmp_path / "board", make()) as board, link_module.BoardLink(board.port) as link:
         keys, typed = os.pipe()
         shown, out = os.pipe()
         link.send(b"\r\x02")

@@ -1,93 +1,72 @@
 """Flashing a pretend board: what is written, what is refused before, what happens when the new firmware fails."""
 
 import hashlib
-import time
 
 import pytest
 
-from firmware.slots import parse_pointer
+from firmware.flash_map import CONFIRMED, HEADER, slot_at
 from host.errors import UserError
-from host.flash.board_files import BoardFiles
+from host.flash.board import Board
 from host.flash.flash import Wish, flash
 from host.flash.link import BoardError, BoardLink
 from tests.flash.pretend import PretendBoard
-from tests.flash.trees import image_of, tree
+from tests.flash.trees import frame, make
 
 
-def put(board, root, **wish):
-    return flash(board.port, Wish("gait", image_of(root), **wish))
+def put(board, image, **wish):
+    return flash(board.port, Wish(image, **wish))
 
 
 def contents(board):
-    return hashlib.sha256(board.image.read_bytes()).hexdigest()
+    return hashlib.sha256(board.flash.read_bytes()).hexdigest()
 
 
 def survey(board):
     with BoardLink(board.port) as link:
-        return BoardFiles(link).survey()
+        return Board(link).survey()
 
 
 @pytest.fixture
 def board(tmp_path):
-    with PretendBoard(tmp_path / "board") as board:
+    with PretendBoard(tmp_path / "board", make()) as board:
+        assert board.wait_for(b"running 1")
         yield board
 
 
-def test_fresh_board(board, tmp_path):
-    outcome = put(board, tree(tmp_path / "src"))
-    assert (outcome.slot, outcome.version, outcome.self_test) == ("a", "1", "passed")
-    assert board.wait_for(b"running 1")
+def test_a_board_written_by_dfu_runs_slot_a_and_takes_its_first_update(board):
+    first = survey(board)
+    assert (first.report.slot, first.report.build, first.wished) == (0, make().about.build, None)
+    assert first.slots[1] is None
+    outcome = put(board, make("2"))
+    assert (outcome.slot, outcome.version, outcome.self_test, outcome.changed) == ("b", "2", "passed", True)
+    assert board.wait_for(b"running 2")
     after = survey(board)
-    assert after.pointer == ("a", "-", 0, 1)
-    assert {"boot.py", "main.py", "slots.py", "a/manifest.json", "a/shared/extra0.mpy"} <= set(after.files)
-    assert after.report["stage"] == "stopped"
+    assert (after.report.slot, after.wished, after.report.stage) == (1, (1, CONFIRMED), "stopped")
+    assert put(board, make("3")).slot == "a"
 
 
-def test_nothing_is_written_when_nothing_changed(board, tmp_path):
-    put(board, tree(tmp_path / "src"))
+def test_nothing_is_written_when_nothing_changed(board):
+    put(board, make("2"))
     before = contents(board)
-    outcome = put(board, tree(tmp_path / "src"))
-    assert (outcome.changed, outcome.bytes, outcome.uploaded) == (False, 0, [])
+    outcome = put(board, make("2"))
+    assert (outcome.changed, outcome.bytes, outcome.slot) == (False, 0, "b")
+    outcome = put(board, make("3"), dry_run=True)
+    assert (outcome.changed, outcome.dry_run, outcome.slot, outcome.bytes) == (True, True, "a", len(make("3").slots[0]))
     assert contents(board) == before
-    put(board, tree(tmp_path / "src", version="2"), dry_run=True)
-    assert contents(board) == before
 
 
-def test_dry_run_tells_what_would_be_sent(board, tmp_path):
-    put(board, tree(tmp_path / "src"))
-    outcome = put(board, tree(tmp_path / "src", version="2"), dry_run=True)
-    assert outcome.dry_run
-    assert "b/shared/extra0.mpy" in outcome.uploaded
-    assert "b/shared/common.mpy" in outcome.copied
+def test_a_slot_that_holds_the_image_already_is_only_switched_to(board):
+    put(board, make("2"))
+    outcome = put(board, make("1"))
+    assert (outcome.slot, outcome.version, outcome.bytes, outcome.changed) == ("a", "1", 0, True)
 
 
-def test_upgrade_sends_only_what_changed_and_the_third_removes_what_is_stale(board, tmp_path):
-    put(board, tree(tmp_path / "src", extra=4))
-    outcome = put(board, tree(tmp_path / "src", version="2"))
-    assert outcome.slot == "b"
-    assert outcome.uploaded == [
-        "b/firmware/gait.mpy", "b/firmware/gait_app.mpy",
-        "b/shared/extra0.mpy", "b/shared/extra1.mpy", "b/shared/extra2.mpy",
-    ]  # fmt: skip
-    assert "b/shared/common.mpy" in outcome.copied
-    with BoardLink(board.port) as link:
-        BoardFiles(link).write("a/shared/common.py", b"NAME = 'shadows common.mpy'\n", lambda part: None)
-        link.reset()
-    outcome = put(board, tree(tmp_path / "src", version="3", extra=2))
-    assert (outcome.slot, outcome.version) == ("a", "3")
-    assert outcome.removed == ["a/shared/common.py", "a/shared/extra2.mpy", "a/shared/extra3.mpy"]
-    after = survey(board)
-    assert after.pointer == ("a", "b", 0, 1)
-    assert not {"a/shared/common.py", "a/shared/extra3.mpy"} & set(after.files)
-
-
-def test_files_of_ones_own_stay(board, tmp_path):
-    with BoardLink(board.port) as link:
-        BoardFiles(link).write("joint.bin", b"parameters", lambda part: None)
-    for version in "12":
-        put(board, tree(tmp_path / "src", version=version))
-    with BoardLink(board.port) as link:
-        assert BoardFiles(link).digest("joint.bin") == hashlib.sha256(b"parameters").hexdigest()
+def test_a_damaged_slot_is_written_anew_though_its_header_says_it_is_the_one(board):
+    put(board, make("2"))
+    data = bytearray(board.flash.read_bytes())
+    data[slot_at(0) + HEADER + 20] = 0
+    board.flash.write_bytes(data)
+    assert put(board, make("1")).bytes == len(make("1").slots[0])
 
 
 @pytest.mark.parametrize(
@@ -98,60 +77,88 @@ def test_files_of_ones_own_stay(board, tmp_path):
         ({"self_test": "return 'sin is 3'"}, "self-test: sin is 3"),
     ],
 )
-def test_a_broken_build_falls_back(board, tmp_path, broken, words):
-    put(board, tree(tmp_path / "src"))
+def test_a_broken_build_falls_back(board, broken, words):
     with pytest.raises(BoardError, match="the new firmware did not start") as error:
-        put(board, tree(tmp_path / "src", version="2", **broken))
+        put(board, make("2", **broken))
     assert words in str(error.value)
-    assert "the board is back on slot a" in str(error.value)
+    assert "the board is on slot a" in str(error.value)
     assert board.wait_for(b"running 1")
-    assert survey(board).pointer == ("a", "-", 0, 1)
-    assert put(board, tree(tmp_path / "src", version="3")).slot == "b"
+    after = survey(board)
+    assert (after.report.slot, after.settled) == (0, True)
+    assert put(board, make("3")).slot == "b"
 
 
-def test_a_board_nobody_confirms_goes_back_by_itself(board, tmp_path):
-    put(board, tree(tmp_path / "src"))
-    put(board, tree(tmp_path / "src", version="2"))
+def test_a_build_that_cannot_even_be_asked_falls_back(board):
+    broken = {**frame(), "firmware/startup.py": "raise ValueError('broken start-up')\n"}
+    with pytest.raises(BoardError, match=r"the new firmware did not start.*; the board is on slot a"):
+        put(board, make("2", modules=broken))
+    assert board.wait_for(b"running 1")
+    assert put(board, make("3")).slot == "b"
+
+
+def test_a_board_nobody_confirms_goes_back_by_itself(board):
+    put(board, make("2"))
     with BoardLink(board.port) as link:
-        link.run("import slots\nslots.write_pointer('b', 'a', 0, 0)")
+        Board(link).link.run("u._record(1, 3)")
         for _ in range(3):
             board.after_reset(link.reset, b"running 2")
             link.interrupt()
-        assert not link.ask(REPORT)["confirmed"]
+        assert not Board(link).report().confirmed
         board.after_reset(link.reset, b"running 1")
         link.interrupt()
-        assert link.ask(REPORT)["confirmed"]
-        assert "slot b was not confirmed in 3 starts: back to slot a" in BoardFiles(link).log()
+        assert Board(link).report().confirmed
+        assert Board(link).log() == "slot b was not confirmed in its starts: back to slot a\n"
 
 
-REPORT = "import json, slots\nprint('@@' + json.dumps(slots.report()))"
-
-
-@pytest.mark.parametrize("pointer", [b"a b 0 1 00000000\n", b"\xff\xfe"])
-def test_a_pointer_that_is_none_starts_what_is_whole(board, tmp_path, pointer):
-    put(board, tree(tmp_path / "src"))
+def test_a_computer_that_went_before_it_confirmed_tries_again(board):
+    put(board, make("2"))
     with BoardLink(board.port) as link:
-        BoardFiles(link).write("slot.txt", pointer, lambda part: None)
-        link.reset()
-    assert board.wait_for(b"running 1")
-    assert put(board, tree(tmp_path / "src", version="2")).slot == "b"
+        Board(link).link.run("u._record(1, 3)")
+        board.after_reset(link.reset, b"running 2")
+    outcome = put(board, make("2"))
+    assert (outcome.slot, outcome.version, outcome.bytes) == ("b", "2", 0)
+    with BoardLink(board.port) as link:
+        Board(link).link.run("u._record(1, 3)")
+        board.after_reset(link.reset, b"running 2")
+    outcome = put(board, make("3"))  # the slot on trial is replaced, not the one that worked
+    assert (outcome.slot, outcome.version) == ("b", "3")
 
 
-def test_the_slot_that_works_is_not_overwritten(board, tmp_path):
-    put(board, tree(tmp_path / "src"), slot="b")
+def test_motor_supply_must_be_off(tmp_path):
+    with PretendBoard(tmp_path / "board", make(supply=24000)) as board:
+        assert board.wait_for(b"running 1")
+        before = contents(board)
+        with pytest.raises(UserError, match=r"the motor supply is on, 24\.0 V: switch it off"):
+            put(board, make("2"))
+        assert contents(board) == before
+        assert board.wait_for(b"running 1")
+
+
+def test_an_armed_joint_is_not_updated(tmp_path):
+    with PretendBoard(tmp_path / "board", make(armed=True)) as board:
+        assert board.wait_for(b"running 1")
+        before = contents(board)
+        with pytest.raises(UserError, match="the joint is armed"):
+            put(board, make("2"))
+        assert contents(board) == before
+
+
+def test_an_image_for_another_board_or_of_another_protocol_is_refused(board):
     before = contents(board)
-    with pytest.raises(UserError, match="slot b holds the firmware that works"):
-        put(board, tree(tmp_path / "src", version="2"), slot="b")
+    with pytest.raises(UserError, match="is a CARAMELO_GAIT; the image is for a CARAMELO_JOINT, the role joint"):
+        put(board, make("2", role="joint", board="CARAMELO_JOINT"))
+    with pytest.raises(UserError, match=r"speaks protocol 0x1, this computer 0x[0-9a-f]+: build the image anew"):
+        put(board, make("2", protocol=1))
+    with pytest.raises(UserError, match="--id 3: only joints have one"):
+        put(board, make("2"), node=3)
     assert contents(board) == before
 
 
-def test_motor_supply_must_be_off(board, tmp_path):
-    put(board, tree(tmp_path / "src", supply=24000))
-    before = contents(board)
-    with pytest.raises(UserError, match=r"the motor supply is on, 24\.0 V: switch it off"):
-        put(board, tree(tmp_path / "src", version="2"))
-    assert contents(board) == before
-    assert board.wait_for(b"running 1")
+def test_a_firmware_that_cannot_be_imported_can_be_replaced(tmp_path):
+    with PretendBoard(tmp_path / "board", make(text="import nothing_like_it\n")) as board:
+        assert board.wait_for(b"ImportError")
+        assert survey(board).supply_mV is None
+        assert put(board, make("2")).version == "2"
 
 
 WATCHED = """import machine
@@ -161,114 +168,49 @@ WATCHED = """import machine
         dog.feed()"""
 
 
-def test_motor_supply_is_asked_for_even_before_the_application_started(board, tmp_path):
-    put(board, tree(tmp_path / "src", supply=24000))
-    with BoardLink(board.port) as link:
-        link.run("import sys\ndel sys.modules['firmware.application']")
-        assert BoardFiles(link).survey().supply_mV == 24000
+def test_a_watchdog_is_held_off(tmp_path):
+    with PretendBoard(tmp_path / "board", make(body=WATCHED, watchdog=True)) as board:
+        board.settle(b"running 1")
+        resets = board.resets
+        with BoardLink(board.port) as link:
+            Board(link)
+            link.run("import time\ntime.sleep(1)")
+            assert board.resets == resets
+            assert (board.folder / "watchdog").read_text() == "32000"
+            # The check can fail: a watchdog not held off resets the board.
+            board.after_reset(lambda: link.run("start.watchdog.__init__(300)"), b"running 1")
 
 
-def test_a_firmware_that_cannot_be_imported_can_be_replaced(board, tmp_path):
-    root = tree(tmp_path / "src")
-    put(board, root)
-    with BoardLink(board.port) as link:
-        BoardFiles(link).write("a/firmware/application.mpy", b"torn", lambda part: None)
-        link.reset()
-    assert put(board, tree(tmp_path / "src", version="2")).version == "2"
+def test_flash_that_reads_back_differently_is_told_and_the_old_firmware_stays(board, monkeypatch):
+    run = BoardLink.run
 
+    def spoil(self, script, timeout_s=20.0):
+        if script == "u.finish(start.feed)":
+            run(self, "flash = u._flash\nflash.store.write(0x80000 + 600, bytes(8))")
+        return run(self, script, timeout_s)
 
-def test_a_watchdog_is_held_off(board, tmp_path):
-    root = tree(tmp_path / "src", body=WATCHED)
-    text = (root / "firmware/gait_app.py").read_text().replace("WATCHDOG = False", "WATCHDOG = True")
-    (root / "firmware/gait_app.py").write_text(text)
-    put(board, root)
-    board.settle(b"running 1")
-    resets = board.resets
-    with BoardLink(board.port) as link:
-        BoardFiles(link)
-        link.run("import time\ntime.sleep(1)")
-        assert board.resets == resets
-        assert (board.folder / "watchdog").read_text() == "32000"
-        link.run("slots.start.watchdog.__init__(300)")
-        end = time.monotonic() + 10
-        while board.resets == resets and time.monotonic() < end:
-            time.sleep(0.01)
-    assert board.resets == resets + 1  # the check can fail: a watchdog not held off resets the board
-
-
-def test_wrong_mpy_version_is_refused_before_anything_is_written(tmp_path):
-    with PretendBoard(tmp_path / "board", mpy=5 | 1 << 8 | 2 << 10) as board:
-        BoardLink(board.port).interrupt()
-        before = contents(board)
-        with pytest.raises(UserError, match=r"reads mpy 5\.1, but mpy-cross here makes 6\.3: install the MicroPython"):
-            put(board, tree(tmp_path / "src"))
-        assert contents(board) == before
-
-
-def test_unknown_processor_is_refused(tmp_path):
-    with (
-        PretendBoard(tmp_path / "board", mpy=6 | 3 << 8 | 15 << 10) as board,
-        pytest.raises(UserError, match="processor number 15"),
-    ):
-        put(board, tree(tmp_path / "src"))
-
-
-def test_fat_is_refused(tmp_path):
-    with PretendBoard(tmp_path / "board", filesystem="fat", block=512) as board:
-        survey(board)
-        before = contents(board)
-        with pytest.raises(UserError, match=r"its file system is VfsFat: .* format it as LittleFS once"):
-            put(board, tree(tmp_path / "src"))
-        assert contents(board) == before
-
-
-def test_full_disk_is_refused_before_anything_is_written(tmp_path):
-    with PretendBoard(tmp_path / "board", size=36 * 4096) as board:
-        put(board, tree(tmp_path / "src"))
-        before = contents(board)
-        with pytest.raises(UserError, match=r"bytes are needed for a second slot, \d+ are free"):
-            put(board, tree(tmp_path / "src", version="2", extra=12))
-        assert contents(board) == before
-
-
-def test_a_disk_that_fills_up_leaves_the_old_firmware(tmp_path, monkeypatch):
-    monkeypatch.setattr("host.flash.flash.check_space", lambda *_: None)
-    with PretendBoard(tmp_path / "board", size=36 * 4096) as board:
-        put(board, tree(tmp_path / "src"))
-        with pytest.raises(BoardError, match=r"file system is full: .*the old firmware still starts"):
-            put(board, tree(tmp_path / "src", version="2", extra=24))
-        assert board.wait_for(b"running 1")
-        monkeypatch.undo()
-        assert put(board, tree(tmp_path / "src", version="3", extra=1)).version == "3"
-
-
-def test_a_file_read_back_differently_is_named(board, tmp_path, monkeypatch):
-    put(board, tree(tmp_path / "src"))
-    write = BoardFiles.write
-
-    def spoil(self, path, data, done):
-        write(self, path, b"?" + data[1:] if path.endswith("extra1.mpy") else data, done)
-
-    monkeypatch.setattr(BoardFiles, "write", spoil)
-    with pytest.raises(BoardError, match=r"b/shared/extra1\.mpy: the board reads back something else"):
-        put(board, tree(tmp_path / "src", version="2"))
+    monkeypatch.setattr(BoardLink, "run", spoil)
+    with pytest.raises(BoardError, match="the image reads back as something else"):
+        put(board, make("2"))
     assert board.wait_for(b"running 1")
+    assert survey(board).slots[1] is None
 
 
-def test_an_id_is_handed_to_the_joint(board, tmp_path):
-    taking = tree(tmp_path / "src", body="import os; os.remove('node.txt')")
-    outcome = flash(board.port, Wish("joint", image_of(taking), node=7))
-    assert outcome.changed
-    with pytest.raises(BoardError, match="did not take over id 7"):
-        flash(board.port, Wish("joint", image_of(tree(tmp_path / "src", version="2")), node=7))
-    assert survey(board).node == "7\n"
+def test_an_id_is_handed_to_the_joint(tmp_path):
+    joint = {"role": "joint", "board": "CARAMELO_JOINT"}
+    with PretendBoard(tmp_path / "board", make(**joint)) as board:
+        assert board.wait_for(b"running 1")
+        taking = make("2", body="print('id', settings.get('node')); settings.put('node', b'')", **joint)
+        assert put(board, taking, node=7).changed
+        assert put(board, taking).changed is False
+        with pytest.raises(BoardError, match="did not take over id 7"):
+            put(board, make("3", **joint), node=7)
 
 
-def test_pointers_survive_packing():
-    from firmware.slots import pack_pointer
-
-    for pointer in (("a", "b", 0, 1), ("b", "-", 3, 0)):
-        text = pack_pointer(*pointer)
-        assert parse_pointer(text) == pointer
-        for at in range(len(text) - 1):
-            assert parse_pointer(text[:at] + ("x" if text[at] != "x" else "y") + text[at + 1 :]) is None
+def test_the_log_loses_its_oldest_lines_and_no_more(board):
+    with BoardLink(board.port) as link:
+        found = Board(link)
+        link.run("for i in range(200):\n    start.note('line %d' % i)\n    start.settings.tidy()")
+        lines = found.log().splitlines()
+    assert lines[-1] == "line 199"
+    assert 50 < len(lines) < 200

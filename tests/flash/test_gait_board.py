@@ -1,17 +1,19 @@
-"""The real firmware of a gait board on a pretend one: self-test, planner and all, as the build makes it."""
+"""The real firmware of a gait board on a pretend one: self-test, planner and all, as it is frozen into an image."""
 
-import json
-
-from host import cli
+from host.build.frozen import frozen_sources
+from host.flash.flash import Wish, flash
 from tests.flash.pretend import PretendBoard
+from tests.flash.trees import make
 
 
-def test_the_gait_firmware_starts_and_another_robot_is_one_small_file(tmp_path, capsys):
-    with PretendBoard(tmp_path / "board", size=2 << 20) as board:
-        command = ["flash", "--port", board.port, "--role", "gait", "--json"]
-        assert cli.main(command) == 0
-        (first,) = json.loads(capsys.readouterr().out)["boards"]
-        assert (first["self_test"], first["slot"]) == ("passed", "a")
-        assert cli.main([*command, "--robot", "parallel", "--dry-run"]) == 0
-        (second,) = json.loads(capsys.readouterr().out)["boards"]
-        assert second["uploaded"] == ["b/firmware/robot_params.mpy"]
+def image(folder, robot):
+    tree = frozen_sources("gait", robot, folder / robot, "bytecode", "any").modules
+    files = {path.relative_to(tree).as_posix(): path.read_text() for path in tree.rglob("*.py")}
+    return make("1", modules=files)
+
+
+def test_the_gait_firmware_starts_and_another_robots_takes_its_place(tmp_path):
+    with PretendBoard(tmp_path / "board", image(tmp_path, "caramelo")) as board:
+        assert board.wait_for(b"firmware started from slot a", 60)
+        outcome = flash(board.port, Wish(image(tmp_path, "parallel")))
+        assert (outcome.self_test, outcome.slot) == ("passed", "b")

@@ -1,26 +1,28 @@
-"""Small firmware for pretend boards: the project's slots, boot and main, and an application that says its name."""
+"""Small firmware for pretend boards: the project's start-up and update, and an application that says its version.
 
-import shutil
-from pathlib import Path
+What is linked and frozen on a board is here a text of modules; both halves of the image hold the same.
+"""
 
-from host.build.image import build_image
-from host.build.source import ROOT
+import json
+
+from host.build.image_file import make_image
+from host.build.source import ROOT, closure, read_modules
 
 APPLICATION = '''"""Application of a test."""
 
-from shared.common import NAME
-
-WATCHDOG = False
+WATCHDOG = {watchdog}
 VERSION = "{version}"
-PROTOCOL = None
-ROLE = "gait"
 
 
 def motor_supply_mV():
     return {supply}
 
 
-def start():
+def armed():
+    return {armed}
+
+
+def start(settings):
     import time
 
     print("running", VERSION)
@@ -28,37 +30,29 @@ def start():
     while True:
         time.sleep_ms(5)
 '''
+RUNTIME = ("firmware.startup", "firmware.main", "shared.runtime")
+
+# What the pretend board's own harness needs, and no more: MicroPython without our firmware.
+LAYOUT_ONLY = {path: (ROOT / path).read_text() for path in ("firmware/flash_map.py", "shared/runtime.py")}
 
 
-def tree(
-    folder, version="1", supply=0, body="pass", self_test="return ''", extra=3, application=APPLICATION, common="same"
-):
-    """Write sources of a firmware; ``extra`` modules of some kilobytes differ in every version."""
-    root = Path(folder)
-    shutil.rmtree(root, ignore_errors=True)
-    (root / "firmware").mkdir(parents=True)
-    (root / "shared").mkdir()
-    for name in ("boot.py", "main.py", "slots.py"):
-        text = (ROOT / "firmware" / name).read_text().replace("START_DELAY_MS = 500", "START_DELAY_MS = 5")
-        (root / "firmware" / name).write_text(text)
-    (root / "firmware/__init__.py").write_text('"""Test."""\n')
-    (root / "shared/__init__.py").write_text('"""Test."""\n')
-    (root / "shared/common.py").write_text(f'NAME = "{common}"\n')
-    (root / "firmware/selftest.py").write_text(f"def self_test():\n    {self_test}\n")
-    (root / "firmware/gait_app.py").write_text(application.format(version=version, supply=supply, body=body))
-    for number in range(extra):
-        (root / f"shared/extra{number}.py").write_text(f"DATA = {version * 3000!r}\n")
-    imports = "".join(f"import shared.extra{number}\n" for number in range(extra))
-    (root / "firmware/gait.py").write_text(imports + "import shared.common\n")
-    return root
+def make(version="1", role="gait", board="CARAMELO_GAIT", protocol=None, text=None, modules=None, **parts):
+    """Return an image: ``parts`` of the application that differ from harmless ones, or its whole ``text``."""
+    words = {"supply": 0, "armed": False, "watchdog": False, "body": "pass", "self_test": "return ''"} | parts
+    files = dict(frame() if modules is None else modules)
+    files.setdefault("firmware/selftest.py", f"def self_test():\n    {words.pop('self_test')}\n")
+    files.setdefault("firmware/application.py", text or APPLICATION.format(version=version, **words))
+    files["padding"] = version * 3000
+    packed = json.dumps(files, sort_keys=True).encode()
+    return make_image(role, board, version, protocol, "1.29.0", [packed, packed], b"\xff" * 256)
 
 
-def image_of(root):
-    """Return how to build a test's firmware: what Wish.image wants."""
-
-    def build(emitter, arch):
-        text = (Path(root) / "firmware/gait_app.py").read_text()
-        generated = {"firmware/application.py": "from firmware.gait_app import *\n" if text else ""}
-        return build_image(Path(root), "gait", emitter, arch, ("shared", "firmware"), generated)
-
-    return build
+def frame():
+    """Return the modules of the project that start a board, quick to start, without those that tests replace."""
+    known = read_modules(ROOT)
+    names = [name for name in closure(known, list(RUNTIME)) if name not in ("firmware.selftest", "firmware.chip_flash")]
+    files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.fixed")}
+    files["main.py"] = files.pop("firmware/main.py")
+    startup = files["firmware/startup.py"]
+    files["firmware/startup.py"] = startup.replace("_START_DELAY_MS = 500", "_START_DELAY_MS = 5")
+    return files

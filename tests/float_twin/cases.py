@@ -62,6 +62,7 @@ def whole_robot():
     robot.pose_max = [ROBOT[p.P_POSE_MAX + axis] * scale[axis] for axis in range(6)]
     robot.pose_slew = [ROBOT[p.P_POSE_SLEW + axis] * scale[axis] for axis in range(6)]
     robot.joint_step, robot.sit_z = rad(ROBOT[p.P_JOINT_STEP]), ROBOT[p.P_SIT_Z] * UNIT_M
+    robot.joint_top, robot.coupled = [rad(ROBOT[p.P_JOINT_TOP + joint]) for joint in range(3)], ROBOT[p.P_COUPLED]
     robot.stride, robot.gains = ROBOT[p.P_STRIDE_MAX] * UNIT_M, GAINS
     return robot
 

@@ -67,14 +67,34 @@ def feed_voltages(rate, current, emf, omega_l, dead, zone, ahead):
     return d * math.cos(ahead) - q * math.sin(ahead), d * math.sin(ahead) + q * math.cos(ahead)
 
 
+def lead_angle(offset, rate, per_rate, direction):
+    """Return the electrical offset with which an old reading gives the angle that the rotor has by now."""
+    return offset + direction * per_rate * rate
+
+
 def ntc(ohm, r25, beta):
     """Return the temperature in degrees C of an NTC."""
     return 1 / (1 / 298.15 + math.log(ohm / r25) / beta) - 273.15
 
 
+def ntc_ohm(celsius, r25, beta):
+    """Return an NTC's resistance."""
+    return r25 * math.exp(beta * (1 / (celsius + 273.15) - 1 / 298.15))
+
+
+def silicon_ohm(celsius, r25):
+    """Return a silicon sensor's resistance."""
+    return r25 * (1 + 0.0078 * (celsius - 25))
+
+
 def mcu(raw, cal1, cal2):
     """Return the microcontroller's temperature in degrees C."""
     return 30 + (raw - cal1) * 80 / (cal2 - cal1)
+
+
+def copper_W(ohm_25C, ampere, celsius):
+    """Return the heat of a three-phase winding with a q current, its copper at a temperature."""
+    return 1.5 * ohm_25C * (1 + 0.00393 * (celsius - 25)) * ampere * ampere
 
 
 class TwoNodes:

@@ -2,12 +2,12 @@
 
 Where shared/planner.py moves footholds under a body that stays where it is, this one moves the body and leaves
 the footholds alone. Commands come as an object with mode, gait, speed (vx, vy, wz), pose (6), balance, height_m;
-senses with roll, pitch, attitude_ok, joints (12), joints_ok. All in SI.
+senses with roll, pitch, attitude_ok, joints (12), joints_ok, none of them odd. All in SI.
 """
 
 import math
 
-from . import body, leg, reach
+from . import body, goals, leg, reach
 from .balance import Balance
 from .fixed import limit, towards
 from .swing import advance, lift
@@ -36,6 +36,8 @@ class Planner:
         self.gait = gaits[0]
         self.state = LIMP
         self.joints = [0.0] * 12
+        self.wanted = [0.0] * 12
+        self.known = False
         self.settle()
 
     def settle(self):
@@ -49,18 +51,24 @@ class Planner:
         self.clock = 0
         self.first_cycle = True
         self.planned = [list(foot.rest) for foot in self.feet]
+        self.flagged = [False] * 4
+        self.in_air = [False] * 4
+        self.held, self.beyond = None, False
 
     def tick(self, command, sensed):
         """Plan one tick; returns the twelve joint angles."""
+        if sensed.joints_ok and not self.known:
+            self.known, self.joints = True, list(sensed.joints)
         self.choose(command, sensed)
         if self.state == LIMP:
-            self.joints = list(sensed.joints) if sensed.joints_ok else self.joints
+            self.wanted = list(sensed.joints) if sensed.joints_ok else self.wanted
         elif self.state in (RISING, SITTING):
             self.move_joints()
         elif self.state != SEATED:
             self.walk(command)
             self.level(command, sensed)
-            self.joints = self.solve()
+            self.wanted = self.solve()
+        self.joints = goals.follow(self.wanted, self.joints, self.robot.joint_top, self.robot.coupled)
         return self.joints
 
     def choose(self, command, sensed):
@@ -75,9 +83,7 @@ class Planner:
 
     def begin(self, state, sensed):
         """Plan a slow move of all joints to the stance or to the seat."""
-        if sensed.joints_ok:
-            self.joints = list(sensed.joints)
-        elif self.state == LIMP:
+        if self.state == LIMP and not sensed.joints_ok:
             return
         self.state = state
         self.settle()
@@ -91,7 +97,7 @@ class Planner:
         """Go one tick on, on the cycloid's profile."""
         self.move_tick += 1
         share = advance(self.move_tick / self.move_ticks)
-        self.joints = [a + (b - a) * share for a, b in zip(self.start, self.goal)]
+        self.wanted = [a + (b - a) * share for a, b in zip(self.start, self.goal)]
         if self.move_tick >= self.move_ticks:
             self.state += 1
 
@@ -104,9 +110,11 @@ class Planner:
         if self.state == STANDING:
             if still:
                 self.planned = [self.stand(foot) for foot in self.feet]
+                self.in_air = [False] * 4
                 return
             self.state, self.first_cycle = WALKING, True
         self.lift_feet(command)
+        self.in_air = [bool(foot.phases) for foot in self.feet]
         self.move_body(self.gait.way(self.clock))
         self.planned = [
             self.swing(number, foot) if foot.phases else self.stand(foot) for number, foot in enumerate(self.feet)
@@ -147,9 +155,19 @@ class Planner:
         for i, top in enumerate(tops):
             target = share * limit(command.speed[i], -top, top)
             self.speed[i] = towards(self.speed[i], target, self.robot.speed_slew[i])
+        self.hold(command)
         for i, top in enumerate(self.robot.pose_max):
-            self.pose[i] = towards(self.pose[i], limit(command.pose[i], -top, top), self.robot.pose_slew[i])
+            target = 0.0 if self.beyond else self.pose[i] if self.held else limit(command.pose[i], -top, top)
+            self.pose[i] = towards(self.pose[i], target, self.robot.pose_slew[i])
         return not any(self.speed)
+
+    def hold(self, command):
+        """Where a standing leg was beyond its reach: a step back, and no further on until another pose is commanded."""
+        if self.held != command.pose:
+            self.held = None
+        self.beyond = any(self.flagged) and any(self.pose)
+        if self.beyond:
+            self.held = list(command.pose)
 
     def lift_feet(self, command):
         """Start the swings of this tick."""
@@ -212,13 +230,24 @@ class Planner:
         self.posed = self.pose[:3] + [self.pose[3] + extra[0], self.pose[4] + extra[1], self.pose[5]]
 
     def solve(self, sit_z=None):
-        """Return the joints for the planned feet and pose, or with the feet raised to the seat's height."""
+        """Return the joints for the planned feet and pose, or with the feet raised to the seat's height.
+
+        Keeps which standing legs are beyond their reach, and how close one is to the edge of that.
+        """
         joints = []
-        for one, foot in zip(self.robot.legs, self.planned):
+        self.edge_m, self.edge_rad = 1.0, 1.0
+        for number, (one, foot) in enumerate(zip(self.robot.legs, self.planned)):
             if sit_z is not None:
                 foot = list(foot[:2]) + [one.hip[2] + sit_z]
-            hip_foot = body.from_base(self.posed, foot, one.hip)
-            hip_foot, _ = reach.clamp(hip_foot, one.l1, one.l2, one.l3)
+            wanted = body.from_base(self.posed, foot, one.hip)
+            clear = reach.clear_of_hip(wanted, one)
+            hip_foot, reasons = reach.clamp(clear, one.l1, one.l2, one.l3, reach.usable(one))
             angles = leg.inverse(hip_foot, one.side_l1, one.l2, one.l3, one.knee)
-            joints += [limit(q, low, high) for q, low, high in zip(angles, one.low, one.high)]
+            limited = [limit(q, low, high) for q, low, high in zip(angles, one.low, one.high)]
+            cut = reasons or wanted[2] > clear[2] or limited != list(angles)
+            self.flagged[number] = bool(cut) and not self.in_air[number]
+            if not self.in_air[number]:
+                self.edge_m = min([self.edge_m] + [abs(distance_m) for distance_m in reach.to_ends(wanted, one)])
+                self.edge_rad = min([self.edge_rad] + [abs(a - b) for a, b in zip(angles * 2, one.low + one.high)])
+            joints += limited
         return joints

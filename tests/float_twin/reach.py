@@ -12,14 +12,34 @@ def nearest_and_farthest(l1_m, l2_m, l3_m):
     return length(l1_m, l2_m - l3_m), length(l1_m, l2_m + l3_m)
 
 
-def clamp(foot_m, l1_m, l2_m, l3_m):
-    """Return the reachable foot and the reasons it had to move, 0 if none.
+def usable(one):
+    """Return the shortest and the longest distance from hip to foot that the limits of a leg's calf leave."""
+    ends = [math.sqrt(one.l2**2 + one.l3**2 + 2 * one.l2 * one.l3 * math.cos(q)) for q in (one.low[2], one.high[2])]
+    near, far = nearest_and_farthest(one.l1, one.l2, one.l3)
+    return max(near, length(one.l1, min(ends))), min(far, length(one.l1, max(ends)))
+
+
+def to_ends(foot_m, one):
+    """Return how far a foot is within the longest leg, outside the shortest, and below where it is clear of the hip."""
+    near, far = usable(one)
+    distance = length(*foot_m)
+    return far - distance, distance - near, -(near + one.l1) / 2 - foot_m[2]
+
+
+def clear_of_hip(foot_m, one):
+    """Return a trot's foot no higher than half way from the hip's offset to the leg's shortest below the hip."""
+    x, y, z = foot_m
+    return x, y, min(z, -(usable(one)[0] + one.l1) / 2)
+
+
+def clamp(foot_m, l1_m, l2_m, l3_m, ends=None):
+    """Return the reachable foot and the reasons it had to move, 0 if none; ``ends``: other than the leg's own.
 
     Too far and too near end on the sphere, inside the hip offset on the cylinder; a ray that leaves the sphere
     before it leaves the cylinder has no such point: then the foot goes straight out from the hip axis. Without a
     ray, at the hip or on its axis, the way out is down.
     """
-    near, far = nearest_and_farthest(l1_m, l2_m, l3_m)
+    near, far = ends or nearest_and_farthest(l1_m, l2_m, l3_m)
     reasons = 0
     distance = length(*foot_m)
     if distance > far:

@@ -37,6 +37,8 @@ def robot(rate_hz):
         pose_max=[0.04] * 3 + [0.35] * 3,
         pose_slew=[0.1 / rate_hz] * 3 + [1.0 / rate_hz] * 3,
         joint_step=0.8 / rate_hz,
+        joint_top=(5.8 / rate_hz, 5.8 / rate_hz, 6.5 / rate_hz),
+        coupled=False,
         sit_z=-0.115,
         stride=0.12,
         gains=(0.3, 7.5, 0.006, 0.30, 0.45, rate_hz),

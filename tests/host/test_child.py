@@ -1,5 +1,6 @@
 """Children end with their input; one that does not is killed once the patience is over."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import time
 import pytest
 
 from host.child import end_child
+from host.emulator.process import Emulator
 
 
 @pytest.mark.parametrize(
@@ -30,3 +32,26 @@ def test_a_child_without_pipes_needs_no_patience():
     end_child(process, 0.0)
     assert process.returncode == -signal.SIGKILL
     end_child(process, 0.0)
+
+
+def test_ctrl_c_while_the_emulated_servos_start_ends_them_too(monkeypatch):
+    children = []
+
+    def interrupt(self, end_s):
+        children.append(self._process)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Emulator, "_line", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        Emulator("--robot", "caramelo").start()
+    assert children[0].returncode is not None
+
+
+def test_emulated_servos_whose_starter_is_gone_end_in_silence():
+    ours, theirs = os.pipe()
+    command = [sys.executable, "-m", "host.emulator", "--robot", "caramelo"]
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=theirs, stderr=subprocess.PIPE, text=True)
+    os.close(theirs)
+    os.close(ours)  # before it can say its first line
+    assert process.communicate(timeout=60)[1] == ""
+    assert process.returncode == 1

@@ -14,6 +14,7 @@ import pytest
 from host.experiments import compare, steps, table1
 from host.experiments.data import assumptions, papers
 from host.experiments.energy import mean_power_W
+from host.experiments.outcome import Outcome
 from host.experiments.pool import run_all
 from host.experiments.requirements import inspection
 from host.experiments.trials import Answer, Options, PlaneTrial, trial_conditions, with_knees
@@ -93,6 +94,18 @@ def test_the_rods_ratio_lowers_the_calf_motors_torque_not_its_power():
     rest = mean_power_W(ROBOT, torque * 0, torque * 0)
     copper = (ratio * 1.4 / 2.5) ** 2 * 12 / 1.4
     assert mean_power_W(ROBOT, torque, speed) == pytest.approx(rest + copper + 1.0, abs=2e-3)
+
+
+def test_a_calfs_motor_on_the_body_turns_with_thigh_and_calf():
+    """While only the thigh turns, both motors do; while the calf turns back as far, its motor rests."""
+    robot = load_robot("parallel")
+    torque, speed = np.zeros((2, 12)), np.zeros((2, 12))
+    torque[:, 2], speed[:, 1] = 1.0, 3.0
+    drive = robot.actuator
+    held = mean_power_W(robot, torque, speed * 0)
+    assert mean_power_W(robot, torque, speed) == pytest.approx(held + 3.0 / drive.gear.efficiency, abs=2e-3)
+    speed[:, 2] = -3.0
+    assert mean_power_W(robot, torque, speed) == pytest.approx(held, abs=2e-3)
 
 
 def test_inspecting_takes_longer_and_more_when_slower():
@@ -244,6 +257,22 @@ def test_requirements_are_met_or_not_by_their_figures():
 # --- the command
 
 
+class Arrives:
+    def run(self):
+        return ARRIVED
+
+
+def test_a_line_a_case_tells_on_stderr_how_far_it_is(run, monkeypatch):
+    """Minutes of silence were taken for a hang when the output went into a file."""
+    from host.experiments import steps
+
+    monkeypatch.setattr(steps, "tasks", lambda options: [Arrives()] * 3)
+    monkeypatch.setattr(steps, "evaluate", lambda options, answers: Outcome("steps", "", {"trials": len(answers)}, []))
+    code, out, err = run("experiment", "steps", "--gait", "crawl", "--json")
+    assert (code, json.loads(out)) == (0, {"trials": 3})
+    assert err.splitlines()[-3:] == [f"steps (crawl): {number} of 3" for number in (1, 2, 3)]
+
+
 def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed (extra sim)")
     code, out, _ = run("experiment", "table1", "--trials", "2", "--no-3d", "--json", "--out", str(tmp_path / "new"))
@@ -313,7 +342,9 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 130
-    assert err == "caramelo: stopped by Ctrl-C\n"
+    told = err.splitlines()
+    assert told.pop() == "caramelo: stopped by Ctrl-C"
+    assert all(line.startswith("ramp (paper-trot): ") for line in told)
     assert out == ""
     assert not target.exists()
 

@@ -22,7 +22,9 @@ UNIT_OF_SUFFIX = {
     "per_rad": "1/rad", "J_K": "J/K", "K_W": "K/W", "Nm_A": "N m/A", "Nm_rad": "N m/rad", "bits": "bits",
     "per_g": "counts per g", "per_deg_s": "counts per deg/s",
 }  # fmt: skip
-SOURCES = ("paper", "configuration", "datasheet", "measured", "assumed", "chosen", "derived from the paper")
+SOURCES = (
+    "paper", "configuration", "datasheet", "measured", "simulated", "assumed", "chosen", "derived from the paper",
+)  # fmt: skip
 
 
 def changed(tmp_path: Path, old: str, new: str, robot: str = "caramelo") -> Path:
@@ -64,7 +66,7 @@ def unit_complaints(text: str) -> list[str]:
     for line in text.splitlines():
         if not line.strip() or line.startswith(("#", "[")):
             continue
-        match = re.fullmatch(r"(\w+) = .+?  +# \[([^]]+)\] .*\(([^()]+)\)", line)
+        match = re.fullmatch(r"([\w-]+) = .+?  +# \[([^]]+)\] .*\(([^()]+)\)", line)
         if match is None or not match[3].endswith(SOURCES):
             wrong.append(line)
             continue
@@ -207,16 +209,25 @@ BAD_VALUES = [
     ('name = "caramelo" ', 'name = "My Robot" ', 'name: value "My Robot":', "lower-case"),
     ('default = "adaptive"', 'default = "gallop"', 'gait.default: value "gallop":', "one of paper-trot, trot, crawl"),
     ('default = "adaptive"', 'default = "Trot!"', 'gait.default: value "Trot!":', "a gait's name"),
+    ("climb = 0.008", "climbs = 0.008", 'gait.advised_m_s: value "climbs":', "one of paper-trot, trot, crawl"),
+    ("climb = 0.008", "climb = -0.008", "gait.advised_m_s.climb: value -0.008:", "0.001 .. 3 m/s"),
+    ("climb = 0.008", "trot = 0.008", 'gait.advised_m_s: value "trot":', "gait.not_advised does not name"),
+    ("\ncrawl = ", '\ngallop = "fast" #', 'gait.not_advised: value "gallop":', "one of paper-trot, trot, crawl"),
+    ("\ncrawl = ", '\ncrawl = "two\\nlines" #', 'gait.not_advised.crawl: value "two lines":', "one line"),
+    ("\ncrawl = ", '\ncrawl = "\\u001b[31m" #', "gait.not_advised.crawl: value", "one line"),
+    ("climb = 0.008", '"Climb!" = 0.008', 'gait.advised_m_s.Climb!: value "Climb!":', "a gait's name"),
 ]
 
 BAD_JOINTS = [
     ("thigh_encoder = false", "thigh_encoder = 0", "actuator.gear.thigh_encoder: value 0:", "true, false"),
     ("current_bandwidth_hz = 450", "current_bandwidth_hz = 600", "actuator.drive.current_bandwidth_hz: value 600.0:",
      "at most 500 Hz"),
-    ("velocity_bandwidth_hz = 40", "velocity_bandwidth_hz = 460", "actuator.drive.velocity_bandwidth_hz: value 460.0:",
+    ("velocity_bandwidth_hz = 30", "velocity_bandwidth_hz = 460", "actuator.drive.velocity_bandwidth_hz: value 460.0:",
      "below current_bandwidth_hz"),
     ("under_voltage_V = 18.0", "under_voltage_V = 25", "actuator.drive.under_voltage_V: value 25.0:", "below bus"),
     ("winding_derate_C = 80", "winding_derate_C = 120", "actuator.thermal.winding_derate_C: value 120.0:", "below"),
+    ("thermistor_25C_ohm = 1000", "thermistor_25C_ohm = 100000", "actuator.thermal.thermistor_25C_ohm: value 100000.0:",
+     "220 .. 22000 ohm"),
     ("resistance_ohm = 1.2", "resistance_ohm = 0", "actuator.motor.resistance_ohm: value 0:", "0.005 .. 50 ohm"),
     ("amplifier_gain = 40", "amplifier_gain = 30", "actuator.drive.amplifier_gain: value 30:", "40"),
     ("rate_hz = 200", "rate_hz = 40", "bus.rate_hz: value 40:", "at least control.rate_hz = 50"),

@@ -1,14 +1,13 @@
 """The firmware build: rules with file and line, rewriting, the same bytes every time, a tree fit to copy."""
 
-import hashlib
-import json
 from pathlib import Path
 
 import pytest
 
-from host.build.image import ROLES, build_image, select, write_image
+from host.build.frozen import ROLES, frozen_sources, select
 from host.build.rewrite import EMITTERS, rewrite
 from host.build.source import ROOT, BuildError, closure, read_modules
+from host.build.tree import compile_tree, write_tree
 from host.runtimes import Unix
 
 from ..marks import NEEDS_UNIX
@@ -79,7 +78,7 @@ BROKEN = [
 @pytest.mark.parametrize(("body", "line", "words"), BROKEN, ids=[row[2] + str(at) for at, row in enumerate(BROKEN)])
 def test_a_broken_rule_is_told_with_file_and_line(tmp_path, body, line, words):
     with pytest.raises(BuildError) as error:
-        build_image(core(tmp_path, body), None, "viper", "armv7emsp", ("shared",))
+        compile_tree(core(tmp_path, body), "viper", "armv7emsp", ("shared",))
     assert str(error.value).startswith(f"shared/one.py:{line}: ")
     assert words in str(error.value)
 
@@ -87,7 +86,7 @@ def test_a_broken_rule_is_told_with_file_and_line(tmp_path, body, line, words):
 def test_what_only_the_compiler_sees_has_file_and_line_too(tmp_path):
     body = hot("x = 1", "x = b", "return x")
     with pytest.raises(BuildError, match=rf"shared/one\.py:{LINE + 1}: ViperTypeError"):
-        build_image(core(tmp_path, body), None, "viper", "armv7emsp", ("shared",))
+        compile_tree(core(tmp_path, body), "viper", "armv7emsp", ("shared",))
 
 
 def test_a_syntax_error_and_a_constant_that_is_none(tmp_path):
@@ -148,44 +147,24 @@ def test_constants_of_other_modules_become_numbers(tmp_path):
 
 @pytest.mark.parametrize("emitter", EMITTERS)
 def test_the_same_source_gives_the_same_bytes_anywhere(tmp_path, emitter):
-    first = build_image(core(tmp_path / "a", GOOD), None, emitter, "armv7emsp", ("shared",))
-    second = build_image(core(tmp_path / "a much longer path", GOOD), None, emitter, "armv7emsp", ("shared",))
-    assert first.files == second.files
-    assert first.manifest == second.manifest
-    assert str(tmp_path).encode() not in b"".join(first.files.values())
+    first = compile_tree(core(tmp_path / "a", GOOD), emitter, "armv7emsp", ("shared",))
+    second = compile_tree(core(tmp_path / "a much longer path", GOOD), emitter, "armv7emsp", ("shared",))
+    assert first == second
+    assert str(tmp_path).encode() not in b"".join(first.values())
 
 
-def test_another_source_has_another_build_id(tmp_path):
-    first = build_image(core(tmp_path / "a", GOOD), None, "viper", "armv7emsp", ("shared",))
-    second = build_image(core(tmp_path / "b", GOOD.replace("_TWO", "3")), None, "viper", "armv7emsp", ("shared",))
-    assert first.manifest["build"] != second.manifest["build"]
+def test_another_source_gives_other_bytes(tmp_path):
+    first = compile_tree(core(tmp_path / "a", GOOD), "viper", "armv7emsp", ("shared",))
+    second = compile_tree(core(tmp_path / "b", GOOD.replace("_TWO", "3")), "viper", "armv7emsp", ("shared",))
+    assert first["shared/one.mpy"] != second["shared/one.mpy"]
 
 
-def test_the_tree_is_what_its_manifest_says_and_holds_no_stale_source(tmp_path):
-    out = tmp_path / "tree"
-    out.mkdir()
-    image = build_image(core(tmp_path / "root", GOOD), None, "viper", "armv7emsp", ("shared",))
-    write_image(image, out)
-    (out / "shared" / "one.py").write_text("a stale source would hide one.mpy\n")
-    write_image(image, out)
-    manifest = json.loads((out / "manifest.json").read_text())
-    files = {row["file"]: row for row in manifest["files"]}
-    assert {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()} == {*files, "manifest.json"}
-    for path, row in files.items():
-        data = (out / path).read_bytes()
-        assert (row["size"], row["sha256"]) == (len(data), hashlib.sha256(data).hexdigest())
-    assert (manifest["emitter"], manifest["arch"], manifest["mpy"]) == ("viper", "armv7emsp", "6.3")
-    assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
-
-
-def test_a_folder_with_other_files_is_left_alone(tmp_path):
-    out = tmp_path / "mine"
-    out.mkdir()
-    (out / "thesis.txt").write_text("years of work")
-    image = build_image(core(tmp_path / "root", GOOD), None, "bytecode", "any", ("shared",))
-    with pytest.raises(BuildError, match="holds files that are not a former build"):
-        write_image(image, out)
-    assert (out / "thesis.txt").read_text() == "years of work"
+def test_a_tree_is_written_as_it_was_compiled(tmp_path):
+    files = compile_tree(core(tmp_path / "root", GOOD), "viper", "armv7emsp", ("shared",))
+    write_tree(files, tmp_path / "tree")
+    found = {p.relative_to(tmp_path / "tree").as_posix(): p.read_bytes() for p in (tmp_path / "tree").rglob("*.mpy")}
+    assert found == files
+    assert set(files) == {"shared/__init__.mpy", "shared/one.mpy", "shared/runtime.mpy"}
 
 
 @pytest.mark.parametrize("role", ROLES)
@@ -198,17 +177,20 @@ def test_a_role_brings_along_all_it_imports(role):
     assert ("shared.joint.current" in names) == (role == "joint")
 
 
-def test_start_files_stay_source_and_lie_at_the_top(tmp_path):
-    root = core(tmp_path, GOOD)
-    (root / "firmware").mkdir()
-    (root / "firmware" / "main.py").write_text("from shared.one import f\n\nprint(f)\n")
-    image = build_image(root, "gait", "viper", "armv7emsp", ("shared", "firmware"))
-    assert sorted(image.files) == ["main.py", "shared/__init__.mpy", "shared/one.mpy", "shared/runtime.mpy"]
-
-
-def test_the_manifest_carries_the_protocol(tmp_path):
-    image = build_image(core(tmp_path, "PROTOCOL_HASH = const(0x1234)\n"), None, "bytecode", "any", ("shared",))
-    assert image.manifest["protocol"] == 0x1234
+@pytest.mark.parametrize("role", ROLES)
+def test_what_is_frozen_starts_by_itself_and_holds_no_stale_module(tmp_path, role):
+    (tmp_path / "frozen").mkdir()
+    (tmp_path / "frozen" / "old.py").write_text("a module of a former build")
+    tree = frozen_sources(role, "caramelo", tmp_path / "frozen")
+    files = {path.relative_to(tree.modules).as_posix(): path.read_text() for path in tree.modules.rglob("*.py")}
+    assert files["main.py"].endswith("start.settle()\nstart.run()\n")
+    assert f"from firmware.start_{role} import" in files["firmware/application.py"]
+    assert ("firmware/robot_params.py" in files) == (role == "gait")
+    assert "firmware/main.py" not in files
+    assert "old.py" not in files
+    assert "@hot" not in "".join(files.values())
+    assert tree.c_modules is not None
+    assert "core_floor" in (tree.c_modules / "_core/core.c").read_text()
 
 
 @NEEDS_UNIX

@@ -158,6 +158,8 @@ def planner_si(params):
         pose_max=poses[:6],
         pose_slew=poses[6:],
         joint_step=rad(params[p.P_JOINT_STEP]),
+        joint_top=[rad(v) for v in params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]],
+        coupled=params[p.P_COUPLED],
         sit_z=params[p.P_SIT_Z] * unit_m,
         stride=params[p.P_STRIDE_MAX] * unit_m,
         gains=(*gains, rad(params[p.P_INTEGRAL_MAX]), rad(params[p.P_BALANCE_MAX]), rate),

@@ -37,7 +37,7 @@ def test_a_leg_too_long_for_its_unit_is_caught():
     """The check can fail: a thigh of 40 000 units has a square beyond 30 bits."""
     spoiled = fast(block("caramelo"))
     for leg in range(4):
-        spoiled[p.P_SIZE_BODY + leg * p.LEG_SIZE + p.LEG_REACH] = 40000
+        spoiled[p.P_SIZE_BODY + leg * p.LEG_SIZE + p.LEG_L2] = 40000
     run = drive([spoiled], 100)
     assert run.returncode != 0
     assert "outside -2^30 .. 2^30-1" in run.stderr

@@ -10,7 +10,7 @@ from tests.float_twin import sample
 from tests.marks import skip_without
 
 ROOT = Path(__file__).resolve().parents[2]
-USED = ("attitude", "balance", "body", "fixed", "gait", "leg", "pid", "planner", "reach", "sample", "swing")
+USED = ("attitude", "balance", "body", "fixed", "gait", "goals", "leg", "pid", "planner", "reach", "sample", "swing")
 SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.dumps({'numbers': numbers()}))\n"
 
 

@@ -11,7 +11,6 @@ from host.experiments.steps import space_ground
 from host.export.ground import Ground
 from host.robot_file import load_robot
 from host.three_d.walk import SpaceSpec, SpaceWalker
-from shared import planner_climb, planner_steps
 from shared import planner_layout as n
 
 ROBOT = load_robot("caramelo")
@@ -44,14 +43,6 @@ def test_commanded_at_an_edge_it_waits_for_level_feet_or_backs_off(kind, height_
     fell, waited_s = climb_from(space_ground(kind, height_m, 0.4), at_m)
     assert not fell
     assert waited_s is not None
-
-
-def test_begun_at_once_it_falls(monkeypatch):
-    """The test above can fail: without the wait the robot tips over."""
-    monkeypatch.setattr(planner_steps, "crawl_waits", lambda planner, wanted: wanted)
-    monkeypatch.setattr(planner_climb, "stands_level", lambda params, block: 1)
-    falls = [climb_from(space_ground(kind, height_m, 0.4), at_m)[0] for kind, height_m, at_m in BEFORE_AND_ASTRIDE]
-    assert sum(falls) >= 2
 
 
 @pytest.mark.parametrize("gait", ["adaptive", "paper-trot"])

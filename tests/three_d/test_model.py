@@ -13,6 +13,7 @@ from host.kinematics_si import leg_forward
 from host.plane import planar_robot, rest_pose_rad
 from host.robot_file import load_robot
 from host.robot_model import KNEE_CONFIGURATIONS, LEG_NAMES
+from host.three_d.grounds import GroundSpec, make_ground
 from sim2d import terrain
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
@@ -135,3 +136,33 @@ def test_a_turned_slab_keeps_its_length():
     (block,) = ground.blocks
     assert 2 * block.half_m[0] == pytest.approx(0.6)
     assert math.sqrt(sum(part * part for part in block.quaternion)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("knees", KNEE_CONFIGURATIONS)
+@pytest.mark.parametrize("ground", ["flat", "gravel"])
+def test_it_loads_at_rest_within_its_limits_and_stands(name, knees, ground):
+    """It loaded with straight legs, outside of their limits."""
+    robot = with_knees(name, knees)
+    options = ModelOptions(make_ground(GroundSpec(ground)))
+    model = mujoco.MjModel.from_xml_string(mjcf(robot, options))
+    data = mujoco.MjData(model)
+    for joint in joint_names():
+        low, high = model.joint(joint).range
+        assert low < float(data.joint(joint).qpos[0]) < high
+    mujoco.mj_kinematics(model, data)
+    feet = [float(data.geom(f"{leg}_foot").xpos[2]) for leg in LEG_NAMES]
+    assert feet == pytest.approx([robot.geometry.foot_radius_m] * 4, abs=1e-6)
+    assert np.array(model.key("rest").qpos) == pytest.approx(np.array(model.qpos0), abs=1e-6)
+    height_m = float(data.body("trunk").xpos[2])
+    mujoco.mj_resetDataKeyframe(model, data, model.key("rest").id)
+    mujoco.mj_step(model, data, 500)
+    assert float(data.body("trunk").xpos[2]) > 0.9 * height_m
+
+
+def test_hips_are_drawn_and_touch_nothing():
+    model = mujoco.MjModel.from_xml_string(mjcf(load_robot("caramelo")))
+    for leg in LEG_NAMES:
+        geom = model.geom(f"{leg}_hip")
+        assert geom.contype == geom.conaffinity == 0
+        assert model.geom_rgba[geom.id][3] == 1

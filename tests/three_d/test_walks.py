@@ -10,9 +10,9 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.experiments import goals, payload, ramp
 from host.experiments.pool import run_all
-from host.experiments.trials import Options, SpaceTrial
+from host.experiments.trials import Options, PlaneTrial, SpaceTrial
 from host.export.ground import Ground, extrude
-from host.robot_file import load_robot
+from host.robot_file import load_robot, robot_names
 from host.three_d.grounds import GroundSpec, make_ground
 from host.walk import WalkSpec
 
@@ -96,3 +96,33 @@ def test_a_goal_is_judged_by_its_limits():
     assert goals.nearly([good] * 19 + [fell])[0] is True
     assert goals.nearly([good] * 9 + [fell])[0] is False
     assert goals.reported([fell])[0] is None
+
+
+SHARE, DRIFT_M = 0.75, 0.1  # what docs/gaits.md calls advised
+
+
+def does_what_it_is_told(robot, gait, speed_m_s):
+    """Return whether a gait arrives, nearly as fast as commanded and nearly straight on, in both simulators."""
+    spec = WalkSpec(robot, gait, speed_m_s, distance_m=min(1.0, 60 * speed_m_s))
+    walks = [PlaneTrial(spec).run().figures, SpaceTrial(spec, FLAT).run().figures]
+    fast = all(figures["ok"] and figures["mean_speed_m_s"] >= SHARE * speed_m_s for figures in walks)
+    return fast and abs(walks[1]["side_drift_m"]) <= DRIFT_M
+
+
+ADVISED = [(name, gait) for name in robot_names() for gait in load_robot(name).gait.advised_m_s]
+NOT_ADVISED = [(name, gait) for name in robot_names() for gait in load_robot(name).gait.not_advised]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "gait"), ADVISED)
+def test_an_advised_gait_does_what_it_is_told(name, gait):
+    robot = load_robot(name)
+    most_m_s = robot.gait.advised_m_s[gait]
+    assert does_what_it_is_told(robot, gait, min(0.05, most_m_s))
+    assert does_what_it_is_told(robot, gait, most_m_s)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "gait"), NOT_ADVISED)
+def test_a_gait_that_is_not_advised_does_not(name, gait):
+    assert not does_what_it_is_told(load_robot(name), gait, 0.05)

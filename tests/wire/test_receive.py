@@ -122,15 +122,18 @@ def test_lost_syncs_are_counted_over_the_wrap_and_stay_at_the_top():
     assert link[r.LINK_LOST] == (1 << 30) - 1
 
 
-def test_another_session_latches_nothing():
+def test_another_session_latches_nothing_and_takes_nothing_away():
     link = fresh()
     r.start_session(link, 9)
     take(link, 0x100, [10, 0, 0, 0])
     assert sync(link, 3, session=9) == r.FRAME_SYNC_SETPOINT
     take(link, 0x100, [99, 0, 0, 0])
     assert sync(link, 77, session=8) == r.FRAME_OTHER_SESSION
-    assert sync(link, 4, session=9) == r.FRAME_SYNC
-    assert (latched(link, 0), link[r.LINK_LOST]) == (10, 0)
+    assert latched(link, 0) == 10
+    for counter in range(100):
+        assert sync(link, counter, session=8) == r.FRAME_OTHER_SESSION
+    assert sync(link, 4, session=9) == r.FRAME_SYNC_SETPOINT
+    assert (latched(link, 0), link[r.LINK_LOST]) == (99, 0)
     r.end_session(link)
     assert (link[r.LINK_SESSION], link[r.LINK_MODE], latched(link, 0)) == (0, 0, 0)
     assert sync(link, 5, session=8) == r.FRAME_SYNC

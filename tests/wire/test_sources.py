@@ -1,5 +1,6 @@
 """The sources of the protocol, joints.dbc and parameters.toml, their readers, and that all generated files follow."""
 
+import math
 import shutil
 from fractions import Fraction
 
@@ -12,6 +13,7 @@ from host.joint_units import JointSetup
 from host.protocol import dbc, parameters
 from host.robot_file import load_robot
 from shared.joint import faults, layout
+from shared.joint.thermal import CURVE_POINTS, CURVE_SIZE
 from shared.wire import access, names
 from shared.wire import parameters as table
 
@@ -148,7 +150,7 @@ BAD_PARAMETERS = [
     ("raw_per_unit = 1000", "raw_per_unit = 0", "must be above 0"),
     ("low = 0, high = 12,", 'low = "0", high = 12,', "whole numbers"),
     ("default = 1, ", "default = 0, ", "or default is 0"),
-    ("count = 65", "count = 200", "1..256 are allowed"),
+    ("count = 32", "count = 200", "1..256 are allowed"),
 ]
 
 
@@ -195,6 +197,19 @@ def test_configuration_follows_the_joints_layout():
     assert [p.name for p in by_id[first:]] == [places[k].removeprefix("K_").lower() for k in range(layout.CFG_SIZE)]
 
 
+def test_defaults_are_the_robots_own_values():
+    """But for what is measured on each joint: a fresh board is not calibrated."""
+    blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-math.pi / 4, math.pi / 4))
+    own = {n.removeprefix("K_").lower(): blocks.cfg[k] for n, k in vars(layout).items() if n.startswith("K_")}
+    own |= {name: blocks.foc[getattr(layout, f"F_{place}")] for name, place in CURRENT_STEP.items()}
+    assert {p.name: p.default for p in parameters.load() if p.name in own} == own
+
+
+def test_the_thermistors_points_are_one_block_as_the_application_keeps_them():
+    assert table.PARAMETER_THERMISTOR_AT == table.PARAMETER_THERMISTOR_RAW + CURVE_POINTS
+    assert table.PARAMETER_POLE_PAIRS == table.PARAMETER_THERMISTOR_RAW + CURVE_SIZE
+
+
 def test_the_robots_own_values_are_within_the_limits():
     robot = load_robot("parallel")
     by_name = {p.name: p for p in parameters.load()}
@@ -203,7 +218,8 @@ def test_the_robots_own_values_are_within_the_limits():
         blocks = joint_blocks(robot.actuator, JointSetup(low, high, has_joint_encoder=kind != 1))
         values = {n.removeprefix("K_").lower(): blocks.cfg[k] for n, k in vars(layout).items() if n.startswith("K_")}
         values |= {name: blocks.foc[getattr(layout, f"F_{place}")] for name, place in CURRENT_STEP.items()}
-        values |= {f"thermistor_curve_{i}": raw for i, raw in enumerate(blocks.curve)}
+        values |= {f"thermistor_raw_{i}": raw for i, raw in enumerate(blocks.curve[:CURVE_POINTS])}
+        values |= {f"thermistor_at_{i}": raw for i, raw in enumerate(blocks.curve[CURVE_POINTS:])}
         for name, raw in values.items():
             assert access.may_write(by_name[name].id, raw, 0) == names.RESULT_OK, (name, raw)
 

@@ -57,7 +57,7 @@ def calibrate(
         raise UserError("simulated joints have an ideal current loop, which cannot be calibrated: leave --sim out")
     with joints(robot, interface, channel, sim) as bus:
         view = bus.link.views[node]
-        bus.requests.demand(node, w.COMMAND_CALIBRATE, kinds[kind])
+        bus.requests.challenged(node, w.COMMAND_CALIBRATE, kinds[kind], low=0)
         bus.run_for(0.5)
         while view.heartbeat[w.HEARTBEAT_MODE] == w.MODE_CALIBRATING:
             bus.run_for(0.1)

@@ -7,6 +7,7 @@ import typer
 
 from ...console import screen, write_json
 from ...errors import NOT_ACHIEVED, UserError
+from ...extras import how_to_get
 from .options import Json, RobotName, print_table
 
 
@@ -33,7 +34,7 @@ def figures(
     try:
         rows.append(found.codec_figure(messages))
     except ModuleNotFoundError:
-        note = "cantools is not installed, so the codec was not compared: make setup in the project's folder"
+        note = f"cantools is not installed, so the codec was not compared: {how_to_get('cantools')}"
     rows += [*found.load_figures(data), *found.cycle_figures(data), found.speed_figure(data, distance)]
     if as_json:
         write_json({"figures": [asdict(row) for row in rows], "note": note})

@@ -7,6 +7,8 @@ if TYPE_CHECKING:
     from ...buses.can_joints import CanJoints
     from ...joints.link import JointView
 
+HOMELESS = "does not know its angle yet: put the robot into its sitting pose; arm and teleop home it there"
+
 
 def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
     from math import isinf
@@ -35,6 +37,7 @@ def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
         "lost": view.lost,
         "late": view.late,
         "fault": bus.cycle.guard.fault_text(view) if view.heartbeat[w.HEARTBEAT_FAULT] else "none",
+        "remark": HOMELESS if position == w.NOT_AVAILABLE else "",
     }
 
 
@@ -67,4 +70,5 @@ def table(rows: list[dict[str, Any]], plotted: str = "", curves: Sequence[str] =
         shown = ["-" if v is None else f"{v:.1f}" if isinstance(v, float) else str(v) for v in cells]
         table.add_row(str(row["joint"]).replace("node ", ""), *shown, *curves[i : i + 1])
     wrong = [Text(f"{row['joint']}: {row['fault']}") for row in rows if row["fault"] != "none"]
+    wrong += [Text(f"{row['joint']}: {row['remark']}") for row in rows if row.get("remark")]
     return Group(table, *wrong)

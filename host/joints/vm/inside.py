@@ -9,6 +9,7 @@ from array import array
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.joint_store import MISSING
+from firmware.settings import Memory
 from shared.joint.layout import (
     F_HALF,
     F_KI,
@@ -48,13 +49,14 @@ class JointBoard(SimBoard):
 
 
 class Inside:
-    """What a joint is inside; ``path`` is its parameter file.
+    """What a joint is inside, its settings included, which it keeps when it starts anew.
 
     ``bridge``, ``q_ref`` (cu), ``resets`` and the filters ``pairs`` are what the last call left.
     """
 
-    def __init__(self, unique_id: bytes, path: str) -> None:
-        self._unique_id, self._path = unique_id, path
+    def __init__(self, unique_id: bytes) -> None:
+        self._unique_id = unique_id
+        self._settings = Memory()
         self._words = array("H", [0] * 4)
         self.bridge = self.q_ref = self.resets = 0
         self.pairs: list[tuple[int, int]] = []
@@ -65,7 +67,7 @@ class Inside:
         self.board.now_us = now_us
         self._set_sensors(sensors)
         self.board.rotor, self.board.joint = rotor & 16383, joint
-        self.joint = Joint(self.board, self._path)
+        self.joint = Joint(self.board, self._settings)
         if self.joint.loaded == MISSING:
             self._configure(foc, cfg, curve)
             self.joint.set_node(node)

@@ -10,7 +10,7 @@ from .messages import BOOT, FRAME, FRAME_BODY, HEAD, TICK, TICK_BODY, TICK_SIZE,
 
 def _boot(inside, body):  # type: ignore[no-untyped-def]
     order = json.loads(body)
-    inside = inside or Inside(bytes(order["unique_id"]), order["path"])
+    inside = inside or Inside(bytes(order["unique_id"]))
     inside.boot(*order["arguments"])
     return inside
 

@@ -18,6 +18,7 @@ MODULES = (
     "command",
     "steps",
     "posture",
+    "goals",
     "compliance",
     "load",
     "sensing",

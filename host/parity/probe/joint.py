@@ -60,6 +60,7 @@ SQUARE = Range(0, (1 << 19) - 1)
 OFFSET = Range(0, 65520)
 POSITION = Range(-(1 << 28), 1 << 28)
 PURPOSE = Range(0, 8)
+TURNS = Range(-(1 << 30) + 2, (1 << 30) - 2)
 
 
 def _stepping(values, dice):
@@ -87,6 +88,12 @@ def _repairing(values, dice):
 def _lost(values, dice):
     live(values, dice)
     FOC[j.F_ROTOR_SEEN] = dice.bits(14) if dice.bits(1) else -1
+
+
+def _turned(values, dice):
+    """After any number of turns."""
+    live(values, dice)
+    STATE[j.S_TURNS] = TURNS.any(dice)
 
 
 def _long_vector(values, dice):
@@ -187,6 +194,7 @@ PROBES = (
     _probe(current, "current_sum", FOC),
     _probe(svpwm, "svpwm", FOC, CURRENT, CURRENT, fit=_long_vector),
     _probe(feed, "feed_bus", FOC, CFG, Range(-32768, 32767)),
+    _probe(feed, "lead_angle", FOC, CFG, STATE),
     _probe(feed, "feed_voltages", FOC, CFG, STATE),
     _probe(cascade, "cascade_reset", CFG, STATE),
     _probe(cascade, "cascade_step", CFG, STATE, IO),
@@ -202,7 +210,7 @@ PROBES = (
     _probe(cascade, "write_current", FOC, CFG, STATE),
     _probe(encoder, "encoder_reset", FOC, CFG, STATE),
     _probe(encoder, "encoder_resync", FOC, STATE, fit=_lost),
-    _probe(encoder, "encoder_step", FOC, CFG, STATE),
+    _probe(encoder, "encoder_step", FOC, CFG, STATE, fit=_turned, vectors=3),
     _probe(encoder, "track_rate", CFG, STATE, Range(-8192, 8191)),
     _probe(encoder, "joint_count", CFG, ROTOR),
     _probe(encoder, "watch_encoders", CFG, STATE, IO),

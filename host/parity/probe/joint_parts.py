@@ -134,5 +134,6 @@ PROBES = (
     _probe(profile, "slew_rate", STATE, Range(-(1 << 19), 1 << 19), ACCEL, watch=(STATE,), fit=_slewing),
     _probe(thermal, "thermistor_t16", CURVE, Range(-5, 4200)),
     _probe(thermal, "mcu_t16", ADC, ADC, ADC),
+    _probe(thermal, "copper_share", INT16),
     _probe(thermal, "scaled", Range(-(1 << 26), (1 << 26) - 1), GAIN14, Range(13, 30)),
 )

@@ -42,6 +42,7 @@ def restart(robot):
     """Bring a planner back to its first tick: limp, nothing known."""
     walk = robot.walk
     own = (walk.body, walk.firm, walk.stands, robot.drive, robot.reached)
+    own += (robot.sensed, robot.joints_read, robot.tilt_read)
     for block in (robot.numbers, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         for at in range(len(block)):
             block[at] = 0
@@ -52,8 +53,9 @@ def restart(robot):
 
 
 def _restart_all():
-    for at in range(COMMAND_SIZE):
-        COMMAND[at] = 0
+    for block in (COMMAND, SENSED):
+        for at in range(len(block)):
+            block[at] = 0
     for robot in ROBOTS:
         restart(robot)
 
@@ -70,8 +72,12 @@ def _any_wish(dice):
 
 
 def _any_sense(dice):
+    """Joints mostly about where they were, or none would be believed; the rest anything."""
     for at in range(len(SENSED)):
-        SENSED[at] = BRAD.any(dice)
+        if at < n.S_JOINTS or at >= n.S_JOINTS_OK or dice.bits(6) == 0:
+            SENSED[at] = BRAD.any(dice)
+        else:
+            SENSED[at] += dice.bits(7) - 64
     if dice.bits(3):  # mostly upright, or it would sit most of the time
         SENSED[n.S_ROLL] >>= 4
         SENSED[n.S_PITCH] >>= 4
@@ -160,6 +166,8 @@ class Walk(Probe):
 ROBOT = Pick(*ROBOTS)
 STATE = (ROBOTS[0].numbers, ROBOTS[1].numbers, ROBOTS[0].joints, ROBOTS[1].joints)
 FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
+POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
+BELIEVED = STATE + (ROBOTS[0].sensed, ROBOTS[1].sensed)
 RETREATS = (ROBOTS[0].retreat, ROBOTS[1].retreat)
 WALKS_STATE = STATE + (ROBOTS[0].walk.state, ROBOTS[1].walk.state)
 
@@ -209,6 +217,9 @@ PARTS = (
     _part("fold_legs", planner_states.fold_legs, (ROBOT,), FEET),
     _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
     _part("step_gait", planner_steps.step_gait, (ROBOT, COMMAND), STATE + FEET),
+    _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
+    _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
+    _part("meet", planner_senses.meet, (ROBOT,), STATE),
     _part("feel", planner_senses.feel, (ROBOT, SENSED), WALKS_STATE),
     _part("relax", planner_senses.relax, (ROBOT,), WALKS_STATE, _live_active),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),

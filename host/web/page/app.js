@@ -59,7 +59,8 @@ function begin(message) {
   hello = message;
   document.title = message.robot;
   $("pairing").hidden = true;
-  $("gait").replaceChildren(...message.gaits.map((name) => new Option(name, name)));
+  const gaits = Object.entries(message.gaits); // name: why it is not advised for this robot, or ""
+  $("gait").replaceChildren(...gaits.map(([name, why]) => new Option(why ? `${name} (not advised)` : name, name)));
   $("sliders").replaceChildren(...POSES.flatMap(slider));
 }
 
@@ -138,6 +139,8 @@ function show() {
   for (const id of ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level"]) $(id).disabled = silent || !free();
   for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(silent || !free()));
   $("remark").textContent = silent ? "" : [status.remark, status.attitude_note].filter(Boolean).join("; ");
+  const gait = $("gait").value, why = hello && hello.gaits[gait];
+  $("advice").textContent = why ? `${gait} is not advised: ${why}` : "";
   if (silent) return;
   $("take").textContent = mine() ? "You drive: let go" : "Take the controls";
   $("take").setAttribute("aria-pressed", String(mine()));
@@ -198,7 +201,10 @@ $("stop").addEventListener("click", (event) => event.detail === 0 && stop(event.
 $("take").addEventListener("click", () => send({ type: mine() ? "release" : "take" }));
 $("reset").addEventListener("click", () => send({ type: "reset" }));
 $("level").addEventListener("click", level);
-$("gait").addEventListener("change", () => choose({ type: "gait", gait: $("gait").value }));
+$("gait").addEventListener("change", () => {
+  choose({ type: "gait", gait: $("gait").value });
+  show();
+});
 $("balance").addEventListener("change", () => choose({ type: "balance", on: $("balance").checked }));
 $("share").addEventListener("input", () => ($("share-now").textContent = `${$("share").value} %`));
 for (const button of document.querySelectorAll("[data-posture]")) {

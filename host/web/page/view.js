@@ -7,7 +7,7 @@ export function draw(view, canvases) {
   const colour = (name) => style.getPropertyValue(name).trim();
   const legs = view.legs;
   const reach = Math.max(...legs.flat().map((point) => Math.max(Math.abs(point[0]), Math.abs(point[1]))), 0.1) * 1.2;
-  const lowest = Math.min(...legs.map((leg) => leg[3][2]));
+  const lowest = view.ground_m;
   const middle = lowest / 2;
   paint(canvases.side, reach, (p) => [p[0], p[2] - middle], (pen) => {
     pen.line([[-2 * reach, 0, lowest], [2 * reach, 0, lowest]], colour("--soft"), 1);

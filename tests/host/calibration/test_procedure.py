@@ -273,3 +273,34 @@ def test_no_difference_is_nothing(tmp_path):
     assert difference(path, nominal(CARAMELO)) != ""
     save_calibration(path, nominal(CARAMELO))
     assert difference(path, nominal(CARAMELO)) == ""
+
+
+def test_each_answer_is_on_the_disk_when_the_next_question_comes(tmp_path, monkeypatch):
+    """A terminal that dies takes no answer with it; taken up again, the record goes on where it was."""
+    record = tmp_path / "answers.toml"
+    lines = iter(["FR hip", "+"])
+
+    def answer(prompt):
+        line = next(lines, None)
+        if line is None:
+            raise KeyboardInterrupt
+        return line
+
+    monkeypatch.setattr("builtins.input", answer)
+    person = AtTerminal(record)
+    person.ask("servo 1 joint", "Which?", ["FR hip", "FR thigh"])
+    assert read_answers(record) == {"servo 1 joint": "FR hip"}
+    person.ask("servo 1 direction", "Which way?", ["+", "-"])
+    with pytest.raises(KeyboardInterrupt):
+        person.ask("servo 2 joint", "Which?", ["FR hip", "FR thigh"])
+    lines = iter(["FR thigh"])
+    AtTerminal(record).ask("servo 2 joint", "Which?", ["FR hip", "FR thigh"])
+    assert read_answers(record) == {
+        "servo 1 joint": "FR hip", "servo 1 direction": "+", "servo 2 joint": "FR thigh"}  # fmt: skip
+
+
+def test_a_record_never_replaces_a_file_of_another_kind(tmp_path):
+    path = tmp_path / "thesis.txt"
+    path.write_text("years of work")
+    assert main(["calibrate", "--sim", "--record", str(path)]) == 2
+    assert path.read_text() == "years of work"

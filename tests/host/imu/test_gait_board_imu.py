@@ -13,6 +13,7 @@ from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import STUCK
 from host.child import end_child
 from host.errors import UserError
+from host.gait_frames import FrameReader, frame
 from host.imu.attitude import Attitude
 from host.imu.base import ImuError, ImuLate
 from host.imu.choose import open_source
@@ -24,14 +25,6 @@ from ...firmware.gait_vm import start_gait_vm
 
 ROBOT = load_robot("caramelo")
 COUNTS = (-3, 7, -32768, 120, -4, 16384)
-
-
-def frame(kind, *values, size=2):
-    writer = link.Writer()
-    writer.open(kind)
-    for value in values:
-        writer.put(value, size)
-    return bytes(writer.buffer[: writer.close()])
 
 
 class VmStream:
@@ -53,7 +46,8 @@ class VmStream:
         return data
 
     def write(self, data):
-        return os.write(self.process.stdin.fileno(), (frame(link.COUNTS, *self.counts) if self.counts else b"") + data)
+        counts = frame(link.COUNTS, self.counts, 2) if self.counts else b""
+        return os.write(self.process.stdin.fileno(), counts + data)
 
     def close(self):
         """The process is the test's."""
@@ -134,32 +128,54 @@ class Board:
     def __init__(self, data):
         self.waiting, self.out = bytearray(data), bytearray()
 
-    def any(self):
+    def readinto(self, buffer):
         if not self.waiting:
             raise EOFError
-        return len(self.waiting)
-
-    def readinto(self, buffer):
-        buffer[0] = self.waiting.pop(0)
-        return 1
+        count = min(len(buffer), len(self.waiting))
+        buffer[:count], self.waiting[:count] = self.waiting[:count], b""
+        return count
 
     def write(self, data):
         self.out += bytes(data)
 
 
 def test_a_board_that_plans_by_itself_answers_between_its_ticks():
-    stream, sensor = Board(frame(link.READ, 9, size=1) + frame(link.READ, 10, size=1)), FrameSensor()
+    stream, sensor = Board(frame(link.READ, (9,)) + frame(link.READ, (10,))), FrameSensor()
     sensor.read = lambda counts: STUCK
     clock = type(
         "Clock", (), {"ticks_us": lambda: 0, "ticks_add": lambda a, b: a + b, "ticks_diff": lambda a, b: a - b}
     )
     with pytest.raises(EOFError):
         gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, clock)
-    reader, answers = link.Reader(), []
-    for byte in stream.out:
-        if reader.take(byte) == link.READING:
-            answers.append(bytes(reader.buffer[2:4]))
+    answers = [payload[:2] for kind, payload in FrameReader().frames(bytes(stream.out)) if kind == link.READING]
     assert answers == [bytes((9, STUCK)), bytes((10, STUCK))]
+
+
+class Clock:
+    """Each look at it takes a millisecond."""
+
+    def __init__(self):
+        self.us = 0
+
+    def ticks_us(self):
+        self.us += 1000
+        return self.us
+
+    def ticks_add(self, a, b):
+        return a + b
+
+    def ticks_diff(self, a, b):
+        return a - b
+
+
+def test_a_flooded_stream_does_not_hold_up_the_ticks():
+    stream, sensor = Board(frame(link.STOP) * 10_000), FrameSensor()
+    with pytest.raises(EOFError):
+        gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, Clock())
+    kinds = [kind for kind, _ in FrameReader().frames(bytes(stream.out))]
+    assert kinds[0] == link.READY
+    blocks = 60_000 // gait_main.BLOCK_BYTES
+    assert kinds.count(link.SETPOINTS) == pytest.approx(blocks / 20, abs=2)  # one in 20 ms
 
 
 def test_a_port_without_a_board_says_so():

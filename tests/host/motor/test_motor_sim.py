@@ -7,7 +7,8 @@ import pytest
 
 from host.cli import main
 from host.errors import UserError
-from host.motor import faults, scenarios
+from host.joint_units import JointSetup
+from host.motor import currents, faults, scenarios
 from host.motor.accuracy import accuracy, closed_form
 from host.motor.bench import Bench
 from host.motor.model import Load, Motor
@@ -123,6 +124,54 @@ def test_readings_that_cannot_be_are_left_out_and_many_of_them_are_a_fault():
     bench.wrong.glitch_share = 0.95
     bench.run(20)
     assert bench.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST
+
+
+def d_error_percent(age):
+    """The mean d current at nearly full speed under load, in percent of the rated current."""
+    bench = Bench(BLDC, Load(torque_Nm=1.0), JointSetup(-3.1, 3.1))
+    if age is not None:
+        bench.joint.control.cfg[j.K_AGE] = age
+    bench.arm(w.MODE_VELOCITY, 0.0)
+    bench.goal = 0.9 * BLDC.drive.speed_limit_rad_s
+    bench.run(150)
+    return 100 * abs(currents._axis_errors(bench, 60)[0]) / BLDC.drive.current_limit_A
+
+
+def test_the_encoder_answers_one_step_late_and_the_angle_is_led_by_that():
+    assert d_error_percent(None) < 0.5
+    assert d_error_percent(0) > 2
+
+
+def test_duties_act_for_the_whole_of_the_next_step():
+    """The board's handler runs at the samples; what it writes is in the next step's voltage, no part of it in this."""
+    bench = Bench(BLDC, Load(locked=True))
+    bench.board.bridge, bench.fast = 1, []
+    compare, half = bench.board.compare, bench.blocks.foc[j.F_PERIOD] // 2
+
+    def write(a):
+        compare[0], compare[1], compare[2] = a, half, half
+
+    for a in (half, half + 400, half, half, half):
+        bench.board.handler = lambda a=a: write(a)
+        bench._step()
+    before, written, acted, later = bench.fast[0], bench.fast[1], bench.fast[2], bench.fast[3]
+    assert abs(before) < 1e-9
+    assert abs(written) < 1e-9
+    assert abs(acted) > 0.05
+    assert abs(later) < abs(acted)  # it decays again
+
+
+def test_a_locked_rotor_stays_and_a_held_joint_lets_it_wind_up_the_gear():
+    locked, held = (scenarios.run_scenario(BLDC, f"current-{name}").figures for name in ("locked", "held"))
+    assert locked["rotor_turned_elec_deg"] == 0
+    assert 10 < held["rotor_turned_elec_deg"] < 30
+
+
+def test_a_joint_that_hums_in_its_gears_play_fails_the_sine():
+    stiff = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"velocity_bandwidth_hz": 40.0})})
+    figures = scenarios.run_scenario(stiff, "sine").figures
+    assert not figures["ok"]
+    assert figures["current_rms_A"] > 2 * figures["needed_rms_A"]
 
 
 def test_an_unknown_scenario_is_told_with_the_list():

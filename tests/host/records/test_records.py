@@ -3,24 +3,39 @@
 import csv
 import json
 import os
+import resource
 import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
 
 from host.cli import main
 from host.errors import UserError
+from host.records import recorder as recorder_module
 from host.records.channels import CHANNELS, schema
-from host.records.export import csv_text
+from host.records.export import export_csv
 from host.records.log import LoopLog, about
-from host.records.reader import Row, read_record
+from host.records.reader import Record, messages, read_record
 from host.records.recorder import SYNC_S, Recorder, record_path
 from host.records.replay import replay
 
 from ..teleop.rig import AHEAD, PAGE, STOP, Rig
+from .odd import mcap
+
+
+def everything(record):
+    """Return all values of a record."""
+    return {topic: list(rows) for topic, rows in record.rows.items()}
+
+
+def csv_text(record, topic, folder):
+    """Return a channel's CSV file."""
+    export_csv(record, folder / "csv")
+    return (folder / "csv" / f"{topic[1:]}.csv").read_text()
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +60,7 @@ def test_a_record_holds_every_tick(drive):
     record = read_record(drive)
     assert record.whole
     assert record.about["robot"] == "caramelo"
-    counts = record.counts()
+    counts = record.counts
     ticks = counts["/timing"]
     assert ticks == 265
     assert {
@@ -58,13 +73,16 @@ def test_a_record_holds_every_tick(drive):
 
 def test_every_message_is_as_its_schema_says(drive):
     kinds = {"number": (int, float), "integer": int, "string": str, "boolean": bool, "array": list}
-    for row in read_record(drive).rows:
-        for name, rule in schema(row.topic)["properties"].items():
-            value = row.values[name]
-            assert isinstance(value, kinds[rule["type"]]), (row.topic, name)
+    record, seen = Record(drive), 0
+    for channel, _, data in messages(record):
+        values = json.loads(data)
+        for name, rule in schema(channel.topic)["properties"].items():
+            assert isinstance(values[name], kinds[rule["type"]]), (channel.topic, name)
             if rule["type"] == "array":
-                assert len(value) == rule["maxItems"]
-        assert set(row.values) == set(CHANNELS[row.topic])
+                assert len(values[name]) == rule["maxItems"]
+        assert set(values) == set(CHANNELS[channel.topic])
+        seen += 1
+    assert seen == record.counts.total() > 1500
 
 
 def test_replay_is_the_same_to_the_bit(drive):
@@ -75,8 +93,8 @@ def test_replay_is_the_same_to_the_bit(drive):
 @pytest.mark.parametrize(("block", "place", "change"), [("joints", 4, 40), ("command", 2, -40000), ("sensed", 1, 40)])
 def test_one_changed_number_is_found(drive, block, place, change):
     record = read_record(drive)
-    row = record.of("/planner")[200]
-    row.values[block][place] += change
+    column = record.of("/planner").columns[block]
+    column.all[200 * column.width + place] += change
     result = replay(record)
     assert not result.ok
     assert 200 <= result.ticks <= 202
@@ -84,7 +102,7 @@ def test_one_changed_number_is_found(drive, block, place, change):
 
 def test_a_gap_is_told(drive):
     record = read_record(drive)
-    record.rows.remove(record.of("/planner")[100])
+    del record.of("/planner").columns["tick"].all[100], record.of("/planner").times_ns[100]
     assert replay(record).difference == "ticks 100 .. 100 are missing: the disk did not keep up"
 
 
@@ -95,10 +113,10 @@ def test_a_record_cut_anywhere_opens(drive, tmp_path):
         cut.write_bytes(data[:size])
         record = read_record(cut)
         assert not record.whole
-        rows = len(record.rows)
+        rows = record.counts.total()
         assert rows >= before
         before = rows
-        if record.of("/planner"):
+        if len(record.of("/planner")):
             assert replay(record).ok
 
 
@@ -118,7 +136,7 @@ def test_a_flipped_byte_is_not_believed(drive, tmp_path, share):
     path = tmp_path / "flipped.mcap"
     path.write_bytes(data)
     record = read_record(path)
-    assert not record.whole or record.damage or record.rows == read_record(drive).rows
+    assert not record.whole or record.damage or everything(record) == everything(read_record(drive))
     assert replay(record).ok
 
 
@@ -143,9 +161,37 @@ def test_messages_are_on_the_disk_within_a_second(tmp_path):
     while not any(at >= last_put_s for at, _ in synced):
         assert time.monotonic() < last_put_s + 5 * SYNC_S
         time.sleep(0.01)
-    rows = read_record(tmp_path / "x.mcap").rows
+    rows = read_record(tmp_path / "x.mcap").of("/load")
     assert len(rows) == 30, "read before it is closed, as after a power cut"
     recorder.close()
+
+
+def test_a_disk_that_hangs_with_more_waiting_than_finds_room_holds_nobody_up(tmp_path, monkeypatch):
+    """Neither ``put`` nor ``close`` waits for room; once the disk goes on, what was kept is written, and no more."""
+    monkeypatch.setattr(recorder_module, "MOST_WAITING", 20)
+    monkeypatch.setattr(recorder_module, "CLOSE_S", 0.1)
+    hanging, goes_on = threading.Event(), threading.Event()
+    goes_on.set()
+
+    def sync(file):
+        hanging.set()
+        goes_on.wait()
+
+    recorder = Recorder(tmp_path / "x.mcap", {}, sync)
+    goes_on.clear()
+    hanging.clear()
+    hanging.wait()
+    for tick in range(50):
+        recorder.put("/load", tick / 50, {"load": [0.0] * 12})
+    closing = threading.Thread(target=recorder.close, daemon=True)
+    closing.start()
+    closing.join(10)
+    assert not closing.is_alive()
+    assert recorder.dropped == 30
+    assert recorder.trouble.endswith("the disk hangs: the end of the record is missing")
+    goes_on.set()
+    recorder._thread.join(10)
+    assert len(read_record(tmp_path / "x.mcap").rows) == 20
 
 
 def test_a_full_disk_ends_the_record_and_not_the_drive(tmp_path):
@@ -164,20 +210,30 @@ def test_a_full_disk_ends_the_record_and_not_the_drive(tmp_path):
     assert "the record ends here: No space left" in recorder.trouble
 
 
-def test_csv(drive):
+def test_a_disk_that_is_full_from_the_start_is_told_and_nothing_is_left(tmp_path):
+    """What is written at the start has to go somewhere; a file may grow to 10 bytes here."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, hard))
+    try:
+        with pytest.raises(UserError, match=r"--log .*x\.mcap: can't be written: File too large"):
+            Recorder(tmp_path / "x.mcap", {"robot": "caramelo"})
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert os.listdir(tmp_path) == []
+
+
+def test_csv(drive, tmp_path):
     record = read_record(drive)
-    rows = list(csv.reader(csv_text(record, "/joints").splitlines()))
+    rows = list(csv.reader(csv_text(record, "/joints", tmp_path).splitlines()))
     assert rows[0][:2] == ["time_s", "wanted_rad.FR_hip"]
     assert len(rows[0]) == 37
     assert len(rows) == 266
     assert all(len(row) == 37 for row in rows)
 
 
-def test_csv_of_one_row():
-    record = read_record.__globals__["Record"](
-        path=None, rows=[Row("/state", 5, {"state": "walking", "reason": 'a, "b"'})]
-    )
-    assert csv_text(record, "/state") == 'time_s,state,reason\n0.000000,walking,"a, ""b"""\n'
+def test_csv_quotes_what_needs_it(tmp_path):
+    path = mcap(tmp_path / "x.mcap", [("/state", {"state": "walking", "reason": 'a, "b"'})])
+    assert csv_text(read_record(path), "/state", tmp_path) == 'time_s,state,reason\n0.000000,walking,"a, ""b"""\n'
 
 
 def test_commands(drive, tmp_path, capsys):

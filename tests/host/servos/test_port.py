@@ -6,7 +6,9 @@ import pty
 import signal
 import subprocess
 import sys
+import threading
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -14,14 +16,16 @@ import serial
 
 from host.buses.choose import hardware
 from host.calibration.data import nominal
+from host.emulator.packets import framing
 from host.emulator.process import Emulator
 from host.errors import UserError
 from host.servos import table as t
 from host.servos import tools
 from host.servos.bus import ServoBus
-from host.servos.link import Link
-from host.servos.port import ServoPort, explain, latency_ms, latency_warning
+from host.servos.link import PING_PATIENCE_MS, Link
+from host.servos.port import PATIENCE_MS, ServoPort, explain, latency_ms, latency_warning
 from tests.host.servos.rig import CARAMELO, PERIOD_S
+from tests.host.teleop.hanging import child_of
 
 ROOT = Path(__file__).resolve().parents[3]
 BAUD = CARAMELO.bus.baud
@@ -66,7 +70,7 @@ def test_the_sdk_talks_through_a_terminal(emulator):
                 break
         assert furthest(goals, state["position_rad"]) < 0.03
         assert furthest(seen, state["position_rad"]) < 0.01
-        assert all(state["holds"])
+        assert all(state["follows"])
         assert bus.counters.answered > 0.5 * bus.counters.sent
     assert not any(emulator.ask("state")["torque"])
 
@@ -121,18 +125,56 @@ def wait_until(true, seconds=10.0):
         time.sleep(0.01)
 
 
-def test_kill_9_stops_the_servos_within_their_watchdog(emulator):
+@contextmanager
+def holder(emulator):
+    """Yield a program that holds the servos; it is killed at the end."""
     child = subprocess.Popen([sys.executable, "-c", CHILD, emulator.port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "on\n"
         wait_until(lambda: all(emulator.ask("state")["torque"]))
+        yield child
     finally:
-        os.kill(child.pid, signal.SIGKILL)
+        child.kill()
         child.wait()
         child.stdout.close()
-    # Each does so within WATCHDOG_S by its own clock (test_bus.py); here a busy machine may be late.
-    wait_until(lambda: not any(emulator.ask("state")["holds"]))
-    assert emulator.ask("state")["watchdog"] == [-1] * 12
+
+
+@pytest.mark.parametrize("death", [signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV])
+def test_whoever_holds_the_servos_dies_or_hangs_and_they_are_let_go(emulator, death):
+    """The servos' own watchdog only stops them; the guardian takes the torque away."""
+    with holder(emulator) as child:
+        child.send_signal(death)
+        wait_until(lambda: not any(emulator.ask("state")["torque"]))
+
+
+def test_the_servos_own_watchdog_stops_them_and_they_go_on_holding(emulator):
+    """With the guardian dead too nobody lets go: a switch has to."""
+    with holder(emulator) as child:
+        guardian = child_of(child.pid, "host.servos.guardian")
+        for process in (child.pid, guardian):
+            os.kill(process, signal.SIGSTOP)
+        # Each does so within WATCHDOG_S by its own clock (test_bus.py); here a busy machine may be late.
+        wait_until(lambda: not any(emulator.ask("state")["follows"]))
+        state = emulator.ask("state")
+        assert state["watchdog"] == [-1] * 12
+        assert state["torque"] == [True] * 12
+        os.kill(guardian, signal.SIGCONT)
+        wait_until(lambda: not any(emulator.ask("state")["torque"]))
+
+
+def test_a_guardian_that_dies_is_a_fault_and_closing_ends_it(emulator):
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        guardian = bus._guardian.process
+        assert bus.read().faults == ()
+        guardian.kill()
+        guardian.wait()
+        bus.torque(True)
+        wait_until(lambda: [fault.cause for fault in bus.read().faults] == ["guardian"])
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        bus.torque(True)
+        guardian = bus._guardian.process
+    assert guardian.wait(PATIENCE_S) == 0
+    assert not any(emulator.ask("state")["torque"])
 
 
 def test_wrong_rate_gets_no_answer(emulator):
@@ -240,3 +282,65 @@ def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more():
     assert link.read_all([1, 2], (126, 10)) == {}
     os.close(ours)
     os.close(theirs)
+
+
+class Babble:
+    """A serial device on which bytes never end; each look at it takes its time by the port's clock."""
+
+    in_waiting = 4096
+
+    def __init__(self, pattern):
+        self._pattern, self.taken = pattern, 0
+
+    def read(self, length):
+        data = bytes(self._pattern[(self.taken + i) % len(self._pattern)] for i in range(length))
+        self.taken += length
+        return data
+
+    def write(self, data):
+        return len(data)
+
+    def reset_input_buffer(self):
+        return
+
+
+class SlowClock(ServoPort):
+    """A port on that device; every question after the time takes 0.05 ms of it."""
+
+    def __init__(self, pattern):
+        self.now_ms = 0.0
+        super().__init__("babble", BAUD)
+        self.ser, self.tx_time_per_byte = Babble(pattern), 10_000.0 / BAUD
+
+    def getCurrentTime(self):
+        self.now_ms += 0.05
+        return self.now_ms
+
+
+STRANGER = framing(2.0).status(200, 0, bytes(10))
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [b"\0", b"\xff", b"\xff\xff\xfd\0", bytes(range(256)), STRANGER],
+    ids=["zeros", "ones", "headers", "counting", "a stranger's packets"],
+)
+@pytest.mark.parametrize("what", ["all", "one"])
+def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
+    port = SlowClock(pattern)
+    link = Link(port)
+    ids = list(range(1, 13))
+    ended = []
+
+    def read():
+        if what == "all":
+            ended.append(link.read_all(ids, t.FAST_BLOCK))
+        else:
+            ended.append(link.ping(1, tries=1))
+
+    reading = threading.Thread(target=read, daemon=True)
+    reading.start()
+    reading.join(30)
+    assert ended in ([{}], [None])
+    most_ms = port.tx_time_per_byte * 12 * 21 + PATIENCE_MS if what == "all" else PING_PATIENCE_MS + 1
+    assert port.now_ms < most_ms + 1.0

@@ -1,5 +1,7 @@
 """A robot on a clock that the test moves: the simulated bus, the supervisor, and a loop without waiting."""
 
+from math import inf
+
 from host.buses.simulated import SimulatedBus
 from host.imu.attitude import Attitude
 from host.imu.simulated import SimulatedImu
@@ -20,6 +22,8 @@ STOP, RESET = {"type": "stop"}, {"type": "reset"}
 
 class Silence:
     """A source that never says anything."""
+
+    came_s = inf
 
     def poll(self, timeout_s):
         """See host.teleop.loop.Source."""

@@ -1,6 +1,7 @@
 """Scripts on a socket and the web process's line: obeyed, refused, hung up on."""
 
 import json
+import os
 import socket
 import time
 
@@ -8,9 +9,11 @@ import pytest
 
 from host.errors import UserError
 from host.teleop.arbiter import Client
-from host.teleop.hub import MOST_SCRIPTS, Hub
+from host.teleop.hub import BURST, CONNECTION_BURST, MOST_SCRIPTS, PATIENCE, Hub
+from host.teleop.messages import parse
+from host.teleop.watched import free_port
 
-from .rig import AHEAD, STOP
+from .rig import AHEAD, RESET, STOP, Rig
 
 
 @pytest.fixture
@@ -49,9 +52,9 @@ def pump(hub):
 
 def test_a_script_is_heard_answered_and_missed(hub, tmp_path, heard, lost):
     stream = connect(tmp_path)
-    say(stream, AHEAD, STOP, {"type": "ping", "t_ms": 3}, {"type": "take"})
+    say(stream, STOP, AHEAD, {"type": "ping", "t_ms": 3}, {"type": "take"})
     pump(hub)
-    assert heard == [(Client("script", 1), message) for message in (AHEAD, STOP, {"type": "take"})]
+    assert heard == [(Client("script", 1), message) for message in (STOP, AHEAD, {"type": "take"})]
     answers = [json.loads(line) for line in stream.recv(4096).splitlines()]
     assert [answer["type"] for answer in answers] == ["pong", "refused"]
     hub.tell({"type": "status", "state": "standing"})
@@ -92,17 +95,86 @@ def test_a_script_that_does_not_read_holds_nothing_up(hub, tmp_path):
     for _ in range(3000):
         hub.tell({"type": "status", "filling": "x" * 200})
     assert time.monotonic() - began < 5.0
-    lines = next(iter(hub._scripts.values()))
+    lines = next(iter(hub._scripts.values())).lines
     assert lines.dropped > 0
     assert len(lines._unsent) < 70_000
     connected.close()
 
 
+def flood(stream, messages):
+    """Send until all is sent or the other side hangs up."""
+    data = (json.dumps({"type": "take"}).encode() + b"\n") * messages
+    stream.setblocking(False)
+    try:
+        return stream.send(data)
+    except (BlockingIOError, BrokenPipeError, ConnectionResetError):
+        return 0
+
+
+def test_scripts_that_flood_are_hung_up_on_and_hardly_looked_at(tmp_path, monkeypatch):
+    parsed, lost = [], []
+    monkeypatch.setattr("host.teleop.hub.parse", lambda line: parsed.append(line) or parse(line))
+    hub = Hub(lambda client, message: True, lost.append, clock=lambda: 0.0)
+    hub.listen(str(tmp_path / "socket"))
+    streams = [connect(tmp_path) for _ in range(3)]
+    for _ in range(3000):
+        for stream in streams:
+            flood(stream, 100)
+        hub.poll(0.0)
+        if hub.scripts == 0 and lost:
+            break
+    assert len(lost) == 3
+    assert len(parsed) == 3 * BURST
+    assert hub.limited == 3 * PATIENCE
+    assert b"more than 200 messages a second" in streams[0].recv(1 << 20).splitlines()[-1]
+    hub.close()
+
+
+def test_a_stop_is_heard_in_a_flood(tmp_path, heard, lost):
+    hub = Hub(lambda client, message: heard.append(message["type"]) or True, lost.append, clock=lambda: 0.0)
+    hub.listen(str(tmp_path / "socket"))
+    stream = connect(tmp_path)
+    say(stream, *[{"type": "take"}] * (BURST + PATIENCE // 2), STOP)
+    for _ in range(100):
+        hub.poll(0.01)
+        if "stop" in heard:
+            break
+    assert (heard.count("take"), heard[-1], lost) == (BURST, "stop", [])
+    hub.close()
+
+
+def test_who_connects_again_and_again_is_let_in_only_so_often(tmp_path):
+    hub = Hub(lambda client, message: True, lambda client: None, clock=lambda: 0.0)
+    hub.listen(str(tmp_path / "socket"))
+    for _ in range(2 * CONNECTION_BURST):
+        with connect(tmp_path):
+            hub.poll(1.0)
+        hub.poll(0.0)
+    assert hub._number == CONNECTION_BURST
+    hub.close()
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can become somebody else")
+def test_a_port_is_only_for_who_could_open_the_sockets_file():
+    hub, port = Hub(lambda client, message: True, lambda client: None), free_port()
+    hub.listen(str(port))
+    os.seteuid(65534)  # a socket belongs to the user who makes it
+    try:
+        stranger = socket.socket()
+    finally:
+        os.seteuid(0)
+    stranger.connect(("127.0.0.1", port))
+    with stranger, socket.create_connection(("127.0.0.1", port)):
+        pump(hub)
+        assert stranger.recv(1) == b""
+        assert hub.scripts == 1
+    hub.close()
+
+
 def test_the_web_process_speaks_for_its_pages(hub, heard, lost):
     ours, theirs = socket.socketpair()
-    hub.add_web(ours)
     news = []
-    hub.web_news = news.append
+    hub.add_web(ours, news.append)
     say(theirs, {"page": 4, "message": AHEAD}, {"page": 4, "gone": True}, {"type": "web", "pages": 1})
     say(theirs, {"page": 4, "message": {"type": "fly"}}, {"page": "x", "message": STOP}, [1], {"page": 4, "gone": True})
     pump(hub)
@@ -139,3 +211,39 @@ class Closing(Hub):
 
     def __exit__(self, *error):
         self.close()
+
+
+def test_a_stop_overtakes_what_its_sender_said_before(hub, tmp_path, heard):
+    script = connect(tmp_path)
+    pump(hub)
+    say(script, *[RESET] * 50, AHEAD, STOP, RESET, AHEAD)
+    pump(hub)
+    assert [message["type"] for _, message in heard] == ["stop", "reset", "drive"], (
+        "and what came after it stays after it"
+    )
+
+
+def test_a_stop_before_hanging_up_is_heard(hub, tmp_path, heard, lost):
+    script = connect(tmp_path)
+    pump(hub)
+    script.sendall(json.dumps(STOP).encode() + b"\n" + b"x" * 600)
+    pump(hub)
+    assert [message["type"] for _, message in heard] == ["stop"]
+    assert len(lost) == 1
+
+
+def test_the_figure_of_a_stop_counts_from_when_its_source_was_last_quiet(tmp_path):
+    """The loop was away for 0.4 s while the stop waited; looking at it did not make it younger."""
+    rig = Rig()
+    hub = Hub(rig.loop.receive, rig.loop.drop, rig.clock)
+    hub.listen(str(tmp_path / "socket"))
+    script = connect(tmp_path)
+    hub.poll(1.0)
+    rig.loop.tick(hub)
+    say(script, STOP)
+    rig.now_s += 0.4
+    rig.loop.tick(hub)
+    assert rig.arbiter.stop is not None
+    assert list(rig.loop.stop_s["script"]) == pytest.approx([0.4])
+    hub.close()
+    script.close()

@@ -70,7 +70,7 @@ def test_switching_on_over_a_bad_line_takes_a_try_a_tick():
     assert rig.bus.counters.sent - asked == 12, "all positions, once"
     rig.noise.lost = 0.0
     assert rig.bus.try_torque()
-    assert all(servo.holds for servo in rig.servos)
+    assert all(servo.follows for servo in rig.servos)
 
 
 def test_a_servo_that_never_holds_ends_the_tries_and_no_other_holds_meanwhile():
@@ -79,6 +79,6 @@ def test_a_servo_that_never_holds_ends_the_tries_and_no_other_holds_meanwhile():
     rig.servos[7].missing = True
     for _ in range(TORQUE_TRIES - 1):
         assert not rig.bus.try_torque()
-        assert not any(servo.holds for servo in rig.servos)
+        assert not any(servo.follows for servo in rig.servos)
     with pytest.raises(UserError, match=r"RR thigh \(id 8\) does not hold: does not answer: check its cable"):
         rig.bus.try_torque()

@@ -1,5 +1,7 @@
 """Names, origins, pairing codes, rate limits, and what the page draws."""
 
+import os
+import socket
 from math import radians
 
 import pytest
@@ -8,8 +10,10 @@ from host.errors import UserError
 from host.plane import rest_pose_rad
 from host.robot_file import load_robot
 from host.teleop.webside import listen_address
-from host.web.access import BETWEEN_S, GUESSES, REST_S, Names, Pairing, is_loopback, new_code
-from host.web.limits import Bucket
+from host.web.access import BETWEEN_S, GUESSES, LONGEST_REST_S, REST_S, Names, Pairing, is_loopback, new_code
+from host.web.door import listen
+from host.web.limits import MOST_PEERS, Bucket, PerPeer
+from host.web.peer import may_open_sockets, peer_of
 from host.web.view import View
 
 
@@ -56,29 +60,87 @@ def test_loopback():
 
 def test_pairing():
     clock = Clock()
-    pairing = Pairing("123456", clock)
-    assert not pairing.allows(None)
-    assert not pairing.allows("guess")
-    token = pairing.pair("123456")
-    assert pairing.allows(token)
-    assert Pairing("", clock).allows(None)
+    pairing = Pairing("123456", {"user 1000"}, clock)
+    assert not pairing.allows(None, "10.0.0.2")
+    assert not pairing.allows("guess", "10.0.0.2")
+    token = pairing.pair("123456", "10.0.0.2")
+    assert pairing.allows(token, "10.0.0.2")
+    assert pairing.allows(None, "user 1000")
+    assert not pairing.allows(None, "user 1001")
     assert len(new_code()) == 6
 
 
-def test_guessing_is_slow():
+def test_guessing_is_slow_and_gets_slower():
     clock = Clock()
-    pairing = Pairing("123456", clock)
-    for _ in range(GUESSES):
-        assert pairing.pair("000000") is None
-        assert pairing.pair("123456") is None, "the right one too soon after a wrong one"
+    pairing = Pairing("123456", (), clock)
+    for rest_s in (REST_S, 2 * REST_S, 4 * REST_S):
+        for guess in range(GUESSES):
+            assert pairing.pair("000000", "10.0.0.2") is None
+            assert pairing.pair("123456", "10.0.0.2") is None, "the right one too soon after a wrong one"
+            clock.now_s += BETWEEN_S if guess < GUESSES - 1 else rest_s - BETWEEN_S
+        assert pairing.pair("123456", "10.0.0.2") is None
         clock.now_s += BETWEEN_S
-    assert pairing.pair("123456") is None
-    clock.now_s += REST_S
-    assert pairing.pair("123456") is not None
+    assert pairing.pair("123456", "10.0.0.2") is not None
 
 
-def test_a_code_that_is_no_ascii_is_only_wrong():
-    assert Pairing("123456", Clock()).pair("١٢٣٤٥٦") is None
+def test_a_strangers_guesses_lock_out_the_stranger_only():
+    clock = Clock()
+    pairing = Pairing("123456", (), clock)
+    for _ in range(500):
+        pairing.pair("000000", "10.0.0.66")
+        clock.now_s += BETWEEN_S
+    assert pairing.pair("123456", "10.0.0.66") is None
+    assert pairing.pair("123456", "10.0.0.2") is not None
+    clock.now_s += LONGEST_REST_S
+    assert pairing.pair("123456", "10.0.0.66") is not None, "nobody is locked out for good"
+
+
+@pytest.mark.parametrize("code", ["١٢٣٤٥٦", "\udcff", ""])
+def test_a_code_that_is_no_ascii_is_only_wrong(code):
+    pairing = Pairing("123456", (), Clock())
+    assert pairing.pair(code, "10.0.0.2") is None
+    assert not pairing.allows(code, "10.0.0.2")
+
+
+def test_only_so_many_peers_are_remembered():
+    kept = PerPeer(list)
+    kept["first"].append(1)
+    for number in range(MOST_PEERS - 1):
+        kept[str(number)]
+    assert kept["first"] == [1]
+    kept["one more"]
+    assert (len(kept), kept["first"], kept["0"]) == (MOST_PEERS, [1], [])
+
+
+@pytest.mark.parametrize(
+    ("address", "peer"),
+    [
+        ("192.168.1.5", "192.168.1.5"),
+        ("::ffff:192.168.1.5", "192.168.1.5"),
+        ("2001:db8:1:2:3:4:5:6", "2001:db8:1:2::/64"),
+        ("fe80::1%eth0", "fe80::/64"),
+        ("?", "unknown"),
+    ],
+)
+def test_peers_elsewhere(address, peer):
+    class Stream:
+        def getpeername(self):
+            return address, 40000
+
+        def getsockname(self):
+            return "192.168.1.1", 8080
+
+    assert peer_of(Stream()) == peer
+
+
+@pytest.mark.parametrize(("address", "family"), [("127.0.0.1", socket.AF_INET), ("::1", socket.AF_INET6)])
+def test_a_peer_on_this_machine_is_a_user(address, family):
+    with listen(address, 0) as listener, socket.socket(family) as ours:
+        ours.connect(listener.getsockname())
+        theirs, _ = listener.accept()
+        with theirs:
+            assert peer_of(theirs) == f"user {os.getuid()}"
+            assert peer_of(theirs) in may_open_sockets()
 
 
 def test_bucket():
@@ -124,6 +186,17 @@ def test_view_of_a_standing_robot(name):
     assert seen["standing"] == [1, 2]
     assert abs(seen["com"][1]) < 1e-3
     assert -robot.stance.rest_height_m < seen["com"][2] < 0.02
+
+
+def test_nothing_is_drawn_below_the_ground():
+    robot = load_robot("caramelo")
+    rest = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    assert View(robot).points(rest, 0.0, 0.0, 0)["ground_m"] == pytest.approx(-robot.stance.rest_height_m, abs=2e-4)
+    folded = [value for leg in range(4) for value in (0.0, 0.0, robot.knee_sign(leg) * radians(150))]
+    seen = View(robot).points(folded, 0.0, 0.0, 0)
+    knees, feet = ([leg[part][2] for leg in seen["legs"]] for part in (2, 3))
+    assert min(knees) < min(feet), "it lies on its knees"
+    assert seen["ground_m"] == min(knees)
 
 
 def test_the_view_turns_with_the_attitude():

@@ -1,10 +1,12 @@
 """The page in a real browser: drive, stop, a second driver, a lost connection, phones and keyboards, latencies."""
 
 import contextlib
+import re
 
 import pytest
 
 from host.errors import UserError
+from host.gait_advice import gait_advice
 from host.robot_file import load_robot
 from host.web.browser import DESK, FAKE_PAD, missing, open_browser
 
@@ -154,8 +156,9 @@ def test_a_lost_connection_stops_the_robot(teleop, open_page):
     teleop.wait(walks)
     page.context.set_offline(True)
     page.close()
-    status = teleop.wait(lambda status: not status["fresh"])
+    status = teleop.wait(lambda status: status["driver"] is None)
     assert status["reason"] == "nobody drives: take the controls"
+    assert not status["fresh"]
     teleop.wait(lambda status: status["state"] == "standing")
 
 
@@ -191,6 +194,30 @@ def test_pose_gait_and_balance_without_a_mouse(teleop, open_page):
     page.focus("#level")
     page.keyboard.press("Enter")
     teleop.wait(lambda status: abs(status["joints_rad"][2] - before) > 0.03)  # the body has moved
+
+
+def test_a_gait_that_is_not_advised_is_marked_with_the_reason(teleop, open_page):
+    page = open_page()
+    options = {option.get_attribute("value"): option.inner_text() for option in page.locator("#gait option").all()}
+    advice = gait_advice(ROBOT)
+    assert options == {gait: f"{gait} (not advised)" if why else gait for gait, why in advice.items()}
+    playwright.expect(page.locator("#advice")).to_have_text("")
+    marked = next(gait for gait, why in advice.items() if why)
+    page.locator("#gait").select_option(marked)
+    playwright.expect(page.locator("#advice")).to_have_text(f"{marked} is not advised: {advice[marked]}")
+
+
+def test_the_speed_is_nothing_while_the_robot_does_not_walk(teleop, open_page):
+    page = open_page()
+    page.keyboard.down("w")
+    assert teleop.wait(walks)["speed"][0] > 0
+    page.keyboard.press("Space")
+    assert teleop.wait(lambda status: status["stop"])["speed"] == [0, 0, 0]
+    page.keyboard.up("w")
+    page.keyboard.down("s")
+    status = teleop.wait(lambda status: status["driver"] and status["fresh"])
+    assert (status["armed"], status["speed"]) == (False, [0, 0, 0])
+    page.keyboard.up("s")
 
 
 def test_a_browsers_gamepad(teleop, open_page):
@@ -263,9 +290,9 @@ def test_latency_figures(browser, tmp_path):
     assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125
 
 
-def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path):
+def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path, capfd):
     with Teleop(tmp_path, host="0.0.0.0") as teleop:
-        code = teleop.status()["web"].rpartition(" ")[2]
+        code = re.search(r"pairing code (\d{6})", capfd.readouterr().err)[1]
         page = browser.new_page()
         page.goto(teleop.url)
         playwright.expect(page.locator("#word")).to_have_text("not paired")

@@ -8,8 +8,8 @@ import time
 import aiohttp
 import pytest
 
-from host.web.__main__ import COUNTS_S
 from host.web.noise import make_noise, memory_kB
+from host.web.process import COUNTS_S
 
 from ..teleop.rig import AHEAD
 from .rig import Teleop
@@ -48,6 +48,13 @@ def test_files_and_headers(teleop):
                     assert "Content-Security-Policy" in answer.headers
 
     run(look())
+
+
+def test_the_code_is_in_no_status(teleop):
+    status = teleop.status()
+    assert status["web"] == teleop.url
+    assert f"web page: {teleop.url}" in status["checks"]
+    assert "code" not in json.dumps(status)
 
 
 @pytest.mark.parametrize("headers", [{"Host": "evil.example"}, {"Host": "evil.example:80"}])
@@ -165,33 +172,3 @@ def test_ten_thousand_bad_messages_and_two_hundred_connections(tmp_path):
         print(figures)
         assert figures["missed"] == 0
         assert figures["grown_kB"] < 2000
-
-
-def test_beyond_this_machine_a_code_is_needed(tmp_path):
-    with Teleop(tmp_path, host="0.0.0.0") as teleop:
-        code = re.search(r"code (\d{6})", teleop.status()["web"])[1]
-
-        async def look():
-            jar = aiohttp.CookieJar(unsafe=True)
-            async with aiohttp.ClientSession(cookie_jar=jar) as session:
-                with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
-                    await open_socket(session, teleop)
-                assert refused.value.status == 401
-                async with session.get(f"{teleop.url}/paired") as answer:
-                    assert await answer.json() == {"paired": False}
-                async with session.post(f"{teleop.url}/pair", data=code) as answer:
-                    assert answer.status == 403, "no origin"
-                wrong = "000000" if code != "000000" else "000001"
-                origin = {"Origin": teleop.url}
-                async with session.post(f"{teleop.url}/pair", data=wrong, headers=origin) as answer:
-                    assert answer.status == 403
-                await asyncio.sleep(1.1)
-                async with session.post(f"{teleop.url}/pair", data=code, headers=origin) as answer:
-                    assert answer.status == 200
-                    assert "HttpOnly" in answer.headers["Set-Cookie"]
-                    assert "SameSite=Strict" in answer.headers["Set-Cookie"]
-                socket = await open_socket(session, teleop)
-                assert (await socket.receive_json())["type"] == "hello"
-                await socket.close()
-
-        run(look())

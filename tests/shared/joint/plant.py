@@ -1,4 +1,7 @@
-"""A plain motor behind the joint's blocks, for tests: dq equations, one inertia, encoders, ADC counts, no noise."""
+"""A plain motor behind the joint's blocks, for tests: dq equations, one inertia, encoders, ADC counts, no noise.
+
+As on the board, the rotor's reading is one step old and duties act one step later.
+"""
 
 import math
 from array import array
@@ -46,6 +49,8 @@ class Plant:
             self.cfg[j.K_CALIBRATED] = 1
             self.cfg[j.K_DIRECTION] = direction
             self.cfg[j.K_ELEC_OFFSET] = elec_offset_brad
+        self.answer = self.rotor()  # of the encoder to the next read
+        self.acting = [0.5, 0.5, 0.5]  # duties
         self.read_slow()
         joint_reset(self.foc, self.cfg, self.state, self.rotor())
         self.io[j.IO_HARDWARE_READY] = self.io[j.IO_HASH_OK] = self.io[j.IO_SESSION] = 1
@@ -80,15 +85,16 @@ class Plant:
             self.foc[j.F_RAW_A + k] = max(0, min(4095, round(phases[k] / scale + self.offsets[k])))
 
     def voltages(self):
-        duties = [self.foc[j.F_DUTY_A + k] / self.foc[j.F_PERIOD] * self.bus for k in range(3)]
+        duties = [duty * self.bus for duty in self.acting]
         if self.swapped:
             duties[1], duties[2] = duties[2], duties[1]
         a, b, c = duties
         return (2 * a - b - c) / 3, (b - c) / math.sqrt(3)
 
     def current_step(self):
+        self.acting = [self.foc[j.F_DUTY_A + k] / self.foc[j.F_PERIOD] for k in range(3)]
         self.read_currents()
-        rotor = self.rotor()
+        rotor, self.answer = self.answer, self.rotor()
         code = current_step(rotor, 0, self.foc)
         if code:
             code = current_repair(code, rotor, 0, self.foc)

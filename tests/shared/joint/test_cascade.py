@@ -12,6 +12,7 @@ from host.joint_units import RATE_PER_RAD_S, JointSetup
 from host.robot_file import load_robot
 from shared.joint import cascade, feed, profile, report
 from shared.joint import layout as j
+from shared.joint.calibration import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
 from shared.wire.names import (
@@ -154,6 +155,19 @@ def test_feed_forward_voltages(rate, current):
         assert abs(foc[j.F_FEED_Q] - q / units.volt_per_vu) < 10
 
 
+@given(RATE, st.integers(0, 65535), st.sampled_from((-1, 1)))
+def test_the_angle_is_led_by_the_age_of_its_reading(rate, offset, direction):
+    blocks = make()
+    foc, cfg, state = blocks.foc, blocks.cfg, blocks.state
+    cfg[j.K_ELEC_OFFSET], cfg[j.K_DIRECTION], state[j.S_RATE] = offset, direction, rate
+    set_commutation(foc, cfg)
+    still = foc[j.F_ELEC_OFFSET]
+    brad_per_rate = BLDC.motor.pole_pairs * 1e-4 / RATE_PER_RAD_S / math.tau * 65536
+    expected = twin.lead_angle(still, rate, brad_per_rate, direction)
+    assert feed.lead_angle(foc, cfg, state) == foc[j.F_ELEC_OFFSET]
+    assert abs(foc[j.F_ELEC_OFFSET] - expected) <= 1 + abs(rate) / 131072  # K_AGE is rounded
+
+
 @given(st.integers(-(1 << 17), 1 << 17), st.integers(-2000, 2000), st.integers(-40000000, 40000000))
 def test_velocity_loop(error, direct, integral):
     blocks = make()
@@ -182,7 +196,7 @@ def test_impedance(position, stiffness, damping, velocity, current, at, rate):
     expected = twin.impedance(stiffness / 16, damping / 256, error, damped, current / 4096)
     result = cascade.impedance(blocks.cfg, s, b) * units.ampere_per_cu
     assert abs(result) <= 8.26
-    if abs(expected) < 7.9 and abs(slip) < 3:
+    if abs(expected) < 7.9 and abs(slip) < 2.8:  # the difference of rates is limited to 2.84 turn/s
         assert abs(result - expected) <= 0.02 + stiffness / 16 * 2e-5 + damping / 256 * 2e-3
 
 
@@ -367,7 +381,7 @@ def test_between_set_points_the_target_moves_on_only_for_a_while():
     p.io[j.IO_VELOCITY] = p.wire_velocity(2.0)
     p.ticks = 0
     p.tick()
-    for _ in range(60):
+    for _ in range(90):
         p.tick(setpoint=False)
     moved = (p.state[j.S_TARGET] >> 8) * p.units.rad_per_rc - start
     assert moved == pytest.approx(2.0 * 0.010, abs=0.001)

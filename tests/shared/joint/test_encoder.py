@@ -1,8 +1,13 @@
 """Encoders: no loss in any number of turns, the range's end, speed, the rotor's turn, disagreement, the calf's rod."""
 
 import math
+import os
 import random
+import shutil
+import subprocess
+import sys
 from array import array
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -15,6 +20,7 @@ from shared.joint import coupling, encoder
 from shared.joint import layout as j
 from tests.float_twin import joint_motion as twin
 
+ROOT = Path(__file__).resolve().parents[3]
 BLDC = load_robot("parallel").actuator
 JOINT_TURN = 22 * 16384
 STEP = st.integers(-8191, 8191)
@@ -81,6 +87,45 @@ def test_at_the_end_of_its_range_the_position_stays_and_says_so(sign):
         total += 8000
         turn_to(blocks, total)
     assert blocks.state[j.S_TURNS] == (1 << 30) - 2
+
+
+def checked_turns(folder):
+    """Run the encoder of the shared/ in ``folder`` over all turn counts, in a process of its own."""
+    command = [sys.executable, "-m", "tests.shared.joint.checked_turns"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+
+
+def test_no_turn_count_leaves_the_integers_or_gives_another_position():
+    run = checked_turns(ROOT)
+    assert run.returncode == 0, run.stderr[-1000:]
+    assert int(run.stdout.split()[0]) > 65536
+
+
+SUM = "return ((turns << 14) + fraction - zero) * sign"
+STOP = "turns = saturate(s[S_TURNS] + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)"
+PLANTED = [
+    ("a branch", SUM, "if turns == 12345:\n        turns = turns << 20 >> 20\n    " + SUM),
+    ("a comparison", SUM, "return ((turns << 14) + ((turns == 31999) << 30) + fraction - zero) * sign"),
+    ("no literal", SUM, "return ((turns << 14) + fraction - zero) * sign + (turns * turns * 2 >> 31)"),
+    ("a wrong value", SUM, "return ((turns << 14) + fraction - zero + (turns == -20011)) * sign"),
+    ("a far count", STOP, STOP + "\n    if turns == 23456789:\n        turns = turns + (1 << 30) - (1 << 30)"),
+    ("a far sum", STOP, STOP + "\n    if turns == 3 * 1000003 + 5:\n        turns = turns + (1 << 30)"),
+    ("the end", "_TURNS_MOST = const(0x3FFFFFFE)", "_TURNS_MOST = const(0x40000000)"),
+    ("homing", "(wanted + 8192) >> 14", "(wanted + 8192 + (wanted >> 14 == 777) * 9999) >> 14"),
+]
+
+
+@pytest.mark.parametrize("row", PLANTED, ids=[row[0] for row in PLANTED])
+def test_a_mistake_for_one_turn_count_is_found(tmp_path, row):
+    _, right, wrong = row
+    shutil.copytree(ROOT / "shared", tmp_path / "shared", ignore=shutil.ignore_patterns("__pycache__"))
+    file = tmp_path / "shared/joint/encoder.py"
+    assert file.read_text().count(right) == 1
+    file.write_text(file.read_text().replace(right, wrong))
+    run = checked_turns(tmp_path)
+    assert run.returncode != 0
+    assert "Overflow" in run.stderr or "instead of" in run.stderr or "choosing" in run.stderr
 
 
 @pytest.mark.parametrize("rate", [-700.4, -3.3, 0.0, 0.26, 55.5, 780.1])

@@ -4,43 +4,100 @@ import math
 from array import array
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from host.errors import UserError
 from host.joint_gains import joint_blocks
-from host.joint_heat import SLOW_HZ, thermistor_C
+from host.joint_heat import COPPER_PER_K, SLOW_HZ
 from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
+from host.thermistor import part_of
+from shared.joint import layout as j
 from shared.joint import thermal
 from tests.float_twin import joint_motion as twin
 
 BLDC = load_robot("parallel").actuator
-PTC = BLDC.model_copy(update={"thermal": BLDC.thermal.model_copy(update={"thermistor": "ptc"})})
 
 
 def make(bldc=BLDC, **setup):
     return joint_blocks(bldc, JointSetup(-1.0, 1.9, **setup))
 
 
-@pytest.mark.parametrize("bldc", [BLDC, PTC])
-@pytest.mark.parametrize("celsius", [-10, 0, 25, 60, 80, 100, 110, 130])
-def test_thermistor_within_a_degree(bldc, celsius):
-    ohms = [(raw, Board().thermistor_pull_up_ohm * raw / (4096 - raw)) for raw in range(100, 4000)]
-    raw, ohm = min(ohms, key=lambda pair: abs(thermistor_C(bldc, pair[1]) - celsius))
-    assert thermal.thermistor_t16(make(bldc).curve, raw) / 16 == pytest.approx(thermistor_C(bldc, ohm), abs=1.0)
+def with_thermistor(**values):
+    return BLDC.model_copy(update={"thermal": BLDC.thermal.model_copy(update=values)})
+
+
+def accepted(bldc, board):
+    """Return the blocks of a joint with that part, None if it is refused."""
+    try:
+        return joint_blocks(bldc, JointSetup(-1.0, 1.9), board)
+    except UserError:
+        return None
+
+
+@settings(max_examples=40)
+@given(
+    st.sampled_from(("ntc", "ptc")), st.floats(1.0, 6.0), st.floats(100.0, 10000.0), st.floats(2.0, 5.0),
+    st.floats(30.0, 200.0),
+)  # fmt: skip
+@example("ntc", math.log10(10000), 3435.0, 3.0, 110.0)
+@example("ntc", math.log10(4700), 3435.0, 3.0, 110.0)
+@example("ntc", math.log10(10000), 3950.0, 4.0, 200.0)
+@example("ptc", math.log10(1000), 100.0, 3.0, 110.0)
+def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, decades, beta, pull_up, cutoff):
+    """From its resistance at the true temperature, rounded by the ADC; the formula is the twin's, not the curve's."""
+    ohm25 = 10**decades
+    bldc = with_thermistor(
+        thermistor=kind, thermistor_25C_ohm=ohm25, thermistor_beta_K=beta, winding_cutoff_C=cutoff, winding_derate_C=29
+    )
+    board = Board(thermistor_pull_up_ohm=10**pull_up)
+    blocks = accepted(bldc, board)
+    for tenths in range(-200, 10 * max(150, int(cutoff)), 7):
+        celsius = tenths / 10
+        ohm = twin.silicon_ohm(celsius, ohm25) if kind == "ptc" else twin.ntc_ohm(celsius, ohm25, beta)
+        raw = round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
+        if blocks is not None:
+            assert blocks.cfg[j.K_SHORT_RAW] < raw < blocks.cfg[j.K_OPEN_RAW]
+            assert abs(thermal.thermistor_t16(blocks.curve, raw) / 16 - celsius) <= 1.1  # checked at whole degrees
+
+
+@pytest.mark.parametrize("ohm", [470, 1000, 4700, 10000, 22000])
+def test_the_usual_parts_are_taken(ohm):
+    assert accepted(with_thermistor(thermistor_25C_ohm=ohm), Board())
+    assert accepted(with_thermistor(thermistor_25C_ohm=4700), Board(thermistor_pull_up_ohm=ohm)) or ohm > 10000
+
+
+def test_a_part_the_board_cannot_read_is_refused_with_what_it_can():
+    with pytest.raises(UserError) as caught:
+        joint_blocks(with_thermistor(thermistor_25C_ohm=100000), JointSetup(-1.0, 1.9))
+    assert str(caught.value) == (
+        "actuator.thermal.thermistor_25C_ohm 100000: use 220 .. 22000 ohm, "
+        "which the board's pull-up of 1000 ohm reads within a degree"
+    )
 
 
 def test_the_ntc_is_the_formula():
-    assert thermistor_C(BLDC, 1000) == pytest.approx(25.0)
-    assert thermistor_C(BLDC, 200) == pytest.approx(twin.ntc(200, 1000, 3435))
+    part = part_of(BLDC, Board())
+    assert part.celsius(1000) == pytest.approx(25.0)
+    assert part.celsius(200) == pytest.approx(twin.ntc(200, 1000, 3435))
 
 
-@given(st.integers(-100, 5000), st.lists(st.integers(-(1 << 20), 1 << 20), min_size=65, max_size=65))
-def test_a_curve_is_interpolated_between_its_points(raw, points):
-    value = thermal.thermistor_t16(array("i", points), raw)
-    at = max(0, min(4095, raw))
-    low, high = points[at // 64], points[at // 64 + 1]
-    assert abs(value - (low + (high - low) * (at % 64) / 64)) <= 1
+COUNTS = st.lists(st.integers(0, 4095), min_size=32, max_size=32).map(sorted)
+TEMPERATURES = st.lists(st.integers(-(1 << 16), 1 << 16), min_size=32, max_size=32)
+
+
+@given(st.integers(-100, 5000), COUNTS, TEMPERATURES)
+def test_a_curve_is_straight_between_its_points(raw, counts, temperatures):
+    value = thermal.thermistor_t16(array("i", counts + temperatures), raw)
+    last = max((i for i in range(32) if counts[i] <= raw), default=0)
+    points = list(zip(counts, temperatures, strict=True))
+    expected = temperatures[last] if last == 31 or raw <= counts[last] else between(raw, points[last], points[last + 1])
+    assert abs(value - expected) <= 1
+
+
+def between(raw, low, high):
+    return low[1] + (high[1] - low[1]) * (raw - low[0]) / (high[0] - low[0])
 
 
 @given(st.integers(0, 4095), st.integers(0, 4095), st.integers(0, 4095))
@@ -66,8 +123,27 @@ def test_the_model_follows_its_twin(ampere, seconds):
     thermal.model_reset(blocks.state, 25 * 16)
     for _ in range(seconds * SLOW_HZ):
         value = thermal.model_step(blocks.cfg, blocks.state, square)
-        nodes.step(1.5 * BLDC.motor.resistance_ohm * ampere**2, 1 / SLOW_HZ)
+        nodes.step(twin.copper_W(BLDC.motor.resistance_ohm, ampere, 25 + nodes.winding), 1 / SLOW_HZ)
     assert value / 16 == pytest.approx(25 + nodes.winding, abs=1.0)
+
+
+def test_hot_copper_heats_more():
+    """A lasting current that would bring copper of 25 degrees C to 70 brings real copper to 79.7."""
+    t, blocks = BLDC.thermal, make()
+    cold_K = 45.0
+    ampere = math.sqrt(cold_K / (t.winding_to_housing_K_W + t.housing_to_air_K_W) / 1.5 / BLDC.motor.resistance_ohm)
+    square = round(ampere / blocks.units.ampere_per_cu) ** 2 >> 8
+    thermal.model_reset(blocks.state, 25 * 16)
+    for _ in range(6000 * SLOW_HZ):
+        value = thermal.model_step(blocks.cfg, blocks.state, square)
+    assert value / 16 == pytest.approx(25 + cold_K / (1 - COPPER_PER_K * cold_K), abs=1.0)
+
+
+@given(st.integers(-(1 << 29), 1 << 29))
+def test_copper_share(t16):
+    share = thermal.copper_share(t16)
+    within = max(-37.5, min(279.375, t16 / 16))
+    assert abs(share / 16384 - COPPER_PER_K * (within - 25)) < 1e-4
 
 
 @given(st.lists(st.integers(0, (1 << 19) - 1), min_size=1, max_size=60))

@@ -1,0 +1,180 @@
+"""What a frame does to a joint, and what is due to be told, hot and hardware-free; requests are served elsewhere."""
+
+from shared.joint.layout import (
+    IO_CURRENT,
+    IO_DAMPING,
+    IO_HASH_OK,
+    IO_MODE,
+    IO_POSITION,
+    IO_SEQUENCE,
+    IO_SESSION,
+    IO_STIFFNESS,
+    IO_VELOCITY,
+    REQUEST_ARM,
+    S_DRIVE,
+    S_FAULT_CODE,
+    S_HOMED,
+    S_REQUEST,
+)
+from shared.joint.report import report_current, report_position, report_velocity
+from shared.runtime import const, hot, ptr32
+from shared.wire.codec import encode_reply
+from shared.wire.names import (
+    NOT_AVAILABLE,
+    REPLY_CURRENT,
+    REPLY_ID,
+    REPLY_POSITION,
+    REPLY_VELOCITY,
+    STATE_FAULT,
+    STATE_FAULT_REACTION,
+    STATE_READY,
+    STATE_SWITCH_ON_DISABLED,
+)
+from shared.wire.receive import (
+    FRAME_E_STOP,
+    FRAME_REQUEST,
+    FRAME_SYNC,
+    FRAME_SYNC_SETPOINT,
+    FRAME_TWIN,
+    KIND_CURRENT,
+    KIND_CURRENT_FEEDFORWARD,
+    KIND_DAMPING,
+    KIND_STIFFNESS,
+    KIND_VELOCITY,
+    KIND_VELOCITY_FEEDFORWARD,
+    LINK_LATCHED,
+    LINK_MODE,
+    LINK_NODE,
+    accept_frame,
+    end_session,
+)
+
+from .joint_run import RUN_REPLY
+
+TOLD_STATE = const(0)  # what the host was told last, and how long ago
+TOLD_FAULT = const(1)
+TOLD_STATUS_MS = const(2)
+TOLD_FAULT_MS = const(3)
+TOLD_SIZE = const(4)
+
+TELL_HEARTBEAT = const(1)  # what is due
+TELL_STATUS = const(2)
+TELL_FAULT = const(4)
+SESSION_OVER = const(8)  # the torque is gone: what armed the joint is to arm it no more
+
+_STATUS_MS = const(200)  # heartbeat and slow status, five times a second
+_FAULT_MS = const(1000)  # a latched fault is told again
+FRAMES_MOST = const(8)  # taken in one go, so that a flooded bus cannot hold up the motion tick
+FOUND_SHIFT = const(16)  # what take_frame returns: FRAME_* << 16 + length << 11 + identifier
+WANTS_REPLY = const(-2)
+_IDENTIFIER = const(0x7FF)
+_LENGTH_SHIFT = const(11)
+_LENGTH = const(15)
+_MASK = const(0x3FFFFFFF)
+
+
+@hot
+def take_frame(link, io, came: int, frame) -> int:
+    """Do what a frame says; ``came``: identifier + length << 11. Set-points made valid go to io.
+
+    Return WANTS_REPLY after a SYNC, ``came`` with FRAME_* above it if it is left to the application, else -1.
+    """
+    found = accept_frame(link, came & _IDENTIFIER, frame, came >> _LENGTH_SHIFT & _LENGTH)
+    if found == FRAME_SYNC_SETPOINT:
+        use_setpoint(link, io)
+        return WANTS_REPLY
+    if found == FRAME_SYNC:
+        return WANTS_REPLY
+    if found == FRAME_E_STOP or found == FRAME_REQUEST or found == FRAME_TWIN:
+        return came | found << FOUND_SHIFT
+    return -1
+
+
+@hot
+def use_setpoint(link, io) -> int:
+    """Copy the latched set-point to where the control reads it; only this feeds the watchdog. Return its mode."""
+    k = ptr32(link)
+    i = ptr32(io)
+    mode = k[LINK_MODE]
+    velocity = KIND_VELOCITY_FEEDFORWARD
+    if mode == KIND_VELOCITY + 1:
+        velocity = KIND_VELOCITY
+    current = KIND_CURRENT_FEEDFORWARD
+    if mode == KIND_CURRENT + 1:
+        current = KIND_CURRENT
+    i[IO_MODE] = mode
+    i[IO_POSITION] = k[LINK_LATCHED + mode - 1]
+    i[IO_VELOCITY] = k[LINK_LATCHED + velocity]
+    i[IO_CURRENT] = k[LINK_LATCHED + current]
+    i[IO_STIFFNESS] = k[LINK_LATCHED + KIND_STIFFNESS]
+    i[IO_DAMPING] = k[LINK_LATCHED + KIND_DAMPING]
+    i[IO_SEQUENCE] = (i[IO_SEQUENCE] + 1) & _MASK
+    return mode
+
+
+@hot
+def write_reply(link, foc, cfg, state, run, out) -> int:
+    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node."""
+    k = ptr32(link)
+    s = ptr32(state)
+    r = ptr32(run)
+    if k[LINK_NODE] == 0:
+        return 0
+    r[RUN_REPLY + REPLY_POSITION] = NOT_AVAILABLE
+    if s[S_HOMED]:
+        r[RUN_REPLY + REPLY_POSITION] = report_position(cfg, state)
+    r[RUN_REPLY + REPLY_VELOCITY] = report_velocity(cfg, state)
+    r[RUN_REPLY + REPLY_CURRENT] = report_current(foc, cfg)
+    encode_reply(out, run, RUN_REPLY)
+    return REPLY_ID + k[LINK_NODE]
+
+
+@hot
+def is_armed(state) -> int:
+    """Return 1 from the moment arming was accepted until the torque is gone, else 0."""
+    s = ptr32(state)
+    if s[S_REQUEST] == REQUEST_ARM:
+        return 1
+    if s[S_DRIVE] >= STATE_READY and s[S_DRIVE] <= STATE_FAULT_REACTION:
+        return 1
+    return 0
+
+
+@hot
+def leave_session(link, state, io) -> int:
+    """A session lasts from arming to the end of torque; then every set-point is forgotten. Return 1 if it ended now."""
+    s = ptr32(state)
+    i = ptr32(io)
+    if i[IO_SESSION] == 0 or is_armed(state):
+        return 0
+    if s[S_DRIVE] != STATE_FAULT and s[S_DRIVE] != STATE_SWITCH_ON_DISABLED:
+        return 0
+    end_session(link)
+    i[IO_SESSION] = 0
+    i[IO_HASH_OK] = 0
+    i[IO_MODE] = 0
+    return 1
+
+
+@hot
+def what_to_tell(told, link, state, io) -> int:
+    """Once a millisecond: end a session that is over; return TELL_* bits of what the host is to be told now."""
+    t = ptr32(told)
+    s = ptr32(state)
+    tell = 0
+    if leave_session(link, state, io):
+        tell = SESSION_OVER
+    t[TOLD_STATUS_MS] += 1
+    t[TOLD_FAULT_MS] += 1
+    if t[TOLD_STATUS_MS] >= _STATUS_MS:
+        t[TOLD_STATUS_MS] = 0
+        tell = tell | TELL_HEARTBEAT | TELL_STATUS
+    if s[S_DRIVE] != t[TOLD_STATE]:
+        t[TOLD_STATE] = s[S_DRIVE]
+        tell = tell | TELL_HEARTBEAT
+    code = s[S_FAULT_CODE]
+    if code and (code != t[TOLD_FAULT] or t[TOLD_FAULT_MS] >= _FAULT_MS):
+        t[TOLD_FAULT_MS] = 0
+        tell = tell | TELL_FAULT
+    t[TOLD_FAULT] = code
+    return tell

@@ -1,0 +1,18 @@
+"""Where the command begins: Ctrl-C is heard from the first import on."""
+
+import sys
+
+
+def main() -> int:
+    """Run the command of the command line and return its exit code."""
+    try:
+        from .cli import main as run
+
+        return run()
+    except KeyboardInterrupt:
+        sys.stderr.write("caramelo: stopped by Ctrl-C\n")
+        return 130  # errors.INTERRUPTED, which may not be imported yet
+
+
+if __name__ == "__main__":
+    sys.exit(main())

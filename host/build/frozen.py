@@ -1,0 +1,63 @@
+"""What is frozen into a board's image: the role's modules as MicroPython's own build takes them."""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from .c_core import MODULE, build_c_core
+from .generated import generated_modules
+from .rewrite import rewrite
+from .source import PACKAGES, ROOT, BuildError, Module, closure, read_modules
+from .tree import write_tree
+
+MAIN = "firmware/main.py"
+ARCH = "armv7emsp"  # the STM32F405 of both boards
+
+# What each kind of board starts from; everything these import comes along.
+_COMMON = ("firmware/main.py", "firmware/startup.py", "firmware/selftest.py", "firmware/update.py")
+ROLES: dict[str, tuple[str, ...]] = {
+    "joint": (*_COMMON, "firmware/start_joint.py", "firmware/joint_selftest.py"),
+    "gait": (*_COMMON, "firmware/start_gait.py"),
+}
+
+
+# What MicroPython's build needs of a C module: wrapping integers, and pointers of two kinds to one array
+_MAKE = "SRC_USERMOD_C += $(USERMOD_DIR)/core.c\nCFLAGS_USERMOD += -fwrapv -fno-strict-aliasing -O2\n"
+
+
+@dataclass(frozen=True)
+class FrozenTree:
+    """Folders with the modules to freeze, and with C modules to compile in (USER_C_MODULES), if there are any."""
+
+    modules: Path
+    c_modules: Path | None
+
+
+def frozen_sources(role: str, robot: str, out: Path, emitter: str = "c", arch: str = ARCH) -> FrozenTree:
+    """Write what a board of ``role`` runs below ``out``, which is replaced. BuildError names file, line and rule.
+
+    ``robot`` is only looked at for a gait board: a name or a file. ``emitter``: "c" makes one C module of the hot
+    functions, others are those of rewrite.py.
+    """
+    modules = read_modules(ROOT, PACKAGES)
+    shutil.rmtree(out, ignore_errors=True)
+    c_modules = None
+    if emitter == "c":
+        core = build_c_core(modules, select(modules, role), "micropython")
+        texts, c_modules = dict(core.modules), out / "c"
+        write_tree({f"{MODULE}/core.c": core.source.encode(), f"{MODULE}/micropython.mk": _MAKE.encode()}, c_modules)
+    else:
+        texts = {modules[name].path: rewrite(modules[name], modules, emitter, arch) for name in select(modules, role)}
+    texts["main.py"] = texts.pop(MAIN)  # MicroPython runs it as the main module
+    texts |= {path: text.encode() for path, text in generated_modules(role, robot).items()}
+    write_tree(texts, out / "modules")
+    return FrozenTree(out / "modules", c_modules)
+
+
+def select(modules: dict[str, Module], role: str) -> list[str]:
+    """Return the dotted names of the modules that a role needs, in order."""
+    starts = ROLES[role]
+    seeds = [module.name for module in modules.values() if module.path.startswith(starts)]
+    if not seeds:
+        raise BuildError(f"role {role}: none of {', '.join(starts)} exists")
+    return closure(modules, seeds)

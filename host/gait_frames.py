@@ -1,0 +1,34 @@
+"""Frames to and from a gait board (firmware/link.py), for a computer: whole frames made, and found in what has come."""
+
+from array import array
+from collections.abc import Sequence
+
+from firmware import link
+
+
+def frame(kind: int, values: Sequence[int] = (), size: int = 1) -> bytes:
+    """Return the frame with these numbers as payload, each of ``size`` bytes."""
+    made = bytearray(link.OVERHEAD + size * len(values))
+    end = link.put_each(made, link.PAYLOAD, values, len(values), size)
+    link.close_frame(made, kind, end)
+    return bytes(made)
+
+
+class FrameReader:
+    """Finds frames in a stream that comes in pieces; ``broken`` counts those dropped."""
+
+    def __init__(self) -> None:
+        self._reader = array("i", [0] * link.READER_SIZE)
+        self._frame = bytearray(link.READER_BYTES)
+
+    @property
+    def broken(self) -> int:
+        """Frames dropped: a wrong CRC, a length that cannot be."""
+        return self._reader[link.R_BROKEN]
+
+    def frames(self, data: bytes) -> list[tuple[int, bytes]]:
+        """Return (kind, payload) of each frame that ends in ``data``."""
+        found = []
+        while kind := link.next_frame(self._reader, self._frame, data, len(data)):
+            found.append((kind, bytes(self._frame[link.TAKEN : link.TAKEN + self._frame[1]])))
+        return found

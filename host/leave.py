@@ -1,0 +1,33 @@
+"""A command told to end (SIGTERM) or without its terminal (SIGHUP) ends as with Ctrl-C: nothing is left behind."""
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+LEAVE_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
+
+
+@contextmanager
+def heard_signals() -> Iterator[list[int]]:
+    """Raise KeyboardInterrupt in the block at the first of the signals; yield the numbers heard.
+
+    One that is ignored stays so, as nohup wants it. Only the main thread hears signals.
+    """
+    heard: list[int] = []
+
+    def leave(number: int, frame: FrameType | None) -> None:
+        heard.append(number)
+        if len(heard) == 1:  # a second one must not disturb the tidying up
+            raise KeyboardInterrupt
+
+    main = threading.current_thread() is threading.main_thread()
+    mine = [number for number in LEAVE_SIGNALS if main and signal.getsignal(number) is signal.SIG_DFL]
+    try:
+        for number in mine:
+            signal.signal(number, leave)
+        yield heard
+    finally:
+        for number in mine:
+            signal.signal(number, signal.SIG_DFL)

@@ -1,0 +1,29 @@
+"""How far a command is that works on many cases for minutes: a bar on a terminal, else a line a case on stderr."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from .console import progress
+
+# Called with the number of the case, of how many, and its name if it has one.
+Tell = Callable[[int, int, str], None]
+
+
+@contextmanager
+def cases(title: str) -> Iterator[Tell]:
+    """Yield what is to be told of each case; stdout is left to the result."""
+    with progress(title, 1.0) as bar:
+
+        def tell(number: int, total: int, name: str = "") -> None:
+            bar(number / total)
+            if not sys.stderr.isatty():
+                write_step(f"{title}: {number} of {total}{': ' if name else ''}{name}")
+
+        yield tell
+
+
+def write_step(what: str) -> None:
+    """Print on stderr what a command of minutes is about to do."""
+    sys.stderr.write(f"{what}\n")
+    sys.stderr.flush()

@@ -1,0 +1,144 @@
+"""Who gets a connection, and for how long: a few per peer, some in all, seconds each, unless it becomes a page.
+
+Whoever comes is let in; for that the oldest connection that asks for nothing has to go, first of the same peer's. So
+nobody can fill the house by sitting in it: neither with idle connections, nor with headers or bodies that never end.
+"""
+
+import asyncio
+import socket
+import struct
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from .limits import Bucket, PerPeer
+from .peer import peer_of
+
+WAITING_S = 10.0  # from its start to its end, for a connection that is no page: headers, body, answer
+MOST_EACH, MOST = 16, 128  # connections that are no page; a browser opens six
+CONNECTIONS_PER_S, CONNECTION_BURST = 50.0, 100  # per peer; opening the page takes eight
+AT_ONCE = 32  # accepted before others have their turn
+PAUSE_S = 0.2
+BACKLOG = 128
+
+
+@dataclass(eq=False)
+class Guest:
+    """One connection. ``end`` closes it at its deadline."""
+
+    peer: str
+    transport: asyncio.Transport
+    end: asyncio.TimerHandle
+
+
+class Door:
+    """Accepts connections and hands them to protocols that ``serve`` makes."""
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        serve: Callable[[], asyncio.Protocol],
+        clock: Callable[[], float] = time.monotonic,
+        waiting_s: float = WAITING_S,
+    ) -> None:
+        listener.setblocking(False)
+        self._listener, self._serve, self._loop = listener, serve, asyncio.get_running_loop()
+        self._waiting_s = waiting_s
+        self._guests: list[Guest] = []  # oldest first
+        self._peers: dict[asyncio.BaseTransport, str] = {}  # of pages too
+        self._comings = PerPeer(lambda: Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock))
+        self._tasks: set[asyncio.Task[None]] = set()
+        self.turned_away = 0
+
+    def open(self) -> None:
+        """Start accepting."""
+        self._loop.add_reader(self._listener, self._accept)
+
+    def close(self) -> None:
+        """Accept no more, and send away who is not a page."""
+        self._loop.remove_reader(self._listener)
+        self._listener.close()
+        for guest in list(self._guests):
+            self._send_away(guest)
+
+    def peer(self, transport: asyncio.BaseTransport | None) -> str:
+        """Return who is at the other end."""
+        return self._peers.get(transport, "unknown") if transport is not None else "unknown"
+
+    def stay(self, transport: asyncio.BaseTransport | None) -> None:
+        """Let a connection stay: it has become a page, and is counted elsewhere."""
+        for guest in self._guests:
+            if guest.transport is transport:
+                guest.end.cancel()
+                self._guests.remove(guest)
+                return
+
+    def _accept(self) -> None:
+        for _ in range(AT_ONCE):
+            try:
+                stream, _ = self._listener.accept()
+            except (BlockingIOError, ConnectionError):
+                return
+            except OSError:  # no descriptors left: asking again at once would not find any
+                self._loop.remove_reader(self._listener)
+                self._loop.call_later(PAUSE_S, self.open)
+                return
+            self._receive(stream)
+
+    def _receive(self, stream: socket.socket) -> None:
+        peer = peer_of(stream)
+        if not self._comings[peer].take():
+            self.turned_away += 1
+            _reset(stream)
+            return
+        task = self._loop.create_task(self._let_in(stream, peer))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _let_in(self, stream: socket.socket, peer: str) -> None:
+        self._make_room(peer)
+        with suppress(OSError):  # it is gone already
+            transport, _ = await self._loop.connect_accepted_socket(self._serve, stream)
+            self._peers[transport] = peer
+            guest = Guest(peer, transport, self._loop.call_later(self._waiting_s, transport.abort))
+            self._guests.append(guest)
+
+    def _make_room(self, peer: str) -> None:
+        """End the oldest of the peer, or of all, where there are as many as there may be."""
+        self._guests = [guest for guest in self._guests if not self._is_over(guest)]
+        self._peers = {each: its for each, its in self._peers.items() if not each.is_closing()}
+        own = [guest for guest in self._guests if guest.peer == peer]
+        if len(own) >= MOST_EACH:
+            self._send_away(own[0])
+        elif len(self._guests) >= MOST:
+            counts = {each.peer: 0 for each in self._guests}
+            for guest in self._guests:
+                counts[guest.peer] += 1
+            self._send_away(max(self._guests, key=lambda guest: counts[guest.peer]))
+
+    @staticmethod
+    def _is_over(guest: Guest) -> bool:
+        if guest.transport.is_closing():
+            guest.end.cancel()
+            return True
+        return False
+
+    def _send_away(self, guest: Guest) -> None:
+        self.turned_away += 1
+        guest.end.cancel()
+        guest.transport.abort()
+        self._guests.remove(guest)
+
+
+def _reset(stream: socket.socket) -> None:
+    """Close without waiting for anything."""
+    with suppress(OSError):
+        stream.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+    stream.close()
+
+
+def listen(address: str, port: int) -> socket.socket:
+    """Return a listener; OSError if there can't be one."""
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    return socket.create_server((address, port), family=family, backlog=BACKLOG)

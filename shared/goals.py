@@ -1,0 +1,147 @@
+"""What is sent and what is believed: no goal moves faster than its joint can, and no single odd reading counts.
+
+    readings -> believed -> ... -> wanted goals -> at most the joint's speed from those sent last -> goals
+
+Both ends of a tick, in every state. In ordinary walking a reading never is odd, and the limit of the speed only
+acts where a gait asks for more than the joint has (the papers' trot, the first ticks of a swing).
+"""
+
+from .fixed import saturate
+from .params import JOINTS, P_COUPLED, P_JOINT_NEAR, P_JOINT_TOP
+from .runtime import const, hot, ptr32
+
+READ_NONE = const(0)  # no reading yet
+READ_ONCE = const(1)  # one set of readings that the next has to agree with before any is believed
+READ_SURE = const(2)
+READ_ODD = const(3)  # some of the last set were odd
+
+# Past readings of ``count`` values: those of the last odd set, then
+READ_STATE = const(0)  # + count: READ_...
+READ_ROW = const(1)  # + count: odd sets in a row
+READ_SIZE = const(2)  # + count
+
+_MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
+
+
+@hot
+def follow_goals(params, wanted, joints) -> int:
+    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can; return 0.
+
+    Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
+    Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
+    Exact. Intermediates: two sums of two angles, below 2^18.
+    """
+    p = ptr32(params)
+    to = ptr32(wanted)
+    q = ptr32(joints)
+    near = p[P_JOINT_NEAR]
+    for at in range(0, JOINTS, 3):
+        hip = to[at] - q[at]
+        thigh = to[at + 1] - q[at + 1]
+        calf = to[at + 2] - q[at + 2]
+        if hip > near or hip < -near or thigh > near or thigh < -near or calf > near or calf < -near:
+            follow_leg(params, wanted, joints, at)
+        else:
+            q[at] = to[at]
+            q[at + 1] = to[at + 1]
+            q[at + 2] = to[at + 2]
+    return 0
+
+
+@hot
+def follow_leg(params, wanted, joints, at: int) -> int:
+    """Move the three joints of one leg, from ``at`` on, as follow_goals does; return 0."""
+    p = ptr32(params)
+    to = ptr32(wanted)
+    q = ptr32(joints)
+    thigh = to[at + 1] - q[at + 1]
+    calf = to[at + 2] - q[at + 2]
+    if p[P_COUPLED]:
+        calf += thigh
+    thigh = saturate(thigh, -p[P_JOINT_TOP + 1], p[P_JOINT_TOP + 1])
+    calf = saturate(calf, -p[P_JOINT_TOP + 2], p[P_JOINT_TOP + 2])
+    if p[P_COUPLED]:
+        calf -= thigh
+    q[at] += saturate(to[at] - q[at], -p[P_JOINT_TOP], p[P_JOINT_TOP])
+    q[at + 1] += thigh
+    q[at + 2] += calf
+    return 0
+
+
+@hot
+def joints_near(params, readings, first: int, joints) -> int:
+    """Return 1 if each of ``joints`` (12 brad) gets to its reading (from ``first`` on) within one tick, else 0."""
+    p = ptr32(params)
+    r = ptr32(readings)
+    q = ptr32(joints)
+    for joint in range(JOINTS):
+        gap = r[first + joint] - q[joint]
+        top = p[P_JOINT_TOP + joint % 3]
+        if gap > top or gap < -top:
+            return 0
+    return 1
+
+
+@hot
+def believe(readings, first: int, count: int, step: int, believed, past) -> int:
+    """Copy ``count`` readings from ``readings[first]`` on to the same places of ``believed``, but for odd ones.
+
+    A reading is limited to +-32768. It is odd if it is more than ``step`` away from what is believed and from the
+    reading before it; then what is believed stays. So one odd reading counts nothing, and one that lasts counts from
+    its second tick on. The first set of all is believed when the next one agrees. past: count + READ_SIZE values.
+    Returns how many are odd, or -1 while nothing is known: at first, and after ten odd sets in a row.
+    Intermediates: below 2^17.
+    """
+    r = ptr32(readings)
+    b = ptr32(believed)
+    last = ptr32(past)
+    state = last[count + READ_STATE]
+    odd = 0
+    for at in range(first, first + count):
+        reading = r[at]
+        was = b[at]
+        if reading != was:
+            if reading > 32767 or reading < -32768:
+                reading = saturate(reading, -32768, 32767)
+            if reading > was + step or reading < was - step:
+                odd += 1
+            else:
+                b[at] = reading
+    if state >= READ_SURE and odd:
+        odd = believe_again(readings, first, count, step, believed, past)
+    if odd == 0 and state != READ_NONE:
+        last[count + READ_STATE] = READ_SURE
+        last[count + READ_ROW] = 0
+        return 0
+    if state >= READ_SURE and last[count + READ_ROW] < _MOST_ODD:
+        last[count + READ_STATE] = READ_ODD
+        last[count + READ_ROW] += 1
+        return odd
+    for at in range(first, first + count):
+        b[at] = saturate(r[at], -32768, 32767)
+    last[count + READ_STATE] = READ_ONCE
+    last[count + READ_ROW] = 0
+    return -1
+
+
+@hot
+def believe_again(readings, first: int, count: int, step: int, believed, past) -> int:
+    """Believe those odd readings that agree with an odd set just before; keep the set; return how many stay odd.
+
+    Used by believe.
+    """
+    r = ptr32(readings)
+    b = ptr32(believed)
+    last = ptr32(past)
+    odd = 0
+    for place in range(count):
+        reading = saturate(r[first + place], -32768, 32767)
+        gap = reading - b[first + place]
+        if gap > step or gap < -step:
+            again = reading - last[place]
+            if last[count + READ_STATE] == READ_ODD and again <= step and again >= -step:
+                b[first + place] = reading
+            else:
+                odd += 1
+        last[place] = reading
+    return odd

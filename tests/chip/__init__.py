@@ -1,0 +1,1 @@
+"""Tests of the chip model, each from the manual."""

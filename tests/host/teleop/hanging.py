@@ -1,0 +1,119 @@
+"""A drive on emulated servos that this test owns, with what hangs on request: disk, page, pipe, terminal."""
+
+import contextlib
+import os
+import signal
+import time
+from pathlib import Path
+
+from host.calibration.data import nominal, save_calibration
+from host.emulator.process import Emulator
+from host.errors import UserError
+from host.robot_file import load_robot
+from host.teleop.watched import PATIENCE_S, Watched
+
+# Read by every Python that starts with this folder in its path: fsync does not return while the file is there.
+SLOW_DISK = """
+import os, time
+_fsync = os.fsync
+def fsync(descriptor):
+    while os.path.exists({flag!r}):
+        time.sleep(0.05)
+    _fsync(descriptor)
+os.fsync = fsync
+"""
+DRIVE = {"vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
+
+
+class Drive(Watched):
+    """The command on the servos of ``emulator``, or on none (None); what is left of it is killed at the end."""
+
+    def __init__(self, folder, monkeypatch, emulator):
+        self.emulator, self.flag = emulator, folder / "the disk hangs"
+        self.page = 0
+        (folder / "sitecustomize.py").write_text(SLOW_DISK.format(flag=str(self.flag)))
+        monkeypatch.setenv("PYTHONPATH", str(folder))
+        sim = ("--sim", "--direct") if emulator is None else self._port(folder, emulator.port)
+        super().__init__(folder, "--log", str(folder / f"{time.monotonic()}.mcap"), sim=sim)
+        self.page = child_of(self.process.pid, "host.web")
+
+    @staticmethod
+    def _port(folder, port):
+        robot = load_robot("caramelo")
+        save_calibration(folder / "nominal.toml", nominal(robot))
+        return "--port", port, "--calibration", str(folder / "nominal.toml")
+
+    def __exit__(self, *_):
+        self.flag.unlink(missing_ok=True)
+        if self.page:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.page, signal.SIGCONT)
+        self.process.kill()
+        super().__exit__(None, None, None)
+
+    def walk(self):
+        """Stand up and walk."""
+        self.stand(lambda status: status["state"] == "standing")
+        self.wait(lambda status: self.drive(0.05) or status["state"] == "walking")
+
+    def stand(self, enough):
+        """Ask to stand up until ``enough``; on a busy machine switching on may need more than one try."""
+
+        def ask(status):
+            if status["state"] == "fault":
+                self.say(type="reset")
+            if status["state"] in ("fault", "disarmed"):
+                self.say(type="posture", posture="stand")
+            self.drive(0.0)
+            return enough(status)
+
+        self.wait(ask, 3 * PATIENCE_S)
+
+    def drive(self, vx_m_s):
+        self.say(type="drive", vx_m_s=vx_m_s, **DRIVE)
+
+    def hang(self, what):
+        """Have ``disk`` or ``page`` stand still."""
+        if what == "disk":
+            self.flag.touch()
+        elif what == "page":
+            os.kill(self.page, signal.SIGSTOP)
+
+    def holds(self):
+        return any(self.emulator.ask("state")["torque"])
+
+    def until_off(self):
+        """Return how long from now until no servo has torque, s."""
+        began_s = time.monotonic()
+        while self.holds():
+            assert time.monotonic() - began_s < PATIENCE_S, "the robot is not let go"
+            time.sleep(0.001)
+        return time.monotonic() - began_s
+
+
+def child_of(process, words):
+    """Return the child of a process whose command line holds some words."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == process and words in (folder / "cmdline").read_text().replace("\0", " "):
+                return int(folder.name)
+    raise AssertionError(f"{process} has no child {words}")
+
+
+@contextlib.contextmanager
+def driving(folder, monkeypatch, servos=True):
+    """Yield a drive that walks. The servos of a busy machine answer too late at times: then it is started again."""
+    for last in (False, False, True):
+        with contextlib.ExitStack() as stack:
+            try:
+                drive = stack.enter_context(
+                    Drive(folder, monkeypatch, stack.enter_context(Emulator()) if servos else None)
+                )
+                drive.walk()
+            except UserError:
+                if last:
+                    raise
+                continue
+            yield drive
+            return

@@ -1,0 +1,59 @@
+"""A gait is one entry in shared/gaits.py: with that alone the command walks it, and says that nobody has tried it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+
+from host.gait_advice import UNTRIED
+
+ROOT = Path(__file__).resolve().parents[2]
+LAST = '    ("climb", CRAWL),\n'
+# Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
+PACE = '    ("pace", ((30, 100, 100, 0), ((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1)))),\n'
+NO_TIME = '    ("pace", ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'
+# Runs the command with another text of shared/gaits.py.
+WITH_GAITS = """
+import sys, types
+import shared
+gaits = types.ModuleType("shared.gaits")
+gaits.__package__ = "shared"
+sys.modules["shared.gaits"] = shared.gaits = gaits
+exec(sys.stdin.read(), gaits.__dict__)
+from host.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def with_entry(entry, *arguments):
+    """Run the command of a core that has one entry more; return exit code, stdout and stderr."""
+    text = (ROOT / "shared" / "gaits.py").read_text()
+    assert text.count(LAST) == 1
+    done = subprocess.run(
+        [sys.executable, "-c", WITH_GAITS, *arguments], input=text.replace(LAST, LAST + entry),
+        capture_output=True, text=True, cwd=ROOT, timeout=300,
+    )  # fmt: skip
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_a_gait_of_one_entry_walks_and_is_said_to_be_untried():
+    code, out, err = with_entry(PACE, "walk", "--robot", "parallel", "--gait", "pace", "--distance", "0.2", "--json")
+    assert err == ""
+    told = json.loads(out)
+    assert (code, told["ok"]) == (0, True)
+    assert told["reason"].startswith("arrived")
+    assert told["advice"] == UNTRIED
+    shown = with_entry(PACE, "robots", "show", "caramelo")[1]
+    assert "gait pace" in shown
+
+
+def test_an_entry_without_a_duration_is_told_in_one_line():
+    for command in (["walk", "--gait", "pace"], ["robots", "check", "caramelo"]):
+        code, out, err = with_entry(NO_TIME, *command)
+        assert (code, out) == (2, "")
+        assert err.count("\n") == 1
+        assert "gait pace (shared/gaits.py): segment 0: duration >= 1 ms" in err

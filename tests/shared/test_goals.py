@@ -1,0 +1,370 @@
+"""shared/goals.py: no goal moves faster than its joint, no reading that stands alone moves any; whatever comes in."""
+
+import random
+from array import array
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared import command as c
+from shared import params as p
+from shared import planner_layout as n
+from shared.gaits import GAIT_NAMES, GAITS
+from shared.goals import READ_SIZE, READ_STATE, READ_SURE, believe, follow_goals, joints_near
+from tests.float_twin import goals as twin
+
+from .bars import integers, repeatable
+from .robots import block
+from .walker import Walker
+
+ROBOTS = ("caramelo", "parallel")
+ANGLES = st.lists(integers(-32768, 32767), min_size=12, max_size=12)
+COUNT = 3  # values in a set of readings
+STEP = 800
+
+
+def motors(params, joints):
+    """Return what the twelve motors turn: of a calf whose motor is on the body, thigh + calf."""
+    made = list(joints)
+    if params[p.P_COUPLED]:
+        for at in range(2, 12, 3):
+            made[at] += made[at - 1]
+    return made
+
+
+def tops(params):
+    """Return how far each motor turns in a tick, brad."""
+    return list(params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]) * 4
+
+
+def too_fast(params, before, now):
+    """Return the motors that would have to turn faster than they can."""
+    pairs = zip(motors(params, before), motors(params, now), tops(params), strict=True)
+    return [joint for joint, (a, b, top) in enumerate(pairs) if abs(a - b) > top]
+
+
+# --- sent
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+@repeatable(100)
+@given(st.data())
+def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
+    params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
+    joints = array("i", start)
+    exact = twin.follow(wanted, start, params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3], params[p.P_COUPLED])
+    follow_goals(params, wanted, joints)
+    assert list(joints) == exact
+    assert too_fast(params, start, joints) == []
+    assert all(min(a, b) <= q <= max(a, b) for a, b, q in zip(start, wanted, joints, strict=True))
+    assert joints_near(params, exact, 0, joints) == 1
+    for _ in range(400):
+        follow_goals(params, wanted, joints)
+    assert list(joints) == list(wanted)
+
+
+def test_a_motor_on_the_body_is_what_the_limit_is_for():
+    """Thigh forward and calf back as far: its motor stands still, so only the thigh's speed counts."""
+    params = block("parallel")
+    top = params[p.P_JOINT_TOP + 1]
+    joints = array("i", [0] * 12)
+    follow_goals(params, [0, 9 * top, -9 * top] * 4, joints)
+    assert list(joints) == [0, top, -top] * 4
+    joints = array("i", [0] * 12)
+    follow_goals(params, [0, 9 * top, 9 * top] * 4, joints)
+    assert list(joints) == [0, top, 0] * 4
+
+
+def test_near_is_within_a_tick_of_every_joint():
+    params = block("caramelo")
+    for joint, top in enumerate(tops(params)):
+        for way, near in ((top, 1), (-top, 1), (top + 1, 0), (-top - 1, 0)):
+            readings = [0] * 14
+            readings[2 + joint] = way
+            assert joints_near(params, readings, 2, [0] * 12) == near
+
+
+def test_the_joints_speed_is_that_of_the_robot_file():
+    """55 rpm at 12 V, through Caramelo's rod for the calf; 10 rad/s of Parallel's boards."""
+    caramelo, parallel = block("caramelo"), block("parallel")
+    assert caramelo[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [1201, 1201, 1349]
+    assert parallel[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [2086, 2086, 2086]
+    assert block("caramelo", 500)[p.P_JOINT_TOP] == 120
+    assert block("caramelo", 500)[p.P_READ_STEP] == 2 * block("caramelo", 50)[p.P_READ_STEP] // 2
+
+
+# --- believed
+
+
+def sets(readings):
+    """Return lists of sets of readings: near each other mostly, some of them anywhere."""
+    near, far = integers(-STEP // 2, STEP // 2), integers(-(1 << 30), (1 << 30) - 1)
+    return st.lists(st.lists(st.one_of(near, near, near, far), min_size=COUNT, max_size=COUNT), max_size=readings)
+
+
+def taken(readings, first=2):
+    """Return what is believed and the answer after each set, the values lying from place ``first`` on."""
+    believed, past, found = array("i", [0] * (first + COUNT)), array("i", [0] * (COUNT + READ_SIZE)), []
+    for one in readings:
+        answer = believe([9] * first + list(one), first, COUNT, STEP, believed, past)
+        found.append((answer, list(believed[first:])))
+        assert list(believed[:first]) == [0] * first
+        assert answer < 0 or past[COUNT + READ_STATE] >= READ_SURE
+    return found
+
+
+@repeatable(300)
+@given(sets(40))
+def test_belief_is_the_twins(readings):
+    believer = twin.Believer(STEP)
+    for (answer, believed), one in zip(taken(readings), readings, strict=True):
+        assert answer == believer.take([max(-32768, min(32767, reading)) for reading in one])
+        assert believed == believer.believed
+
+
+@repeatable(200)
+@given(integers(2, 20), integers(0, COUNT - 1), integers(-(1 << 30), (1 << 30) - 1))
+def test_one_odd_reading_counts_nothing(tick, place, value):
+    plain = [[100, 20 * at, -5] for at in range(24)]
+    odd = [list(one) for one in plain]
+    odd[tick][place] = value
+    for at, ((answer, believed), (_, undisturbed)) in enumerate(zip(taken(odd), taken(plain), strict=True)):
+        assert believed[:place] + believed[place + 1 :] == undisturbed[:place] + undisturbed[place + 1 :]
+        assert abs(believed[place] - undisturbed[place]) <= STEP
+        assert answer in ((0, 1) if at == tick else (-1,) if at == 0 else (0,))
+
+
+def test_what_lasts_counts_from_its_second_tick_on():
+    found = taken([[0, 0, 0], [0, 0, 0], [0, 9000, 0], [0, 9010, 0], [0, 9020, 0]])
+    assert [answer for answer, _ in found] == [-1, 0, 1, 0, 0]
+    assert [believed[1] for _, believed in found] == [0, 0, 0, 9010, 9020]
+
+
+def test_the_same_odd_reading_again_much_later_is_odd_again():
+    found = taken([[0, 0, 0], [0, 0, 0], [0, 9000, 0], [0, 0, 0], [0, 9000, 0], [0, 0, 0]])
+    assert [believed[1] for _, believed in found] == [0] * 6
+    found = taken([[0, 0, 0], [0, 0, 0], [0, 9000, 0], [7000, 0, 0], [0, 9000, 0], [0, 0, 0]])
+    assert [believed for _, believed in found] == [[0, 0, 0]] * 6
+
+
+def test_after_ten_odd_sets_in_a_row_nothing_is_known_until_two_agree():
+    noise = [[0, 5000 * (-1) ** at, 0] for at in range(11)]
+    noise = [[0, value + 3000 * at % 20000, 0] for at, (_, value, _) in enumerate(noise)]
+    answers = [answer for answer, _ in taken([[0, 0, 0]] * 2 + noise + [[0, 400, 0]] * 2)]
+    assert answers == [-1, 0] + [1] * 10 + [-1, -1, 0]
+
+
+# --- the planner throughout
+
+
+def test_before_the_joints_are_known_the_goals_are_what_was_read_and_it_stays_limp():
+    walker, lying = Walker(), [300 * joint - 2000 for joint in range(12)]
+    walker.mode(c.MODE_STAND)
+    for sensed in ([7000] * 12, lying):  # the first reading is odd, the second is not that of the first
+        walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", sensed)
+        assert walker.planner.tick(walker.command, walker.sensed) == n.NO_JOINTS | n.NOT_DRIVEN
+        assert list(walker.planner.joints) == sensed
+    assert walker.planner.tick(walker.command, walker.sensed) == 0
+    assert walker.state == n.RISING
+    assert list(walker.planner.move[:12]) == lying
+
+
+def wild_command(walker, dice):
+    """Command anything: modes, gaits, speeds and poses at the ends of the sliders or beyond, any words."""
+    command, params = walker.command, walker.params
+    command[c.C_MODE] = dice.choice((c.MODE_WALK,) * 6 + (c.MODE_STAND, c.MODE_STAND, c.MODE_SIT, c.MODE_LIMP, 9))
+    command[c.C_GAIT] = dice.choice((-1, *range(len(GAITS)), len(GAITS)))
+    command[c.C_BALANCE] = dice.randrange(2)
+    command[c.C_HEIGHT] = dice.choice((0, 0, 6000, any_word(dice)))
+    for axis in range(3):
+        top = params[p.P_VX_MAX + axis]
+        command[c.C_SPEED + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
+    for axis in range(6):
+        top = params[p.P_POSE_MAX + axis]
+        command[c.C_POSE + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
+
+
+def any_word(dice):
+    return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+
+
+def wild_senses(walker, dice):
+    """Joints somewhere about the goals, tilts that wander; now and then glitches, stuck and missing values."""
+    sensed = walker.sensed
+    for joint in range(12):
+        sensed[n.S_JOINTS + joint] = walker.planner.joints[joint] + dice.randint(-300, 300)
+    for axis in (n.S_ROLL, n.S_PITCH):
+        sensed[axis] = max(-9000, min(9000, sensed[axis])) + dice.randint(-400, 400) - (sensed[axis] >> 6)
+    if dice.randrange(8) == 0:
+        sensed[dice.randrange(n.SENSED_SIZE)] = any_word(dice)
+    for known in (n.S_JOINTS_OK, n.S_ATTITUDE_OK, n.S_RATES_OK):
+        sensed[known] = int(dice.random() < 0.97)
+
+
+def lived(name, rate_hz, ticks, seed):
+    """Let a planner live with anything; return the states it was in, and (tick, state, motors) that were too fast."""
+    walker, dice = Walker(name, rate_hz), random.Random(seed)
+    walker.params[p.P_JOINT_STEP] = walker.params[p.P_JOINT_TOP] // 2  # up fast: more of the time is walked
+    walker.stand()
+    states, wrong, before = set(), [], list(walker.planner.joints)
+    for tick in range(ticks):
+        if tick % 40 == 0 or dice.randrange(60) == 0:
+            wild_command(walker, dice)
+        wild_senses(walker, dice)
+        walker.planner.tick(walker.command, walker.sensed)
+        states.add(walker.state)
+        now = list(walker.planner.joints)
+        if too_fast(walker.params, before, now):
+            wrong.append((tick, walker.state, too_fast(walker.params, before, now)))
+        before = now
+    return states, wrong
+
+
+@pytest.mark.parametrize(("name", "rate_hz", "ticks"), [
+    ("caramelo", 50, 6000), ("parallel", 50, 6000), ("caramelo", 20, 2000), ("parallel", 500, 4000),
+    ("long-leg", 50, 2000), ("no-offset", 50, 2000),
+])  # fmt: skip
+def test_no_goal_is_faster_than_its_joint_whatever_is_commanded_and_sensed(name, rate_hz, ticks):
+    states, wrong = lived(name, rate_hz, ticks, 7)
+    assert wrong == []
+    assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING, n.SITTING}
+
+
+def test_the_speed_test_sees_a_planted_jump(monkeypatch):
+    from shared import planner
+
+    def at_once(params, wanted, joints):
+        joints[:] = array("i", wanted)
+
+    monkeypatch.setattr(planner, "follow_goals", at_once)
+    assert lived("caramelo", 50, 1500, 7)[1] != []
+
+
+def pair_in(state, gait, ticks):
+    """Return two alike walkers in a state, in the middle of it."""
+    pair = []
+    for _ in range(2):
+        walker = Walker()
+        if state == n.LIMP:
+            walker.ticks(4)
+        elif state == n.RISING:
+            walker.mode(c.MODE_STAND)
+            walker.ticks(ticks)
+        else:
+            walker.walk(gait)
+            if state != n.STANDING:
+                walker.ticks(60 + ticks)
+            if state in (n.SITTING, n.SEATED):
+                walker.mode(c.MODE_SIT)
+                walker.until(state)
+                walker.ticks(ticks % 9)
+        assert walker.state in (state, n.WALKING)
+        pair.append(walker)
+    return pair
+
+
+def glitched(state, gait, then, seed):
+    """Return by how much one odd reading moved any goal in the 60 ticks after it, brad, and if it was told."""
+    dice = random.Random(seed)
+    plain, odd = pair_in(state, gait, dice.randrange(6, 50))
+    place = dice.choice((n.S_ROLL, n.S_PITCH, *range(n.S_JOINTS, n.S_JOINTS + 12)))
+    odd.sensed[place] += dice.choice((-1, 1)) * dice.randint(4000, 30000)
+    told, worst = 0, 0
+    for _ in range(60):
+        for walker in (plain, odd):
+            if then is not None:
+                walker.mode(then)
+        plain.tick()
+        told |= odd.tick() & n.ODD_READING
+        for axis in (n.S_ROLL, n.S_PITCH):
+            odd.sensed[axis] = 0
+        worst = max(worst, *(abs(a - b) for a, b in zip(plain.planner.joints, odd.planner.joints, strict=True)))
+    return worst, told
+
+
+MOVES = ((n.LIMP, c.MODE_STAND), (n.RISING, c.MODE_SIT), (n.RISING, None), (n.STANDING, c.MODE_SIT), (n.SITTING, None),
+         (n.SITTING, c.MODE_STAND), (n.SEATED, c.MODE_STAND), (n.STANDING, c.MODE_STAND), (n.WALKING, None))
+
+
+@pytest.mark.parametrize(("state", "then"), MOVES)
+@pytest.mark.parametrize("gait", ["paper-trot", "trot"])
+def test_one_odd_reading_moves_nothing(state, then, gait):
+    for seed in range(6):
+        worst, told = glitched(state, gait, then, seed)
+        assert told
+        assert worst <= (2 if then == c.MODE_STAND and state == n.LIMP else 0)
+
+
+@pytest.mark.parametrize("gait", ["adaptive", "climb"])
+def test_one_odd_reading_hardly_moves_what_walks_by_feeling(gait):
+    """What is believed instead is the reading before: a tick's way of the joint, 2 degrees at most in the goals."""
+    for seed in range(8):
+        assert glitched(n.WALKING, gait, None, seed)[0] <= 364
+
+
+# --- poses out of reach
+
+
+def standing_still(walker, ticks):
+    """Return the joints after so many ticks, and if they had stopped a second before."""
+    walker.ticks(ticks - walker.rate_hz)
+    before = list(walker.planner.joints)
+    walker.ticks(walker.rate_hz)
+    return list(walker.planner.joints), before == list(walker.planner.joints)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name):
+    """Any two sliders at their ends: no leg beyond its reach, standing still to the bit, told if cut short."""
+    cut = 0
+    for one in range(6):
+        for other in range(one):
+            for ends in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+                walker = Walker(name)
+                walker.stand()
+                for axis, end in zip((one, other), ends, strict=True):
+                    walker.command[c.C_POSE + axis] = end * walker.params[p.P_POSE_MAX + axis]
+                _, still = standing_still(walker, 150)
+                assert still
+                wanted = list(walker.command[c.C_POSE : c.C_POSE + 6])
+                flags, arrived = walker.tick(), list(walker.planner.pose) == wanted
+                assert bool(flags & n.POSE_HELD) == (not arrived)
+                assert flags & (n.REACH_FLAGS | n.LIMIT_FLAGS) == 0
+                cut += not arrived
+    assert cut
+
+
+def test_a_held_pose_follows_the_next_command():
+    walker = Walker()
+    walker.stand()
+    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params[p.P_POSE_MAX + 4]
+    walker.ticks(150)
+    assert walker.tick() & n.POSE_HELD
+    assert 0 < walker.planner.pose[4] < walker.command[c.C_POSE + 4]
+    walker.command[c.C_POSE + 4] = 500
+    walker.ticks(150)
+    assert walker.tick() == 0
+    assert list(walker.planner.pose[2:5]) == [5000, 0, 500]
+
+
+@pytest.mark.parametrize("gait", GAIT_NAMES[:4])
+def test_with_the_sliders_at_their_ends_a_walk_is_no_faster_than_without(gait):
+    """What is wanted, before its speed is limited, no longer jumps: at most 20 degrees in a tick (it was 140)."""
+    dice, worst = random.Random(3), 0
+    for _ in range(12):
+        walker = Walker()
+        walker.stand()
+        walker.gait(gait)
+        walker.speed(0.05)
+        walker.mode(c.MODE_WALK)
+        walker.command[c.C_BALANCE] = dice.randrange(2)
+        for axis in range(6):
+            walker.command[c.C_POSE + axis] = dice.choice((-1, 0, 1)) * walker.params[p.P_POSE_MAX + axis]
+        last = list(walker.planner.goal)
+        for _ in range(150):
+            walker.tick()
+            now = list(walker.planner.goal)
+            worst = max(worst, *(abs(a - b) for a, b in zip(last, now, strict=True)))
+            last = now
+    assert worst <= 20 * 65536 // 360
