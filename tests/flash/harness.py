@@ -91,8 +91,8 @@ class Usb:
     def setinterrupt(self, byte):
         self.byte = byte
 
-    def any(self):
-        return False
+    def readinto(self, data):
+        return None  # as the port says that nothing has come
 
     def write(self, buffer):
         return len(buffer)
