@@ -29,6 +29,10 @@ except ImportError:
 
 
 _CPYTHON = implementation.name == "cpython"
+if _CPYTHON:
+    Ints = list[int]  # what an array of integers is called in annotations
+else:
+    Ints = list  # MicroPython reads no annotations
 
 
 def const(value):

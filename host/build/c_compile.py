@@ -8,7 +8,7 @@ import sysconfig
 from pathlib import Path
 
 from .c_core import MODULE, build_c_core
-from .source import read_modules
+from .lower import lowered_modules
 
 FLAGS = ("-O1", "-fwrapv", "-fno-strict-aliasing", "-shared", "-fPIC", "-w")
 _TIME_LIMIT_S = 600.0
@@ -26,7 +26,7 @@ def why_not() -> str | None:
 def compile_c_core(sources: Path, tree: Path) -> None:
     """Write the packages under ``sources`` to ``tree``, their hot functions as machine code. OSError if cc fails."""
     packages = tuple(sorted(p.name for p in sources.iterdir() if p.is_dir() and p.name != "__pycache__"))
-    modules = read_modules(sources, packages)
+    modules = lowered_modules(sources, packages)
     core = build_c_core(modules, sorted(modules), "cpython", whole=True)
     for path, text in core.modules.items():
         (tree / path).parent.mkdir(parents=True, exist_ok=True)

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from .c_core import MODULE, build_c_core
 from .generated import generated_modules
+from .lower import lowered_modules
 from .rewrite import rewrite
-from .source import PACKAGES, ROOT, BuildError, Module, closure, read_modules
+from .source import PACKAGES, ROOT, BuildError, Module, closure
 from .tree import write_tree
 
 MAIN = "firmware/main.py"
@@ -39,7 +40,7 @@ def frozen_sources(role: str, robot: str, out: Path, emitter: str = "c", arch: s
     ``robot`` is only looked at for a gait board: a name or a file. ``emitter``: "c" makes one C module of the hot
     functions, others are those of rewrite.py.
     """
-    modules = read_modules(ROOT, PACKAGES)
+    modules = lowered_modules(ROOT, PACKAGES)
     shutil.rmtree(out, ignore_errors=True)
     c_modules = None
     if emitter == "c":

@@ -16,7 +16,7 @@ from pathlib import Path
 from ..errors import UserError
 from ..extras import how_to_get
 from .source import ROOT, BuildError, Module, read_modules
-from .typed import typed
+from .typed import typed_modules
 
 _SETUP = """from mypyc.build import mypycify
 from setuptools import setup
@@ -24,7 +24,7 @@ setup(name="caramelo_core", packages=[], ext_modules=mypycify(
     ["--config-file=", "--ignore-missing-imports", *{paths!r}], opt_level="1", multi_file=True))
 """  # opt_level 3 takes a third longer and is no faster; in several files a Pi has the memory for it
 _TIME_LIMIT_S = 3600.0  # a minute on a PC; a small Pi takes many
-_LEFT = ("shared.runtime", "shared.wire.")
+_LEFT = ("shared.runtime", "shared.record", "shared.wire.")
 
 
 def why_not() -> str | None:
@@ -63,10 +63,10 @@ def _write_typed(root: Path, work: Path) -> list[str]:
     modules = read_modules(root, ("shared",))
     paths = []
     try:
-        for module in modules.values():
-            if _is_compiled(module):
-                (work / module.path).write_bytes(typed(module, modules))
-                paths.append(module.path)
+        for name, text in typed_modules(modules).items():
+            if _is_compiled(modules[name]):
+                (work / modules[name].path).write_bytes(text)
+                paths.append(modules[name].path)
     except BuildError as error:
         raise UserError(str(error)) from error
     return paths

@@ -4,8 +4,9 @@ import json
 from pathlib import Path
 
 from .compiler import compile_text
+from .lower import lowered_modules
 from .rewrite import EMITTERS, rewrite
-from .source import PACKAGES, ROOT, read_modules
+from .source import PACKAGES, ROOT
 
 BUDGET = Path(__file__).with_name("size_budget.json")
 ARCH = "armv7emsp"  # the STM32F405 of both boards
@@ -17,7 +18,7 @@ Sizes = dict[str, dict[str, int]]
 
 def measure_sizes(root: Path, packages: tuple[str, ...] = PACKAGES) -> Sizes:
     """Return the bytes of every module as bytecode, native and viper."""
-    modules = read_modules(root, packages)
+    modules = lowered_modules(root, packages)
     return {
         module.path: {
             emitter: len(compile_text(rewrite(module, modules, emitter, ARCH), module.path, emitter, ARCH))

@@ -27,6 +27,7 @@ class Module:
     constants: dict[str, int] = field(default_factory=dict)
     hot: dict[str, int] = field(default_factory=dict)  # name -> number of parameters
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # local name -> (module, name)
+    aliases: dict[str, str] = field(default_factory=dict)  # local name -> the module it stands for
     needs: set[str] = field(default_factory=set)  # modules it imports, dotted
 
     def error(self, node: ast.AST, sentence: str) -> BuildError:
@@ -40,6 +41,11 @@ def read_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, 
         for path in sorted((root / package).rglob("*.py")):
             module = _read(root, path)
             modules[module.name] = module
+    return refresh(modules)
+
+
+def refresh(modules: dict[str, Module]) -> dict[str, Module]:
+    """Find every module's imports, constants and hot functions, and return them."""
     for module in modules.values():
         find_imports(module, modules)
     for module in modules.values():
@@ -109,6 +115,8 @@ def find_imports(module: Module, modules: dict[str, Module]) -> None:
             for alias in node.names:
                 inner = f"{origin}.{alias.name}"
                 module.needs.add(inner if inner in modules else origin)
+                if inner in modules:
+                    module.aliases[alias.asname or alias.name] = inner
                 if origin in modules and inner not in modules:
                     module.imports[alias.asname or alias.name] = (origin, alias.name)
     module.needs &= set(modules)

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from .compiler import compile_text
+from .lower import lowered_modules
 from .rewrite import rewrite
-from .source import read_modules
 
 
 def compile_tree(root: Path, emitter: str, arch: str, packages: tuple[str, ...]) -> dict[str, bytes]:
@@ -12,7 +12,7 @@ def compile_tree(root: Path, emitter: str, arch: str, packages: tuple[str, ...])
 
     The same sources give the same bytes: no times, no paths of this machine.
     """
-    modules = read_modules(root, packages)
+    modules = lowered_modules(root, packages)
     files: dict[str, bytes] = {}
     for module in modules.values():
         text = rewrite(module, modules, emitter, arch)

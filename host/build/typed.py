@@ -6,6 +6,9 @@ types they turn CPython's core into machine code; nothing that is computed chang
 
 import ast
 
+from .kinds import Kinds
+from .lower import Lowering, lower
+from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, inline_constants, strip_pointers
 from .rules import aliases, check_hot
 from .source import Module, hot_functions, resolve
@@ -14,23 +17,58 @@ NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64
 _ARRAY = "list[int]"  # what zeros() makes on CPython
 _TABLE = "tuple[int, ...]"  # what table() leaves
 _ANY = "Any"
-_IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
+_IMPORTS = f"from typing import Any, ClassVar; from mypy_extensions import {NUMBER}"
 
 
-def typed(module: Module, modules: dict[str, Module]) -> bytes:
-    """Return the module's text with types in its hot functions; BuildError with file, line and the rule it breaks."""
+def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
+    """Return every module's text with types, by name; BuildError with file, line and the rule that one breaks."""
+    for module in lower(modules).values():
+        for function in hot_functions(module.tree):
+            check_hot(module, function, modules)
+    kinds = Kinds(modules)
+    return {name: _typed(module, kinds) for name, module in modules.items()}
+
+
+def _typed(module: Module, kinds: Kinds) -> bytes:
     place = Places(module.text)
-    edits = [_beside(module, module.tree, _IMPORTS, place)]
+    declares = "; from shared.record import Field" if records_of(module.tree) else ""
+    edits = [_beside(module, module.tree, _IMPORTS + declares, place)]
+    for declared in records_of(module.tree):
+        layout = kinds.layouts.find(module, declared.name)
+        assert layout is not None
+        edits.append(_type_record(module, declared, layout, place))
     for function in hot_functions(module.tree):
-        check_hot(module, function, modules)
         edits += inline_constants(module, function, place)
         edits += strip_pointers(function, place)
         edits += _unmark(function, place)
         edits += _type_signature(function, place)
-        names = "; ".join(f"{name}: {kind}" for name, kind in _locals(module, function, modules).items())
+        known = Lowering(module, kinds, set(), place).known(function)
+        numbers = {name: kind for name, kind in _locals(module, function, kinds.modules).items() if name not in known}
+        names = "; ".join(f"{name}: {kind}" for name, kind in numbers.items())
         if names:
             edits.append(_beside(module, function, names, place))
     return apply_edits(module.text, edits)
+
+
+def _type_record(module: Module, declared: ast.ClassDef, layout: Layout, place: Places) -> Edit:
+    """A record as a native class: its attributes are machine words, its lists made anew for each object."""
+    names, makes, fields = [], [], []
+    for name, field in layout.places.items():
+        kind = field.of.name if field.of else NUMBER
+        made = f"{field.of.name}()" if field.of else str(field.default)
+        if field.count is not None:
+            kind = f"list[{kind if field.of else 'int'}]"
+            made = f"[{made} for _ in range({field.count})]"
+        of = field.of.name if field.of else None
+        fields.append(f"({name!r}, Field({field.unit!r}, {field.meaning!r}, {field.default}, {field.count}, {of}))")
+        names.append(f"{name}: {kind}")
+        makes.append(f"self.{name} = {made}")
+    start, end = place.start(declared.decorator_list[0]) - 1, place.end(declared)
+    lines = [f"class {declared.name}:",
+             f"    FIELDS: ClassVar[Any] = ({''.join(f'{one}, ' for one in fields)}); {'; '.join(names)}",
+             f"    def __init__(self) -> None: {'; '.join(makes)}"]
+    text = "\n".join(lines)
+    return Edit(start, end - start, text + "\n" * (module.text[start:end].count(b"\n") - 2))
 
 
 def _beside(module: Module, owner: ast.Module | ast.FunctionDef, text: str, place: Places) -> Edit:
@@ -53,9 +91,9 @@ def _type_signature(function: ast.FunctionDef, place: Places) -> list[Edit]:
     arrays = {name for name, kind in _pointers(function) if kind == "ptr32"}
     edits = []
     for parameter in function.args.args:
-        if parameter.annotation is not None:
+        if isinstance(parameter.annotation, ast.Name) and parameter.annotation.id == "int":
             edits.append(Edit(place.start(parameter.annotation), len("int"), NUMBER))
-        else:
+        elif parameter.annotation is None:
             kind = _ARRAY if parameter.arg in arrays else _ANY
             edits.append(Edit(place.end(parameter), 0, f": {kind}"))
     assert function.returns is not None  # check_hot saw to that

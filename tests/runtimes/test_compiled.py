@@ -12,7 +12,7 @@ import pytest
 from host import core
 from host.build import native_core
 from host.build.source import BuildError, read_modules
-from host.build.typed import typed
+from host.build.typed import typed_modules
 from host.errors import UserError
 from host.parity.check import Report, collect, examine, failures, first_difference
 from host.runtimes import Compiled, CPython
@@ -174,7 +174,7 @@ def typed_text(root: Path, text: str) -> str:
     head = '"""One."""\n\nfrom .runtime import const, hot, ptr16, ptr32, table\n\n'
     (root / "shared" / "one.py").write_text(head + text)
     modules = read_modules(root, ("shared",))
-    return typed(modules["shared.one"], modules).decode()
+    return typed_modules(modules)["shared.one"].decode()
 
 
 def test_marks_become_types_and_no_line_moves(tmp_path):

@@ -1,0 +1,184 @@
+"""What a name or an expression stands for, as far as the build must know: records, arrays, objects that hold them."""
+
+import ast
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from .records import Layout, Layouts
+from .source import Module, resolve
+
+MARKS = ("ptr8", "ptr16", "ptr32", "reg16", "reg32")
+
+
+@dataclass(frozen=True)
+class Value:
+    """``text`` names it in the lowered source; a field is in the array ``text`` at ``at``, an expression.
+
+    kind: "number", "array", "record" (a whole one), "within" (a record in another), "run" (a vector or a list of
+    records within one), "object" (of ``owner``, a class), "list" (of ``inner``).
+    """
+
+    kind: str
+    text: str
+    layout: Layout | None = None
+    at: str = "0"
+    owner: tuple[str, str] | None = None
+    inner: "Value | None" = None
+    raw: str = ""  # what to hand on, where ``text`` is a pointer
+
+
+class Kinds:
+    """Finds them through annotations, constructors and the attributes that classes set up; imports nothing."""
+
+    def __init__(self, modules: dict[str, Module]) -> None:
+        self.modules = modules
+        self.layouts = Layouts(modules)
+        self._globals: dict[str, dict[str, Value]] = {}
+        self._classes: dict[tuple[str, str], dict[str, Value]] = {}
+
+    def annotated(self, module: Module, node: ast.expr | None, text: str) -> Value | None:
+        """Return what an annotation says that ``text`` is; None if it is nothing of these."""
+        if isinstance(node, ast.Name):
+            if node.id == "Ints":
+                return Value("array", text, raw=text)
+            layout = self.layouts.find(module, node.id)
+            if layout:
+                return Value("record", text, layout, raw=text)
+            owner = self._class(module, node.id)
+            return Value("object", text, owner=owner, raw=text) if owner else None
+        if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id == "list":
+            inner = self.annotated(module, node.slice, "")
+            return Value("list", text, inner=inner, raw=text) if inner else None
+        return None
+
+    def made(self, module: Module, node: ast.expr, text: str, known: Callable[[ast.expr], Value | None]) -> Value | None:
+        """Return what the value ``node`` makes of ``text``; ``known`` tells of names and attributes."""
+        if isinstance(node, ast.Call):
+            return self._called(module, node, text)
+        if isinstance(node, ast.List | ast.Tuple) and node.elts:
+            inner = self.made(module, node.elts[0], "", known)
+            return Value("list", text, inner=inner, raw=text) if inner else None
+        if isinstance(node, ast.ListComp):
+            inner = self.made(module, node.elt, "", known)
+            return Value("list", text, inner=inner, raw=text) if inner else None
+        found = known(node)
+        return replace(found, text=text, raw=text) if found and found.kind in ("array", "record", "object", "list") else None
+
+    def _called(self, module: Module, call: ast.Call, text: str) -> Value | None:
+        at = self._function(module, call.func)
+        if at is None:
+            return None
+        origin, name = at
+        if name == "zeros":
+            return Value("array", text, raw=text)
+        found = self.annotated(origin, ast.Name(name), text)
+        if found is not None:
+            return found
+        target = resolve(origin, name, self.modules)
+        for node in target[0].tree.body if target else []:
+            if isinstance(node, ast.FunctionDef) and target is not None and node.name == target[1]:
+                return self.annotated(target[0], node.returns, text)
+        return None
+
+    def _function(self, module: Module, node: ast.expr) -> tuple[Module, str] | None:
+        if isinstance(node, ast.Name):
+            return module, node.id
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            origin = module.aliases.get(node.value.id)
+            return (self.modules[origin], node.attr) if origin else None
+        return None
+
+    def globals_of(self, module: Module) -> dict[str, Value]:
+        """Return what a module's own names stand for, and those it imports."""
+        if module.name not in self._globals:
+            self._globals[module.name] = found = {}
+            for name in module.imports:
+                target = resolve(module, name, self.modules)
+                value = self.globals_of(target[0]).get(target[1]) if target and target[0] is not module else None
+                if value is not None:
+                    found[name] = replace(value, text=name, raw=name)
+            for node in module.tree.body:
+                self._take(module, node, found)
+        return self._globals[module.name]
+
+    def _take(self, module: Module, node: ast.stmt, found: dict[str, Value]) -> None:
+        """Take in what an assignment at a module's level makes."""
+        target = node.targets[0] if isinstance(node, ast.Assign) else node.target if isinstance(node, ast.AnnAssign) else None
+        if isinstance(target, ast.Name):
+            value = self.annotated(module, node.annotation, target.id) if isinstance(node, ast.AnnAssign) else None
+            given: ast.expr | None = node.value  # type: ignore[union-attr]
+            if value is None and given is not None:
+                value = self.made(module, given, target.id, lambda e: self._plain(module, e, found))
+            if value is not None:
+                found[target.id] = value
+
+    def _plain(self, module: Module, node: ast.expr, names: dict[str, Value]) -> Value | None:
+        """Return what a name, or a chain of attributes of objects, stands for."""
+        if isinstance(node, ast.Name):
+            return names.get(node.id)
+        if isinstance(node, ast.Attribute):
+            if isinstance(node.value, ast.Name) and node.value.id in module.aliases:
+                return self.globals_of(self.modules[module.aliases[node.value.id]]).get(node.attr)
+            base = self._plain(module, node.value, names)
+            return self.attribute(base, node.attr) if base else None
+        if isinstance(node, ast.Subscript):
+            base = self._plain(module, node.value, names)
+            return base.inner if base and base.kind == "list" else None
+        return None
+
+    def attribute(self, base: Value, name: str) -> Value | None:
+        """Return what attribute ``name`` of an object is; its text is the base's with the name behind."""
+        if base.owner is None:
+            return None
+        value = self._members(base.owner).get(name)
+        text = f"{base.raw or base.text}.{name}"
+        return replace(value, text=text, raw=text) if value else None
+
+    def members(self, owner: tuple[str, str]) -> set[str]:
+        """Return the names of the attributes that are known of a class."""
+        return set(self._members(owner))
+
+    def _class(self, module: Module, name: str) -> tuple[str, str] | None:
+        found = resolve(module, name, self.modules)
+        if found and any(isinstance(n, ast.ClassDef) and n.name == found[1] for n in found[0].tree.body):
+            return found[0].name, found[1]
+        return None
+
+    def _members(self, owner: tuple[str, str]) -> dict[str, Value]:
+        if owner not in self._classes:
+            self._classes[owner] = found = {}
+            module = self.modules[owner[0]]
+            declared = next(n for n in module.tree.body if isinstance(n, ast.ClassDef) and n.name == owner[1])
+            for base in declared.bases:
+                above = self._class(module, base.id) if isinstance(base, ast.Name) else None
+                found.update(self._members(above) if above else {})
+            for node in declared.body:
+                if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                    self._keep(found, node.target.id, self.annotated(module, node.annotation, ""))
+            for method in (n for n in declared.body if isinstance(n, ast.FunctionDef)):
+                self._assigned(module, owner, method, found)
+        return self._classes[owner]
+
+    def _assigned(self, module: Module, owner: tuple[str, str], method: ast.FunctionDef, found: dict[str, Value]) -> None:
+        names = dict(self.globals_of(module)) | self.parameters(module, method, owner)
+        for node in ast.walk(method):
+            target = node.targets[0] if isinstance(node, ast.Assign) else None
+            if isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self":
+                value = self.made(module, node.value, "", lambda e: self._plain(module, e, names))  # type: ignore[attr-defined]
+                self._keep(found, target.attr, value)
+
+    def parameters(self, module: Module, function: ast.FunctionDef, owner: tuple[str, str] | None) -> dict[str, Value]:
+        """Return what a function's parameters stand for; ``owner``: the class it is a method of."""
+        found = {}
+        for at, given in enumerate(function.args.args):
+            value = self.annotated(module, given.annotation, given.arg)
+            if at == 0 and owner and given.arg == "self":
+                value = Value("object", "self", owner=owner, raw="self")
+            if value:
+                found[given.arg] = value
+        return found
+
+    @staticmethod
+    def _keep(found: dict[str, Value], name: str, value: Value | None) -> None:
+        if value is not None and name not in found:
+            found[name] = value

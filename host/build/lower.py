@@ -1,0 +1,314 @@
+"""Records become arrays: ``trot.weight`` becomes ``_trot[0]`` behind an alias made at the head of the function.
+
+What the other steps of the build read (rules, viper, C) has arrays and indices only. Lines stay where they are. A
+record is read and written through a parameter or a local name; handed on, it goes as it is.
+"""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+from .kinds import MARKS, Kinds, Value
+from .records import Layout, records_of
+from .rewrite import Edit, Places, apply_edits
+from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
+
+
+def lowered_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, Module]:
+    """Return the modules of ``packages`` under ``root`` by name, without records. BuildError with file and line."""
+    return lower(read_modules(root, packages))
+
+
+def lower(modules: dict[str, Module]) -> dict[str, Module]:
+    """Return the modules with arrays in the place of records. BuildError names file, line and what is wrong."""
+    kinds = Kinds(modules)
+    fields = kinds.layouts.names()
+    made = {name: _lowered(module, kinds, fields) for name, module in modules.items()} if fields else modules
+    return refresh(made) if fields else modules
+
+
+def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
+    place = Places(module.text)
+    edits: list[Edit] = []
+    declared = records_of(module.tree)
+    for node in declared:
+        layout = kinds.layouts.find(module, node.name)
+        assert layout is not None
+        edits.append(_constructor(module, node, layout, place))
+    edits += _imports(module, bool(declared), place)
+    inside = {id(n) for node in declared for n in ast.walk(node)}
+    hot = {id(function) for function in hot_functions(module.tree)}
+    edits += Lowering(module, kinds, fields, place).module_level(inside)
+    for function, owner in _functions(module):
+        edits += Lowering(module, kinds, fields, place).function(function, owner, id(function) in hot)
+    text = apply_edits(module.text, edits)
+    return Module(module.name, module.path, text, ast.parse(text, module.path), module.is_package)
+
+
+def _functions(module: Module) -> list[tuple[ast.FunctionDef, tuple[str, str] | None]]:
+    found: list[tuple[ast.FunctionDef, tuple[str, str] | None]] = []
+    for node in module.tree.body:
+        if isinstance(node, ast.FunctionDef):
+            found.append((node, None))
+        elif isinstance(node, ast.ClassDef):
+            found += [(inner, (module.name, node.name)) for inner in node.body if isinstance(inner, ast.FunctionDef)]
+    return found
+
+
+def _constructor(module: Module, node: ast.ClassDef, layout: Layout, place: Places) -> Edit:
+    """The class becomes a function that makes its array."""
+    given = [(at, value) for at, value in enumerate(layout.defaults()) if value]
+    start, end = place.start(node.decorator_list[0]) - 1, place.end(node)
+    lines = module.text[start:end].count(b"\n")
+    values = f", ({''.join(f'{pair}, ' for pair in given)})" if given else ""
+    return Edit(start, end - start, f"def {node.name}(): return block({layout.size}{values})" + "\n" * lines)
+
+
+def _imports(module: Module, declares: bool, place: Places) -> list[Edit]:
+    """What only declares records is not imported: ``Ints`` and the kinds of fields."""
+    edits = []
+    for node in module.tree.body:
+        if not isinstance(node, ast.ImportFrom) or (node.module or "").split(".")[-1] not in ("record", "runtime"):
+            continue
+        gone = ("Ints", "field", "vector", "part", "parts", "record")
+        names = [name.name for name in node.names if name.name not in gone]
+        if (node.module or "").endswith("record") and declares:
+            names.append("block")
+        if len(names) != len(node.names) or "block" in names:
+            source = "." * node.level + (node.module or "")
+            lines = "\n" * ((node.end_lineno or node.lineno) - node.lineno)
+            text = f"from {source} import {', '.join(names)}" if names else "pass"
+            edits.append(Edit(place.start(node), place.end(node) - place.start(node), text + lines))
+    return edits
+
+
+class Lowering:
+    """The edits of one function, or of what stands at a module's level."""
+
+    def __init__(self, module: Module, kinds: Kinds, fields: set[str], place: Places) -> None:
+        self.module, self.kinds, self.fields, self.place = module, kinds, fields, place
+        self.names: dict[str, Value] = dict(kinds.globals_of(module))
+        self.hot = False
+        self._heads: dict[str, str] = {}  # aliases to be made at the function's head
+        self._given: set[str] = set()
+
+    def module_level(self, inside: set[int]) -> list[Edit]:
+        """Return the edits of the statements outside functions and records."""
+        edits: list[Edit] = []
+        for node in self.module.tree.body:
+            if not isinstance(node, ast.FunctionDef | ast.ClassDef) and id(node) not in inside:
+                edits += self._edits(node)
+        return edits
+
+    def function(self, function: ast.FunctionDef, owner: tuple[str, str] | None, hot: bool) -> list[Edit]:
+        """Return the edits of a function; ``owner``: the class it is a method of."""
+        given = self.kinds.parameters(self.module, function, owner)
+        self.hot = hot
+        for argument in function.args.args:
+            self.names.pop(argument.arg, None)
+        self.names |= given
+        self._given = set(given)
+        edits: list[Edit] = []
+        self._assignments(function)
+        for statement in function.body:
+            edits += self._edits(statement)
+        for argument in function.args.args if hot else []:
+            if argument.arg in given and argument.annotation is not None:
+                start = self.place.start(argument) + len(argument.arg)
+                edits.append(Edit(start, self.place.end(argument.annotation) - start, ""))
+        if self._heads:
+            edits.append(self._head(function))
+        return edits
+
+    def known(self, function: ast.FunctionDef) -> set[str]:
+        """Return the parameters and local names of a hot function that are more than a number."""
+        given = self.kinds.parameters(self.module, function, None)
+        for argument in function.args.args:
+            self.names.pop(argument.arg, None)
+        self.names |= given
+        self._assignments(function)
+        return set(self.names)
+
+    # what local names stand for
+
+    def _assignments(self, function: ast.FunctionDef) -> None:
+        """Learn, in order, what is kept under local names."""
+        targets = sorted((n for n in ast.walk(function) if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)),
+                         key=lambda n: n.lineno)
+        for node in targets:
+            name = node.targets[0].id  # type: ignore[attr-defined]
+            value = self._local(name, node.value)
+            known = self.names.get(name)
+            if value is None:
+                if known is not None and name not in self._given and not _marked(node.value):
+                    self.names.pop(name)
+            else:
+                if known is not None and known.kind == value.kind and known.raw != value.raw and value.kind == "record":
+                    raise self.module.error(node, f"{name} stands for {known.raw} already: one name for one record")
+                self.names[name] = value
+
+    def _local(self, name: str, node: ast.expr) -> Value | None:
+        found = self.resolve(node)
+        if found is None:
+            return self.kinds.made(self.module, node, name, self.resolve) if isinstance(node, ast.Call | ast.List | ast.ListComp) and not self.hot else None
+        if found.kind in ("within", "run"):
+            return replace(found, at=name)
+        if self.hot and found.kind in ("record", "array"):
+            return replace(found, text=name, raw=found.raw)
+        if self.hot and found.kind == "object":
+            return found
+        if found.kind in ("record", "array", "object", "list"):
+            return replace(found, text=name, raw=name)
+        return None
+
+    # expressions
+
+    def resolve(self, node: ast.expr) -> Value | None:
+        """Return what an expression of names, attributes and elements stands for; None if nothing is known of it."""
+        if isinstance(node, ast.Name):
+            return self.names.get(node.id)
+        if isinstance(node, ast.Attribute):
+            return self._attribute(node)
+        if isinstance(node, ast.Subscript):
+            return self._element(node)
+        return None
+
+    def _attribute(self, node: ast.Attribute) -> Value | None:
+        if isinstance(node.value, ast.Name) and node.value.id in self.module.aliases and node.value.id not in self.names:
+            origin = self.kinds.modules[self.module.aliases[node.value.id]]
+            found = self.kinds.globals_of(origin).get(node.attr)
+            text = f"{node.value.id}.{node.attr}"
+            return replace(found, text=text, raw=text) if found else None
+        base = self.resolve(node.value)
+        if base is None:
+            if node.attr in self.fields and not self._is_module(node.value):
+                raise self.module.error(node, f"what is {ast.unparse(node.value)}? .{node.attr} is a field of a record: "
+                                              "annotate it")
+            return None
+        if base.kind in ("record", "within"):
+            assert base.layout is not None
+            place = base.layout.places.get(node.attr)
+            if place is None:
+                raise self.module.error(node, f"{base.layout.name} has no field {node.attr}")
+            at = _sum(base.at, str(place.at))
+            if place.count is None and place.of is None:
+                return Value("number", self._root(base, node), at=at)
+            kind = "within" if place.count is None else "run"
+            return Value(kind, self._root(base, node), place.of, at, raw=base.raw)
+        return self.kinds.attribute(base, node.attr)
+
+    def _element(self, node: ast.Subscript) -> Value | None:
+        base = self.resolve(node.value)
+        if base is None or isinstance(node.slice, ast.Slice):
+            return None
+        if base.kind == "list":
+            assert base.inner is not None
+            text = f"{base.text}[{self._text(node.slice)}]"
+            return replace(base.inner, text=text, raw=text)
+        if base.kind == "run":
+            size = base.layout.size if base.layout else 1
+            at = _sum(base.at, self._times(node.slice, size))
+            return Value("within" if base.layout else "number", base.text, base.layout, at, raw=base.raw)
+        if base.kind == "array":
+            if not self.hot:
+                return None  # an array's element needs no change
+            return Value("number", self._root(base, node), at=self._text(node.slice))
+        return None
+
+    def _root(self, base: Value, node: ast.expr) -> str:
+        """Return the name of the array; in hot functions that of its alias."""
+        if not self.hot or base.kind in ("within",):
+            return base.text
+        if base.text in self._given and base.text == base.raw:
+            self._heads[base.text] = f"_{base.text}"
+            return f"_{base.text}"
+        if not base.text.isidentifier():
+            raise self.module.error(node, f"{base.text} is read through a name: give it one first")
+        return base.text
+
+    def _times(self, index: ast.expr, size: int) -> str:
+        value = constant_value(index, self.module.constants)
+        if value is not None:
+            return str(value * size)
+        text = self._text(index)
+        if not isinstance(index, ast.Name | ast.BinOp) or (size != 1 and not isinstance(index, ast.Name)):
+            text = f"({text})"
+        return text if size == 1 else f"{text} * {size}"
+
+    def _is_module(self, node: ast.expr) -> bool:
+        return isinstance(node, ast.Name) and node.id in self.module.aliases
+
+    # edits
+
+    def _text(self, node: ast.expr) -> str:
+        """Return the source of an expression with its own edits made."""
+        start, end = self.place.start(node), self.place.end(node)
+        edits = [replace(edit, offset=edit.offset - start) for edit in self._edits(node)]
+        return apply_edits(self.module.text[start:end], edits).decode()
+
+    def _edits(self, node: ast.AST) -> list[Edit]:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            edit = self._kept(node, node.targets[0].id)
+            if edit is not None:
+                return [edit]
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS:
+            return []  # an alias made by hand
+        if isinstance(node, ast.Attribute | ast.Subscript | ast.Name):
+            found = self.resolve(node)
+            if found is not None and (changed := self._changed(node, found)) is not None:
+                return [Edit(self.place.start(node), self.place.end(node) - self.place.start(node), changed)]
+        edits: list[Edit] = []
+        for child in ast.iter_child_nodes(node):
+            edits += self._edits(child)
+        return edits
+
+    def _kept(self, node: ast.Assign, name: str) -> Edit | None:
+        """The edit of ``name = a record, a part of one or an object``."""
+        found = self.resolve(node.value)
+        if found is None:
+            return None
+        start, size = self.place.start(node.value), self.place.end(node.value) - self.place.start(node.value)
+        if found.kind in ("within", "run"):
+            return Edit(start, size, found.at)
+        if self.hot and found.kind in ("record", "array"):
+            return Edit(start, size, f"ptr32({found.raw})")
+        if self.hot and found.kind == "object":
+            return Edit(self.place.start(node), self.place.end(node) - self.place.start(node), "pass")
+        return None
+
+    def _changed(self, node: ast.expr, found: Value) -> str | None:
+        """Return the new text of an expression; None: as it is."""
+        if found.kind == "number":
+            return f"{found.text}[{found.at}]"
+        if found.kind in ("within", "run"):
+            raise self.module.error(node, f"{ast.unparse(node)} is a part of a block: hand on the block and an index")
+        if isinstance(node, ast.Name):
+            store = isinstance(node.ctx, ast.Store)
+            return None if store or found.raw in ("", node.id) else found.raw
+        return found.raw if found.raw and found.raw != ast.unparse(node) else None
+
+    def _head(self, function: ast.FunctionDef) -> Edit:
+        """Make the aliases, on a line that is there."""
+        text = "; ".join(f"{alias} = ptr32({name})" for name, alias in self._heads.items())
+        first = function.body[0]
+        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+            return Edit(self.place.end(first), 0, f"; {text}")
+        if hasattr(first, "body"):
+            raise self.module.error(first, "a hot function that begins with a block needs a docstring before it")
+        return Edit(self.place.start(first), 0, f"{text}; ", rank=-2)
+
+
+def _marked(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS
+
+
+def _sum(left: str, right: str) -> str:
+    """Return two expressions added; numbers are."""
+    if left == "0" or right == "0":
+        return right if left == "0" else left
+    if left.isdigit() and right.isdigit():
+        return str(int(left) + int(right))
+    head, _, tail = left.rpartition(" + ")
+    if head and tail.isdigit() and right.isdigit():
+        return f"{head} + {int(tail) + int(right)}"
+    return f"{left} + {right}"

@@ -1,0 +1,129 @@
+"""Records: blocks of integers whose places have names, declared once with unit and meaning.
+
+    @record
+    class Sway:
+        now: int = field("lu", "body to the left of the feet")
+        age: Ints = vector(LEGS, "ticks", "since the planned touchdown, 0 in swing")
+
+``Sway()`` has every value at its default. Here it is an object with an attribute a field; for viper, native code and C
+the build makes one array of it and an index of each name (host/build/records.py). A record may hold others: ``part``
+one, ``parts`` a list of them. What crosses a border as integers goes through ``pack`` and ``unpack``.
+"""
+
+from array import array
+from sys import implementation
+
+_CPYTHON = implementation.name == "cpython"
+_made = [0]  # how many fields have been declared: MicroPython does not keep a class's names in order
+
+
+class Field:
+    """What a record holds under a name: ``count`` integers, one if None; or as many records ``of`` a class."""
+
+    def __init__(self, unit, meaning, default, count, of):
+        _made[0] += 1
+        self.order = _made[0]
+        self.unit = unit
+        self.meaning = meaning
+        self.default = default
+        self.count = count
+        self.of = of
+
+    def make(self):
+        """Return a new value of it."""
+        one = self.of or (lambda: self.default)
+        return one() if self.count is None else [one() for _ in range(self.count)]
+
+
+def field(unit, meaning, default=0):
+    """Declare one integer: ``name: int = field(unit, meaning)``."""
+    return Field(unit, meaning, default, None, None)
+
+
+def vector(count, unit, meaning, default=0):
+    """Declare ``count`` integers: ``name: Ints = vector(count, unit, meaning)``."""
+    return Field(unit, meaning, default, count, None)
+
+
+def part(of, meaning):
+    """Declare a record in the record: ``name: Leg = part(Leg, meaning)``."""
+    return Field("", meaning, 0, None, of)
+
+
+def parts(count, of, meaning):
+    """Declare ``count`` records in the record: ``name: list[Leg] = parts(LEGS, Leg, meaning)``."""
+    return Field("", meaning, 0, count, of)
+
+
+def record(declared):
+    """Return the class whose objects have the fields that the class ``declared`` declares."""
+    found = [(name, place) for name, place in declared.__dict__.items() if isinstance(place, Field)]
+    found.sort(key=lambda pair: pair[1].order)
+
+    def begin(self):
+        for name, place in found:
+            setattr(self, name, place.make())
+
+    if _CPYTHON:  # with slots an attribute is read as fast as a list's element
+        body = {"__slots__": [name for name, _ in found], "__doc__": declared.__doc__, "__module__": declared.__module__}
+        declared = type(declared.__name__, (), body)
+    declared.__init__ = begin
+    declared.FIELDS = tuple(found)
+    return declared
+
+
+def block(size, given=()):
+    """Return what the build makes of a record: ``size`` integers, 0 but for the pairs of place and value ``given``."""
+    made = array("i", [0] * size)
+    for at, value in given:
+        made[at] = value
+    return made
+
+
+def pack(values):
+    """Return the integers of a record, or of an array, in the order of its declaration."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        return list(values)
+    made = []
+    for name, place in fields:
+        value = getattr(values, name)
+        for one in [value] if place.count is None else value:
+            if place.of:
+                made += pack(one)
+            else:
+                made.append(one)
+    return made
+
+
+def unpack(values, integers):
+    """Write integers into a record, or an array, in the order of its declaration; ValueError if their number differs."""
+    left = list(integers)
+    left.reverse()
+    _take(values, left)
+    if left:
+        raise ValueError("%d integers too many" % len(left))
+
+
+def _take(values, left):
+    """Take the record's integers off the end of ``left``."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        for at in range(len(values)):
+            values[at] = _next(left)
+        return
+    for name, place in fields:
+        if place.of:
+            value = getattr(values, name)
+            for one in [value] if place.count is None else value:
+                _take(one, left)
+        elif place.count is None:
+            setattr(values, name, _next(left))
+        else:
+            _take(getattr(values, name), left)
+
+
+def _next(left):
+    if not left:
+        raise ValueError("integers are missing")
+    return left.pop()
