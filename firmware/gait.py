@@ -20,7 +20,7 @@ from shared.command import (
     MODE_WALK,
 )
 from shared.gaits import GAIT_NAMES
-from shared.params import JOINTS, P_RATE_HZ
+from shared.params import JOINTS, Params
 from shared.planner import Planner, plan
 from shared.planner_layout import (
     N_GAIT,
@@ -88,7 +88,7 @@ class GaitBoard:
     The frames it answers with lie in ``ready``, ``setpoints`` and ``reading``, each as many bytes as are to be sent.
     """
 
-    def __init__(self, params, attitude, sensor):
+    def __init__(self, params: Params, attitude, sensor):
         self.planner = Planner(params)
         self.sensor = sensor
         self.command = int_block(COMMAND_SIZE)  # as received
@@ -100,7 +100,7 @@ class GaitBoard:
         self.setpoints = bytearray(SETPOINTS_BYTES)
         self.reading = bytearray(READING_BYTES)
         self.ready = bytearray(READY_BYTES)
-        self.rate_hz = params[P_RATE_HZ]
+        self.rate_hz = params.rate_hz
         self.numbers = int_block(BOARD_SIZE)
         self.numbers[B_STALE] = self.numbers[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
         at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)

@@ -23,7 +23,6 @@ from shared.command import (
 )
 from shared.gait import G_VX_MAX
 from shared.gaits import GAIT_NAMES
-from shared.params import P_VX_MAX
 from shared.planner import Planner
 from shared.runtime import zeros
 
@@ -63,7 +62,7 @@ class Driver:
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
-        self.planner = Planner(list(core_params(robot, rate_hz, planar)))  # a list: see shared/runtime.py
+        self.planner = Planner(core_params(robot, rate_hz, planar))
         self.command = Command(gait=robot.gait.default)
         self._command: list[int] = zeros(COMMAND_SIZE)
         self._sensed: list[int] = zeros(core.SENSED_SIZE)
@@ -90,7 +89,7 @@ class Driver:
         The crawl over obstacles takes its own time; the figure is that of the table it goes over to.
         """
         most = self.planner.gaits[gait_index(gait)][G_VX_MAX]
-        key = "vx_m_s" if most == self.planner.params[P_VX_MAX] else "stride_m"
+        key = "vx_m_s" if most == self.planner.params.speed_max[0] else "stride_m"
         return self.scale.metres_per_second(most), f"speed_limits.{key}"
 
     def set_command(self, **wish: object) -> None:

@@ -9,7 +9,6 @@ from typing import Any
 
 from shared import adaptive, handover
 from shared import crawl_layout as crawl
-from shared import params as p
 from shared import planner_layout as core
 from shared.adaptive import BEHIND_STEP
 from shared.gaits import GAIT_NAMES
@@ -34,8 +33,8 @@ def gait_now(driver: Driver) -> str:
 def change_reason(driver: Driver) -> str:
     """Return why trot and crawl were last exchanged, "" if they were not."""
     params = driver.planner.params
-    behind_mm = 1000 * driver.scale.metres(params[p.P_LEG_LENGTH] * 3 >> 5)
-    held_s = params[p.P_ADVICE_TICKS] / BEHIND_STEP / driver.rate_hz
+    behind_mm = 1000 * driver.scale.metres(params.leg_length * 3 >> 5)
+    held_s = params.advice_ticks / BEHIND_STEP / driver.rate_hz
     crawls = driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
     return {
         handover.REASON_NONE: "",

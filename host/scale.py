@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, degrees, floor, isqrt, pi, sqrt
 
-from shared import params as p
 from shared.attitude import (
     A_ALIGN_TICKS,
     A_GYRO_Q30,
@@ -18,6 +17,7 @@ from shared.attitude import (
     ATTITUDE_SIZE,
     attitude_reset,
 )
+from shared.params import LEGS, LF_BITS, Gains, Params
 from shared.runtime import zeros
 
 from .errors import UserError
@@ -76,11 +76,11 @@ class Scale:
 
     def lf_per_tick(self, speed_m_s: float) -> int:
         """Return a speed in 1/256 length units per tick."""
-        return round(speed_m_s * (1 << (self.length_shift + p.LF_BITS)) / self.rate_hz)
+        return round(speed_m_s * (1 << (self.length_shift + LF_BITS)) / self.rate_hz)
 
     def metres_per_second(self, speed_lf_per_tick: float) -> float:
         """Return a speed in m/s."""
-        return speed_lf_per_tick * self.rate_hz / (1 << (self.length_shift + p.LF_BITS))
+        return speed_lf_per_tick * self.rate_hz / (1 << (self.length_shift + LF_BITS))
 
     def yaw18_per_tick(self, turn_rad_s: float) -> int:
         """Return a turning speed in 2^-18 rad per tick."""
@@ -92,32 +92,32 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
     return Scale(robot.length_shift, robot.control.rate_hz if rate_hz is None else rate_hz)
 
 
-def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> list[int]:
-    """Return the robot as the core's block of integers (shared/params.py); ``planar``: it may not sway sideways.
+def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
+    """Return the robot as the core's integers (shared/params.py); ``planar``: it may not sway sideways.
 
     Raises UserError, naming the key, where a value of the file can't be had at this rate.
     """
     scale = scale_of(robot, rate_hz)
-    block = zeros(p.P_SIZE)
-    block[p.P_RATE_HZ] = scale.rate_hz
-    block[p.P_LENGTH_SHIFT] = scale.length_shift
-    _speeds(block, robot, scale)
-    _pose_limits(block, robot, scale)
-    _balance(block, robot, scale.rate_hz)
-    block[p.P_JOINT_STEP] = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
-    block[p.P_SIT_Z] = -scale.lu(robot.stance.sit_height_m)
-    block[p.P_STRIDE_MAX] = scale.lu(robot.speed_limits.stride_m)
-    _joint_speeds(block, robot, scale.rate_hz)
-    for leg in range(p.LEGS):
-        _leg(block, robot, scale, leg)
-    _compliance(block, robot, scale)
-    _adaptive(block, robot, scale)
+    params = Params()
+    params.rate_hz = scale.rate_hz
+    params.length_shift = scale.length_shift
+    _speeds(params, robot, scale)
+    _pose_limits(params, robot, scale)
+    _balance(params, robot, scale.rate_hz)
+    params.joint_step = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
+    params.sit_z = -scale.lu(robot.stance.sit_height_m)
+    params.stride_max = scale.lu(robot.speed_limits.stride_m)
+    _joint_speeds(params, robot, scale.rate_hz)
+    for leg in range(LEGS):
+        _leg(params, robot, scale, leg)
+    _compliance(params, robot, scale)
+    _adaptive(params, robot, scale)
     if planar:
-        block[p.P_LATERAL_Q12] = 0
-    return block
+        params.lateral_q12 = 0
+    return params
 
 
-def _speeds(block: list[int], robot: Robot, scale: Scale) -> None:
+def _speeds(params: Params, robot: Robot, scale: Scale) -> None:
     limits = robot.speed_limits
     values = (
         ("vx_m_s", scale.lf_per_tick(limits.vx_m_s)),
@@ -133,53 +133,53 @@ def _speeds(block: list[int], robot: Robot, scale: Scale) -> None:
                 f"speed_limits.{key}: {getattr(limits, key):g} is too fast for {scale.rate_hz} Hz: "
                 f"lower it, or raise control.rate_hz"
             )
-        block[p.P_VX_MAX + at] = max(1, value)
+        (params.speed_max if at < 3 else params.speed_slew)[at % 3] = max(1, value)
 
 
-def _pose_limits(block: list[int], robot: Robot, scale: Scale) -> None:
+def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
     limits = robot.body_limits
     for axis, length_m in enumerate((limits.x_m, limits.y_m, limits.z_m)):
-        block[p.P_POSE_MAX + axis] = scale.lu(length_m)
-        block[p.P_POSE_SLEW + axis] = max(1, scale.lu(limits.shift_m_s / scale.rate_hz))
+        params.pose_max[axis] = scale.lu(length_m)
+        params.pose_slew[axis] = max(1, scale.lu(limits.shift_m_s / scale.rate_hz))
     for axis, angle_rad in enumerate(limits.angles_rad):
-        block[p.P_POSE_MAX + 3 + axis] = brad(angle_rad)
-        block[p.P_POSE_SLEW + 3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
+        params.pose_max[3 + axis] = brad(angle_rad)
+        params.pose_slew[3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
 
 
-def _gains(block: list[int], first: int, table: str, gains: Balance | Adaptive, rate_hz: int) -> None:
-    """Write kp, ki and kd of a table of the file as the three gains of shared/pid.py, from ``block[first]`` on."""
+def _gains(given: Gains, table: str, gains: Balance | Adaptive, rate_hz: int) -> None:
+    """Write kp, ki and kd of a table of the file as the three gains of shared/pid.py."""
     values = (
-        ("kp", gains.kp * Q12),
-        ("ki_1_s", gains.ki_1_s / rate_hz * Q16),
-        ("kd_s", gains.kd_s * rate_hz * Q10),
+        ("kp", "kp_q12", gains.kp * Q12),
+        ("ki_1_s", "ki_q16", gains.ki_1_s / rate_hz * Q16),
+        ("kd_s", "kd_q10", gains.kd_s * rate_hz * Q10),
     )
-    for at, (key, value) in enumerate(values):
+    for key, name, value in values:
         if round(value) > LARGEST_GAIN:
             wanted = getattr(gains, key)
             largest = wanted * LARGEST_GAIN / value
             raise UserError(f"{table}.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
-        block[first + at] = round(value)
+        setattr(given, name, round(value))
 
 
-def _balance(block: list[int], robot: Robot, rate_hz: int) -> None:
+def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
     gains = robot.balance
-    _gains(block, p.P_KP_Q12, "balance", gains, rate_hz)
-    block[p.P_INTEGRAL_MAX] = brad(gains.integral_limit_rad)
-    block[p.P_BALANCE_MAX] = brad(gains.output_limit_rad)
+    _gains(params.gains[0], "balance", gains, rate_hz)
+    params.integral_max = brad(gains.integral_limit_rad)
+    params.balance_max = brad(gains.output_limit_rad)
 
 
-def _joint_speeds(block: list[int], robot: Robot, rate_hz: int) -> None:
+def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
     """Fill in how fast goals may move, and how far a reading may be from the one before.
 
     A joint pushed from outside turns faster than its motor does, and a bus may be late by a tick: twice as far.
     """
     motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
     for joint, times in enumerate((1.0, 1.0, ratio)):
-        block[p.P_JOINT_TOP + joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
-    block[p.P_JOINT_NEAR] = min(block[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]) >> int(robot.calf_drive.coupled)
+        params.joint_top[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
+    params.joint_near = min(params.joint_top) >> int(robot.calf_drive.coupled)
     calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
-    block[p.P_READ_STEP] = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, BUS_DELAY_S))
-    block[p.P_TILT_STEP] = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, BUS_DELAY_S))
+    params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, BUS_DELAY_S))
+    params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, BUS_DELAY_S))
 
 
 def _brad_step(speed_rad_s: float, time_s: float) -> int:
@@ -187,29 +187,29 @@ def _brad_step(speed_rad_s: float, time_s: float) -> int:
     return min(32767, max(1, floor(speed_rad_s * time_s * BRAD_PER_RAD)))
 
 
-def _leg(block: list[int], robot: Robot, scale: Scale, leg: int) -> None:
-    base = p.P_SIZE_BODY + leg * p.LEG_SIZE
+def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
+    base = params.legs[leg]
     l1, l2, l3 = (scale.lu(length_m) for length_m in robot.geometry.links_m)
-    block[base + p.LEG_SIDE_L1] = robot.side(leg) * l1
-    block[base + p.LEG_L2] = l2
-    block[base + p.LEG_L3] = l3
-    block[base + p.LEG_KNEE] = robot.knee_sign(leg)
-    block[base + p.LEG_OUTER_SQ] = (l2 + l3) ** 2
-    block[base + p.LEG_INNER_SQ] = (l2 - l3) ** 2
-    block[base + p.LEG_HALF_DIFF] = (l2 * l2 - l3 * l3) // 2
-    block[base + p.LEG_REACH] = isqrt(l1 * l1 + (l2 + l3) ** 2)
-    block[base + p.LEG_NEAR] = ceil(sqrt(l1 * l1 + (l2 - l3) ** 2))
+    base.hip_length = robot.side(leg) * l1
+    base.thigh_length = l2
+    base.calf_length = l3
+    base.knee = robot.knee_sign(leg)
+    base.outer_sq = (l2 + l3) ** 2
+    base.inner_sq = (l2 - l3) ** 2
+    base.half_diff = (l2 * l2 - l3 * l3) // 2
+    base.longest = isqrt(l1 * l1 + (l2 + l3) ** 2)
+    base.shortest = ceil(sqrt(l1 * l1 + (l2 - l3) ** 2))
     for joint, (low_rad, high_rad) in enumerate(robot.joint_limits_rad(leg)):
-        block[base + p.LEG_MIN + joint] = ceil(low_rad * BRAD_PER_RAD)
-        block[base + p.LEG_MAX + joint] = floor(high_rad * BRAD_PER_RAD)
+        base.lowest[joint] = ceil(low_rad * BRAD_PER_RAD)
+        base.highest[joint] = floor(high_rad * BRAD_PER_RAD)
     hip_m = (*robot.hip_m(leg), 0.0)
     foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
     for axis in range(3):
-        block[base + p.LEG_HIP + axis] = scale.lu(hip_m[axis])
-        block[base + p.LEG_REST + axis] = scale.lu(hip_m[axis]) + scale.lu(foot_m[axis])
+        base.hip[axis] = scale.lu(hip_m[axis])
+        base.rest[axis] = scale.lu(hip_m[axis]) + scale.lu(foot_m[axis])
 
 
-def _compliance(block: list[int], robot: Robot, scale: Scale) -> None:
+def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
     """Fill in how the joints give under load, in own weights, and where the mass lies."""
     weight_N, gives = robot.mass_kg * GRAVITY_M_S2, []
     for joint, drive in enumerate(joint_drives(robot)):
@@ -217,22 +217,22 @@ def _compliance(block: list[int], robot: Robot, scale: Scale) -> None:
         give = robot.gait.sag_compensation / stiffness
         damping = drive.damping_Nms_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD * scale.rate_hz
         gives.append(give)
-        block[p.P_SAG_Q16 + joint] = round(give * Q16)
-        block[p.P_STIFF_Q8 + joint] = min(LARGEST_GAIN, round(stiffness * Q8))
-        block[p.P_DAMP_Q8 + joint] = min(LARGEST_GAIN, round(damping * Q8))
+        params.sag_q16[joint] = round(give * Q16)
+        params.stiff_q8[joint] = min(LARGEST_GAIN, round(stiffness * Q8))
+        params.damp_q8[joint] = min(LARGEST_GAIN, round(damping * Q8))
     softest = max(range(len(gives)), key=gives.__getitem__)
     if gives[softest] * Q16 > LARGEST_GAIN:
         most = robot.gait.sag_compensation * LARGEST_GAIN / Q16 / gives[softest]
         raise UserError(_too_soft(robot, softest, most))
-    block[p.P_COUPLED] = int(robot.calf_drive.coupled)
-    block[p.P_SAGS] = int(robot.gait.sag_compensation > 0)
+    params.coupled = int(robot.calf_drive.coupled)
+    params.sags = int(robot.gait.sag_compensation > 0)
     com_m = com_at_rest_m(robot)
-    block[p.P_COM_X], block[p.P_COM_Y] = scale.lu(com_m[0]), scale.lu(com_m[1])
-    block[p.P_FOOT_RADIUS] = scale.lu(robot.geometry.foot_radius_m)
-    block[p.P_SENT_TICKS] = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
-    block[p.P_LOAD_SLEW_Q12] = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
-    block[p.P_LEG_LENGTH] = block[p.P_SIZE_BODY + p.LEG_L2] + block[p.P_SIZE_BODY + p.LEG_L3]
-    block[p.P_LATERAL_Q12] = round(robot.gait.lateral_shift * Q12)
+    params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
+    params.foot_radius = scale.lu(robot.geometry.foot_radius_m)
+    params.sent_ticks = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
+    params.load_slew_q12 = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
+    params.leg_length = params.legs[0].thigh_length + params.legs[0].calf_length
+    params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
 
 
 def _too_soft(robot: Robot, joint: int, most: float) -> str:
@@ -249,32 +249,33 @@ def _too_soft(robot: Robot, joint: int, most: float) -> str:
     )
 
 
-def _adaptive(block: list[int], robot: Robot, scale: Scale) -> None:
+def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
     """Fill in what the adaptive trot needs; its times grow with the time constant of tipping."""
     own, rate, limits = robot.adaptive, scale.rate_hz, robot.speed_limits
-    block[p.P_RAISE], block[p.P_FORWARD] = scale.lu(own.raise_m), scale.lu(own.forward_m)
-    block[p.P_LEG_LONGEST] = scale.lu(own.longest_leg_m)
-    block[p.P_HEIGHT_SLEW] = max(1, scale.lu(HEIGHT_M_S / rate))
-    block[p.P_START_SPEED] = max(1, scale.lf_per_tick(own.start_m_s))
-    block[p.P_START_SLEW] = max(1, scale.lf_per_tick(own.start_m_s2 / rate))
-    block[p.P_SLOW_SPEED] = scale.lf_per_tick(limits.vx_m_s / 2)
-    block[p.P_FAST_SPEED] = scale.lf_per_tick(limits.vx_m_s)
+    params.body_raise, params.body_forward = scale.lu(own.raise_m), scale.lu(own.forward_m)
+    params.leg_longest = scale.lu(own.longest_leg_m)
+    params.height_slew = max(1, scale.lu(HEIGHT_M_S / rate))
+    params.start_speed = max(1, scale.lf_per_tick(own.start_m_s))
+    params.start_slew = max(1, scale.lf_per_tick(own.start_m_s2 / rate))
+    params.slow_speed = scale.lf_per_tick(limits.vx_m_s / 2)
+    params.fast_speed = scale.lf_per_tick(limits.vx_m_s)
     slower = sqrt((robot.stance.rest_height_m + own.raise_m) / SEGMENTS_HEIGHT_M)
-    for at, seconds in enumerate(SEGMENTS_S):
-        block[p.P_BODY_SLOW + at] = max(2, round(seconds * slower * rate))
-    block[p.P_STAND_TICKS] = ceil(STAND_AFTER_S * rate)
-    block[p.P_TIP_TICKS] = max(1, round(TIP_LAG_S * rate))
-    block[p.P_LOAD_GAIN_Q15] = round(Q15 * 1.5 / rate)
-    block[p.P_WARP_GAIN_Q15] = round(Q15 * 5 / rate)
-    block[p.P_PRESS] = max(1, scale.lu(PRESS_M_S / rate))
-    block[p.P_HOLD_Q16] = round(Q16 * 0.5 / rate)
-    _gains(block, p.P_OWN_KP_Q12, "adaptive", own, rate)
-    block[p.P_ROUGH_DECAY_Q15] = round(Q15 / ROUGH_S / rate)
-    block[p.P_LATE_TICKS] = min(255, round(LATE_S * rate))
-    block[p.P_SWAY_SLEW] = max(1, scale.lu(SWAY_M_S / rate))
-    block[p.P_TILT_MAX] = brad(own.fallen_rad)
-    block[p.P_TILT_TICKS] = max(1, round(FALLEN_S * rate))
-    block[p.P_ADVICE_TICKS] = round(ADVICE_S * rate)
+    names = ("body_slow", "body_fast", "swing_slow", "swing_fast")
+    for name, seconds in zip(names, SEGMENTS_S, strict=True):
+        setattr(params, name, max(2, round(seconds * slower * rate)))
+    params.stand_ticks = ceil(STAND_AFTER_S * rate)
+    params.tip_ticks = max(1, round(TIP_LAG_S * rate))
+    params.load_gain_q15 = round(Q15 * 1.5 / rate)
+    params.warp_gain_q15 = round(Q15 * 5 / rate)
+    params.press = max(1, scale.lu(PRESS_M_S / rate))
+    params.hold_q16 = round(Q16 * 0.5 / rate)
+    _gains(params.gains[1], "adaptive", own, rate)
+    params.rough_decay_q15 = round(Q15 / ROUGH_S / rate)
+    params.late_ticks = min(255, round(LATE_S * rate))
+    params.sway_slew = max(1, scale.lu(SWAY_M_S / rate))
+    params.tilt_max = brad(own.fallen_rad)
+    params.tilt_ticks = max(1, round(FALLEN_S * rate))
+    params.advice_ticks = round(ADVICE_S * rate)
 
 
 def attitude_block(robot: Robot, rate_hz: int | None = None) -> list[int]:

@@ -31,35 +31,9 @@ from .load import L_FORCE_Q12, LOAD_SIZE, STANDS_Q8, load_share, load_slew
 from .navigate import NAV_SIZE, NAV_X, drive_as_told, follow_reference, hold, navigate_reset
 from .params import (
     JOINTS,
-    LEG_HIP,
-    LEG_REST,
-    LEG_SIZE,
     LEGS,
     LF_BITS,
-    P_ADVICE_TICKS,
-    P_BODY_FAST,
-    P_BODY_SLOW,
-    P_COM_X,
-    P_COM_Y,
-    P_FAST_SPEED,
-    P_FORWARD,
-    P_HEIGHT_SLEW,
-    P_LATERAL_Q12,
-    P_LEG_LENGTH,
-    P_LEG_LONGEST,
-    P_LOAD_GAIN_Q15,
-    P_LOAD_SLEW_Q12,
-    P_RAISE,
-    P_SAGS,
-    P_SIZE_BODY,
-    P_SLOW_SPEED,
-    P_STAND_TICKS,
-    P_START_SLEW,
-    P_START_SPEED,
-    P_SWAY_SLEW,
-    P_SWING_FAST,
-    P_SWING_SLOW,
-    P_TIP_TICKS,
+    Params,
 )
 from .runtime import const, hot, ptr32, zeros
 from .sensing import (
@@ -111,7 +85,7 @@ _AGE_MAX = const(1000)
 class Adaptive:
     """All that the adaptive trot remembers, preallocated; the planner holds one."""
 
-    def __init__(self, params):
+    def __init__(self, params: Params):
         self.sensing = zeros(SENSING_SIZE)
         self.load = zeros(LOAD_SIZE)
         self.nav = zeros(NAV_SIZE)
@@ -124,7 +98,7 @@ class Adaptive:
 
 
 @hot
-def adaptive_reset(params, walk) -> int:
+def adaptive_reset(params: Params, walk: Adaptive) -> int:
     """Forget everything: the own weight, a level ground, no motion; return 0."""
     w = ptr32(walk.state)
     f = ptr32(walk.load)
@@ -141,11 +115,10 @@ def adaptive_reset(params, walk) -> int:
 
 
 @hot
-def adaptive_start(params, walk) -> int:
+def adaptive_start(params: Params, walk: Adaptive) -> int:
     """Begin to walk from a stand: slowly, the reference where the robot is; return 0."""
-    p = ptr32(params)
     w = ptr32(walk.state)
-    w[W_FASTEST] = p[P_START_SPEED]
+    w[W_FASTEST] = params.start_speed
     w[W_SWAY_FROM] = w[W_SWAY]
     w[W_SWAY_TO] = w[W_SWAY]
     w[W_BEHIND] = 0
@@ -156,13 +129,12 @@ def adaptive_start(params, walk) -> int:
 
 
 @hot
-def feel_legs(params, walk, joints, first: int, known: int, roll_brad: int, pitch_brad: int) -> int:
+def feel_legs(params: Params, walk: Adaptive, joints, first: int, known: int, roll_brad: int, pitch_brad: int) -> int:
     """Take the measured joints ``joints[first] ...`` (if ``known``): feet, odometry, weight; return 1 if they were.
 
     roll, pitch: brad within +-32768. The weight follows the sum of the feet's forces, slowly and only while all feet
     surely stand; it reads 5 to 18 % low in simulation. Intermediates below those of sense_legs.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     m = ptr32(walk.sensing)
     firm = ptr32(walk.firm)
@@ -176,20 +148,22 @@ def feel_legs(params, walk, joints, first: int, known: int, roll_brad: int, pitc
     for leg in range(LEGS):
         age = w[W_AGE + leg]
         firm[leg] = 0
-        if age > p[P_STAND_TICKS]:
+        if age > params.stand_ticks:
             firm[leg] = 1
         if age < youngest:
             youngest = age
     sense_moved(walk.sensing, walk.firm)
-    if youngest > p[P_STAND_TICKS] and p[P_SAGS]:
+    if youngest > params.stand_ticks and params.sags:
         force = m[M_FORCE_Q12] + m[M_FORCE_Q12 + 1] + m[M_FORCE_Q12 + 2] + m[M_FORCE_Q12 + 3]
         force = saturate(force, _WEIGHT_LEAST_Q12, _WEIGHT_MOST_Q12) - w[W_WEIGHT_Q12]
-        w[W_WEIGHT_Q12] += force * p[P_LOAD_GAIN_Q15] + 0x4000 >> 15
+        w[W_WEIGHT_Q12] += force * params.load_gain_q15 + 0x4000 >> 15
     return 1
 
 
 @hot
-def feel_ground(params, walk, steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int) -> int:
+def feel_ground(
+    params: Params, walk: Adaptive, steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int
+) -> int:
     """Follow the ground's twist and roughness, and set the footholds' heights by them; return the twist, lu.
 
     roll, pitch: the measured tilt; plane_...: how the feet's plane lies against the level, all brad.
@@ -205,16 +179,15 @@ def feel_ground(params, walk, steps, roll_brad: int, pitch_brad: int, plane_roll
 
 
 @hot
-def drive_speed(params, walk, speed, drive) -> int:
+def drive_speed(params: Params, walk: Adaptive, speed, drive) -> int:
     """Write the corrected speeds for this tick into ``drive`` (3 values); return 1 if they are corrected.
 
     Without odometry the speeds are the commanded ones.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     m = ptr32(walk.sensing)
     e = ptr32(walk.nav)
-    w[W_FASTEST] = saturate(w[W_FASTEST] + p[P_START_SLEW], 0, 0x7FFFF)
+    w[W_FASTEST] = saturate(w[W_FASTEST] + params.start_slew, 0, 0x7FFFF)
     if m[M_KNOWN] < 2:
         navigate_reset(walk.nav)
         drive_as_told(speed, drive)
@@ -222,11 +195,11 @@ def drive_speed(params, walk, speed, drive) -> int:
     follow_reference(params, speed, m[M_MOVED_X], m[M_MOVED_Y], w[W_TURNED + 2], w[W_RATES], walk.nav)
     hold(params, speed, w[W_SWAY], walk.nav, drive)
     step = -1
-    if e[NAV_X] > p[P_LEG_LENGTH] * 3 << LF_BITS - 5:
+    if e[NAV_X] > params.leg_length * 3 << LF_BITS - 5:
         step = BEHIND_STEP
     w[W_BEHIND] = saturate(w[W_BEHIND] + step, 0, 0xFFFF)
     w[W_ADVICE] = ADVICE_FINE
-    if w[W_BEHIND] > p[P_ADVICE_TICKS]:
+    if w[W_BEHIND] > params.advice_ticks:
         w[W_ADVICE] = ADVICE_BEHIND
     elif w[W_ROUGH] > _TILT_ADVICE:
         w[W_ADVICE] = ADVICE_TILTED
@@ -234,13 +207,12 @@ def drive_speed(params, walk, speed, drive) -> int:
 
 
 @hot
-def retime(params, gait, speed) -> int:
+def retime(params: Params, gait, speed) -> int:
     """Give the gait's segments the lengths for the present speed; return the ticks of half a cycle.
 
     The body moves on in the swings at half its mean speed: faster in the swing tips more, slower jerks. Only at the
     start of a segment. Intermediates: 2^19 * 2^10.
     """
-    p = ptr32(params)
     g = ptr32(gait)
     v = ptr32(speed)
     now = v[SPEED_X]
@@ -250,12 +222,12 @@ def retime(params, gait, speed) -> int:
         now -= v[SPEED_Y]
     else:
         now += v[SPEED_Y]
-    span = p[P_FAST_SPEED] - p[P_SLOW_SPEED]
+    span = params.fast_speed - params.slow_speed
     if span < 1:
         span = 1
-    now = saturate(now - p[P_SLOW_SPEED], 0, span)
-    body = p[P_BODY_SLOW] + ((p[P_BODY_FAST] - p[P_BODY_SLOW]) * now + (span >> 1)) // span
-    swing = p[P_SWING_SLOW] + ((p[P_SWING_FAST] - p[P_SWING_SLOW]) * now + (span >> 1)) // span
+    now = saturate(now - params.slow_speed, 0, span)
+    body = params.body_slow + ((params.body_fast - params.body_slow) * now + (span >> 1)) // span
+    swing = params.swing_slow + ((params.swing_fast - params.swing_slow) * now + (span >> 1)) // span
     for row in range(G_ROWS, G_ROWS + 4 * ROW_SIZE, 2 * ROW_SIZE):
         g[row + ROW_TICKS] = body
         g[row + ROW_ADVANCE_Q4] = (body << 4) + (swing << 3)
@@ -272,12 +244,11 @@ def retime(params, gait, speed) -> int:
 
 
 @hot
-def begin_segment(params, walk, gait, clock, speed, drive) -> int:
+def begin_segment(params: Params, walk: Adaptive, gait, clock, speed, drive) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     c = ptr32(clock)
     g = ptr32(gait)
@@ -293,8 +264,8 @@ def begin_segment(params, walk, gait, clock, speed, drive) -> int:
     swing = g[G_ROWS + ROW_SIZE + ROW_TICKS]
     ahead_q1 = saturate((half << 1) - (swing >> 1), 0, 0x3FF)
     ahead = saturate(v[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
-    com_x = p[P_COM_X] + (t[TIP_COM_X] >> LF_BITS)
-    com_y = p[P_COM_Y] + (t[TIP_COM_Y] >> LF_BITS)
+    com_x = params.com_x + (t[TIP_COM_X] >> LF_BITS)
+    com_y = params.com_y + (t[TIP_COM_Y] >> LF_BITS)
     line = diagonal_y(walk.body, front, 3 - front, saturate(ahead, -32767, 32767), com_x)
     w[W_SWAY_FROM] = w[W_SWAY]
     w[W_SWAY_TO] = next_sway(params, w[W_SWAY], line, com_y)
@@ -302,17 +273,16 @@ def begin_segment(params, walk, gait, clock, speed, drive) -> int:
 
 
 @hot
-def sway_body(params, walk, gait, clock, walking: int) -> int:
+def sway_body(params: Params, walk: Adaptive, gait, clock, walking: int) -> int:
     """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
 
     Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     c = ptr32(clock)
     g = ptr32(gait)
     if walking == 0:
-        step = p[P_SWAY_SLEW]
+        step = params.sway_slew
         w[W_SWAY] -= saturate(w[W_SWAY], -step, step)
     elif c[CLOCK_SEGMENT] & 1 == 0:
         share = smooth_q12(c[CLOCK_TICK] + 1, g[G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS])
@@ -321,20 +291,19 @@ def sway_body(params, walk, gait, clock, walking: int) -> int:
 
 
 @hot
-def learn_centre(params, walk, clock) -> int:
+def learn_centre(params: Params, walk: Adaptive, clock) -> int:
     """Sum up how the robot tips over a swing and learn from it; return the tip it learnt from, 2^-18 rad, else 0.
 
     What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
     without turning rates, nor in the plane, where nothing tips about a diagonal.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     c = ptr32(clock)
-    if w[W_RATES] == 0 or p[P_LATERAL_Q12] == 0:
+    if w[W_RATES] == 0 or params.lateral_q12 == 0:
         return 0
     tick = c[CLOCK_TICK] + 1
     swings = c[CLOCK_SEGMENT] & 1
-    late = p[P_TIP_TICKS]
+    late = params.tip_ticks
     if (swings and tick >= late) or (swings == 0 and tick < late):
         tip_add(walk.tip, w[W_TURNED], w[W_TURNED + 1])
     elif swings == 0 and tick == late:
@@ -344,24 +313,23 @@ def learn_centre(params, walk, clock) -> int:
 
 
 @hot
-def raise_body(params, walk, own: int) -> int:
+def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     """Move height and lead of the body by one tick; return 1 while they are not those of a table gait.
 
     own: 1 for the adaptive stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
     shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
     Intermediates: squares of a leg, below 2^30.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     forces = ptr32(walk.load)
-    up = p[P_HEIGHT_SLEW]
+    up = params.height_slew
     wanted = 0
     ahead = 0
     if own:
-        ahead = p[P_FORWARD]
-        leg = p[P_LEG_LENGTH]
-        wanted = p[P_RAISE] + saturate((w[W_WEIGHT_Q12] - 4096) * (leg >> 3) >> 12, 0, leg // 10)
-        longest = p[P_LEG_LONGEST]
+        ahead = params.body_forward
+        leg = params.leg_length
+        wanted = params.body_raise + saturate((w[W_WEIGHT_Q12] - 4096) * (leg >> 3) >> 12, 0, leg // 10)
+        longest = params.leg_longest
         over = (w[W_FAR] - longest * longest) // (2 * longest + 1)
         if over > 0:
             wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - over)
@@ -378,16 +346,15 @@ def raise_body(params, walk, own: int) -> int:
 
 
 @hot
-def pose_body(params, walk, roll_brad: int, pitch_brad: int, posed) -> int:
+def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, posed) -> int:
     """Add lead, sway and height to the pose, and turn it about the ground below the body instead of its middle.
 
     roll, pitch: the part of the pose that levels the body, brad. Turning about the hips would move the centre of
     mass off the feet on a slope. Returns 0. Intermediates: 32767 * 32767 + 2^14.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     c = ptr32(posed)
-    height = saturate(w[W_RAISED] - p[P_SIZE_BODY + LEG_REST + 2], 0, 32767)
+    height = saturate(w[W_RAISED] - params.legs[0].rest[2], 0, 32767)
     cosine = cos_q15(pitch_brad)
     c[POSE_X] += w[W_AHEAD] + mul_q15(height, sin_q15(pitch_brad))
     c[POSE_Y] += w[W_SWAY] - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
@@ -396,29 +363,27 @@ def pose_body(params, walk, roll_brad: int, pitch_brad: int, posed) -> int:
 
 
 @hot
-def carry(params, walk, reached, swinging: int, own: int) -> int:
+def carry(params: Params, walk: Adaptive, reached, swinging: int, own: int) -> int:
     """Share the weight out over the standing feet, slew it, and tell the stability margin; return the margin, lu.
 
     reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to carry, so the sag fades.
     """
-    p = ptr32(params)
     w = ptr32(walk.state)
     f = ptr32(reached)
     body = ptr32(walk.body)
     stands = ptr32(walk.stands)
     t = ptr32(walk.tip)
     at = 0
-    hip = P_SIZE_BODY + LEG_HIP
     for leg in range(LEGS):
-        x = f[at] + p[hip]
-        y = f[at + 1] + p[hip + 1]
+        hip = params.legs[leg].hip
+        x = f[at] + hip[0]
+        y = f[at + 1] + hip[1]
         if x > 32767 or x < -32767 or y > 32767 or y < -32767:
             x = saturate(x, -32767, 32767)
             y = saturate(y, -32767, 32767)
         body[at] = x
         body[at + 1] = y
         at += 3
-        hip += LEG_SIZE
         stands[leg] = 0
         if swinging >> leg & 1:
             w[W_AGE + leg] = 0
@@ -426,16 +391,16 @@ def carry(params, walk, reached, swinging: int, own: int) -> int:
             stands[leg] = STANDS_Q8
             if w[W_AGE + leg] < _AGE_MAX:
                 w[W_AGE + leg] += 1
-    com_x = p[P_COM_X] + (t[TIP_COM_X] >> LF_BITS)
-    com_y = p[P_COM_Y] + (t[TIP_COM_Y] >> LF_BITS)
+    com_x = params.com_x + (t[TIP_COM_X] >> LF_BITS)
+    com_y = params.com_y + (t[TIP_COM_Y] >> LF_BITS)
     planar = 0
-    if p[P_LATERAL_Q12] == 0:
+    if params.lateral_q12 == 0:
         planar = 1
     weight = 0
     if own:
         weight = w[W_WEIGHT_Q12]
     if w[W_ACTIVE]:
         load_share(walk.body, walk.stands, com_x, com_y, weight, planar, walk.load)
-        load_slew(walk.load, w[W_WEIGHT_Q12] * p[P_LOAD_SLEW_Q12] >> 12)
+        load_slew(walk.load, w[W_WEIGHT_Q12] * params.load_slew_q12 >> 12)
     w[W_MARGIN] = support_margin(walk.body, walk.stands, com_x, com_y)
     return w[W_MARGIN]

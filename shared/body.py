@@ -6,7 +6,7 @@ R^T (p - c) - h from a hip at h, with c the commanded translation (its eqs 9 and
 """
 
 from .fixed import cos_q15, saturate, sin_q15
-from .params import LEG_HIP, LEG_SIZE, P_SIZE_BODY
+from .params import Params
 from .runtime import const, hot, ptr32
 
 POSE_X = const(0)  # lu
@@ -61,19 +61,18 @@ def body_rotation(pose, rotation) -> int:
 
 
 @hot
-def body_to_hip(params, leg: int, pose, rotation, feet, hip_feet) -> int:
+def body_to_hip(params: Params, leg: int, pose, rotation, feet, hip_feet) -> int:
     """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9); return 0.
 
     feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
     to +-65535 lu an axis. Error at most 0.08 mm at the foot for Caramelo and Parallel.
     Intermediates: 65535 * 16384 + 2^13 < 2^30 in each product.
     """
-    p = ptr32(params)
     c = ptr32(pose)
     r = ptr32(rotation)
     foot = ptr32(feet)
     out = ptr32(hip_feet)
-    hip = P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP
+    hip = params.legs[leg].hip
     at = leg * 3
     x = foot[at] - c[POSE_X]
     y = foot[at + 1] - c[POSE_Y]
@@ -83,9 +82,9 @@ def body_to_hip(params, leg: int, pose, rotation, feet, hip_feet) -> int:
         y = saturate(y, -65535, 65535)
         z = saturate(z, -65535, 65535)
     turned = (x * r[0] + 0x2000 >> 14) + (y * r[3] + 0x2000 >> 14) + (z * r[6] + 0x2000 >> 14)
-    out[at] = turned - p[hip]
+    out[at] = turned - hip[0]
     turned = (x * r[1] + 0x2000 >> 14) + (y * r[4] + 0x2000 >> 14) + (z * r[7] + 0x2000 >> 14)
-    out[at + 1] = turned - p[hip + 1]
+    out[at + 1] = turned - hip[1]
     turned = (x * r[2] + 0x2000 >> 14) + (y * r[5] + 0x2000 >> 14) + (z * r[8] + 0x2000 >> 14)
-    out[at + 2] = turned - p[hip + 2]
+    out[at + 2] = turned - hip[2]
     return 0

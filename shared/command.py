@@ -7,7 +7,7 @@ limits, the body pose likewise, so a step of the stick is a ramp of the robot.
 from .body import POSE_SIZE
 from .fixed import saturate
 from .gait import G_VX_MAX
-from .params import P_POSE_MAX, P_POSE_SLEW, P_VX_SLEW
+from .params import Params
 from .runtime import const, hot, ptr32
 from .steps import SPEED_SIZE
 
@@ -32,13 +32,12 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed(params, gait, command, halves: int, speed) -> int:
+def slew_speed(params: Params, gait, command, halves: int, speed) -> int:
     """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
 
     halves: 0 to stop, 1, or 2 for the whole command, which is first limited to what robot and gait
     allow. Half an odd speed is rounded towards 0, so that left and right mirror.
     """
-    p = ptr32(params)
     g = ptr32(gait)
     c = ptr32(command)
     v = ptr32(speed)
@@ -54,25 +53,24 @@ def slew_speed(params, gait, command, halves: int, speed) -> int:
         else:
             wanted >>= 1
         if v[axis] != wanted:
-            v[axis] = slew(v[axis], wanted, p[P_VX_SLEW + axis])
+            v[axis] = slew(v[axis], wanted, params.speed_slew[axis])
         if v[axis]:
             still = 0
     return still
 
 
 @hot
-def slew_pose(params, command, standing: int, pose) -> int:
+def slew_pose(params: Params, command, standing: int, pose) -> int:
     """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
-    p = ptr32(params)
     c = ptr32(command)
     w = ptr32(pose)
     for axis in range(POSE_SIZE):
         wanted = 0
         if standing:
-            top = p[P_POSE_MAX + axis]
+            top = params.pose_max[axis]
             wanted = c[C_POSE + axis]
             if wanted > top or wanted < -top:
                 wanted = saturate(wanted, -top, top)
         if w[axis] != wanted:
-            w[axis] = slew(w[axis], wanted, p[P_POSE_SLEW + axis])
+            w[axis] = slew(w[axis], wanted, params.pose_slew[axis])
     return 0

@@ -7,7 +7,7 @@ carries what acts at the knee, because the calf's angle to the body is the other
 """
 
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
-from .params import LEG_L2, LEG_SIZE, P_COUPLED, P_SAG_Q16, P_SIZE_BODY
+from .params import Params
 from .runtime import const, hot, ptr32
 
 _FORCE_MAX_Q12 = const(16383)  # four times the own weight
@@ -43,21 +43,20 @@ def sag(torque_lu: int, give_q16: int) -> int:
 
 
 @hot
-def sag_leg(params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joints) -> int:
+def sag_leg(params: Params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joints) -> int:
     """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot; return 0.
 
     foot: 12 lu, from each hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
     fx, fy, fz: the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to
     +-16383. Error at most 1.5 brad + 1e-4 of the sag. Intermediates as in torque and sag.
     """
-    p = ptr32(params)
     f = ptr32(foot)
     q = ptr32(joints)
     at = leg * 3
     fz = saturate(fz_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
     x = f[at]
     thigh = q[at + 1]
-    length = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_L2]
+    length = params.legs[leg].thigh_length
     knee_x = -(length * sin_q15(thigh) + 0x4000 >> 15)  # mul_q15 without its call
     above = knee_x * fz + 2048 >> 12
     below = (x - knee_x) * fz + 2048 >> 12
@@ -73,12 +72,12 @@ def sag_leg(params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joint
         along = saturate(mul_q15(fz, cosine) - mul_q15(fy, sine), -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         above = torque(knee_x, along) + torque(knee_drop, fx)
         below = torque(x - knee_x, along) + torque(drop - knee_drop, fx)
-    q[at] -= sag(around, p[P_SAG_Q16])
-    if p[P_COUPLED]:
-        give = sag(above, p[P_SAG_Q16 + 1])
+    q[at] -= sag(around, params.sag_q16[0])
+    if params.coupled:
+        give = sag(above, params.sag_q16[1])
         q[at + 1] += give
-        q[at + 2] += sag(below, p[P_SAG_Q16 + 2]) - give
+        q[at + 2] += sag(below, params.sag_q16[2]) - give
     else:
-        q[at + 1] += sag(above + below, p[P_SAG_Q16 + 1])
-        q[at + 2] += sag(below, p[P_SAG_Q16 + 2])
+        q[at + 1] += sag(above + below, params.sag_q16[1])
+        q[at + 2] += sag(below, params.sag_q16[2])
     return 0

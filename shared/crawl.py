@@ -24,19 +24,17 @@ from .crawl_layout import (
     C_WEIGHT_FINE,
     K_FORCE,
     K_PLANAR,
-    K_SIZE,
     K_WEIGHT,
 )
 from .crawl_map import fit_body, follow_slips, rebase, roll_feet
 from .crawl_pose import hold_pose
-from .crawl_setup import crawl_setup
+from .crawl_state import Crawl
 from .crawl_steps import machine, start_machine
 from .filters import fraction
 from .fixed import saturate
 from .footholds import prints_start
-from .load import LOAD_SIZE
 from .params import JOINTS, LEGS, LF_BITS
-from .runtime import const, hot, ptr32, zeros
+from .runtime import const, hot, ptr32
 from .sensing import M_FORCE_Q12, M_LEVEL
 
 _OWN_Q12 = const(4096)
@@ -45,29 +43,8 @@ _MOST_WEIGHT_Q12 = const(10240)
 _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empty
 
 
-class Crawl:
-    """The crawl of one robot at one rate: its settings, state and scratch blocks. ``crawl_tick`` allocates nothing."""
-
-    def __init__(self, params):
-        self.settings = zeros(K_SIZE)
-        self.limbs = zeros(len(params))
-        self.state = zeros(C_SIZE)
-        self.load = zeros(LOAD_SIZE)
-        self.weights = zeros(LEGS)
-        self.point = zeros(2)
-        self.pose = zeros(POSE_SIZE)
-        self.level = zeros(POSE_SIZE)
-        self.rotation = zeros(9)
-        self.feet = zeros(JOINTS)
-        self.hip_feet = zeros(JOINTS)
-        self.reached = zeros(JOINTS)
-        self.joints = zeros(JOINTS)
-        self.measured = zeros(JOINTS)
-        crawl_setup(params, self.settings, self.limbs)
-
-
 @hot
-def crawl_start(crawl, sensing, joints, first: int, goals, roll_brad: int, pitch_brad: int) -> int:
+def crawl_start(crawl: Crawl, sensing, joints, first: int, goals, roll_brad: int, pitch_brad: int) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
     joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
@@ -111,7 +88,7 @@ def crawl_start(crawl, sensing, joints, first: int, goals, roll_brad: int, pitch
 
 
 @hot
-def measure(crawl, joints, first: int) -> int:
+def measure(crawl: Crawl, joints, first: int) -> int:
     """Copy 12 measured joints (brad) from ``joints[first]`` on, limited to +-32768; return 0."""
     q = ptr32(joints)
     m = ptr32(crawl.measured)
@@ -121,7 +98,7 @@ def measure(crawl, joints, first: int) -> int:
 
 
 @hot
-def crawl_tick(crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int, way_lf: int, joints) -> int:
+def crawl_tick(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int, way_lf: int, joints) -> int:
     """Take one tick: 12 measured joints from ``sensed[first]`` on, in; 12 goals into ``joints``; return flags.
 
     sensing: the block of sense_legs after this tick's reading. way_lf: how far the command wants to go in
@@ -136,7 +113,7 @@ def crawl_tick(crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: i
 
 
 @hot
-def estimate(crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
+def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
     """Bring the map, the forces and the weight up to date with what is measured; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)

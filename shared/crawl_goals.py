@@ -29,6 +29,7 @@ from .crawl_layout import (
     K_FADE,
     K_PLANAR,
 )
+from .crawl_state import Crawl
 from .filters import fraction
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
 from .leg import leg_inverse, limit_joints, plane_length
@@ -128,7 +129,7 @@ def foot_in_body(state, leg: int, swings: int, pose, feet) -> int:
 
 
 @hot
-def leg_goal(crawl, leg: int, swings: int) -> int:
+def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
     """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
     c = ptr32(crawl.state)
     r = ptr32(crawl.rotation)
@@ -148,7 +149,7 @@ def leg_goal(crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def bridge(crawl, leg: int, swings: int) -> int:
+def bridge(crawl: Crawl, leg: int, swings: int) -> int:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
     c = ptr32(crawl.state)
     q = ptr32(crawl.joints)
@@ -160,7 +161,7 @@ def bridge(crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def legs_goals(crawl, joints) -> int:
+def legs_goals(crawl: Crawl, joints) -> int:
     """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)

@@ -42,7 +42,7 @@ from .crawl_layout import (
 from .filters import fraction, quintic_q15
 from .fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
 from .leg import plane_length
-from .params import LEGS, LF_BITS
+from .params import LEGS, LF_BITS, Params
 from .runtime import const, hot, ptr32
 from .stability import point_inside
 
@@ -125,7 +125,7 @@ def resting_x(settings, state) -> int:
 
 
 @hot
-def longest_leg(params, pose, rotation, feet, hip_feet, skip: int) -> int:
+def longest_leg(params: Params, pose, rotation, feet, hip_feet, skip: int) -> int:
     """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``pose`` over ``feet``.
 
     pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Error as plane_length.
@@ -142,7 +142,7 @@ def longest_leg(params, pose, rotation, feet, hip_feet, skip: int) -> int:
 
 
 @hot
-def plan_body(params, settings, state, point, skip: int, pose, rotation, feet, hip_feet) -> int:
+def plan_body(params: Params, settings, state, point, skip: int, pose, rotation, feet, hip_feet) -> int:
     """Start a move of the body that brings its centre of mass over ``point`` (x, y lu); return its ticks.
 
     The height is K_HEIGHT above the feet (more under load), lowered until no leg but ``skip`` is longer than

@@ -85,26 +85,12 @@ from .crawl_layout import (
 from .fixed import cos_q15, hypot, isqrt
 from .params import (
     FR,
-    LEG_CLEAR,
-    LEG_HIP,
-    LEG_KNEE,
-    LEG_L2,
-    LEG_L3,
-    LEG_MAX,
-    LEG_MIN,
-    LEG_NEAR,
-    LEG_REACH,
-    LEG_SIDE_L1,
-    LEG_SIZE,
     LEGS,
     LF_BITS,
-    P_COM_X,
-    P_FOOT_RADIUS,
-    P_LATERAL_Q12,
-    P_RATE_HZ,
-    P_SIZE_BODY,
     RR,
+    Params,
 )
+from .record import pack, unpack
 
 _LEG_MM = 240  # the leg the lengths below belong to
 
@@ -176,14 +162,14 @@ _GAINS = (
 )
 
 
-def crawl_setup(params, settings, limbs):
+def crawl_setup(params: Params, settings, limbs: Params):
     """Fill the crawl's settings (K_SIZE) and ``limbs``, the robot's block with its legs' usable reach; return 0.
 
     ``limbs`` is params with LEG_REACH and LEG_NEAR moved in to where the calf's limits end. For set-up: every
     value in it stays within 30 bits, nothing is called per tick.
     """
-    rate = params[P_RATE_HZ]
-    leg = params[P_SIZE_BODY + LEG_L2] + params[P_SIZE_BODY + LEG_L3]
+    rate = params.rate_hz
+    leg = params.legs[0].thigh_length + params.legs[0].calf_length
     settings[K_RATE] = rate
     for at, mm in _LENGTHS:
         settings[at] = leg * mm // _LEG_MM
@@ -196,8 +182,8 @@ def crawl_setup(params, settings, limbs):
     accelerations(settings, leg, rate)
     body_shape(params, settings, leg)
     bend_limits(params, settings, limbs)
-    settings[K_PLANAR] = 0 if params[P_LATERAL_Q12] else 1
-    settings[K_ROLL_Q8] = params[P_FOOT_RADIUS] * 710 // 113
+    settings[K_PLANAR] = 0 if params.lateral_q12 else 1
+    settings[K_ROLL_Q8] = params.foot_radius * 710 // 113
     settings[K_SHARE] = max(1, 4096 // settings[K_SHARE_TICKS])
     settings[K_WARP_MAX] = leg * 40 // _LEG_MM << LF_BITS
     settings[K_FAR] = leg * 8 // _LEG_MM << LF_BITS
@@ -215,19 +201,19 @@ def accelerations(settings, leg, rate):
     settings[K_BRAKE] = max(2, (leg * 5000 // _LEG_MM << LF_BITS) // rate // rate)
 
 
-def body_shape(params, settings, leg):
+def body_shape(params: Params, settings, leg):
     """Fill in what depends on the hips: the stride of a third of their distance, the corners, the centre of mass."""
-    front = P_SIZE_BODY + FR * LEG_SIZE
-    length = params[front + LEG_HIP] - params[P_SIZE_BODY + RR * LEG_SIZE + LEG_HIP]
+    front = params.legs[FR]
+    length = front.hip[0] - params.legs[RR].hip[0]
     settings[K_STRIDE] = min(length // 3, leg * 90 // _LEG_MM)
     settings[K_PACE] = settings[K_STRIDE] << LF_BITS - 2
     settings[K_ARM_X] = length // 2
-    width = params[front + LEG_HIP + 1] - params[front + LEG_SIDE_L1] * -1
+    width = front.hip[1] - front.hip_length * -1
     settings[K_ARM_Y] = -width if width < 0 else width
-    settings[K_COM_X] = params[P_COM_X]
+    settings[K_COM_X] = params.com_x
 
 
-def bend_limits(params, settings, limbs):
+def bend_limits(params: Params, settings, limbs: Params):
     """Copy ``params`` to ``limbs`` with the reach that the calves' limits leave; fill in the planned reach.
 
     A trot's foot is put no higher than half way from the hip's offset to the shortest leg below the hip (LEG_CLEAR):
@@ -237,21 +223,20 @@ def bend_limits(params, settings, limbs):
     By the cosine rule, L2^2 + L3^2 + 2 L2 L3 cos q3 at both limits of q3. The hips are carried at 0.865 of the
     straightest leg (185 mm of Caramelo's 214): the straighter the knees, the less they carry.
     """
-    for at in range(len(params)):
-        limbs[at] = params[at]
+    unpack(limbs, pack(params))
     shortest = 32767
     for leg in range(LEGS):
-        base = P_SIZE_BODY + leg * LEG_SIZE
-        low = params[base + LEG_MIN + 2]
-        high = params[base + LEG_MAX + 2]
-        straight = high if params[base + LEG_KNEE] < 0 else low
-        bent = low if params[base + LEG_KNEE] < 0 else high
-        far = bent_length(params[base + LEG_L2], params[base + LEG_L3], straight)
-        near = bent_length(params[base + LEG_L2], params[base + LEG_L3], bent)
-        side = params[base + LEG_SIDE_L1]
-        limbs[base + LEG_REACH] = min(hypot(far, side), params[base + LEG_REACH])
-        limbs[base + LEG_NEAR] = max(hypot(near, side) + 1, params[base + LEG_NEAR])
-        limbs[base + LEG_CLEAR] = -(limbs[base + LEG_NEAR] + abs(side) >> 1)
+        base = limbs.legs[leg]
+        low = base.lowest[2]
+        high = base.highest[2]
+        straight = high if base.knee < 0 else low
+        bent = low if base.knee < 0 else high
+        far = bent_length(base.thigh_length, base.calf_length, straight)
+        near = bent_length(base.thigh_length, base.calf_length, bent)
+        side = base.hip_length
+        base.longest = min(hypot(far, side), base.longest)
+        base.shortest = max(hypot(near, side) + 1, base.shortest)
+        base.clearance = -(base.shortest + abs(side) >> 1)
         shortest = min(shortest, far)
         settings[K_NEAR] = max(settings[K_NEAR] if leg else 0, near + near // 72)
     settings[K_HEIGHT] = shortest * 173 // 200

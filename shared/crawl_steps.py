@@ -82,9 +82,10 @@ from .crawl_layout import (
     TARE,
 )
 from .crawl_pose import mass_target, move_body, plan_body, resting_x
+from .crawl_state import Crawl
 from .fixed import saturate
 from .footholds import aim, print_add, steps_down
-from .params import FL, FR, LEG_HIP, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY, RR
+from .params import FL, FR, LEGS, LF_BITS, RR
 from .runtime import const, hot, ptr32
 from .swing_leg import enter, hang_foot, lift_foot, lower_foot, move_foot, start_move, try_again
 
@@ -111,7 +112,7 @@ def tell(state, event: int, x_lf: int, z_lf: int) -> int:
 
 
 @hot
-def start_machine(crawl) -> int:
+def start_machine(crawl: Crawl) -> int:
     """Begin with the shift off the first leg; return 0."""
     c = ptr32(crawl.state)
     c[C_TURN] = 0
@@ -120,7 +121,7 @@ def start_machine(crawl) -> int:
 
 
 @hot
-def machine(crawl, way_lf: int) -> int:
+def machine(crawl: Crawl, way_lf: int) -> int:
     """Take one tick of the state machine; return its phase. way_lf: as crawl_tick."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -155,7 +156,7 @@ def machine(crawl, way_lf: int) -> int:
 
 
 @hot
-def plan_shift(crawl) -> int:
+def plan_shift(crawl: Crawl) -> int:
     """Begin to shift the body off the present leg; return the ticks of the move.
 
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
@@ -179,15 +180,15 @@ def print_x(state, leg: int) -> int:
 
 
 @hot
-def over_foot(crawl, leg: int, x_lf: int) -> int:
+def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
-    p = ptr32(crawl.limbs)
+    limbs = crawl.limbs
     k = ptr32(crawl.settings)
-    return (x_lf >> LF_BITS) - p[P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP] + k[K_COM_X]
+    return (x_lf >> LF_BITS) - limbs.legs[leg].hip[0] + k[K_COM_X]
 
 
 @hot
-def shift_to(crawl, leg: int, wanted_x: int, skip: int) -> int:
+def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
     """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
     mass_target(crawl.settings, crawl.state, leg, wanted_x, crawl.feet, crawl.weights, crawl.point)
     return plan_body(
@@ -204,7 +205,7 @@ def shift_to(crawl, leg: int, wanted_x: int, skip: int) -> int:
 
 
 @hot
-def shift_tick(crawl, leg: int) -> int:
+def shift_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -226,7 +227,7 @@ def shift_tick(crawl, leg: int) -> int:
 
 
 @hot
-def match_diagonals(crawl, leg: int) -> int:
+def match_diagonals(crawl: Crawl, leg: int) -> int:
     """Move the warp so that both diagonals carry what they should; return the error, Q12 of the own weight.
 
     Four feet on uneven ground are one too many to know their loads: one diagonal may carry it all. Nothing
@@ -251,7 +252,7 @@ def match_diagonals(crawl, leg: int) -> int:
 
 
 @hot
-def leave_ground(crawl, leg: int) -> int:
+def leave_ground(crawl: Crawl, leg: int) -> int:
     """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
     c = ptr32(crawl.state)
     for axis in range(3):
@@ -271,7 +272,7 @@ def leave_ground(crawl, leg: int) -> int:
 
 
 @hot
-def move_tick(crawl, leg: int) -> int:
+def move_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick across: into a riser go back and over, at the end hang; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -288,7 +289,7 @@ def move_tick(crawl, leg: int) -> int:
 
 
 @hot
-def down_tick(crawl, leg: int) -> int:
+def down_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -312,7 +313,7 @@ def down_tick(crawl, leg: int) -> int:
 
 
 @hot
-def free_shin(crawl, leg: int) -> int:
+def free_shin(crawl: Crawl, leg: int) -> int:
     """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -328,7 +329,7 @@ def free_shin(crawl, leg: int) -> int:
 
 
 @hot
-def touch(crawl, leg: int, z: int) -> int:
+def touch(crawl: Crawl, leg: int, z: int) -> int:
     """There is ground at ``z``, lf: take it, or try beside it if it is an edge where none should be; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -349,7 +350,7 @@ def touch(crawl, leg: int, z: int) -> int:
 
 
 @hot
-def drop_front(crawl, leg: int) -> int:
+def drop_front(crawl: Crawl, leg: int) -> int:
     """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -366,7 +367,7 @@ def drop_front(crawl, leg: int) -> int:
 
 
 @hot
-def drop_hind(crawl, leg: int) -> int:
+def drop_hind(crawl: Crawl, leg: int) -> int:
     """No ground where the print is: further on when climbing, else nearer; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)
@@ -379,7 +380,7 @@ def drop_hind(crawl, leg: int) -> int:
 
 
 @hot
-def land(crawl, leg: int) -> int:
+def land(crawl: Crawl, leg: int) -> int:
     """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
     k = ptr32(crawl.settings)
     c = ptr32(crawl.state)

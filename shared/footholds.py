@@ -20,7 +20,7 @@ from .crawl_layout import (
     K_STRIDE,
 )
 from .fixed import saturate
-from .params import FL, FR, LEG_REST, LEG_SIZE, LF_BITS, P_SIZE_BODY, RR
+from .params import FL, FR, LF_BITS, RR, Params
 from .runtime import const, hot, ptr32
 
 MOST_PRINTS = const(4)
@@ -28,7 +28,7 @@ _SIDE = const(12)  # values of a side's queue
 
 
 @hot
-def prints_start(params, state) -> int:
+def prints_start(params: Params, state) -> int:
     """Lay the first prints between hind and front foot of each side, as if the robot had come that way; return 0.
 
     Right: 1/3, 2/3 and 3/3 of the way from the hind to the front foot; left: 1/6, 3/6, 5/6, half a stride on.
@@ -52,10 +52,9 @@ def prints_start(params, state) -> int:
 
 
 @hot
-def print_line(params, side: int) -> int:
+def print_line(params: Params, side: int) -> int:
     """Return y in lf of a side's prints (0 right, 1 left): where its feet are at rest, from the map's x axis."""
-    p = ptr32(params)
-    return p[P_SIZE_BODY + (RR + side) * LEG_SIZE + LEG_REST + 1] << LF_BITS
+    return params.legs[RR + side].rest[1] << LF_BITS
 
 
 @hot
@@ -87,7 +86,7 @@ def print_drop(state, side: int) -> int:
 
 
 @hot
-def aim(params, settings, state, leg: int) -> int:
+def aim(params: Params, settings, state, leg: int) -> int:
     """Choose the foothold and the top of the swing of ``leg``: C_TARGET, C_EXPECT, C_TOP; return 0."""
     if leg < RR:
         return aim_front(params, settings, state, leg)
@@ -95,7 +94,7 @@ def aim(params, settings, state, leg: int) -> int:
 
 
 @hot
-def aim_front(params, settings, state, leg: int) -> int:
+def aim_front(params: Params, settings, state, leg: int) -> int:
     """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope; return 0.
 
     The top is K_LIFT_FRONT above the higher of both front feet, the other counting only if it stands before
@@ -119,7 +118,7 @@ def aim_front(params, settings, state, leg: int) -> int:
 
 
 @hot
-def aim_hind(params, settings, state, leg: int) -> int:
+def aim_hind(params: Params, settings, state, leg: int) -> int:
     """Aim at the oldest print of the leg's side and take it off the queue; without one, a stride ahead. Returns 0."""
     k = ptr32(settings)
     c = ptr32(state)

@@ -7,15 +7,8 @@ whatever the rate. Nothing here runs per tick but ``gait_clock``.
 
 from .fixed import hypot
 from .params import (
-    LEG_REST,
-    LEG_SIZE,
     LF_BITS,
-    P_RATE_HZ,
-    P_SIZE_BODY,
-    P_STRIDE_MAX,
-    P_VX_MAX,
-    P_VY_MAX,
-    P_WZ_MAX,
+    Params,
 )
 from .runtime import const, hot, ptr32, zeros
 
@@ -41,7 +34,7 @@ MAX_SEGMENTS = const(16)
 PEAK_Q10 = const(8191)  # the body may move at most 8 times its mean speed in any tick
 
 
-def compile_gait(table, params):
+def compile_gait(table, params: Params):
     """Return a gait table as an int block for one robot at its rate. Allocates: not for ticks.
 
     Raises ValueError with one sentence if the table can't be a gait for this robot.
@@ -58,7 +51,7 @@ def compile_gait(table, params):
     block[G_CYCLOID] = head[3]
     shares = 0
     for i in range(count):
-        shares += time_segment(block, i, rows[i], params[P_RATE_HZ])
+        shares += time_segment(block, i, rows[i], params.rate_hz)
     if shares < 1:
         raise ValueError("the segments' shares of the advance add up to 0")
     for i in range(count):
@@ -97,20 +90,19 @@ def share_out_advance(block, i, share, shares):
     block[at + ROW_ADVANCE_Q4] = advance_q4
 
 
-def limit_speeds(block, params):
+def limit_speeds(block, params: Params):
     """Fill in the fastest command: the robot's own limit, or what makes the longest stride."""
     stance_ticks = 1
     for leg in range(4):
         stance_ticks = max(stance_ticks, block[G_STANCE_Q10 + leg] >> 10)
-    rest = P_SIZE_BODY + LEG_REST
     radius = 1
     for leg in range(4):
-        at = rest + leg * LEG_SIZE
-        radius = max(radius, int(hypot(params[at], params[at + 1])))
-    stride = params[P_STRIDE_MAX]
-    block[G_VX_MAX] = min(params[P_VX_MAX], (stride << LF_BITS) // stance_ticks)
-    block[G_VY_MAX] = min(params[P_VY_MAX], (stride << LF_BITS) // stance_ticks)
-    block[G_WZ_MAX] = min(params[P_WZ_MAX], ((stride << 13) // radius << 5) // stance_ticks)
+        rest = params.legs[leg].rest
+        radius = max(radius, int(hypot(rest[0], rest[1])))
+    stride = params.stride_max
+    block[G_VX_MAX] = min(params.speed_max[0], (stride << LF_BITS) // stance_ticks)
+    block[G_VY_MAX] = min(params.speed_max[1], (stride << LF_BITS) // stance_ticks)
+    block[G_WZ_MAX] = min(params.speed_max[2], ((stride << 13) // radius << 5) // stance_ticks)
 
 
 def share_out_swing(block, leg):

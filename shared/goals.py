@@ -7,7 +7,7 @@ acts where a gait asks for more than the joint has (the papers' trot, the first 
 """
 
 from .fixed import saturate
-from .params import JOINTS, P_COUPLED, P_JOINT_NEAR, P_JOINT_TOP
+from .params import JOINTS, Params
 from .runtime import const, hot, ptr32
 
 READ_NONE = const(0)  # no reading yet
@@ -24,17 +24,16 @@ _MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
 
 
 @hot
-def follow_goals(params, wanted, joints) -> int:
+def follow_goals(params: Params, wanted, joints) -> int:
     """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can; return 0.
 
     Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
     Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
     Exact. Intermediates: two sums of two angles, below 2^18.
     """
-    p = ptr32(params)
     to = ptr32(wanted)
     q = ptr32(joints)
-    near = p[P_JOINT_NEAR]
+    near = params.joint_near
     for at in range(0, JOINTS, 3):
         hip = to[at] - q[at]
         thigh = to[at + 1] - q[at + 1]
@@ -49,34 +48,32 @@ def follow_goals(params, wanted, joints) -> int:
 
 
 @hot
-def follow_leg(params, wanted, joints, at: int) -> int:
+def follow_leg(params: Params, wanted, joints, at: int) -> int:
     """Move the three joints of one leg, from ``at`` on, as follow_goals does; return 0."""
-    p = ptr32(params)
     to = ptr32(wanted)
     q = ptr32(joints)
     thigh = to[at + 1] - q[at + 1]
     calf = to[at + 2] - q[at + 2]
-    if p[P_COUPLED]:
+    if params.coupled:
         calf += thigh
-    thigh = saturate(thigh, -p[P_JOINT_TOP + 1], p[P_JOINT_TOP + 1])
-    calf = saturate(calf, -p[P_JOINT_TOP + 2], p[P_JOINT_TOP + 2])
-    if p[P_COUPLED]:
+    thigh = saturate(thigh, -params.joint_top[1], params.joint_top[1])
+    calf = saturate(calf, -params.joint_top[2], params.joint_top[2])
+    if params.coupled:
         calf -= thigh
-    q[at] += saturate(to[at] - q[at], -p[P_JOINT_TOP], p[P_JOINT_TOP])
+    q[at] += saturate(to[at] - q[at], -params.joint_top[0], params.joint_top[0])
     q[at + 1] += thigh
     q[at + 2] += calf
     return 0
 
 
 @hot
-def joints_near(params, readings, first: int, joints) -> int:
+def joints_near(params: Params, readings, first: int, joints) -> int:
     """Return 1 if each of ``joints`` (12 brad) gets to its reading (from ``first`` on) within one tick, else 0."""
-    p = ptr32(params)
     r = ptr32(readings)
     q = ptr32(joints)
     for joint in range(JOINTS):
         gap = r[first + joint] - q[joint]
-        top = p[P_JOINT_TOP + joint % 3]
+        top = params.joint_top[joint % 3]
         if gap > top or gap < -top:
             return 0
     return 1

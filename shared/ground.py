@@ -6,15 +6,8 @@ and RR. Two diagonal feet then carry everything. The legs measure it.
 
 from .fixed import cos_q15, saturate, sin_q15
 from .params import (
-    LEG_REST,
-    LEG_SIZE,
     LEGS,
-    P_LATE_TICKS,
-    P_LEG_LENGTH,
-    P_PRESS,
-    P_ROUGH_DECAY_Q15,
-    P_SIZE_BODY,
-    P_WARP_GAIN_Q15,
+    Params,
 )
 from .runtime import const, hot, ptr32
 from .sensing import M_LEVEL
@@ -40,28 +33,26 @@ def twist(sensing, roll_brad: int, pitch_brad: int) -> int:
 
 
 @hot
-def follow_twist(params, now_lf: int, measured_lu: int) -> int:
+def follow_twist(params: Params, now_lf: int, measured_lu: int) -> int:
     """Return the believed twist in lf, moved from ``now`` towards the measured one in lu.
 
     A step is a share of at most 1/24 of the leg's length; the result within 1/12 of it.
     Range: now within +-2^22, measured within +-2^20. Intermediates: 1365 * 32767 * 16.
     """
-    p = ptr32(params)
-    leg = p[P_LEG_LENGTH]
+    leg = params.leg_length
     gap = saturate(measured_lu - (now_lf >> 8), -(leg // 24), leg // 24)
     most = (leg << 8) // 12
-    return saturate(now_lf + (gap * p[P_WARP_GAIN_Q15] >> 7), -most, most)
+    return saturate(now_lf + (gap * params.warp_gain_q15 >> 7), -most, most)
 
 
 @hot
-def press_feet(params, steps, twist_lu: int) -> int:
+def press_feet(params: Params, steps, twist_lu: int) -> int:
     """Move the footholds' heights to the twisted ground: standing feet slowly, swing feet by their aim; return 0."""
-    p = ptr32(params)
     s = ptr32(steps)
-    step = p[P_PRESS]
+    step = params.press
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        floor = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_REST + 2]
+        floor = params.legs[leg].rest[2]
         if leg == 0 or leg == 3:
             floor += twist_lu
         else:
@@ -73,35 +64,33 @@ def press_feet(params, steps, twist_lu: int) -> int:
 
 
 @hot
-def roughness(params, now: int, roll_brad: int, pitch_brad: int) -> int:
+def roughness(params: Params, now: int, roll_brad: int, pitch_brad: int) -> int:
     """Return the largest tilt of late in 1/16 brad: the present one, or the last one faded; now 0 .. 2^19."""
-    p = ptr32(params)
     if roll_brad < 0:
         roll_brad = -roll_brad
     if pitch_brad < 0:
         pitch_brad = -pitch_brad
     if pitch_brad > roll_brad:
         roll_brad = pitch_brad
-    faded = now - ((now >> 4) * p[P_ROUGH_DECAY_Q15] >> 11)
+    faded = now - ((now >> 4) * params.rough_decay_q15 >> 11)
     if roll_brad << 4 > faded:
         return saturate(roll_brad << 4, 0, 0x7FFFF)
     return faded
 
 
 @hot
-def extra_lift(params, rough: int, behind_lf: int, speed: int) -> int:
+def extra_lift(params: Params, rough: int, behind_lf: int, speed: int) -> int:
     """Return how much higher than usual to lift, 0 .. 1/12 of the leg's length, lu.
 
     rough: from roughness; behind: lf, within +-2^22, how far the robot is behind its reference; speed: lf / tick,
     within +-2^19. Tilts from 2.5 to 6 deg, or a lag of 1/12 of the leg beyond the usual, raise it from 0 to all.
     """
-    p = ptr32(params)
-    leg = p[P_LEG_LENGTH]
+    leg = params.leg_length
     if speed < 0:
         speed = -speed
     most = leg // 12
     by_tilt = saturate((rough >> 4) - _ROUGH_FROM, 0, _ROUGH_RANGE) * most // _ROUGH_RANGE
-    usual = leg // 60 + (speed * saturate(p[P_LATE_TICKS], 0, 255) >> 8)
+    usual = leg // 60 + (speed * saturate(params.late_ticks, 0, 255) >> 8)
     by_lag = saturate((behind_lf >> 8) - usual, 0, most)
     if by_lag > by_tilt:
         return by_lag

@@ -7,7 +7,7 @@ footholds; what its goals then differ by (height, lead, tilt) fades over half a 
 from .command import C_SPEED
 from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
 from .fixed import cos_q15, saturate, sin_q15
-from .params import JOINTS, LEG_REST, LEG_SIZE, LEGS, LF_BITS, P_RATE_HZ, P_SIZE_BODY, P_WZ_MAX
+from .params import JOINTS, LEGS, LF_BITS, Params
 from .runtime import const, hot, ptr32
 from .steps import STEP_SIZE, STEP_TICK, STEP_TICKS, STEP_TO_Z, STEP_X, STEP_Y, STEP_Z
 
@@ -26,16 +26,15 @@ LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past wh
 
 
 @hot
-def straight_on(params, command) -> int:
+def straight_on(params: Params, command) -> int:
     """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
-    p = ptr32(params)
     c = ptr32(command)
     ahead = c[C_SPEED]
     aside = c[C_SPEED + 1]
     turn = saturate(c[C_SPEED + 2], -0xFFFFF, 0xFFFFF) * 4
     if ahead <= 0 or aside > ahead or aside < -ahead:
         return 0
-    if turn > p[P_WZ_MAX] or turn < -p[P_WZ_MAX]:
+    if turn > params.speed_max[2] or turn < -params.speed_max[2]:
         return 0
     return 1
 
@@ -50,14 +49,13 @@ def ground_even(state) -> int:
 
 
 @hot
-def steps_from_crawl(params, state, ahead_lu: int, sway_lu: int, steps) -> int:
+def steps_from_crawl(params: Params, state, ahead_lu: int, sway_lu: int, steps) -> int:
     """Write the crawl's feet into the trot's footholds, level and at rest height; return 0.
 
     A foothold is where the foot is from the crawl's wanted body, turned back by its heading, plus the trot's
     lead and sway (lu, within 32767), which its pose adds again. Feet within 32767 lu.
     Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
-    p = ptr32(params)
     c = ptr32(state)
     s = ptr32(steps)
     yaw = c[C_REF + 5] >> LF_BITS
@@ -69,7 +67,7 @@ def steps_from_crawl(params, state, ahead_lu: int, sway_lu: int, steps) -> int:
         y = saturate(c[C_FOOT + leg * 3 + 1] - c[C_REF + 1] >> LF_BITS, -32767, 32767)
         s[at + STEP_X] = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
         s[at + STEP_Y] = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
-        rest_z = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_REST + 2]
+        rest_z = params.legs[leg].rest[2]
         s[at + STEP_Z] = rest_z
         s[at + STEP_TO_Z] = rest_z
         s[at + STEP_TICKS] = 0
@@ -78,15 +76,14 @@ def steps_from_crawl(params, state, ahead_lu: int, sway_lu: int, steps) -> int:
 
 
 @hot
-def fade_start(params, fade, joints) -> int:
+def fade_start(params: Params, fade, joints) -> int:
     """Keep the goals sent last (12 brad): the next ones are to go on from there; return the ticks of the fade."""
-    p = ptr32(params)
     f = ptr32(fade)
     q = ptr32(joints)
     for joint in range(JOINTS):
         f[F_JUMP + joint] = q[joint]
     f[F_LEFT] = -1
-    f[F_TICKS] = (p[P_RATE_HZ] >> 1) + 1
+    f[F_TICKS] = (params.rate_hz >> 1) + 1
     return f[F_TICKS]
 
 

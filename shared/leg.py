@@ -12,17 +12,7 @@ in other axes. All four knee configurations differ only in the k of each leg.
 
 from .fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
 from .params import (
-    LEG_HALF_DIFF,
-    LEG_INNER_SQ,
-    LEG_KNEE,
-    LEG_L2,
-    LEG_L3,
-    LEG_MAX,
-    LEG_MIN,
-    LEG_OUTER_SQ,
-    LEG_SIDE_L1,
-    LEG_SIZE,
-    P_SIZE_BODY,
+    Params,
 )
 from .runtime import const, hot, ptr32
 
@@ -32,21 +22,20 @@ LIMIT_CALF = const(32)
 
 
 @hot
-def leg_forward(params, leg: int, joints, feet) -> int:
+def leg_forward(params: Params, leg: int, joints, feet) -> int:
     """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
 
     joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
     Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
     Paper A eqs 1-6 inverted (joint to foot).
     """
-    p = ptr32(params)
     q = ptr32(joints)
     out = ptr32(feet)
-    base = P_SIZE_BODY + leg * LEG_SIZE
+    base = params.legs[leg]
     at = leg * 3
-    l2 = p[base + LEG_L2]
-    l3 = p[base + LEG_L3]
-    l1 = p[base + LEG_SIDE_L1]
+    l2 = base.thigh_length
+    l3 = base.calf_length
+    l1 = base.hip_length
     thigh = q[at + 1]
     shank = thigh + q[at + 2]
     out[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
@@ -59,7 +48,7 @@ def leg_forward(params, leg: int, joints, feet) -> int:
 
 
 @hot
-def leg_inverse(params, leg: int, feet, joints) -> int:
+def leg_inverse(params: Params, leg: int, feet, joints) -> int:
     """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
 
     feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
@@ -70,29 +59,28 @@ def leg_inverse(params, leg: int, feet, joints) -> int:
     one, of the product of two complex numbers. Intermediates: products of two sides of one
     triangle, below (L1^2 + (L2+L3)^2) < 2^30.
     """
-    p = ptr32(params)
     foot = ptr32(feet)
     q = ptr32(joints)
-    base = P_SIZE_BODY + leg * LEG_SIZE
+    base = params.legs[leg]
     at = leg * 3
     x = foot[at]
     y = foot[at + 1]
     z = foot[at + 2]
-    l1 = p[base + LEG_SIDE_L1]
+    l1 = base.hip_length
     drop_sq = y * y + z * z - l1 * l1
     if drop_sq < 0:
         drop_sq = 0
     drop = round_sqrt(drop_sq)
     length_sq = x * x + drop_sq
-    outer = round_sqrt(p[base + LEG_OUTER_SQ] - length_sq)
-    inner = round_sqrt(length_sq - p[base + LEG_INNER_SQ])
+    outer = round_sqrt(base.outer_sq - length_sq)
+    inner = round_sqrt(length_sq - base.inner_sq)
     bend = 2 * atan2_brad18(outer, inner)
-    half_diff = p[base + LEG_HALF_DIFF]
+    half_diff = base.half_diff
     if half_diff:
         lead = atan2_brad18(outer * inner >> 1, (length_sq >> 1) + half_diff)
     else:
         lead = bend >> 1
-    if p[base + LEG_KNEE] < 0:
+    if base.knee < 0:
         bend = -bend
         lead = -lead
     q[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
@@ -102,46 +90,41 @@ def leg_inverse(params, leg: int, feet, joints) -> int:
 
 
 @hot
-def plane_length(params, leg: int, hip_feet) -> int:
+def plane_length(params: Params, leg: int, hip_feet) -> int:
     """Return the distance d from thigh joint to foot, lu, of ``leg``'s foot in ``hip_feet``, in reach or not.
 
     hip_feet: 12 lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
     sum of squares. Error at most 4 lu up to 32767 lu. With L1: d^2 = x^2 + y^2 + z^2 - L1^2 (paper A eqs 1-6).
     """
-    p = ptr32(params)
     h = ptr32(hip_feet)
     at = leg * 3
     x = saturate(h[at] >> 1, -16383, 16383)
     y = saturate(h[at + 1] >> 1, -16383, 16383)
     z = saturate(h[at + 2] >> 1, -16383, 16383)
-    side = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_SIDE_L1] >> 1
+    side = params.legs[leg].hip_length >> 1
     return 2 * isqrt(x * x + y * y + z * z - side * side)
 
 
 @hot
-def limit_joints(params, leg: int, joints) -> int:
+def limit_joints(params: Params, leg: int, joints) -> int:
     """Limit the three angles of ``leg`` in ``joints`` to the robot's joint limits; return what acted.
 
     joints: 12 brad within -32768 .. 32767, changed in place. Returns 0 or LIMIT_HIP, LIMIT_THIGH,
     LIMIT_CALF or several. Exact.
     """
-    p = ptr32(params)
     q = ptr32(joints)
-    low = P_SIZE_BODY + leg * LEG_SIZE + LEG_MIN
-    high = low + LEG_MAX - LEG_MIN
+    limb = params.legs[leg]
     at = leg * 3
     flags = 0
     for joint in range(3):
         angle = q[at]
-        if angle < p[low]:
-            q[at] = p[low]
+        if angle < limb.lowest[joint]:
+            q[at] = limb.lowest[joint]
             flags |= LIMIT_HIP << joint
-        elif angle > p[high]:
-            q[at] = p[high]
+        elif angle > limb.highest[joint]:
+            q[at] = limb.highest[joint]
             flags |= LIMIT_HIP << joint
         at += 1
-        low += 1
-        high += 1
     return flags
 
 

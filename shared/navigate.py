@@ -7,7 +7,7 @@ feedback with a position term), and feet are placed for the corrected speed.
 """
 
 from .fixed import saturate
-from .params import LF_BITS, P_HOLD_Q16, P_LEG_LENGTH, P_START_SPEED, P_VY_MAX, P_WZ_MAX
+from .params import LF_BITS, Params
 from .runtime import const, hot, ptr32
 from .steps import SPEED_SIZE, SPEED_WZ, SPEED_X, SPEED_Y
 
@@ -30,14 +30,13 @@ def navigate_reset(nav) -> int:
 
 
 @hot
-def follow_reference(params, speed, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav) -> int:
+def follow_reference(params: Params, speed, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav) -> int:
     """Update the errors by one tick; return 0.
 
     speed: the reference's, 3 values within +-2^19; moved: lf, within +-2^22; turned: yaw18, limited to 1/8 rad.
     The reference waits where it would be more than a sixth of the leg's length or 0.35 rad away. Without
     yaw the heading's error is 0. Error at most 2 lf a tick while turning. Intermediates: 2^15 * 2^13.
     """
-    p = ptr32(params)
     v = ptr32(speed)
     e = ptr32(nav)
     yaw = 0
@@ -46,7 +45,7 @@ def follow_reference(params, speed, moved_x: int, moved_y: int, turned_yaw18: in
         turned = saturate(turned_yaw18, -_TURN_MAX, _TURN_MAX)
         yaw = saturate(e[NAV_YAW] + v[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
     e[NAV_YAW] = yaw
-    most = (p[P_LEG_LENGTH] << LF_BITS) // 6
+    most = (params.leg_length << LF_BITS) // 6
     x = e[NAV_X] + v[SPEED_X] - ((v[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
     y = e[NAV_Y] + v[SPEED_Y] + ((v[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
     x = saturate(x, -most, most)
@@ -57,29 +56,28 @@ def follow_reference(params, speed, moved_x: int, moved_y: int, turned_yaw18: in
 
 
 @hot
-def hold(params, speed, sway_lu: int, nav, drive) -> int:
+def hold(params: Params, speed, sway_lu: int, nav, drive) -> int:
     """Write the speeds to walk with into ``drive``: the reference's plus the errors times a gain, limited.
 
     sway: lu, within +-32767, the body's planned way to the left, which is no error. Corrections are limited to a
     fifth of the speed along x (of the starting speed if that is more), two fifths of the largest speed along
     y, three quarters of the largest turn. Returns 0. Intermediates: 2^18 * 2^11 (20 Hz, the slowest rate).
     """
-    p = ptr32(params)
     v = ptr32(speed)
     e = ptr32(nav)
     d = ptr32(drive)
-    gain = p[P_HOLD_Q16]
+    gain = params.hold_q16
     most = v[SPEED_X]
     if most < 0:
         most = -most
-    if most < p[P_START_SPEED]:
-        most = p[P_START_SPEED]
+    if most < params.start_speed:
+        most = params.start_speed
     most = most // 5
     d[SPEED_X] = v[SPEED_X] + saturate((e[NAV_X] >> 4) * gain >> 12, -most, most)
-    most = p[P_VY_MAX] * 2 // 5
+    most = params.speed_max[1] * 2 // 5
     y = saturate(e[NAV_Y] + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
     d[SPEED_Y] = v[SPEED_Y] + saturate((y >> 4) * gain >> 12, -most, most)
-    most = p[P_WZ_MAX] * 3 // 4
+    most = params.speed_max[2] * 3 // 4
     d[SPEED_WZ] = v[SPEED_WZ] + saturate((e[NAV_YAW] >> 4) * gain >> 12, -most, most)
     return 0
 

@@ -10,16 +10,12 @@ Its parts: planner_states (which state next), planner_senses and planner_steps (
 planner_pose (body and legs), planner_climb (the crawl instead of all that), planner_layout (its numbers).
 """
 
-from .adaptive import Adaptive, carry, pose_body, raise_body
-from .balance import BALANCE_PITCH, BALANCE_ROLL, BALANCE_SIZE, balance_setup
-from .body import POSE_SIZE
-from .crawl import Crawl
-from .gait import CLOCK_SIZE, G_ROWS, compile_gait
-from .gaits import GAIT_ADAPTIVE, GAITS
-from .goals import READ_SIZE, follow_goals
-from .handover import F_LEFT, FADE_SIZE, fade_out
+from .adaptive import carry, pose_body, raise_body
+from .gaits import GAIT_ADAPTIVE
+from .goals import follow_goals
+from .handover import F_LEFT, fade_out
 from .leg import limit_joints
-from .params import JOINTS, LEGS
+from .params import LEGS, Params
 from .planner_climb import climb, climbs
 from .planner_layout import (
     CLIMB_BACK,
@@ -27,28 +23,24 @@ from .planner_layout import (
     N_CLIMB,
     N_FLAGS,
     N_GAIT,
-    N_GAITS,
     N_MARGIN,
-    N_SIZE,
     N_STATE,
     N_SWINGING,
     RISING,
     SEATED,
-    SENSED_SIZE,
     SITTING,
 )
 from .planner_pose import level, solve_legs
 from .planner_senses import feel, relax, take_senses
+from .planner_state import PlannerState
 from .planner_states import choose_state, follow_joints, settle
 from .planner_steps import step_gait
-from .posture import MOVE_SIZE, posture_step
-from .retreat import RETREAT_SIZE
-from .runtime import hot, ptr32, zeros
+from .posture import posture_step
+from .runtime import hot, ptr32
 from .sensing import M_KNOWN, keep_sent
-from .steps import SPEED_SIZE, STEPS_SIZE
 
 
-class Planner:
+class Planner(PlannerState):
     """The control core of one robot at one rate.
 
     ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read
@@ -56,40 +48,8 @@ class Planner:
     base frame), ``reached`` (12 lu from the hips). Raises ValueError if a gait can't fit the robot.
     """
 
-    def __init__(self, params):
-        self.params = params
-        self.gaits = [compile_gait(table, params) for table in GAITS]
-        self.gait = self.gaits[0]
-        self.top = zeros(G_ROWS)  # a gait's head, of which only the fastest speeds are used
-        self.numbers = zeros(N_SIZE)
-        self.clock = zeros(CLOCK_SIZE)
-        self.speed = zeros(SPEED_SIZE)
-        self.drive = zeros(SPEED_SIZE)  # the speed that is walked: corrected by odometry
-        self.pose = zeros(POSE_SIZE)
-        self.posed = zeros(POSE_SIZE)
-        self.rotation = zeros(9)
-        self.steps = zeros(STEPS_SIZE)
-        self.move = zeros(MOVE_SIZE)
-        self.balance = zeros(BALANCE_SIZE)
-        self.feet = zeros(JOINTS)
-        self.hip_feet = zeros(JOINTS)
-        self.reached = zeros(JOINTS)
-        self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
-        self.joints = zeros(JOINTS)
-        self.sensed = zeros(SENSED_SIZE)  # what is believed of what is sensed
-        self.joints_read = zeros(JOINTS + READ_SIZE)
-        self.tilt_read = zeros(2 + READ_SIZE)
-        self.leg_flags = zeros(LEGS)
-        self.walk = Adaptive(params)
-        self.sensing = self.walk.sensing
-        self.felt = self.walk.state
-        self.load = self.walk.load
-        self.nav = self.walk.nav
-        self.climb = Crawl(params)
-        self.fade = zeros(FADE_SIZE)
-        self.retreat = zeros(RETREAT_SIZE)
-        self.numbers[N_GAITS] = len(self.gaits)
-        balance_setup(params, self.balance)
+    def __init__(self, params: Params):
+        super().__init__(params)
         settle(self)
 
     def tick(self, command, sensed):
@@ -102,7 +62,7 @@ class Planner:
 
 
 @hot
-def plan(planner, command, sensed) -> int:
+def plan(planner: PlannerState, command, sensed) -> int:
     """One tick of the planner; returns its flags."""
     n = ptr32(planner.numbers)
     m = ptr32(planner.sensing)
@@ -129,7 +89,7 @@ def plan(planner, command, sensed) -> int:
 
 
 @hot
-def tread(planner, command, sensed) -> int:
+def tread(planner: PlannerState, command, sensed) -> int:
     """One tick of standing or walking by a gait's table or the adaptive trot; return 0."""
     n = ptr32(planner.numbers)
     own = 0
@@ -141,8 +101,8 @@ def tread(planner, command, sensed) -> int:
     active = raise_body(planner.params, planner.walk, own)
     n[N_MARGIN] = carry(planner.params, planner.walk, planner.reached, n[N_SWINGING], own)
     if active:
-        b = ptr32(planner.balance)
-        pose_body(planner.params, planner.walk, b[BALANCE_ROLL], b[BALANCE_PITCH], planner.posed)
+        correction = planner.balance.correction
+        pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
     n[N_FLAGS] |= solve_legs(planner, planner.goal)
     fade = ptr32(planner.fade)
     if fade[F_LEFT]:

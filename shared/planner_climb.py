@@ -22,7 +22,6 @@ from .handover import (
     straight_on,
 )
 from .navigate import navigate_reset
-from .params import P_SENT_TICKS, P_STAND_TICKS
 from .planner_layout import (
     BLIND,
     CLIMB_BACK,
@@ -47,6 +46,7 @@ from .planner_layout import (
     STANDING,
     WALKING,
 )
+from .planner_state import PlannerState
 from .planner_steps import use_gait, wanted_gait
 from .retreat import retreat_start, retreat_step
 from .runtime import hot, ptr32
@@ -55,7 +55,7 @@ from .steps import SPEED_SIZE
 
 
 @hot
-def climbs(planner, command, sensed) -> int:
+def climbs(planner: PlannerState, command, sensed) -> int:
     """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
 
     It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
@@ -90,7 +90,7 @@ def climbs(planner, command, sensed) -> int:
 
 
 @hot
-def stop_to_climb(planner, gait: int) -> int:
+def stop_to_climb(planner: PlannerState, gait: int) -> int:
     """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
     n = ptr32(planner.numbers)
     v = ptr32(planner.speed)
@@ -102,7 +102,7 @@ def stop_to_climb(planner, gait: int) -> int:
 
 
 @hot
-def back_off(planner) -> int:
+def back_off(planner: PlannerState) -> int:
     """The held-up trot begins to back off, its reference where the robot is; return 0: it goes on trotting."""
     n = ptr32(planner.numbers)
     w = ptr32(planner.felt)
@@ -113,7 +113,7 @@ def back_off(planner) -> int:
 
 
 @hot
-def backed_off(planner, command, sensed) -> int:
+def backed_off(planner: PlannerState, command, sensed) -> int:
     """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
 
     It is given up when the command is no longer one for it, or when the senses it needs are missing.
@@ -137,17 +137,17 @@ def backed_off(planner, command, sensed) -> int:
 
 
 @hot
-def advised(planner, wanted: int) -> int:
+def advised(planner: PlannerState, wanted: int) -> int:
     """Return why the adaptive trot should give way to the crawl, once all feet surely stand; else REASON_NONE.
 
     wanted: the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does
     not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up.
     """
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     w = ptr32(planner.felt)
     clock = ptr32(planner.clock)
-    if n[N_STATE] != WALKING or clock[CLOCK_TICK] <= p[P_STAND_TICKS]:
+    if n[N_STATE] != WALKING or clock[CLOCK_TICK] <= params.stand_ticks:
         return REASON_NONE
     if n[N_ADVICE] == ADVICE_BEHIND:
         return REASON_BEHIND
@@ -157,7 +157,7 @@ def advised(planner, wanted: int) -> int:
 
 
 @hot
-def climb(planner, command, sensed) -> int:
+def climb(planner: PlannerState, command, sensed) -> int:
     """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
 
     While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
@@ -165,7 +165,7 @@ def climb(planner, command, sensed) -> int:
     n = ptr32(planner.numbers)
     s = ptr32(sensed)
     c = ptr32(command)
-    p = ptr32(planner.params)
+    params = planner.params
     m = ptr32(planner.sensing)
     at = ptr32(planner.climb.state)
     if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
@@ -174,7 +174,7 @@ def climb(planner, command, sensed) -> int:
     roll = saturate(s[S_ROLL], -32768, 32767)
     pitch = saturate(s[S_PITCH], -32768, 32767)
     sense_legs(planner.params, sensed, S_JOINTS, roll, pitch, planner.sensing)
-    if n[N_CLIMB] == CLIMB_READY and m[M_KNOWN] > p[P_SENT_TICKS] + 1:
+    if n[N_CLIMB] == CLIMB_READY and m[M_KNOWN] > params.sent_ticks + 1:
         crawl_start(planner.climb, planner.sensing, sensed, S_JOINTS, planner.joints, roll, pitch)
         n[N_CLIMB] = CLIMB_ON
     if n[N_CLIMB] == CLIMB_ON:
@@ -197,7 +197,7 @@ def climb(planner, command, sensed) -> int:
 
 
 @hot
-def leaves(planner, command) -> int:
+def leaves(planner: PlannerState, command) -> int:
     """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
 
     Another gait is commanded, or a way it cannot go; as part of the adaptive gait also on even ground. A
@@ -221,7 +221,7 @@ def leaves(planner, command) -> int:
 
 
 @hot
-def hand_to_trot(planner, command, reason: int) -> int:
+def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
     n = ptr32(planner.numbers)
     w = ptr32(planner.felt)

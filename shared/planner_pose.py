@@ -1,46 +1,47 @@
 """The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
 
 from .adaptive import W_FAR
-from .balance import BALANCE_PITCH, BALANCE_ROLL, balance_release, balance_step
+from .balance import balance_release, balance_step
 from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
 from .command import C_BALANCE
 from .compliance import sag_leg
 from .fixed import saturate
 from .leg import leg_inverse, limit_joints
 from .load import L_FORCE_Q12
-from .params import LEG_CLEAR, LEG_SIZE, LEGS, P_POSE_SLEW, P_SIZE_BODY
+from .params import LEGS
 from .planner_layout import N_BEYOND, N_FLAGS, N_SWINGING, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
+from .planner_state import PlannerState
 from .reach import TOO_NEAR, reach_foot
 from .runtime import hot, ptr32
 
 
 @hot
-def level(planner, command, sensed) -> int:
+def level(planner: PlannerState, command, sensed) -> int:
     """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
     n = ptr32(planner.numbers)
     c = ptr32(command)
     s = ptr32(sensed)
-    p = ptr32(planner.params)
+    params = planner.params
     pose = ptr32(planner.pose)
     posed = ptr32(planner.posed)
-    b = ptr32(planner.balance)
+    correction = planner.balance.correction
     if c[C_BALANCE] and s[S_ATTITUDE_OK]:
         roll = saturate(s[S_ROLL], -32768, 32767)
         pitch = saturate(s[S_PITCH], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
-        balance_release(planner.balance, p[P_POSE_SLEW + POSE_ROLL])
+        balance_release(planner.balance, params.pose_slew[POSE_ROLL])
         if c[C_BALANCE]:
             n[N_FLAGS] |= NO_ATTITUDE
     for axis in range(POSE_SIZE):
         posed[axis] = pose[axis]
-    posed[POSE_ROLL] += b[BALANCE_ROLL]
-    posed[POSE_PITCH] += b[BALANCE_PITCH]
+    posed[POSE_ROLL] += correction.roll
+    posed[POSE_PITCH] += correction.pitch
     return 0
 
 
 @hot
-def solve_legs(planner, joints) -> int:
+def solve_legs(planner: PlannerState, joints) -> int:
     """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together.
 
     A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
@@ -48,7 +49,7 @@ def solve_legs(planner, joints) -> int:
     """
     n = ptr32(planner.numbers)
     hip_feet = ptr32(planner.hip_feet)
-    limbs = ptr32(planner.climb.limbs)
+    limbs = planner.climb.limbs
     per_leg = ptr32(planner.leg_flags)
     forces = ptr32(planner.load)
     w = ptr32(planner.felt)
@@ -59,7 +60,7 @@ def solve_legs(planner, joints) -> int:
     for leg in range(LEGS):
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
-        highest = limbs[P_SIZE_BODY + leg * LEG_SIZE + LEG_CLEAR]
+        highest = limbs.legs[leg].clearance
         if hip_feet[leg * 3 + 2] > highest:
             hip_feet[leg * 3 + 2] = highest
             flags = TOO_NEAR

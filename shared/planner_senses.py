@@ -1,11 +1,10 @@
 """What is believed of the senses, what the adaptive trot feels of it, and what a gait that feels nothing forgets."""
 
 from .adaptive import W_ACTIVE, W_ADVICE, W_RATES, W_TURNED, W_TWIST, feel_ground, feel_legs, sway_body
-from .balance import BALANCE_PITCH, BALANCE_ROLL
 from .fixed import saturate
 from .goals import believe
 from .ground import press_feet
-from .params import JOINTS, P_READ_STEP, P_TILT_STEP
+from .params import JOINTS
 from .planner_layout import (
     BLIND,
     N_ADVICE,
@@ -21,31 +20,32 @@ from .planner_layout import (
     S_ROLL,
     SENSED_SIZE,
 )
+from .planner_state import PlannerState
 from .runtime import hot, ptr32
 from .sensing import M_KNOWN
 
 
 @hot
-def take_senses(planner, sensed) -> int:
+def take_senses(planner: PlannerState, sensed) -> int:
     """Write into ``planner.sensed`` what may be believed of ``sensed``; return 0. ODD_READING if not all of it.
 
     Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
     """
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     s = ptr32(sensed)
     own = ptr32(planner.sensed)
     odd = 0
     own[S_ATTITUDE_OK] = 0
     if s[S_ATTITUDE_OK]:
-        odd = believe(sensed, S_ROLL, 2, p[P_TILT_STEP], planner.sensed, planner.tilt_read)
+        odd = believe(sensed, S_ROLL, 2, params.tilt_step, planner.sensed, planner.tilt_read)
         if odd >= 0:
             own[S_ATTITUDE_OK] = 1
         if odd > 0:
             n[N_FLAGS] |= ODD_READING
     own[S_JOINTS_OK] = 0
     if s[S_JOINTS_OK]:
-        odd = believe(sensed, S_JOINTS, JOINTS, p[P_READ_STEP], planner.sensed, planner.joints_read)
+        odd = believe(sensed, S_JOINTS, JOINTS, params.read_step, planner.sensed, planner.joints_read)
         if n[N_MET] == 0:
             meet(planner)
         if odd >= 0:
@@ -59,7 +59,7 @@ def take_senses(planner, sensed) -> int:
 
 
 @hot
-def meet(planner) -> int:
+def meet(planner: PlannerState) -> int:
     """Take the joints as they were read as the goals; return 0."""
     own = ptr32(planner.sensed)
     q = ptr32(planner.joints)
@@ -71,12 +71,12 @@ def meet(planner) -> int:
 
 
 @hot
-def feel(planner, sensed) -> int:
+def feel(planner: PlannerState, sensed) -> int:
     """Give the adaptive trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
     n = ptr32(planner.numbers)
     s = ptr32(sensed)
     w = ptr32(planner.felt)
-    b = ptr32(planner.balance)
+    correction = planner.balance.correction
     roll = 0
     pitch = 0
     if s[S_ATTITUDE_OK]:
@@ -90,13 +90,13 @@ def feel(planner, sensed) -> int:
     if s[S_ATTITUDE_OK] == 0 or s[S_RATES_OK] == 0 or s[S_JOINTS_OK] == 0:
         n[N_FLAGS] |= BLIND
     feel_legs(planner.params, planner.walk, sensed, S_JOINTS, s[S_JOINTS_OK], roll, pitch)
-    feel_ground(planner.params, planner.walk, planner.steps, roll, pitch, b[BALANCE_ROLL], b[BALANCE_PITCH])
+    feel_ground(planner.params, planner.walk, planner.steps, roll, pitch, correction.roll, correction.pitch)
     n[N_ADVICE] = w[W_ADVICE]
     return 0
 
 
 @hot
-def relax(planner) -> int:
+def relax(planner: PlannerState) -> int:
     """Under a table gait: forget what was measured, sway to the middle, footholds to level ground; return 0."""
     w = ptr32(planner.felt)
     m = ptr32(planner.sensing)

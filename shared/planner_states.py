@@ -11,7 +11,7 @@ from .body import POSE_SIZE
 from .command import C_MODE, MODE_LIMP, MODE_SIT, MODE_STAND
 from .goals import joints_near
 from .handover import F_LEFT
-from .params import JOINTS, LEG_HIP, LEG_SIZE, LEGS, P_SIT_Z, P_SIZE_BODY, P_TILT_MAX, P_TILT_TICKS
+from .params import JOINTS, LEGS
 from .planner_layout import (
     BAD_COMMAND,
     CLIMB_OFF,
@@ -38,13 +38,14 @@ from .planner_layout import (
     WALKING,
 )
 from .planner_pose import solve_legs
+from .planner_state import PlannerState
 from .posture import posture_start
 from .runtime import hot, ptr32
 from .steps import SPEED_SIZE, place_feet, steps_reset
 
 
 @hot
-def choose_state(planner, command, sensed) -> int:
+def choose_state(planner: PlannerState, command, sensed) -> int:
     """Go where the commanded mode leads from the present state; return 0."""
     n = ptr32(planner.numbers)
     c = ptr32(command)
@@ -71,31 +72,31 @@ def choose_state(planner, command, sensed) -> int:
 
 
 @hot
-def watch_tilt(planner, sensed, mode: int) -> int:
+def watch_tilt(planner: PlannerState, sensed, mode: int) -> int:
     """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     s = ptr32(sensed)
     if mode == MODE_LIMP or mode == MODE_SIT:
         n[N_FALLEN] = 0
-    most = p[P_TILT_MAX]
+    most = params.tilt_max
     tilted = 0
     if s[S_ROLL] > most or s[S_ROLL] < -most or s[S_PITCH] > most or s[S_PITCH] < -most:
         tilted = n[N_TILTED] + 1
     if s[S_ATTITUDE_OK] == 0 or (n[N_STATE] != STANDING and n[N_STATE] != WALKING):
         tilted = 0
     n[N_TILTED] = tilted
-    if tilted > p[P_TILT_TICKS]:
+    if tilted > params.tilt_ticks:
         n[N_FALLEN] = 1
         n[N_TILTED] = 0
     return n[N_FALLEN]
 
 
 @hot
-def begin_move(planner, sensed, state: int) -> int:
+def begin_move(planner: PlannerState, sensed, state: int) -> int:
     """Start RISING to the rest stance or SITTING down from the last goals; return 0.
 
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
@@ -120,7 +121,7 @@ def begin_move(planner, sensed, state: int) -> int:
 
 
 @hot
-def settle(planner) -> int:
+def settle(planner: PlannerState) -> int:
     """Forget all motion: feet at rest under a level body, speed 0; return 0."""
     v = ptr32(planner.speed)
     w = ptr32(planner.pose)
@@ -143,17 +144,17 @@ def settle(planner) -> int:
 
 
 @hot
-def fold_legs(planner) -> int:
+def fold_legs(planner: PlannerState) -> int:
     """Raise all planned feet to the seat's height under the hips; return 0."""
-    p = ptr32(planner.params)
+    params = planner.params
     f = ptr32(planner.feet)
     for leg in range(LEGS):
-        f[leg * 3 + 2] = p[P_SIZE_BODY + leg * LEG_SIZE + LEG_HIP + 2] + p[P_SIT_Z]
+        f[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
     return 0
 
 
 @hot
-def follow_joints(planner, sensed) -> int:
+def follow_joints(planner: PlannerState, sensed) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
     n = ptr32(planner.numbers)
     s = ptr32(sensed)

@@ -11,7 +11,6 @@ from .fixed import saturate
 from .gait import CLOCK_MADE_Q10, CLOCK_SEGMENT, CLOCK_TICK, G_HEIGHT_MM, G_VX_MAX, gait_clock
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .navigate import drive_as_told
-from .params import P_KP_Q12, P_LENGTH_SHIFT, P_OWN_KP_Q12, P_RATE_HZ, P_SIT_Z, P_VX_MAX, P_WZ_MAX
 from .planner_layout import (
     BAD_COMMAND,
     N_BEYOND,
@@ -30,6 +29,7 @@ from .planner_layout import (
     STANDING,
     WALKING,
 )
+from .planner_state import PlannerState
 from .runtime import const, hot, ptr32
 from .sensing import M_KNOWN
 from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
@@ -38,7 +38,7 @@ _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
 @hot
-def step_gait(planner, command) -> int:
+def step_gait(planner: PlannerState, command) -> int:
     """Move the feet by one tick of the gait, and start or end walking where that is safe; return 0.
 
     The first cycle of a table gait is walked at half speed: all feet start at rest, in the middle of their
@@ -84,7 +84,7 @@ def step_gait(planner, command) -> int:
 
 
 @hot
-def hold_back(planner, command) -> int:
+def hold_back(planner: PlannerState, command) -> int:
     """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
 
     It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
@@ -108,13 +108,13 @@ def hold_back(planner, command) -> int:
 
 
 @hot
-def walk_on(planner, height_lu: int, still: int) -> int:
+def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
     """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits.
 
     height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
     """
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     w = ptr32(planner.felt)
     clock = ptr32(planner.clock)
     own = 0
@@ -123,7 +123,7 @@ def walk_on(planner, height_lu: int, still: int) -> int:
     if n[N_GAIT] == GAIT_ADAPTIVE:
         own = 1
         height_lu = saturate(height_lu, 0, 32767) + w[W_LIFT]
-    height_lu = saturate(height_lu, 0, -p[P_SIT_Z])
+    height_lu = saturate(height_lu, 0, -params.sit_z)
     if own and still == 0:
         drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
     else:
@@ -143,7 +143,7 @@ def walk_on(planner, height_lu: int, still: int) -> int:
 
 
 @hot
-def limit_to_both(planner, wanted: int) -> int:
+def limit_to_both(planner: PlannerState, wanted: int) -> int:
     """Take as the fastest command what the present gait and the ``wanted`` one both allow.
 
     Returns 1 if the present speed is within that of the wanted gait: a faster walk would step too far in it.
@@ -167,27 +167,27 @@ def limit_to_both(planner, wanted: int) -> int:
 
 
 @hot
-def start_slowly(planner) -> int:
+def start_slowly(planner: PlannerState) -> int:
     """Limit ``top`` to what the adaptive trot may do so soon after its start, turning in proportion; return 0.
 
     Intermediates: 2^18 turned down to 12 bits times 2^16.
     """
-    p = ptr32(planner.params)
+    params = planner.params
     w = ptr32(planner.felt)
     top = ptr32(planner.top)
     fastest = w[W_FASTEST]
     for axis in range(2):
         if top[G_VX_MAX + axis] > fastest:
             top[G_VX_MAX + axis] = fastest
-    share_q10 = saturate((fastest << 10) // p[P_VX_MAX], 1, 1024)
-    turn = (p[P_WZ_MAX] * share_q10 >> 10) + 1
+    share_q10 = saturate((fastest << 10) // params.speed_max[0], 1, 1024)
+    turn = (params.speed_max[2] * share_q10 >> 10) + 1
     if top[G_VX_MAX + 2] > turn:
         top[G_VX_MAX + 2] = turn
     return 0
 
 
 @hot
-def wanted_gait(planner, command) -> int:
+def wanted_gait(planner: PlannerState, command) -> int:
     """Return the index of the commanded gait, or of the present one if there is no such gait."""
     n = ptr32(planner.numbers)
     c = ptr32(command)
@@ -199,7 +199,7 @@ def wanted_gait(planner, command) -> int:
 
 
 @hot
-def crawl_waits(planner, wanted: int) -> int:
+def crawl_waits(planner: PlannerState, wanted: int) -> int:
     """Return the gait to go on with: ``wanted``, or the adaptive trot while it feels for where the crawl may begin.
 
     A walking robot trots on adaptively until its feet stand level or it was held up and has backed off
@@ -207,22 +207,22 @@ def crawl_waits(planner, wanted: int) -> int:
     does not wait.
     """
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     m = ptr32(planner.sensing)
     if wanted != GAIT_CLIMB or n[N_STATE] != WALKING or n[N_GAIT] == GAIT_CLIMB:
         n[N_WAITED] = 0
         return wanted
     n[N_WAITED] = saturate(n[N_WAITED] + 1, 0, 0xFFFF)
-    if n[N_WAITED] > p[P_RATE_HZ] * _WAIT_S or (n[N_GAIT] == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
+    if n[N_WAITED] > params.rate_hz * _WAIT_S or (n[N_GAIT] == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
         return wanted
     return GAIT_ADAPTIVE
 
 
 @hot
-def use_gait(planner, gait: int) -> int:
+def use_gait(planner: PlannerState, gait: int) -> int:
     """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
     n = ptr32(planner.numbers)
-    p = ptr32(planner.params)
+    params = planner.params
     clock = ptr32(planner.clock)
     clock[CLOCK_TICK] = 0
     clock[CLOCK_MADE_Q10] = 0
@@ -230,9 +230,9 @@ def use_gait(planner, gait: int) -> int:
     n[N_GAIT] = gait
     planner.gait = planner.gaits[gait]
     if gait == GAIT_ADAPTIVE:
-        balance_gains(planner.params, P_OWN_KP_Q12, planner.balance)
+        balance_gains(planner.params, 1, planner.balance)
     else:
-        balance_gains(planner.params, P_KP_Q12, planner.balance)
+        balance_gains(planner.params, 0, planner.balance)
     g = ptr32(planner.gait)
-    n[N_HEIGHT] = (g[G_HEIGHT_MM] << p[P_LENGTH_SHIFT]) // 1000
+    n[N_HEIGHT] = (g[G_HEIGHT_MM] << params.length_shift) // 1000
     return 0

@@ -5,7 +5,7 @@ longest way needs at the robot's slow joint speed; all joints start and arrive t
 cycloid's profile, so nothing jerks.
 """
 
-from .params import JOINTS, P_JOINT_STEP
+from .params import JOINTS, Params
 from .runtime import const, hot, ptr32
 from .swing import cycloid_q15
 
@@ -17,12 +17,11 @@ MOVE_SIZE = const(26)
 
 
 @hot
-def posture_start(params, move, joints, goal) -> int:
+def posture_start(params: Params, move, joints, goal) -> int:
     """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.
 
     The peak speed of a cycloid is twice its mean, hence twice the ticks of an even move.
     """
-    p = ptr32(params)
     m = ptr32(move)
     q = ptr32(joints)
     to = ptr32(goal)
@@ -35,7 +34,7 @@ def posture_start(params, move, joints, goal) -> int:
             gap = -gap
         if gap > longest:
             longest = gap
-    step = p[P_JOINT_STEP]
+    step = params.joint_step
     if step < 1:
         step = 1
     m[MOVE_TICKS] = 1 + 2 * longest // step

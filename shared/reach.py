@@ -7,13 +7,7 @@ cylinder of radius L1 about the hip axis. No public implementation does both: cl
 
 from .fixed import isqrt, round_sqrt
 from .params import (
-    LEG_L2,
-    LEG_L3,
-    LEG_NEAR,
-    LEG_REACH,
-    LEG_SIDE_L1,
-    LEG_SIZE,
-    P_SIZE_BODY,
+    Params,
 )
 from .runtime import const, hot, ptr32
 
@@ -36,7 +30,7 @@ def scale_down(value: int, numerator: int, denominator: int) -> int:
 
 
 @hot
-def reach_foot(params, leg: int, feet, reached) -> int:
+def reach_foot(params: Params, leg: int, feet, reached) -> int:
     """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why.
 
     feet, reached: 12 lu, x y z of each leg from its hip in body axes; any 30-bit value.
@@ -48,10 +42,9 @@ def reach_foot(params, leg: int, feet, reached) -> int:
     one more than 3 lu outside never does.
     Intermediates: 32767 * 32767 at most, or three quarters of 2^30 in the sum of squares.
     """
-    p = ptr32(params)
     wanted = ptr32(feet)
     out = ptr32(reached)
-    base = P_SIZE_BODY + leg * LEG_SIZE
+    base = params.legs[leg]
     at = leg * 3
     x = wanted[at]
     y = wanted[at + 1]
@@ -62,7 +55,7 @@ def reach_foot(params, leg: int, feet, reached) -> int:
         y >>= 1
         z >>= 1
         flags = TOO_FAR
-    reach = p[base + LEG_REACH]
+    reach = base.longest
     ahead_sq = x * x
     aside_sq = y * y
     down_sq = z * z
@@ -79,29 +72,29 @@ def reach_foot(params, leg: int, feet, reached) -> int:
     out[at] = x
     out[at + 1] = y
     out[at + 2] = z
-    radius = p[base + LEG_SIDE_L1]
+    radius = base.hip_length
     if radius < 0:
         radius = -radius
     if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
-        flags |= leave_hip(params, base, radius, reached, at)
+        flags |= leave_hip(params, leg, radius, reached, at)
         ahead_sq = out[at] * out[at]
         aside_sq = out[at + 1] * out[at + 1]
         down_sq = out[at + 2] * out[at + 2]
-    near = p[base + LEG_NEAR]
+    near = base.shortest
     if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
         flags |= leave_centre(near, reached, at)
     return flags
 
 
 @hot
-def leave_hip(params, base: int, radius: int, reached, at: int) -> int:
+def leave_hip(params: Params, leg: int, radius: int, reached, at: int) -> int:
     """Move the foot at ``reached[at]`` out of the hip offset; return INSIDE_HIP, with TOO_FAR if x gave way.
 
     Used by reach_foot, on a foot within reach. Without a ray, on the hip axis, the way out is down. y and z
     are first doubled until one has 14 bits, so that a foot close to the axis keeps its direction.
     Intermediates: 32767 * 32767 at most.
     """
-    p = ptr32(params)
+    limb = params.legs[leg]
     out = ptr32(reached)
     y = out[at + 1]
     z = out[at + 2]
@@ -119,7 +112,7 @@ def leave_hip(params, base: int, radius: int, reached, at: int) -> int:
     size = x
     if size < 0:
         size = -size
-    limit = p[base + LEG_L2] + p[base + LEG_L3]
+    limit = limb.thigh_length + limb.calf_length
     whole = size * radius // around
     flags = INSIDE_HIP
     if whole <= limit:

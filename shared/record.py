@@ -65,7 +65,8 @@ def record(declared):
             setattr(self, name, place.make())
 
     if _CPYTHON:  # with slots an attribute is read as fast as a list's element
-        body = {"__slots__": [name for name, _ in found], "__doc__": declared.__doc__, "__module__": declared.__module__}
+        names = [name for name, _ in found]
+        body = {"__slots__": names, "__doc__": declared.__doc__, "__module__": declared.__module__}
         declared = type(declared.__name__, (), body)
     declared.__init__ = begin
     declared.FIELDS = tuple(found)
@@ -97,12 +98,12 @@ def pack(values):
 
 
 def unpack(values, integers):
-    """Write integers into a record, or an array, in the order of its declaration; ValueError if their number differs."""
+    """Write integers into a record, or an array, in the order of its declaration; ValueError if too few or many."""
     left = list(integers)
     left.reverse()
     _take(values, left)
     if left:
-        raise ValueError("%d integers too many" % len(left))
+        raise ValueError(f"{len(left)} integers too many")
 
 
 def _take(values, left):

@@ -8,7 +8,7 @@ of the edge it does not. The way back is measured by the legs' odometry, so slip
 from .command import C_GAIT, C_SPEED, COMMAND_SIZE
 from .fixed import saturate
 from .gaits import GAIT_ADAPTIVE
-from .params import LF_BITS, P_LEG_LENGTH, P_RATE_HZ, P_VX_MAX
+from .params import LF_BITS, Params
 from .runtime import const, hot, ptr32
 
 # The block begins with the command that the trot is given instead of the driver's, COMMAND_SIZE values
@@ -31,24 +31,23 @@ def retreat_start(retreat) -> int:
 
 
 @hot
-def retreat_step(params, command, moved_lf: int, standing: int, retreat) -> int:
+def retreat_step(params: Params, command, moved_lf: int, standing: int, retreat) -> int:
     """Write this tick's command for the trot: backwards, then nothing; return 1 once it has stood for half a second.
 
     moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
     Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed, adaptively; all else as commanded.
     Intermediates: 3 * 2^15 * 2^8 lf.
     """
-    p = ptr32(params)
     c = ptr32(command)
     r = ptr32(retreat)
     for at in range(COMMAND_SIZE):
         r[at] = c[at]
     r[R_MOVED] = saturate(r[R_MOVED] - saturate(moved_lf, -0x3FFFFF, 0x3FFFFF), -0xFFFFFFF, 0xFFFFFFF)
     r[R_TICKS] = saturate(r[R_TICKS] + 1, 0, 0xFFFF)
-    if r[R_MOVED] >= (p[P_LEG_LENGTH] * 3 << LF_BITS) // 10 or r[R_TICKS] > p[P_RATE_HZ] * _LONGEST_S:
+    if r[R_MOVED] >= (params.leg_length * 3 << LF_BITS) // 10 or r[R_TICKS] > params.rate_hz * _LONGEST_S:
         r[R_ENDS] = 1
     r[C_GAIT] = GAIT_ADAPTIVE
-    r[C_SPEED] = -(p[P_VX_MAX] * 3 // 10)
+    r[C_SPEED] = -(params.speed_max[0] * 3 // 10)
     r[C_SPEED + 1] = 0
     r[C_SPEED + 2] = 0
     if r[R_ENDS]:
@@ -56,6 +55,6 @@ def retreat_step(params, command, moved_lf: int, standing: int, retreat) -> int:
     r[R_STOOD] = saturate(r[R_STOOD] + 1, 0, 0xFFFF)
     if r[R_ENDS] == 0 or standing == 0:
         r[R_STOOD] = 0
-    if r[R_STOOD] > p[P_RATE_HZ] >> 1:
+    if r[R_STOOD] > params.rate_hz >> 1:
         return 1
     return 0

@@ -14,20 +14,9 @@ with t2' = t2 where the calf's motor is on the body (paper B).
 from .fixed import cos_q15, saturate, sin_q15
 from .params import (
     JOINTS,
-    LEG_HIP,
-    LEG_L2,
-    LEG_L3,
-    LEG_SIDE_L1,
-    LEG_SIZE,
     LEGS,
     LF_BITS,
-    P_COUPLED,
-    P_DAMP_Q8,
-    P_FOOT_RADIUS,
-    P_LEG_LENGTH,
-    P_SENT_TICKS,
-    P_SIZE_BODY,
-    P_STIFF_Q8,
+    Params,
 )
 from .runtime import const, hot, ptr32
 
@@ -81,14 +70,13 @@ def keep_sent(block, joints) -> int:
 
 
 @hot
-def sense_legs(params, joints, first: int, roll_brad: int, pitch_brad: int, block) -> int:
+def sense_legs(params: Params, joints, first: int, roll_brad: int, pitch_brad: int, block) -> int:
     """Take 12 measured joints from ``joints[first]`` on, update feet and forces; return the ticks known, up to 100.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. M_LEVEL within 6 lu + 2e-4 of
     the foot's distance. M_FORCE_Q12 answers the goals of P_SENT_TICKS ticks ago and is limited to +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
-    p = ptr32(params)
     m = ptr32(block)
     q = ptr32(joints)
     m[M_ROLL] = roll_brad
@@ -97,10 +85,10 @@ def sense_legs(params, joints, first: int, roll_brad: int, pitch_brad: int, bloc
     m[M_ROLL_COSINE_Q13] = cos_q15(roll_brad) >> 2
     m[M_PITCH_SINE_Q13] = sin_q15(pitch_brad) >> 2
     m[M_PITCH_COSINE_Q13] = cos_q15(pitch_brad) >> 2
-    m[M_ROLLS_Q12] = p[P_FOOT_RADIUS] * _BRAD_TO_RAD_Q26 >> 14
+    m[M_ROLLS_Q12] = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
     m[M_ANSWERED] = 0
-    if m[M_KNOWN] > p[P_SENT_TICKS]:
-        m[M_ANSWERED] = M_SENT + (m[M_SENT_AT] - p[P_SENT_TICKS] & 15) * JOINTS
+    if m[M_KNOWN] > params.sent_ticks:
+        m[M_ANSWERED] = M_SENT + (m[M_SENT_AT] - params.sent_ticks & 15) * JOINTS
     for leg in range(LEGS):
         sense_leg(params, leg, joints, first + leg * 3, block)
     for joint in range(JOINTS):
@@ -111,31 +99,30 @@ def sense_legs(params, joints, first: int, roll_brad: int, pitch_brad: int, bloc
 
 
 @hot
-def sense_leg(params, leg: int, joints, at_joint: int, block) -> int:
+def sense_leg(params: Params, leg: int, joints, at_joint: int, block) -> int:
     """Write one foot into M_LEVEL and M_ROLLED and its force into M_FORCE_Q12; return 0. Used by sense_legs.
 
     A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
     """
-    p = ptr32(params)
     q = ptr32(joints)
     m = ptr32(block)
-    base = P_SIZE_BODY + leg * LEG_SIZE
+    base = params.legs[leg]
     hip = q[at_joint]
     thigh = q[at_joint + 1]
     shank = thigh + q[at_joint + 2]
-    length = p[base + LEG_L2]
+    length = base.thigh_length
     knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
-    place = base + LEG_HIP
-    x = p[place] - (length * sin_q15(thigh) + 0x4000 >> 15)
-    length = p[base + LEG_L3]
+    place = base.hip
+    x = place[0] - (length * sin_q15(thigh) + 0x4000 >> 15)
+    length = base.calf_length
     calf_drop = length * cos_q15(shank) + 0x4000 >> 15
     x -= length * sin_q15(shank) + 0x4000 >> 15
     drop = knee_drop + calf_drop
-    side = p[base + LEG_SIDE_L1]
+    side = base.hip_length
     sine = sin_q15(hip)
     cosine = cos_q15(hip)
-    y = p[place + 1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
-    z = p[place + 2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+    y = place[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+    z = place[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
     keep_foot(leg, hip, shank, x, y, z, block)
     m[M_FORCE_Q12 + leg] = 0
     if m[M_ANSWERED]:
@@ -176,13 +163,12 @@ def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, 
 
 
 @hot
-def leg_force(params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop: int, block) -> int:
+def leg_force(params: Params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop: int, block) -> int:
     """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
     knee_drop, calf_drop: ak and ac of this file's head, lu. A calf motor on the body answers the errors of thigh
     and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
     """
-    p = ptr32(params)
     q = ptr32(joints)
     m = ptr32(block)
     at = leg * 3 + 1
@@ -191,18 +177,18 @@ def leg_force(params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop
     calf = q[at_joint + 2]
     error = m[sent] - thigh
     turned = thigh - m[M_JOINTS + at]
-    above = joint_torque(p[P_STIFF_Q8 + 1], p[P_DAMP_Q8 + 1], error, turned)
-    if p[P_COUPLED]:
+    above = joint_torque(params.stiff_q8[1], params.damp_q8[1], error, turned)
+    if params.coupled:
         error += m[sent + 1] - calf
         turned += calf - m[M_JOINTS + at + 1]
-        below = joint_torque(p[P_STIFF_Q8 + 2], p[P_DAMP_Q8 + 2], error, turned)
+        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
     else:
         error = m[sent + 1] - calf
         turned = calf - m[M_JOINTS + at + 1]
-        below = joint_torque(p[P_STIFF_Q8 + 2], p[P_DAMP_Q8 + 2], error, turned)
+        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
         above = saturate(above - below, -32767, 32767)
-    base = P_SIZE_BODY + leg * LEG_SIZE
-    arms = -((p[base + LEG_L2] * p[base + LEG_L3] >> 13) * sin_q15(calf) + 0x4000 >> 15)
+    base = params.legs[leg]
+    arms = -((base.thigh_length * base.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
     if arms < _STRAIGHT and arms > -_STRAIGHT:
         return 0
     force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
@@ -263,12 +249,11 @@ def sense_moved(block, weights) -> int:
 
 
 @hot
-def stands_level(params, block) -> int:
+def stands_level(params: Params, block) -> int:
     """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
 
     A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
     """
-    p = ptr32(params)
     m = ptr32(block)
     if m[M_KNOWN] == 0:
         return 1
@@ -279,6 +264,6 @@ def stands_level(params, block) -> int:
             low = m[at]
         if m[at] > high:
             high = m[at]
-    if high - low > p[P_LEG_LENGTH] >> 5:
+    if high - low > params.leg_length >> 5:
         return 0
     return 1

@@ -22,7 +22,7 @@ from .gait import (
     ROW_SWING_Q10,
     ROW_TICKS,
 )
-from .params import LEG_REST, LEG_SIZE, LEGS, LF_BITS, P_SIZE_BODY
+from .params import LEGS, LF_BITS, Params
 from .runtime import const, hot, ptr32
 from .swing import cycloid_q15, lift_q15, swing_phase_q16
 
@@ -46,34 +46,32 @@ _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
 @hot
-def steps_reset(params, steps) -> int:
+def steps_reset(params: Params, steps) -> int:
     """Put all four feet at rest, standing; return 0."""
-    p = ptr32(params)
     s = ptr32(steps)
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
-        s[at + STEP_X] = p[rest] << LF_BITS
-        s[at + STEP_Y] = p[rest + 1] << LF_BITS
-        s[at + STEP_Z] = p[rest + 2]
-        s[at + STEP_TO_Z] = p[rest + 2]
+        rest = params.legs[leg].rest
+        s[at + STEP_X] = rest[0] << LF_BITS
+        s[at + STEP_Y] = rest[1] << LF_BITS
+        s[at + STEP_Z] = rest[2]
+        s[at + STEP_TO_Z] = rest[2]
         s[at + STEP_TICKS] = 0
         s[at + STEP_TICK] = 0
     return 0
 
 
 @hot
-def steps_at_rest(params, steps) -> int:
+def steps_at_rest(params: Params, steps) -> int:
     """Return 1 if all four feet stand within 1/16 lu of their rest positions, else 0."""
-    p = ptr32(params)
     s = ptr32(steps)
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
+        rest = params.legs[leg].rest
         if s[at + STEP_TICKS]:
             return 0
         for axis in range(2):
-            away = s[at + axis] - (p[rest + axis] << LF_BITS)
+            away = s[at + axis] - (rest[axis] << LF_BITS)
             if away > 16 or away < -16:
                 return 0
     return 1
@@ -192,7 +190,7 @@ def move_feet(steps, speed, ticks_q10: int) -> int:
 
 
 @hot
-def place_feet(params, gait, steps, speed, height_lu: int, feet) -> int:
+def place_feet(params: Params, gait, steps, speed, height_lu: int, feet) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
     feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
@@ -213,7 +211,7 @@ def place_feet(params, gait, steps, speed, height_lu: int, feet) -> int:
 
 
 @hot
-def swing_foot(params, gait, steps, speed, leg: int, height_lu: int, feet) -> int:
+def swing_foot(params: Params, gait, steps, speed, leg: int, height_lu: int, feet) -> int:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that
@@ -260,20 +258,18 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 
 
 @hot
-def foothold_x(params, leg: int, speed, ahead_q10: int) -> int:
+def foothold_x(params: Params, leg: int, speed, ahead_q10: int) -> int:
     """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
-    p = ptr32(params)
     v = ptr32(speed)
-    rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
-    turned = turned_way(v[SPEED_WZ], p[rest + 1] << LF_BITS, ahead_q10)
-    return (p[rest] << LF_BITS) + way(v[SPEED_X], ahead_q10) - turned
+    rest = params.legs[leg].rest
+    turned = turned_way(v[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
+    return (rest[0] << LF_BITS) + way(v[SPEED_X], ahead_q10) - turned
 
 
 @hot
-def foothold_y(params, leg: int, speed, ahead_q10: int) -> int:
+def foothold_y(params: Params, leg: int, speed, ahead_q10: int) -> int:
     """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
-    p = ptr32(params)
     v = ptr32(speed)
-    rest = P_SIZE_BODY + leg * LEG_SIZE + LEG_REST
-    turned = turned_way(v[SPEED_WZ], p[rest] << LF_BITS, ahead_q10)
-    return (p[rest + 1] << LF_BITS) + way(v[SPEED_Y], ahead_q10) + turned
+    rest = params.legs[leg].rest
+    turned = turned_way(v[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
+    return (rest[1] << LF_BITS) + way(v[SPEED_Y], ahead_q10) + turned

@@ -5,7 +5,7 @@ that line. The line is taken at the centre's own x, half a swing ahead of now.
 """
 
 from .fixed import saturate
-from .params import P_LATERAL_Q12, P_LEG_LENGTH
+from .params import Params
 from .runtime import const, hot, ptr32
 
 _SMOOTH_ONE_Q12 = const(4096)
@@ -43,12 +43,11 @@ def diagonal_y(feet, one: int, other: int, ahead_lu: int, x: int) -> int:
 
 
 @hot
-def next_sway(params, now_lu: int, line_y: int, com_y: int) -> int:
+def next_sway(params: Params, now_lu: int, line_y: int, com_y: int) -> int:
     """Return the sway that puts the centre of mass on the line, limited to 3/16 of the leg's length, lu.
 
     now: the present sway; line_y, com_y: in the body, lu, within +-65535. The robot's lateral share scales the
     move; 0 (a robot in the plane) keeps 0. Intermediates: 131070 * 6144.
     """
-    p = ptr32(params)
-    most = p[P_LEG_LENGTH] * 3 >> 4
-    return saturate(now_lu + ((line_y - com_y) * p[P_LATERAL_Q12] >> 12), -most, most)
+    most = params.leg_length * 3 >> 4
+    return saturate(now_lu + ((line_y - com_y) * params.lateral_q12 >> 12), -most, most)

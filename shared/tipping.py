@@ -6,7 +6,7 @@ robot file are found within some steps.
 """
 
 from .fixed import hypot, saturate
-from .params import LF_BITS, P_LEG_LENGTH
+from .params import LF_BITS, Params
 from .runtime import const, hot, ptr32
 
 TIP_ROLL = const(0)  # 2^-18 rad, turned since the swing began, about x
@@ -44,7 +44,7 @@ def tip_add(tip, roll_18: int, pitch_18: int) -> int:
 
 
 @hot
-def tip_learn(params, feet, one: int, other: int, tip) -> int:
+def tip_learn(params: Params, feet, one: int, other: int, tip) -> int:
     """Learn from a swing over the feet ``one`` (a front one) and ``other``; return how it tipped, + forward.
 
     feet: 12 lu in the body, within +-32767. The tip about the line is limited to 1.5 deg; a tenth of the leg's
@@ -52,7 +52,6 @@ def tip_learn(params, feet, one: int, other: int, tip) -> int:
     to, along y; both are limited to a tenth of the leg's length. Begins a new sum. Intermediates:
     16383 * 16383 * 2, 6863 * 3276.
     """
-    p = ptr32(params)
     f = ptr32(feet)
     t = ptr32(tip)
     along_x = f[other * 3] - f[one * 3] >> 2
@@ -65,7 +64,7 @@ def tip_learn(params, feet, one: int, other: int, tip) -> int:
     length = hypot(along_x, along_y) + 1
     tipped = (t[TIP_ROLL] * along_x + t[TIP_PITCH] * along_y) // length
     tipped = saturate(tipped, -_TIP_MAX, _TIP_MAX)
-    most = p[P_LEG_LENGTH] // 10
+    most = params.leg_length // 10
     step = tipped * most >> 18 - LF_BITS
     if t[TIP_COUNT] < _QUICK_SWINGS:
         t[TIP_COUNT] += 1

@@ -20,6 +20,8 @@ from firmware.start_{role} import WATCHDOG, armed, motor_supply_mV, start
 
 
 def _robot_params(name: str) -> str:
+    from shared.record import pack
+
     from ..robot_file import load_robot
     from ..scale import attitude_block, core_params
 
@@ -28,7 +30,7 @@ def _robot_params(name: str) -> str:
 
 from array import array
 
-PARAMS = {_array(core_params(robot))}
+PARAMS = {_array(pack(core_params(robot)))}
 ATTITUDE = {_array(attitude_block(robot))}
 '''
 

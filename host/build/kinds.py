@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from .records import Layout, Layouts
 from .source import Module, resolve
 
+WHOLE = ("array", "record", "object", "list")  # kinds that have a name of their own
 MARKS = ("ptr8", "ptr16", "ptr32", "reg16", "reg32")
 
 
@@ -51,7 +52,9 @@ class Kinds:
             return Value("list", text, inner=inner, raw=text) if inner else None
         return None
 
-    def made(self, module: Module, node: ast.expr, text: str, known: Callable[[ast.expr], Value | None]) -> Value | None:
+    def made(
+        self, module: Module, node: ast.expr, text: str, known: Callable[[ast.expr], Value | None]
+    ) -> Value | None:
         """Return what the value ``node`` makes of ``text``; ``known`` tells of names and attributes."""
         if isinstance(node, ast.Call):
             return self._called(module, node, text)
@@ -62,7 +65,7 @@ class Kinds:
             inner = self.made(module, node.elt, "", known)
             return Value("list", text, inner=inner, raw=text) if inner else None
         found = known(node)
-        return replace(found, text=text, raw=text) if found and found.kind in ("array", "record", "object", "list") else None
+        return replace(found, text=text, raw=text) if found and found.kind in WHOLE else None
 
     def _called(self, module: Module, call: ast.Call, text: str) -> Value | None:
         at = self._function(module, call.func)
@@ -103,14 +106,15 @@ class Kinds:
 
     def _take(self, module: Module, node: ast.stmt, found: dict[str, Value]) -> None:
         """Take in what an assignment at a module's level makes."""
-        target = node.targets[0] if isinstance(node, ast.Assign) else node.target if isinstance(node, ast.AnnAssign) else None
-        if isinstance(target, ast.Name):
-            value = self.annotated(module, node.annotation, target.id) if isinstance(node, ast.AnnAssign) else None
-            given: ast.expr | None = node.value  # type: ignore[union-attr]
-            if value is None and given is not None:
-                value = self.made(module, given, target.id, lambda e: self._plain(module, e, found))
-            if value is not None:
-                found[target.id] = value
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            name, value = node.target.id, self.annotated(module, node.annotation, node.target.id)
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            value = self.made(module, node.value, name, lambda e: self._plain(module, e, found))
+        else:
+            return
+        if value is not None:
+            found[name] = value
 
     def _plain(self, module: Module, node: ast.expr, names: dict[str, Value]) -> Value | None:
         """Return what a name, or a chain of attributes of objects, stands for."""
@@ -159,7 +163,9 @@ class Kinds:
                 self._assigned(module, owner, method, found)
         return self._classes[owner]
 
-    def _assigned(self, module: Module, owner: tuple[str, str], method: ast.FunctionDef, found: dict[str, Value]) -> None:
+    def _assigned(
+        self, module: Module, owner: tuple[str, str], method: ast.FunctionDef, found: dict[str, Value]
+    ) -> None:
         names = dict(self.globals_of(module)) | self.parameters(module, method, owner)
         for node in ast.walk(method):
             target = node.targets[0] if isinstance(node, ast.Assign) else None

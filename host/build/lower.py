@@ -133,24 +133,30 @@ class Lowering:
 
     def _assignments(self, function: ast.FunctionDef) -> None:
         """Learn, in order, what is kept under local names."""
-        targets = sorted((n for n in ast.walk(function) if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)),
-                         key=lambda n: n.lineno)
-        for node in targets:
+        for node in sorted(filter(_keeps, ast.walk(function)), key=lambda n: n.lineno):  # type: ignore[attr-defined]
+            if isinstance(node, ast.AnnAssign):
+                name = node.target.id  # type: ignore[union-attr]
+                value = self.kinds.annotated(self.module, node.annotation, name)
+                if value:
+                    self.names[name] = value
+                continue
+            assert isinstance(node, ast.Assign)
             name = node.targets[0].id  # type: ignore[attr-defined]
             value = self._local(name, node.value)
             known = self.names.get(name)
             if value is None:
                 if known is not None and name not in self._given and not _marked(node.value):
                     self.names.pop(name)
-            else:
-                if known is not None and known.kind == value.kind and known.raw != value.raw and value.kind == "record":
-                    raise self.module.error(node, f"{name} stands for {known.raw} already: one name for one record")
-                self.names[name] = value
+                continue
+            if known is not None and known.kind == value.kind == "record" and known.raw != value.raw:
+                raise self.module.error(node, f"{name} stands for {known.raw} already: one name for one record")
+            self.names[name] = value
 
     def _local(self, name: str, node: ast.expr) -> Value | None:
         found = self.resolve(node)
         if found is None:
-            return self.kinds.made(self.module, node, name, self.resolve) if isinstance(node, ast.Call | ast.List | ast.ListComp) and not self.hot else None
+            made = isinstance(node, ast.Call | ast.List | ast.ListComp) and not self.hot
+            return self.kinds.made(self.module, node, name, self.resolve) if made else None
         if found.kind in ("within", "run"):
             return replace(found, at=name)
         if self.hot and found.kind in ("record", "array"):
@@ -174,16 +180,17 @@ class Lowering:
         return None
 
     def _attribute(self, node: ast.Attribute) -> Value | None:
-        if isinstance(node.value, ast.Name) and node.value.id in self.module.aliases and node.value.id not in self.names:
+        if self._is_module(node.value):
+            assert isinstance(node.value, ast.Name)
             origin = self.kinds.modules[self.module.aliases[node.value.id]]
             found = self.kinds.globals_of(origin).get(node.attr)
             text = f"{node.value.id}.{node.attr}"
             return replace(found, text=text, raw=text) if found else None
         base = self.resolve(node.value)
         if base is None:
-            if node.attr in self.fields and not self._is_module(node.value):
-                raise self.module.error(node, f"what is {ast.unparse(node.value)}? .{node.attr} is a field of a record: "
-                                              "annotate it")
+            if node.attr in self.fields:
+                what = ast.unparse(node.value)
+                raise self.module.error(node, f"what is {what}? .{node.attr} is a field of a record: annotate {what}")
             return None
         if base.kind in ("record", "within"):
             assert base.layout is not None
@@ -236,7 +243,7 @@ class Lowering:
         return text if size == 1 else f"{text} * {size}"
 
     def _is_module(self, node: ast.expr) -> bool:
-        return isinstance(node, ast.Name) and node.id in self.module.aliases
+        return isinstance(node, ast.Name) and node.id in self.module.aliases and node.id not in self.names
 
     # edits
 
@@ -296,6 +303,12 @@ class Lowering:
         if hasattr(first, "body"):
             raise self.module.error(first, "a hot function that begins with a block needs a docstring before it")
         return Edit(self.place.start(first), 0, f"{text}; ", rank=-2)
+
+
+def _keeps(node: ast.AST) -> bool:
+    """Return whether a statement keeps something under a local name."""
+    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
+    return isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(target, ast.Name)
 
 
 def _marked(node: ast.expr) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from shared import body, fixed, leg
-from shared import params as p
+from shared.params import Params
 from shared.runtime import zeros
 
 from ..kinematics_si import Vector, leg_forward
@@ -78,7 +78,7 @@ def _leg_errors(name: str, samples: int) -> list[float]:
     """Distance of a foot from where the integer solution puts it through float kinematics, over the workspace."""
     robot = load_robot(name)
     params = core_params(robot)
-    unit_mm = 1000 * 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_mm = 1000 * 2.0 ** -params.length_shift
     dice = random.Random(3)
     feet, joints = zeros(12), zeros(12)
     errors = []
@@ -95,12 +95,11 @@ def _leg_errors(name: str, samples: int) -> list[float]:
     return errors
 
 
-def _leg_data(params: list[int], number: int) -> tuple[Vector, list[int], list[int]]:
+def _leg_data(params: Params, number: int) -> tuple[Vector, list[int], list[int]]:
     """Return link lengths in lu and the joint limits in brad of one leg's block."""
-    base = p.P_SIZE_BODY + number * p.LEG_SIZE
-    links = (float(abs(params[base + p.LEG_SIDE_L1])), float(params[base + p.LEG_L2]), float(params[base + p.LEG_L3]))
-    low = base + p.LEG_MIN
-    return links, list(params[low : low + 3]), list(params[low + 3 : low + 6])
+    base = params.legs[number]
+    links = (float(abs(base.hip_length)), float(base.thigh_length), float(base.calf_length))
+    return links, list(base.lowest), list(base.highest)
 
 
 def _rads(angles: list[int]) -> Vector:
@@ -110,22 +109,21 @@ def _rads(angles: list[int]) -> Vector:
 def _body_errors(name: str, samples: int) -> list[float]:
     """Distance of a foot from where exact rotation matrices put it, over the poses the robot allows."""
     params = core_params(load_robot(name))
-    unit_mm = 1000 * 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_mm = 1000 * 2.0 ** -params.length_shift
     dice = random.Random(4)
     pose, rotation = zeros(body.POSE_SIZE), zeros(9)
     feet, hip_feet = zeros(12), zeros(12)
     errors = []
     for at in range(samples // 4):
         number = at % 4
-        hip = p.P_SIZE_BODY + number * p.LEG_SIZE + p.LEG_HIP
+        limb = params.legs[number]
         for axis in range(6):
-            pose[axis] = dice.randint(-params[p.P_POSE_MAX + axis], params[p.P_POSE_MAX + axis])
+            pose[axis] = dice.randint(-params.pose_max[axis], params.pose_max[axis])
         for axis in range(3):
-            rest = params[hip + p.LEG_REST - p.LEG_HIP + axis]
-            feet[number * 3 + axis] = rest + dice.randint(-3000, 3000)
+            feet[number * 3 + axis] = limb.rest[axis] + dice.randint(-3000, 3000)
         body.body_rotation(pose, rotation)
         body.body_to_hip(params, number, pose, rotation, feet, hip_feet)
-        exact = _to_hip(list(pose), list(feet[number * 3 : number * 3 + 3]), list(params[hip : hip + 3]))
+        exact = _to_hip(list(pose), list(feet[number * 3 : number * 3 + 3]), list(limb.hip))
         errors.append(math.dist(exact, hip_feet[number * 3 : number * 3 + 3]) * unit_mm)
     return errors
 

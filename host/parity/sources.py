@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from shared.joint import layout as j
+from shared.record import pack
 
 from ..build.source import ROOT
 from ..joint_gains import joint_blocks
@@ -52,13 +53,19 @@ def robot_blocks() -> str:
     joints = [_joint_blocks(**setup) for setup in JOINT_SETUPS]
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
+        "from shared.params import Params\n"
+        "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"
+        "def _params(values) -> Params:\n"
+        "    made = Params()\n"
+        "    unpack(made, values)\n"
+        "    return made\n\n\n"
         "def _block(values):\n"
         "    made = zeros(len(values))\n"
         "    for at in range(len(values)):\n"
         "        made[at] = values[at]\n"
         "    return made\n\n\n"
-        f"PARAMS = {_listing(params)}\n"
+        f"PARAMS = {_listing([pack(one) for one in params], '_params')}\n"
         f"ATTITUDES = {_listing(attitudes)}\n"
         f"JOINTS = ({''.join(_listing(blocks) + ', ' for blocks in joints)})\n"
     )
@@ -76,6 +83,6 @@ def _with_legs(robot: Robot, **legs: Any) -> Robot:
     return robot.model_copy(update={"geometry": robot.geometry.model_copy(update=legs)})
 
 
-def _listing(blocks: list[Any]) -> str:
-    rows = "".join(f'    _block({tuple(block)}),\n' for block in blocks)
+def _listing(blocks: list[Any], make: str = "_block") -> str:
+    rows = "".join(f"    {make}({tuple(block)}),\n" for block in blocks)
     return f"(\n{rows})"

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import shared
+from shared.record import pack
 
 from ..gait_changes import gait_now, margin_m
 from ..robot_model import Robot
@@ -19,7 +20,7 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
     return {
         "robot": robot.name,
         "rate_hz": str(supervisor.driver.rate_hz),
-        "params": " ".join(str(value) for value in planner.params),
+        "params": " ".join(str(value) for value in pack(planner.params)),
         "core": core_fingerprint(),
     }
 

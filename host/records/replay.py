@@ -5,8 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shared.params import P_SIZE
+from shared.params import Params
 from shared.planner import Planner
+from shared.record import pack, unpack
 
 from ..errors import UserError
 from .channels import CHANNELS
@@ -69,15 +70,18 @@ def _differs(planner: Planner, tick: int, values: dict[str, Any]) -> str:
     return f"tick {tick}: {_difference(planner, recorded)}"
 
 
-def _params(record: Record) -> list[int]:
+def _params(record: Record) -> Params:
     """Return the planner's parameters."""
     try:
         block = list(array("i", map(int, record.about["params"].split())))  # refuses what is no 32-bit number
     except (ValueError, OverflowError):
         raise UserError(f"{record.path}: the planner's parameters are damaged: allowed: 32-bit numbers") from None
-    if len(block) != P_SIZE:
-        raise UserError(f"{record.path}: the planner has {len(block)} parameters, this core takes {P_SIZE}")
-    return block
+    params = Params()
+    wanted = len(pack(params))
+    if len(block) != wanted:
+        raise UserError(f"{record.path}: the planner has {len(block)} parameters, this core takes {wanted}")
+    unpack(params, block)
+    return params
 
 
 def _difference(planner: Planner, recorded: list[int]) -> str:

@@ -20,8 +20,8 @@ from .joint_current import CurrentLoop
 from .pid import Pid
 
 ROBOT = PARAMS[0]
-UNIT_M = 2.0 ** -ROBOT[p.P_LENGTH_SHIFT]
-RATE_HZ = ROBOT[p.P_RATE_HZ]
+UNIT_M = 2.0 ** -ROBOT.length_shift
+RATE_HZ = ROBOT.rate_hz
 GAINS = (0.3, 0.1, 0.01, 0.2, 0.3, RATE_HZ)
 FOOT_M = (0.03, 0.06, -0.17)
 JOINTS_RAD = (0.1, 0.6, -1.2)
@@ -39,15 +39,15 @@ def rad(angle_brad):
 
 def one_leg(number):
     """Return what the float leg needs of a leg's block."""
-    base = p.P_SIZE_BODY + number * p.LEG_SIZE
+    base = ROBOT.legs[number]
     one = Bag()
     one.side_l1, one.l2, one.l3 = [ROBOT[base + at] * UNIT_M for at in (p.LEG_SIDE_L1, p.LEG_L2, p.LEG_L3)]
     one.l1 = abs(one.side_l1)
-    one.knee = ROBOT[base + p.LEG_KNEE]
-    one.hip = [ROBOT[base + p.LEG_HIP + axis] * UNIT_M for axis in range(3)]
-    one.rest = [ROBOT[base + p.LEG_REST + axis] * UNIT_M for axis in range(3)]
-    one.low = [rad(ROBOT[base + p.LEG_MIN + joint]) for joint in range(3)]
-    one.high = [rad(ROBOT[base + p.LEG_MAX + joint]) for joint in range(3)]
+    one.knee = base.knee
+    one.hip = [base.hip[axis] * UNIT_M for axis in range(3)]
+    one.rest = [base.rest[axis] * UNIT_M for axis in range(3)]
+    one.low = [rad(base.lowest[joint]) for joint in range(3)]
+    one.high = [rad(base.highest[joint]) for joint in range(3)]
     return one
 
 
@@ -56,14 +56,14 @@ def whole_robot():
     units = (UNIT_M / 256, UNIT_M / 256, 2.0**-18)
     robot = Bag()
     robot.unit_m, robot.speed_unit, robot.legs = UNIT_M, units, [one_leg(number) for number in range(4)]
-    robot.speed_max = [ROBOT[p.P_VX_MAX + axis] * units[axis] for axis in range(3)]
-    robot.speed_slew = [ROBOT[p.P_VX_SLEW + axis] * units[axis] for axis in range(3)]
+    robot.speed_max = [ROBOT.speed_max[axis] * units[axis] for axis in range(3)]
+    robot.speed_slew = [ROBOT.speed_slew[axis] * units[axis] for axis in range(3)]
     scale = [UNIT_M] * 3 + [rad(1)] * 3
-    robot.pose_max = [ROBOT[p.P_POSE_MAX + axis] * scale[axis] for axis in range(6)]
-    robot.pose_slew = [ROBOT[p.P_POSE_SLEW + axis] * scale[axis] for axis in range(6)]
-    robot.joint_step, robot.sit_z = rad(ROBOT[p.P_JOINT_STEP]), ROBOT[p.P_SIT_Z] * UNIT_M
-    robot.joint_top, robot.coupled = [rad(ROBOT[p.P_JOINT_TOP + joint]) for joint in range(3)], ROBOT[p.P_COUPLED]
-    robot.stride, robot.gains = ROBOT[p.P_STRIDE_MAX] * UNIT_M, GAINS
+    robot.pose_max = [ROBOT.pose_max[axis] * scale[axis] for axis in range(6)]
+    robot.pose_slew = [ROBOT.pose_slew[axis] * scale[axis] for axis in range(6)]
+    robot.joint_step, robot.sit_z = rad(ROBOT.joint_step), ROBOT.sit_z * UNIT_M
+    robot.joint_top, robot.coupled = [rad(ROBOT.joint_top[joint]) for joint in range(3)], ROBOT.coupled
+    robot.stride, robot.gains = ROBOT.stride_max * UNIT_M, GAINS
     return robot
 
 

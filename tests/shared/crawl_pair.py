@@ -12,7 +12,6 @@ from types import SimpleNamespace
 
 from shared import crawl_layout as at
 from shared import crawl_map, crawl_steps, footholds
-from shared import params as p
 from shared.crawl import Crawl
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
@@ -45,7 +44,7 @@ class Pair:
     def __init__(self, trouble, dice, name="caramelo", rate_hz=50, planar=False):
         params = block(name, rate_hz)
         if planar:
-            params[p.P_LATERAL_Q12] = 0
+            params.lateral_q12 = 0
         self.crawl, self.trouble, self.dice = Crawl(params), trouble, dice
         self.legs = [leg_si(params, leg) for leg in range(4)]
         self.unit_m = self.legs[0].unit_m

@@ -115,15 +115,15 @@ def block(name, rate_hz=50, knees="full-elbow"):
 
 def leg_si(params, leg):
     """Return what the float twin's leg needs, in m, as the integers say it; and the unit."""
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
-    base = p.P_SIZE_BODY + leg * p.LEG_SIZE
+    unit_m = 2.0 ** -params.length_shift
+    base = params.legs[leg]
     return SimpleNamespace(
         unit_m=unit_m,
-        side_l1=params[base + p.LEG_SIDE_L1] * unit_m,
-        l1=abs(params[base + p.LEG_SIDE_L1]) * unit_m,
-        l2=params[base + p.LEG_L2] * unit_m,
-        l3=params[base + p.LEG_L3] * unit_m,
-        knee=params[base + p.LEG_KNEE],
+        side_l1=base.hip_length * unit_m,
+        l1=abs(base.hip_length) * unit_m,
+        l2=base.thigh_length * unit_m,
+        l3=base.calf_length * unit_m,
+        knee=base.knee,
         hip=[v * unit_m for v in params[base + p.LEG_HIP : base + p.LEG_HIP + 3]],
         rest=[v * unit_m for v in params[base + p.LEG_REST : base + p.LEG_REST + 3]],
         low=[rad(v) for v in params[base + p.LEG_MIN : base + p.LEG_MIN + 3]],
@@ -143,12 +143,12 @@ def distance(a, b):
 
 def planner_si(params):
     """Return what the float planner needs, per tick where the block has it per tick."""
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_m = 2.0 ** -params.length_shift
     fine_m, yaw = unit_m / 256, 2.0**-18
-    rate = params[p.P_RATE_HZ]
+    rate = params.rate_hz
     speeds = params[p.P_VX_MAX : p.P_WZ_SLEW + 1]
     poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(params[p.P_POSE_MAX : p.P_POSE_SLEW + 6])]
-    gains = params[p.P_KP_Q12] / 4096, params[p.P_KI_Q16] / 65536 * rate, params[p.P_KD_Q10] / 1024 / rate
+    gains = params.kp_q12 / 4096, params.ki_q16 / 65536 * rate, params.kd_q10 / 1024 / rate
     return SimpleNamespace(
         unit_m=unit_m,
         legs=[leg_si(params, leg) for leg in range(4)],
@@ -157,18 +157,18 @@ def planner_si(params):
         speed_slew=(speeds[3] * fine_m, speeds[4] * fine_m, speeds[5] * yaw),
         pose_max=poses[:6],
         pose_slew=poses[6:],
-        joint_step=rad(params[p.P_JOINT_STEP]),
+        joint_step=rad(params.joint_step),
         joint_top=[rad(v) for v in params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]],
-        coupled=params[p.P_COUPLED],
-        sit_z=params[p.P_SIT_Z] * unit_m,
-        stride=params[p.P_STRIDE_MAX] * unit_m,
-        gains=(*gains, rad(params[p.P_INTEGRAL_MAX]), rad(params[p.P_BALANCE_MAX]), rate),
+        coupled=params.coupled,
+        sit_z=params.sit_z * unit_m,
+        stride=params.stride_max * unit_m,
+        gains=(*gains, rad(params.integral_max), rad(params.balance_max), rate),
     )
 
 
 def crawl_si(params, settings):
     """Return what the float crawl needs, in m, rad and ticks, speeds per tick, forces in own weights."""
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_m = 2.0 ** -params.length_shift
     rate = settings[crawl_layout.K_RATE]
     legs = [leg_si(params, leg) for leg in range(4)]
     values = {}

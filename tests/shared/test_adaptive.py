@@ -8,7 +8,6 @@ import pytest
 
 from shared import adaptive, ground, navigate, sensing, sway, tipping
 from shared import command as c
-from shared import params as p
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
@@ -19,8 +18,8 @@ from .robots import block, rad
 from .walker import Walker
 
 PARAMS = block("caramelo")
-UNIT_M = 2.0 ** -PARAMS[p.P_LENGTH_SHIFT]
-LEG_M = PARAMS[p.P_LEG_LENGTH] * UNIT_M
+UNIT_M = 2.0 ** -PARAMS.length_shift
+LEG_M = PARAMS.leg_length * UNIT_M
 LF_M = UNIT_M / 256
 YAW = 2.0**-18
 
@@ -49,8 +48,8 @@ def test_corrections_are_small_shares_of_the_speed_and_sway_is_no_error():
     drive, speed = array("i", [0] * 3), array("i", [30000, 0, 0])
     navigate.hold(PARAMS, speed, 0, array("i", [1 << 20, 1 << 21, 90000]), drive)
     assert drive[0] == 36000
-    assert drive[1] == PARAMS[p.P_VY_MAX] * 2 // 5
-    assert 0 < drive[2] <= PARAMS[p.P_WZ_MAX] * 3 // 4
+    assert drive[1] == PARAMS.speed_max[1] * 2 // 5
+    assert 0 < drive[2] <= PARAMS.speed_max[2] * 3 // 4
     navigate.hold(PARAMS, speed, 1000, array("i", [0, -256000, 0]), drive)
     assert list(drive) == [30000, 0, 0]
     navigate.hold(PARAMS, array("i", [0, 0, 0]), 0, array("i", [256 << 8, 0, 0]), drive)
@@ -73,8 +72,8 @@ def test_smooth_is_smoothstep_and_diagonal_is_a_line():
 
 def test_sway_goes_to_the_line_within_its_limit_and_not_in_the_plane():
     planar = array("i", PARAMS)
-    planar[p.P_LATERAL_Q12] = 0
-    most = PARAMS[p.P_LEG_LENGTH] * 3 >> 4
+    planar.lateral_q12 = 0
+    most = PARAMS.leg_length * 3 >> 4
     assert sway.next_sway(PARAMS, 100, 2000, 500) == 1600
     assert sway.next_sway(PARAMS, 0, 60000, 0) == most
     assert sway.next_sway(PARAMS, 0, -60000, 0) == -most
@@ -123,7 +122,7 @@ def test_twist_is_the_fourth_way_that_tilt_and_height_do_not_see():
     assert believed >> 8 == pytest.approx(1000, abs=12)
     for _ in range(400):
         believed = ground.follow_twist(PARAMS, believed, 100000)
-    assert believed >> 8 == PARAMS[p.P_LEG_LENGTH] // 12
+    assert believed >> 8 == PARAMS.leg_length // 12
 
 
 def test_footholds_go_to_the_twisted_ground_and_swings_aim_there():
@@ -160,11 +159,11 @@ def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle
     params = block(name, rate_hz)
     gait = compile_gait(GAITS[GAIT_ADAPTIVE], params)
     for part in (0.0, 0.5, 0.75, 1.0, 2.0):
-        speed = array("i", [round(params[p.P_FAST_SPEED] * part), 0, 0])
+        speed = array("i", [round(params.fast_speed * part), 0, 0])
         half = adaptive.retime(params, gait, speed)
         share = max(0.0, min(1.0, 2 * part - 1))
-        body = params[p.P_BODY_SLOW] + (params[p.P_BODY_FAST] - params[p.P_BODY_SLOW]) * share
-        swing = params[p.P_SWING_SLOW] + (params[p.P_SWING_FAST] - params[p.P_SWING_SLOW]) * share
+        body = params.body_slow + (params.body_fast - params.body_slow) * share
+        swing = params.swing_slow + (params.swing_fast - params.swing_slow) * share
         rows = range(G_ROWS, G_ROWS + 4 * ROW_SIZE, ROW_SIZE)
         ticks = [gait[row + ROW_TICKS] for row in rows]
         assert ticks == pytest.approx([body, swing, body, swing], abs=0.51)
@@ -180,7 +179,7 @@ def test_levelling_turns_about_the_ground():
         posed = array("i", [0] * 6)
         roll, pitch = dice.randint(-4000, 4000), dice.randint(-4000, 4000)
         adaptive.pose_body(PARAMS, walk, roll, pitch, posed)
-        height = -PARAMS[p.P_SIZE_BODY + p.LEG_REST + 2]
+        height = -PARAMS.legs[0].rest[2]
         assert posed[:3].tolist() == pytest.approx(twin.pivot(height, rad(roll), rad(pitch)), abs=4)
 
 
@@ -195,8 +194,8 @@ def stander():
 
 def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
     state, load = stander.planner.walk.state, stander.planner.walk.load
-    assert state[adaptive.W_AHEAD] == PARAMS[p.P_FORWARD]
-    assert state[adaptive.W_RAISED] == PARAMS[p.P_RAISE]
+    assert state[adaptive.W_AHEAD] == PARAMS.body_forward
+    assert state[adaptive.W_RAISED] == PARAMS.body_raise
     assert sum(load[4:8]) == pytest.approx(state[adaptive.W_WEIGHT_Q12], abs=8)
     assert stander.planner.numbers[n.N_MARGIN] * UNIT_M > 0.05
 
@@ -261,7 +260,7 @@ def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
     walker.walk(gait)
     walker.ticks(60)
     walker.sensed[n.S_ROLL] = round(math.radians(45) / rad(1))
-    limit = PARAMS[p.P_TILT_TICKS]
+    limit = PARAMS.tilt_ticks
     assert walker.ticks(limit + 1) & n.FALLEN == 0  # one more: a tilt so sudden is believed the second time
     assert walker.ticks(1) & n.FALLEN
     assert walker.state == n.SITTING
@@ -280,7 +279,7 @@ def test_a_jolt_is_no_fall():
     walker.ticks(60)
     for _ in range(10):
         walker.sensed[n.S_PITCH] = round(math.radians(45) / rad(1))
-        walker.ticks(PARAMS[p.P_TILT_TICKS] - 1)
+        walker.ticks(PARAMS.tilt_ticks - 1)
         walker.sensed[n.S_PITCH] = 0
         assert walker.ticks(2) & n.FALLEN == 0
     assert walker.state == n.WALKING

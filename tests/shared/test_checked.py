@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-from shared import params as p
-
 from .imu import block as attitude_block
 from .robots import block
 
@@ -22,7 +20,7 @@ def drive(params, ticks):
 
 def fast(params):
     """Return a block that stands up quickly, so that more of the ticks walk."""
-    params[p.P_JOINT_STEP] = 4000
+    params.joint_step = 4000
     return params
 
 
@@ -37,7 +35,7 @@ def test_a_leg_too_long_for_its_unit_is_caught():
     """The check can fail: a thigh of 40 000 units has a square beyond 30 bits."""
     spoiled = fast(block("caramelo"))
     for leg in range(4):
-        spoiled[p.P_SIZE_BODY + leg * p.LEG_SIZE + p.LEG_L2] = 40000
+        spoiled.legs[leg].thigh_length = 40000
     run = drive([spoiled], 100)
     assert run.returncode != 0
     assert "outside -2^30 .. 2^30-1" in run.stderr

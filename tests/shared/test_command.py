@@ -38,7 +38,7 @@ def test_speed_is_slewed_within_its_limits(asked, halves, share):
     still = c.slew_speed(PARAMS, GAIT, command, halves, speed)
     for axis in range(3):
         limited = max(-tops[axis], min(tops[axis], asked[axis]))
-        assert abs(speed[axis] - towards(before[axis], limited * halves / 2, PARAMS[p.P_VX_SLEW + axis])) <= 0.5
+        assert abs(speed[axis] - towards(before[axis], limited * halves / 2, PARAMS.speed_slew[axis])) <= 0.5
         assert abs(speed[axis]) <= tops[axis]
     assert still == (not any(speed))
 
@@ -51,7 +51,7 @@ def test_pose_is_slewed_within_its_limits(asked, standing):
     for _ in range(200):
         before = list(pose)
         c.slew_pose(PARAMS, command, standing, pose)
-        assert all(abs(pose[axis] - before[axis]) <= PARAMS[p.P_POSE_SLEW + axis] for axis in range(6))
+        assert all(abs(pose[axis] - before[axis]) <= PARAMS.pose_slew[axis] for axis in range(6))
     tops = PARAMS[p.P_POSE_MAX : p.P_POSE_MAX + 6]
     limited = [max(-top, min(top, value)) for top, value in zip(tops, asked, strict=True)]
     assert list(pose) == (limited if standing else [0] * 6)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 from shared import command as c
 from shared import crawl_layout as at
 from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
-from shared import params as p
 from shared import planner_layout as n
 from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED, W_BEHIND, W_ROUGH
 from shared.gait import CLOCK_TICK
@@ -28,15 +27,15 @@ YAW_RAD = 2.0**-18
 
 def robot_si(params):
     """Return what the twin needs of a robot."""
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_m = 2.0 ** -params.length_shift
     return SimpleNamespace(
         unit_m=unit_m,
-        leg_m=params[p.P_LEG_LENGTH] * unit_m,
-        vx_max=params[p.P_VX_MAX] * unit_m / 256,
-        wz_max=params[p.P_WZ_MAX] * YAW_RAD,
-        rate_hz=params[p.P_RATE_HZ],
-        sent_ticks=params[p.P_SENT_TICKS],
-        stand_ticks=params[p.P_STAND_TICKS],
+        leg_m=params.leg_length * unit_m,
+        vx_max=params.speed_max[0] * unit_m / 256,
+        wz_max=params.speed_max[2] * YAW_RAD,
+        rate_hz=params.rate_hz,
+        sent_ticks=params.sent_ticks,
+        stand_ticks=params.stand_ticks,
     )
 
 
@@ -199,7 +198,7 @@ def near(value):
 
 
 PARAMS = block("caramelo")
-TURN = PARAMS[p.P_WZ_MAX] // 4
+TURN = PARAMS.speed_max[2] // 4
 SPEEDS = st.tuples(
     st.one_of(st.integers(-2, 2), st.just(30000)), st.one_of(near(30000), near(1), st.just(0)), st.one_of(near(TURN))
 )
@@ -214,7 +213,7 @@ TROTS = st.fixed_dictionaries(
         n.N_CLIMB: st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
     }
 )
-LEVEL = PARAMS[p.P_LEG_LENGTH] // 32
+LEVEL = PARAMS.leg_length // 32
 HEIGHTS = st.permutations((0, LEVEL // 2, LEVEL, LEVEL + 1)) | st.permutations((0, 0, 7, LEVEL))
 FEET = st.tuples(st.sampled_from((0, 5)), HEIGHTS)
 SHARED_WALKER = Walker()
@@ -272,7 +271,7 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     retreat.retreat_start(state)
     command = [dice.randint(-9999, 9999) for _ in range(c.COMMAND_SIZE)]
     for tick in range(9 * rate_hz):
-        most = params[p.P_VX_MAX]
+        most = params.speed_max[0]
         moved = dice.randint(-most // 3, most // 3 if stuck else most // 9)
         steady = tick > 6 * rate_hz or dice.random() < 0.999  # the last time it stands it stands long enough
         standing = int(tick % (2 * rate_hz) > rate_hz and steady)

@@ -22,8 +22,8 @@ ACCELERATIONS = ("a_up", "a_down", "brake")
 def settings(name, rate_hz, knees="full-elbow"):
     """Return a robot's crawl in SI, and its unit in m and leg in m."""
     params = block(name, rate_hz, knees)
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
-    return crawl_si(params, Crawl(params).settings), unit_m, params[p.P_LEG_LENGTH] * unit_m
+    unit_m = 2.0 ** -params.length_shift
+    return crawl_si(params, Crawl(params).settings), unit_m, params.leg_length * unit_m
 
 
 @pytest.mark.parametrize("rate_hz", RATES)
@@ -62,7 +62,7 @@ def test_reach_height_and_stride_follow_from_the_shape(name, knees):
 def test_the_limbs_reach_no_farther_than_the_calves_bend(name):
     """Hip to foot: the leg in its plane and the hip's offset are the two sides of a right angle."""
     params = block(name)
-    limbs, unit_m = Crawl(params).limbs, 2.0 ** -params[p.P_LENGTH_SHIFT]
+    limbs, unit_m = Crawl(params).limbs, 2.0 ** -params.length_shift
     for leg in range(4):
         shape, base = leg_si(params, leg), p.P_SIZE_BODY + leg * p.LEG_SIZE
         far, near = [math.hypot(length, shape.l1) for length in twin.leg_lengths(shape)]

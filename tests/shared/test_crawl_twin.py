@@ -22,7 +22,6 @@ from shared import (
 )
 from shared import crawl as core_crawl
 from shared import crawl_layout as at
-from shared import params as p
 from shared.command import C_SPEED, COMMAND_SIZE
 from shared.crawl import Crawl
 from shared.planner_layout import LIMIT_FLAGS
@@ -115,7 +114,7 @@ def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
     before = list(crawl.state[: at.C_FOOT + 12])
     joints = array("i", [0, round(turned_rad / (2 * math.pi) * 65536), 0] * 4)
     crawl_map.roll_feet(crawl.settings, joints, crawl.state)
-    exact = twin.rolled(PARAMS[p.P_FOOT_RADIUS] * UNIT_M, 0.0, rad(joints[1]), yaw_rad)
+    exact = twin.rolled(PARAMS.foot_radius * UNIT_M, 0.0, rad(joints[1]), yaw_rad)
     for leg in range(4):
         moved = [(crawl.state[at.C_FOOT + leg * 3 + i] - before[at.C_FOOT + leg * 3 + i]) * FINE_M for i in range(2)]
         assert math.dist(moved, exact) < 0.02 * MM

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from shared import command as c
 from shared import gait as g
-from shared import params as p
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_NAMES, GAITS
@@ -231,7 +230,7 @@ def test_left_and_right_mirror(gait):
 
 def test_the_mirror_test_sees_a_planted_asymmetry():
     def spoil(walker):
-        walker.params[p.P_SIZE_BODY + 2 * p.LEG_SIZE + p.LEG_REST + 1] += 20
+        walker.params.legs[2].rest[1] += 20
 
     assert mirror_error("trot", spoil)[0] >= 15
 

@@ -27,7 +27,7 @@ STEP = 800
 def motors(params, joints):
     """Return what the twelve motors turn: of a calf whose motor is on the body, thigh + calf."""
     made = list(joints)
-    if params[p.P_COUPLED]:
+    if params.coupled:
         for at in range(2, 12, 3):
             made[at] += made[at - 1]
     return made
@@ -53,7 +53,7 @@ def too_fast(params, before, now):
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
-    exact = twin.follow(wanted, start, params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3], params[p.P_COUPLED])
+    exact = twin.follow(wanted, start, params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3], params.coupled)
     follow_goals(params, wanted, joints)
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
@@ -67,7 +67,7 @@ def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
 def test_a_motor_on_the_body_is_what_the_limit_is_for():
     """Thigh forward and calf back as far: its motor stands still, so only the thigh's speed counts."""
     params = block("parallel")
-    top = params[p.P_JOINT_TOP + 1]
+    top = params.joint_top[1]
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, -9 * top] * 4, joints)
     assert list(joints) == [0, top, -top] * 4
@@ -90,8 +90,8 @@ def test_the_joints_speed_is_that_of_the_robot_file():
     caramelo, parallel = block("caramelo"), block("parallel")
     assert caramelo[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [1201, 1201, 1349]
     assert parallel[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [2086, 2086, 2086]
-    assert block("caramelo", 500)[p.P_JOINT_TOP] == 120
-    assert block("caramelo", 500)[p.P_READ_STEP] == 2 * block("caramelo", 50)[p.P_READ_STEP] // 2
+    assert block("caramelo", 500).joint_top[0] == 120
+    assert block("caramelo", 500).read_step == 2 * block("caramelo", 50).read_step // 2
 
 
 # --- believed
@@ -178,10 +178,10 @@ def wild_command(walker, dice):
     command[c.C_BALANCE] = dice.randrange(2)
     command[c.C_HEIGHT] = dice.choice((0, 0, 6000, any_word(dice)))
     for axis in range(3):
-        top = params[p.P_VX_MAX + axis]
+        top = params.speed_max[axis]
         command[c.C_SPEED + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
     for axis in range(6):
-        top = params[p.P_POSE_MAX + axis]
+        top = params.pose_max[axis]
         command[c.C_POSE + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
 
 
@@ -205,7 +205,7 @@ def wild_senses(walker, dice):
 def lived(name, rate_hz, ticks, seed):
     """Let a planner live with anything; return the states it was in, and (tick, state, motors) that were too fast."""
     walker, dice = Walker(name, rate_hz), random.Random(seed)
-    walker.params[p.P_JOINT_STEP] = walker.params[p.P_JOINT_TOP] // 2  # up fast: more of the time is walked
+    walker.params.joint_step = walker.params.joint_top[0] // 2  # up fast: more of the time is walked
     walker.stand()
     states, wrong, before = set(), [], list(walker.planner.joints)
     for tick in range(ticks):
@@ -324,7 +324,7 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name):
                 walker = Walker(name)
                 walker.stand()
                 for axis, end in zip((one, other), ends, strict=True):
-                    walker.command[c.C_POSE + axis] = end * walker.params[p.P_POSE_MAX + axis]
+                    walker.command[c.C_POSE + axis] = end * walker.params.pose_max[axis]
                 _, still = standing_still(walker, 150)
                 assert still
                 wanted = list(walker.command[c.C_POSE : c.C_POSE + 6])
@@ -338,7 +338,7 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name):
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params[p.P_POSE_MAX + 4]
+    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params.pose_max[4]
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
     assert 0 < walker.planner.pose[4] < walker.command[c.C_POSE + 4]
@@ -360,7 +360,7 @@ def test_with_the_sliders_at_their_ends_a_walk_is_no_faster_than_without(gait):
         walker.mode(c.MODE_WALK)
         walker.command[c.C_BALANCE] = dice.randrange(2)
         for axis in range(6):
-            walker.command[c.C_POSE + axis] = dice.choice((-1, 0, 1)) * walker.params[p.P_POSE_MAX + axis]
+            walker.command[c.C_POSE + axis] = dice.choice((-1, 0, 1)) * walker.params.pose_max[axis]
         last = list(walker.planner.goal)
         for _ in range(150):
             walker.tick()

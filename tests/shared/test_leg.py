@@ -8,7 +8,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from shared import params as p
 from shared.leg import (
     LIMIT_CALF,
     LIMIT_HIP,
@@ -228,11 +227,11 @@ def test_too_near_needs_unequal_links():
 @given(ROBOTS, LEGS, st.tuples(*[integers(-32768, 32767)] * 3))
 def test_joint_limits_act_and_are_reported(name, leg, angles):
     params, joints = BLOCKS[name], zeros()
-    base = p.P_SIZE_BODY + leg * p.LEG_SIZE
+    base = params.legs[leg]
     joints[leg * 3 : leg * 3 + 3] = array("i", angles)
     flags = limit_joints(params, leg, joints)
     for joint, bit in enumerate((LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF)):
-        low, high = params[base + p.LEG_MIN + joint], params[base + p.LEG_MAX + joint]
+        low, high = base.lowest[joint], base.highest[joint]
         assert joints[leg * 3 + joint] == min(max(angles[joint], low), high)
         assert bool(flags & bit) == (not low <= angles[joint] <= high)
 

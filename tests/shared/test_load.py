@@ -8,7 +8,6 @@ from array import array
 import pytest
 
 from shared import compliance, load, sensing, stability
-from shared import params as p
 from tests.float_twin import load as twin
 from tests.float_twin.leg import forward
 
@@ -22,11 +21,11 @@ AROUND = (0, 1, 3, 2)  # FR, FL, RL, RR
 def soft(name, coupled):
     """Return a robot's block whose joints give, with its calf's motor on the thigh or on the body."""
     params = array("i", BLOCKS[name])
-    params[p.P_COUPLED] = coupled
-    params[p.P_SAGS] = 1
+    params.coupled = coupled
+    params.sags = 1
     for joint in range(3):
-        if params[p.P_SAG_Q16 + joint] == 0:
-            params[p.P_SAG_Q16 + joint] = round(65536 * 256 / params[p.P_STIFF_Q8 + joint])
+        if params.sag_q16[joint] == 0:
+            params.sag_q16[joint] = round(65536 * 256 / params.stiff_q8[joint])
     return params
 
 
@@ -35,8 +34,8 @@ def poses(params, count, seed):
     dice = random.Random(seed)
     for _ in range(count):
         leg = dice.randrange(4)
-        base = p.P_SIZE_BODY + leg * p.LEG_SIZE
-        joints = [dice.randint(params[base + p.LEG_MIN + j], params[base + p.LEG_MAX + j]) for j in range(3)]
+        base = params.legs[leg]
+        joints = [dice.randint(base.lowest[j], base.highest[j]) for j in range(3)]
         if 2730 < abs(joints[2]) < 27000:
             yield leg, joints
 
@@ -44,7 +43,7 @@ def poses(params, count, seed):
 @pytest.mark.parametrize(("name", "coupled"), [(name, coupled) for name in NAMES for coupled in (0, 1)])
 def test_sag_is_the_transposed_jacobian_over_the_stiffness(name, coupled):
     params, dice, errors = soft(name, coupled), random.Random(5), []
-    give = [rad(params[p.P_SAG_Q16 + j] / 65536) for j in range(3)]
+    give = [rad(params.sag_q16[j] / 65536) for j in range(3)]
     for leg, joints in poses(params, 400, 3):
         si = leg_si(params, leg)
         links = [v / si.unit_m for v in (si.side_l1, si.l2, si.l3)]
@@ -65,7 +64,7 @@ def test_sag_is_the_transposed_jacobian_over_the_stiffness(name, coupled):
 def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
     """Hold a leg still under a force along it: the goals that sag to the pose tell the force within 2 %."""
     params, dice, found = soft(name, coupled), random.Random(6), 0
-    give = [rad(params[p.P_SAG_Q16 + j] / 65536) for j in range(3)]
+    give = [rad(params.sag_q16[j] / 65536) for j in range(3)]
     state = array("i", [0] * sensing.SENSING_SIZE)
     for leg, joints in poses(params, 300, 4):
         joints[0] = 0
@@ -80,7 +79,7 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
         for j in range(3):
             sent[leg * 3 + j] = round(goal[j] / rad(1))
             measured[3 + leg * 3 + j] = joints[j]
-        for _ in range(params[p.P_SENT_TICKS] + 2):
+        for _ in range(params.sent_ticks + 2):
             sensing.sense_legs(params, measured, 3, 0, 0, state)
             sensing.keep_sent(state, sent)
         arms = abs(math.sin(rad(joints[2]))) * min(si.l2, si.l3) / (si.l2 + si.l3)
@@ -111,7 +110,7 @@ def test_level_feet_are_the_measured_legs_turned_by_roll_and_pitch(name):
 def test_a_body_that_moves_over_round_feet_is_measured_exactly():
     """Roll a rigid leg over its round foot: hip moves by (height + radius) * turn, and that is what is told."""
     params = BLOCKS["caramelo"]
-    unit_m = 2.0 ** -params[p.P_LENGTH_SHIFT]
+    unit_m = 2.0 ** -params.length_shift
     state, weights = array("i", [0] * sensing.SENSING_SIZE), array("i", [1] * 4)
     moved, before = 0.0, None
     for turn in range(-1500, 1501, 50):
@@ -136,8 +135,8 @@ def test_no_foot_no_odometry():
 
 def feet_near_rest(params, dice):
     """Return the four feet moved by up to an eighth of the leg from rest, in lu."""
-    span = params[p.P_LEG_LENGTH] // 8
-    rest = [params[p.P_SIZE_BODY + leg * p.LEG_SIZE + p.LEG_REST + i] for leg in range(4) for i in range(3)]
+    span = params.leg_length // 8
+    rest = [params.legs[leg].rest[i] for leg in range(4) for i in range(3)]
     return array("i", [v + dice.randint(-span, span) for v in rest])
 
 

@@ -27,8 +27,8 @@ STEP_BITS = 4  # rounding of a slow move, see shared/posture.py
 def limits_of(params):
     """Return the lowest and the highest angle of the twelve joints."""
     bases = [p.P_SIZE_BODY + leg * p.LEG_SIZE for leg in range(4)]
-    low = [params[b + p.LEG_MIN + joint] for b in bases for joint in range(3)]
-    high = [params[b + p.LEG_MAX + joint] for b in bases for joint in range(3)]
+    low = [params.lowest[b + joint] for b in bases for joint in range(3)]
+    high = [params.highest[b + joint] for b in bases for joint in range(3)]
     return low, high
 
 
@@ -106,7 +106,7 @@ def test_standing_up_starts_from_the_measured_pose_and_is_slow():
         walker.planner.tick(walker.command, walker.sensed)
     assert list(walker.planner.joints) == lying
     walker.mode(c.MODE_STAND)
-    last, slow = lying, walker.params[p.P_JOINT_STEP] + STEP_BITS
+    last, slow = lying, walker.params.joint_step + STEP_BITS
     while walker.state != n.STANDING:
         walker.tick()
         joints = list(walker.planner.joints)
@@ -119,13 +119,13 @@ def test_standing_up_starts_from_the_measured_pose_and_is_slow():
 def test_sitting_down_is_slow_and_ends_at_the_seat():
     walker = in_state(n.STANDING)
     walker.mode(c.MODE_SIT)
-    last, slow = list(walker.planner.joints), walker.params[p.P_JOINT_STEP] + STEP_BITS
+    last, slow = list(walker.planner.joints), walker.params.joint_step + STEP_BITS
     while walker.state != n.SEATED:
         walker.tick()
         joints = list(walker.planner.joints)
         assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
         last = joints
-    assert [foot[2] for foot in walker.feet_m()] == pytest.approx([walker.params[p.P_SIT_Z] * walker.unit_m] * 4)
+    assert [foot[2] for foot in walker.feet_m()] == pytest.approx([walker.params.sit_z * walker.unit_m] * 4)
     walker.ticks(50)
     assert list(walker.planner.joints) == last
 
@@ -212,8 +212,8 @@ def foot_step_limit_m(walker):
     across it. Stance: the body's peak.
     """
     params, worst = walker.params, 0.0
-    stride = 2 * params[p.P_STRIDE_MAX] * walker.unit_m
-    height = -params[p.P_SIT_Z] * walker.unit_m
+    stride = 2 * params.stride_max * walker.unit_m
+    height = -params.sit_z * walker.unit_m
     for table in GAITS:
         gait = Gait(table, walker.rate_hz)
         ticks = max(gait.lifts(0, place) for place in range(gait.cycle))
@@ -288,7 +288,7 @@ def drive(walker, ticks, seed):
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
 def test_any_words_in_command_and_senses_are_survived(name):
     walker = Walker(name)
-    walker.params[p.P_JOINT_STEP] = walker.params[p.P_JOINT_TOP] // 2  # fast, so that more of the time is walked
+    walker.params.joint_step = walker.params.joint_top[0] // 2  # fast, so that more of the time is walked
     states = drive(walker, 6000, 11)
     assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
 
@@ -339,7 +339,7 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed[n.S_ATTITUDE_OK] = 0
     before = walker.planner.posed[3]
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.posed[3] - before <= walker.params[p.P_POSE_SLEW + 3]
+    assert 0 < walker.planner.posed[3] - before <= walker.params.pose_slew[3]
     walker.ticks(200)
     assert walker.planner.posed[3] == 0
 
@@ -351,7 +351,7 @@ def test_the_body_pose_is_limited_and_slewed():
     for _ in range(300):
         walker.tick()
         for axis in range(6):
-            assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params[p.P_POSE_SLEW + axis]
+            assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params.pose_slew[axis]
         last = list(walker.planner.pose)
     top = walker.params[p.P_POSE_MAX : p.P_POSE_MAX + 6]
     assert last == [top[0], -top[1], 3, top[3], -9, 77]
@@ -359,7 +359,7 @@ def test_the_body_pose_is_limited_and_slewed():
 
 def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
     walker = in_state(n.STANDING)
-    walker.params[p.P_POSE_MAX + 2] = walker.params[p.P_POSE_SLEW + 2] = 20000
+    walker.params.pose_max[2] = walker.params.pose_slew[2] = 20000
     walker.command[c.C_POSE + 2] = 20000
     assert walker.tick() & n.REACH_FLAGS
     assert any(walker.planner.leg_flags)
@@ -377,7 +377,7 @@ def test_commands_are_limited_to_the_longest_stride():
     for _ in range(200):
         walker.tick()
         xs.append(walker.feet_m()[0][0])
-    assert max(xs) - min(xs) <= walker.params[p.P_STRIDE_MAX] * walker.unit_m * 1.01
+    assert max(xs) - min(xs) <= walker.params.stride_max * walker.unit_m * 1.01
 
 
 @pytest.mark.parametrize("gait", ["trot", "adaptive"])

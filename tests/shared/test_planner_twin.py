@@ -132,7 +132,7 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
             command[c.C_BALANCE] = dice.randrange(2)
             command[c.C_HEIGHT] = dice.choice((0, 2000, 5000))
             for axis in range(3):
-                top = params[p.P_VX_MAX + axis] // 2
+                top = params.speed_max[axis] // 2
                 command[c.C_SPEED + axis] = dice.randint(-top, top) * 2 * dice.randrange(2)
             for axis in range(6):
                 command[c.C_POSE + axis] = dice.randint(-800, 800)
@@ -150,7 +150,7 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
 def test_standing_up_and_sitting_down_are_the_float_moves():
     pair = Pair("caramelo", 50)
     pair.walker.mode(c.MODE_STAND)
-    lag_rad = 2 * rad(pair.walker.params[p.P_JOINT_STEP])  # the moves may differ by a tick
+    lag_rad = 2 * rad(pair.walker.params.joint_step)  # the moves may differ by a tick
     for mode, goal in ((c.MODE_STAND, n.STANDING), (c.MODE_SIT, n.SEATED), (c.MODE_STAND, n.STANDING)):
         pair.walker.mode(mode)
         while pair.walker.state != goal or pair.twin.state != goal:

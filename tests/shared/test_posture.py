@@ -7,7 +7,6 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import params as p
 from shared import posture as m
 from tests.float_twin.swing import advance
 
@@ -20,7 +19,7 @@ ANGLES = st.lists(integers(-32768, 32767), min_size=12, max_size=12)
 def moved(start, goal, step):
     """Return the joints at every tick of a move, the start first."""
     params, move = block("caramelo"), array("i", [0] * m.MOVE_SIZE)
-    params[p.P_JOINT_STEP] = step
+    params.joint_step = step
     joints = array("i", start)
     ticks = m.posture_start(params, move, joints, array("i", goal))
     found = [list(joints)]

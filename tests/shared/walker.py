@@ -3,7 +3,6 @@
 from array import array
 
 from shared import command as c
-from shared import params as p
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES
 from shared.planner import Planner
@@ -20,7 +19,7 @@ class Walker:
     def __init__(self, name="caramelo", rate_hz=50, knees="full-elbow"):
         self.params = block(name, rate_hz, knees)
         self.rate_hz = rate_hz
-        self.unit_m = 2.0 ** -self.params[p.P_LENGTH_SHIFT]
+        self.unit_m = 2.0 ** -self.params.length_shift
         self.planner = Planner(self.params)
         self.command = array("i", [0] * c.COMMAND_SIZE)
         self.sensed = array("i", [0] * n.SENSED_SIZE)

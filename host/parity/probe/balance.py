@@ -2,7 +2,9 @@
 
 
 from shared import balance
+from shared.balance import Balance
 from shared.body import POSE_SIZE
+from shared.record import pack, unpack
 from shared.runtime import zeros
 
 from .draw import Range
@@ -10,35 +12,38 @@ from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 
-BLOCK = zeros(balance.BALANCE_SIZE)
+BALANCE = Balance()
+STATE = (BALANCE.roll, BALANCE.pitch, BALANCE.correction)
 POSE = Block(zeros(POSE_SIZE), (POSE_SIZE, BRAD))
 TILT = Range(-32768, 32768)
 
 
 def _begin():
-    balance.balance_setup(PARAMS[0], BLOCK)
+    balance.balance_setup(PARAMS[0], BALANCE)
 
 
 def _soil(values, dice):
-    for at in range(5, balance.BALANCE_SIZE):
-        BLOCK[at] = dice.bits(12)
+    for one in (BALANCE.roll, BALANCE.pitch):
+        unpack(one, pack(one)[:5] + [dice.bits(12) for _ in range(3)])
+    BALANCE.correction.roll = dice.bits(12)
+    BALANCE.correction.pitch = dice.bits(12)
 
 
 def _other_robot(values, dice):
     if dice.below(50) == 0:
-        balance.balance_setup(PARAMS[dice.below(len(PARAMS))], BLOCK)
+        balance.balance_setup(PARAMS[dice.below(len(PARAMS))], BALANCE)
 
 
 PROBES = (
-    Probe("balance_setup", balance.balance_setup, (ROBOT, BLOCK), watch=(BLOCK,), fit=_soil),
-    Probe("balance_gains", balance.balance_gains, (ROBOT, Range(22, 24), BLOCK), watch=(BLOCK,), begin=_begin),
-    Probe("balance_reset", balance.balance_reset, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_soil),
-    Probe("balance_release", balance.balance_release, (BLOCK, Range(0, 1000)), watch=(BLOCK,), begin=_begin, fit=_soil),
+    Probe("balance_setup", balance.balance_setup, (ROBOT, BALANCE), watch=STATE, fit=_soil),
+    Probe("balance_gains", balance.balance_gains, (ROBOT, Range(0, 1), BALANCE), watch=STATE, begin=_begin),
+    Probe("balance_reset", balance.balance_reset, (BALANCE,), watch=STATE, begin=_begin, fit=_soil),
+    Probe("balance_release", balance.balance_release, (BALANCE, Range(0, 1000)), watch=STATE, begin=_begin, fit=_soil),
     Probe(
         "balance_step",
         balance.balance_step,
-        (BLOCK, POSE, TILT, TILT),
-        watch=(BLOCK,),
+        (BALANCE, POSE, TILT, TILT),
+        watch=STATE,
         begin=_begin,
         fit=_other_robot,
         vectors=4,

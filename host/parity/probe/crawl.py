@@ -18,7 +18,7 @@ from shared import (
 from shared import crawl_layout as at
 from shared.command import C_SPEED, COMMAND_SIZE
 from shared.filters import fraction, quintic_q15
-from shared.params import P_SIZE
+from shared.params import Params
 from shared.runtime import zeros
 from shared.sensing import M_FORCE_Q12, M_LEVEL, SENSING_SIZE, keep_sent, sense_legs, sensing_reset
 from shared.steps import STEPS_SIZE
@@ -47,7 +47,7 @@ SOURCES = (
 CRAWL = crawl.Crawl(PARAMS[0])
 STATE = CRAWL.state
 SET = CRAWL.settings
-LIMBS = zeros(P_SIZE)
+LIMBS = Params()
 SETTINGS = zeros(at.K_SIZE)
 SENSING = zeros(SENSING_SIZE)
 JOINTS = zeros(12)

@@ -2,48 +2,47 @@
 
 
 from shared import pid
-from shared.runtime import zeros
+from shared.pid import Pid
+from shared.record import unpack
 
 from .draw import Range
 from .probe import Probe
 
-BLOCK = zeros(2 * pid.PID_SIZE)
-BASE = Range(0, 1)
+FIRST = Pid()
+SECOND = Pid()
 SIGNAL = Range(-(1 << 20), 1 << 20)
 _GAIN = Range(0, 32767)
 _LIMIT = Range(0, 16383)
+_ONE = Range(0, 1)
 
 
 def _begin():
-    for at in range(len(BLOCK)):
-        BLOCK[at] = 0
+    for one in (FIRST, SECOND):
+        unpack(one, [0] * 8)
 
 
 def _retune(values, dice):
-    base = values[1] * pid.PID_SIZE
-    values[1] = base
+    made: Pid = FIRST
+    if values[0]:
+        made = SECOND
+    values[0] = made
     if dice.below(16) == 0:
-        for at in range(pid.PID_INTEGRAL_MAX):
-            BLOCK[base + at] = _GAIN.any(dice)
-        BLOCK[base + pid.PID_INTEGRAL_MAX] = _LIMIT.any(dice)
-        BLOCK[base + pid.PID_OUTPUT_MAX] = _LIMIT.any(dice)
-        pid.pid_reset(BLOCK, base)
+        made.kp_q12 = _GAIN.any(dice)
+        made.ki_q16 = _GAIN.any(dice)
+        made.kd_q10 = _GAIN.any(dice)
+        made.integral_max = _LIMIT.any(dice)
+        made.output_max = _LIMIT.any(dice)
+        pid.pid_reset(made)
 
 
 def _soil(values, dice):
     _retune(values, dice)
-    BLOCK[values[1] + pid.PID_INTEGRAL_Q12] = dice.bits(20)
-    BLOCK[values[1] + pid.PID_STARTED] = 1
+    made: Pid = values[0]
+    made.integral_q12 = dice.bits(20)
+    made.started = 1
 
 
 PROBES = (
-    Probe("pid_reset", pid.pid_reset, (BLOCK, BASE), watch=(BLOCK,), begin=_begin, fit=_soil),
-    Probe(
-        "pid_step",
-        pid.pid_step,
-        (BLOCK, BASE, SIGNAL, SIGNAL),
-        watch=(BLOCK,),
-        begin=_begin,
-        fit=_retune,
-    ),
+    Probe("pid_reset", pid.pid_reset, (_ONE,), watch=(FIRST, SECOND), begin=_begin, fit=_soil),
+    Probe("pid_step", pid.pid_step, (_ONE, SIGNAL, SIGNAL), watch=(FIRST, SECOND), begin=_begin, fit=_retune),
 )

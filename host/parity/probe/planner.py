@@ -17,7 +17,7 @@ from shared.command import (
 )
 from shared.crawl import crawl_start
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
-from shared.params import P_POSE_MAX, P_VX_MAX
+from shared.params import Params
 from shared.retreat import R_ENDS, R_STOOD
 from shared.runtime import zeros
 
@@ -151,13 +151,13 @@ class Walk(Probe):
 
     def new_wish(self, index):
         """Another speed and pose, mostly in reach; every fifth time far outside what the legs reach."""
-        params = self.robot.params
+        params: Params = self.robot.params
         wild = index % 750 == 600
         for axis in range(3):
-            top = params[P_VX_MAX + axis]
+            top = params.speed_max[axis]
             COMMAND[C_SPEED + axis] = self.dice.below(2 * top + 1) - top
         for axis in range(6):
-            top = params[P_POSE_MAX + axis]
+            top = params.pose_max[axis]
             top = top * 4 if wild else top // 6
             COMMAND[C_POSE + axis] = self.dice.below(2 * top + 1) - top
         COMMAND[C_HEIGHT] = 12000 if wild else 0

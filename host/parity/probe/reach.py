@@ -2,7 +2,7 @@
 
 
 from shared import reach
-from shared.params import LEG_SIDE_L1, LEG_SIZE, P_SIZE_BODY
+from shared.params import Params
 from shared.runtime import zeros
 
 from .draw import Range
@@ -18,10 +18,11 @@ SIDE = Range(-32767, 32767)
 
 
 def _one_leg(values, dice):
-    """base, radius and at belong to one leg of one robot."""
+    """leg, radius and at belong to one leg of one robot."""
     one = values[4]
-    values[1] = P_SIZE_BODY + one * LEG_SIZE
-    values[2] = abs(values[0][values[1] + LEG_SIDE_L1])
+    params: Params = values[0]
+    values[1] = one
+    values[2] = abs(params.legs[one].hip_length)
     values[4] = one * 3
 
 
