@@ -10,7 +10,6 @@ from host.robot_file import find, read_toml
 from host.robot_model import Robot
 from host.scale import BRAD_PER_RAD, core_params
 from shared import crawl_layout
-from shared import params as p
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 
@@ -109,7 +108,7 @@ NAMES = ("caramelo", "parallel", "long-leg", "unequal", "no-offset")
 
 
 def block(name, rate_hz=50, knees="full-elbow"):
-    """Return a test robot as the core's block."""
+    """Return a test robot as the core has it."""
     return core_params(robot(name, knees), rate_hz)
 
 
@@ -124,10 +123,10 @@ def leg_si(params, leg):
         l2=base.thigh_length * unit_m,
         l3=base.calf_length * unit_m,
         knee=base.knee,
-        hip=[v * unit_m for v in params[base + p.LEG_HIP : base + p.LEG_HIP + 3]],
-        rest=[v * unit_m for v in params[base + p.LEG_REST : base + p.LEG_REST + 3]],
-        low=[rad(v) for v in params[base + p.LEG_MIN : base + p.LEG_MIN + 3]],
-        high=[rad(v) for v in params[base + p.LEG_MAX : base + p.LEG_MAX + 3]],
+        hip=[v * unit_m for v in base.hip],
+        rest=[v * unit_m for v in base.rest],
+        low=[rad(v) for v in base.lowest],
+        high=[rad(v) for v in base.highest],
     )
 
 
@@ -146,9 +145,10 @@ def planner_si(params):
     unit_m = 2.0 ** -params.length_shift
     fine_m, yaw = unit_m / 256, 2.0**-18
     rate = params.rate_hz
-    speeds = params[p.P_VX_MAX : p.P_WZ_SLEW + 1]
-    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(params[p.P_POSE_MAX : p.P_POSE_SLEW + 6])]
-    gains = params.kp_q12 / 4096, params.ki_q16 / 65536 * rate, params.kd_q10 / 1024 / rate
+    speeds = [*params.speed_max, *params.speed_slew]
+    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate([*params.pose_max, *params.pose_slew])]
+    of = params.gains[0]
+    gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
     return SimpleNamespace(
         unit_m=unit_m,
         legs=[leg_si(params, leg) for leg in range(4)],
@@ -158,7 +158,7 @@ def planner_si(params):
         pose_max=poses[:6],
         pose_slew=poses[6:],
         joint_step=rad(params.joint_step),
-        joint_top=[rad(v) for v in params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]],
+        joint_top=[rad(v) for v in params.joint_top],
         coupled=params.coupled,
         sit_z=params.sit_z * unit_m,
         stride=params.stride_max * unit_m,

@@ -6,7 +6,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import command as c
-from shared import params as p
 from shared.body import POSE_SIZE
 from shared.gait import G_VX_MAX, compile_gait
 from shared.gaits import GAITS
@@ -52,6 +51,6 @@ def test_pose_is_slewed_within_its_limits(asked, standing):
         before = list(pose)
         c.slew_pose(PARAMS, command, standing, pose)
         assert all(abs(pose[axis] - before[axis]) <= PARAMS.pose_slew[axis] for axis in range(6))
-    tops = PARAMS[p.P_POSE_MAX : p.P_POSE_MAX + 6]
+    tops = PARAMS.pose_max
     limited = [max(-top, min(top, value)) for top, value in zip(tops, asked, strict=True)]
     assert list(pose) == (limited if standing else [0] * 6)

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from shared import crawl_setup
-from shared import params as p
 from shared.crawl import Crawl
+from shared.record import pack
 from tests.float_twin import crawl_reach as twin
 
 from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si
@@ -64,13 +64,13 @@ def test_the_limbs_reach_no_farther_than_the_calves_bend(name):
     params = block(name)
     limbs, unit_m = Crawl(params).limbs, 2.0 ** -params.length_shift
     for leg in range(4):
-        shape, base = leg_si(params, leg), p.P_SIZE_BODY + leg * p.LEG_SIZE
+        shape, given, limb = leg_si(params, leg), params.legs[leg], limbs.legs[leg]
         far, near = [math.hypot(length, shape.l1) for length in twin.leg_lengths(shape)]
-        far, near = min(far, params[base + p.LEG_REACH] * unit_m), max(near, params[base + p.LEG_NEAR] * unit_m)
-        assert limbs[base + p.LEG_REACH] * unit_m == pytest.approx(far, abs=6 * unit_m)
-        assert limbs[base + p.LEG_NEAR] * unit_m == pytest.approx(near, abs=6 * unit_m)
-    outside = range(p.P_SIZE_BODY + 4 * p.LEG_SIZE, len(params))
-    assert [limbs[place] for place in outside] == [params[place] for place in outside]
+        far, near = min(far, given.longest * unit_m), max(near, given.shortest * unit_m)
+        assert limb.longest * unit_m == pytest.approx(far, abs=6 * unit_m)
+        assert limb.shortest * unit_m == pytest.approx(near, abs=6 * unit_m)
+    limbs.legs = params.legs
+    assert pack(limbs) == pack(params), "nothing else differs"
 
 
 # From docs/gaits.md and the texts of the core, m and s

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import command as c
-from shared import params as p
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES, GAITS
 from shared.goals import READ_SIZE, READ_STATE, READ_SURE, believe, follow_goals, joints_near
@@ -35,7 +34,7 @@ def motors(params, joints):
 
 def tops(params):
     """Return how far each motor turns in a tick, brad."""
-    return list(params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3]) * 4
+    return list(params.joint_top) * 4
 
 
 def too_fast(params, before, now):
@@ -53,7 +52,7 @@ def too_fast(params, before, now):
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
-    exact = twin.follow(wanted, start, params[p.P_JOINT_TOP : p.P_JOINT_TOP + 3], params.coupled)
+    exact = twin.follow(wanted, start, params.joint_top, params.coupled)
     follow_goals(params, wanted, joints)
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
@@ -88,8 +87,8 @@ def test_near_is_within_a_tick_of_every_joint():
 def test_the_joints_speed_is_that_of_the_robot_file():
     """55 rpm at 12 V, through Caramelo's rod for the calf; 10 rad/s of Parallel's boards."""
     caramelo, parallel = block("caramelo"), block("parallel")
-    assert caramelo[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [1201, 1201, 1349]
-    assert parallel[p.P_JOINT_TOP : p.P_JOINT_TOP + 3] == [2086, 2086, 2086]
+    assert caramelo.joint_top == [1201, 1201, 1349]
+    assert parallel.joint_top == [2086, 2086, 2086]
     assert block("caramelo", 500).joint_top[0] == 120
     assert block("caramelo", 500).read_step == 2 * block("caramelo", 50).read_step // 2
 

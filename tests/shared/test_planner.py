@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from shared import command as c
 from shared import gait as g
-from shared import params as p
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
@@ -26,9 +25,8 @@ STEP_BITS = 4  # rounding of a slow move, see shared/posture.py
 
 def limits_of(params):
     """Return the lowest and the highest angle of the twelve joints."""
-    bases = [p.P_SIZE_BODY + leg * p.LEG_SIZE for leg in range(4)]
-    low = [params.lowest[b + joint] for b in bases for joint in range(3)]
-    high = [params.highest[b + joint] for b in bases for joint in range(3)]
+    low = [angle for leg in params.legs for angle in leg.lowest]
+    high = [angle for leg in params.legs for angle in leg.highest]
     return low, high
 
 
@@ -353,7 +351,7 @@ def test_the_body_pose_is_limited_and_slewed():
         for axis in range(6):
             assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params.pose_slew[axis]
         last = list(walker.planner.pose)
-    top = walker.params[p.P_POSE_MAX : p.P_POSE_MAX + 6]
+    top = walker.params.pose_max
     assert last == [top[0], -top[1], 3, top[3], -9, 77]
 
 

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import pytest
 
 from shared import command as c
-from shared import params as p
 from shared import planner_layout as n
 from shared.gaits import GAITS
 from tests.float_twin import planner as twin
@@ -22,8 +21,8 @@ class Pair:
 
     def __init__(self, name, rate_hz):
         self.walker = Walker(name, rate_hz)
-        for at in (p.P_SAG_Q16, p.P_SAG_Q16 + 1, p.P_SAG_Q16 + 2, p.P_LATERAL_Q12):
-            self.walker.params[at] = 0  # the float planner has no compensation
+        self.walker.params.sag_q16[:] = 0, 0, 0  # the float planner has no compensation
+        self.walker.params.lateral_q12 = 0
         self.robot = planner_si(self.walker.params)
         self.twin = twin.Planner(self.robot, [Gait(table, rate_hz) for table in GAITS])
 

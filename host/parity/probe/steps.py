@@ -3,7 +3,7 @@
 
 from shared import steps
 from shared.gait import CLOCK_SIZE, G_VX_MAX
-from shared.params import LF_BITS
+from shared.params import LF_BITS, Params
 from shared.runtime import zeros
 
 from .draw import Range
@@ -103,7 +103,8 @@ def _ahead(values, dice):
 
 
 def _near_line(values, dice):
-    rest = ROBOT.choices[0].legs[dice.bits(2)].rest[0] << LF_BITS
+    params: Params = ROBOT.choices[0]
+    rest = params.legs[dice.bits(2)].rest[0] << LF_BITS
     values[0] = rest + (values[0] >> 4)
     values[1] = rest + (values[1] >> 4)
 
