@@ -1,6 +1,5 @@
 """What is frozen into a board's image: the role's modules as MicroPython's own build takes them."""
 
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +8,7 @@ from .generated import generated_modules
 from .lower import lowered_modules
 from .rewrite import rewrite
 from .source import PACKAGES, ROOT, BuildError, Module, closure
-from .tree import write_tree
+from .tree import replace_tree
 
 MAIN = "firmware/main.py"
 ARCH = "armv7emsp"  # the STM32F405 of both boards
@@ -35,23 +34,22 @@ class FrozenTree:
 
 
 def frozen_sources(role: str, robot: str, out: Path, emitter: str = "c", arch: str = ARCH) -> FrozenTree:
-    """Write what a board of ``role`` runs below ``out``, which is replaced. BuildError names file, line and rule.
+    """Write what a board of ``role`` runs below ``out`` in place of an earlier build. BuildError names file and line.
 
     ``robot`` is only looked at for a gait board: a name or a file. ``emitter``: "c" makes one C module of the hot
     functions, others are those of rewrite.py.
     """
     modules = lowered_modules(ROOT, PACKAGES)
-    shutil.rmtree(out, ignore_errors=True)
-    c_modules = None
+    c_files, c_modules = dict[str, bytes](), None
     if emitter == "c":
         core = build_c_core(modules, select(modules, role), "micropython")
         texts, c_modules = dict(core.modules), out / "c"
-        write_tree({f"{MODULE}/core.c": core.source.encode(), f"{MODULE}/micropython.mk": _MAKE.encode()}, c_modules)
+        c_files = {f"c/{MODULE}/core.c": core.source.encode(), f"c/{MODULE}/micropython.mk": _MAKE.encode()}
     else:
         texts = {modules[name].path: rewrite(modules[name], modules, emitter, arch) for name in select(modules, role)}
     texts["main.py"] = texts.pop(MAIN)  # MicroPython runs it as the main module
     texts |= {path: text.encode() for path, text in generated_modules(role, robot).items()}
-    write_tree(texts, out / "modules")
+    replace_tree({f"modules/{path}": text for path, text in texts.items()} | c_files, out)
     return FrozenTree(out / "modules", c_modules)
 
 

@@ -29,7 +29,7 @@ SKIP_MOST = 32  # frames of other kinds looked at to find one of ours
 FIRST_PRIORITY = 6  # the highest that needs no rights (socket(7)); pfifo_fast sends it before all others
 FRAME = struct.Struct("=IB3x8s")  # linux/can.h: struct can_frame
 LOCKED_S = 0.005  # a sender that takes longer hangs in its driver
-ECHO_S = 0.2  # an own frame that has not come back by then was lost
+ECHO_S = 5.0  # an own frame that has not come back by then was lost; a busy machine may leave it waiting (chosen)
 SERIAL_BAUD = 115200
 MULTICAST = "ff15:7079:7468:6f6e:6465:6d6f:6d63:6173"  # python-can's own group
 

@@ -46,6 +46,7 @@ def calibrate(
     servo_of(data)
     path = out or (Path("out/calibrate") / f"{data.name}.calibration.toml" if sim else default_path(data))
     person: AtTerminal | FromFile = AtTerminal(record)
+    recorded = dict(person.answers)
     if answers is not None:
         person = FromFile(read_answers(answers), str(answers), not sim)
     wrong: list[str] = []
@@ -64,7 +65,7 @@ def calibrate(
         else:
             screen().print(f"nothing written; {procedure.keep} keeps what was found", soft_wrap=True)
     if record is not None and answers is not None:
-        write_answers(record, person.answers)
+        write_answers(record, recorded | person.answers)
     if wrong:
         raise complain_about(wrong, found)
     return 0

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 CLOSE = 0.03  # of the picture's width: names of states would lie over each other
 LONGEST_NAME = 80  # characters of names that are written into one line
 LARGEST = 1e12  # what is no number or larger leaves a gap
-STRETCHES = 2000  # of a curve; the picture is 1200 dots wide
+STRETCHES = 1000  # of a curve; the axes are 950 dots wide
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
 
 # What is drawn of a record, for read_record.

@@ -19,6 +19,7 @@ from ..robot_model import LEG_NAMES, Robot
 from ..safety import Fault, Safety, torque_limit
 from .arbiter import Arbiter
 from .messages import Drive
+from .notices import Notices
 
 # A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
 STRETCHED = 0.5
@@ -71,6 +72,7 @@ class Supervisor:
         self._resetting: Iterator[None] | None = None
         self._last = ("", "")
         self._gait_watch, self.exchanged = GaitWatch(self.driver), ""
+        self._notices = Notices(self.driver.rate_hz)
 
     def sense(self) -> None:
         """Read the joints and the attitude, and look for faults."""
@@ -90,6 +92,7 @@ class Supervisor:
         self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
         self.goals = self.driver.step()
         self._watch_gait()
+        self._notices.look(self.driver.flags, self.armed)
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
             self._disarm()
         if self.armed:
@@ -107,12 +110,15 @@ class Supervisor:
 
     @property
     def remark(self) -> str:
-        """What the driver should know about the gait: why it changed, what the crawl met, what is advised; or ""."""
+        """What the driver should know beside the state: of pose, readings and gait; or ""."""
+        return "; ".join(part for part in (*self._notices.words(), *self._gait_remarks()) if part)
+
+    def _gait_remarks(self) -> tuple[str, ...]:
+        """Why the gait changed, what the crawl met, what is advised."""
         if self.driver.state != "walking":
-            return ""
+            return ()
         crawls = self.driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
-        parts = (self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver))
-        return "; ".join(part for part in parts if part)
+        return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
 
     def stop_now(self) -> None:
         """Let go before anything else; called as soon as a stop is pulled, between two ticks."""

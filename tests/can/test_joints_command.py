@@ -121,6 +121,11 @@ def test_monitor_records(capsys, tmp_path):
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     assert len(lines) >= 3
     assert len(lines[0]["joints"]) == 12
+    before = path.read_bytes()
+    code, _, err = run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))
+    assert (code, err.count("\n")) == (2, 1)
+    assert "the file exists: name another" in err
+    assert path.read_bytes() == before, "a record is never overwritten"
 
 
 def test_disarm_and_clear_and_calibrate(capsys):

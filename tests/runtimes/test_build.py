@@ -7,7 +7,8 @@ import pytest
 from host.build.frozen import ROLES, frozen_sources, select
 from host.build.rewrite import EMITTERS, rewrite
 from host.build.source import ROOT, BuildError, closure, read_modules
-from host.build.tree import compile_tree, write_tree
+from host.build.tree import compile_tree, replace_tree, write_tree
+from host.errors import UserError
 from host.runtimes import Unix
 
 from ..marks import NEEDS_UNIX
@@ -179,8 +180,7 @@ def test_a_role_brings_along_all_it_imports(role):
 
 @pytest.mark.parametrize("role", ROLES)
 def test_what_is_frozen_starts_by_itself_and_holds_no_stale_module(tmp_path, role):
-    (tmp_path / "frozen").mkdir()
-    (tmp_path / "frozen" / "old.py").write_text("a module of a former build")
+    replace_tree({"modules/old.py": b"a module of a former build"}, tmp_path / "frozen")
     tree = frozen_sources(role, "caramelo", tmp_path / "frozen")
     files = {path.relative_to(tree.modules).as_posix(): path.read_text() for path in tree.modules.rglob("*.py")}
     assert files["main.py"].endswith("start.settle()\nstart.run()\n")
@@ -191,6 +191,42 @@ def test_what_is_frozen_starts_by_itself_and_holds_no_stale_module(tmp_path, rol
     assert "@hot" not in "".join(files.values())
     assert tree.c_modules is not None
     assert "core_floor" in (tree.c_modules / "_core/core.c").read_text()
+
+
+def content(folder):
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("foreign", ["thesis.txt", "a/one.py", "a/link.py"])
+def test_a_build_removes_what_a_build_has_left_and_nothing_else(tmp_path, foreign):
+    out = tmp_path / "out"
+    replace_tree({"a/one.py": b"1", "a/two.py": b"2"}, out)
+    replace_tree({"a/one.py": b"1 anew"}, out)
+    assert content(out) == {"a/one.py": b"1 anew"}
+    if foreign == "a/link.py":
+        (out / foreign).symlink_to(out / "a/one.py")
+    else:
+        (out / foreign).write_bytes(b"years of work")
+    before = content(tmp_path)
+    with pytest.raises(UserError, match=f"{foreign}: is not as a build has left it"):
+        replace_tree({"b.py": b"3"}, out)
+    assert content(tmp_path) == before
+
+
+def test_a_build_that_was_cut_off_is_built_over(tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    replace_tree({"a.py": b"1", "b.py": b"1"}, out)
+
+    def cut_off(files, out):
+        (out / "a.py").write_bytes(files["a.py"])
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("host.build.tree.write_tree", cut_off)
+        with pytest.raises(KeyboardInterrupt):
+            replace_tree({"a.py": b"2", "b.py": b"2"}, out)
+    replace_tree({"a.py": b"3"}, out)
+    assert content(out) == {"a.py": b"3"}
 
 
 @NEEDS_UNIX

@@ -110,12 +110,14 @@ def monitor(
 
 @contextmanager
 def _record(path: Path | None) -> Iterator[TextIO | None]:
-    """Yield a file that takes line by line, so that nothing is lost when this ends; None without a path."""
+    """Yield a new file that takes line by line, so that nothing is lost when this ends; None without a path."""
     if path is None:
         yield None
         return
     try:
-        with path.open("w", buffering=1) as file:
+        with path.open("x", buffering=1) as file:
             yield file
+    except FileExistsError:
+        raise UserError(f"--out {path}: the file exists: name another") from None
     except OSError as error:
         raise UserError(f"--out {path}: can't be written: {error.strerror or error}") from error

@@ -186,7 +186,10 @@ def test_the_command_replays_previews_writes_and_keeps_the_former(tmp_path, caps
     assert load_calibration(tmp_path / "robot.toml.backup", CARAMELO) == nominal(CARAMELO)
     assert load_calibration(out, CARAMELO) == bench.truth
     assert "-hip = { id = 1," in capsys.readouterr().out
-    assert main(call) == 0
+    record = tmp_path / "record.toml"
+    write_answers(record, {"servo 77 joint": "RL calf"})
+    assert main((*call, "--record", str(record))) == 0
+    assert read_answers(record)["servo 77 joint"] == "RL calf", "older answers stay in a record"
     assert "nothing changes" in capsys.readouterr().out
     assert not out.with_name("robot.toml.unfinished").exists()
 

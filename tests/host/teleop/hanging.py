@@ -73,18 +73,20 @@ class Drive(Watched):
         self.say(type="drive", vx_m_s=vx_m_s, **DRIVE)
 
     def hang(self, what):
-        """Have ``disk`` or ``page`` stand still."""
+        """Have ``disk`` or ``page`` stand still; a page that is just gone comes again later."""
         if what == "disk":
             self.flag.touch()
         elif what == "page":
-            os.kill(self.page, signal.SIGSTOP)
+            with contextlib.suppress(LookupError):
+                self.page = child_of(self.process.pid, "host.web")
+                os.kill(self.page, signal.SIGSTOP)
 
     def holds(self):
         return any(self.emulator.ask("state")["torque"])
 
-    def until_off(self):
-        """Return how long from now until no servo has torque, s."""
-        began_s = time.monotonic()
+    def until_off(self, began_s=None):
+        """Return how long from then, or from now, until no servo has torque, s."""
+        began_s = time.monotonic() if began_s is None else began_s
         while self.holds():
             assert time.monotonic() - began_s < PATIENCE_S, "the robot is not let go"
             time.sleep(0.001)
@@ -98,7 +100,7 @@ def child_of(process, words):
             parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
             if parent == process and words in (folder / "cmdline").read_text().replace("\0", " "):
                 return int(folder.name)
-    raise AssertionError(f"{process} has no child {words}")
+    raise LookupError(f"{process} has no child {words}")
 
 
 @contextlib.contextmanager

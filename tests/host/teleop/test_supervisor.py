@@ -204,6 +204,44 @@ def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     assert any("attitude unknown: the IMU is stuck" in line for line in screen_lines(lost))
 
 
+HELD, ODD = "pose out of reach: held at the nearest", "a reading of joints or tilt was odd and was left out"
+
+
+def shown(rig):
+    """Return the remark after seeing that the screen shows it too."""
+    told = status(rig.loop, Extra())
+    assert told["remark"] in screen_lines(told)
+    return told["remark"]
+
+
+def test_a_pose_out_of_reach_is_told_for_as_long_as_it_is_held(rig):
+    limits = rig.robot.body_limits
+    rig.stand()
+    rig.run(3.0, {**STILL, "pose": [0.0, 0.0, limits.z_m, 0.0, limits.angles_rad[1], 0.0]})
+    assert (rig.supervisor.state, shown(rig)) == ("standing", HELD)
+    rig.run(3.0, STILL)
+    assert shown(rig) == ""
+
+
+def test_an_odd_reading_is_told_for_a_while(rig, monkeypatch):
+    rig.stand()
+    real = rig.bus.read
+
+    def odd():
+        measured = real()
+        places = [angle + (joint == 4) for joint, angle in enumerate(measured.position_rad)]
+        return replace(measured, position_rad=tuple(places))
+
+    assert shown(rig) == ""
+    monkeypatch.setattr(rig.bus, "read", odd)
+    rig.run(0.02, STILL)
+    monkeypatch.setattr(rig.bus, "read", real)
+    rig.run(1.0, STILL)
+    assert shown(rig) == ODD
+    rig.run(3.0, STILL)
+    assert shown(rig) == ""
+
+
 def test_the_robot_with_coupled_calves_stands_up_with_limited_torque_and_walks():
     rig = Rig("parallel")
     rig.run(0.2)

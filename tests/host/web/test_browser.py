@@ -135,6 +135,18 @@ def _middle(element):
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
+def test_a_pose_out_of_reach_is_told_on_the_page(teleop, open_page):
+    page, limits = open_page(), ROBOT.body_limits
+    pose = [0.0, 0.0, limits.z_m, 0.0, limits.angles_rad[1], 0.0]
+    drive = {"type": "drive", "vx_m_s": 0.0, "vy_m_s": 0.0, "wz_rad_s": 0.0}
+    told = "pose out of reach: held at the nearest"
+    teleop.wait(lambda status: teleop.say(**drive, pose=pose) or status["remark"] == told)
+    playwright.expect(page.locator("#remark")).to_have_text(told)
+    teleop.wait(lambda status: teleop.say(**drive, pose=[0.0] * 6) or status["remark"] == "")
+    playwright.expect(page.locator("#remark")).to_have_text("")
+    teleop.say(type="release")
+
+
 def test_a_second_page_watches_and_may_stop(teleop, open_page):
     first, second = open_page(), open_page(PHONE, touch=True)
     first.keyboard.down("w")

@@ -1,0 +1,27 @@
+"""What the planner notices in a tick, in words for whoever drives."""
+
+from shared import planner_layout as core
+
+TOLD_S = 3.0  # an odd reading is a matter of one tick, too short to be seen (chosen)
+WORDS = {
+    core.POSE_HELD: "pose out of reach: held at the nearest",
+    core.ODD_READING: "a reading of joints or tilt was odd and was left out",
+}
+
+
+class Notices:
+    """Keeps what the flags of the last seconds said."""
+
+    def __init__(self, rate_hz: int) -> None:
+        self._ticks = round(TOLD_S * rate_hz)
+        self._flags = self._left = 0
+
+    def look(self, flags: int, armed: bool) -> None:
+        """Take the flags of a tick; those of a limp robot matter to nobody."""
+        self._flags = flags if armed else 0
+        self._left = self._ticks if self._flags & core.ODD_READING else max(0, self._left - 1)
+
+    def words(self) -> list[str]:
+        """Return what there is to tell."""
+        told = self._flags | (core.ODD_READING if self._left else 0)
+        return [words for flag, words in WORDS.items() if told & flag]
