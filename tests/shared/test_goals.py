@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import command as c
+from shared import params as p
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES, GAITS
 from shared.goals import READ_SIZE, READ_STATE, READ_SURE, believe, follow_goals, joints_near
@@ -317,7 +318,7 @@ def standing_still(walker, ticks):
 def pose_at(walker, ends):
     """Command each slider at an end, or in the middle: 1, -1, 0."""
     for axis, end in enumerate(ends):
-        walker.command[c.C_POSE + axis] = end * walker.params[p.P_POSE_MAX + axis]
+        walker.command[c.C_POSE + axis] = end * walker.params.pose_max[axis]
 
 
 def held_short(name, ends):
@@ -338,38 +339,17 @@ PAIRS = [ends for ends in CORNERS if sum(map(abs, ends)) == 2]
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-<<<<<<< HEAD
-def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name):
-    """Any two sliders at their ends: no leg beyond its reach, standing still to the bit, told if cut short."""
-    cut = 0
-    for one in range(6):
-        for other in range(one):
-            for ends in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
-                walker = Walker(name)
-                walker.stand()
-                for axis, end in zip((one, other), ends, strict=True):
-                    walker.command[c.C_POSE + axis] = end * walker.params.pose_max[axis]
-                _, still = standing_still(walker, 150)
-                assert still
-                wanted = list(walker.command[c.C_POSE : c.C_POSE + 6])
-                flags, arrived = walker.tick(), list(walker.planner.pose) == wanted
-                assert bool(flags & n.POSE_HELD) == (not arrived)
-                assert flags & (n.REACH_FLAGS | n.LIMIT_FLAGS) == 0
-                cut += not arrived
-    assert cut
-=======
 @pytest.mark.parametrize("corners", [PAIRS, pytest.param(CORNERS, marks=pytest.mark.slow)], ids=["pairs", "all"])
 def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name, corners):
     """No leg beyond its reach, standing still to the bit, told if cut short."""
     cut = [held_short(name, ends) for ends in corners]
     assert any(cut)
->>>>>>> main
 
 
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params.pose_max[4]
+    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params[p.P_POSE_MAX + 4]
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
     assert 0 < walker.planner.pose[4] < walker.command[c.C_POSE + 4]
@@ -407,23 +387,6 @@ def test_with_the_sliders_at_their_ends_a_walk_is_no_faster_than_without(gait):
     """What is wanted, before its speed is limited, no longer jumps: at most 20 degrees in a tick (it was 140)."""
     dice = random.Random(3)
     for _ in range(12):
-<<<<<<< HEAD
-        walker = Walker()
-        walker.stand()
-        walker.gait(gait)
-        walker.speed(0.05)
-        walker.mode(c.MODE_WALK)
-        walker.command[c.C_BALANCE] = dice.randrange(2)
-        for axis in range(6):
-            walker.command[c.C_POSE + axis] = dice.choice((-1, 0, 1)) * walker.params.pose_max[axis]
-        last = list(walker.planner.goal)
-        for _ in range(150):
-            walker.tick()
-            now = list(walker.planner.goal)
-            worst = max(worst, *(abs(a - b) for a, b in zip(last, now, strict=True)))
-            last = now
-    assert worst <= 20 * 65536 // 360
-=======
         assert walking_at("caramelo", gait, dice.choice(CORNERS), dice.randrange(2)) <= 20 * 65536 // 360
 
 
@@ -435,4 +398,3 @@ def test_no_corner_of_the_sliders_makes_a_walk_faster_than_without(name, gait):
     worst = max((walking_at(name, gait, ends, 1), ends) for ends in CORNERS)
     print(f"{name}, {gait}: at most {worst[0] * 360 / 65536:.1f} degrees a tick, at {worst[1]}")
     assert worst[0] <= 20 * 65536 // 360
->>>>>>> main
