@@ -120,6 +120,20 @@ def _table(values: tuple[int, ...]) -> CheckedArray:
     return CheckedArray("H", values)
 
 
+def _make(field: Any) -> Any:
+    """Return what a record holds under a name at first (shared/record.py), checked."""
+    if field.of:
+        return field.of() if field.count is None else [field.of() for _ in builtins.range(field.count)]
+    return check(field.default) if field.count is None else CheckedArray("i", [field.default] * field.count)
+
+
+def _next(left: list[int]) -> Checked:
+    """Return the next of the integers that are unpacked into a record, checked."""
+    if not left:
+        raise ValueError("integers are missing")
+    return check(left.pop())
+
+
 def _range(*bounds: int) -> Iterator[Checked]:
     return (check(index) for index in builtins.range(*bounds))
 
@@ -179,6 +193,9 @@ class _Loader(importlib.machinery.SourceFileLoader):
         super().exec_module(module)
         if module.__name__ == "shared.runtime":
             module.__dict__.update(zeros=_zeros, table=_table)
+        if module.__name__ == "shared.record":
+            module.__dict__.update(_next=_next)
+            module.__dict__["Field"].make = _make
 
 
 class _Finder(importlib.abc.MetaPathFinder):

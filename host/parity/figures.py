@@ -140,7 +140,7 @@ def loop_microseconds(sources: Path, work: Path, turns: int) -> float:
 
 def float_microseconds(runtime: Unix, sources: Path, work: Path, repeats: int) -> dict[str, float]:
     """Return microseconds of the float reference's counterparts; nothing if the checkout's tests are not here."""
-    tree = runtime.prepare(sources, work)
+    tree = Unix("source").prepare(sources, work)  # it reads the robots by name
     if not add_floats(tree):
         return {}
     return {name: float(us) for name, us in runtime.ask(tree, _measure("floats", repeats))["rows"]}

@@ -7,6 +7,7 @@ import sys
 from host.build.source import ROOT, closure, read_modules
 from host.runtimes.unix import Unix
 from host.scale import attitude_block, core_params
+from shared.record import pack
 
 from ..marks import skip_without
 
@@ -28,7 +29,7 @@ def start_gait_vm(work, robot, bufsize=-1):
     copy_modules(sources, "firmware.gait_main")
     script = (
         "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
-        f"run_piped(array('i', {list(core_params(robot))}), array('i', {list(attitude_block(robot))}))\n"
+        f"run_piped(array('i', {pack(core_params(robot))}), array('i', {list(attitude_block(robot))}))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-m", "micropython_unix", "-c", script],

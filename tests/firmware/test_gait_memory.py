@@ -17,6 +17,7 @@ from host.runtimes import Unix, Wasi
 from host.scale import attitude_block, brad, core_params
 from shared.command import C_MODE
 from shared.planner_layout import LIMP, STANDING, WALKING
+from shared.record import pack
 
 from ..marks import skip_without
 from .gait_run import run
@@ -30,9 +31,13 @@ import json, micropython
 from array import array
 from data import ATTITUDE, BLOCKS, PARAMS
 from gait_run import gait_run
+from shared.params import Params
+from shared.record import unpack
 %s
+made = Params()
+unpack(made, PARAMS)
 figures = gait_run.run(
-    array("i", PARAMS), array("i", ATTITUDE), BLOCKS, micropython.heap_lock, micropython.heap_unlock)
+    made, array("i", ATTITUDE), BLOCKS, micropython.heap_lock, micropython.heap_unlock)
 print("@@" + json.dumps({"figures": figures}))
 """
 PLANTED = """
@@ -66,7 +71,7 @@ def blocks():
 
 @pytest.fixture(scope="module")
 def reference():
-    return run(array("i", core_params(ROBOT)), array("i", attitude_block(ROBOT)), blocks(), int, int)
+    return run(core_params(ROBOT), array("i", attitude_block(ROBOT)), blocks(), int, int)
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +83,7 @@ def sources(tmp_path_factory):
     (folder / "gait_run" / "__init__.py").write_text("")
     shutil.copy(Path(__file__).with_name("gait_run.py"), folder / "gait_run" / "gait_run.py")
     (folder / "data").mkdir()
-    params, attitude = list(core_params(ROBOT)), list(attitude_block(ROBOT))
+    params, attitude = pack(core_params(ROBOT)), list(attitude_block(ROBOT))
     (folder / "data" / "__init__.py").write_text(f"PARAMS = {params}\nATTITUDE = {attitude}\nBLOCKS = {blocks()}\n")
     return folder
 

@@ -14,6 +14,7 @@ from host.build.generated import APPLICATION, ROBOT_PARAMS, generated_modules
 from host.gait_frames import frame
 from host.robot_file import load_robot
 from host.scale import attitude_block, core_params
+from shared.record import pack
 
 
 class Usb:
@@ -136,7 +137,7 @@ def test_a_gait_board_gets_its_robots_integers():
         modules = generated_modules("gait", name)
         robot, found = load_robot(name), {}
         exec(modules[ROBOT_PARAMS], found)
-        assert list(found["PARAMS"]) == core_params(robot)
+        assert list(found["PARAMS"]) == pack(core_params(robot))
         assert list(found["ATTITUDE"]) == attitude_block(robot)
         assert "from firmware.start_gait import WATCHDOG, armed, motor_supply_mV, start" in modules[APPLICATION]
     assert list(generated_modules("joint", "caramelo")) == [APPLICATION]

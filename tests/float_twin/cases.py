@@ -8,7 +8,6 @@ import math
 
 from probe.robots import ATTITUDES, PARAMS
 
-from shared import params as p
 from shared.attitude import A_ALIGN_TICKS, A_GYRO_Q30, A_ONE_G, A_TOLERANCE, A_TRUST_Q15
 from shared.gaits import GAIT_NAMES, GAITS
 
@@ -41,7 +40,7 @@ def one_leg(number):
     """Return what the float leg needs of a leg's block."""
     base = ROBOT.legs[number]
     one = Bag()
-    one.side_l1, one.l2, one.l3 = [ROBOT[base + at] * UNIT_M for at in (p.LEG_SIDE_L1, p.LEG_L2, p.LEG_L3)]
+    one.side_l1, one.l2, one.l3 = [at * UNIT_M for at in (base.hip_length, base.thigh_length, base.calf_length)]
     one.l1 = abs(one.side_l1)
     one.knee = base.knee
     one.hip = [base.hip[axis] * UNIT_M for axis in range(3)]

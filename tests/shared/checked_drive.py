@@ -25,10 +25,14 @@ def fill(made, values):
 def drive_planner(array, params, ticks, dice):
     """Any words in command and senses, with modes that lead through all states."""
     from shared.command import C_MODE, COMMAND_SIZE
+    from shared.params import Params
     from shared.planner import Planner
     from shared.planner_layout import SENSED_SIZE
+    from shared.record import unpack
 
-    planner = Planner(array("i", params))
+    robot = Params()
+    unpack(robot, params)
+    planner = Planner(robot)
     command, sensed = array("i", [0] * COMMAND_SIZE), array("i", [0] * SENSED_SIZE)
     for tick in range(ticks):
         if tick % 4 == 0:
@@ -55,14 +59,16 @@ def drive_attitude(array, block, ticks, dice):
             checked.check(attitude_step(made, reading))
 
 
-def drive_pid(array, ticks, dice):
+def drive_pid(ticks, dice):
     """The largest gains and limits, any angles."""
-    from shared.pid import PID_SIZE, pid_step
+    from shared.pid import Pid, pid_step
+    from shared.record import unpack
 
-    made = fill(array("i", [0] * PID_SIZE), (32767, 32767, 32767, 16383, 16383))
+    made = Pid()
+    unpack(made, (32767, 32767, 32767, 16383, 16383, 0, 0, 0))
     for _ in range(ticks):
         ends = [dice.choice((-32768, 32767, -(1 << 20), 1 << 20, dice.randint(-9000, 9000))) for _ in range(2)]
-        checked.check(pid_step(made, 0, *ends))
+        checked.check(pid_step(made, *ends))
 
 
 def main():
@@ -75,7 +81,7 @@ def main():
         drive_planner(array, params, asked["ticks"], dice)
     for block in asked["attitudes"]:
         drive_attitude(array, block, asked["ticks"], dice)
-    drive_pid(array, asked["ticks"], dice)
+    drive_pid(asked["ticks"], dice)
     print(json.dumps({"largest": checked.WATCH.largest}))
 
 

@@ -12,6 +12,8 @@ from shared import planner_layout as n
 from shared import steps as s
 from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
+from shared.params import Params
+from shared.record import pack, unpack
 from tests.float_twin import adaptive as twin
 
 from .robots import block, rad
@@ -71,7 +73,8 @@ def test_smooth_is_smoothstep_and_diagonal_is_a_line():
 
 
 def test_sway_goes_to_the_line_within_its_limit_and_not_in_the_plane():
-    planar = array("i", PARAMS)
+    planar = Params()
+    unpack(planar, pack(PARAMS))
     planar.lateral_q12 = 0
     most = PARAMS.leg_length * 3 >> 4
     assert sway.next_sway(PARAMS, 100, 2000, 500) == 1600

@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import params as p
 from shared.body import POSE_SIZE, body_rotation, body_to_hip, mul_unit
 from shared.leg import leg_inverse, limit_joints
 from shared.reach import reach_foot
@@ -72,7 +71,7 @@ def test_mul_unit_reads_32767_as_one(a, b):
 def poses(params, count, seed):
     """Return poses over the whole range of a robot's body limits, every corner of it first."""
     dice = random.Random(seed)
-    top = params[p.P_POSE_MAX : p.P_POSE_MAX + POSE_SIZE]
+    top = params.pose_max
     corners = [[top[i] if k >> i & 1 else -top[i] for i in range(POSE_SIZE)] for k in range(1 << POSE_SIZE)]
     return corners + [[dice.randint(-v, v) for v in top] for _ in range(count)]
 
@@ -106,7 +105,7 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
     params = BLOCKS[name]
     feet, hip_feet, reached, joints = (array("i", [0] * 12) for _ in range(4))
     for leg in range(4):
-        feet[leg * 3 : leg * 3 + 3] = array("i", params[base_of(leg) + p.LEG_REST : base_of(leg) + p.LEG_REST + 3])
+        feet[leg * 3 : leg * 3 + 3] = array("i", params.legs[leg].rest)
     stayed = 0
     for pose in poses(params, 1500, 9):
         rotation, packed = rotated(pose), array("i", pose)
@@ -121,11 +120,6 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
             assert math.dist(twin.to_base(pose_si(pose, si.unit_m), foot, si.hip), si.rest) <= 0.08e-3
             stayed += 1
     assert stayed > 1000
-
-
-def base_of(leg):
-    """Return where a leg's numbers start in the block."""
-    return p.P_SIZE_BODY + leg * p.LEG_SIZE
 
 
 @repeatable(300)

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from shared.record import pack
+
 from .imu import block as attitude_block
 from .robots import block
 
@@ -13,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def drive(params, ticks):
     """Run the driver on these planner blocks; returns the finished process."""
-    asked = {"params": [list(one) for one in params], "attitudes": [list(attitude_block())], "ticks": ticks}
+    asked = {"params": [pack(one) for one in params], "attitudes": [list(attitude_block())], "ticks": ticks}
     command = [sys.executable, "-m", "tests.shared.checked_drive"]
     return subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True, cwd=ROOT, timeout=300)
 

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import command as c
-from shared import params as p
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES, GAITS
 from shared.goals import READ_SIZE, READ_STATE, READ_SURE, believe, follow_goals, joints_near
@@ -349,7 +348,7 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name, corn
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params[p.P_POSE_MAX + 4]
+    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params.pose_max[4]
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
     assert 0 < walker.planner.pose[4] < walker.command[c.C_POSE + 4]
