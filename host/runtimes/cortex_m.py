@@ -11,6 +11,7 @@ import contextlib
 import importlib.util
 import os
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +72,10 @@ class CortexM(Runtime):
 
 
 class Machine:
-    """One emulated processor with its memory, from power-on until the script has answered."""
+    """One emulated processor with its memory, from power-on until the script has answered.
+
+    ``actions``: what is done when the script writes that number to MARKS_AT; 0 takes a reading of the instructions.
+    """
 
     def __init__(self, image: bytes, files: bytes, counting: bool) -> None:
         import unicorn
@@ -79,6 +83,7 @@ class Machine:
 
         self._registers = arm_const
         self.marks: list[int] = []
+        self.actions: dict[int, Callable[[], None]] = {}
         self.failure = ""
         self._done = 0
         self._sizes: dict[tuple[int, int], int] = {}
@@ -124,7 +129,14 @@ class Machine:
             self._sent.append(value & 0xFF)
 
     def _mark(self, uc: Any, offset: int, size: int, value: int, data: Any) -> None:
-        self.marks.append(self._done)
+        if value:
+            self.actions[value]()
+        else:
+            self.marks.append(self._done)
+
+    def write(self, address: int, data: bytes) -> None:
+        """Put bytes into the memory, as an action may."""
+        self._uc.mem_write(address, data)
 
     def _interrupt(self, uc: Any, number: int, data: Any) -> None:
         """Pass over the calls to a debugger that the port makes at its start; anything else ends the run."""
