@@ -22,11 +22,13 @@ from ..runtimes.base import RuntimeFailure
 from ..scale import attitude_block, brad, core_params, joints_rad, scale_of
 
 SPEED_M_S = 0.05
+LONGEST_S = 300.0
 STAND_TICKS = 150  # first: the attitude is aligned while the robot stands still
 STEP_M, STEP_AT_M, STEP_LONG_M, WAY_M = 0.03, 0.25, 0.3, 1.0
 COMMAND_BYTES, SENSED_BYTES, RAW_BYTES = 58, 30, 14  # frames, and what the inertial sensor's registers hold
 ANSWER_BYTES = 24  # twelve joint angles of a SETPOINTS frame
 ANGLES_AT = PAYLOAD + 10  # where they lie in it
+TICK_BYTES = COMMAND_BYTES + SENSED_BYTES + RAW_BYTES + ANSWER_BYTES
 _G_M_S2, _ACCEL_PER_G, _GYRO_PER_DEG_S, _INT16 = 9.80665, 16384, 131, 32767
 
 
@@ -93,13 +95,21 @@ def in_plane(robot: Robot) -> list[tuple[int, int]]:
     return [(place, value) for place, value in enumerate(plane) if value != usual[place]]
 
 
-def climb_walk(robot: Robot) -> list[bytes]:
-    """Walk over the step, up and down, and return the ticks. RuntimeFailure if it does not get there."""
+def climb_walk(robot: Robot, ticks: int = 0) -> list[bytes]:
+    """Walk over the step, up and down, and return the ticks. RuntimeFailure if it does not get there.
+
+    ``ticks``: of the beginning alone, 0 for the whole way.
+    """
     walker = _Walker(robot)
     ground = terrain.step(STEP_M, STEP_AT_M, STEP_LONG_M)
     recording = simulate(
-        planar_robot(robot), walker, ground, duration_s=300, distance_m=WAY_M, stuck_after_s=45
+        planar_robot(robot),
+        walker,
+        ground,
+        duration_s=ticks / walker.rate_hz or LONGEST_S,
+        distance_m=WAY_M,
+        stuck_after_s=45,
     )
-    if not recording.outcome.ok:
+    if not (ticks or recording.outcome.ok):
         raise RuntimeFailure(f"the climb over {1000 * STEP_M:g} mm: {recording.outcome.sentence}")
-    return walker.ticks
+    return walker.ticks[: ticks or None]

@@ -1,8 +1,9 @@
 """A joint's whole firmware in a VM, as a script: set up, brought to drive, and each of its paths taken with readings.
 
-The same for the emulated Cortex-M4 round the model of the chip (paths_joint.py) and for the WASI VM whose registers
-stand still (fuel_paths.py). Each gives OnTheChip as ``On``, and
+The same for the emulated Cortex-M4 round the model of the chip (paths_joint.py) and for the WASI VM, whose registers
+stand still (paths_fuel.py). Each gives ``gc``, ``timer``, the one that the board has, and
 
+    new_board()      the board
     wait_step()      until the next current step is due
     wait_due(us)     until the joint's clock says so
     bring(number)    a frame of FRAMES has come on the bus
@@ -12,6 +13,7 @@ Here the interrupt comes between what the main loop does and not within it, so t
 """
 
 from array import array
+from typing import Any
 
 from firmware.joint_run import RUN_LATE_US
 from shared.joint import layout as j
@@ -24,6 +26,8 @@ from shared.wire.codec import encode_group, encode_service_request, encode_sync
 from ..joint_gains import joint_blocks
 from ..joint_units import JointSetup
 from ..robot_file import load_robot
+from ..runtimes.base import RuntimeFailure
+from .paths import NOTHING
 
 ROBOT = "parallel"  # its joints are the ones with this firmware
 ROTOR, JOINT = 1234, 777  # what the encoders say, always
@@ -34,7 +38,7 @@ SYNC, SETPOINT, STOP, ARM = 1, 2, 3, 4  # numbers of frames
 STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 
 _SCRIPT = """
-import gc, json
+import json
 from firmware.joint import Joint
 from firmware.settings import Memory
 FOC, CFG, CURVE = {blocks}
@@ -68,9 +72,9 @@ class Run:
         self.steps(10)
         self.settle()
     def fed(self):
-        bring({setpoint})
-        bring({sync})
-        self.settle()
+        for number in ({setpoint}, {sync}):
+            bring(number)
+            self.settle()
     def due(self):
         wait_due(self.joint._due_us)
     def drive(self):
@@ -82,7 +86,7 @@ class Run:
         return self.state()
     def state(self):
         return self.control.state[{drive}]
-run = Run(Stm32F405Board(On()))
+run = Run(new_board())
 for _ in range(40):
     run.millisecond()
 """
@@ -90,10 +94,7 @@ _MEASURE = """
 names, states = [], []
 def cost(name, path, *given):
     names.append(name)
-    if given:
-        mark(); path(timer); mark()
-    else:
-        mark(); path(); mark()
+    mark(); path(*given); mark()
 def nothing(*given):
     pass
 poll = run.poll
@@ -114,8 +115,7 @@ for number in range(20):
     wait_step()
     cost("interrupt", run.handler, timer)
     run.settle()
-    cost("nothing", nothing)
-    cost("no timer", nothing, timer)
+    cost({nothing}, nothing)
 for number in range(60):
     if number % 5 == 0:
         run.fed()
@@ -140,19 +140,27 @@ cost("stop", poll)
 run.due()
 cost("stopped", poll)
 states.append(run.state())
+gc.collect()
+print("@@" + json.dumps({"free": run.free, "left": gc.mem_free(), "names": names, "states": states}))
 """
 
 
-def joint_script(board: str, measured: bool) -> str:
-    """Return the script: ``board`` is what the VM gives of its own, see above; ``measured``: with the readings."""
-    script = board + _SCRIPT + (_MEASURE if measured else "")
+def joint_script(board: str) -> str:
+    """Return the script; ``board`` is what the VM gives of its own, see above."""
+    script = board + _SCRIPT + _MEASURE
     filled = {
         "blocks": _settings(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "drive": j.S_DRIVE, "late": RUN_LATE_US,
+        "drive": j.S_DRIVE, "late": RUN_LATE_US, "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
     return script
+
+
+def check_driven(answer: dict[str, Any]) -> None:
+    """RuntimeFailure unless the joint drove until it was stopped."""
+    if answer["states"] != [w.STATE_OPERATION_ENABLED, w.STATE_OPERATION_ENABLED, w.STATE_FAULT]:
+        raise RuntimeFailure(f"the joint did not drive until it was stopped: its states were {answer['states']}")
 
 
 def frames() -> dict[int, tuple[int, bytes]]:

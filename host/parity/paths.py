@@ -12,6 +12,7 @@ from typing import Any
 from ..errors import UserError
 
 BUDGET = Path(__file__).with_name("path_budget.json")
+NOTHING = "nothing"  # the name of a reading round a call that does nothing
 HEAP_BYTES = 103168  # what the PYBV11 port leaves of an STM32F405's memory
 TIMEOUT_S = 300.0
 
@@ -68,3 +69,12 @@ def figures_of(role: str, micropython: Path, jobs: int) -> RoleFigures:
         tree = frozen_sources(role, "caramelo", work / "frozen")
         image = build_vm(micropython.absolute(), tree, HEAP_BYTES, work, jobs)
     return {"joint": joint_figures, "gait": gait_figures}[role](image)
+
+
+def measured(names: list[str], marks: list[int]) -> dict[str, list[int]]:
+    """Return what each path cost, call by call; ``marks`` are the readings before and after, by ``names``."""
+    spent: dict[str, list[int]] = {}
+    for name, begin, end in zip(names, marks[::2], marks[1::2], strict=True):
+        spent.setdefault(name, []).append(end - begin)
+    empty = min(spent.pop(NOTHING))
+    return {name: [cost - empty for cost in costs] for name, costs in spent.items()}

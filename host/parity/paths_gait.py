@@ -7,6 +7,7 @@ The joints are where the last set-points put them, on even ground; the crawl's w
 """
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 from firmware import link
@@ -19,24 +20,36 @@ from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.cortex_m import FILES_AT, Machine
 from ..runtimes.role_vm import PROLOGUE
 from ..scale import scale_of
-from .climb_walk import ANGLES_AT, ANSWER_BYTES, COMMAND_BYTES, RAW_BYTES, SENSED_BYTES, climb_walk, in_plane
-from .paths import BUDGET, Cost, RoleFigures
+from .climb_walk import (
+    ANGLES_AT,
+    ANSWER_BYTES,
+    COMMAND_BYTES,
+    RAW_BYTES,
+    SENSED_BYTES,
+    TICK_BYTES,
+    climb_walk,
+    in_plane,
+)
+from .paths import BUDGET, NOTHING, Cost, RoleFigures, measured
 
 TIMEOUT_S = 3000.0
-WARM_UP_TICKS = 160  # of a gait before it is measured: standing up, the first steps
-TICKS = 200  # of each gait that are measured
-CYCLES = 1000  # of the trot for which the heap must not move
 IDLE, LIMP, STANDING = 20, 60, 100  # how often these are measured
 SPEED_M_S = 0.05
 ROBOT = "caramelo"
 OVER_STEP = "step"  # the crawl over one
+TAPE = f"""
+import uctypes
+came = memoryview(uctypes.bytearray_at({FILES_AT}, {TICK_BYTES}))
+def next_tick():
+    mark(1)
+"""
 SCRIPT = """
-import gc, io, json, uctypes
+import io, json
 from array import array
 from firmware import gait, gait_main, mpu6050
 from firmware.robot_params import ATTITUDE, PARAMS
 from firmware.start_gait import UsbStream
-SPEED, GAITS, WARM_UP, TICKS, CYCLES = {settings}
+SPEED, GAITS, WARM_UP, TICKS, QUIET_CYCLES, CLIMB_TICKS = {settings}
 COMMAND, SENSED, READ = {kinds}
 class I2c:
     def __init__(self):
@@ -158,7 +171,7 @@ gc.collect()
 for _ in range(10):
     quiet()
 before = gc.mem_alloc()
-for _ in range(CYCLES):
+for _ in range(QUIET_CYCLES):
     quiet()
 taken = gc.mem_alloc() - before
 
@@ -168,7 +181,6 @@ board = None
 gc.collect()
 felt = io.BytesIO(bytes({raw_bytes}))
 board = new_board(Felt())
-came = memoryview(uctypes.bytearray_at({at}, {command_bytes} + {sensed_bytes} + {raw_bytes} + {answer_bytes}))
 inputs, at = [], 0
 for target, count in ((command.bytes, {command_bytes}), (sensed.bytes, {sensed_bytes}), (felt, {raw_bytes})):
     inputs.append((target, came[at : at + count]))
@@ -177,10 +189,10 @@ expected = came[at:]
 setpoints = board.setpoints
 answer = memoryview(setpoints)[{angles} : {angles} + {answer_bytes}]
 wrong = 0
-for number in range({climb_ticks}):
+for number in range(CLIMB_TICKS):
     if number % 100 == 0:
         gc.collect()
-    mark(1)
+    next_tick()
     for target, block in inputs:
         target.seek(0)
         target.write(block)
@@ -194,6 +206,26 @@ print("@@" + json.dumps(dict(free=free, left=gc.mem_free(), taken=taken, states=
 """
 
 
+@dataclass(frozen=True)
+class Extent:
+    """How long a run is, in ticks: of each gait (warm-up: standing up, the first steps), of the trot for which the heap
+    must not move, and of the way over a step."""
+
+    ticks: int
+    warm_up_ticks: int
+    quiet_cycles: int
+    climb_ticks: int
+
+    @property
+    def names(self) -> list[str]:
+        """What the script measures, in order."""
+        names = [NOTHING, "read", "broken", "idle"] * IDLE
+        gaits = [(gait, self.ticks) for gait in GAIT_NAMES]
+        for name, count in (("limp", LIMP), ("standing", STANDING), *gaits, (OVER_STEP, self.climb_ticks)):
+            names += ["command", "sensed", name] * count
+        return names
+
+
 def gait_figures(image: bytes) -> RoleFigures:
     """Run the gait board's firmware on an emulated processor and return what its paths cost.
 
@@ -201,39 +233,29 @@ def gait_figures(image: bytes) -> RoleFigures:
     SENSED and a tick. RuntimeFailure if it ends early. Complaints: memory taken, a gait not walked, a wrong answer.
     """
     walk = climb_walk(load_robot(ROBOT))
+    extent = Extent(ticks=200, warm_up_ticks=160, quiet_cycles=1000, climb_ticks=len(walk))
     machine = Machine(image, b"\0", counting=True)
     ticks = iter(walk)
     machine.actions[1] = lambda: machine.write(FILES_AT, next(ticks))
-    answer = _answer(machine, len(walk))
-    spent: dict[str, list[int]] = {}
-    for name, begin, end in zip(_names(len(walk)), machine.marks[::2], machine.marks[1::2], strict=True):
-        spent.setdefault(name, []).append(end - begin)
-    empty = min(spent.pop("nothing"))
+    answer = _answer(machine, extent)
+    spent = measured(extent.names, machine.marks)
     budgets = json.loads(BUDGET.read_text())["gait"]
     paths = []
     for name in ("command", "sensed", "broken", "read", "idle", "limp", "standing"):
-        counts = sorted(count - empty for count in spent[name])
+        counts = sorted(spent[name])
         paths.append(Cost(name, counts[-1], counts[len(counts) // 2], budgets[name]))
     frames = paths[0].most + paths[1].most
     for gait in (*GAIT_NAMES, OVER_STEP):
-        counts = [count - empty for count in spent[gait]]
+        counts = spent[gait]
         mean, most = sum(counts) // len(counts), max(counts)
         for name, value in (("mean", mean), ("peak", most), ("cycle", most + frames)):
             paths.append(Cost(f"{gait} {name}", value, value, budgets[name]))
-    return RoleFigures(answer["free"], answer["left"], paths, _complaints(answer))
+    return RoleFigures(answer["free"], answer["left"], paths, complaints_of(answer, extent))
 
 
-def _names(climb_ticks: int) -> list[str]:
-    """Return what the script measures, in order."""
-    names = ["nothing", "read", "broken", "idle"] * IDLE
-    gaits = [(gait, TICKS) for gait in GAIT_NAMES]
-    for name, count in (("limp", LIMP), ("standing", STANDING), *gaits, (OVER_STEP, climb_ticks)):
-        names += ["command", "sensed", name] * count
-    return names
-
-
-def _complaints(answer: dict[str, Any]) -> list[str]:
-    found = [f"{answer['taken']} bytes of heap were taken in {CYCLES} cycles"] if answer["taken"] else []
+def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
+    """Return what a run's answer says that must not be, in sentences."""
+    found = [f"{answer['taken']} bytes of heap were taken in {extent.quiet_cycles} cycles"] if answer["taken"] else []
     if answer["wrong"]:
         found.append(f"the way over a step: {answer['wrong']} answers differ from CPython's")
     for number, (state, gait, climb, flags) in enumerate(answer["states"]):
@@ -243,19 +265,25 @@ def _complaints(answer: dict[str, Any]) -> list[str]:
     return found
 
 
-def _answer(machine: Machine, climb_ticks: int) -> dict[str, Any]:
+def gait_script(extent: Extent) -> str:
+    """Return the script; its VM gives ``gc``, ``mark``, and ``next_tick``, which puts a tick of the walk in ``came``."""
     robot = load_robot(ROBOT)
     speed = scale_of(robot).lf_per_tick(SPEED_M_S)
-    settings = (speed, len(GAIT_NAMES), WARM_UP_TICKS, TICKS, CYCLES)
+    filled = {
+        "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
+                     extent.climb_ticks),
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
+        "idle": IDLE, "limp": LIMP, "standing": STANDING, "plane": in_plane(robot), "command_bytes": COMMAND_BYTES,
+        "sensed_bytes": SENSED_BYTES, "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
+    }  # fmt: skip
     script = SCRIPT
-    filled = {"settings": settings, "kinds": (link.COMMAND, link.SENSED, link.READ),
-              "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
-              "idle": IDLE, "limp": LIMP, "standing": STANDING, "plane": in_plane(robot), "at": FILES_AT,
-              "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES, "raw_bytes": RAW_BYTES,
-              "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT, "climb_ticks": climb_ticks}
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
-    output = machine.run(PROLOGUE + script, TIMEOUT_S).decode("utf-8", "replace")
+    return script
+
+
+def _answer(machine: Machine, extent: Extent) -> dict[str, Any]:
+    output = machine.run(PROLOGUE + TAPE + gait_script(extent), TIMEOUT_S).decode("utf-8", "replace")
     answer = output.partition(MARK)[2]
     if answer:
         return dict(json.loads(answer.splitlines()[0]))

@@ -8,16 +8,14 @@ import json
 from functools import partial
 from typing import Any
 
-from shared.wire import names as w
-
 from ..chip import Chip
 from ..chip.as5047p import As5047p
 from ..chip.can_wire import Frame
 from ..chip.drv8323 import Drv8323s
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.role_vm import PROLOGUE, RoleMachine
-from .joint_run import JOINT, RANDOM, ROTOR, SAMPLES, frames, joint_script
-from .paths import BUDGET, Cost, RoleFigures
+from .joint_run import JOINT, RANDOM, ROTOR, SAMPLES, check_driven, frames, joint_script
+from .paths import BUDGET, Cost, RoleFigures, measured
 
 TIMEOUT_S = 600.0
 BOARD = f"""
@@ -35,6 +33,8 @@ class On(OnTheChip):
         return bytes(12)
     def random(self):
         return {RANDOM}
+def new_board():
+    return Stm32F405Board(On())
 UPDATED = 0x40010010
 machine.mem32[0x40023844] = 1
 def wait_step(memory=machine.mem32):
@@ -46,10 +46,6 @@ def wait_due(us):
         pass
 bring = mark
 """
-_END = """
-gc.collect()
-print("@@" + json.dumps({"free": run.free, "left": gc.mem_free(), "names": names, "states": states}))
-"""
 
 
 def joint_figures(image: bytes) -> RoleFigures:
@@ -58,19 +54,15 @@ def joint_figures(image: bytes) -> RoleFigures:
     for number, frame in frames().items():
         machine.actions[number] = partial(machine.chip.can1._store, Frame(*frame))
     answer = _answer(machine)
-    spent: dict[str, list[int]] = {}
-    for name, begin, end in zip(answer["names"], machine.marks[::2], machine.marks[1::2], strict=True):
-        spent.setdefault(name, []).append(end - begin)
-    empty, bare = min(spent.pop("nothing")), min(spent.pop("no timer"))
-    idle = min(spent["poll"])
+    check_driven(answer)
+    spent = measured(answer["names"], machine.marks)
+    idle = min(spent["poll"])  # a frame is what it adds to a poll
     budgets = json.loads(BUDGET.read_text())["joint"]
     paths = []
     for name, counts in spent.items():
-        base = {"interrupt": bare, "sync": idle, "setpoint": idle}.get(name, empty)
+        base = idle if name in ("sync", "setpoint") else 0
         paths.append(Cost(name, max(counts) - base, sorted(counts)[len(counts) // 2] - base, budgets[name]))
     complaints = [str(complaint) for complaint in machine.chip.complaints]
-    if answer["states"] != [w.STATE_OPERATION_ENABLED, w.STATE_OPERATION_ENABLED, w.STATE_FAULT]:
-        complaints.append(f"the joint did not drive until it was stopped: its states were {answer['states']}")
     return RoleFigures(answer["free"], answer["left"], paths, complaints)
 
 
@@ -88,7 +80,7 @@ def _chip() -> Chip:
 
 
 def _answer(machine: RoleMachine) -> dict[str, Any]:
-    output = machine.run(PROLOGUE + joint_script(BOARD, measured=True) + _END, TIMEOUT_S).decode("utf-8", "replace")
+    output = machine.run(PROLOGUE + joint_script(BOARD), TIMEOUT_S).decode("utf-8", "replace")
     answer = output.partition(MARK)[2]
     if answer:
         return dict(json.loads(answer.splitlines()[0]))

@@ -13,7 +13,7 @@ CYCLES_PER_INSTRUCTION = 2
 _PAGES = ((0x40000000, 0x4000), (0x40005000, 0x7B000))
 _FACTORY_AT, _FACTORY_BYTES = 0x1FFF7000, 0x1000
 PROLOGUE = f"""
-import machine
+import gc, machine
 def mark(number=0, memory=machine.mem32):
     memory[{MARKS_AT}] = number
 """
