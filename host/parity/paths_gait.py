@@ -85,13 +85,15 @@ class Sent:
     def __init__(self, kind, count, size):
         self.frame, self.kind, self.size = bytearray(6 + count * size), kind, size
         self.end = 4 + count * size
+        self.bytes = io.BytesIO(bytes(len(self.frame)))
+        self.readinto = self.bytes.readinto
         self.seal()
     def put(self, place, value):
         gait.put(self.frame, 4 + self.size * place, value, self.size)
     def seal(self):
         gait.close_frame(self.frame, self.kind, self.end)
-        self.bytes = io.BytesIO(self.frame)
-        self.readinto = self.bytes.readinto
+        self.bytes.seek(0)
+        self.bytes.write(self.frame)
     def take(self):
         self.come()
         take_block(board, stream, data)
@@ -101,9 +103,8 @@ class Sent:
         port.readinto = self.readinto
 command, sensed, read = Sent(COMMAND, 13, 4), Sent(SENSED, 12, 2), Sent(READ, 1, 1)
 broken = Sent(COMMAND, 13, 4)
-broken.frame[9] ^= 1
-broken.bytes = io.BytesIO(broken.frame)
-broken.readinto = broken.bytes.readinto
+broken.bytes.seek(9)
+broken.bytes.write(b"1")
 nobody = io.BytesIO(b"")
 states = []
 copy, sent, felt = io.BytesIO(bytes(24)), memoryview(setpoints)[14:38], memoryview(sensed.frame)[4:28]
@@ -171,7 +172,9 @@ gc.collect()
 for _ in range(10):
     quiet()
 before = gc.mem_alloc()
-for _ in range(QUIET_CYCLES):
+for number in range(QUIET_CYCLES):
+    if number % {minute} == 0:
+        order(2, (number // {minute} + 1) % GAITS)
     quiet()
 taken = gc.mem_alloc() - before
 
@@ -208,8 +211,8 @@ print("@@" + json.dumps(dict(free=free, left=gc.mem_free(), taken=taken, states=
 
 @dataclass(frozen=True)
 class Extent:
-    """How long a run is, in ticks: of each gait (warm-up: standing up, the first steps), of the trot for which the heap
-    must not move, and of the way over a step."""
+    """How long a run is, in ticks: of each gait (warm-up: standing up, the first steps), of the gaits minute by minute
+    while the heap must not move, and of the way over a step."""
 
     ticks: int
     warm_up_ticks: int
@@ -266,14 +269,14 @@ def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
 
 
 def gait_script(extent: Extent) -> str:
-    """Return the script; its VM gives ``gc``, ``mark``, and ``next_tick``, which puts a tick of the walk in ``came``."""
+    """Return the script; its VM gives ``gc``, ``mark``, and ``next_tick``, which puts a tick of the way in ``came``."""
     robot = load_robot(ROBOT)
     speed = scale_of(robot).lf_per_tick(SPEED_M_S)
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
         "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
-        "idle": IDLE, "limp": LIMP, "standing": STANDING, "plane": in_plane(robot), "command_bytes": COMMAND_BYTES,
+        "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING, "plane": in_plane(robot), "command_bytes": COMMAND_BYTES,
         "sensed_bytes": SENSED_BYTES, "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
     }  # fmt: skip
     script = SCRIPT
