@@ -15,6 +15,8 @@ Here the interrupt comes between what the main loop does and not within it, so t
 from array import array
 from typing import Any
 
+from firmware import chip as c
+from firmware.encoders import parity
 from firmware.joint_run import RUN_LATE_US
 from shared.joint import layout as j
 from shared.joint.encoder import home_by_encoder
@@ -34,10 +36,11 @@ ROTOR, JOINT = 1234, 777  # what the encoders say, always
 SAMPLES = {"shunt": 2048, "bus": 2291, "thermistor": 2000, "mcu": 950}  # counts
 BEYOND_BRAD = 300  # the set-point lies so far from where the joint is
 NODE, SESSION, RANDOM = 1, 17, 4711
-SYNC, SETPOINT, STOP, ARM = 1, 2, 3, 4  # numbers of frames
+SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
+NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
 STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 
-_SCRIPT = """
+SET_UP = """
 import json
 from firmware.joint import Joint
 from firmware.settings import Memory
@@ -146,11 +149,16 @@ print("@@" + json.dumps({"free": run.free, "left": gc.mem_free(), "names": names
 
 
 def joint_script(board: str) -> str:
-    """Return the script; ``board`` is what the VM gives of its own, see above."""
-    script = board + _SCRIPT + _MEASURE
+    """Return the script that measures; ``board`` is what the VM gives of its own, see above."""
+    return filled_in(board + SET_UP + _MEASURE)
+
+
+def filled_in(script: str) -> str:
+    """Return a script with what this file knows in the place of {names}."""
     filled = {
         "blocks": _settings(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "drive": j.S_DRIVE, "late": RUN_LATE_US, "nothing": NOTHING,
+        "clear": CLEAR, "drive": j.S_DRIVE, "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
+        "late": RUN_LATE_US, "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
@@ -174,7 +182,31 @@ def frames() -> dict[int, tuple[int, bytes]]:
     request = [w.COMMAND_ARM, 1, SESSION, 0, (RANDOM & 0x3FFF) << 16 | w.PROTOCOL_HASH]
     encode_service_request(frame, array("i", request), 0)
     made[ARM] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
+    encode_service_request(frame, array("i", [w.COMMAND_CLEAR_FAULT, 2, SESSION, 0, 0]), 0)
+    made[CLEAR] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
     return made
+
+
+def mailboxes() -> dict[int, tuple[int, ...]]:
+    """Return each frame as the four registers of a CAN controller's mailbox, by its number."""
+    found: dict[int, tuple[int, ...]] = {}
+    for number, (identifier, data) in frames().items():
+        whole = data.ljust(8, b"\0")
+        halves = int.from_bytes(whole[:4], "little"), int.from_bytes(whole[4:], "little")
+        found[number] = identifier << 21, len(data), *halves
+    return found
+
+
+def encoder_word(angle: int) -> int:
+    """Return an encoder's word for an angle, with its parity."""
+    return angle | parity(angle) << 15
+
+
+def registers_at_rest() -> dict[int, int]:
+    """Return what registers that stand still have to say, by their place: all that is waited for is there."""
+    found = {c.ADC1_SR_32: c.EOC | c.JEOC, c.ADC2_SR_32: c.JEOC, c.ADC3_SR_32: c.JEOC, c.GPIOB_IDR_32: NO_FAULT}
+    found |= {c.SPI1_32 + c.SPI_SR_32: c.RXNE, c.SPI3_32 + c.SPI_SR_32: c.RXNE, c.CAN_TSR_32: FREE_MAILBOXES}
+    return found | dict.fromkeys((c.ADC1_JDR1_32, c.ADC2_JDR1_32, c.ADC3_JDR1_32), SAMPLES["shunt"])
 
 
 def _blocks():  # type: ignore[no-untyped-def]

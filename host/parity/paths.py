@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UserError
+from ..extras import how_to_get
 
 BUDGET = Path(__file__).with_name("path_budget.json")
 NOTHING = "nothing"  # the name of a reading round a call that does nothing
@@ -55,20 +56,27 @@ class RoleFigures:
         return {"free": self.free, "left": self.left, "paths": paths, "complaints": self.complaints, "ok": self.ok}
 
 
-def figures_of(role: str, micropython: Path, jobs: int) -> RoleFigures:
-    """Build a role's VM and return its figures. UserError for what is missing, RuntimeFailure if it ends early."""
+def figures_of(role: str, micropython: Path, jobs: int, minutes: int) -> RoleFigures:
+    """Build a role's VM and return its figures; let it operate for ``minutes`` as well (operate.py).
+
+    UserError for what is missing, RuntimeFailure if it ends early.
+    """
     from ..build.frozen import frozen_sources
     from ..build.vm import build_vm
+    from .operate import operated
     from .paths_gait import gait_figures
     from .paths_joint import joint_figures
 
     if importlib.util.find_spec("unicorn") is None:
-        raise UserError("unicorn is not installed: pip install unicorn")
+        raise UserError(f"unicorn is not installed: {how_to_get('unicorn')}")
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder:
         work = Path(folder)
         tree = frozen_sources(role, "caramelo", work / "frozen")
         image = build_vm(micropython.absolute(), tree, HEAP_BYTES, work, jobs)
-    return {"joint": joint_figures, "gait": gait_figures}[role](image)
+    figures = {"joint": joint_figures, "gait": gait_figures}[role](image)
+    if minutes:
+        figures.complaints.extend(operated(role, image, minutes))
+    return figures
 
 
 def measured(names: list[str], marks: list[int]) -> dict[str, list[int]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from firmware import chip as c
 from firmware.chip_io import BUS_CHANNEL
 from firmware.chip_setup import MCU_CHANNEL, THERMISTOR_CHANNEL
-from firmware.encoders import parity
+from firmware.encoders import READ_ANGLE
 from shared.gaits import GAIT_NAMES
 
 from ..build.frozen import select
@@ -20,7 +20,17 @@ from ..robot_file import load_robot
 from ..runtimes import Wasi
 from ..runtimes.base import RuntimeFailure
 from .climb_walk import TICK_BYTES, climb_walk
-from .joint_run import JOINT, RANDOM, ROTOR, SAMPLES, check_driven, frames, joint_script
+from .joint_run import (
+    JOINT,
+    RANDOM,
+    ROTOR,
+    SAMPLES,
+    check_driven,
+    encoder_word,
+    joint_script,
+    mailboxes,
+    registers_at_rest,
+)
 from .paths import measured
 from .paths_gait import OVER_STEP, ROBOT, Extent, complaints_of, gait_script
 
@@ -47,7 +57,6 @@ FRAMES = {frames}
 class Words:
     def __init__(self):
         self.held, self.driver, self.answer, self.us = {}, {}, 0, 0
-        self.selected = False
     def __getitem__(self, at):
         if at == {clock}:
             self.us += 1
@@ -64,18 +73,18 @@ class Words:
         if at == {spi3}:
             self.exchange(value)
     def exchange(self, word):
-        self.answer = {joint}
-        if self.selected:
-            place = word >> 11 & 15
-            if not word & 0x8000:
-                self.driver[place] = word & 0x7FF
-            self.answer = self.driver.get(place, 0)
+        if word == {read_angle}:
+            self.answer = {joint}
+            return
+        place = word >> 11 & 15
+        if not word & 0x8000:
+            self.driver[place] = word & 0x7FF
+        self.answer = self.driver.get(place, 0)
 class Halves:
     def __getitem__(self, at):
         return HALVES.get(at, 0)
     def __setitem__(self, at, value):
-        if value == 0x8000 and at in ({select}, {deselect}):
-            words.selected = at == {select}
+        pass
 HALVES = {halves}
 class Chip:
     pass
@@ -150,30 +159,17 @@ def _sources(role: str, work: Path) -> Path:
 
 def _registers() -> str:
     """Return the joint's board for the script."""
-    ready = {c.ADC1_SR_32: c.EOC | c.JEOC, c.ADC2_SR_32: c.JEOC, c.ADC3_SR_32: c.JEOC, c.GPIOB_IDR_32: 0x1000}
-    ready |= {c.SPI1_32 + c.SPI_SR_32: c.RXNE, c.SPI3_32 + c.SPI_SR_32: c.RXNE, c.CAN_TSR_32: 0x1C000000}
-    ready |= dict.fromkeys((c.ADC1_JDR1_32, c.ADC2_JDR1_32, c.ADC3_JDR1_32), SAMPLES["shunt"])
     filled = {
-        "held": ready, "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194}, "random": RANDOM,
+        "held": registers_at_rest(), "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194}, "random": RANDOM,
         "channels": {BUS_CHANNEL: SAMPLES["bus"], MCU_CHANNEL: SAMPLES["mcu"],
                      THERMISTOR_CHANNEL: SAMPLES["thermistor"]},
-        "frames": {number: _mailbox(*frame) for number, frame in frames().items()},
-        "clock": c.TIM5_CNT_32, "spi1": c.SPI1_32 + c.SPI_DR_32, "spi3": c.SPI3_32 + c.SPI_DR_32,
-        "rotor": _word(ROTOR), "joint": _word(JOINT), "sample": c.ADC1_DR_32, "channel": c.ADC1_SQR3_32,
-        "select": c.GPIOA_CLEAR_16, "deselect": c.GPIOA_SET_16, "mailbox": c.CAN_RX_32, "fifo": c.CAN_RF0R_32,
+        "frames": mailboxes(), "clock": c.TIM5_CNT_32, "spi1": c.SPI1_32 + c.SPI_DR_32,
+        "spi3": c.SPI3_32 + c.SPI_DR_32, "rotor": encoder_word(ROTOR), "joint": encoder_word(JOINT),
+        "read_angle": READ_ANGLE, "sample": c.ADC1_DR_32, "channel": c.ADC1_SQR3_32, "mailbox": c.CAN_RX_32,
+        "fifo": c.CAN_RF0R_32,
     }  # fmt: skip
     text = _REGISTERS
     for name, value in filled.items():
         text = text.replace(f"{{{name}}}", repr(value))
     return text
 
-
-def _word(angle: int) -> int:
-    """Return an encoder's word for an angle, with its parity."""
-    return angle | parity(angle) << 15
-
-
-def _mailbox(identifier: int, data: bytes) -> tuple[int, ...]:
-    """Return a frame as the registers of a CAN controller's mailbox."""
-    whole = data.ljust(8, b"\0")
-    return identifier << 21, len(data), int.from_bytes(whole[:4], "little"), int.from_bytes(whole[4:], "little")

@@ -240,7 +240,7 @@ def gait_figures(image: bytes) -> RoleFigures:
     machine = Machine(image, b"\0", counting=True)
     ticks = iter(walk)
     machine.actions[1] = lambda: machine.write(FILES_AT, next(ticks))
-    answer = _answer(machine, extent)
+    answer = answer_of(machine, extent)
     spent = measured(extent.names, machine.marks)
     budgets = json.loads(BUDGET.read_text())["gait"]
     paths = []
@@ -276,8 +276,9 @@ def gait_script(extent: Extent) -> str:
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
         "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
-        "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING, "plane": in_plane(robot), "command_bytes": COMMAND_BYTES,
-        "sensed_bytes": SENSED_BYTES, "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
+        "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
+        "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
+        "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
     }  # fmt: skip
     script = SCRIPT
     for name, value in filled.items():
@@ -285,8 +286,9 @@ def gait_script(extent: Extent) -> str:
     return script
 
 
-def _answer(machine: Machine, extent: Extent) -> dict[str, Any]:
-    output = machine.run(PROLOGUE + TAPE + gait_script(extent), TIMEOUT_S).decode("utf-8", "replace")
+def answer_of(machine: Machine, extent: Extent, timeout_s: float = TIMEOUT_S) -> dict[str, Any]:
+    """Run the script on a machine and return its answer. RuntimeFailure if it ends early."""
+    output = machine.run(PROLOGUE + TAPE + gait_script(extent), timeout_s).decode("utf-8", "replace")
     answer = output.partition(MARK)[2]
     if answer:
         return dict(json.loads(answer.splitlines()[0]))

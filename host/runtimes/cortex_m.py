@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..extras import how_to_get
 from .base import Runtime, RuntimeFailure, compile_sources
 from .wasi import cache_folder
 
@@ -41,6 +42,7 @@ class CortexM(Runtime):
 
     name = "cortex-m-viper"
     emitter = "viper"
+    timeout_s = 3600.0  # the planner's vectors alone take some minutes, and a busy machine many times that
 
     def __init__(self, counting: bool = False, emitter: str = "viper") -> None:
         self.counting = counting
@@ -50,7 +52,7 @@ class CortexM(Runtime):
 
     def missing(self) -> str | None:
         if importlib.util.find_spec("unicorn") is None:
-            return "unicorn is not installed: pip install unicorn"
+            return f"unicorn is not installed: {how_to_get('unicorn')}"
         if not image_path().exists():
             return f"no VM at {image_path()}: docs/core.md tells how it is made"
         return None
