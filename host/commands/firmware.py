@@ -80,8 +80,8 @@ def measure(
 
     Builds MicroPython's qemu port with the firmware frozen in and runs it against the model of the chip. Needs ARM's
     compiler and the extra `emulator`. More than host/parity/path_budget.json allows makes the exit code 1, as does a
-    byte of the chip's heap taken in --minutes of operation, which take the joint as long as on a board and the gait
-    board a tenth of it.
+    byte of the chip's heap taken in --minutes of operation, which on a computer take the joint as long as on a
+    board and the gait board a tenth of it.
 
     Examples: caramelo firmware measure --micropython ~/micropython --role joint;
     caramelo firmware measure --micropython ~/micropython --minutes 60

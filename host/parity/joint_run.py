@@ -34,7 +34,7 @@ from .paths import NOTHING
 ROBOT = "parallel"  # its joints are the ones with this firmware
 ROTOR, JOINT = 1234, 777  # what the encoders say, always
 SAMPLES = {"shunt": 2048, "bus": 2291, "thermistor": 2000, "mcu": 950}  # counts
-BEYOND_BRAD = 300  # the set-point lies so far from where the joint is
+BEYOND_BRAD = 300  # the set-point of what is measured, so that there is a current to be controlled
 NODE, SESSION, RANDOM = 1, 17, 4711
 SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
 NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
@@ -171,13 +171,13 @@ def check_driven(answer: dict[str, Any]) -> None:
         raise RuntimeFailure(f"the joint did not drive until it was stopped: its states were {answer['states']}")
 
 
-def frames() -> dict[int, tuple[int, bytes]]:
-    """Return identifier and data of each frame by its number."""
+def frames(beyond_brad: int) -> dict[int, tuple[int, bytes]]:
+    """Return identifier and data of each frame by its number; the set-point lies so far from where the joint is."""
     frame = array("H", [0] * 4)
     made = {STOP: (w.E_STOP_ID, b"")}
     encode_sync(frame, array("i", [0, SESSION]), 0)
     made[SYNC] = w.SYNC_ID, frame.tobytes()[: w.SYNC_LENGTH]
-    encode_group(frame, array("i", [_position() + BEYOND_BRAD] + [w.NO_CHANGE] * 3), 0)
+    encode_group(frame, array("i", [_position() + beyond_brad] + [w.NO_CHANGE] * 3), 0)
     made[SETPOINT] = w.SETPOINT_POSITION_ID, frame.tobytes()
     request = [w.COMMAND_ARM, 1, SESSION, 0, (RANDOM & 0x3FFF) << 16 | w.PROTOCOL_HASH]
     encode_service_request(frame, array("i", request), 0)
@@ -187,10 +187,10 @@ def frames() -> dict[int, tuple[int, bytes]]:
     return made
 
 
-def mailboxes() -> dict[int, tuple[int, ...]]:
+def mailboxes(beyond_brad: int) -> dict[int, tuple[int, ...]]:
     """Return each frame as the four registers of a CAN controller's mailbox, by its number."""
     found: dict[int, tuple[int, ...]] = {}
-    for number, (identifier, data) in frames().items():
+    for number, (identifier, data) in frames(beyond_brad).items():
         whole = data.ljust(8, b"\0")
         halves = int.from_bytes(whole[:4], "little"), int.from_bytes(whole[4:], "little")
         found[number] = identifier << 21, len(data), *halves

@@ -2,7 +2,8 @@
 
 The firmware is as an image has it, on an emulated Cortex-M4. Nothing is collected while it operates, so that every byte
 taken would be seen. The gait board gets a command and its joints each tick and changes its gait each minute. The joint
-drives, with a set-point each 5 ms; each minute it is stopped, cleared and armed again. Its registers stand still.
+holds where it is (further off it would be a stall), with a set-point each 5 ms; each minute it is stopped, cleared and
+armed again. Its registers stand still.
 """
 
 import json
@@ -154,7 +155,7 @@ class _StillChip(Machine):
 def _script(minutes: int) -> str:
     filled = {
         "chip": CHIP_AT, "core": CORE_AT, "system": SYSTEM_AT, "calibration": CALIBRATION, "random": RANDOM,
-        "ready": list((registers_at_rest() | {c.ADC1_DR_32: SAMPLES["bus"]}).items()), "frames": mailboxes(),
+        "ready": list((registers_at_rest() | {c.ADC1_DR_32: SAMPLES["bus"]}).items()), "frames": mailboxes(0),
         "clock": CHIP_AT + 4 * c.TIM5_CNT_32, "adc1": CHIP_AT + 4 * c.ADC1_SR_32, "adc2": CHIP_AT + 4 * c.ADC2_SR_32,
         "adc3": CHIP_AT + 4 * c.ADC3_SR_32, "mailbox": CHIP_AT + 4 * c.CAN_RX_32, "fifo": CHIP_AT + 4 * c.CAN_RF0R_32,
         "minutes": minutes,

@@ -21,6 +21,7 @@ from ..runtimes import Wasi
 from ..runtimes.base import RuntimeFailure
 from .climb_walk import TICK_BYTES, climb_walk
 from .joint_run import (
+    BEYOND_BRAD,
     JOINT,
     RANDOM,
     ROTOR,
@@ -163,7 +164,7 @@ def _registers() -> str:
         "held": registers_at_rest(), "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194}, "random": RANDOM,
         "channels": {BUS_CHANNEL: SAMPLES["bus"], MCU_CHANNEL: SAMPLES["mcu"],
                      THERMISTOR_CHANNEL: SAMPLES["thermistor"]},
-        "frames": mailboxes(), "clock": c.TIM5_CNT_32, "spi1": c.SPI1_32 + c.SPI_DR_32,
+        "frames": mailboxes(BEYOND_BRAD), "clock": c.TIM5_CNT_32, "spi1": c.SPI1_32 + c.SPI_DR_32,
         "spi3": c.SPI3_32 + c.SPI_DR_32, "rotor": encoder_word(ROTOR), "joint": encoder_word(JOINT),
         "read_angle": READ_ANGLE, "sample": c.ADC1_DR_32, "channel": c.ADC1_SQR3_32, "mailbox": c.CAN_RX_32,
         "fifo": c.CAN_RF0R_32,

@@ -14,7 +14,7 @@ from ..chip.can_wire import Frame
 from ..chip.drv8323 import Drv8323s
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.role_vm import PROLOGUE, RoleMachine
-from .joint_run import JOINT, RANDOM, ROTOR, SAMPLES, check_driven, frames, joint_script
+from .joint_run import BEYOND_BRAD, JOINT, RANDOM, ROTOR, SAMPLES, check_driven, frames, joint_script
 from .paths import BUDGET, Cost, RoleFigures, measured
 
 TIMEOUT_S = 600.0
@@ -51,7 +51,7 @@ bring = mark
 def joint_figures(image: bytes) -> RoleFigures:
     """Run the joint's firmware on an emulated chip and return what its paths cost. RuntimeFailure if it ends early."""
     machine = RoleMachine(image, _chip())
-    for number, frame in frames().items():
+    for number, frame in frames(BEYOND_BRAD).items():
         machine.actions[number] = partial(machine.chip.can1._store, Frame(*frame))
     answer = _answer(machine)
     check_driven(answer)
