@@ -8,6 +8,8 @@ from shared.runtime import bound, const
 
 from .chip import (
     CORE,
+    GPIOA_SET_16,
+    GPIOD_SET_16,
     IWDG_KR_32,
     MOE,
     NVIC_PRIORITY_32,
@@ -21,7 +23,7 @@ from .chip import (
     peek,
     poke,
 )
-from .chip_io import BUS_CHANNEL, clock_us, driver_word, is_bus_off, joint_word, sample, send
+from .chip_io import BUS_CHANNEL, DRIVER_BIT, JOINT_BIT, clock_us, is_bus_off, sample, selected_word, send
 from .chip_joint import millisecond, serve_bus
 from .chip_setup import (
     MCU_CHANNEL,
@@ -110,7 +112,7 @@ class Stm32F405Board:
         set_up_pins(chip)
         self.wrong = set_up_timers(chip) or set_up_adcs(chip) or set_up_spis(chip) or set_up_can(chip)
         set_up_bridge_pins(chip)
-        self._driver = Drv8323(bound(driver_word, chip))
+        self._driver = Drv8323(bound(selected_word, chip, GPIOA_SET_16, DRIVER_BIT))
         sample(chip, THERMISTOR_CHANNEL)
         # What an application calls at its rates goes straight to the chip
         self.can_send = bound(send, chip)
@@ -157,8 +159,10 @@ class Stm32F405Board:
 
     def read_joint(self):
         """Return the joint encoder's angle as it is now, 0 .. 16383, or -1: a word answers the one before."""
-        joint_word(self._chip, READ_ANGLE)
-        return angle_of(joint_word(self._chip, READ_ANGLE))
+        word = 0
+        for _ in range(2):
+            word = selected_word(self._chip, GPIOD_SET_16, JOINT_BIT, READ_ANGLE)
+        return angle_of(word)
 
     def read_bus(self):
         """Return the bus voltage in ADC counts."""

@@ -18,10 +18,8 @@ from .chip import (
     CAN_TSR_32,
     CAN_TX_32,
     EOC,
-    GPIOA_CLEAR_16,
     GPIOA_SET_16,
     GPIOB_IDR_32,
-    GPIOD_CLEAR_16,
     GPIOD_SET_16,
     RXNE,
     SPI3_32,
@@ -35,8 +33,8 @@ from .encoders import READ_ANGLE, angle_of
 _SPI_POLLS = const(400)  # a word of 16 bits at 5.25 MHz takes 3.05 us, some 60 polls
 _ADC_POLLS = const(2000)  # a slow conversion takes 23 us, unless samples of the shunts come between
 _SELECT_POLLS = const(16)  # reads of a timer, 4 cycles each: 0.38 us (AS5047P: tL and tCSn 0.35)
-_DRIVER_BIT = const(0x8000)  # PA15
-_JOINT_BIT = const(4)  # PD2
+DRIVER_BIT = const(0x8000)  # PA15 selects the gate driver
+JOINT_BIT = const(4)  # PD2 selects the joint's encoder
 _FAULT_BIT = const(0x1000)  # PB12, low while the gate driver reports a fault
 BUS_CHANNEL = const(13)
 _SWSTART_HALF = const(0x20000000)  # CR2 bit 30, told in a number that is within 2^30
@@ -77,26 +75,17 @@ def settle(chip) -> int:
 
 
 @hot
-def driver_word(chip, word: int) -> int:
-    """Exchange a word with the gate driver on SPI 3, select PA15; return what came, or -1."""
+def selected_word(chip, select: int, bit: int, word: int) -> int:
+    """Exchange a word on SPI 3 with the chip that a pin selects; return what came, or -1.
+
+    ``select``: the place that sets the pin's port, GPIOx_SET_16; the one after it clears.
+    """
     h = reg16(chip)
     settle(chip)
-    h[GPIOA_CLEAR_16] = _DRIVER_BIT
+    h[select + 1] = bit
     settle(chip)
     came = spi_word(chip, SPI3_32, word)
-    h[GPIOA_SET_16] = _DRIVER_BIT
-    return came
-
-
-@hot
-def joint_word(chip, word: int) -> int:
-    """Exchange a word with the joint's encoder on SPI 3, select PD2; return what came, or -1."""
-    h = reg16(chip)
-    settle(chip)
-    h[GPIOD_CLEAR_16] = _JOINT_BIT
-    settle(chip)
-    came = spi_word(chip, SPI3_32, word)
-    h[GPIOD_SET_16] = _JOINT_BIT
+    h[select] = bit
     return came
 
 
@@ -143,7 +132,7 @@ def sense(chip, io) -> int:
         return -1
     i[IO_BUS_RAW] = bus
     begin_sample(chip, BUS_CHANNEL)
-    angle = angle_of(joint_word(chip, READ_ANGLE))
+    angle = angle_of(selected_word(chip, GPIOD_SET_16, JOINT_BIT, READ_ANGLE))
     i[IO_JOINT_VALID] = 0
     if angle >= 0:
         i[IO_JOINT_RAW] = angle
@@ -156,8 +145,8 @@ def sense(chip, io) -> int:
 @hot
 def driver_faults(chip) -> int:
     """Return fault status 1 (bits 0 .. 10) and 2 (bits 11 .. 21), each read once; 1 if they say nothing."""
-    first = driver_word(chip, DRIVER_READ | FAULT_STATUS_1 << 11)
-    second = driver_word(chip, DRIVER_READ | FAULT_STATUS_2 << 11)
+    first = selected_word(chip, GPIOA_SET_16, DRIVER_BIT, DRIVER_READ | FAULT_STATUS_1 << 11)
+    second = selected_word(chip, GPIOA_SET_16, DRIVER_BIT, DRIVER_READ | FAULT_STATUS_2 << 11)
     if first < 0 or second < 0:
         return 1
     found = first & 0x7FF | (second & 0x7FF) << 11

@@ -32,7 +32,7 @@ from shared.planner_layout import (
     S_ROLL,
     SENSED_SIZE,
 )
-from shared.runtime import const, hot, ptr32
+from shared.runtime import const, hot, ptr8, ptr32
 
 from .link import (
     COMMAND,
@@ -51,7 +51,6 @@ from .link import (
     close_frame,
     int_block,
     next_frame,
-    ptr8,
     put,
     put_each,
     read_each,

@@ -106,8 +106,7 @@ class Joint:
         self._heartbeat = array("i", [0] * HEARTBEAT_FIELDS)
         self._fault = array("i", [0] * FAULT_FIELDS)
         self._version = array("i", VERSION)
-        now = board.ticks_us()
-        self._due_us = (now - now % _MS_US + _MS_US) & _MASK
+        self._due_us = 0
         self._told = array("i", [0] * TOLD_SIZE)
         self._told[TOLD_STATE] = -1
         self._bus = board.listen(self.control, self.link, self._frame, self._out)
@@ -117,6 +116,8 @@ class Joint:
     def start(self):
         """Set the hardware up and start the interrupt; from here on ``poll`` has to be called."""
         self.control.start()
+        now = self.board.ticks_us()  # what the set-up took is not made up for: no step was in it
+        self._due_us = (now - now % _MS_US + _MS_US) & _MASK
         if self.loaded == BROKEN:
             self.control.raise_fault(FAULT_STORAGE, 0)
 

@@ -9,7 +9,7 @@ built in its own bytes (``put`` ... ``close_frame``).
 
 from array import array
 
-from shared.runtime import const, hot, ptr32
+from shared.runtime import const, hot, ptr8, ptr32
 
 SYNC_0 = const(0xCA)
 SYNC_1 = const(0x5E)
@@ -39,11 +39,6 @@ READER_BYTES = const(LARGEST + 4)
 TAKEN = const(2)  # where the payload of a frame read begins
 
 _MASK = const(0x3FFFFFFF)
-
-
-def ptr8(block):
-    """Return ``block``: in viper and C a pointer to unsigned bytes."""
-    return block
 
 
 @hot

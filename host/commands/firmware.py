@@ -21,6 +21,7 @@ Role = Annotated[str | None, typer.Option(help="What the board is to be: joint o
 RobotName = Annotated[str, typer.Option("--robot", help="Whose data a gait board gets: a name, or a .toml file.")]
 Out = Annotated[Path, typer.Option(help="Folder of the images; builds go on in build/ in it.")]
 Jobs = Annotated[int | None, typer.Option(min=1, help="Files compiled at once; without it, one per processor.")]
+Minutes = Annotated[int, typer.Option(min=0, max=600, metavar="M", help="Also let it operate that long.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -72,13 +73,18 @@ def image(
     return NOT_ACHIEVED if over else 0
 
 
-def measure(micropython: Sources, role: Role = None, jobs: Jobs = None, as_json: Json = False) -> int:
+def measure(
+    micropython: Sources, role: Role = None, minutes: Minutes = 0, jobs: Jobs = None, as_json: Json = False
+) -> int:
     """Count what whole paths of the firmware cost on an emulated Cortex-M4, in instructions, and the heap they leave.
 
     Builds MicroPython's qemu port with the firmware frozen in and runs it against the model of the chip. Needs ARM's
-    compiler and unicorn (pip install unicorn). More than host/parity/path_budget.json allows makes the exit code 1.
+    compiler and the extra `emulator`. More than host/parity/path_budget.json allows makes the exit code 1, as does a
+    byte of the chip's heap taken in --minutes of operation, which on a computer take the joint as long as on a
+    board and the gait board a tenth of it.
 
-    Example: caramelo firmware measure --micropython ~/micropython --role joint
+    Examples: caramelo firmware measure --micropython ~/micropython --role joint;
+    caramelo firmware measure --micropython ~/micropython --minutes 60
     """
     from ..parity.paths import HEAP_BYTES, figures_of
     from ..runtimes.base import RuntimeFailure
@@ -87,13 +93,15 @@ def measure(micropython: Sources, role: Role = None, jobs: Jobs = None, as_json:
     for name in _roles(role):
         write_note(f"{name}: building, then counting; some minutes")
         try:
-            figures = figures_of(name, micropython, jobs or os.cpu_count() or 1)
+            figures = figures_of(name, micropython, jobs or os.cpu_count() or 1, minutes)
         except RuntimeFailure as error:
             raise UserError(str(error), NOT_ACHIEVED) from error
         ok = ok and figures.ok
         told[name] = figures.told()
         if not as_json:
             _print_paths(name, figures, HEAP_BYTES)
+            if minutes and not figures.complaints:
+                screen().print(f"{minutes} minutes of operation took 0 bytes of the heap", soft_wrap=True)
     if as_json:
         write_json({"ok": ok, "heap_bytes": HEAP_BYTES, "roles": told})
     return 0 if ok else NOT_ACHIEVED

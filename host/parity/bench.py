@@ -12,6 +12,7 @@ from ..runtimes import Compiled, CortexM, CPython, Runtime, Unix, Wasi
 from .accuracy import Accuracy, accuracies
 from .budget import WALK, over_budget, read_budget
 from .figures import float_microseconds, fuel, instructions, loop_microseconds, microseconds
+from .paths_fuel import path_fuel
 from .sources import gather
 
 REPEATS = 50  # calls in a timed loop
@@ -112,7 +113,7 @@ def _fuel(bench: Bench, sources: Path, work: Path) -> None:
     if missing:
         bench.skipped["wasi"] = missing
         return
-    burnt = fuel(sources, work)
+    burnt = fuel(sources, work) | path_fuel(work)
     bench.fill("fuel", burnt)
     bench.over = over_budget(burnt, read_budget())
 

@@ -2,10 +2,12 @@
 
 The firmware as an image has it, hot functions in C and the rest frozen. Its stream is MicroPython's own BytesIO, which
 goes the way of USB's streams without the driver below; its sensor answers at once, on the bus a reading takes 0.4 ms.
-The joints are where the last set-points put them.
+The joints are where the last set-points put them, on even ground; the crawl's whole way over a step is the simulator's
+(climb_walk.py), and its answers are compared.
 """
 
 import json
+from dataclasses import dataclass
 from typing import Any
 
 from firmware import link
@@ -15,23 +17,39 @@ from shared.planner_layout import CLIMB_ON, N_CLIMB, N_GAIT, N_STATE, WALKING
 
 from ..robot_file import load_robot
 from ..runtimes.base import MARK, RuntimeFailure
-from ..runtimes.cortex_m import Machine
+from ..runtimes.cortex_m import FILES_AT, Machine
 from ..runtimes.role_vm import PROLOGUE
 from ..scale import scale_of
-from .paths import BUDGET, Cost, RoleFigures
+from .climb_walk import (
+    ANGLES_AT,
+    ANSWER_BYTES,
+    COMMAND_BYTES,
+    RAW_BYTES,
+    SENSED_BYTES,
+    TICK_BYTES,
+    climb_walk,
+    in_plane,
+)
+from .paths import BUDGET, NOTHING, Cost, RoleFigures, measured
 
-TIMEOUT_S = 1200.0
-WARM_UP_TICKS = 160  # of a gait before it is measured: standing up, the first steps
-TICKS = 200  # of each gait that are measured
-CYCLES = 1000  # of the trot for which the heap must not move
+TIMEOUT_S = 3000.0
 IDLE, LIMP, STANDING = 20, 60, 100  # how often these are measured
 SPEED_M_S = 0.05
+ROBOT = "caramelo"
+OVER_STEP = "step"  # the crawl over one
+TAPE = f"""
+import uctypes
+came = memoryview(uctypes.bytearray_at({FILES_AT}, {TICK_BYTES}))
+def next_tick():
+    mark(1)
+"""
 SCRIPT = """
-import gc, io, json
+import io, json
+from array import array
 from firmware import gait, gait_main, mpu6050
 from firmware.robot_params import ATTITUDE, PARAMS
 from firmware.start_gait import UsbStream
-SPEED, GAITS, WARM_UP, TICKS, CYCLES = {settings}
+SPEED, GAITS, WARM_UP, TICKS, QUIET_CYCLES, CLIMB_TICKS = {settings}
 COMMAND, SENSED, READ = {kinds}
 class I2c:
     def __init__(self):
@@ -44,29 +62,38 @@ class I2c:
         self.noise ^= 1
         raw[4] = 0x40
         raw[9] = self.noise
+class Felt(I2c):
+    def readfrom_mem_into(self, address, register, raw):
+        felt.readinto(raw)
 class Port:
     def setinterrupt(self, byte):
         pass
 port, sink = Port(), io.BytesIO(bytes(64))
 port.write = sink.write
 stream = UsbStream(port)
-board = gait.GaitBoard(PARAMS, ATTITUDE, mpu6050.Mpu6050(I2c(), sleep_ms=lambda ms: None))
+def new_board(i2c):
+    attitude = array("i", ATTITUDE)
+    return gait.GaitBoard(PARAMS, attitude, mpu6050.Mpu6050(i2c, sleep_ms=lambda ms: None))
+board = new_board(I2c())
 data = bytearray(gait_main.BLOCK_BYTES)
 take_block, setpoints = gait_main.take_block, board.setpoints
 gc.collect()
 free = gc.mem_free()
+gc.disable()  # what the script itself takes is not to be collected within a path
 
 class Sent:
     def __init__(self, kind, count, size):
         self.frame, self.kind, self.size = bytearray(6 + count * size), kind, size
         self.end = 4 + count * size
+        self.bytes = io.BytesIO(bytes(len(self.frame)))
+        self.readinto = self.bytes.readinto
         self.seal()
     def put(self, place, value):
         gait.put(self.frame, 4 + self.size * place, value, self.size)
     def seal(self):
         gait.close_frame(self.frame, self.kind, self.end)
-        self.bytes = io.BytesIO(self.frame)
-        self.readinto = self.bytes.readinto
+        self.bytes.seek(0)
+        self.bytes.write(self.frame)
     def take(self):
         self.come()
         take_block(board, stream, data)
@@ -76,9 +103,8 @@ class Sent:
         port.readinto = self.readinto
 command, sensed, read = Sent(COMMAND, 13, 4), Sent(SENSED, 12, 2), Sent(READ, 1, 1)
 broken = Sent(COMMAND, 13, 4)
-broken.frame[9] ^= 1
-broken.bytes = io.BytesIO(broken.frame)
-broken.readinto = broken.bytes.readinto
+broken.bytes.seek(9)
+broken.bytes.write(b"1")
 nobody = io.BytesIO(b"")
 states = []
 copy, sent, felt = io.BytesIO(bytes(24)), memoryview(setpoints)[14:38], memoryview(sensed.frame)[4:28]
@@ -139,57 +165,102 @@ for number in range(GAITS):
         quiet()
     for _ in range(TICKS):
         cycle()
+    gc.collect()
     states.append([board.planner.numbers[i] for i in {watched}] + [board.numbers[{flags}] >> 16])
 order(2, 1)
 gc.collect()
-gc.disable()
 for _ in range(10):
     quiet()
 before = gc.mem_alloc()
-for _ in range(CYCLES):
+for number in range(QUIET_CYCLES):
+    if number % {minute} == 0:
+        order(2, (number // {minute} + 1) % GAITS)
     quiet()
 taken = gc.mem_alloc() - before
+
+for place, value in {plane}:
+    PARAMS[place] = value
+board = None
 gc.collect()
-print("@@" + json.dumps(dict(free=free, left=gc.mem_free(), taken=taken, states=states)))
+felt = io.BytesIO(bytes({raw_bytes}))
+board = new_board(Felt())
+inputs, at = [], 0
+for target, count in ((command.bytes, {command_bytes}), (sensed.bytes, {sensed_bytes}), (felt, {raw_bytes})):
+    inputs.append((target, came[at : at + count]))
+    at += count
+expected = came[at:]
+setpoints = board.setpoints
+answer = memoryview(setpoints)[{angles} : {angles} + {answer_bytes}]
+wrong = 0
+for number in range(CLIMB_TICKS):
+    if number % 100 == 0:
+        gc.collect()
+    next_tick()
+    for target, block in inputs:
+        target.seek(0)
+        target.write(block)
+        target.seek(0)
+    take(command)
+    take(sensed)
+    cost(tick)
+    wrong += answer != expected
+gc.collect()
+print("@@" + json.dumps(dict(free=free, left=gc.mem_free(), taken=taken, states=states, wrong=wrong)))
 """
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How long a run is, in ticks: of each gait (warm-up: standing up, the first steps), of the gaits minute by minute
+    while the heap must not move, and of the way over a step."""
+
+    ticks: int
+    warm_up_ticks: int
+    quiet_cycles: int
+    climb_ticks: int
+
+    @property
+    def names(self) -> list[str]:
+        """What the script measures, in order."""
+        names = [NOTHING, "read", "broken", "idle"] * IDLE
+        gaits = [(gait, self.ticks) for gait in GAIT_NAMES]
+        for name, count in (("limp", LIMP), ("standing", STANDING), *gaits, (OVER_STEP, self.climb_ticks)):
+            names += ["command", "sensed", name] * count
+        return names
 
 
 def gait_figures(image: bytes) -> RoleFigures:
     """Run the gait board's firmware on an emulated processor and return what its paths cost.
 
-    Of each gait: the mean of its ticks, the dearest, and the dearest whole cycle of COMMAND, SENSED and a tick.
-    RuntimeFailure if it ends early. Complaints: memory taken, a gait not walked.
+    Of each gait and of the way over a step: the mean of its ticks, the dearest, and the dearest whole cycle of COMMAND,
+    SENSED and a tick. RuntimeFailure if it ends early. Complaints: memory taken, a gait not walked, a wrong answer.
     """
+    walk = climb_walk(load_robot(ROBOT))
+    extent = Extent(ticks=200, warm_up_ticks=160, quiet_cycles=1000, climb_ticks=len(walk))
     machine = Machine(image, b"\0", counting=True)
-    answer = _answer(machine)
-    spent: dict[str, list[int]] = {}
-    for name, begin, end in zip(_names(), machine.marks[::2], machine.marks[1::2], strict=True):
-        spent.setdefault(name, []).append(end - begin)
-    empty = min(spent.pop("nothing"))
+    ticks = iter(walk)
+    machine.actions[1] = lambda: machine.write(FILES_AT, next(ticks))
+    answer = answer_of(machine, extent)
+    spent = measured(extent.names, machine.marks)
     budgets = json.loads(BUDGET.read_text())["gait"]
     paths = []
     for name in ("command", "sensed", "broken", "read", "idle", "limp", "standing"):
-        counts = sorted(count - empty for count in spent[name])
+        counts = sorted(spent[name])
         paths.append(Cost(name, counts[-1], counts[len(counts) // 2], budgets[name]))
     frames = paths[0].most + paths[1].most
-    for gait in GAIT_NAMES:
-        counts = [count - empty for count in spent[gait]]
+    for gait in (*GAIT_NAMES, OVER_STEP):
+        counts = spent[gait]
         mean, most = sum(counts) // len(counts), max(counts)
         for name, value in (("mean", mean), ("peak", most), ("cycle", most + frames)):
             paths.append(Cost(f"{gait} {name}", value, value, budgets[name]))
-    return RoleFigures(answer["free"], answer["left"], paths, _complaints(answer))
+    return RoleFigures(answer["free"], answer["left"], paths, complaints_of(answer, extent))
 
 
-def _names() -> list[str]:
-    """Return what the script measures, in order."""
-    names = ["nothing", "read", "broken", "idle"] * IDLE
-    for name, count in (("limp", LIMP), ("standing", STANDING), *((gait, TICKS) for gait in GAIT_NAMES)):
-        names += ["command", "sensed", name] * count
-    return names
-
-
-def _complaints(answer: dict[str, Any]) -> list[str]:
-    found = [f"{answer['taken']} bytes of heap were taken in {CYCLES} cycles"] if answer["taken"] else []
+def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
+    """Return what a run's answer says that must not be, in sentences."""
+    found = [f"{answer['taken']} bytes of heap were taken in {extent.quiet_cycles} cycles"] if answer["taken"] else []
+    if answer["wrong"]:
+        found.append(f"the way over a step: {answer['wrong']} answers differ from CPython's")
     for number, (state, gait, climb, flags) in enumerate(answer["states"]):
         if (state, gait) != (WALKING, number) or (number == GAIT_CLIMB) != (climb == CLIMB_ON) or flags:
             name = GAIT_NAMES[number]
@@ -197,16 +268,27 @@ def _complaints(answer: dict[str, Any]) -> list[str]:
     return found
 
 
-def _answer(machine: Machine) -> dict[str, Any]:
-    speed = scale_of(load_robot("caramelo")).lf_per_tick(SPEED_M_S)
-    settings = (speed, len(GAIT_NAMES), WARM_UP_TICKS, TICKS, CYCLES)
+def gait_script(extent: Extent) -> str:
+    """Return the script; its VM gives ``gc``, ``mark``, and ``next_tick``, which puts a tick of the way in ``came``."""
+    robot = load_robot(ROBOT)
+    speed = scale_of(robot).lf_per_tick(SPEED_M_S)
+    filled = {
+        "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
+                     extent.climb_ticks),
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
+        "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
+        "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
+        "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
+    }  # fmt: skip
     script = SCRIPT
-    filled = {"settings": settings, "kinds": (link.COMMAND, link.SENSED, link.READ),
-              "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
-              "idle": IDLE, "limp": LIMP, "standing": STANDING}
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
-    output = machine.run(PROLOGUE + script, TIMEOUT_S).decode("utf-8", "replace")
+    return script
+
+
+def answer_of(machine: Machine, extent: Extent, timeout_s: float = TIMEOUT_S) -> dict[str, Any]:
+    """Run the script on a machine and return its answer. RuntimeFailure if it ends early."""
+    output = machine.run(PROLOGUE + TAPE + gait_script(extent), timeout_s).decode("utf-8", "replace")
     answer = output.partition(MARK)[2]
     if answer:
         return dict(json.loads(answer.splitlines()[0]))

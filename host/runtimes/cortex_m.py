@@ -11,9 +11,11 @@ import contextlib
 import importlib.util
 import os
 import struct
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..extras import how_to_get
 from .base import Runtime, RuntimeFailure, compile_sources
 from .wasi import cache_folder
 
@@ -40,6 +42,7 @@ class CortexM(Runtime):
 
     name = "cortex-m-viper"
     emitter = "viper"
+    timeout_s = 3600.0  # the planner's vectors alone take some minutes, and a busy machine many times that
 
     def __init__(self, counting: bool = False, emitter: str = "viper") -> None:
         self.counting = counting
@@ -49,7 +52,7 @@ class CortexM(Runtime):
 
     def missing(self) -> str | None:
         if importlib.util.find_spec("unicorn") is None:
-            return "unicorn is not installed: pip install unicorn"
+            return f"unicorn is not installed: {how_to_get('unicorn')}"
         if not image_path().exists():
             return f"no VM at {image_path()}: docs/core.md tells how it is made"
         return None
@@ -71,7 +74,10 @@ class CortexM(Runtime):
 
 
 class Machine:
-    """One emulated processor with its memory, from power-on until the script has answered."""
+    """One emulated processor with its memory, from power-on until the script has answered.
+
+    ``actions``: what is done when the script writes that number to MARKS_AT; 0 takes a reading of the instructions.
+    """
 
     def __init__(self, image: bytes, files: bytes, counting: bool) -> None:
         import unicorn
@@ -79,6 +85,7 @@ class Machine:
 
         self._registers = arm_const
         self.marks: list[int] = []
+        self.actions: dict[int, Callable[[], None]] = {}
         self.failure = ""
         self._done = 0
         self._sizes: dict[tuple[int, int], int] = {}
@@ -124,7 +131,14 @@ class Machine:
             self._sent.append(value & 0xFF)
 
     def _mark(self, uc: Any, offset: int, size: int, value: int, data: Any) -> None:
-        self.marks.append(self._done)
+        if value:
+            self.actions[value]()
+        else:
+            self.marks.append(self._done)
+
+    def write(self, address: int, data: bytes) -> None:
+        """Put bytes into the memory, as an action may."""
+        self._uc.mem_write(address, data)
 
     def _interrupt(self, uc: Any, number: int, data: Any) -> None:
         """Pass over the calls to a debugger that the port makes at its start; anything else ends the run."""

@@ -1,10 +1,8 @@
 """A role's own firmware on an emulated Cortex-M4 whose peripherals are the model of the chip, instructions counted.
 
-The script writes a number to MARKS_AT: 0 takes a reading of the instructions done, others do what ``actions`` has
-under them (a frame comes on the bus, ...). A cycle is half an instruction: the chip's time goes on with what is done.
+A cycle is half an instruction: the chip's time goes on with what is done.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 from ..chip import Chip
@@ -15,19 +13,18 @@ CYCLES_PER_INSTRUCTION = 2
 _PAGES = ((0x40000000, 0x4000), (0x40005000, 0x7B000))
 _FACTORY_AT, _FACTORY_BYTES = 0x1FFF7000, 0x1000
 PROLOGUE = f"""
-import machine
+import gc, machine
 def mark(number=0, memory=machine.mem32):
     memory[{MARKS_AT}] = number
 """
 
 
 class RoleMachine(Machine):
-    """``chip`` is the model; ``actions`` what a number written by the script does."""
+    """``chip`` is the model."""
 
     def __init__(self, image: bytes, chip: Chip) -> None:
         super().__init__(image, b"\0", counting=True)
         self.chip = chip
-        self.actions: dict[int, Callable[[], None]] = {}
         self._seen = 0
         for base, size in _PAGES:
             self._uc.mmio_map(base, size, self._chip_read, base, self._chip_write, base)
@@ -47,8 +44,6 @@ class RoleMachine(Machine):
         self.chip.write(base + offset, value, size)
 
     def _mark(self, uc: Any, offset: int, size: int, value: int, data: Any) -> None:
-        if value == 0:
-            super()._mark(uc, offset, size, value, data)
-        else:
+        if value:
             self._pass_time()
-            self.actions[value]()
+        super()._mark(uc, offset, size, value, data)

@@ -36,9 +36,11 @@ from ..wire.names import (
     STATE_SWITCHED_ON,
 )
 from .cascade import position_from_wire
-from .faults import FAULT_DRIVER_SETUP, FAULT_EMERGENCY_STOP, FAULT_NONE, FAULT_WATCHDOG, damps_first
+from .faults import FAULT_DRIVER, FAULT_DRIVER_SETUP, FAULT_EMERGENCY_STOP, FAULT_NONE, FAULT_WATCHDOG, damps_first
 from .layout import (
+    IO_HARDWARE_FAULT,
     IO_HARDWARE_READY,
+    IO_HARDWARE_VALUE,
     IO_HASH_OK,
     IO_MODE,
     IO_POSITION,
@@ -163,17 +165,14 @@ def drive_clear(state) -> int:
 
 @hot
 def drive_step(cfg, state, io) -> int:
-    """Do one tick of the states after the protections have set S_CAUSE; return S_TORQUE.
-
-    Before the hardware is ready (supply still rising, sensors not read) only an emergency stop latches.
-    """
+    """Do one tick of the states after the protections have set S_CAUSE; return S_TORQUE."""
     s = ptr32(state)
     b = ptr32(io)
     _age_setpoint(state, io)
     _watch_setpoints(cfg, state)
     if s[S_DRIVE] == STATE_OPERATION_ENABLED and b[IO_HARDWARE_READY] == 0:
         report_cause(state, FAULT_DRIVER_SETUP, 0)
-    if s[S_CAUSE] and (s[S_DRIVE] != STATE_NOT_READY or s[S_CAUSE] == FAULT_EMERGENCY_STOP):
+    if _latches(state, io):
         _enter_fault(cfg, state)
     request = s[S_REQUEST]
     drive = s[S_DRIVE]
@@ -241,6 +240,25 @@ def _watch_setpoints(cfg, state) -> int:
         return 0
     s[S_LIMITS] = s[S_LIMITS] | LIMIT_WATCHDOG
     return report_cause(state, FAULT_WATCHDOG, s[S_SETPOINT_AGE])
+
+
+@hot
+def _latches(state, io) -> int:
+    """Return the cause that is a fault now, FAULT_NONE if there is none.
+
+    Before the hardware is ready the supply may still rise and sensors are not read: what these say is none yet. An
+    emergency stop is, and what the application found wrong with the hardware, which would keep it from ever getting
+    ready without a word; but for the gate driver's own fault, which is that of a missing supply.
+    """
+    s = ptr32(state)
+    b = ptr32(io)
+    if s[S_DRIVE] != STATE_NOT_READY or s[S_CAUSE] == FAULT_EMERGENCY_STOP:
+        return s[S_CAUSE]
+    if b[IO_HARDWARE_FAULT] == FAULT_NONE or b[IO_HARDWARE_FAULT] == FAULT_DRIVER:
+        return FAULT_NONE
+    s[S_CAUSE] = b[IO_HARDWARE_FAULT]
+    s[S_CAUSE_VALUE] = b[IO_HARDWARE_VALUE]
+    return s[S_CAUSE]
 
 
 @hot

@@ -227,7 +227,7 @@ def an_adc_that_does_not_end_ends_the_torque():
 
 
 def an_adc_that_is_silent_from_the_start_keeps_it_from_ready():
-    """The joint comes up on the bus and says that it is not ready, rather than not at all."""
+    """The joint comes up on the bus and says what is wrong, rather than not at all."""
     joint = OnChip()
     adc = joint.model.adcs["ADC1"]
     real = adc._trigger
@@ -236,7 +236,7 @@ def an_adc_that_is_silent_from_the_start_keeps_it_from_ready():
     assert joint.control.io[j.IO_HARDWARE_FAULT] == f.FAULT_EXCEPTION
     assert joint.from_joint(w.HEARTBEAT_ID + NODE)
     assert joint.arm() != w.RESULT_OK
-    assert joint.state == w.STATE_NOT_READY
+    assert (joint.state, joint.fault[0]) == (w.STATE_FAULT, f.FAULT_EXCEPTION)
     assert not joint.board.outputs_on
 
 
@@ -321,7 +321,8 @@ def registers_of_the_driver_are_read_back():
         io = joint.control.io
         assert (io[j.IO_HARDWARE_FAULT], io[j.IO_HARDWARE_VALUE]) == (f.FAULT_DRIVER_SETUP, stuck)
         joint.run(30)
-        assert joint.state == w.STATE_NOT_READY
+        assert (joint.state, joint.fault) == (w.STATE_FAULT, (f.FAULT_DRIVER_SETUP, stuck))
+        assert joint.from_joint(w.FAULT_ID + NODE)
         assert joint.arm() != w.RESULT_OK
         assert not joint.board.outputs_on
 

@@ -365,17 +365,30 @@ def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, cod
     assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, code)
 
 
-def test_a_driver_that_does_not_read_back_never_gets_ready():
+def test_a_driver_that_does_not_read_back_never_gets_ready_and_is_told():
     board = SimBoard()
     board.driver_wrong = 3
     joint = Joint(board, Memory())
+    joint.set_node(1)
     joint.start()
     for _ms in range(100):
         for _ in range(10):
             board.now_us += 100
             board.handler()
         joint.poll()
-    assert joint.control.state[j.S_DRIVE] == w.STATE_NOT_READY
+    state = joint.control.state
+    assert (state[j.S_DRIVE], state[j.S_FAULT_CODE], state[j.S_FAULT_VALUE]) == (
+        w.STATE_FAULT, f.FAULT_DRIVER_SETUP, 3,
+    )  # fmt: skip
+    assert w.FAULT_ID in {identifier & ~0xF for identifier, _ in frames(board)}
+
+
+def test_parameters_that_are_broken_are_told_though_the_joint_was_not_ready_yet():
+    bench = Bench(BLDC)
+    bench.joint.control.start()
+    bench.joint.control.raise_fault(f.FAULT_STORAGE, 0)
+    bench.run(60)
+    assert (bench.state[j.S_DRIVE], bench.state[j.S_FAULT_CODE]) == (w.STATE_FAULT, f.FAULT_STORAGE)
 
 
 def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operation_enabled():

@@ -148,7 +148,7 @@ def test_a_scope_shows_what_the_bring_up_page_says():
     assert len(updates) >= 29
     for update in updates:
         fell, rose = [(cycle - update, level) for cycle, level in selects if update < cycle < update + 16_800]
-        assert (fell, rose[1]) == ((304, 0), 1)  # 1.8 us
+        assert (fell, rose[1]) == ((1204, 0), 1)  # 7.2 us
         assert 580 <= rose[0] - fell[0] <= 610  # 3.5 us
         ((start, end),) = [(a - update, b - update) for a, b in frames if update < a < update + 16_800]
         assert end - start == 16 * 32  # 3.05 us: 16 clocks at 5.25 MHz

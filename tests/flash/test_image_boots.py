@@ -4,9 +4,11 @@ Registers of the chip hold what was written to them, and say "ready" where Micro
 on any bus. Time passes by instructions. Printing is caught where MicroPython hands it to USB.
 """
 
+import bisect
 import os
 import shutil
 import subprocess
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -14,12 +16,16 @@ import pytest
 from firmware.flash_map import BASE, HEADER, sector_at, sector_bytes, slot_at
 from host.build import toolchain
 from host.build.board_image import BOARD, build_board_image
+from host.runtimes.cortex_m import instructions
 from tests.flash.sim_flash import Memory
 
 unicorn = pytest.importorskip("unicorn")
 pytestmark = pytest.mark.slow
 
 RCC_CR, RCC_CFGR, OTG_RESET, CAN_MCR, CAN_MSR = 0x40023800, 0x40023808, 0x50000010, 0x40006400, 0x40006404
+TIM5_CNT, RNG_SR = 0x40000C24, 0x50060804
+TIM1_DIER, TIM1_SR, ADC_SR = 0x4001000C, 0x40010010, (0x40012000, 0x40012100, 0x40012200)
+TIM1_UP = 16 + 25  # its place among the vectors, RM0090 table 62
 FLASH_SR, FLASH_CR, ERASE_NOW, VTOR = 0x40023C0C, 0x40023C10, 1 << 16 | 2, 0xE000ED08
 MEMORIES = {0x20000000: 0x20000, 0x10000000: 0x10000, 0x1FFF0000: 0x10000, 0xE0000000: 0x100000}
 PERIPHERALS = {0x40000000: 0x80000, 0x50000000: 0x61000}
@@ -50,6 +56,8 @@ class Chip:
         self._registers = {RCC_CR: 0x83}
         symbols = subprocess.run([toolchain.NM, str(elf)], capture_output=True, text=True, check=True).stdout
         places = {line.split()[2]: int(line.split()[0], 16) for line in symbols.splitlines() if len(line.split()) == 3}
+        self._functions = sorted((place & ~1, name) for name, place in places.items() if place < BASE + 0x100000)
+        self._spent = Counter()
         self._tick, self._print = places["uwTick"], places["mp_hal_stdout_tx_strn"] & ~1
         store = Memory()
         store.write(0, image.loader)
@@ -80,6 +88,29 @@ class Chip:
             self._next_ms()  # it waits for an interrupt (WFI): a millisecond is over
         raise AssertionError(f"{words!r} was not printed, but {self.said!r}")
 
+    def start_application(self):
+        """Go on until the interrupt of timer 1 is on; AssertionError if that takes too long."""
+        self._wanted = b"no such words"
+        for _ in range(1000):
+            if self._registers.get(TIM1_DIER, 0) & 1:
+                return
+            self.uc.emu_start(self._at | 1, 0, timeout=SLICE_US // 100)
+            assert not self.failure, f"{self.failure}: {self.said!r}"
+            self._at = self.uc.reg_read(self.arm.UC_ARM_REG_PC)
+            self._next_ms()
+        raise AssertionError(f"no interrupt was switched on: {self.said!r}")
+
+    def interrupt(self, number):
+        """Take an interrupt whose flags are there, from its vector to its return; return instructions by function."""
+        self._registers |= dict.fromkeys(ADC_SR, 6) | {TIM1_SR: 1, 0x40013008: 1}
+        table = int.from_bytes(self.uc.mem_read(VTOR, 4), "little")
+        handler = int.from_bytes(self.uc.mem_read(table + 4 * number, 4), "little")
+        self._spent.clear()
+        self.uc.reg_write(self.arm.UC_ARM_REG_LR, BASE | 1)
+        self.uc.emu_start(handler | 1, BASE, timeout=SLICE_US)
+        assert self.uc.reg_read(self.arm.UC_ARM_REG_PC) == BASE, self.failure
+        return dict(self._spent)
+
     def _read(self, uc, offset, size, base):
         address, shift = base + (offset & ~3), 8 * (offset & 3)
         value = self._registers.get(address, 0)
@@ -89,6 +120,10 @@ class Chip:
             value = value & ~0xC | (value & 3) << 2
         elif address == OTG_RESET:  # idle, no reset going on
             value = value & ~0x31 | 1 << 31
+        elif address == TIM5_CNT:  # microseconds
+            value = self._blocks * 1000 // BLOCKS_PER_MS
+        elif address == RNG_SR:
+            value = 1
         elif address == CAN_MSR:
             value = value & ~3 | self._registers.get(CAN_MCR, 0) & 3
         return value >> shift & (1 << 8 * size) - 1
@@ -108,6 +143,8 @@ class Chip:
 
     def _block(self, uc, address, size, data):
         self._blocks += 1
+        where = self._functions[bisect.bisect_right(self._functions, (address, "~")) - 1][1]
+        self._spent[where] += instructions(bytes(uc.mem_read(address, size)))
         if self._blocks % BLOCKS_PER_MS == 0:
             self._next_ms()
         if address == self._print:
@@ -132,3 +169,20 @@ def test_the_loader_starts_micropython_and_that_the_application(built, slot):
     chip.run_until(f"firmware started from slot {'ab'[slot]}".encode())
     vectors = int.from_bytes(chip.uc.mem_read(VTOR, 4), "little")
     assert vectors == BASE + slot_at(slot) + HEADER  # ST's start-up code would leave the loader's
+
+
+@pytest.mark.parametrize("built", ["joint"], indirect=True)
+def test_the_interrupt_is_short_from_its_vector_to_its_return(built):
+    """With the bridge off, as nothing answers here; what driving adds is `caramelo firmware measure`'s."""
+    image, folder = built
+    chip = Chip(image, 0, folder / "slot_a.elf")
+    chip.run_until(b"firmware started from slot a")
+    chip.start_application()
+    spent = chip.interrupt(TIM1_UP)
+    own = {name for name in spent if name.startswith(("firmware_", "shared_"))}
+    steps = {"firmware_chip_step__interrupt", "shared_joint_current__current_step"}
+    assert steps <= {name.partition(".")[0] for name in own}  # the compiler adds .constprop.0 and the like
+    way = sum(count for name, count in spent.items() if name not in own)
+    print(f"{way} instructions of MicroPython's, {sum(spent.values())} in all")
+    assert way <= 800
+    assert sum(spent.values()) <= 2500

@@ -8,13 +8,14 @@ from host.parity import budget
 from host.parity.accuracy import accuracies
 from host.parity.bench import Bench
 from host.parity.figures import float_microseconds, fuel, microseconds
+from host.parity.paths_fuel import path_fuel
 from host.runtimes import Unix
 
 from ..marks import NEEDS_UNIX
 
 
-def test_no_function_costs_more_than_its_budget(sources, tmp_path):
-    burnt = fuel(sources, tmp_path)
+def test_no_function_or_path_costs_more_than_its_budget(sources, tmp_path):
+    burnt = fuel(sources, tmp_path) | path_fuel(tmp_path)
     assert budget.over_budget(burnt, budget.read_budget()) == [], "caramelo bench --update-budget takes the new costs"
 
 

@@ -297,3 +297,28 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_where_there_mu
             check(joint, fault, drive)
             seen.add(joint.state[j.S_DRIVE])
     assert seen >= {1, 2, 3, 4, 5, 6, 7}
+
+
+@pytest.mark.parametrize("code", [faults.FAULT_DRIVER_SETUP, faults.FAULT_CURRENT_SENSE, faults.FAULT_STORAGE])
+def test_what_is_wrong_with_the_hardware_latches_before_it_is_ready(code):
+    joint = Joint()
+    joint.io[j.IO_HARDWARE_READY] = 0
+    joint.io[j.IO_BUS_RAW] = 0  # the supply still rises
+    joint.io[j.IO_HARDWARE_FAULT], joint.io[j.IO_HARDWARE_VALUE] = code, 7
+    assert joint.tick(50) == w.STATE_FAULT
+    assert (joint.state[j.S_FAULT_CODE], joint.state[j.S_FAULT_VALUE], joint.state[j.S_FAULT_TICK]) == (code, 7, 1)
+    joint.healthy()
+    joint.io[j.IO_HARDWARE_READY] = 0
+    joint.tick()
+    assert drive_clear(joint.state) == w.RESULT_OK
+    assert joint.tick(2) == w.STATE_NOT_READY
+    assert joint.state[j.S_FAULT_CODE] == faults.FAULT_NONE
+
+
+def test_a_supply_that_still_rises_is_no_fault_nor_is_the_gate_driver_without_it():
+    joint = Joint()
+    joint.io[j.IO_HARDWARE_READY] = 0
+    joint.io[j.IO_BUS_RAW], joint.io[j.IO_HARDWARE_FAULT] = 0, faults.FAULT_DRIVER
+    assert joint.tick(50) == w.STATE_NOT_READY
+    joint.healthy()
+    assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED

@@ -1,4 +1,4 @@
-// The port asks every board for this file: oscillators in Hz and their time-outs in ms.
+// The port asks for this file: oscillators in Hz and their time-outs in ms.
 #ifndef CARAMELO_HAL_CONF_H
 #define CARAMELO_HAL_CONF_H
 
