@@ -12,6 +12,7 @@ from firmware.link import PAYLOAD
 from firmware.mpu6050 import Mpu6050
 from shared.command import C_BALANCE, C_GAIT, C_MODE, C_SPEED, COMMAND_SIZE, MODE_STAND, MODE_WALK
 from shared.gaits import GAIT_CLIMB
+from shared.record import pack
 from sim2d import terrain
 from sim2d.run import Sensed, simulate
 
@@ -91,7 +92,7 @@ def _raw(sensed: Sensed) -> bytes:
 
 def in_plane(robot: Robot) -> list[tuple[int, int]]:
     """Return (place, value) of what a board's PARAMS need so that it does not sway: the simulator holds its roll."""
-    usual, plane = core_params(robot), core_params(robot, planar=True)
+    usual, plane = pack(core_params(robot)), pack(core_params(robot, planar=True))
     return [(place, value) for place, value in enumerate(plane) if value != usual[place]]
 
 

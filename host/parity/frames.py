@@ -8,9 +8,10 @@ import re
 import sys
 from pathlib import Path
 
+from ..build.lower import lowered_modules
 from ..build.rewrite import rewrite
 from ..build.rules import hot_arity
-from ..build.source import Module, read_modules, resolve
+from ..build.source import Module, resolve
 from ..runtimes.process import run_command
 
 LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
@@ -21,7 +22,7 @@ Frames = dict[str, int]  # "shared/fixed.py:sin_q15" -> words
 def own_frames(root: Path, work: Path) -> Frames:
     """Return the words of every function of shared/ by itself. Needs the unix VM."""
     frames: Frames = {}
-    modules = read_modules(root, ("shared",))
+    modules = lowered_modules(root, ("shared",))
     for module in modules.values():
         path = work / "frames.py"
         path.write_bytes(rewrite(module, modules, "bytecode", "any"))
@@ -34,7 +35,7 @@ def own_frames(root: Path, work: Path) -> Frames:
 
 def deepest_frames(root: Path, frames: Frames) -> Frames:
     """Return for every hot function the largest frame among itself and all it calls."""
-    modules = read_modules(root, ("shared",))
+    modules = lowered_modules(root, ("shared",))
     calls = {f"{m.path}:{name}": _callees(m, name, modules) for m in modules.values() for name in m.hot}
     return {name: max(frames[one] for one in _reached(name, calls)) for name in calls}
 

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from host.build.lower import lowered_modules
 from host.build.rewrite import rewrite
-from host.build.source import closure, read_modules
+from host.build.source import closure
 from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
@@ -82,7 +83,7 @@ def answer(tmp_path_factory):
     if not VM.exists():
         pytest.skip("no MicroPython unix VM beside this python")
     folder = tmp_path_factory.mktemp("joint")
-    modules = read_modules(ROOT, ("shared",))
+    modules = lowered_modules(ROOT, ("shared",))
     for name in closure(modules, [name for name in modules if name.startswith("shared.joint")]):
         module = modules[name]
         target = folder / module.path
