@@ -90,7 +90,7 @@ from .params import (
     RR,
     Params,
 )
-from .record import pack, unpack
+from .record import copy
 
 _LEG_MM = 240  # the leg the lengths below belong to
 
@@ -223,7 +223,7 @@ def bend_limits(params: Params, settings, limbs: Params):
     By the cosine rule, L2^2 + L3^2 + 2 L2 L3 cos q3 at both limits of q3. The hips are carried at 0.865 of the
     straightest leg (185 mm of Caramelo's 214): the straighter the knees, the less they carry.
     """
-    unpack(limbs, pack(params))
+    copy(params, limbs)
     shortest = 32767
     for leg in range(LEGS):
         base = limbs.legs[leg]

@@ -97,6 +97,24 @@ def pack(values):
     return made
 
 
+def copy(values, into):
+    """Write the values of a record into another of its kind. Takes no memory."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        for at in range(len(values)):
+            into[at] = values[at]
+        return
+    for name, place in fields:
+        value = getattr(values, name)
+        if place.count is None and place.of is None:
+            setattr(into, name, value)
+        elif place.count is None or place.of is None:
+            copy(value, getattr(into, name))
+        else:
+            for at in range(place.count):
+                copy(value[at], getattr(into, name)[at])
+
+
 def unpack(values, integers):
     """Write integers into a record, or an array, in the order of its declaration; ValueError if too few or many."""
     left = list(integers)

@@ -32,7 +32,7 @@ _CPYTHON = implementation.name == "cpython"
 if _CPYTHON:
     Ints = list[int]  # what an array of integers is called in annotations
 else:
-    Ints = list  # MicroPython reads no annotations
+    Ints = list  # type: ignore[misc,no-redef]  # MicroPython reads no annotations
 
 
 def const(value):

@@ -17,7 +17,7 @@ NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64
 _ARRAY = "list[int]"  # what zeros() makes on CPython
 _TABLE = "tuple[int, ...]"  # what table() leaves
 _ANY = "Any"
-_IMPORTS = f"from typing import Any, ClassVar; from mypy_extensions import {NUMBER}"
+_IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
 
 
 def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
@@ -31,7 +31,7 @@ def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
 
 def _typed(module: Module, kinds: Kinds) -> bytes:
     place = Places(module.text)
-    declares = "; from shared.record import Field" if records_of(module.tree) else ""
+    declares = "; from typing import ClassVar; from shared.record import Field" if records_of(module.tree) else ""
     edits = [_beside(module, module.tree, _IMPORTS + declares, place)]
     for declared in records_of(module.tree):
         layout = kinds.layouts.find(module, declared.name)
@@ -51,13 +51,13 @@ def _typed(module: Module, kinds: Kinds) -> bytes:
 
 
 def _type_record(module: Module, declared: ast.ClassDef, layout: Layout, place: Places) -> Edit:
-    """A record as a native class: its attributes are machine words, its lists made anew for each object."""
+    """A record as a native class: its lists are made anew for each object."""
     names, makes, fields = [], [], []
     for name, field in layout.places.items():
-        kind = field.of.name if field.of else NUMBER
+        kind = field.of.name if field.of else "int"
         made = f"{field.of.name}()" if field.of else str(field.default)
         if field.count is not None:
-            kind = f"list[{kind if field.of else 'int'}]"
+            kind = f"list[{kind}]"
             made = f"[{made} for _ in range({field.count})]"
         of = field.of.name if field.of else None
         fields.append(f"({name!r}, Field({field.unit!r}, {field.meaning!r}, {field.default}, {field.count}, {of}))")

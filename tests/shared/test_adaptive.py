@@ -13,7 +13,7 @@ from shared import steps as s
 from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
 from shared.params import Params
-from shared.record import pack, unpack
+from shared.record import copy
 from tests.float_twin import adaptive as twin
 
 from .robots import block, rad
@@ -74,7 +74,7 @@ def test_smooth_is_smoothstep_and_diagonal_is_a_line():
 
 def test_sway_goes_to_the_line_within_its_limit_and_not_in_the_plane():
     planar = Params()
-    unpack(planar, pack(PARAMS))
+    copy(PARAMS, planar)
     planar.lateral_q12 = 0
     most = PARAMS.leg_length * 3 >> 4
     assert sway.next_sway(PARAMS, 100, 2000, 500) == 1600

@@ -8,6 +8,8 @@ from array import array
 import pytest
 
 from shared import compliance, load, sensing, stability
+from shared.params import Params
+from shared.record import copy
 from tests.float_twin import load as twin
 from tests.float_twin.leg import forward
 
@@ -20,7 +22,8 @@ AROUND = (0, 1, 3, 2)  # FR, FL, RL, RR
 
 def soft(name, coupled):
     """Return a robot's block whose joints give, with its calf's motor on the thigh or on the body."""
-    params = array("i", BLOCKS[name])
+    params = Params()
+    copy(BLOCKS[name], params)
     params.coupled = coupled
     params.sags = 1
     for joint in range(3):

@@ -14,6 +14,7 @@ from shared import gait as g
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
+from shared.record import pack, unpack
 from tests.float_twin.gait import Gait
 
 from .bars import integers, repeatable
@@ -296,19 +297,20 @@ def test_any_words_in_command_and_senses_are_survived(name):
 def test_one_tick_of_any_words_in_any_state(command, sensed):
     for state in range(6):
         walker = STATES[state]
-        kept = [array("i", block) for block in every_block(walker.planner)]
+        kept = [pack(block) for block in every_block(walker.planner)]
         gait = walker.planner.gait
         walker.planner.tick(array("i", command), array("i", sensed))
         for block, old in zip(every_block(walker.planner), kept, strict=True):
-            block[:] = old
+            unpack(block, old)
         walker.planner.gait = gait
 
 
 def every_block(planner):
     """Return all arrays of a planner that a tick may change."""
-    names = "top numbers clock speed pose posed rotation steps move balance feet hip_feet reached goal joints leg_flags"
+    names = "top numbers clock speed pose posed rotation steps move feet hip_feet reached goal joints leg_flags"
     names += " sensed joints_read tilt_read"
-    return [getattr(planner, name) for name in names.split()]
+    balance = planner.balance
+    return [*(getattr(planner, name) for name in names.split()), balance.roll, balance.pitch, balance.correction]
 
 
 STATES = [in_state(state) for state in range(6)]

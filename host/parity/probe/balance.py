@@ -4,7 +4,7 @@
 from shared import balance
 from shared.balance import Balance
 from shared.body import POSE_SIZE
-from shared.record import pack, unpack
+from shared.pid import Pid
 from shared.runtime import zeros
 
 from .draw import Range
@@ -22,9 +22,15 @@ def _begin():
     balance.balance_setup(PARAMS[0], BALANCE)
 
 
+def _soil_pid(pid: Pid, dice):
+    pid.integral_q12 = dice.bits(12)
+    pid.previous = dice.bits(12)
+    pid.started = dice.bits(12)
+
+
 def _soil(values, dice):
-    for one in (BALANCE.roll, BALANCE.pitch):
-        unpack(one, pack(one)[:5] + [dice.bits(12) for _ in range(3)])
+    _soil_pid(BALANCE.roll, dice)
+    _soil_pid(BALANCE.pitch, dice)
     BALANCE.correction.roll = dice.bits(12)
     BALANCE.correction.pitch = dice.bits(12)
 
@@ -34,7 +40,19 @@ def _other_robot(values, dice):
         balance.balance_setup(PARAMS[dice.below(len(PARAMS))], BALANCE)
 
 
+def _robot(values, dice):
+    _soil(values, dice)
+    values[1] = BALANCE.roll
+
+
+def _gains(values, dice):
+    _soil(values, dice)
+    values[2] = BALANCE.pitch
+
+
 PROBES = (
+    Probe("limit_pid", balance.limit_pid, (ROBOT, 0), watch=STATE, begin=_begin, fit=_robot),
+    Probe("gains_pid", balance.gains_pid, (ROBOT, Range(0, 1), 0), watch=STATE, begin=_begin, fit=_gains),
     Probe("balance_setup", balance.balance_setup, (ROBOT, BALANCE), watch=STATE, fit=_soil),
     Probe("balance_gains", balance.balance_gains, (ROBOT, Range(0, 1), BALANCE), watch=STATE, begin=_begin),
     Probe("balance_reset", balance.balance_reset, (BALANCE,), watch=STATE, begin=_begin, fit=_soil),
