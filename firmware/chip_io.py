@@ -31,7 +31,7 @@ from .drv8323 import DRIVER_READ, FAULT_STATUS_1, FAULT_STATUS_2
 from .encoders import READ_ANGLE, angle_of
 
 _SPI_POLLS = const(400)  # a word of 16 bits at 5.25 MHz takes 3.05 us, some 60 polls
-_ADC_POLLS = const(2000)  # a slow conversion takes 23 us, unless samples of the shunts come between
+_ADC_POLLS = const(4000)  # 95 us at least: 23 us a slow conversion, which samples of the shunts begin anew
 _SELECT_POLLS = const(16)  # reads of a timer, 4 cycles each: 0.38 us (AS5047P: tL and tCSn 0.35)
 DRIVER_BIT = const(0x8000)  # PA15 selects the gate driver
 JOINT_BIT = const(4)  # PD2 selects the joint's encoder

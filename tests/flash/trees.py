@@ -4,6 +4,7 @@ What is linked and frozen on a board is here a text of modules; both halves of t
 """
 
 import json
+from functools import cache
 
 from host.build.image_file import make_image
 from host.build.source import ROOT, closure, read_modules
@@ -47,8 +48,9 @@ def make(version="1", role="gait", board="CARAMELO_GAIT", protocol=None, text=No
     return make_image(role, board, version, protocol, "1.29.0", [packed, packed], b"\xff" * 256)
 
 
+@cache
 def frame():
-    """Return the modules of the project that start a board, quick to start, without those that tests replace."""
+    """Return, read once, the modules of the project that start a board, quick to start, without those that tests replace."""
     known = read_modules(ROOT)
     names = [name for name in closure(known, list(RUNTIME)) if name not in ("firmware.selftest", "firmware.chip_flash")]
     files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.fixed")}
