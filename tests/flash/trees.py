@@ -50,7 +50,7 @@ def make(version="1", role="gait", board="CARAMELO_GAIT", protocol=None, text=No
 
 @cache
 def frame():
-    """Return, read once, the modules of the project that start a board, quick to start, without those that tests replace."""
+    """Return, read once, the modules that start a board, quick to start, without those that tests replace."""
     known = read_modules(ROOT)
     names = [name for name in closure(known, list(RUNTIME)) if name not in ("firmware.selftest", "firmware.chip_flash")]
     files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.fixed")}
