@@ -21,12 +21,12 @@ _IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
 
 
 def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
-    """Return every module's text with types, by name; BuildError with file, line and the rule that one breaks."""
+    """Return the text of every module but packages with types, by name; BuildError with file, line and the rule."""
     for module in lower(modules).values():
         for function in hot_functions(module.tree):
             check_hot(module, function, modules)
     kinds = Kinds(modules)
-    return {name: _typed(module, kinds) for name, module in modules.items()}
+    return {name: _typed(module, kinds) for name, module in modules.items() if not module.is_package}
 
 
 def _typed(module: Module, kinds: Kinds) -> bytes:
