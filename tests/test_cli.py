@@ -326,7 +326,7 @@ def test_every_library_is_assigned_to_the_extra_that_installs_it():
     wanted_by = {}
     for line in requires("caramelo"):
         wanted = Requirement(line)
-        for extra in ("sim", "web", "record", "pi", "gamepad", "firmware", "compile", "test"):
+        for extra in ("sim", "web", "record", "pi", "gamepad", "firmware", "emulator", "compile", "test"):
             if wanted.marker and f'extra == "{extra}"' in str(wanted.marker):
                 wanted_by.setdefault(wanted.name.lower().replace("-", "_"), extra)
     distributions = packages_distributions()

@@ -11,12 +11,13 @@ from contextlib import contextmanager
 from typing import Any
 
 import serial
-from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS, PacketHandler
+from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
 from dynamixel_sdk.group_sync_write import GroupSyncWrite
 
 from ..buses.base import Counters
 from ..errors import NOT_ACHIEVED, UserError
 from .table import ALERT, STATUS_ERRORS, Register, pack, unpack
+from .unstuff import packet_handler
 
 # Outside of the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
 PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0
@@ -44,7 +45,7 @@ class Link:
 
     def __init__(self, port: Any, protocol: float = 2.0, counters: Counters | None = None) -> None:
         self.port, self.protocol = port, protocol
-        self.packets = PacketHandler(protocol)
+        self.packets = packet_handler(protocol)
         self.counters = Counters() if counters is None else counters
         self._given_up = 0  # answers that did not come in time and may come yet
 

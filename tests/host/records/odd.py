@@ -8,9 +8,11 @@ from copy import deepcopy
 from mcap.writer import CompressionType, Writer
 
 from host.records.channels import CHANNELS
-from shared.params import P_SIZE
+from shared.params import Params
+from shared.record import pack
 
-ABOUT = {"robot": "caramelo", "rate_hz": "50", "params": " ".join(["1"] * P_SIZE), "core": "0"}
+PARAMS = len(pack(Params()))
+ABOUT = {"robot": "caramelo", "rate_hz": "50", "params": " ".join(["1"] * PARAMS), "core": "0"}
 START_NS = 1_700_000_000_000_000_000
 
 
@@ -76,8 +78,8 @@ def whole_files(folder):
     yield "all at once", mcap(folder / "k.mcap", many, times_ns=lambda n: START_NS)
     yield "backwards", mcap(folder / "l.mcap", many, times_ns=lambda n: START_NS - n * 10**9)
     yield "from 0 to the end of time", mcap(folder / "m.mcap", many, times_ns=lambda n: (2**64 - 1) * (n % 2))
-    for number, value in enumerate(["", "x", "1 2 3", " ".join(["99999999999"] * P_SIZE), " ".join(["0"] * P_SIZE),
-                                    " ".join(["-1"] * P_SIZE), " ".join(["2147483647"] * P_SIZE), "9" * 5000]):
+    for number, value in enumerate(["", "x", "1 2 3", " ".join(["99999999999"] * PARAMS), " ".join(["0"] * PARAMS),
+                                    " ".join(["-1"] * PARAMS), " ".join(["2147483647"] * PARAMS), "9" * 5000]):
         yield f"parameters {value[:20]}", mcap(folder / f"n{number}.mcap", many, about={**ABOUT, "params": value})
     obeyed = {**ABOUT, "robot": "\x1b[2J[/x]$\\z\x9b"}
     yield "a robot's name that is obeyed", mcap(folder / "o.mcap", many, about=obeyed)

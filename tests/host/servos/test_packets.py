@@ -2,10 +2,11 @@
 
 import pytest
 from dynamixel_sdk import COMM_SUCCESS, PacketHandler
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from host.emulator.packets import READ, WRITE, Framing1, Framing2, Instruction, crc16, framing
+from host.servos.unstuff import packet_handler
 
 # E-manual, protocol 2.0: ping of id 1, its answer; read of 4 bytes at 132 of id 1; write of 512 to 116.
 PING = bytes.fromhex("FFFFFD0001030001194E")
@@ -77,11 +78,13 @@ def test_what_the_sdk_sends_arrives(protocol, data):
 
 @pytest.mark.parametrize("protocol", [1.0, 2.0])
 @given(data=st.lists(st.sampled_from([0, 1, 0x55, 0xFD, 0xFE, 0xFF]), min_size=1, max_size=24))
+@example(data=[0xFF, 0xFF, 0xFD, 0xFF, 0xFD, 0xFD])
+@example(data=[0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFD, 0xFD])
 @settings(max_examples=100, deadline=None)
 def test_what_a_servo_answers_arrives(protocol, data):
-    """Also where the data look like a header, which protocol 2.0 stuffs and the SDK takes out again."""
+    """Also where the data look like a header, which protocol 2.0 stuffs; of two, the SDK (4.1.0) takes out too much."""
     wire = Wire(framing(protocol).status(3, 0, bytes(data)))
-    handler = PacketHandler(protocol)
+    handler = packet_handler(protocol)
     packet, result = handler.rxPacket(wire) if protocol == 1.0 else handler.rxPacket(wire, False)
     assert result == COMM_SUCCESS
     start = 5 if protocol == 1.0 else 9

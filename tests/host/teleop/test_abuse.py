@@ -20,7 +20,12 @@ RESETS = json.dumps(RESET).encode() + b"\n"
 
 def counted(flood):
     """Return the newest count of a flood, waiting for it if it has been read already."""
-    return json.loads(os.read(flood.stdout.fileno(), 1 << 16).splitlines()[-1])
+    text = b""
+    while not text.endswith(b"}\n"):
+        came = os.read(flood.stdout.fileno(), 1 << 16)
+        assert came, "the flood has ended"
+        text += came
+    return json.loads(text.splitlines()[-1])
 
 
 @contextlib.contextmanager
