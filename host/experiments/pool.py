@@ -7,6 +7,8 @@ from typing import Any, Protocol
 
 from ..leave import LEAVE_SIGNALS
 
+_LEAVE = (signal.SIGINT, *LEAVE_SIGNALS)
+
 
 class Task(Protocol):
     """One piece of work; it and its answer travel between processes. Its answer depends on itself alone."""
@@ -28,7 +30,12 @@ def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[int], None]) -> li
         return answers
     pool = ProcessPoolExecutor(min(jobs, len(tasks)), initializer=_obey_ctrl_c)
     try:
-        futures = [pool.submit(_run, task) for task in tasks]
+        # A signal that came to a worker before it dies of it would be lost in a hook of Python's: it waits till then.
+        held = signal.pthread_sigmask(signal.SIG_BLOCK, _LEAVE)
+        try:
+            futures = [pool.submit(_run, task) for task in tasks]
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, held)
         for ready, future in enumerate(as_completed(futures), 1):
             future.result()
             done(ready)
@@ -39,8 +46,9 @@ def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[int], None]) -> li
 
 def _obey_ctrl_c() -> None:
     """A worker dies of Ctrl-C and the like at once and in silence; the parent tells the user."""
-    for number in (signal.SIGINT, *LEAVE_SIGNALS):
+    for number in _LEAVE:
         signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _LEAVE)
 
 
 def _run(task: Task) -> Any:

@@ -86,6 +86,13 @@ class PretendBoard:
             time.sleep(0.01)
         return words in self.said
 
+    def line_after(self, words, seconds=10):
+        """Wait for the line that holds ``words`` and return what stands behind them in it, "" if it does not come."""
+        end = time.monotonic() + seconds
+        while b"\n" not in self.said.partition(words)[2] and time.monotonic() < end:
+            time.sleep(0.01)
+        return self.said.partition(words)[2].partition(b"\n")[0].strip().decode()
+
     def wait_for_no_power(self, seconds=10):
         """Wait until the power has gone; on a busy machine the other end may see the board fall silent before."""
         end = time.monotonic() + seconds

@@ -38,8 +38,7 @@ def starts_after_cut(flashed, folder, life, cut):
         assert board.wait_for(b"running 1")  # its terminal takes no Ctrl-C before
         flash_until_cut(board, make("2"))
     with PretendBoard(folder) as board:
-        assert board.wait_for(b"running ")
-        version = board.said.partition(b"running ")[2][:1].decode()
+        version = board.line_after(b"running ")
         flash(board.port, Wish(make("2")))  # and it can be flashed again
         assert board.wait_for(b"running 2")
     return version
