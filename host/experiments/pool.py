@@ -40,8 +40,12 @@ def run_all(tasks: Sequence[Task], jobs: int, done: Callable[[int], None]) -> li
             future.result()
             done(ready)
         return [future.result() for future in futures]
+    except BaseException:
+        for process in list((pool._processes or {}).values()):
+            process.terminate()
+        raise
     finally:
-        pool.shutdown(wait=False, cancel_futures=True)
+        pool.shutdown(wait=True, cancel_futures=True)  # else what still runs at exit may find its pipes closed
 
 
 def _obey_ctrl_c() -> None:
