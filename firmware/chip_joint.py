@@ -1,6 +1,6 @@
 """A joint's millisecond and its bus on the chip, each one hot function: what the main loop calls at its rates."""
 
-from shared.runtime import const, hot, ptr32, reg32
+from shared.runtime import Ints, const, hot, reg32
 from shared.wire.names import REPLY_LENGTH
 
 from .chip import IWDG_KR_32
@@ -24,36 +24,34 @@ _MASK = const(0x3FFFFFFF)
 
 
 @hot
-def millisecond(chip, foc, cfg, state, io, cal, run) -> int:
+def millisecond(chip, foc, cfg, state, io, cal, run: Ints) -> int:
     """Read the sensors, do a motion tick, do to the bridge what it says, feed the watchdog while current steps happen.
 
     Return the gate driver's fault registers, 0 if it reports none. A silent ADC counts as a failed part.
     """
-    r = ptr32(run)
     driver = sense(chip, io)
     if driver < 0:
-        r[RUN_FAILED] = PART_MOTION
+        run[RUN_FAILED] = PART_MOTION
         driver = 0
     wanted = take_motion(foc, cfg, state, io, cal, run, driver)
-    if r[RUN_FAILED] or wanted == BRIDGE_OFF:
-        r[RUN_BRIDGE] = 0
+    if run[RUN_FAILED] or wanted == BRIDGE_OFF:
+        run[RUN_BRIDGE] = 0
         outputs_off(chip)
     elif wanted == BRIDGE_ON:
         write_compares(chip, foc)
         bridge_on(chip)
-        if r[RUN_BRIDGE] == 0:  # an interrupt has switched it off in between
+        if run[RUN_BRIDGE] == 0:  # an interrupt has switched it off in between
             outputs_off(chip)
-    if r[RUN_STEPS] != r[RUN_STEPS_FED]:
-        r[RUN_STEPS_FED] = r[RUN_STEPS]
+    if run[RUN_STEPS] != run[RUN_STEPS_FED]:
+        run[RUN_STEPS_FED] = run[RUN_STEPS]
         c = reg32(chip)
         c[IWDG_KR_32] = _FED
     return driver
 
 
 @hot
-def serve_bus(chip, frame, link, io, foc, cfg, state, run, out) -> int:
+def serve_bus(chip, frame, link, io, foc, cfg, state, run: Ints, out) -> int:
     """Take at most FRAMES_MOST frames that have come; SYNC is answered. Return what take_frame leaves, or -1."""
-    r = ptr32(run)
     for _ in range(FRAMES_MOST):
         came = receive(chip, frame)
         if came < 0:
@@ -64,5 +62,5 @@ def serve_bus(chip, frame, link, io, foc, cfg, state, run, out) -> int:
         if left == WANTS_REPLY:
             identifier = write_reply(link, foc, cfg, state, run, out)
             if identifier and send(chip, identifier, out, REPLY_LENGTH) == 0:
-                r[RUN_UNSENT] = (r[RUN_UNSENT] + 1) & _MASK
+                run[RUN_UNSENT] = (run[RUN_UNSENT] + 1) & _MASK
     return -1

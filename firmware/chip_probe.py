@@ -4,7 +4,7 @@ Timer 1 itself is the clock, at 168 MHz: it stood at the top when the interrupt 
 """
 
 from shared.joint.layout import F_RAW_A
-from shared.runtime import const, hot, ptr32, reg32
+from shared.runtime import Ints, const, hot, reg32
 
 from .chip import TIM1_CNT_32, TIM1_CR1_32
 from .chip_setup import PERIOD
@@ -34,32 +34,29 @@ def since_update(chip) -> int:
 
 
 @hot
-def probed(chip, foc, run, seen, timer) -> int:
+def probed(chip, foc: Ints, run: Ints, seen: Ints, timer) -> int:
     """Do what the interrupt does, and note it; return what became of the bridge."""
-    f = ptr32(foc)
-    r = ptr32(run)
-    s = ptr32(seen)
     entry = since_update(chip)
-    before = r[RUN_LAST_US]
+    before = run[RUN_LAST_US]
     bridge = interrupt(chip, foc, run, timer)
-    if r[RUN_STALE]:
-        s[SEEN_STALE] += 1
+    if run[RUN_STALE]:
+        seen[SEEN_STALE] += 1
     for phase in range(3):
-        raw = f[F_RAW_A + phase]
-        if raw < s[SEEN_RAW_LOW + phase]:
-            s[SEEN_RAW_LOW + phase] = raw
-        if raw > s[SEEN_RAW_HIGH + phase]:
-            s[SEEN_RAW_HIGH + phase] = raw
-    if entry > s[SEEN_ENTRY_MOST]:
-        s[SEEN_ENTRY_MOST] = entry
+        raw = foc[F_RAW_A + phase]
+        if raw < seen[SEEN_RAW_LOW + phase]:
+            seen[SEEN_RAW_LOW + phase] = raw
+        if raw > seen[SEEN_RAW_HIGH + phase]:
+            seen[SEEN_RAW_HIGH + phase] = raw
+    if entry > seen[SEEN_ENTRY_MOST]:
+        seen[SEEN_ENTRY_MOST] = entry
     end = since_update(chip)
-    if end > s[SEEN_END_MOST]:
-        s[SEEN_END_MOST] = end
+    if end > seen[SEEN_END_MOST]:
+        seen[SEEN_END_MOST] = end
     if before < 0:
         return bridge
-    gap = (r[RUN_LAST_US] - before) & _MASK
-    if gap < s[SEEN_GAP_LEAST]:
-        s[SEEN_GAP_LEAST] = gap
-    if gap > s[SEEN_GAP_MOST]:
-        s[SEEN_GAP_MOST] = gap
+    gap = (run[RUN_LAST_US] - before) & _MASK
+    if gap < seen[SEEN_GAP_LEAST]:
+        seen[SEEN_GAP_LEAST] = gap
+    if gap > seen[SEEN_GAP_MOST]:
+        seen[SEEN_GAP_MOST] = gap
     return bridge

@@ -6,7 +6,7 @@ the rest is got ready.
 """
 
 from shared.joint.layout import F_DUTY_A, F_DUTY_B, F_DUTY_C, F_RAW_A, F_RAW_B, F_RAW_C
-from shared.runtime import const, hot, ptr32, reg16, reg32
+from shared.runtime import Ints, const, hot, reg16, reg32
 
 from .chip import (
     ADC1_JDR1_32,
@@ -76,36 +76,33 @@ def rotor_angle(chip) -> int:
 
 
 @hot
-def take_samples(chip, foc, run) -> int:
+def take_samples(chip, foc: Ints, run: Ints) -> int:
     """Write the shunts' samples to F_RAW_*; return 0 after too many steps in a row without new ones, else 1."""
     c = reg32(chip)
-    f = ptr32(foc)
-    r = ptr32(run)
-    r[RUN_STALE] += 1
+    run[RUN_STALE] += 1
     for _ in range(_SAMPLE_POLLS):
         if c[ADC1_SR_32] & c[ADC2_SR_32] & c[ADC3_SR_32] & JEOC:
             c[ADC1_SR_32] = _ALL_BUT_JEOC
             c[ADC2_SR_32] = _ALL_BUT_JEOC
             c[ADC3_SR_32] = _ALL_BUT_JEOC
-            r[RUN_STALE] = 0
+            run[RUN_STALE] = 0
             break
-    f[F_RAW_A] = c[ADC1_JDR1_32] & 0xFFF
-    f[F_RAW_B] = c[ADC2_JDR1_32] & 0xFFF
-    f[F_RAW_C] = c[ADC3_JDR1_32] & 0xFFF
-    if r[RUN_STALE] > STALE_MOST:
-        r[RUN_FAILED] = PART_STEP
+    foc[F_RAW_A] = c[ADC1_JDR1_32] & 0xFFF
+    foc[F_RAW_B] = c[ADC2_JDR1_32] & 0xFFF
+    foc[F_RAW_C] = c[ADC3_JDR1_32] & 0xFFF
+    if run[RUN_STALE] > STALE_MOST:
+        run[RUN_FAILED] = PART_STEP
         return 0
     return 1
 
 
 @hot
-def write_compares(chip, foc) -> int:
+def write_compares(chip, foc: Ints) -> int:
     """Set the compares; they act from the next update event on, all at once. Return 0."""
     c = reg32(chip)
-    f = ptr32(foc)
-    c[TIM1_CCR1_32] = f[F_DUTY_A]
-    c[TIM1_CCR2_32] = f[F_DUTY_B]
-    c[TIM1_CCR3_32] = f[F_DUTY_C]
+    c[TIM1_CCR1_32] = foc[F_DUTY_A]
+    c[TIM1_CCR2_32] = foc[F_DUTY_B]
+    c[TIM1_CCR3_32] = foc[F_DUTY_C]
     return 0
 
 
@@ -118,10 +115,9 @@ def bridge_on(chip) -> int:
 
 
 @hot
-def bridge_off(chip, run) -> int:
+def bridge_off(chip, run: Ints) -> int:
     """Switch all six gates off; return BRIDGE_OFF."""
-    r = ptr32(run)
-    r[RUN_BRIDGE] = 0
+    run[RUN_BRIDGE] = 0
     return outputs_off(chip)
 
 

@@ -32,7 +32,7 @@ from shared.planner_layout import (
     S_ROLL,
     SENSED_SIZE,
 )
-from shared.runtime import const, hot, ptr8, ptr32
+from shared.runtime import Ints, const, hot, ptr8
 
 from .link import (
     COMMAND,
@@ -122,12 +122,11 @@ class GaitBoard:
 
 
 @hot
-def take_frames(reader, frame, numbers, command, sensed, data, count: int) -> int:
+def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int) -> int:
     """Take data[:count] and do what complete frames say; return the kind of one that is left to the caller, else 0.
 
     After a kind that is not 0, call again with the same data: it goes on behind that frame (link.next_frame).
     """
-    n = ptr32(numbers)
     f = ptr8(frame)
     kind = next_frame(reader, frame, data, count)
     while kind:
@@ -136,145 +135,128 @@ def take_frames(reader, frame, numbers, command, sensed, data, count: int) -> in
         elif kind == SENSED:
             take_joints(reader, frame, sensed)
         elif kind == STOP:
-            n[B_STOPPED] = 1
+            numbers[B_STOPPED] = 1
         elif kind == RESET:
             reset(numbers, command)
         else:
             if kind == READ:
-                n[B_QUESTION] = f[TAKEN]
+                numbers[B_QUESTION] = f[TAKEN]
             return kind
         kind = next_frame(reader, frame, data, count)
     return 0
 
 
 @hot
-def take_command(reader, frame, numbers, command) -> int:
+def take_command(reader, frame, numbers: Ints, command: Ints) -> int:
     """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
-    c = ptr32(command)
-    n = ptr32(numbers)
     if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
         return 0
     for i in range(COMMAND_SIZE):
-        c[i] = read_int30(frame, TAKEN + 4 * i)
-    n[B_AGE] = 0
+        command[i] = read_int30(frame, TAKEN + 4 * i)
+    numbers[B_AGE] = 0
     return 1
 
 
 @hot
-def take_joints(reader, frame, sensed) -> int:
+def take_joints(reader, frame, sensed: Ints) -> int:
     """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
-    s = ptr32(sensed)
     if is_length(reader, frame, 2 * JOINTS) == 0:
         return 0
     read_each(frame, TAKEN, sensed, S_JOINTS, JOINTS)
-    s[S_JOINTS_OK] = 1
+    sensed[S_JOINTS_OK] = 1
     return 1
 
 
 @hot
-def is_length(reader, frame, length: int) -> int:
+def is_length(reader: Ints, frame, length: int) -> int:
     """Return 1 if the frame's payload has this length; else count it as broken and return 0."""
-    r = ptr32(reader)
     f = ptr8(frame)
     if f[1] == length:
         return 1
-    r[R_BROKEN] = (r[R_BROKEN] + 1) & _MASK
+    reader[R_BROKEN] = (reader[R_BROKEN] + 1) & _MASK
     return 0
 
 
 @hot
-def reset(numbers, command) -> int:
+def reset(numbers: Ints, command: Ints) -> int:
     """Drive again; what was commanded before is not obeyed after it. Return 0."""
-    n = ptr32(numbers)
-    c = ptr32(command)
-    n[B_STOPPED] = 0
-    c[C_MODE] = MODE_LIMP
+    numbers[B_STOPPED] = 0
+    command[C_MODE] = MODE_LIMP
     return 0
 
 
 @hot
-def tick(board, planner, numbers, command, obeyed, sensed, fault: int) -> int:
+def tick(board, planner, numbers: Ints, command, obeyed, sensed, fault: int) -> int:
     """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
-    n = ptr32(numbers)
     sense(board.attitude, board.counts, sensed, fault)
     obey(numbers, command, obeyed, fault)
     flags = plan(planner, obeyed, sensed)
-    n[B_FLAGS] = flags | own_flags(numbers, sensed, fault)
-    n[B_TICKS] = (n[B_TICKS] + 1) & _MASK
-    if n[B_AGE] < n[B_STALE]:
-        n[B_AGE] += 1
+    numbers[B_FLAGS] = flags | own_flags(numbers, sensed, fault)
+    numbers[B_TICKS] = (numbers[B_TICKS] + 1) & _MASK
+    if numbers[B_AGE] < numbers[B_STALE]:
+        numbers[B_AGE] += 1
     return write_setpoints(board.setpoints, numbers, planner.numbers, planner.joints)
 
 
 @hot
-def sense(attitude, counts, sensed, fault: int) -> int:
+def sense(attitude: Ints, counts, sensed: Ints, fault: int) -> int:
     """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
-    s = ptr32(sensed)
-    a = ptr32(attitude)
-    s[S_ATTITUDE_OK] = 0
+    sensed[S_ATTITUDE_OK] = 0
     if fault:
         return 0
     aligning = attitude_step(attitude, counts) & ALIGNING
     if aligning == 0:
-        s[S_ATTITUDE_OK] = 1
-    s[S_ROLL] = a[A_ROLL]
-    s[S_PITCH] = a[A_PITCH]
-    return s[S_ATTITUDE_OK]
+        sensed[S_ATTITUDE_OK] = 1
+    sensed[S_ROLL] = attitude[A_ROLL]
+    sensed[S_PITCH] = attitude[A_PITCH]
+    return sensed[S_ATTITUDE_OK]
 
 
 @hot
-def obey(numbers, command, obeyed, fault: int) -> int:
+def obey(numbers: Ints, command: Ints, obeyed: Ints, fault: int) -> int:
     """Turn the command as received into what the planner may do now; return its mode."""
-    n = ptr32(numbers)
-    c = ptr32(command)
-    o = ptr32(obeyed)
     for i in range(COMMAND_SIZE):
-        o[i] = c[i]
-    if n[B_STOPPED]:
-        o[C_MODE] = MODE_LIMP
-    elif n[B_AGE] >= n[B_STALE] and o[C_MODE] == MODE_WALK:
-        o[C_MODE] = MODE_STAND
+        obeyed[i] = command[i]
+    if numbers[B_STOPPED]:
+        obeyed[C_MODE] = MODE_LIMP
+    elif numbers[B_AGE] >= numbers[B_STALE] and obeyed[C_MODE] == MODE_WALK:
+        obeyed[C_MODE] = MODE_STAND
     if fault:
-        o[C_BALANCE] = 0
+        obeyed[C_BALANCE] = 0
         for axis in range(3):
-            o[C_SPEED + axis] = c[C_SPEED + axis] >> 1
-    return o[C_MODE]
+            obeyed[C_SPEED + axis] = command[C_SPEED + axis] >> 1
+    return obeyed[C_MODE]
 
 
 @hot
-def own_flags(numbers, sensed, fault: int) -> int:
+def own_flags(numbers: Ints, sensed: Ints, fault: int) -> int:
     """Return the application's flags."""
-    n = ptr32(numbers)
-    s = ptr32(sensed)
     flags = fault << _FAULT_SHIFT
     if fault:
         flags |= SENSOR_FAULT
-    elif s[S_ATTITUDE_OK] == 0:
+    elif sensed[S_ATTITUDE_OK] == 0:
         flags |= ALIGNING_NOW
-    if n[B_AGE] >= n[B_STALE]:
+    if numbers[B_AGE] >= numbers[B_STALE]:
         flags |= COMMAND_STALE
-    if n[B_STOPPED]:
+    if numbers[B_STOPPED]:
         flags |= STOPPED
     return flags
 
 
 @hot
-def write_setpoints(frame, numbers, planned, joints) -> int:
+def write_setpoints(frame, numbers: Ints, planned: Ints, joints) -> int:
     """Write the SETPOINTS frame; return the flags in it."""
-    n = ptr32(numbers)
-    p = ptr32(planned)
-    at = put(frame, PAYLOAD, n[B_TICKS], 4)
-    at = put(frame, at, n[B_FLAGS], 4)
-    at = put(frame, at, p[N_STATE], 1)
-    at = put(frame, at, p[N_GAIT], 1)
+    at = put(frame, PAYLOAD, numbers[B_TICKS], 4)
+    at = put(frame, at, numbers[B_FLAGS], 4)
+    at = put(frame, at, planned[N_STATE], 1)
+    at = put(frame, at, planned[N_GAIT], 1)
     close_frame(frame, SETPOINTS, put_each(frame, at, joints, JOINTS, 2))
-    return n[B_FLAGS]
+    return numbers[B_FLAGS]
 
 
 @hot
-def write_reading(frame, numbers, fault: int, counts) -> int:
+def write_reading(frame, numbers: Ints, fault: int, counts) -> int:
     """Write the READING frame; return its length."""
-    n = ptr32(numbers)
-    at = put(frame, PAYLOAD, n[B_QUESTION], 1)
+    at = put(frame, PAYLOAD, numbers[B_QUESTION], 1)
     at = put(frame, at, fault, 1)
     return close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))

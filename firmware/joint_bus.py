@@ -17,7 +17,7 @@ from shared.joint.layout import (
     S_REQUEST,
 )
 from shared.joint.report import report_current, report_position, report_velocity
-from shared.runtime import const, hot, ptr32
+from shared.runtime import Ints, const, hot
 from shared.wire.codec import encode_reply
 from shared.wire.names import (
     NOT_AVAILABLE,
@@ -91,90 +91,80 @@ def take_frame(link, io, came: int, frame) -> int:
 
 
 @hot
-def use_setpoint(link, io) -> int:
+def use_setpoint(link: Ints, io: Ints) -> int:
     """Copy the latched set-point to where the control reads it; only this feeds the watchdog. Return its mode."""
-    k = ptr32(link)
-    i = ptr32(io)
-    mode = k[LINK_MODE]
+    mode = link[LINK_MODE]
     velocity = KIND_VELOCITY_FEEDFORWARD
     if mode == KIND_VELOCITY + 1:
         velocity = KIND_VELOCITY
     current = KIND_CURRENT_FEEDFORWARD
     if mode == KIND_CURRENT + 1:
         current = KIND_CURRENT
-    i[IO_MODE] = mode
-    i[IO_POSITION] = k[LINK_LATCHED + mode - 1]
-    i[IO_VELOCITY] = k[LINK_LATCHED + velocity]
-    i[IO_CURRENT] = k[LINK_LATCHED + current]
-    i[IO_STIFFNESS] = k[LINK_LATCHED + KIND_STIFFNESS]
-    i[IO_DAMPING] = k[LINK_LATCHED + KIND_DAMPING]
-    i[IO_SEQUENCE] = (i[IO_SEQUENCE] + 1) & _MASK
+    io[IO_MODE] = mode
+    io[IO_POSITION] = link[LINK_LATCHED + mode - 1]
+    io[IO_VELOCITY] = link[LINK_LATCHED + velocity]
+    io[IO_CURRENT] = link[LINK_LATCHED + current]
+    io[IO_STIFFNESS] = link[LINK_LATCHED + KIND_STIFFNESS]
+    io[IO_DAMPING] = link[LINK_LATCHED + KIND_DAMPING]
+    io[IO_SEQUENCE] = (io[IO_SEQUENCE] + 1) & _MASK
     return mode
 
 
 @hot
-def write_reply(link, foc, cfg, state, run, out) -> int:
+def write_reply(link: Ints, foc, cfg, state: Ints, run: Ints, out) -> int:
     """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node."""
-    k = ptr32(link)
-    s = ptr32(state)
-    r = ptr32(run)
-    if k[LINK_NODE] == 0:
+    if link[LINK_NODE] == 0:
         return 0
-    r[RUN_REPLY + REPLY_POSITION] = NOT_AVAILABLE
-    if s[S_HOMED]:
-        r[RUN_REPLY + REPLY_POSITION] = report_position(cfg, state)
-    r[RUN_REPLY + REPLY_VELOCITY] = report_velocity(cfg, state)
-    r[RUN_REPLY + REPLY_CURRENT] = report_current(foc, cfg)
+    run[RUN_REPLY + REPLY_POSITION] = NOT_AVAILABLE
+    if state[S_HOMED]:
+        run[RUN_REPLY + REPLY_POSITION] = report_position(cfg, state)
+    run[RUN_REPLY + REPLY_VELOCITY] = report_velocity(cfg, state)
+    run[RUN_REPLY + REPLY_CURRENT] = report_current(foc, cfg)
     encode_reply(out, run, RUN_REPLY)
-    return REPLY_ID + k[LINK_NODE]
+    return REPLY_ID + link[LINK_NODE]
 
 
 @hot
-def is_armed(state) -> int:
+def is_armed(state: Ints) -> int:
     """Return 1 from the moment arming was accepted until the torque is gone, else 0."""
-    s = ptr32(state)
-    if s[S_REQUEST] == REQUEST_ARM:
+    if state[S_REQUEST] == REQUEST_ARM:
         return 1
-    if s[S_DRIVE] >= STATE_READY and s[S_DRIVE] <= STATE_FAULT_REACTION:
+    if state[S_DRIVE] >= STATE_READY and state[S_DRIVE] <= STATE_FAULT_REACTION:
         return 1
     return 0
 
 
 @hot
-def leave_session(link, state, io) -> int:
+def leave_session(link, state: Ints, io: Ints) -> int:
     """A session lasts from arming to the end of torque; then every set-point is forgotten. Return 1 if it ended now."""
-    s = ptr32(state)
-    i = ptr32(io)
-    if i[IO_SESSION] == 0 or is_armed(state):
+    if io[IO_SESSION] == 0 or is_armed(state):
         return 0
-    if s[S_DRIVE] != STATE_FAULT and s[S_DRIVE] != STATE_SWITCH_ON_DISABLED:
+    if state[S_DRIVE] != STATE_FAULT and state[S_DRIVE] != STATE_SWITCH_ON_DISABLED:
         return 0
     end_session(link)
-    i[IO_SESSION] = 0
-    i[IO_HASH_OK] = 0
-    i[IO_MODE] = 0
+    io[IO_SESSION] = 0
+    io[IO_HASH_OK] = 0
+    io[IO_MODE] = 0
     return 1
 
 
 @hot
-def what_to_tell(told, link, state, io) -> int:
+def what_to_tell(told: Ints, link, state: Ints, io) -> int:
     """Once a millisecond: end a session that is over; return TELL_* bits of what the host is to be told now."""
-    t = ptr32(told)
-    s = ptr32(state)
     tell = 0
     if leave_session(link, state, io):
         tell = SESSION_OVER
-    t[TOLD_STATUS_MS] += 1
-    t[TOLD_FAULT_MS] += 1
-    if t[TOLD_STATUS_MS] >= _STATUS_MS:
-        t[TOLD_STATUS_MS] = 0
+    told[TOLD_STATUS_MS] += 1
+    told[TOLD_FAULT_MS] += 1
+    if told[TOLD_STATUS_MS] >= _STATUS_MS:
+        told[TOLD_STATUS_MS] = 0
         tell = tell | TELL_HEARTBEAT | TELL_STATUS
-    if s[S_DRIVE] != t[TOLD_STATE]:
-        t[TOLD_STATE] = s[S_DRIVE]
+    if state[S_DRIVE] != told[TOLD_STATE]:
+        told[TOLD_STATE] = state[S_DRIVE]
         tell = tell | TELL_HEARTBEAT
-    code = s[S_FAULT_CODE]
-    if code and (code != t[TOLD_FAULT] or t[TOLD_FAULT_MS] >= _FAULT_MS):
-        t[TOLD_FAULT_MS] = 0
+    code = state[S_FAULT_CODE]
+    if code and (code != told[TOLD_FAULT] or told[TOLD_FAULT_MS] >= _FAULT_MS):
+        told[TOLD_FAULT_MS] = 0
         tell = tell | TELL_FAULT
-    t[TOLD_FAULT] = code
+    told[TOLD_FAULT] = code
     return tell

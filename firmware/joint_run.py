@@ -30,7 +30,7 @@ from shared.joint.layout import (
     TORQUE_OFF,
 )
 from shared.joint.tick import motion_tick
-from shared.runtime import const, hot, ptr32
+from shared.runtime import Ints, const, hot
 
 RUN_BRIDGE = const(0)  # 1: the bridge is on
 RUN_STEPS = const(1)  # current steps, modulo 2^30
@@ -78,143 +78,129 @@ _E_STOP_MS = const(20)  # an emergency stop lasts that long after its last frame
 
 
 @hot
-def take_step(foc, run, now_us: int, rotor: int) -> int:
+def take_step(foc: Ints, run: Ints, now_us: int, rotor: int) -> int:
     """Do a current step on F_RAW_* and the rotor's angle (-1: none) and return what becomes of the bridge.
 
     The samples were taken where the duties of the last step began to act and those of the step before ended: what
     either left no time for is not used.
     """
-    f = ptr32(foc)
-    r = ptr32(run)
-    if r[RUN_LAST_US] >= 0 and ((now_us - r[RUN_LAST_US]) & _MASK) > r[RUN_LATE_US]:
-        r[RUN_LATE] = (r[RUN_LATE] + 1) & _MASK
-    r[RUN_LAST_US] = now_us
-    r[RUN_STEPS] = (r[RUN_STEPS] + 1) & _MASK
-    r[RUN_SINCE_MOTION] += 1
+    if run[RUN_LAST_US] >= 0 and ((now_us - run[RUN_LAST_US]) & _MASK) > run[RUN_LATE_US]:
+        run[RUN_LATE] = (run[RUN_LATE] + 1) & _MASK
+    run[RUN_LAST_US] = now_us
+    run[RUN_STEPS] = (run[RUN_STEPS] + 1) & _MASK
+    run[RUN_SINCE_MOTION] += 1
     invalid = 0
     if rotor < 0:
-        rotor = f[F_ROTOR]
+        rotor = foc[F_ROTOR]
         invalid = 1
-    masked = f[F_MASKED]
-    f[F_MASKED] = masked | r[RUN_MASKED]
-    r[RUN_MASKED] = masked
+    masked = foc[F_MASKED]
+    foc[F_MASKED] = masked | run[RUN_MASKED]
+    run[RUN_MASKED] = masked
     code = current_step(rotor, invalid, foc)
     if code:
         code = current_repair(code, rotor, invalid, foc)
-    if r[RUN_OFFSET_STEPS] > 0:
-        r[RUN_SUM_A] += f[F_RAW_A]
-        r[RUN_SUM_B] += f[F_RAW_B]
-        r[RUN_SUM_C] += f[F_RAW_C]
-        r[RUN_OFFSET_STEPS] -= 1
-    if code or r[RUN_SINCE_MOTION] > _MOTION_LATE_STEPS:
-        r[RUN_BRIDGE] = 0
+    if run[RUN_OFFSET_STEPS] > 0:
+        run[RUN_SUM_A] += foc[F_RAW_A]
+        run[RUN_SUM_B] += foc[F_RAW_B]
+        run[RUN_SUM_C] += foc[F_RAW_C]
+        run[RUN_OFFSET_STEPS] -= 1
+    if code or run[RUN_SINCE_MOTION] > _MOTION_LATE_STEPS:
+        run[RUN_BRIDGE] = 0
         return BRIDGE_OFF
-    return r[RUN_BRIDGE]
+    return run[RUN_BRIDGE]
 
 
 @hot
-def note_fault(run, io, code: int, value: int) -> int:
+def note_fault(run: Ints, io: Ints, code: int, value: int) -> int:
     """Report a fault of the hardware; the first stands until it has not been raised for 20 ms. Return that."""
-    r = ptr32(run)
-    i = ptr32(io)
-    if i[IO_HARDWARE_FAULT] == FAULT_NONE:
-        i[IO_HARDWARE_FAULT] = code
-        i[IO_HARDWARE_VALUE] = value
-    if i[IO_HARDWARE_FAULT] == code:
-        r[RUN_HOLD_MS] = _HOLD_MS
-    return i[IO_HARDWARE_FAULT]
+    if io[IO_HARDWARE_FAULT] == FAULT_NONE:
+        io[IO_HARDWARE_FAULT] = code
+        io[IO_HARDWARE_VALUE] = value
+    if io[IO_HARDWARE_FAULT] == code:
+        run[RUN_HOLD_MS] = _HOLD_MS
+    return io[IO_HARDWARE_FAULT]
 
 
 @hot
-def note_stop(run, io) -> int:
+def note_stop(run: Ints, io: Ints) -> int:
     """Take an emergency stop; return BRIDGE_OFF."""
-    r = ptr32(run)
-    i = ptr32(io)
-    r[RUN_BRIDGE] = 0
-    r[RUN_E_STOP_MS] = _E_STOP_MS
-    i[IO_E_STOP] = 1
+    run[RUN_BRIDGE] = 0
+    run[RUN_E_STOP_MS] = _E_STOP_MS
+    io[IO_E_STOP] = 1
     return BRIDGE_OFF
 
 
 @hot
-def take_motion(foc, cfg, state, io, cal, run, driver: int) -> int:
+def take_motion(foc, cfg, state, io, cal, run: Ints, driver: int) -> int:
     """Do a motion tick on what IO_* holds; return what becomes of the bridge. driver: its fault registers, 0 none."""
-    r = ptr32(run)
     _watch_joint_encoder(foc, cfg, state, io, run)
     if driver:
         note_fault(run, io, FAULT_DRIVER, driver)
     stopped = _watch(run, io)
     torque = motion_tick(foc, cfg, state, io, cal)
-    r[RUN_SINCE_MOTION] = 0
+    run[RUN_SINCE_MOTION] = 0
     if torque == TORQUE_OFF or stopped or driver:
-        r[RUN_BRIDGE] = 0
+        run[RUN_BRIDGE] = 0
         return BRIDGE_OFF
-    if r[RUN_BRIDGE]:
+    if run[RUN_BRIDGE]:
         return BRIDGE_STAYS
-    r[RUN_BRIDGE] = 1
+    run[RUN_BRIDGE] = 1
     return BRIDGE_ON
 
 
 @hot
-def _watch_joint_encoder(foc, cfg, state, io, run) -> int:
+def _watch_joint_encoder(foc, cfg: Ints, state, io: Ints, run: Ints) -> int:
     """Count what the joint's encoder left unanswered, get ready once offsets are measured; return IO_HARDWARE_READY."""
-    k = ptr32(cfg)
-    r = ptr32(run)
-    i = ptr32(io)
-    r[RUN_INVALID_MS] += 1
-    if i[IO_JOINT_VALID]:
-        r[RUN_INVALID_MS] = 0
-    if r[RUN_READY] == 0 and r[RUN_OFFSET_STEPS] == 0 and r[RUN_STEPS] >= OFFSET_STEPS:
+    run[RUN_INVALID_MS] += 1
+    if io[IO_JOINT_VALID]:
+        run[RUN_INVALID_MS] = 0
+    if run[RUN_READY] == 0 and run[RUN_OFFSET_STEPS] == 0 and run[RUN_STEPS] >= OFFSET_STEPS:
         _take_offsets(foc, cfg, io, run)
         home_by_encoder(cfg, state, io)
-    i[IO_HARDWARE_READY] = r[RUN_READY]
-    if k[K_HAS_JOINT_ENCODER] and r[RUN_INVALID_MS] > _INVALID_MS:
-        i[IO_HARDWARE_READY] = 0
-    return i[IO_HARDWARE_READY]
+    io[IO_HARDWARE_READY] = run[RUN_READY]
+    if cfg[K_HAS_JOINT_ENCODER] and run[RUN_INVALID_MS] > _INVALID_MS:
+        io[IO_HARDWARE_READY] = 0
+    return io[IO_HARDWARE_READY]
 
 
 @hot
-def _take_offsets(foc, cfg, io, run) -> int:
+def _take_offsets(foc, cfg: Ints, io, run: Ints) -> int:
     """Use the offsets measured with the bridge off and return 1, or refuse to become ready and return 0."""
-    k = ptr32(cfg)
-    r = ptr32(run)
     for phase in range(3):
-        mean = r[RUN_SUM_A + phase] // OFFSET_STEPS
-        if mean < 2048 - k[K_OFFSET_SPREAD] or mean > 2048 + k[K_OFFSET_SPREAD]:
-            r[RUN_OFFSET_STEPS] = -1
+        mean = run[RUN_SUM_A + phase] // OFFSET_STEPS
+        if mean < 2048 - cfg[K_OFFSET_SPREAD] or mean > 2048 + cfg[K_OFFSET_SPREAD]:
+            run[RUN_OFFSET_STEPS] = -1
             note_fault(run, io, FAULT_CURRENT_SENSE, mean - 2048)
             return 0
     shift = OFFSET_STEPS // 16
-    set_offsets(foc, r[RUN_SUM_A] // shift, r[RUN_SUM_B] // shift, r[RUN_SUM_C] // shift)
-    r[RUN_READY] = 1
+    set_offsets(foc, run[RUN_SUM_A] // shift, run[RUN_SUM_B] // shift, run[RUN_SUM_C] // shift)
+    run[RUN_READY] = 1
     return 1
 
 
 @hot
-def _watch(run, io) -> int:
+def _watch(run: Ints, io: Ints) -> int:
     """Look for what only the application sees: a part that failed, late interrupts; return 1 if they have stopped."""
-    r = ptr32(run)
-    i = ptr32(io)
-    if r[RUN_FAILED]:
-        note_fault(run, io, FAULT_EXCEPTION, r[RUN_FAILED])
-        r[RUN_FAILED] = 0
-    r[RUN_STILL_MS] += 1
-    if r[RUN_STEPS] != r[RUN_STEPS_SEEN]:
-        r[RUN_STEPS_SEEN] = r[RUN_STEPS]
-        r[RUN_STILL_MS] = 0
+    if run[RUN_FAILED]:
+        note_fault(run, io, FAULT_EXCEPTION, run[RUN_FAILED])
+        run[RUN_FAILED] = 0
+    run[RUN_STILL_MS] += 1
+    if run[RUN_STEPS] != run[RUN_STEPS_SEEN]:
+        run[RUN_STEPS_SEEN] = run[RUN_STEPS]
+        run[RUN_STILL_MS] = 0
     stopped = 0
-    if r[RUN_STILL_MS] >= _STOPPED_MS:
+    if run[RUN_STILL_MS] >= _STOPPED_MS:
         stopped = 1
-        note_fault(run, io, FAULT_INTERRUPT_STOPPED, r[RUN_STILL_MS])
-    late = r[RUN_LATE] - r[RUN_LATE_SEEN]
+        note_fault(run, io, FAULT_INTERRUPT_STOPPED, run[RUN_STILL_MS])
+    late = run[RUN_LATE] - run[RUN_LATE_SEEN]
     if late >= _LATE_MOST:
         note_fault(run, io, FAULT_OVERRUN, late)
-    if r[RUN_HOLD_MS] > 0:
-        r[RUN_HOLD_MS] -= 1
-    elif i[IO_HARDWARE_FAULT]:
-        i[IO_HARDWARE_FAULT] = FAULT_NONE
-    if r[RUN_E_STOP_MS] > 0:
-        r[RUN_E_STOP_MS] -= 1
+    if run[RUN_HOLD_MS] > 0:
+        run[RUN_HOLD_MS] -= 1
+    elif io[IO_HARDWARE_FAULT]:
+        io[IO_HARDWARE_FAULT] = FAULT_NONE
+    if run[RUN_E_STOP_MS] > 0:
+        run[RUN_E_STOP_MS] -= 1
     else:
-        i[IO_E_STOP] = 0
+        io[IO_E_STOP] = 0
     return stopped

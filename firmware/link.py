@@ -9,7 +9,7 @@ built in its own bytes (``put`` ... ``close_frame``).
 
 from array import array
 
-from shared.runtime import const, hot, ptr8, ptr32
+from shared.runtime import Ints, const, hot, ptr8
 
 SYNC_0 = const(0xCA)
 SYNC_1 = const(0x5E)
@@ -54,17 +54,16 @@ def crc16(data, start: int, end: int) -> int:
 
 
 @hot
-def next_frame(reader, frame, data, count: int) -> int:
+def next_frame(reader: Ints, frame, data, count: int) -> int:
     """Take data[reader[R_NEXT]:count] up to the end of the first whole frame; return its kind.
 
     frame[TAKEN:TAKEN + frame[1]] is then its payload, and the next call goes on behind it. Return 0 when all is taken;
     then the next call begins with the first byte of its data. How a stream is split into data does not matter.
     """
-    r = ptr32(reader)
     f = ptr8(frame)
     d = ptr8(data)
-    at = r[R_AT]
-    i = r[R_NEXT]
+    at = reader[R_AT]
+    i = reader[R_NEXT]
     kind = 0
     while i < count and kind == 0:
         byte = d[i]
@@ -79,10 +78,10 @@ def next_frame(reader, frame, data, count: int) -> int:
             elif at >= 4 and at == f[1] + OVERHEAD:
                 at = 0
                 kind = _checked(reader, frame)
-    r[R_AT] = at
-    r[R_NEXT] = i
+    reader[R_AT] = at
+    reader[R_NEXT] = i
     if kind == 0:
-        r[R_NEXT] = 0
+        reader[R_NEXT] = 0
     return kind
 
 
@@ -107,10 +106,9 @@ def _checked(reader, frame) -> int:
 
 
 @hot
-def _drop(reader) -> int:
+def _drop(reader: Ints) -> int:
     """Count a broken frame; return 0."""
-    r = ptr32(reader)
-    r[R_BROKEN] = (r[R_BROKEN] + 1) & _MASK
+    reader[R_BROKEN] = (reader[R_BROKEN] + 1) & _MASK
     return 0
 
 
@@ -125,11 +123,10 @@ def put(frame, at: int, value: int, size: int) -> int:
 
 
 @hot
-def put_each(frame, at: int, values, count: int, size: int) -> int:
+def put_each(frame, at: int, values: Ints, count: int, size: int) -> int:
     """Write the low ``size`` bytes of each of ``count`` numbers; return where the next one goes."""
-    v = ptr32(values)
     for i in range(count):
-        at = put(frame, at, v[i], size)
+        at = put(frame, at, values[i], size)
     return at
 
 
@@ -168,11 +165,10 @@ def read_int30(data, at: int) -> int:
 
 
 @hot
-def read_each(data, at: int, values, start: int, count: int) -> int:
+def read_each(data, at: int, values: Ints, start: int, count: int) -> int:
     """Write ``count`` signed 16-bit numbers from ``at`` on into values[start:]; return 0."""
-    v = ptr32(values)
     for i in range(count):
-        v[start + i] = read_int16(data, at + 2 * i)
+        values[start + i] = read_int16(data, at + 2 * i)
     return 0
 
 

@@ -15,7 +15,7 @@ The gyro's bias is not this file's: shared/attitude.py averages it while the rob
 import time
 from array import array
 
-from shared.runtime import const, hot, ptr8, ptr32
+from shared.runtime import Ints, const, hot, ptr8
 
 OK = const(0)
 MISSING = const(1)
@@ -137,33 +137,31 @@ def factory_trims(registers):
 
 
 @hot
-def judge(raw, last, runs, counts, fault: int) -> int:
+def judge(raw, last, runs, counts: Ints, fault: int) -> int:
     """Return what is wrong with a reading, OK if nothing is; then the six counts, gyro first, are in ``counts``.
 
     ``last``, ``runs``: the reading before and the runs up to it, kept here. ``fault``: the one before this reading;
     SELF_TEST and MISSING stay, as only start() clears them: the settings are gone after a power loss.
     """
-    c = ptr32(counts)
     found = _runs_of(raw, last, runs)
     if fault == SELF_TEST or fault == MISSING:
         return fault
     if found == OK:
         for axis in range(3):
-            c[axis] = count_at(raw, _GYRO + 2 * axis)
-            c[axis + 3] = count_at(raw, 2 * axis)
+            counts[axis] = count_at(raw, _GYRO + 2 * axis)
+            counts[axis + 3] = count_at(raw, 2 * axis)
     return found
 
 
 @hot
-def _runs_of(raw, last, runs) -> int:
+def _runs_of(raw, last, runs: Ints) -> int:
     """Continue or end the runs with a reading, and keep it; return STUCK, SATURATED or OK. Temperature is left out."""
     r = ptr8(raw)
     before = ptr8(last)
-    u = ptr32(runs)
-    same = u[_SAME]
+    same = runs[_SAME]
     if same < STUCK_READS:
         same += 1
-    longer = u[_FULL]
+    longer = runs[_FULL]
     if longer < SATURATED_READS:
         longer += 1
     full = 0
@@ -176,8 +174,8 @@ def _runs_of(raw, last, runs) -> int:
                 full = longer
         before[i] = r[i]
         before[i + 1] = r[i + 1]
-    u[_SAME] = same
-    u[_FULL] = full
+    runs[_SAME] = same
+    runs[_FULL] = full
     if same == STUCK_READS:
         return STUCK
     if full == SATURATED_READS:

@@ -35,7 +35,7 @@ from .params import (
     LF_BITS,
     Params,
 )
-from .runtime import const, hot, ptr32, zeros
+from .runtime import Ints, const, hot, zeros
 from .sensing import (
     M_FORCE_Q12,
     M_KNOWN,
@@ -100,8 +100,8 @@ class Adaptive:
 @hot
 def adaptive_reset(params: Params, walk: Adaptive) -> int:
     """Forget everything: the own weight, a level ground, no motion; return 0."""
-    w = ptr32(walk.state)
-    f = ptr32(walk.load)
+    w = walk.state
+    f = walk.load
     for at in range(W_SIZE):
         w[at] = 0
     for at in range(LOAD_SIZE):
@@ -117,7 +117,7 @@ def adaptive_reset(params: Params, walk: Adaptive) -> int:
 @hot
 def adaptive_start(params: Params, walk: Adaptive) -> int:
     """Begin to walk from a stand: slowly, the reference where the robot is; return 0."""
-    w = ptr32(walk.state)
+    w = walk.state
     w[W_FASTEST] = params.start_speed
     w[W_SWAY_FROM] = w[W_SWAY]
     w[W_SWAY_TO] = w[W_SWAY]
@@ -135,9 +135,9 @@ def feel_legs(params: Params, walk: Adaptive, joints, first: int, known: int, ro
     roll, pitch: brad within +-32768. The weight follows the sum of the feet's forces, slowly and only while all feet
     surely stand; it reads 5 to 18 % low in simulation. Intermediates below those of sense_legs.
     """
-    w = ptr32(walk.state)
-    m = ptr32(walk.sensing)
-    firm = ptr32(walk.firm)
+    w = walk.state
+    m = walk.sensing
+    firm = walk.firm
     if known == 0:
         m[M_KNOWN] = 0
         m[M_MOVED_X] = 0
@@ -168,9 +168,9 @@ def feel_ground(
 
     roll, pitch: the measured tilt; plane_...: how the feet's plane lies against the level, all brad.
     """
-    w = ptr32(walk.state)
-    m = ptr32(walk.sensing)
-    firm = ptr32(walk.firm)
+    w = walk.state
+    m = walk.sensing
+    firm = walk.firm
     w[W_ROUGH] = roughness(params, w[W_ROUGH], roll_brad, pitch_brad)
     if m[M_KNOWN] and firm[0] and firm[1] and firm[2] and firm[3]:
         w[W_TWIST] = follow_twist(params, w[W_TWIST], twist(walk.sensing, plane_roll, plane_pitch))
@@ -184,9 +184,9 @@ def drive_speed(params: Params, walk: Adaptive, speed, drive) -> int:
 
     Without odometry the speeds are the commanded ones.
     """
-    w = ptr32(walk.state)
-    m = ptr32(walk.sensing)
-    e = ptr32(walk.nav)
+    w = walk.state
+    m = walk.sensing
+    e = walk.nav
     w[W_FASTEST] = saturate(w[W_FASTEST] + params.start_slew, 0, 0x7FFFF)
     if m[M_KNOWN] < 2:
         navigate_reset(walk.nav)
@@ -207,21 +207,19 @@ def drive_speed(params: Params, walk: Adaptive, speed, drive) -> int:
 
 
 @hot
-def retime(params: Params, gait, speed) -> int:
+def retime(params: Params, gait: Ints, speed: Ints) -> int:
     """Give the gait's segments the lengths for the present speed; return the ticks of half a cycle.
 
     The body moves on in the swings at half its mean speed: faster in the swing tips more, slower jerks. Only at the
     start of a segment. Intermediates: 2^19 * 2^10.
     """
-    g = ptr32(gait)
-    v = ptr32(speed)
-    now = v[SPEED_X]
+    now = speed[SPEED_X]
     if now < 0:
         now = -now
-    if v[SPEED_Y] < 0:
-        now -= v[SPEED_Y]
+    if speed[SPEED_Y] < 0:
+        now -= speed[SPEED_Y]
     else:
-        now += v[SPEED_Y]
+        now += speed[SPEED_Y]
     span = params.fast_speed - params.slow_speed
     if span < 1:
         span = 1
@@ -229,41 +227,38 @@ def retime(params: Params, gait, speed) -> int:
     body = params.body_slow + ((params.body_fast - params.body_slow) * now + (span >> 1)) // span
     swing = params.swing_slow + ((params.swing_fast - params.swing_slow) * now + (span >> 1)) // span
     for row in range(G_ROWS, G_ROWS + 4 * ROW_SIZE, 2 * ROW_SIZE):
-        g[row + ROW_TICKS] = body
-        g[row + ROW_ADVANCE_Q4] = (body << 4) + (swing << 3)
-        g[row + ROW_SIZE + ROW_TICKS] = swing
-        g[row + ROW_SIZE + ROW_ADVANCE_Q4] = swing << 3
+        gait[row + ROW_TICKS] = body
+        gait[row + ROW_ADVANCE_Q4] = (body << 4) + (swing << 3)
+        gait[row + ROW_SIZE + ROW_TICKS] = swing
+        gait[row + ROW_SIZE + ROW_ADVANCE_Q4] = swing << 3
         for leg in range(LEGS):
-            if g[row + ROW_SIZE + ROW_START + leg]:
-                g[row + ROW_SIZE + ROW_START + leg] = swing
-                g[row + ROW_SIZE + ROW_SWING_Q10 + leg] = swing << 9
+            if gait[row + ROW_SIZE + ROW_START + leg]:
+                gait[row + ROW_SIZE + ROW_START + leg] = swing
+                gait[row + ROW_SIZE + ROW_SWING_Q10 + leg] = swing << 9
     for leg in range(LEGS):
-        g[G_STANCE_Q10 + leg] = (body + swing << 11) - (swing << 9)
-    g[G_CYCLE] = body + swing << 1
+        gait[G_STANCE_Q10 + leg] = (body + swing << 11) - (swing << 9)
+    gait[G_CYCLE] = body + swing << 1
     return body + swing
 
 
 @hot
-def begin_segment(params: Params, walk: Adaptive, gait, clock, speed, drive) -> int:
+def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Ints, speed, drive: Ints) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
     """
-    w = ptr32(walk.state)
-    c = ptr32(clock)
-    g = ptr32(gait)
-    e = ptr32(walk.nav)
-    t = ptr32(walk.tip)
-    v = ptr32(drive)
+    w = walk.state
+    e = walk.nav
+    t = walk.tip
     half = retime(params, gait, speed)
-    segment = c[CLOCK_SEGMENT]
+    segment = clock[CLOCK_SEGMENT]
     if segment & 1:
-        w[W_LIFT] = extra_lift(params, w[W_ROUGH], e[NAV_X], v[SPEED_X])
+        w[W_LIFT] = extra_lift(params, w[W_ROUGH], e[NAV_X], drive[SPEED_X])
         return 0
     front = 1 - (segment >> 1)
-    swing = g[G_ROWS + ROW_SIZE + ROW_TICKS]
+    swing = gait[G_ROWS + ROW_SIZE + ROW_TICKS]
     ahead_q1 = saturate((half << 1) - (swing >> 1), 0, 0x3FF)
-    ahead = saturate(v[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
+    ahead = saturate(drive[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
     com_x = params.com_x + (t[TIP_COM_X] >> LF_BITS)
     com_y = params.com_y + (t[TIP_COM_Y] >> LF_BITS)
     line = diagonal_y(walk.body, front, 3 - front, saturate(ahead, -32767, 32767), com_x)
@@ -273,41 +268,38 @@ def begin_segment(params: Params, walk: Adaptive, gait, clock, speed, drive) -> 
 
 
 @hot
-def sway_body(params: Params, walk: Adaptive, gait, clock, walking: int) -> int:
+def sway_body(params: Params, walk: Adaptive, gait: Ints, clock: Ints, walking: int) -> int:
     """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
 
     Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
     """
-    w = ptr32(walk.state)
-    c = ptr32(clock)
-    g = ptr32(gait)
+    w = walk.state
     if walking == 0:
         step = params.sway_slew
         w[W_SWAY] -= saturate(w[W_SWAY], -step, step)
-    elif c[CLOCK_SEGMENT] & 1 == 0:
-        share = smooth_q12(c[CLOCK_TICK] + 1, g[G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS])
+    elif clock[CLOCK_SEGMENT] & 1 == 0:
+        share = smooth_q12(clock[CLOCK_TICK] + 1, gait[G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS])
         w[W_SWAY] = w[W_SWAY_FROM] + ((w[W_SWAY_TO] - w[W_SWAY_FROM]) * share >> 12)
     return w[W_SWAY]
 
 
 @hot
-def learn_centre(params: Params, walk: Adaptive, clock) -> int:
+def learn_centre(params: Params, walk: Adaptive, clock: Ints) -> int:
     """Sum up how the robot tips over a swing and learn from it; return the tip it learnt from, 2^-18 rad, else 0.
 
     What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
     without turning rates, nor in the plane, where nothing tips about a diagonal.
     """
-    w = ptr32(walk.state)
-    c = ptr32(clock)
+    w = walk.state
     if w[W_RATES] == 0 or params.lateral_q12 == 0:
         return 0
-    tick = c[CLOCK_TICK] + 1
-    swings = c[CLOCK_SEGMENT] & 1
+    tick = clock[CLOCK_TICK] + 1
+    swings = clock[CLOCK_SEGMENT] & 1
     late = params.tip_ticks
     if (swings and tick >= late) or (swings == 0 and tick < late):
         tip_add(walk.tip, w[W_TURNED], w[W_TURNED + 1])
     elif swings == 0 and tick == late:
-        front = c[CLOCK_SEGMENT] >> 1
+        front = clock[CLOCK_SEGMENT] >> 1
         return tip_learn(params, walk.body, front, 3 - front, walk.tip)
     return 0
 
@@ -320,8 +312,8 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
     Intermediates: squares of a leg, below 2^30.
     """
-    w = ptr32(walk.state)
-    forces = ptr32(walk.load)
+    w = walk.state
+    forces = walk.load
     up = params.height_slew
     wanted = 0
     ahead = 0
@@ -346,38 +338,36 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
 
 
 @hot
-def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, posed) -> int:
+def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, posed: Ints) -> int:
     """Add lead, sway and height to the pose, and turn it about the ground below the body instead of its middle.
 
     roll, pitch: the part of the pose that levels the body, brad. Turning about the hips would move the centre of
     mass off the feet on a slope. Returns 0. Intermediates: 32767 * 32767 + 2^14.
     """
-    w = ptr32(walk.state)
-    c = ptr32(posed)
+    w = walk.state
     height = saturate(w[W_RAISED] - params.legs[0].rest[2], 0, 32767)
     cosine = cos_q15(pitch_brad)
-    c[POSE_X] += w[W_AHEAD] + mul_q15(height, sin_q15(pitch_brad))
-    c[POSE_Y] += w[W_SWAY] - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
-    c[POSE_Z] += w[W_RAISED] - height + mul_q15(height, mul_q15(cos_q15(roll_brad), cosine))
+    posed[POSE_X] += w[W_AHEAD] + mul_q15(height, sin_q15(pitch_brad))
+    posed[POSE_Y] += w[W_SWAY] - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
+    posed[POSE_Z] += w[W_RAISED] - height + mul_q15(height, mul_q15(cos_q15(roll_brad), cosine))
     return 0
 
 
 @hot
-def carry(params: Params, walk: Adaptive, reached, swinging: int, own: int) -> int:
+def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int) -> int:
     """Share the weight out over the standing feet, slew it, and tell the stability margin; return the margin, lu.
 
     reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to carry, so the sag fades.
     """
-    w = ptr32(walk.state)
-    f = ptr32(reached)
-    body = ptr32(walk.body)
-    stands = ptr32(walk.stands)
-    t = ptr32(walk.tip)
+    w = walk.state
+    body = walk.body
+    stands = walk.stands
+    t = walk.tip
     at = 0
     for leg in range(LEGS):
         hip = params.legs[leg].hip
-        x = f[at] + hip[0]
-        y = f[at + 1] + hip[1]
+        x = reached[at] + hip[0]
+        y = reached[at + 1] + hip[1]
         if x > 32767 or x < -32767 or y > 32767 or y < -32767:
             x = saturate(x, -32767, 32767)
             y = saturate(y, -32767, 32767)

@@ -10,7 +10,7 @@ MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
 """
 
 from .fixed import atan2_brad, hypot, isqrt, saturate
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 # Settings, filled by the host
 A_GYRO_Q30 = const(0)  # rad per count and tick, Q30 (1/131 deg/s at 50 Hz: 2862)
@@ -40,24 +40,23 @@ _STILL_COUNTS = const(1310)  # 10 deg/s at 131 counts: more means the robot is b
 
 
 @hot
-def attitude_reset(block) -> int:
+def attitude_reset(block: Ints) -> int:
     """Start again with the alignment at rest; settings stay. Returns 0."""
-    b = ptr32(block)
-    b[A_COUNT] = 0
+    block[A_COUNT] = 0
     for axis in range(3):
-        b[A_SUM + axis] = 0
-        b[A_GYRO_SUM + axis] = 0
-        b[A_GRAVITY + axis] = 0
-        b[A_REST_Q27 + axis] = 0
-    b[A_GRAVITY + 2] = _ONE_Q22
-    b[A_REJECTED] = 0
-    b[A_ROLL] = 0
-    b[A_PITCH] = 0
+        block[A_SUM + axis] = 0
+        block[A_GYRO_SUM + axis] = 0
+        block[A_GRAVITY + axis] = 0
+        block[A_REST_Q27 + axis] = 0
+    block[A_GRAVITY + 2] = _ONE_Q22
+    block[A_REJECTED] = 0
+    block[A_ROLL] = 0
+    block[A_PITCH] = 0
     return 0
 
 
 @hot
-def attitude_step(block, gyro_accel) -> int:
+def attitude_step(block: Ints, gyro_accel) -> int:
     """Take one reading and update A_ROLL and A_PITCH; return flags.
 
     gyro_accel: 6 int16 counts, gyro x y z then accelerometer x y z, body axes (x forward, y left,
@@ -66,8 +65,7 @@ def attitude_step(block, gyro_accel) -> int:
     ACCEL_REJECTED marks a reading away from 1 g. Angles within 0.05 deg of a float filter of the
     same law. All intermediates below 2^30 for any int16 input.
     """
-    b = ptr32(block)
-    if b[A_COUNT] < b[A_ALIGN_TICKS]:
+    if block[A_COUNT] < block[A_ALIGN_TICKS]:
         return align(block, gyro_accel)
     turn(block, gyro_accel)
     flags = pull(block, gyro_accel)
@@ -76,29 +74,27 @@ def attitude_step(block, gyro_accel) -> int:
 
 
 @hot
-def align(block, gyro_accel) -> int:
+def align(block: Ints, gyro_accel: Ints) -> int:
     """Add one reading at rest to the start-up averages; the last one sets attitude and bias."""
-    b = ptr32(block)
-    counts = ptr32(gyro_accel)
     for axis in range(3):
-        rate = counts[axis]
+        rate = gyro_accel[axis]
         if rate > _STILL_COUNTS or rate < -_STILL_COUNTS:
             attitude_reset(block)
             return ALIGNING | MOVED_WHILE_ALIGNING
-        b[A_GYRO_SUM + axis] += rate
-        b[A_SUM + axis] += counts[axis + 3]
-    b[A_COUNT] += 1
-    if b[A_COUNT] < b[A_ALIGN_TICKS]:
+        block[A_GYRO_SUM + axis] += rate
+        block[A_SUM + axis] += gyro_accel[axis + 3]
+    block[A_COUNT] += 1
+    if block[A_COUNT] < block[A_ALIGN_TICKS]:
         return ALIGNING
     for axis in range(3):
-        b[A_BIAS + axis] = (b[A_GYRO_SUM + axis] << 6) // b[A_COUNT]
-        b[A_SUM + axis] = b[A_SUM + axis] // b[A_COUNT]
-    size = size_of(b[A_SUM], b[A_SUM + 1], b[A_SUM + 2])
+        block[A_BIAS + axis] = (block[A_GYRO_SUM + axis] << 6) // block[A_COUNT]
+        block[A_SUM + axis] = block[A_SUM + axis] // block[A_COUNT]
+    size = size_of(block[A_SUM], block[A_SUM + 1], block[A_SUM + 2])
     if not believed(block, size):
         attitude_reset(block)
         return ALIGNING | ACCEL_REJECTED
     for axis in range(3):
-        b[A_GRAVITY + axis] = (b[A_SUM + axis] << 14) // size << 8
+        block[A_GRAVITY + axis] = (block[A_SUM + axis] << 14) // size << 8
     angles(block)
     return ALIGNING
 
@@ -110,48 +106,44 @@ def size_of(x: int, y: int, z: int) -> int:
 
 
 @hot
-def believed(block, size: int) -> int:
+def believed(block: Ints, size: int) -> int:
     """Return 1 if an accelerometer reading of this length is close enough to 1 g, else 0."""
-    b = ptr32(block)
-    away = size - b[A_ONE_G]
-    if size < 1 or away > b[A_TOLERANCE] or away < -b[A_TOLERANCE]:
+    away = size - block[A_ONE_G]
+    if size < 1 or away > block[A_TOLERANCE] or away < -block[A_TOLERANCE]:
         return 0
     return 1
 
 
 @hot
-def rate_q18(block, counts: int, axis: int) -> int:
+def rate_q18(block: Ints, counts: int, axis: int) -> int:
     """Return the turn about ``axis`` during one tick in 2^-18 rad, limited to +-1/8 rad.
 
     counts: int16. 1/8 rad a tick is 358 deg/s at 50 Hz; beyond it the attitude lags and the
     accelerometer brings it back. What is smaller than a unit is kept for the next tick: at 500 Hz a
     unit is 0.11 deg/s. Intermediates: 8192 * 131071 + 511 < 2^30.
     """
-    b = ptr32(block)
-    fine = saturate((counts << 6) - b[A_BIAS + axis], -0x3FFFFF, 0x3FFFFF)
-    gain = saturate(b[A_GYRO_Q30], 0, 0x1FFFF)
-    turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + b[A_REST_Q27 + axis]
-    b[A_REST_Q27 + axis] = turned_q27 & 511
+    fine = saturate((counts << 6) - block[A_BIAS + axis], -0x3FFFFF, 0x3FFFFF)
+    gain = saturate(block[A_GYRO_Q30], 0, 0x1FFFF)
+    turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + block[A_REST_Q27 + axis]
+    block[A_REST_Q27 + axis] = turned_q27 & 511
     return saturate(turned_q27 >> 9, -0x8000, 0x8000)
 
 
 @hot
-def turn(block, gyro_accel) -> int:
+def turn(block: Ints, gyro_accel: Ints) -> int:
     """Turn the gravity vector by one tick of gyro: g += g x w, midpoint by two half steps."""
-    b = ptr32(block)
-    counts = ptr32(gyro_accel)
-    wx = rate_q18(block, counts[0], 0)
-    wy = rate_q18(block, counts[1], 1)
-    wz = rate_q18(block, counts[2], 2)
-    x = b[A_GRAVITY]
-    y = b[A_GRAVITY + 1]
-    z = b[A_GRAVITY + 2]
+    wx = rate_q18(block, gyro_accel[0], 0)
+    wy = rate_q18(block, gyro_accel[1], 1)
+    wz = rate_q18(block, gyro_accel[2], 2)
+    x = block[A_GRAVITY]
+    y = block[A_GRAVITY + 1]
+    z = block[A_GRAVITY + 2]
     mx = x + (cross(y, z, wy, wz) >> 1)
     my = y + (cross(z, x, wz, wx) >> 1)
     mz = z + (cross(x, y, wx, wy) >> 1)
-    b[A_GRAVITY] = x + cross(my, mz, wy, wz)
-    b[A_GRAVITY + 1] = y + cross(mz, mx, wz, wx)
-    b[A_GRAVITY + 2] = z + cross(mx, my, wx, wy)
+    block[A_GRAVITY] = x + cross(my, mz, wy, wz)
+    block[A_GRAVITY + 1] = y + cross(mz, mx, wz, wx)
+    block[A_GRAVITY + 2] = z + cross(mx, my, wx, wy)
     return 0
 
 
@@ -168,34 +160,31 @@ def cross(b_q22: int, c_q22: int, wb_q18: int, wc_q18: int) -> int:
 
 
 @hot
-def pull(block, gyro_accel) -> int:
+def pull(block: Ints, gyro_accel: Ints) -> int:
     """Pull the gravity vector towards the accelerometer if that reads about 1 g; return flags."""
-    b = ptr32(block)
-    counts = ptr32(gyro_accel)
-    size = size_of(counts[3], counts[4], counts[5])
+    size = size_of(gyro_accel[3], gyro_accel[4], gyro_accel[5])
     if not believed(block, size):
-        b[A_REJECTED] = saturate(b[A_REJECTED] + 1, 0, 0xFFFF)
+        block[A_REJECTED] = saturate(block[A_REJECTED] + 1, 0, 0xFFFF)
         normalise(block)
         return ACCEL_REJECTED
-    b[A_REJECTED] = 0
-    trust = b[A_TRUST_Q15]
+    block[A_REJECTED] = 0
+    trust = block[A_TRUST_Q15]
     for axis in range(3):
-        wanted = (counts[axis + 3] << 14) // size << 8
-        b[A_GRAVITY + axis] += ((wanted - b[A_GRAVITY + axis]) >> 8) * trust >> 7
+        wanted = (gyro_accel[axis + 3] << 14) // size << 8
+        block[A_GRAVITY + axis] += ((wanted - block[A_GRAVITY + axis]) >> 8) * trust >> 7
     normalise(block)
     return 0
 
 
 @hot
-def normalise(block) -> int:
+def normalise(block: Ints) -> int:
     """Scale the gravity vector to length 1 in Q22; return 0 if it is too short to have a direction.
 
     Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
     """
-    b = ptr32(block)
-    x = b[A_GRAVITY] >> 8
-    y = b[A_GRAVITY + 1] >> 8
-    z = b[A_GRAVITY + 2] >> 8
+    x = block[A_GRAVITY] >> 8
+    y = block[A_GRAVITY + 1] >> 8
+    z = block[A_GRAVITY + 2] >> 8
     size_sq = x * x + y * y + z * z
     if size_sq < 0x100000:
         return 0
@@ -204,21 +193,20 @@ def normalise(block) -> int:
         if short < -0x4000 or short > 0x2000:
             short = saturate(short, -0x4000, 0x2000)
         for axis in range(3):
-            part = b[A_GRAVITY + axis]
-            b[A_GRAVITY + axis] = part + ((part >> 8) * short >> 6)
+            part = block[A_GRAVITY + axis]
+            block[A_GRAVITY + axis] = part + ((part >> 8) * short >> 6)
     return 1
 
 
 @hot
-def angles(block) -> int:
+def angles(block: Ints) -> int:
     """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb). Returns 0.
 
     Roll lies within +-90 deg, pitch within +-180 deg: a robot on its back reads as pitched over.
     """
-    b = ptr32(block)
-    x = b[A_GRAVITY] >> 7
-    y = b[A_GRAVITY + 1] >> 7
-    z = b[A_GRAVITY + 2] >> 7
-    b[A_PITCH] = atan2_brad(-x, z)
-    b[A_ROLL] = atan2_brad(y, hypot(x, z))
+    x = block[A_GRAVITY] >> 7
+    y = block[A_GRAVITY + 1] >> 7
+    z = block[A_GRAVITY + 2] >> 7
+    block[A_PITCH] = atan2_brad(-x, z)
+    block[A_ROLL] = atan2_brad(y, hypot(x, z))
     return 0

@@ -9,7 +9,7 @@ from .fixed import mul_q15, saturate
 from .params import Params
 from .pid import Pid, pid_reset, pid_step
 from .record import field, record
-from .runtime import hot, ptr32
+from .runtime import Ints, hot
 
 
 @record
@@ -91,18 +91,17 @@ def balance_release(balance: Balance, step: int) -> int:
 
 
 @hot
-def balance_step(balance: Balance, pose, roll_brad: int, pitch_brad: int) -> int:
+def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) -> int:
     """Update the correction from the commanded ``pose`` and the measured angles; return 0.
 
     pose: POSE_SIZE values, brad angles; roll_brad, pitch_brad: within +-32768. The corrections'
     sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
     Intermediates: 16383 * 32768 < 2^30.
     """
-    w = ptr32(pose)
     correction = balance.correction
     controller = balance.roll
-    roll = pid_step(balance.roll, w[POSE_ROLL], roll_brad)
-    pitch = pid_step(balance.pitch, w[POSE_PITCH], pitch_brad)
+    roll = pid_step(balance.roll, pose[POSE_ROLL], roll_brad)
+    pitch = pid_step(balance.pitch, pose[POSE_PITCH], pitch_brad)
     size = roll
     if size < 0:
         size = -size

@@ -7,7 +7,7 @@ R^T (p - c) - h from a hip at h, with c the commanded translation (its eqs 9 and
 
 from .fixed import cos_q15, saturate, sin_q15
 from .params import Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 POSE_X = const(0)  # lu
 POSE_Y = const(1)
@@ -32,59 +32,53 @@ def mul_unit(a_q15: int, b_q15: int) -> int:
 
 
 @hot
-def body_rotation(pose, rotation) -> int:
+def body_rotation(pose: Ints, rotation: Ints) -> int:
     """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``; return 0.
 
     pose: POSE_SIZE values, angles in brad, any value. Each entry is within 2.5 LSB of Q14
     (1.5e-4). Intermediates below 2^30.
     """
-    w = ptr32(pose)
-    r = ptr32(rotation)
-    sa = sin_q15(w[POSE_ROLL])
-    ca = cos_q15(w[POSE_ROLL])
-    sb = sin_q15(w[POSE_PITCH])
-    cb = cos_q15(w[POSE_PITCH])
-    sg = sin_q15(w[POSE_YAW])
-    cg = cos_q15(w[POSE_YAW])
-    r[0] = (mul_unit(cb, cg) + 1) >> 1
-    r[1] = (1 - mul_unit(cb, sg)) >> 1
-    r[2] = (sb + 1) >> 1
+    sa = sin_q15(pose[POSE_ROLL])
+    ca = cos_q15(pose[POSE_ROLL])
+    sb = sin_q15(pose[POSE_PITCH])
+    cb = cos_q15(pose[POSE_PITCH])
+    sg = sin_q15(pose[POSE_YAW])
+    cg = cos_q15(pose[POSE_YAW])
+    rotation[0] = (mul_unit(cb, cg) + 1) >> 1
+    rotation[1] = (1 - mul_unit(cb, sg)) >> 1
+    rotation[2] = (sb + 1) >> 1
     sasb = mul_unit(sa, sb)
     casb = mul_unit(ca, sb)
-    r[3] = (mul_unit(ca, sg) + mul_unit(sasb, cg) + 1) >> 1
-    r[4] = (mul_unit(ca, cg) - mul_unit(sasb, sg) + 1) >> 1
-    r[5] = (1 - mul_unit(sa, cb)) >> 1
-    r[6] = (mul_unit(sa, sg) - mul_unit(casb, cg) + 1) >> 1
-    r[7] = (mul_unit(sa, cg) + mul_unit(casb, sg) + 1) >> 1
-    r[8] = (mul_unit(ca, cb) + 1) >> 1
+    rotation[3] = (mul_unit(ca, sg) + mul_unit(sasb, cg) + 1) >> 1
+    rotation[4] = (mul_unit(ca, cg) - mul_unit(sasb, sg) + 1) >> 1
+    rotation[5] = (1 - mul_unit(sa, cb)) >> 1
+    rotation[6] = (mul_unit(sa, sg) - mul_unit(casb, cg) + 1) >> 1
+    rotation[7] = (mul_unit(sa, cg) + mul_unit(casb, sg) + 1) >> 1
+    rotation[8] = (mul_unit(ca, cb) + 1) >> 1
     return 0
 
 
 @hot
-def body_to_hip(params: Params, leg: int, pose, rotation, feet, hip_feet) -> int:
+def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints) -> int:
     """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9); return 0.
 
     feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
     to +-65535 lu an axis. Error at most 0.08 mm at the foot for Caramelo and Parallel.
     Intermediates: 65535 * 16384 + 2^13 < 2^30 in each product.
     """
-    c = ptr32(pose)
-    r = ptr32(rotation)
-    foot = ptr32(feet)
-    out = ptr32(hip_feet)
     hip = params.legs[leg].hip
     at = leg * 3
-    x = foot[at] - c[POSE_X]
-    y = foot[at + 1] - c[POSE_Y]
-    z = foot[at + 2] - c[POSE_Z]
+    x = feet[at] - pose[POSE_X]
+    y = feet[at + 1] - pose[POSE_Y]
+    z = feet[at + 2] - pose[POSE_Z]
     if x > 65535 or x < -65535 or y > 65535 or y < -65535 or z > 65535 or z < -65535:
         x = saturate(x, -65535, 65535)
         y = saturate(y, -65535, 65535)
         z = saturate(z, -65535, 65535)
-    turned = (x * r[0] + 0x2000 >> 14) + (y * r[3] + 0x2000 >> 14) + (z * r[6] + 0x2000 >> 14)
-    out[at] = turned - hip[0]
-    turned = (x * r[1] + 0x2000 >> 14) + (y * r[4] + 0x2000 >> 14) + (z * r[7] + 0x2000 >> 14)
-    out[at + 1] = turned - hip[1]
-    turned = (x * r[2] + 0x2000 >> 14) + (y * r[5] + 0x2000 >> 14) + (z * r[8] + 0x2000 >> 14)
-    out[at + 2] = turned - hip[2]
+    turned = (x * rotation[0] + 0x2000 >> 14) + (y * rotation[3] + 0x2000 >> 14) + (z * rotation[6] + 0x2000 >> 14)
+    hip_feet[at] = turned - hip[0]
+    turned = (x * rotation[1] + 0x2000 >> 14) + (y * rotation[4] + 0x2000 >> 14) + (z * rotation[7] + 0x2000 >> 14)
+    hip_feet[at + 1] = turned - hip[1]
+    turned = (x * rotation[2] + 0x2000 >> 14) + (y * rotation[5] + 0x2000 >> 14) + (z * rotation[8] + 0x2000 >> 14)
+    hip_feet[at + 2] = turned - hip[2]
     return 0

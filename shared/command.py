@@ -8,7 +8,7 @@ from .body import POSE_SIZE
 from .fixed import saturate
 from .gait import G_VX_MAX
 from .params import Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .steps import SPEED_SIZE
 
 C_MODE = const(0)  # MODE_...
@@ -32,19 +32,16 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed(params: Params, gait, command, halves: int, speed) -> int:
+def slew_speed(params: Params, gait: Ints, command: Ints, halves: int, speed: Ints) -> int:
     """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
 
     halves: 0 to stop, 1, or 2 for the whole command, which is first limited to what robot and gait
     allow. Half an odd speed is rounded towards 0, so that left and right mirror.
     """
-    g = ptr32(gait)
-    c = ptr32(command)
-    v = ptr32(speed)
     still = 1
     for axis in range(SPEED_SIZE):
-        top = g[G_VX_MAX + axis]
-        wanted = c[C_SPEED + axis]
+        top = gait[G_VX_MAX + axis]
+        wanted = command[C_SPEED + axis]
         if wanted > top or wanted < -top:
             wanted = saturate(wanted, -top, top)
         wanted *= halves
@@ -52,25 +49,23 @@ def slew_speed(params: Params, gait, command, halves: int, speed) -> int:
             wanted = -(-wanted >> 1)
         else:
             wanted >>= 1
-        if v[axis] != wanted:
-            v[axis] = slew(v[axis], wanted, params.speed_slew[axis])
-        if v[axis]:
+        if speed[axis] != wanted:
+            speed[axis] = slew(speed[axis], wanted, params.speed_slew[axis])
+        if speed[axis]:
             still = 0
     return still
 
 
 @hot
-def slew_pose(params: Params, command, standing: int, pose) -> int:
+def slew_pose(params: Params, command: Ints, standing: int, pose: Ints) -> int:
     """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
-    c = ptr32(command)
-    w = ptr32(pose)
     for axis in range(POSE_SIZE):
         wanted = 0
         if standing:
             top = params.pose_max[axis]
-            wanted = c[C_POSE + axis]
+            wanted = command[C_POSE + axis]
             if wanted > top or wanted < -top:
                 wanted = saturate(wanted, -top, top)
-        if w[axis] != wanted:
-            w[axis] = slew(w[axis], wanted, params.pose_slew[axis])
+        if pose[axis] != wanted:
+            pose[axis] = slew(pose[axis], wanted, params.pose_slew[axis])
     return 0

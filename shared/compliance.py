@@ -8,7 +8,7 @@ carries what acts at the knee, because the calf's angle to the body is the other
 
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
 from .params import Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 _FORCE_MAX_Q12 = const(16383)  # four times the own weight
 _SAG_MAX_BRAD = const(2730)  # 15 deg: beyond it a servo gives all it has anyway
@@ -43,41 +43,39 @@ def sag(torque_lu: int, give_q16: int) -> int:
 
 
 @hot
-def sag_leg(params: Params, leg: int, foot, fx_q12: int, fy_q12: int, fz_q12: int, joints) -> int:
+def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> int:
     """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot; return 0.
 
     foot: 12 lu, from each hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
     fx, fy, fz: the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to
     +-16383. Error at most 1.5 brad + 1e-4 of the sag. Intermediates as in torque and sag.
     """
-    f = ptr32(foot)
-    q = ptr32(joints)
     at = leg * 3
     fz = saturate(fz_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
-    x = f[at]
-    thigh = q[at + 1]
+    x = foot[at]
+    thigh = joints[at + 1]
     length = params.legs[leg].thigh_length
     knee_x = -(length * sin_q15(thigh) + 0x4000 >> 15)  # mul_q15 without its call
     above = knee_x * fz + 2048 >> 12
     below = (x - knee_x) * fz + 2048 >> 12
-    around = f[at + 1] * fz + 2048 >> 12
+    around = foot[at + 1] * fz + 2048 >> 12
     if fx_q12 or fy_q12:
         fx = saturate(fx_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         fy = saturate(fy_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
-        sine = sin_q15(q[at])
-        cosine = cos_q15(q[at])
-        around -= torque(f[at + 2], fy)
+        sine = sin_q15(joints[at])
+        cosine = cos_q15(joints[at])
+        around -= torque(foot[at + 2], fy)
         knee_drop = mul_q15(length, cos_q15(thigh))
-        drop = mul_q15(f[at + 1], sine) - mul_q15(f[at + 2], cosine)
+        drop = mul_q15(foot[at + 1], sine) - mul_q15(foot[at + 2], cosine)
         along = saturate(mul_q15(fz, cosine) - mul_q15(fy, sine), -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         above = torque(knee_x, along) + torque(knee_drop, fx)
         below = torque(x - knee_x, along) + torque(drop - knee_drop, fx)
-    q[at] -= sag(around, params.sag_q16[0])
+    joints[at] -= sag(around, params.sag_q16[0])
     if params.coupled:
         give = sag(above, params.sag_q16[1])
-        q[at + 1] += give
-        q[at + 2] += sag(below, params.sag_q16[2]) - give
+        joints[at + 1] += give
+        joints[at + 2] += sag(below, params.sag_q16[2]) - give
     else:
-        q[at + 1] += sag(above + below, params.sag_q16[1])
-        q[at + 2] += sag(below, params.sag_q16[2])
+        joints[at + 1] += sag(above + below, params.sag_q16[1])
+        joints[at + 2] += sag(below, params.sag_q16[2])
     return 0

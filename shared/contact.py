@@ -40,7 +40,7 @@ from .crawl_layout import (
 from .filters import fraction
 from .fixed import saturate
 from .params import LF_BITS, RR
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 # Parts of the own weight in Q12; in brackets what that is on Caramelo (21.6 N)
 _TOUCH_Q12 = const(569)  # 3 N
@@ -51,95 +51,86 @@ _RAD_BRAD = const(10430)  # 65536 / 2 pi
 
 
 @hot
-def take_tare(settings, state, leg: int) -> int:
+def take_tare(settings: Ints, state: Ints, leg: int) -> int:
     """Take one tick of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    force = c[C_FORCE + leg]
-    if c[C_TICK] <= k[K_TARE_SKIP] + 1:
-        c[C_TARE] = force
+    force = state[C_FORCE + leg]
+    if state[C_TICK] <= settings[K_TARE_SKIP] + 1:
+        state[C_TARE] = force
     else:
-        c[C_TARE] += fraction(force - c[C_TARE], k[K_TARE_IN])
-    return c[C_TARE]
+        state[C_TARE] += fraction(force - state[C_TARE], settings[K_TARE_IN])
+    return state[C_TARE]
 
 
 @hot
-def feel_ground(settings, state, leg: int) -> int:
+def feel_ground(settings: Ints, state: Ints, leg: int) -> int:
     """Return 1 when the foot of ``leg``, on its way down, has ground under it, else 0.
 
     That is more than 3 N above the tare for 60 ms, with more than 4 N once in them (on Caramelo; in parts of
     the weight on others). A hind foot that is still fast over its known print needs 9 N. Without load the
     tare follows.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
-    force = c[C_FORCE + leg] - c[C_TARE]
+    force = state[C_FORCE + leg] - state[C_TARE]
     least = _TOUCH_Q12
-    gain = k[K_TARE_SLOW]
-    if leg >= RR and c[C_SPEED] > k[K_V_QUICK]:
+    gain = settings[K_TARE_SLOW]
+    if leg >= RR and state[C_SPEED] > settings[K_V_QUICK]:
         least = _FAST_Q12
-        gain = k[K_TARE_FAST]
+        gain = settings[K_TARE_FAST]
     if force > least:
-        c[C_TOUCHED] += 1
+        state[C_TOUCHED] += 1
         if force > _PEAK_Q12:
-            c[C_PEAK] = 1
+            state[C_PEAK] = 1
     else:
-        c[C_TOUCHED] = 0
-        c[C_PEAK] = 0
-        c[C_TARE] += fraction(force, gain)
-    if c[C_TOUCHED] >= k[K_TOUCH_TICKS] and c[C_PEAK]:
+        state[C_TOUCHED] = 0
+        state[C_PEAK] = 0
+        state[C_TARE] += fraction(force, gain)
+    if state[C_TOUCHED] >= settings[K_TOUCH_TICKS] and state[C_PEAK]:
         return 1
     return 0
 
 
 @hot
-def corner_lift(settings, state, leg: int) -> int:
+def corner_lift(settings: Ints, state: Ints, leg: int) -> int:
     """Return by how much the body's corner over ``leg`` is above its plan, lu: pushed up from below.
 
     Pitch lowers the front, roll raises the left. Angles limited to +-4096 brad. Largest intermediate
     2 * 32767 * 4096 < 2^29.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
-    nose_up = saturate(c[C_REF + POSE_PITCH] - c[C_BODY + POSE_PITCH] >> LF_BITS, -4096, 4096)
-    left_up = saturate(c[C_BODY + POSE_ROLL] - c[C_REF + POSE_ROLL] >> LF_BITS, -4096, 4096)
-    lift = nose_up * k[K_ARM_X]
+    nose_up = saturate(state[C_REF + POSE_PITCH] - state[C_BODY + POSE_PITCH] >> LF_BITS, -4096, 4096)
+    left_up = saturate(state[C_BODY + POSE_ROLL] - state[C_REF + POSE_ROLL] >> LF_BITS, -4096, 4096)
+    lift = nose_up * settings[K_ARM_X]
     if leg >= RR:
         lift = -lift
     if leg & 1:
-        lift += left_up * k[K_ARM_Y]
+        lift += left_up * settings[K_ARM_Y]
     else:
-        lift -= left_up * k[K_ARM_Y]
+        lift -= left_up * settings[K_ARM_Y]
     return lift // _RAD_BRAD
 
 
 @hot
-def keep_past(state) -> int:
+def keep_past(state: Ints) -> int:
     """Keep where the foot was wanted in this tick, for the riser; return its place in the ring."""
-    c = ptr32(state)
-    at = c[C_PAST_AT] + 1
+    at = state[C_PAST_AT] + 1
     if at >= PAST_SIZE:
         at = 0
-    c[C_PAST + at] = c[C_POS]
-    c[C_PAST_AT] = at
+    state[C_PAST + at] = state[C_POS]
+    state[C_PAST_AT] = at
     return at
 
 
 @hot
-def feel_riser(settings, state, leg: int) -> int:
+def feel_riser(settings: Ints, state: Ints, leg: int) -> int:
     """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    if c[C_TICK] <= k[K_HIT_AFTER] or c[C_HITS] >= _MOST_HITS or c[C_CLIPPED]:
+    if state[C_TICK] <= settings[K_HIT_AFTER] or state[C_HITS] >= _MOST_HITS or state[C_CLIPPED]:
         return 0
-    at = c[C_PAST_AT] - k[K_LATE]
+    at = state[C_PAST_AT] - settings[K_LATE]
     if at < 0:
         at += PAST_SIZE
-    behind = c[C_PAST + at] - c[C_SEEN + leg * 3] >> LF_BITS
-    way = c[C_TARGET] - c[C_SOURCE] >> LF_BITS
+    behind = state[C_PAST + at] - state[C_SEEN + leg * 3] >> LF_BITS
+    way = state[C_TARGET] - state[C_SOURCE] >> LF_BITS
     if way < 0:
         way = -way
-    late = way * k[K_HIT_LAG] // (c[C_MOVE_TICKS] + 1)
-    if behind > k[K_HIT] + late:
+    late = way * settings[K_HIT_LAG] // (state[C_MOVE_TICKS] + 1)
+    if behind > settings[K_HIT] + late:
         return 1
     return 0

@@ -34,7 +34,7 @@ from .filters import fraction
 from .fixed import saturate
 from .footholds import prints_start
 from .params import JOINTS, LEGS, LF_BITS
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .sensing import M_FORCE_Q12, M_LEVEL
 
 _OWN_Q12 = const(4096)
@@ -44,30 +44,28 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 
 
 @hot
-def crawl_start(crawl: Crawl, sensing, joints, first: int, goals, roll_brad: int, pitch_brad: int) -> int:
+def crawl_start(crawl: Crawl, sensing: Ints, joints, first: int, goals: Ints, roll_brad: int, pitch_brad: int) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
     joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
     """
-    c = ptr32(crawl.state)
-    m = ptr32(sensing)
-    g = ptr32(goals)
-    k = ptr32(crawl.settings)
+    c = crawl.state
+    k = crawl.settings
     for at in range(C_SIZE):
         c[at] = 0
     c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
     measure(crawl, joints, first)
     roll_feet(crawl.settings, crawl.measured, crawl.state)
-    height = m[M_LEVEL + 2] + m[M_LEVEL + 5] + m[M_LEVEL + 8] + m[M_LEVEL + 11] >> 2
+    height = sensing[M_LEVEL + 2] + sensing[M_LEVEL + 5] + sensing[M_LEVEL + 8] + sensing[M_LEVEL + 11] >> 2
     total = 0
     for leg in range(LEGS):
         for axis in range(3):
-            c[C_FOOT + leg * 3 + axis] = m[M_LEVEL + leg * 3 + axis] << LF_BITS
+            c[C_FOOT + leg * 3 + axis] = sensing[M_LEVEL + leg * 3 + axis] << LF_BITS
         c[C_FOOT + leg * 3 + 2] -= height << LF_BITS
         c[C_STANDS + leg] = 1
         c[C_SHARE + leg] = _OWN_Q12
-        total += m[M_FORCE_Q12 + leg]
+        total += sensing[M_FORCE_Q12 + leg]
     c[C_WEIGHT] = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     c[C_WEIGHT_FINE] = c[C_WEIGHT] << 8
     c[C_BODY + 2] = -height << LF_BITS
@@ -78,7 +76,7 @@ def crawl_start(crawl: Crawl, sensing, joints, first: int, goals, roll_brad: int
         c[C_LAGGED + axis] = c[C_BODY + axis]
         c[C_CMD + axis] = c[C_BODY + axis]
     for joint in range(JOINTS):
-        c[C_GOAL + joint] = g[joint]
+        c[C_GOAL + joint] = goals[joint]
     prints_start(crawl.limbs, crawl.state)
     start_machine(crawl)
     share_load(crawl.settings, crawl.state, crawl.feet, crawl.weights, crawl.load)
@@ -88,12 +86,11 @@ def crawl_start(crawl: Crawl, sensing, joints, first: int, goals, roll_brad: int
 
 
 @hot
-def measure(crawl: Crawl, joints, first: int) -> int:
+def measure(crawl: Crawl, joints: Ints, first: int) -> int:
     """Copy 12 measured joints (brad) from ``joints[first]`` on, limited to +-32768; return 0."""
-    q = ptr32(joints)
-    m = ptr32(crawl.measured)
+    m = crawl.measured
     for joint in range(JOINTS):
-        m[joint] = saturate(q[first + joint], -32768, 32767)
+        m[joint] = saturate(joints[first + joint], -32768, 32767)
     return 0
 
 
@@ -115,8 +112,8 @@ def crawl_tick(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_
 @hot
 def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
     """Bring the map, the forces and the weight up to date with what is measured; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
     c[C_BODY + POSE_ROLL] = 0
     if k[K_PLANAR] == 0:
@@ -131,18 +128,15 @@ def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_br
 
 
 @hot
-def weigh(settings, sensing, state) -> int:
+def weigh(settings: Ints, sensing: Ints, state: Ints) -> int:
     """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
-    k = ptr32(settings)
-    m = ptr32(sensing)
-    c = ptr32(state)
     total = 0
     for leg in range(LEGS):
-        c[C_FORCE + leg] += fraction(m[M_FORCE_Q12 + leg] - c[C_FORCE + leg], k[K_FORCE])
-        if c[C_STANDS + leg]:
-            total += c[C_FORCE + leg]
-    gap = (saturate(total, 0, 16383) << 8) - c[C_WEIGHT_FINE]
-    c[C_WEIGHT_FINE] += fraction(gap, k[K_WEIGHT])
-    c[C_WEIGHT] = saturate(c[C_WEIGHT_FINE] >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
-    c[C_HEAVY] = saturate((saturate(c[C_WEIGHT], _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12) * 2, 0, 4096)
+        state[C_FORCE + leg] += fraction(sensing[M_FORCE_Q12 + leg] - state[C_FORCE + leg], settings[K_FORCE])
+        if state[C_STANDS + leg]:
+            total += state[C_FORCE + leg]
+    gap = (saturate(total, 0, 16383) << 8) - state[C_WEIGHT_FINE]
+    state[C_WEIGHT_FINE] += fraction(gap, settings[K_WEIGHT])
+    state[C_WEIGHT] = saturate(state[C_WEIGHT_FINE] >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    state[C_HEAVY] = saturate((saturate(state[C_WEIGHT], _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12) * 2, 0, 4096)
     return 0

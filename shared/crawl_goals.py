@@ -36,103 +36,92 @@ from .leg import leg_inverse, limit_joints, plane_length
 from .load import L_WANTED_Q12, load_share
 from .params import JOINTS, LEGS, LF_BITS
 from .reach import reach_foot
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .stability import support_margin
 
 _WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
 
 
 @hot
-def warped(state, leg: int) -> int:
+def warped(state: Ints, leg: int) -> int:
     """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
-    c = ptr32(state)
     if _WARP_SIGNS >> leg & 1:
-        return -c[C_WARP]
-    return c[C_WARP]
+        return -state[C_WARP]
+    return state[C_WARP]
 
 
 @hot
-def share_load(settings, state, feet, weights, load) -> int:
+def share_load(settings: Ints, state: Ints, feet: Ints, weights: Ints, load: Ints) -> int:
     """Write into C_LOAD what each foot should carry under the wanted pose, and the margin; return the margin, lu.
 
     feet (12 lu), weights (4) and load (LOAD_SIZE) are scratch. The middle of mass is (K_COM_X, K_COM_Z) in
     the body, turned by the wanted pitch.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
-    f = ptr32(feet)
-    w = ptr32(weights)
-    b = ptr32(load)
-    pitch = c[C_REF + POSE_PITCH] >> LF_BITS
-    ahead = mul_q15(k[K_COM_X], cos_q15(pitch)) + mul_q15(k[K_COM_Z], sin_q15(pitch))
+    pitch = state[C_REF + POSE_PITCH] >> LF_BITS
+    ahead = mul_q15(settings[K_COM_X], cos_q15(pitch)) + mul_q15(settings[K_COM_Z], sin_q15(pitch))
     for leg in range(LEGS):
-        w[leg] = 0
-        if c[C_STANDS + leg]:
-            w[leg] = c[C_SHARE + leg] >> 4
+        weights[leg] = 0
+        if state[C_STANDS + leg]:
+            weights[leg] = state[C_SHARE + leg] >> 4
         for axis in range(3):
-            away = c[C_FOOT + leg * 3 + axis] - c[C_REF + axis] >> LF_BITS
-            f[leg * 3 + axis] = saturate(away, -32767, 32767)
-    load_share(feet, weights, ahead, 0, saturate(c[C_WEIGHT], 0, 16383), k[K_PLANAR], load)
+            away = state[C_FOOT + leg * 3 + axis] - state[C_REF + axis] >> LF_BITS
+            feet[leg * 3 + axis] = saturate(away, -32767, 32767)
+    load_share(feet, weights, ahead, 0, saturate(state[C_WEIGHT], 0, 16383), settings[K_PLANAR], load)
     for leg in range(LEGS):
-        c[C_LOAD + leg] = b[L_WANTED_Q12 + leg]
-        w[leg] = c[C_STANDS + leg]
-    c[C_MARGIN] = support_margin(feet, weights, ahead, 0)
-    return c[C_MARGIN]
+        state[C_LOAD + leg] = load[L_WANTED_Q12 + leg]
+        weights[leg] = state[C_STANDS + leg]
+    state[C_MARGIN] = support_margin(feet, weights, ahead, 0)
+    return state[C_MARGIN]
 
 
 @hot
-def take_pose(state, swings: int, pose, rotation) -> int:
+def take_pose(state: Ints, swings: int, pose: Ints, rotation) -> int:
     """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
 
     The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
     """
-    c = ptr32(state)
-    w = ptr32(pose)
     for axis in range(POSE_SIZE):
-        value = c[C_CMD + axis]
+        value = state[C_CMD + axis]
         if swings:
-            value = c[C_REF + axis] + c[C_LOW + axis]
-        w[axis] = value + 128 >> LF_BITS
-    heading = w[POSE_YAW]
-    w[POSE_YAW] = 0
+            value = state[C_REF + axis] + state[C_LOW + axis]
+        pose[axis] = value + 128 >> LF_BITS
+    heading = pose[POSE_YAW]
+    pose[POSE_YAW] = 0
     body_rotation(pose, rotation)
-    w[POSE_YAW] = heading
+    pose[POSE_YAW] = heading
     return 0
 
 
 @hot
-def foot_in_body(state, leg: int, swings: int, pose, feet) -> int:
+def foot_in_body(state: Ints, leg: int, swings: int, pose: Ints, feet: Ints) -> int:
     """Write the map place of a foot as seen from the body's place, turned back by its heading; return 0.
 
     feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
-    c = ptr32(state)
-    w = ptr32(pose)
-    f = ptr32(feet)
     at = leg * 3
     if swings:
-        x = c[C_POS]
-        y = c[C_POS + 1]
-        z = c[C_POS + 2]
+        x = state[C_POS]
+        y = state[C_POS + 1]
+        z = state[C_POS + 2]
     else:
-        x = c[C_FOOT + at]
-        y = c[C_FOOT + at + 1]
-        z = c[C_FOOT + at + 2] + warped(state, leg)
-    x = saturate((x + 128 >> LF_BITS) - w[0], -32767, 32767)
-    y = saturate((y + 128 >> LF_BITS) - w[1], -32767, 32767)
-    cosine = cos_q15(w[POSE_YAW]) + 1 >> 1
-    sine = sin_q15(w[POSE_YAW]) + 1 >> 1
-    f[at] = x * cosine + y * sine >> 14
-    f[at + 1] = y * cosine - x * sine >> 14
-    f[at + 2] = saturate((z + 128 >> LF_BITS) - w[2], -32767, 32767)
+        x = state[C_FOOT + at]
+        y = state[C_FOOT + at + 1]
+        z = state[C_FOOT + at + 2] + warped(state, leg)
+    x = saturate((x + 128 >> LF_BITS) - pose[0], -32767, 32767)
+    y = saturate((y + 128 >> LF_BITS) - pose[1], -32767, 32767)
+    cosine = cos_q15(pose[POSE_YAW]) + 1 >> 1
+    sine = sin_q15(pose[POSE_YAW]) + 1 >> 1
+    feet[at] = x * cosine + y * sine >> 14
+    feet[at + 1] = y * cosine - x * sine >> 14
+    feet[at + 2] = saturate((z + 128 >> LF_BITS) - pose[2], -32767, 32767)
     return 0
 
 
 @hot
 def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
     """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
-    c = ptr32(crawl.state)
-    r = ptr32(crawl.rotation)
+    c = crawl.state
+    r = crawl.rotation
     foot_in_body(crawl.state, leg, swings, crawl.pose, crawl.feet)
     body_to_hip(crawl.limbs, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
@@ -151,8 +140,8 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 @hot
 def bridge(crawl: Crawl, leg: int, swings: int) -> int:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
-    c = ptr32(crawl.state)
-    q = ptr32(crawl.joints)
+    c = crawl.state
+    q = crawl.joints
     take_pose(crawl.state, swings, crawl.pose, crawl.rotation)
     leg_goal(crawl, leg, swings)
     for joint in range(leg * 3, leg * 3 + 3):
@@ -161,12 +150,11 @@ def bridge(crawl: Crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def legs_goals(crawl: Crawl, joints) -> int:
+def legs_goals(crawl: Crawl, joints: Ints) -> int:
     """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
-    q = ptr32(crawl.joints)
-    out = ptr32(joints)
+    k = crawl.settings
+    c = crawl.state
+    q = crawl.joints
     c[C_CLIPPED] = 0
     together = 0
     take_pose(crawl.state, 0, crawl.pose, crawl.rotation)
@@ -179,7 +167,7 @@ def legs_goals(crawl: Crawl, joints) -> int:
             together |= leg_goal(crawl, leg, 1)
     for joint in range(JOINTS):
         offset = c[C_OFFSET + joint]
-        out[joint] = saturate(q[joint] + (offset + 128 >> LF_BITS), -32768, 32767)
+        joints[joint] = saturate(q[joint] + (offset + 128 >> LF_BITS), -32768, 32767)
         c[C_OFFSET + joint] = offset - fraction(offset, k[K_FADE])
     for leg in range(LEGS):
         limited = limit_joints(crawl.limbs, leg, joints)
@@ -187,5 +175,5 @@ def legs_goals(crawl: Crawl, joints) -> int:
             c[C_CLIPPED] = 1
         together |= limited
     for joint in range(JOINTS):
-        c[C_GOAL + joint] = out[joint]
+        c[C_GOAL + joint] = joints[joint]
     return together

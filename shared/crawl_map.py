@@ -41,7 +41,7 @@ from .crawl_layout import (
 from .filters import fraction
 from .fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from .params import LEGS, LF_BITS
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .sensing import M_LEVEL
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
@@ -51,49 +51,43 @@ _NEAR_LU = const(16383)
 
 
 @hot
-def roll_feet(settings, joints, state) -> int:
+def roll_feet(settings: Ints, joints: Ints, state: Ints) -> int:
     """Move the map places of the stance feet by how far their round feet have rolled; return 0.
 
     The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
     """
-    k = ptr32(settings)
-    q = ptr32(joints)
-    c = ptr32(state)
-    pitch = c[C_BODY + POSE_PITCH] >> LF_BITS
-    yaw = c[C_BODY + POSE_YAW] >> LF_BITS
+    pitch = state[C_BODY + POSE_PITCH] >> LF_BITS
+    yaw = state[C_BODY + POSE_YAW] >> LF_BITS
     for leg in range(LEGS):
-        shank = pitch + q[leg * 3 + 1] + q[leg * 3 + 2]
-        turn = saturate(shank - c[C_SHANK + leg], -840, 840)
-        c[C_SHANK + leg] = shank
-        if c[C_STANDS + leg]:
-            way = saturate(turn * k[K_ROLL_Q8] >> 8, -32767, 32767)
-            c[C_FOOT + leg * 3] += way * cos_q15(yaw) >> 15
-            c[C_FOOT + leg * 3 + 1] += way * sin_q15(yaw) >> 15
+        shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
+        turn = saturate(shank - state[C_SHANK + leg], -840, 840)
+        state[C_SHANK + leg] = shank
+        if state[C_STANDS + leg]:
+            way = saturate(turn * settings[K_ROLL_Q8] >> 8, -32767, 32767)
+            state[C_FOOT + leg * 3] += way * cos_q15(yaw) >> 15
+            state[C_FOOT + leg * 3 + 1] += way * sin_q15(yaw) >> 15
     return 0
 
 
 @hot
-def foot_weight_q8(state, leg: int) -> int:
+def foot_weight_q8(state: Ints, leg: int) -> int:
     """Return how much a foot counts in the fit, 0 in the air, 13 .. 256 by its share of the load."""
-    c = ptr32(state)
-    if c[C_STANDS + leg] == 0:
+    if state[C_STANDS + leg] == 0:
         return 0
-    weight = c[C_SHARE + leg] >> 4
+    weight = state[C_SHARE + leg] >> 4
     if weight < _LEAST_SHARE_Q8:
         return _LEAST_SHARE_Q8
     return weight
 
 
 @hot
-def fit_heading(sensing, state) -> int:
+def fit_heading(sensing: Ints, state: Ints) -> int:
     """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
 
     Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
     Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
     """
-    m = ptr32(sensing)
-    c = ptr32(state)
     total = 0
     mx = 0
     my = 0
@@ -103,10 +97,10 @@ def fit_heading(sensing, state) -> int:
         w = foot_weight_q8(state, leg)
         at = leg * 3
         total += w
-        mx += w * m[M_LEVEL + at]
-        my += w * m[M_LEVEL + at + 1]
-        fx += w * (c[C_FOOT + at] - c[C_BODY] >> LF_BITS)
-        fy += w * (c[C_FOOT + at + 1] - c[C_BODY + 1] >> LF_BITS)
+        mx += w * sensing[M_LEVEL + at]
+        my += w * sensing[M_LEVEL + at + 1]
+        fx += w * (state[C_FOOT + at] - state[C_BODY] >> LF_BITS)
+        fy += w * (state[C_FOOT + at + 1] - state[C_BODY + 1] >> LF_BITS)
     if total == 0:
         return 0
     mx = mx // total
@@ -118,29 +112,26 @@ def fit_heading(sensing, state) -> int:
     for leg in range(LEGS):
         w = foot_weight_q8(state, leg)
         at = leg * 3
-        ax = saturate(m[M_LEVEL + at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
-        ay = saturate(m[M_LEVEL + at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
-        bx = saturate((c[C_FOOT + at] - c[C_BODY] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
-        by = saturate((c[C_FOOT + at + 1] - c[C_BODY + 1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        ax = saturate(sensing[M_LEVEL + at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
+        ay = saturate(sensing[M_LEVEL + at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((state[C_FOOT + at] - state[C_BODY] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((state[C_FOOT + at + 1] - state[C_BODY + 1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
         along += w * (ax * bx + ay * by >> 10)
     return atan2_brad18(across, along) << 6
 
 
 @hot
-def fit_body(settings, sensing, state) -> int:
+def fit_body(settings: Ints, sensing: Ints, state: Ints) -> int:
     """Update the heading and place of the body from the stance feet; return 0.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 45000 * 16383 * sqrt 2 < 2^30, 2^19 * 256 * 4 = 2^29.
     """
-    k = ptr32(settings)
-    m = ptr32(sensing)
-    c = ptr32(state)
     yaw = 0
-    if k[K_PLANAR] == 0:
+    if settings[K_PLANAR] == 0:
         yaw = fit_heading(sensing, state)
-    c[C_BODY + POSE_YAW] = yaw
+    state[C_BODY + POSE_YAW] = yaw
     cosine = cos_q15(yaw >> LF_BITS) >> 1
     sine = sin_q15(yaw >> LF_BITS) >> 1
     total = 0
@@ -149,17 +140,17 @@ def fit_body(settings, sensing, state) -> int:
     dz = 0
     for leg in range(LEGS):
         at = leg * 3
-        x = m[M_LEVEL + at]
-        y = m[M_LEVEL + at + 1]
+        x = sensing[M_LEVEL + at]
+        y = sensing[M_LEVEL + at + 1]
         turned_x = x * cosine - y * sine + 32 >> 6
         turned_y = x * sine + y * cosine + 32 >> 6
-        c[C_SEEN + at] = turned_x
-        c[C_SEEN + at + 1] = turned_y
-        c[C_SEEN + at + 2] = m[M_LEVEL + at + 2] << LF_BITS
+        state[C_SEEN + at] = turned_x
+        state[C_SEEN + at + 1] = turned_y
+        state[C_SEEN + at + 2] = sensing[M_LEVEL + at + 2] << LF_BITS
         w = foot_weight_q8(state, leg)
         total += w
         for axis in range(3):
-            gap = c[C_FOOT + at + axis] - c[C_BODY + axis] - c[C_SEEN + at + axis] + 8 >> 4
+            gap = state[C_FOOT + at + axis] - state[C_BODY + axis] - state[C_SEEN + at + axis] + 8 >> 4
             gap = w * saturate(gap, -0x7FFFF, 0x7FFFF)
             if axis == 0:
                 dx += gap
@@ -168,59 +159,56 @@ def fit_body(settings, sensing, state) -> int:
             else:
                 dz += gap
     if total:
-        c[C_BODY] += dx // total << 4
-        c[C_BODY + 1] += dy // total << 4
-        c[C_BODY + 2] += dz // total << 4
+        state[C_BODY] += dx // total << 4
+        state[C_BODY + 1] += dy // total << 4
+        state[C_BODY + 2] += dz // total << 4
     for at in range(LEGS * 3):
-        c[C_SEEN + at] += c[C_BODY + at % 3]
+        state[C_SEEN + at] += state[C_BODY + at % 3]
     return 0
 
 
 @hot
-def follow_slips(settings, state) -> int:
+def follow_slips(settings: Ints, state: Ints) -> int:
     """Let the map's places of loaded feet follow slowly where the feet are seen, and prints their feet; return 0.
 
     Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
     down again, the others too. A foot more than K_FAR off in height is followed fast: it stood on something that
     gave way.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
     least = _LOADED_Q12
-    if k[K_PLANAR]:
+    if settings[K_PLANAR]:
         least = -0x8000
     for leg in range(LEGS):
         at = leg * 3
-        if c[C_STANDS + leg] and c[C_SHARE + leg] > _HALF_SHARE_Q12 and c[C_FORCE + leg] > least:
+        if state[C_STANDS + leg] and state[C_SHARE + leg] > _HALF_SHARE_Q12 and state[C_FORCE + leg] > least:
             for axis in range(3):
-                gap = saturate(c[C_SEEN + at + axis] - c[C_FOOT + at + axis], -0xFFFFFF, 0xFFFFFF)
-                gain = k[K_SLIP_XY]
+                gap = saturate(state[C_SEEN + at + axis] - state[C_FOOT + at + axis], -0xFFFFFF, 0xFFFFFF)
+                gain = settings[K_SLIP_XY]
                 if axis == 2:
-                    gain = k[K_SLIP_Z]
-                    if gap > k[K_FAR] or gap < -k[K_FAR]:
-                        gain = k[K_SLIP_FAR]
-                c[C_FOOT + at + axis] += fraction(gap, gain)
-        if leg < 2 and c[C_STANDS + leg] and c[C_ON_PRINT + leg] and c[C_PRINTS + leg]:
-            last = C_PRINT + leg * 12 + (c[C_PRINTS + leg] - 1) * 3
+                    gain = settings[K_SLIP_Z]
+                    if gap > settings[K_FAR] or gap < -settings[K_FAR]:
+                        gain = settings[K_SLIP_FAR]
+                state[C_FOOT + at + axis] += fraction(gap, gain)
+        if leg < 2 and state[C_STANDS + leg] and state[C_ON_PRINT + leg] and state[C_PRINTS + leg]:
+            last = C_PRINT + leg * 12 + (state[C_PRINTS + leg] - 1) * 3
             for axis in range(3):
-                c[last + axis] = c[C_FOOT + at + axis]
+                state[last + axis] = state[C_FOOT + at + axis]
     return 0
 
 
 @hot
-def shift_points(state, at: int, count: int, dx: int, dy: int, dz: int) -> int:
+def shift_points(state: Ints, at: int, count: int, dx: int, dy: int, dz: int) -> int:
     """Subtract (dx, dy, dz) from ``count`` points of three values from ``at`` on; return 0. Exact."""
-    c = ptr32(state)
     for _ in range(count):
-        c[at] -= dx
-        c[at + 1] -= dy
-        c[at + 2] -= dz
+        state[at] -= dx
+        state[at + 1] -= dy
+        state[at + 2] -= dz
         at += 3
     return 0
 
 
 @hot
-def rebase(settings, state) -> int:
+def rebase(settings: Ints, state: Ints) -> int:
     """Move the map's origin to the body's x and z if those are farther than K_REBASE; return 1 if it was moved.
 
     y stays, because its axis is the line that is walked along, until the body is half as far again off it: a new line.
@@ -229,23 +217,21 @@ def rebase(settings, state) -> int:
     Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
     motion changes, and the numbers stay within 2^16 lu however far it walks.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
     far = 0
-    aside = k[K_REBASE] * 3 >> 1
+    aside = settings[K_REBASE] * 3 >> 1
     for axis in range(3):
-        most = k[K_REBASE]
+        most = settings[K_REBASE]
         if axis == 1:
             most = aside
-        if c[C_BODY + axis] > most or c[C_BODY + axis] < -most:
+        if state[C_BODY + axis] > most or state[C_BODY + axis] < -most:
             far = 1
     if far == 0:
         return 0
-    dx = c[C_BODY]
+    dx = state[C_BODY]
     dy = 0
-    if c[C_BODY + 1] > aside or c[C_BODY + 1] < -aside:
-        dy = c[C_BODY + 1]
-    dz = c[C_BODY + 2]
+    if state[C_BODY + 1] > aside or state[C_BODY + 1] < -aside:
+        dy = state[C_BODY + 1]
+    dz = state[C_BODY + 2]
     shift_points(state, C_FOOT, 4, dx, dy, dz)
     shift_points(state, C_SEEN, 4, dx, dy, dz)
     shift_points(state, C_PRINT, 8, dx, dy, dz)
@@ -257,10 +243,10 @@ def rebase(settings, state) -> int:
     shift_points(state, C_CMD, 1, dx, dy, dz)
     shift_points(state, C_POS, 1, dx, dy, dz)
     shift_points(state, C_TARGET, 1, dx, dy, dz)
-    c[C_SOURCE] -= dx
-    c[C_SOURCE + 1] -= dy
-    c[C_EXPECT] -= dz
-    c[C_TOP] -= dz
+    state[C_SOURCE] -= dx
+    state[C_SOURCE + 1] -= dy
+    state[C_EXPECT] -= dz
+    state[C_TOP] -= dz
     for at in range(PAST_SIZE):
-        c[C_PAST + at] -= dx
+        state[C_PAST + at] -= dx
     return far

@@ -86,7 +86,7 @@ from .crawl_state import Crawl
 from .fixed import saturate
 from .footholds import aim, print_add, steps_down
 from .params import FL, FR, LEGS, LF_BITS, RR
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .swing_leg import enter, hang_foot, lift_foot, lower_foot, move_foot, start_move, try_again
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
@@ -98,23 +98,22 @@ _TRIES = const(3)
 
 
 @hot
-def tell(state, event: int, x_lf: int, z_lf: int) -> int:
+def tell(state: Ints, event: int, x_lf: int, z_lf: int) -> int:
     """Keep an event of the present leg with a map x and a height off the expected one; return how many so far."""
-    c = ptr32(state)
-    c[C_EVENT] = event
-    c[C_EVENT_LEG] = c[C_LEG]
-    c[C_EVENT_X] = x_lf >> LF_BITS
-    c[C_EVENT_Z] = z_lf >> LF_BITS
-    c[C_EVENTS] = c[C_EVENTS] + 1 & 0xFFFFFF
+    state[C_EVENT] = event
+    state[C_EVENT_LEG] = state[C_LEG]
+    state[C_EVENT_X] = x_lf >> LF_BITS
+    state[C_EVENT_Z] = z_lf >> LF_BITS
+    state[C_EVENTS] = state[C_EVENTS] + 1 & 0xFFFFFF
     if event != EVENT_LANDED:
-        c[C_STEPS_EVEN] = 0
-    return c[C_EVENTS]
+        state[C_STEPS_EVEN] = 0
+    return state[C_EVENTS]
 
 
 @hot
 def start_machine(crawl: Crawl) -> int:
     """Begin with the shift off the first leg; return 0."""
-    c = ptr32(crawl.state)
+    c = crawl.state
     c[C_TURN] = 0
     c[C_LEG] = _ORDER & 15
     return plan_shift(crawl)
@@ -123,8 +122,8 @@ def start_machine(crawl: Crawl) -> int:
 @hot
 def machine(crawl: Crawl, way_lf: int) -> int:
     """Take one tick of the state machine; return its phase. way_lf: as crawl_tick."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     leg = c[C_LEG]
     phase = c[C_PHASE]
     c[C_TICK] = saturate(c[C_TICK] + 1, 0, 0xFFFFFF)
@@ -161,7 +160,7 @@ def plan_shift(crawl: Crawl) -> int:
 
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
-    c = ptr32(crawl.state)
+    c = crawl.state
     leg = c[C_LEG]
     wanted = resting_x(crawl.settings, crawl.state)
     if steps_down(crawl.settings, crawl.state, leg):
@@ -173,17 +172,16 @@ def plan_shift(crawl: Crawl) -> int:
 
 
 @hot
-def print_x(state, leg: int) -> int:
+def print_x(state: Ints, leg: int) -> int:
     """Return x in lf of the next print of hind ``leg``."""
-    c = ptr32(state)
-    return c[C_PRINT + (leg - RR) * 12]
+    return state[C_PRINT + (leg - RR) * 12]
 
 
 @hot
 def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
     limbs = crawl.limbs
-    k = ptr32(crawl.settings)
+    k = crawl.settings
     return (x_lf >> LF_BITS) - limbs.legs[leg].hip[0] + k[K_COM_X]
 
 
@@ -207,8 +205,8 @@ def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
 @hot
 def shift_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     left = c[C_BODY_TICKS] - c[C_TICK]
     for other in range(LEGS):
         if other != leg:
@@ -233,8 +231,8 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
     Four feet on uneven ground are one too many to know their loads: one diagonal may carry it all. Nothing
     is left to see once the leg that lifts is free.
     """
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     if k[K_PLANAR]:
         return 0
     if c[C_SHARE + leg] == 0 and c[C_FORCE + leg] < _FREE_Q12:
@@ -254,7 +252,7 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
 @hot
 def leave_ground(crawl: Crawl, leg: int) -> int:
     """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
-    c = ptr32(crawl.state)
+    c = crawl.state
     for axis in range(3):
         c[C_POS + axis] = c[C_FOOT + leg * 3 + axis]
     aim(crawl.limbs, crawl.settings, crawl.state, leg)
@@ -274,8 +272,8 @@ def leave_ground(crawl: Crawl, leg: int) -> int:
 @hot
 def move_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick across: into a riser go back and over, at the end hang; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     there = move_foot(crawl.state)
     if feel_riser(crawl.settings, crawl.state, leg):
         c[C_HITS] += 1
@@ -291,8 +289,8 @@ def move_tick(crawl: Crawl, leg: int) -> int:
 @hot
 def down_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     lower_foot(crawl.settings, crawl.state, leg)
     touches = feel_ground(crawl.settings, crawl.state, leg)
     z = c[C_SEEN + leg * 3 + 2]
@@ -315,8 +313,8 @@ def down_tick(crawl: Crawl, leg: int) -> int:
 @hot
 def free_shin(crawl: Crawl, leg: int) -> int:
     """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     z = c[C_SEEN + leg * 3 + 2]
     tell(crawl.state, EVENT_SHIN, c[C_POS], z - c[C_EXPECT])
     top = z + (k[K_SHIN_RAISE] << LF_BITS)
@@ -331,8 +329,8 @@ def free_shin(crawl: Crawl, leg: int) -> int:
 @hot
 def touch(crawl: Crawl, leg: int, z: int) -> int:
     """There is ground at ``z``, lf: take it, or try beside it if it is an edge where none should be; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     rise = z - c[C_EXPECT]
     tries = _TRIES
     if leg < RR:
@@ -352,8 +350,8 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
 @hot
 def drop_front(crawl: Crawl, leg: int) -> int:
     """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     other = C_FOOT + (FR + FL - leg) * 3
     c[C_DROPPED] = 1
     low = c[C_EXPECT] - (k[K_HIGH] * 2 // 3 << LF_BITS)
@@ -369,8 +367,8 @@ def drop_front(crawl: Crawl, leg: int) -> int:
 @hot
 def drop_hind(crawl: Crawl, leg: int) -> int:
     """No ground where the print is: further on when climbing, else nearer; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     further = -k[K_ADVANCE]
     if c[C_TARGET + 2] > c[C_FOOT + leg * 3 + 2] + (k[K_HIGH] << LF_BITS):
         further = k[K_ADVANCE]
@@ -382,8 +380,8 @@ def drop_hind(crawl: Crawl, leg: int) -> int:
 @hot
 def land(crawl: Crawl, leg: int) -> int:
     """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
-    k = ptr32(crawl.settings)
-    c = ptr32(crawl.state)
+    k = crawl.settings
+    c = crawl.state
     for axis in range(3):
         c[C_FOOT + leg * 3 + axis] = c[C_SEEN + leg * 3 + axis]
     c[C_STANDS + leg] = 1

@@ -21,33 +21,32 @@ from .crawl_layout import (
 )
 from .fixed import saturate
 from .params import FL, FR, LF_BITS, RR, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 MOST_PRINTS = const(4)
 _SIDE = const(12)  # values of a side's queue
 
 
 @hot
-def prints_start(params: Params, state) -> int:
+def prints_start(params: Params, state: Ints) -> int:
     """Lay the first prints between hind and front foot of each side, as if the robot had come that way; return 0.
 
     Right: 1/3, 2/3 and 3/3 of the way from the hind to the front foot; left: 1/6, 3/6, 5/6, half a stride on.
     Their heights lie on the line between the two feet.
     """
-    c = ptr32(state)
     for side in range(2):
         front = C_FOOT + side * 3
         hind = front + RR * 3
-        gap_x = c[front] - c[hind]
-        gap_z = c[front + 2] - c[hind + 2]
+        gap_x = state[front] - state[hind]
+        gap_z = state[front + 2] - state[hind + 2]
         for place in range(3):
             sixths = 2 * place + 2 - side
             at = C_PRINT + side * _SIDE + place * 3
-            c[at] = c[hind] + gap_x * sixths // 6
-            c[at + 1] = print_line(params, side)
-            c[at + 2] = c[hind + 2] + gap_z * sixths // 6
-        c[C_PRINTS + side] = 3
-        c[C_ON_PRINT + side] = 1 - side
+            state[at] = state[hind] + gap_x * sixths // 6
+            state[at + 1] = print_line(params, side)
+            state[at + 2] = state[hind + 2] + gap_z * sixths // 6
+        state[C_PRINTS + side] = 3
+        state[C_ON_PRINT + side] = 1 - side
     return 0
 
 
@@ -58,31 +57,29 @@ def print_line(params: Params, side: int) -> int:
 
 
 @hot
-def print_add(state, side: int, foot_at: int) -> int:
+def print_add(state: Ints, side: int, foot_at: int) -> int:
     """Append the point at ``state[foot_at]`` to a side's prints; return how many there are now.
 
     A full queue loses its oldest: the hind foot is then more than a stride behind, and would never use it.
     """
-    c = ptr32(state)
-    if c[C_PRINTS + side] >= MOST_PRINTS:
+    if state[C_PRINTS + side] >= MOST_PRINTS:
         print_drop(state, side)
-    at = C_PRINT + side * _SIDE + c[C_PRINTS + side] * 3
+    at = C_PRINT + side * _SIDE + state[C_PRINTS + side] * 3
     for axis in range(3):
-        c[at + axis] = c[foot_at + axis]
-    c[C_PRINTS + side] += 1
-    return c[C_PRINTS + side]
+        state[at + axis] = state[foot_at + axis]
+    state[C_PRINTS + side] += 1
+    return state[C_PRINTS + side]
 
 
 @hot
-def print_drop(state, side: int) -> int:
+def print_drop(state: Ints, side: int) -> int:
     """Forget the oldest print of a side; return how many are left."""
-    c = ptr32(state)
     at = C_PRINT + side * _SIDE
     for value in range(_SIDE - 3):
-        c[at + value] = c[at + value + 3]
-    if c[C_PRINTS + side] > 0:
-        c[C_PRINTS + side] -= 1
-    return c[C_PRINTS + side]
+        state[at + value] = state[at + value + 3]
+    if state[C_PRINTS + side] > 0:
+        state[C_PRINTS + side] -= 1
+    return state[C_PRINTS + side]
 
 
 @hot
@@ -94,59 +91,53 @@ def aim(params: Params, settings, state, leg: int) -> int:
 
 
 @hot
-def aim_front(params: Params, settings, state, leg: int) -> int:
+def aim_front(params: Params, settings: Ints, state: Ints, leg: int) -> int:
     """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope; return 0.
 
     The top is K_LIFT_FRONT above the higher of both front feet, the other counting only if it stands before
     or at the target: what it stands on may begin right here.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
     own = C_FOOT + leg * 3
     other = C_FOOT + (FR + FL - leg) * 3
-    stride = k[K_STRIDE] << LF_BITS
-    x = saturate(c[other] + (stride >> 1), c[own] + (stride >> 1), c[own] + stride * 7 // 5)
-    c[C_TARGET] = x
-    c[C_TARGET + 1] = print_line(params, leg)
-    c[C_TARGET + 2] = c[own + 2]
-    c[C_EXPECT] = c[own + 2] + expected_rise(settings, state, x - c[own])
-    top = c[own + 2]
-    if c[other + 2] > top and c[other] <= x + (k[K_HIT] * 5 // 3 << LF_BITS):
-        top = c[other + 2]
-    c[C_TOP] = top + (k[K_LIFT_FRONT] << LF_BITS)
+    stride = settings[K_STRIDE] << LF_BITS
+    x = saturate(state[other] + (stride >> 1), state[own] + (stride >> 1), state[own] + stride * 7 // 5)
+    state[C_TARGET] = x
+    state[C_TARGET + 1] = print_line(params, leg)
+    state[C_TARGET + 2] = state[own + 2]
+    state[C_EXPECT] = state[own + 2] + expected_rise(settings, state, x - state[own])
+    top = state[own + 2]
+    if state[other + 2] > top and state[other] <= x + (settings[K_HIT] * 5 // 3 << LF_BITS):
+        top = state[other + 2]
+    state[C_TOP] = top + (settings[K_LIFT_FRONT] << LF_BITS)
     return 0
 
 
 @hot
-def aim_hind(params: Params, settings, state, leg: int) -> int:
+def aim_hind(params: Params, settings: Ints, state: Ints, leg: int) -> int:
     """Aim at the oldest print of the leg's side and take it off the queue; without one, a stride ahead. Returns 0."""
-    k = ptr32(settings)
-    c = ptr32(state)
     side = leg - RR
     own = C_FOOT + leg * 3
-    if c[C_PRINTS + side] > 0:
+    if state[C_PRINTS + side] > 0:
         for axis in range(3):
-            c[C_TARGET + axis] = c[C_PRINT + side * _SIDE + axis]
+            state[C_TARGET + axis] = state[C_PRINT + side * _SIDE + axis]
         print_drop(state, side)
     else:
-        c[C_TARGET] = c[own] + (k[K_STRIDE] << LF_BITS)
-        c[C_TARGET + 1] = print_line(params, side)
-        c[C_TARGET + 2] = c[own + 2]
-    c[C_EXPECT] = c[C_TARGET + 2]
-    top = c[own + 2]
-    if c[C_TARGET + 2] > top:
-        top = c[C_TARGET + 2]
-    c[C_TOP] = top + (k[K_LIFT_REAR] << LF_BITS)
+        state[C_TARGET] = state[own] + (settings[K_STRIDE] << LF_BITS)
+        state[C_TARGET + 1] = print_line(params, side)
+        state[C_TARGET + 2] = state[own + 2]
+    state[C_EXPECT] = state[C_TARGET + 2]
+    top = state[own + 2]
+    if state[C_TARGET + 2] > top:
+        top = state[C_TARGET + 2]
+    state[C_TOP] = top + (settings[K_LIFT_REAR] << LF_BITS)
     return 0
 
 
 @hot
-def steps_down(settings, state, leg: int) -> int:
+def steps_down(settings: Ints, state: Ints, leg: int) -> int:
     """Return 1 if the next print of hind ``leg`` lies more than an edge (K_HIGH) below it, else 0."""
-    c = ptr32(state)
-    k = ptr32(settings)
-    if leg < RR or c[C_PRINTS + leg - RR] < 1:
+    if leg < RR or state[C_PRINTS + leg - RR] < 1:
         return 0
-    if c[C_PRINT + (leg - RR) * _SIDE + 2] < c[C_FOOT + leg * 3 + 2] - (k[K_HIGH] << LF_BITS):
+    if state[C_PRINT + (leg - RR) * _SIDE + 2] < state[C_FOOT + leg * 3 + 2] - (settings[K_HIGH] << LF_BITS):
         return 1
     return 0

@@ -10,7 +10,7 @@ from .params import (
     LF_BITS,
     Params,
 )
-from .runtime import const, hot, ptr32, zeros
+from .runtime import Ints, const, hot, zeros
 
 G_SEGMENTS = const(0)  # number of segments
 G_CYCLE = const(1)  # ticks of a whole cycle
@@ -34,7 +34,7 @@ MAX_SEGMENTS = const(16)
 PEAK_Q10 = const(8191)  # the body may move at most 8 times its mean speed in any tick
 
 
-def compile_gait(table, params: Params):
+def compile_gait(table, params: Params) -> Ints:
     """Return a gait table as an int block for one robot at its rate. Allocates: not for ticks.
 
     Raises ValueError with one sentence if the table can't be a gait for this robot.
@@ -135,17 +135,15 @@ CLOCK_SIZE = const(3)
 
 
 @hot
-def gait_clock(gait, clock) -> int:
+def gait_clock(gait: Ints, clock: Ints) -> int:
     """Move the clock one tick on; return 1 when that starts a new cycle, else 0."""
-    g = ptr32(gait)
-    c = ptr32(clock)
-    c[CLOCK_TICK] += 1
-    if c[CLOCK_TICK] < g[G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS]:
+    clock[CLOCK_TICK] += 1
+    if clock[CLOCK_TICK] < gait[G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS]:
         return 0
-    c[CLOCK_TICK] = 0
-    c[CLOCK_MADE_Q10] = 0
-    c[CLOCK_SEGMENT] += 1
-    if c[CLOCK_SEGMENT] < g[G_SEGMENTS]:
+    clock[CLOCK_TICK] = 0
+    clock[CLOCK_MADE_Q10] = 0
+    clock[CLOCK_SEGMENT] += 1
+    if clock[CLOCK_SEGMENT] < gait[G_SEGMENTS]:
         return 0
-    c[CLOCK_SEGMENT] = 0
+    clock[CLOCK_SEGMENT] = 0
     return 1

@@ -8,7 +8,7 @@ acts where a gait asks for more than the joint has (the papers' trot, the first 
 
 from .fixed import saturate
 from .params import JOINTS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 READ_NONE = const(0)  # no reading yet
 READ_ONCE = const(1)  # one set of readings that the next has to agree with before any is believed
@@ -24,55 +24,49 @@ _MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
 
 
 @hot
-def follow_goals(params: Params, wanted, joints) -> int:
+def follow_goals(params: Params, wanted: Ints, joints: Ints) -> int:
     """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can; return 0.
 
     Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
     Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
     Exact. Intermediates: two sums of two angles, below 2^18.
     """
-    to = ptr32(wanted)
-    q = ptr32(joints)
     near = params.joint_near
     for at in range(0, JOINTS, 3):
-        hip = to[at] - q[at]
-        thigh = to[at + 1] - q[at + 1]
-        calf = to[at + 2] - q[at + 2]
+        hip = wanted[at] - joints[at]
+        thigh = wanted[at + 1] - joints[at + 1]
+        calf = wanted[at + 2] - joints[at + 2]
         if hip > near or hip < -near or thigh > near or thigh < -near or calf > near or calf < -near:
             follow_leg(params, wanted, joints, at)
         else:
-            q[at] = to[at]
-            q[at + 1] = to[at + 1]
-            q[at + 2] = to[at + 2]
+            joints[at] = wanted[at]
+            joints[at + 1] = wanted[at + 1]
+            joints[at + 2] = wanted[at + 2]
     return 0
 
 
 @hot
-def follow_leg(params: Params, wanted, joints, at: int) -> int:
+def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> int:
     """Move the three joints of one leg, from ``at`` on, as follow_goals does; return 0."""
-    to = ptr32(wanted)
-    q = ptr32(joints)
-    thigh = to[at + 1] - q[at + 1]
-    calf = to[at + 2] - q[at + 2]
+    thigh = wanted[at + 1] - joints[at + 1]
+    calf = wanted[at + 2] - joints[at + 2]
     if params.coupled:
         calf += thigh
     thigh = saturate(thigh, -params.joint_top[1], params.joint_top[1])
     calf = saturate(calf, -params.joint_top[2], params.joint_top[2])
     if params.coupled:
         calf -= thigh
-    q[at] += saturate(to[at] - q[at], -params.joint_top[0], params.joint_top[0])
-    q[at + 1] += thigh
-    q[at + 2] += calf
+    joints[at] += saturate(wanted[at] - joints[at], -params.joint_top[0], params.joint_top[0])
+    joints[at + 1] += thigh
+    joints[at + 2] += calf
     return 0
 
 
 @hot
-def joints_near(params: Params, readings, first: int, joints) -> int:
+def joints_near(params: Params, readings: Ints, first: int, joints: Ints) -> int:
     """Return 1 if each of ``joints`` (12 brad) gets to its reading (from ``first`` on) within one tick, else 0."""
-    r = ptr32(readings)
-    q = ptr32(joints)
     for joint in range(JOINTS):
-        gap = r[first + joint] - q[joint]
+        gap = readings[first + joint] - joints[joint]
         top = params.joint_top[joint % 3]
         if gap > top or gap < -top:
             return 0
@@ -80,7 +74,7 @@ def joints_near(params: Params, readings, first: int, joints) -> int:
 
 
 @hot
-def believe(readings, first: int, count: int, step: int, believed, past) -> int:
+def believe(readings: Ints, first: int, count: int, step: int, believed: Ints, past: Ints) -> int:
     """Copy ``count`` readings from ``readings[first]`` on to the same places of ``believed``, but for odd ones.
 
     A reading is limited to +-32768. It is odd if it is more than ``step`` away from what is believed and from the
@@ -89,56 +83,50 @@ def believe(readings, first: int, count: int, step: int, believed, past) -> int:
     Returns how many are odd, or -1 while nothing is known: at first, and after ten odd sets in a row.
     Intermediates: below 2^17.
     """
-    r = ptr32(readings)
-    b = ptr32(believed)
-    last = ptr32(past)
-    state = last[count + READ_STATE]
+    state = past[count + READ_STATE]
     odd = 0
     for at in range(first, first + count):
-        reading = r[at]
-        was = b[at]
+        reading = readings[at]
+        was = believed[at]
         if reading != was:
             if reading > 32767 or reading < -32768:
                 reading = saturate(reading, -32768, 32767)
             if reading > was + step or reading < was - step:
                 odd += 1
             else:
-                b[at] = reading
+                believed[at] = reading
     if state >= READ_SURE and odd:
         odd = believe_again(readings, first, count, step, believed, past)
     if odd == 0 and state != READ_NONE:
-        last[count + READ_STATE] = READ_SURE
-        last[count + READ_ROW] = 0
+        past[count + READ_STATE] = READ_SURE
+        past[count + READ_ROW] = 0
         return 0
-    if state >= READ_SURE and last[count + READ_ROW] < _MOST_ODD:
-        last[count + READ_STATE] = READ_ODD
-        last[count + READ_ROW] += 1
+    if state >= READ_SURE and past[count + READ_ROW] < _MOST_ODD:
+        past[count + READ_STATE] = READ_ODD
+        past[count + READ_ROW] += 1
         return odd
     for at in range(first, first + count):
-        b[at] = saturate(r[at], -32768, 32767)
-    last[count + READ_STATE] = READ_ONCE
-    last[count + READ_ROW] = 0
+        believed[at] = saturate(readings[at], -32768, 32767)
+    past[count + READ_STATE] = READ_ONCE
+    past[count + READ_ROW] = 0
     return -1
 
 
 @hot
-def believe_again(readings, first: int, count: int, step: int, believed, past) -> int:
+def believe_again(readings: Ints, first: int, count: int, step: int, believed: Ints, past: Ints) -> int:
     """Believe those odd readings that agree with an odd set just before; keep the set; return how many stay odd.
 
     Used by believe.
     """
-    r = ptr32(readings)
-    b = ptr32(believed)
-    last = ptr32(past)
     odd = 0
     for place in range(count):
-        reading = saturate(r[first + place], -32768, 32767)
-        gap = reading - b[first + place]
+        reading = saturate(readings[first + place], -32768, 32767)
+        gap = reading - believed[first + place]
         if gap > step or gap < -step:
-            again = reading - last[place]
-            if last[count + READ_STATE] == READ_ODD and again <= step and again >= -step:
-                b[first + place] = reading
+            again = reading - past[place]
+            if past[count + READ_STATE] == READ_ODD and again <= step and again >= -step:
+                believed[first + place] = reading
             else:
                 odd += 1
-        last[place] = reading
+        past[place] = reading
     return odd

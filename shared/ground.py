@@ -9,7 +9,7 @@ from .params import (
     LEGS,
     Params,
 )
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .sensing import M_LEVEL
 from .steps import STEP_SIZE, STEP_TICKS, STEP_TO_Z, STEP_Z
 
@@ -18,16 +18,15 @@ _ROUGH_RANGE = const(637)  # brad, 3.5 deg more: full extra lift
 
 
 @hot
-def twist(sensing, roll_brad: int, pitch_brad: int) -> int:
+def twist(sensing: Ints, roll_brad: int, pitch_brad: int) -> int:
     """Return the mean of FR, RL minus FL, RR of the measured feet's heights over the ground's plane, lu.
 
     sensing: a block of sense_legs; roll, pitch: how the ground's plane lies in level axes, brad. Error at most 4 lu.
     Intermediates: 4 * 65535 * 2^12 at most (feet as sense_legs leaves them).
     """
-    m = ptr32(sensing)
-    x = m[M_LEVEL] - m[M_LEVEL + 3] - m[M_LEVEL + 6] + m[M_LEVEL + 9] >> 2
-    y = m[M_LEVEL + 1] - m[M_LEVEL + 4] - m[M_LEVEL + 7] + m[M_LEVEL + 10] >> 2
-    z = m[M_LEVEL + 2] - m[M_LEVEL + 5] - m[M_LEVEL + 8] + m[M_LEVEL + 11] >> 2
+    x = sensing[M_LEVEL] - sensing[M_LEVEL + 3] - sensing[M_LEVEL + 6] + sensing[M_LEVEL + 9] >> 2
+    y = sensing[M_LEVEL + 1] - sensing[M_LEVEL + 4] - sensing[M_LEVEL + 7] + sensing[M_LEVEL + 10] >> 2
+    z = sensing[M_LEVEL + 2] - sensing[M_LEVEL + 5] - sensing[M_LEVEL + 8] + sensing[M_LEVEL + 11] >> 2
     z = z * (cos_q15(pitch_brad) >> 2) - x * (sin_q15(pitch_brad) >> 2) >> 13
     return z * (cos_q15(roll_brad) >> 2) + y * (sin_q15(roll_brad) >> 2) >> 13
 
@@ -46,9 +45,8 @@ def follow_twist(params: Params, now_lf: int, measured_lu: int) -> int:
 
 
 @hot
-def press_feet(params: Params, steps, twist_lu: int) -> int:
+def press_feet(params: Params, steps: Ints, twist_lu: int) -> int:
     """Move the footholds' heights to the twisted ground: standing feet slowly, swing feet by their aim; return 0."""
-    s = ptr32(steps)
     step = params.press
     for leg in range(LEGS):
         at = leg * STEP_SIZE
@@ -57,9 +55,9 @@ def press_feet(params: Params, steps, twist_lu: int) -> int:
             floor += twist_lu
         else:
             floor -= twist_lu
-        s[at + STEP_TO_Z] = floor
-        if s[at + STEP_TICKS] == 0 and s[at + STEP_Z] != floor:
-            s[at + STEP_Z] += saturate(floor - s[at + STEP_Z], -step, step)
+        steps[at + STEP_TO_Z] = floor
+        if steps[at + STEP_TICKS] == 0 and steps[at + STEP_Z] != floor:
+            steps[at + STEP_Z] += saturate(floor - steps[at + STEP_Z], -step, step)
     return 0
 
 

@@ -8,7 +8,7 @@ from .command import C_SPEED
 from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
 from .fixed import cos_q15, saturate, sin_q15
 from .params import JOINTS, LEGS, LF_BITS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .steps import STEP_SIZE, STEP_TICK, STEP_TICKS, STEP_TO_Z, STEP_X, STEP_Y, STEP_Z
 
 # Why the gait was changed
@@ -26,12 +26,11 @@ LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past wh
 
 
 @hot
-def straight_on(params: Params, command) -> int:
+def straight_on(params: Params, command: Ints) -> int:
     """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
-    c = ptr32(command)
-    ahead = c[C_SPEED]
-    aside = c[C_SPEED + 1]
-    turn = saturate(c[C_SPEED + 2], -0xFFFFF, 0xFFFFF) * 4
+    ahead = command[C_SPEED]
+    aside = command[C_SPEED + 1]
+    turn = saturate(command[C_SPEED + 2], -0xFFFFF, 0xFFFFF) * 4
     if ahead <= 0 or aside > ahead or aside < -ahead:
         return 0
     if turn > params.speed_max[2] or turn < -params.speed_max[2]:
@@ -40,64 +39,58 @@ def straight_on(params: Params, command) -> int:
 
 
 @hot
-def ground_even(state) -> int:
+def ground_even(state: Ints) -> int:
     """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
-    c = ptr32(state)
-    if c[C_STEPS_EVEN] >= LEGS_EVEN:
+    if state[C_STEPS_EVEN] >= LEGS_EVEN:
         return 1
     return 0
 
 
 @hot
-def steps_from_crawl(params: Params, state, ahead_lu: int, sway_lu: int, steps) -> int:
+def steps_from_crawl(params: Params, state: Ints, ahead_lu: int, sway_lu: int, steps: Ints) -> int:
     """Write the crawl's feet into the trot's footholds, level and at rest height; return 0.
 
     A foothold is where the foot is from the crawl's wanted body, turned back by its heading, plus the trot's
     lead and sway (lu, within 32767), which its pose adds again. Feet within 32767 lu.
     Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
-    c = ptr32(state)
-    s = ptr32(steps)
-    yaw = c[C_REF + 5] >> LF_BITS
+    yaw = state[C_REF + 5] >> LF_BITS
     cosine = cos_q15(yaw) + 1 >> 1
     sine = sin_q15(yaw) + 1 >> 1
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        x = saturate(c[C_FOOT + leg * 3] - c[C_REF] >> LF_BITS, -32767, 32767)
-        y = saturate(c[C_FOOT + leg * 3 + 1] - c[C_REF + 1] >> LF_BITS, -32767, 32767)
-        s[at + STEP_X] = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
-        s[at + STEP_Y] = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
+        x = saturate(state[C_FOOT + leg * 3] - state[C_REF] >> LF_BITS, -32767, 32767)
+        y = saturate(state[C_FOOT + leg * 3 + 1] - state[C_REF + 1] >> LF_BITS, -32767, 32767)
+        steps[at + STEP_X] = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
+        steps[at + STEP_Y] = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
         rest_z = params.legs[leg].rest[2]
-        s[at + STEP_Z] = rest_z
-        s[at + STEP_TO_Z] = rest_z
-        s[at + STEP_TICKS] = 0
-        s[at + STEP_TICK] = 0
+        steps[at + STEP_Z] = rest_z
+        steps[at + STEP_TO_Z] = rest_z
+        steps[at + STEP_TICKS] = 0
+        steps[at + STEP_TICK] = 0
     return 0
 
 
 @hot
-def fade_start(params: Params, fade, joints) -> int:
+def fade_start(params: Params, fade: Ints, joints: Ints) -> int:
     """Keep the goals sent last (12 brad): the next ones are to go on from there; return the ticks of the fade."""
-    f = ptr32(fade)
-    q = ptr32(joints)
     for joint in range(JOINTS):
-        f[F_JUMP + joint] = q[joint]
-    f[F_LEFT] = -1
-    f[F_TICKS] = (params.rate_hz >> 1) + 1
-    return f[F_TICKS]
+        fade[F_JUMP + joint] = joints[joint]
+    fade[F_LEFT] = -1
+    fade[F_TICKS] = (params.rate_hz >> 1) + 1
+    return fade[F_TICKS]
 
 
 @hot
-def fade_out(fade, joints) -> int:
+def fade_out(fade: Ints, joints: Ints) -> int:
     """Add what is left of the jump to the goals (12 brad); return the ticks to go. Exact to 1 brad."""
-    f = ptr32(fade)
-    q = ptr32(joints)
-    if f[F_LEFT] < 0:
+    if fade[F_LEFT] < 0:
         for joint in range(JOINTS):
-            f[F_JUMP + joint] = saturate(f[F_JUMP + joint] - q[joint], -65535, 65535)
-        f[F_LEFT] = f[F_TICKS]
-    if f[F_LEFT] > 0:
+            fade[F_JUMP + joint] = saturate(fade[F_JUMP + joint] - joints[joint], -65535, 65535)
+        fade[F_LEFT] = fade[F_TICKS]
+    if fade[F_LEFT] > 0:
         for joint in range(JOINTS):
-            q[joint] = saturate(q[joint] + f[F_JUMP + joint] * f[F_LEFT] // f[F_TICKS], -32768, 32767)
-        f[F_LEFT] -= 1
-    return f[F_LEFT]
+            left = fade[F_JUMP + joint] * fade[F_LEFT] // fade[F_TICKS]
+            joints[joint] = saturate(joints[joint] + left, -32768, 32767)
+        fade[F_LEFT] -= 1
+    return fade[F_LEFT]

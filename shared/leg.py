@@ -14,7 +14,7 @@ from .fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt
 from .params import (
     Params,
 )
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 LIMIT_HIP = const(8)
 LIMIT_THIGH = const(16)
@@ -22,33 +22,31 @@ LIMIT_CALF = const(32)
 
 
 @hot
-def leg_forward(params: Params, leg: int, joints, feet) -> int:
+def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
     """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
 
     joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
     Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
     Paper A eqs 1-6 inverted (joint to foot).
     """
-    q = ptr32(joints)
-    out = ptr32(feet)
     base = params.legs[leg]
     at = leg * 3
     l2 = base.thigh_length
     l3 = base.calf_length
     l1 = base.hip_length
-    thigh = q[at + 1]
-    shank = thigh + q[at + 2]
-    out[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
+    thigh = joints[at + 1]
+    shank = thigh + joints[at + 2]
+    feet[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
     drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
-    sine = sin_q15(q[at])
-    cosine = cos_q15(q[at])
-    out[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
-    out[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
+    sine = sin_q15(joints[at])
+    cosine = cos_q15(joints[at])
+    feet[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
+    feet[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
     return 0
 
 
 @hot
-def leg_inverse(params: Params, leg: int, feet, joints) -> int:
+def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
     """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
 
     feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
@@ -59,13 +57,11 @@ def leg_inverse(params: Params, leg: int, feet, joints) -> int:
     one, of the product of two complex numbers. Intermediates: products of two sides of one
     triangle, below (L1^2 + (L2+L3)^2) < 2^30.
     """
-    foot = ptr32(feet)
-    q = ptr32(joints)
     base = params.legs[leg]
     at = leg * 3
-    x = foot[at]
-    y = foot[at + 1]
-    z = foot[at + 2]
+    x = feet[at]
+    y = feet[at + 1]
+    z = feet[at + 2]
     l1 = base.hip_length
     drop_sq = y * y + z * z - l1 * l1
     if drop_sq < 0:
@@ -83,46 +79,44 @@ def leg_inverse(params: Params, leg: int, feet, joints) -> int:
     if base.knee < 0:
         bend = -bend
         lead = -lead
-    q[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
-    q[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
-    q[at + 2] = round_brad(bend)
+    joints[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
+    joints[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
+    joints[at + 2] = round_brad(bend)
     return length_sq
 
 
 @hot
-def plane_length(params: Params, leg: int, hip_feet) -> int:
+def plane_length(params: Params, leg: int, hip_feet: Ints) -> int:
     """Return the distance d from thigh joint to foot, lu, of ``leg``'s foot in ``hip_feet``, in reach or not.
 
     hip_feet: 12 lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
     sum of squares. Error at most 4 lu up to 32767 lu. With L1: d^2 = x^2 + y^2 + z^2 - L1^2 (paper A eqs 1-6).
     """
-    h = ptr32(hip_feet)
     at = leg * 3
-    x = saturate(h[at] >> 1, -16383, 16383)
-    y = saturate(h[at + 1] >> 1, -16383, 16383)
-    z = saturate(h[at + 2] >> 1, -16383, 16383)
+    x = saturate(hip_feet[at] >> 1, -16383, 16383)
+    y = saturate(hip_feet[at + 1] >> 1, -16383, 16383)
+    z = saturate(hip_feet[at + 2] >> 1, -16383, 16383)
     side = params.legs[leg].hip_length >> 1
     return 2 * isqrt(x * x + y * y + z * z - side * side)
 
 
 @hot
-def limit_joints(params: Params, leg: int, joints) -> int:
+def limit_joints(params: Params, leg: int, joints: Ints) -> int:
     """Limit the three angles of ``leg`` in ``joints`` to the robot's joint limits; return what acted.
 
     joints: 12 brad within -32768 .. 32767, changed in place. Returns 0 or LIMIT_HIP, LIMIT_THIGH,
     LIMIT_CALF or several. Exact.
     """
-    q = ptr32(joints)
     limb = params.legs[leg]
     at = leg * 3
     flags = 0
     for joint in range(3):
-        angle = q[at]
+        angle = joints[at]
         if angle < limb.lowest[joint]:
-            q[at] = limb.lowest[joint]
+            joints[at] = limb.lowest[joint]
             flags |= LIMIT_HIP << joint
         elif angle > limb.highest[joint]:
-            q[at] = limb.highest[joint]
+            joints[at] = limb.highest[joint]
             flags |= LIMIT_HIP << joint
         at += 1
     return flags

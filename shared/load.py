@@ -8,7 +8,7 @@ Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
 
 from .fixed import saturate
 from .params import LEGS
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 L_WANTED_Q12 = const(0)  # 4 values: the share of each foot
 L_FORCE_Q12 = const(4)  # 4 values: the same, slewed
@@ -25,17 +25,16 @@ _UNIT_HALF = const(16)
 
 
 @hot
-def load_even(block, weight_q12: int) -> int:
+def load_even(block: Ints, weight_q12: int) -> int:
     """Let every foot carry a quarter, at once; return 0. weight: Q12 of the own weight, 0 .. 16383."""
-    b = ptr32(block)
     for leg in range(LEGS):
-        b[L_WANTED_Q12 + leg] = weight_q12 >> 2
-        b[L_FORCE_Q12 + leg] = weight_q12 >> 2
+        block[L_WANTED_Q12 + leg] = weight_q12 >> 2
+        block[L_FORCE_Q12 + leg] = weight_q12 >> 2
     return 0
 
 
 @hot
-def load_share(feet, weights, com_x: int, com_y: int, weight_q12: int, planar: int, block) -> int:
+def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Ints) -> int:
     """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
 
     feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
@@ -44,69 +43,64 @@ def load_share(feet, weights, com_x: int, com_y: int, weight_q12: int, planar: i
     0 .. weight. Error at most 1 % of the weight where four feet span 0.2 of the largest leg or more.
     Intermediates: 4096 * 16383 + 2^11, and those of load_moments and load_slope.
     """
-    w = ptr32(weights)
-    b = ptr32(block)
     total = load_moments(feet, weights, planar, block)
     if total <= 0:
         for leg in range(LEGS):
-            b[L_WANTED_Q12 + leg] = 0
+            block[L_WANTED_Q12 + leg] = 0
         return 0
     load_slope(com_x, com_y, planar, block)
     even = 0x100000 // total
-    shift = b[L_SHIFT] + 6
-    along_x = b[L_ALONG]
-    along_y = b[L_ALONG + 1]
+    shift = block[L_SHIFT] + 6
+    along_x = block[L_ALONG]
+    along_y = block[L_ALONG + 1]
     arm = L_ARM
     for leg in range(LEGS):
         share = 0
-        if w[leg] > 0:
-            share = even + (along_x * b[arm] + along_y * b[arm + 1] >> shift)
+        if weights[leg] > 0:
+            share = even + (along_x * block[arm] + along_y * block[arm + 1] >> shift)
             if share < 0:
                 share = 0
             elif share > 0x200000:
                 share = 0x200000
-            share = share * w[leg] >> 8
+            share = share * weights[leg] >> 8
             if share > 4096:
                 share = 4096
             share = share * weight_q12 + 2048 >> 12
-        b[L_WANTED_Q12 + leg] = share
+        block[L_WANTED_Q12 + leg] = share
         arm += 2
     return 1
 
 
 @hot
-def load_moments(feet, weights, planar: int, block) -> int:
+def load_moments(feet: Ints, weights: Ints, planar: int, block: Ints) -> int:
     """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
 
     Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
     In the plane all y are 0.
     """
-    f = ptr32(feet)
-    w = ptr32(weights)
-    b = ptr32(block)
-    total = w[0] + w[1] + w[2] + w[3]
+    total = weights[0] + weights[1] + weights[2] + weights[3]
     if total <= 0:
         return 0
-    middle_x = (f[0] * w[0] + f[3] * w[1] + f[6] * w[2] + f[9] * w[3]) // total
-    middle_y = (f[1] * w[0] + f[4] * w[1] + f[7] * w[2] + f[10] * w[3]) // total
+    middle_x = (feet[0] * weights[0] + feet[3] * weights[1] + feet[6] * weights[2] + feet[9] * weights[3]) // total
+    middle_y = (feet[1] * weights[0] + feet[4] * weights[1] + feet[7] * weights[2] + feet[10] * weights[3]) // total
     xx = 0
     xy = 0
     yy = 0
     arm = L_ARM
     at = 0
     for leg in range(LEGS):
-        weight = w[leg]
+        weight = weights[leg]
         if weight > 0:
-            x = f[at] - middle_x + _UNIT_HALF >> _UNIT_BITS
+            x = feet[at] - middle_x + _UNIT_HALF >> _UNIT_BITS
             if x > 1023 or x < -1023:
                 x = saturate(x, -1023, 1023)
             y = 0
             if planar == 0:
-                y = f[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
+                y = feet[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
                 if y > 1023 or y < -1023:
                     y = saturate(y, -1023, 1023)
-            b[arm] = x
-            b[arm + 1] = y
+            block[arm] = x
+            block[arm + 1] = y
             xx += x * x * weight >> 8
             xy += x * y * weight >> 8
             yy += y * y * weight >> 8
@@ -118,31 +112,30 @@ def load_moments(feet, weights, planar: int, block) -> int:
         xy >>= 1
         yy >>= 1
         shift += 1
-    b[L_MIDDLE] = middle_x
-    b[L_MIDDLE + 1] = middle_y
-    b[L_MOMENT] = xx
-    b[L_MOMENT + 1] = xy
-    b[L_MOMENT + 2] = yy
-    b[L_SHIFT] = shift
+    block[L_MIDDLE] = middle_x
+    block[L_MIDDLE + 1] = middle_y
+    block[L_MOMENT] = xx
+    block[L_MOMENT + 1] = xy
+    block[L_MOMENT + 2] = yy
+    block[L_SHIFT] = shift
     return total
 
 
 @hot
-def load_slope(com_x: int, com_y: int, planar: int, block) -> int:
+def load_slope(com_x: int, com_y: int, planar: int, block: Ints) -> int:
     """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
 
     Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
     take the part along the line. Slopes are in Q18 per 32 lu, shifted by L_SHIFT, limited to +-0x3FFFF.
     Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
     """
-    b = ptr32(block)
-    off_x = saturate(com_x - b[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    off_x = saturate(com_x - block[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
     off_y = 0
     if planar == 0:
-        off_y = saturate(com_y - b[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-    xx = b[L_MOMENT]
-    xy = b[L_MOMENT + 1]
-    yy = b[L_MOMENT + 2]
+        off_y = saturate(com_y - block[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    xx = block[L_MOMENT]
+    xy = block[L_MOMENT + 1]
+    yy = block[L_MOMENT + 2]
     square = (xx + yy) * (xx + yy)
     det = xx * yy - xy * xy
     if det > square >> 6:
@@ -153,17 +146,16 @@ def load_slope(com_x: int, com_y: int, planar: int, block) -> int:
         along_y = xy * off_x + yy * off_y
         det = square
     det = (det >> 14) + 1
-    b[L_ALONG] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
-    b[L_ALONG + 1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
+    block[L_ALONG] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
+    block[L_ALONG + 1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
     return 0
 
 
 @hot
-def load_slew(block, step_q12: int) -> int:
+def load_slew(block: Ints, step_q12: int) -> int:
     """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
-    b = ptr32(block)
     for leg in range(LEGS):
-        short = b[L_WANTED_Q12 + leg] - b[L_FORCE_Q12 + leg]
+        short = block[L_WANTED_Q12 + leg] - block[L_FORCE_Q12 + leg]
         if short:
-            b[L_FORCE_Q12 + leg] += saturate(short, -step_q12, step_q12)
+            block[L_FORCE_Q12 + leg] += saturate(short, -step_q12, step_q12)
     return 0

@@ -8,7 +8,7 @@ feedback with a position term), and feet are placed for the corrected speed.
 
 from .fixed import saturate
 from .params import LF_BITS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .steps import SPEED_SIZE, SPEED_WZ, SPEED_X, SPEED_Y
 
 NAV_X = const(0)  # lf, the reference from the robot, level axes
@@ -21,72 +21,66 @@ _TURN_MAX = const(0x7FFF)  # yaw18 a tick, 1/8 rad
 
 
 @hot
-def navigate_reset(nav) -> int:
+def navigate_reset(nav: Ints) -> int:
     """Put the reference where the robot is; return 0."""
-    e = ptr32(nav)
     for axis in range(NAV_SIZE):
-        e[axis] = 0
+        nav[axis] = 0
     return 0
 
 
 @hot
-def follow_reference(params: Params, speed, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav) -> int:
+def follow_reference(
+    params: Params, speed: Ints, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav: Ints
+) -> int:
     """Update the errors by one tick; return 0.
 
     speed: the reference's, 3 values within +-2^19; moved: lf, within +-2^22; turned: yaw18, limited to 1/8 rad.
     The reference waits where it would be more than a sixth of the leg's length or 0.35 rad away. Without
     yaw the heading's error is 0. Error at most 2 lf a tick while turning. Intermediates: 2^15 * 2^13.
     """
-    v = ptr32(speed)
-    e = ptr32(nav)
     yaw = 0
     turned = 0
     if yaw_known:
         turned = saturate(turned_yaw18, -_TURN_MAX, _TURN_MAX)
-        yaw = saturate(e[NAV_YAW] + v[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
-    e[NAV_YAW] = yaw
+        yaw = saturate(nav[NAV_YAW] + speed[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
+    nav[NAV_YAW] = yaw
     most = (params.leg_length << LF_BITS) // 6
-    x = e[NAV_X] + v[SPEED_X] - ((v[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
-    y = e[NAV_Y] + v[SPEED_Y] + ((v[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
+    x = nav[NAV_X] + speed[SPEED_X] - ((speed[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
+    y = nav[NAV_Y] + speed[SPEED_Y] + ((speed[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
     x = saturate(x, -most, most)
     y = saturate(y, -most, most)
-    e[NAV_X] = x + ((y >> LF_BITS) * turned >> 10)
-    e[NAV_Y] = y - ((x >> LF_BITS) * turned >> 10)
+    nav[NAV_X] = x + ((y >> LF_BITS) * turned >> 10)
+    nav[NAV_Y] = y - ((x >> LF_BITS) * turned >> 10)
     return 0
 
 
 @hot
-def hold(params: Params, speed, sway_lu: int, nav, drive) -> int:
+def hold(params: Params, speed: Ints, sway_lu: int, nav: Ints, drive: Ints) -> int:
     """Write the speeds to walk with into ``drive``: the reference's plus the errors times a gain, limited.
 
     sway: lu, within +-32767, the body's planned way to the left, which is no error. Corrections are limited to a
     fifth of the speed along x (of the starting speed if that is more), two fifths of the largest speed along
     y, three quarters of the largest turn. Returns 0. Intermediates: 2^18 * 2^11 (20 Hz, the slowest rate).
     """
-    v = ptr32(speed)
-    e = ptr32(nav)
-    d = ptr32(drive)
     gain = params.hold_q16
-    most = v[SPEED_X]
+    most = speed[SPEED_X]
     if most < 0:
         most = -most
     if most < params.start_speed:
         most = params.start_speed
     most = most // 5
-    d[SPEED_X] = v[SPEED_X] + saturate((e[NAV_X] >> 4) * gain >> 12, -most, most)
+    drive[SPEED_X] = speed[SPEED_X] + saturate((nav[NAV_X] >> 4) * gain >> 12, -most, most)
     most = params.speed_max[1] * 2 // 5
-    y = saturate(e[NAV_Y] + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
-    d[SPEED_Y] = v[SPEED_Y] + saturate((y >> 4) * gain >> 12, -most, most)
+    y = saturate(nav[NAV_Y] + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
+    drive[SPEED_Y] = speed[SPEED_Y] + saturate((y >> 4) * gain >> 12, -most, most)
     most = params.speed_max[2] * 3 // 4
-    d[SPEED_WZ] = v[SPEED_WZ] + saturate((e[NAV_YAW] >> 4) * gain >> 12, -most, most)
+    drive[SPEED_WZ] = speed[SPEED_WZ] + saturate((nav[NAV_YAW] >> 4) * gain >> 12, -most, most)
     return 0
 
 
 @hot
-def drive_as_told(speed, drive) -> int:
+def drive_as_told(speed: Ints, drive: Ints) -> int:
     """Walk with the commanded speeds, uncorrected; return 0."""
-    v = ptr32(speed)
-    d = ptr32(drive)
     for axis in range(SPEED_SIZE):
-        d[axis] = v[axis]
+        drive[axis] = speed[axis]
     return 0

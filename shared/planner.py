@@ -36,7 +36,7 @@ from .planner_state import PlannerState
 from .planner_states import choose_state, follow_joints, settle
 from .planner_steps import step_gait
 from .posture import posture_step
-from .runtime import hot, ptr32
+from .runtime import hot
 from .sensing import M_KNOWN, keep_sent
 
 
@@ -64,8 +64,8 @@ class Planner(PlannerState):
 @hot
 def plan(planner: PlannerState, command, sensed) -> int:
     """One tick of the planner; returns its flags."""
-    n = ptr32(planner.numbers)
-    m = ptr32(planner.sensing)
+    n = planner.numbers
+    m = planner.sensing
     n[N_FLAGS] = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
@@ -91,7 +91,7 @@ def plan(planner: PlannerState, command, sensed) -> int:
 @hot
 def tread(planner: PlannerState, command, sensed) -> int:
     """One tick of standing or walking by a gait's table or the adaptive trot; return 0."""
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     own = 0
     if n[N_GAIT] == GAIT_ADAPTIVE:
         own = 1
@@ -104,7 +104,7 @@ def tread(planner: PlannerState, command, sensed) -> int:
         correction = planner.balance.correction
         pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
     n[N_FLAGS] |= solve_legs(planner, planner.goal)
-    fade = ptr32(planner.fade)
+    fade = planner.fade
     if fade[F_LEFT]:
         fade_out(planner.fade, planner.goal)
         for leg in range(LEGS):

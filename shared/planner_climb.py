@@ -49,51 +49,49 @@ from .planner_layout import (
 from .planner_state import PlannerState
 from .planner_steps import use_gait, wanted_gait
 from .retreat import retreat_start, retreat_step
-from .runtime import hot, ptr32
+from .runtime import Ints, hot
 from .sensing import M_KNOWN, M_MOVED_X, sense_legs, stands_level
 from .steps import SPEED_SIZE
 
 
 @hot
-def climbs(planner: PlannerState, command, sensed) -> int:
+def climbs(planner: PlannerState, command: Ints, sensed: Ints) -> int:
     """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
 
     It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
     advised to give way, at a moment when all feet have stood for long enough; held up, the trot backs off first.
     Without measured joints or attitude it never begins (BLIND): its table is walked instead.
     """
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    s = ptr32(sensed)
+    n = planner.numbers
     if n[N_CLIMB] == CLIMB_BACK:
         return backed_off(planner, command, sensed)
     if n[N_CLIMB]:
         return 1
-    if c[C_MODE] != MODE_WALK or n[N_FALLEN] or straight_on(planner.params, command) == 0:
+    if command[C_MODE] != MODE_WALK or n[N_FALLEN] or straight_on(planner.params, command) == 0:
         return 0
     reason = REASON_NONE
     if n[N_SWINGING]:
         return 0
-    if c[C_GAIT] == GAIT_CLIMB and (n[N_STATE] == STANDING or n[N_GAIT] == GAIT_CLIMB):
+    if command[C_GAIT] == GAIT_CLIMB and (n[N_STATE] == STANDING or n[N_GAIT] == GAIT_CLIMB):
         reason = REASON_COMMAND
-    elif n[N_GAIT] == GAIT_ADAPTIVE and (c[C_GAIT] == GAIT_ADAPTIVE or c[C_GAIT] == GAIT_CLIMB):
-        reason = advised(planner, c[C_GAIT])
+    elif n[N_GAIT] == GAIT_ADAPTIVE and (command[C_GAIT] == GAIT_ADAPTIVE or command[C_GAIT] == GAIT_CLIMB):
+        reason = advised(planner, command[C_GAIT])
     if reason == REASON_NONE:
         return 0
-    if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+    if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
         n[N_FLAGS] |= BLIND
         return 0
     n[N_REASON] = reason
     if reason == REASON_BEHIND:
         return back_off(planner)
-    return stop_to_climb(planner, c[C_GAIT])
+    return stop_to_climb(planner, command[C_GAIT])
 
 
 @hot
 def stop_to_climb(planner: PlannerState, gait: int) -> int:
     """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
-    n = ptr32(planner.numbers)
-    v = ptr32(planner.speed)
+    n = planner.numbers
+    v = planner.speed
     for axis in range(SPEED_SIZE):
         v[axis] = 0
     n[N_CLIMB] = CLIMB_READY
@@ -104,8 +102,8 @@ def stop_to_climb(planner: PlannerState, gait: int) -> int:
 @hot
 def back_off(planner: PlannerState) -> int:
     """The held-up trot begins to back off, its reference where the robot is; return 0: it goes on trotting."""
-    n = ptr32(planner.numbers)
-    w = ptr32(planner.felt)
+    n = planner.numbers
+    w = planner.felt
     navigate_reset(planner.nav)
     w[W_BEHIND] = 0
     n[N_CLIMB] = CLIMB_BACK
@@ -113,26 +111,26 @@ def back_off(planner: PlannerState) -> int:
 
 
 @hot
-def backed_off(planner: PlannerState, command, sensed) -> int:
+def backed_off(planner: PlannerState, command: Ints, sensed: Ints) -> int:
     """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
 
     It is given up when the command is no longer one for it, or when the senses it needs are missing.
     """
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    s = ptr32(sensed)
-    m = ptr32(planner.sensing)
+    n = planner.numbers
+    m = planner.sensing
     keeps_on = straight_on(planner.params, command)
-    if c[C_MODE] != MODE_WALK or n[N_FALLEN] or (c[C_GAIT] != GAIT_ADAPTIVE and c[C_GAIT] != GAIT_CLIMB):
+    if command[C_MODE] != MODE_WALK or n[N_FALLEN]:
         keeps_on = 0
-    if keeps_on == 0 or s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+    if command[C_GAIT] != GAIT_ADAPTIVE and command[C_GAIT] != GAIT_CLIMB:
+        keeps_on = 0
+    if keeps_on == 0 or sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
         n[N_CLIMB] = CLIMB_OFF
         return 0
     standing = 0
     if n[N_STATE] == STANDING:
         standing = 1
     if retreat_step(planner.params, command, m[M_MOVED_X], standing, planner.retreat):
-        return stop_to_climb(planner, c[C_GAIT])
+        return stop_to_climb(planner, command[C_GAIT])
     return 0
 
 
@@ -143,10 +141,10 @@ def advised(planner: PlannerState, wanted: int) -> int:
     wanted: the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does
     not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up.
     """
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    w = ptr32(planner.felt)
-    clock = ptr32(planner.clock)
+    w = planner.felt
+    clock = planner.clock
     if n[N_STATE] != WALKING or clock[CLOCK_TICK] <= params.stand_ticks:
         return REASON_NONE
     if n[N_ADVICE] == ADVICE_BEHIND:
@@ -157,30 +155,28 @@ def advised(planner: PlannerState, wanted: int) -> int:
 
 
 @hot
-def climb(planner: PlannerState, command, sensed) -> int:
+def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
     """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
 
     While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
     """
-    n = ptr32(planner.numbers)
-    s = ptr32(sensed)
-    c = ptr32(command)
+    n = planner.numbers
     params = planner.params
-    m = ptr32(planner.sensing)
-    at = ptr32(planner.climb.state)
-    if s[S_JOINTS_OK] == 0 or s[S_ATTITUDE_OK] == 0:
+    m = planner.sensing
+    at = planner.climb.state
+    if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
         n[N_FLAGS] |= BLIND
         return 0
-    roll = saturate(s[S_ROLL], -32768, 32767)
-    pitch = saturate(s[S_PITCH], -32768, 32767)
+    roll = saturate(sensed[S_ROLL], -32768, 32767)
+    pitch = saturate(sensed[S_PITCH], -32768, 32767)
     sense_legs(planner.params, sensed, S_JOINTS, roll, pitch, planner.sensing)
     if n[N_CLIMB] == CLIMB_READY and m[M_KNOWN] > params.sent_ticks + 1:
         crawl_start(planner.climb, planner.sensing, sensed, S_JOINTS, planner.joints, roll, pitch)
         n[N_CLIMB] = CLIMB_ON
     if n[N_CLIMB] == CLIMB_ON:
         reason = leaves(planner, command)
-        way = c[C_SPEED]
-        if reason or c[C_MODE] != MODE_WALK or n[N_FALLEN]:
+        way = command[C_SPEED]
+        if reason or command[C_MODE] != MODE_WALK or n[N_FALLEN]:
             way = 0
         n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
         n[N_SWINGING] = 0
@@ -197,20 +193,19 @@ def climb(planner: PlannerState, command, sensed) -> int:
 
 
 @hot
-def leaves(planner: PlannerState, command) -> int:
+def leaves(planner: PlannerState, command: Ints) -> int:
     """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
 
     Another gait is commanded, or a way it cannot go; as part of the adaptive gait also on even ground. A
     command of no speed at all lets it rest.
     """
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
+    n = planner.numbers
     wanted = wanted_gait(planner, command)
-    if c[C_MODE] != MODE_WALK:
+    if command[C_MODE] != MODE_WALK:
         return REASON_NONE
     if wanted != GAIT_CLIMB and wanted != GAIT_ADAPTIVE:
         return REASON_COMMAND
-    if c[C_SPEED] == 0 and c[C_SPEED + 1] == 0 and c[C_SPEED + 2] == 0:
+    if command[C_SPEED] == 0 and command[C_SPEED + 1] == 0 and command[C_SPEED + 2] == 0:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
@@ -223,9 +218,9 @@ def leaves(planner: PlannerState, command) -> int:
 @hot
 def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
-    n = ptr32(planner.numbers)
-    w = ptr32(planner.felt)
-    v = ptr32(planner.speed)
+    n = planner.numbers
+    w = planner.felt
+    v = planner.speed
     steps_from_crawl(planner.params, planner.climb.state, w[W_AHEAD], w[W_SWAY], planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):

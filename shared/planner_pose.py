@@ -12,26 +12,24 @@ from .params import LEGS
 from .planner_layout import N_BEYOND, N_FLAGS, N_SWINGING, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
 from .planner_state import PlannerState
 from .reach import TOO_NEAR, reach_foot
-from .runtime import hot, ptr32
+from .runtime import Ints, hot
 
 
 @hot
-def level(planner: PlannerState, command, sensed) -> int:
+def level(planner: PlannerState, command: Ints, sensed: Ints) -> int:
     """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    s = ptr32(sensed)
+    n = planner.numbers
     params = planner.params
-    pose = ptr32(planner.pose)
-    posed = ptr32(planner.posed)
+    pose = planner.pose
+    posed = planner.posed
     correction = planner.balance.correction
-    if c[C_BALANCE] and s[S_ATTITUDE_OK]:
-        roll = saturate(s[S_ROLL], -32768, 32767)
-        pitch = saturate(s[S_PITCH], -32768, 32767)
+    if command[C_BALANCE] and sensed[S_ATTITUDE_OK]:
+        roll = saturate(sensed[S_ROLL], -32768, 32767)
+        pitch = saturate(sensed[S_PITCH], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
         balance_release(planner.balance, params.pose_slew[POSE_ROLL])
-        if c[C_BALANCE]:
+        if command[C_BALANCE]:
             n[N_FLAGS] |= NO_ATTITUDE
     for axis in range(POSE_SIZE):
         posed[axis] = pose[axis]
@@ -47,12 +45,12 @@ def solve_legs(planner: PlannerState, joints) -> int:
     A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
     tick or two. N_BEYOND is set where a standing leg has flags.
     """
-    n = ptr32(planner.numbers)
-    hip_feet = ptr32(planner.hip_feet)
+    n = planner.numbers
+    hip_feet = planner.hip_feet
     limbs = planner.climb.limbs
-    per_leg = ptr32(planner.leg_flags)
-    forces = ptr32(planner.load)
-    w = ptr32(planner.felt)
+    per_leg = planner.leg_flags
+    forces = planner.load
+    w = planner.felt
     body_rotation(planner.posed, planner.rotation)
     n[N_BEYOND] = 0
     together = 0

@@ -21,30 +21,29 @@ from .planner_layout import (
     SENSED_SIZE,
 )
 from .planner_state import PlannerState
-from .runtime import hot, ptr32
+from .runtime import Ints, hot
 from .sensing import M_KNOWN
 
 
 @hot
-def take_senses(planner: PlannerState, sensed) -> int:
+def take_senses(planner: PlannerState, sensed: Ints) -> int:
     """Write into ``planner.sensed`` what may be believed of ``sensed``; return 0. ODD_READING if not all of it.
 
     Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
     """
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    s = ptr32(sensed)
-    own = ptr32(planner.sensed)
+    own = planner.sensed
     odd = 0
     own[S_ATTITUDE_OK] = 0
-    if s[S_ATTITUDE_OK]:
+    if sensed[S_ATTITUDE_OK]:
         odd = believe(sensed, S_ROLL, 2, params.tilt_step, planner.sensed, planner.tilt_read)
         if odd >= 0:
             own[S_ATTITUDE_OK] = 1
         if odd > 0:
             n[N_FLAGS] |= ODD_READING
     own[S_JOINTS_OK] = 0
-    if s[S_JOINTS_OK]:
+    if sensed[S_JOINTS_OK]:
         odd = believe(sensed, S_JOINTS, JOINTS, params.read_step, planner.sensed, planner.joints_read)
         if n[N_MET] == 0:
             meet(planner)
@@ -54,16 +53,16 @@ def take_senses(planner: PlannerState, sensed) -> int:
         if odd > 0:
             n[N_FLAGS] |= ODD_READING
     for at in range(S_RATES, SENSED_SIZE):
-        own[at] = s[at]
+        own[at] = sensed[at]
     return 0
 
 
 @hot
 def meet(planner: PlannerState) -> int:
     """Take the joints as they were read as the goals; return 0."""
-    own = ptr32(planner.sensed)
-    q = ptr32(planner.joints)
-    to = ptr32(planner.goal)
+    own = planner.sensed
+    q = planner.joints
+    to = planner.goal
     for joint in range(JOINTS):
         to[joint] = own[S_JOINTS + joint]
         q[joint] = own[S_JOINTS + joint]
@@ -71,25 +70,24 @@ def meet(planner: PlannerState) -> int:
 
 
 @hot
-def feel(planner: PlannerState, sensed) -> int:
+def feel(planner: PlannerState, sensed: Ints) -> int:
     """Give the adaptive trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
-    n = ptr32(planner.numbers)
-    s = ptr32(sensed)
-    w = ptr32(planner.felt)
+    n = planner.numbers
+    w = planner.felt
     correction = planner.balance.correction
     roll = 0
     pitch = 0
-    if s[S_ATTITUDE_OK]:
-        roll = saturate(s[S_ROLL], -32768, 32767)
-        pitch = saturate(s[S_PITCH], -32768, 32767)
-    w[W_RATES] = s[S_RATES_OK]
+    if sensed[S_ATTITUDE_OK]:
+        roll = saturate(sensed[S_ROLL], -32768, 32767)
+        pitch = saturate(sensed[S_PITCH], -32768, 32767)
+    w[W_RATES] = sensed[S_RATES_OK]
     for axis in range(3):
         w[W_TURNED + axis] = 0
-        if s[S_RATES_OK]:
-            w[W_TURNED + axis] = saturate(s[S_RATES + axis], -0x8000, 0x7FFF)
-    if s[S_ATTITUDE_OK] == 0 or s[S_RATES_OK] == 0 or s[S_JOINTS_OK] == 0:
+        if sensed[S_RATES_OK]:
+            w[W_TURNED + axis] = saturate(sensed[S_RATES + axis], -0x8000, 0x7FFF)
+    if sensed[S_ATTITUDE_OK] == 0 or sensed[S_RATES_OK] == 0 or sensed[S_JOINTS_OK] == 0:
         n[N_FLAGS] |= BLIND
-    feel_legs(planner.params, planner.walk, sensed, S_JOINTS, s[S_JOINTS_OK], roll, pitch)
+    feel_legs(planner.params, planner.walk, sensed, S_JOINTS, sensed[S_JOINTS_OK], roll, pitch)
     feel_ground(planner.params, planner.walk, planner.steps, roll, pitch, correction.roll, correction.pitch)
     n[N_ADVICE] = w[W_ADVICE]
     return 0
@@ -98,9 +96,9 @@ def feel(planner: PlannerState, sensed) -> int:
 @hot
 def relax(planner: PlannerState) -> int:
     """Under a table gait: forget what was measured, sway to the middle, footholds to level ground; return 0."""
-    w = ptr32(planner.felt)
-    m = ptr32(planner.sensing)
-    n = ptr32(planner.numbers)
+    w = planner.felt
+    m = planner.sensing
+    n = planner.numbers
     n[N_ADVICE] = 0
     m[M_KNOWN] = 0
     if w[W_ACTIVE]:

@@ -40,16 +40,15 @@ from .planner_layout import (
 from .planner_pose import solve_legs
 from .planner_state import PlannerState
 from .posture import posture_start
-from .runtime import hot, ptr32
+from .runtime import Ints, hot
 from .steps import SPEED_SIZE, place_feet, steps_reset
 
 
 @hot
-def choose_state(planner: PlannerState, command, sensed) -> int:
+def choose_state(planner: PlannerState, command: Ints, sensed) -> int:
     """Go where the commanded mode leads from the present state; return 0."""
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    mode = c[C_MODE]
+    n = planner.numbers
+    mode = command[C_MODE]
     if mode < MODE_LIMP or mode > MODE_SIT:
         n[N_FLAGS] |= BAD_COMMAND
         mode = MODE_STAND
@@ -72,21 +71,20 @@ def choose_state(planner: PlannerState, command, sensed) -> int:
 
 
 @hot
-def watch_tilt(planner: PlannerState, sensed, mode: int) -> int:
+def watch_tilt(planner: PlannerState, sensed: Ints, mode: int) -> int:
     """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    s = ptr32(sensed)
     if mode == MODE_LIMP or mode == MODE_SIT:
         n[N_FALLEN] = 0
     most = params.tilt_max
     tilted = 0
-    if s[S_ROLL] > most or s[S_ROLL] < -most or s[S_PITCH] > most or s[S_PITCH] < -most:
+    if sensed[S_ROLL] > most or sensed[S_ROLL] < -most or sensed[S_PITCH] > most or sensed[S_PITCH] < -most:
         tilted = n[N_TILTED] + 1
-    if s[S_ATTITUDE_OK] == 0 or (n[N_STATE] != STANDING and n[N_STATE] != WALKING):
+    if sensed[S_ATTITUDE_OK] == 0 or (n[N_STATE] != STANDING and n[N_STATE] != WALKING):
         tilted = 0
     n[N_TILTED] = tilted
     if tilted > params.tilt_ticks:
@@ -96,16 +94,15 @@ def watch_tilt(planner: PlannerState, sensed, mode: int) -> int:
 
 
 @hot
-def begin_move(planner: PlannerState, sensed, state: int) -> int:
+def begin_move(planner: PlannerState, sensed: Ints, state: int) -> int:
     """Start RISING to the rest stance or SITTING down from the last goals; return 0.
 
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
     """
-    n = ptr32(planner.numbers)
-    s = ptr32(sensed)
+    n = planner.numbers
     known = 0
-    if s[S_JOINTS_OK]:
+    if sensed[S_JOINTS_OK]:
         known = joints_near(planner.params, sensed, S_JOINTS, planner.joints)
     if n[N_STATE] == LIMP and known == 0:
         n[N_FLAGS] |= NO_JOINTS
@@ -123,17 +120,17 @@ def begin_move(planner: PlannerState, sensed, state: int) -> int:
 @hot
 def settle(planner: PlannerState) -> int:
     """Forget all motion: feet at rest under a level body, speed 0; return 0."""
-    v = ptr32(planner.speed)
-    w = ptr32(planner.pose)
-    posed = ptr32(planner.posed)
+    v = planner.speed
+    w = planner.pose
+    posed = planner.posed
     for axis in range(SPEED_SIZE):
         v[axis] = 0
     for axis in range(POSE_SIZE):
         w[axis] = 0
         posed[axis] = 0
-    fade = ptr32(planner.fade)
+    fade = planner.fade
     fade[F_LEFT] = 0
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     n[N_CLIMB] = CLIMB_OFF
     n[N_HOLDS] = 0
     balance_reset(planner.balance)
@@ -147,20 +144,19 @@ def settle(planner: PlannerState) -> int:
 def fold_legs(planner: PlannerState) -> int:
     """Raise all planned feet to the seat's height under the hips; return 0."""
     params = planner.params
-    f = ptr32(planner.feet)
+    f = planner.feet
     for leg in range(LEGS):
         f[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
     return 0
 
 
 @hot
-def follow_joints(planner: PlannerState, sensed) -> int:
+def follow_joints(planner: PlannerState, sensed: Ints) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
-    n = ptr32(planner.numbers)
-    s = ptr32(sensed)
-    q = ptr32(planner.goal)
+    n = planner.numbers
+    q = planner.goal
     n[N_FLAGS] |= NOT_DRIVEN
-    if s[S_JOINTS_OK]:
+    if sensed[S_JOINTS_OK]:
         for joint in range(JOINTS):
-            q[joint] = s[S_JOINTS + joint]
+            q[joint] = sensed[S_JOINTS + joint]
     return 0

@@ -30,7 +30,7 @@ from .planner_layout import (
     WALKING,
 )
 from .planner_state import PlannerState
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .sensing import M_KNOWN
 from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
 
@@ -38,21 +38,20 @@ _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
 @hot
-def step_gait(planner: PlannerState, command) -> int:
+def step_gait(planner: PlannerState, command: Ints) -> int:
     """Move the feet by one tick of the gait, and start or end walking where that is safe; return 0.
 
     The first cycle of a table gait is walked at half speed: all feet start at rest, in the middle of their
     way, and the last to swing would else be left a whole stride behind. The adaptive one starts slowly anyway.
     """
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
+    n = planner.numbers
     wanted = crawl_waits(planner, wanted_gait(planner, command))
     if n[N_STATE] == STANDING:
         use_gait(planner, wanted)
         n[N_CYCLES] = 0
     fits = limit_to_both(planner, wanted)
     halves = 0
-    if c[C_MODE] == MODE_WALK and n[N_FALLEN] == 0:
+    if command[C_MODE] == MODE_WALK and n[N_FALLEN] == 0:
         halves = 1
         if n[N_CYCLES] or n[N_GAIT] == GAIT_ADAPTIVE:
             halves = 2
@@ -71,7 +70,7 @@ def step_gait(planner: PlannerState, command) -> int:
             return 0
         n[N_STATE] = WALKING
         adaptive_start(planner.params, planner.walk)
-    walk_on(planner, c[C_HEIGHT], still)
+    walk_on(planner, command[C_HEIGHT], still)
     if gait_clock(planner.gait, planner.clock):
         n[N_CYCLES] = 1
         if still and steps_at_rest(planner.params, planner.steps):
@@ -84,20 +83,19 @@ def step_gait(planner: PlannerState, command) -> int:
 
 
 @hot
-def hold_back(planner: PlannerState, command) -> int:
+def hold_back(planner: PlannerState, command: Ints) -> int:
     """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
 
     It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
     """
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    w = ptr32(planner.pose)
+    n = planner.numbers
+    w = planner.pose
     posed = 0
     for axis in range(POSE_SIZE):
         if w[axis]:
             posed = 1
-        if n[N_HELD + axis] != c[C_POSE + axis]:
-            n[N_HELD + axis] = c[C_POSE + axis]
+        if n[N_HELD + axis] != command[C_POSE + axis]:
+            n[N_HELD + axis] = command[C_POSE + axis]
             n[N_HOLDS] = 0
     if n[N_BEYOND] and posed:
         n[N_HOLDS] = 1
@@ -113,10 +111,10 @@ def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
 
     height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
     """
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    w = ptr32(planner.felt)
-    clock = ptr32(planner.clock)
+    w = planner.felt
+    clock = planner.clock
     own = 0
     if height_lu <= 0:
         height_lu = n[N_HEIGHT]
@@ -148,11 +146,11 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
 
     Returns 1 if the present speed is within that of the wanted gait: a faster walk would step too far in it.
     """
-    g = ptr32(planner.gait)
-    w = ptr32(planner.gaits[wanted])
-    n = ptr32(planner.numbers)
-    v = ptr32(planner.speed)
-    top = ptr32(planner.top)
+    g = planner.gait
+    w = planner.gaits[wanted]
+    n = planner.numbers
+    v = planner.speed
+    top = planner.top
     fits = 1
     for axis in range(SPEED_SIZE):
         most = w[G_VX_MAX + axis]
@@ -173,8 +171,8 @@ def start_slowly(planner: PlannerState) -> int:
     Intermediates: 2^18 turned down to 12 bits times 2^16.
     """
     params = planner.params
-    w = ptr32(planner.felt)
-    top = ptr32(planner.top)
+    w = planner.felt
+    top = planner.top
     fastest = w[W_FASTEST]
     for axis in range(2):
         if top[G_VX_MAX + axis] > fastest:
@@ -187,11 +185,10 @@ def start_slowly(planner: PlannerState) -> int:
 
 
 @hot
-def wanted_gait(planner: PlannerState, command) -> int:
+def wanted_gait(planner: PlannerState, command: Ints) -> int:
     """Return the index of the commanded gait, or of the present one if there is no such gait."""
-    n = ptr32(planner.numbers)
-    c = ptr32(command)
-    gait = c[C_GAIT]
+    n = planner.numbers
+    gait = command[C_GAIT]
     if gait < 0 or gait >= n[N_GAITS]:
         n[N_FLAGS] |= BAD_COMMAND
         return n[N_GAIT]
@@ -206,9 +203,9 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
     (planner_climb.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
     does not wait.
     """
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    m = ptr32(planner.sensing)
+    m = planner.sensing
     if wanted != GAIT_CLIMB or n[N_STATE] != WALKING or n[N_GAIT] == GAIT_CLIMB:
         n[N_WAITED] = 0
         return wanted
@@ -221,9 +218,9 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
 @hot
 def use_gait(planner: PlannerState, gait: int) -> int:
     """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
-    n = ptr32(planner.numbers)
+    n = planner.numbers
     params = planner.params
-    clock = ptr32(planner.clock)
+    clock = planner.clock
     clock[CLOCK_TICK] = 0
     clock[CLOCK_MADE_Q10] = 0
     clock[CLOCK_SEGMENT] = 0
@@ -233,6 +230,6 @@ def use_gait(planner: PlannerState, gait: int) -> int:
         balance_gains(planner.params, 1, planner.balance)
     else:
         balance_gains(planner.params, 0, planner.balance)
-    g = ptr32(planner.gait)
+    g = planner.gait
     n[N_HEIGHT] = (g[G_HEIGHT_MM] << params.length_shift) // 1000
     return 0

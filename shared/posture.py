@@ -6,7 +6,7 @@ cycloid's profile, so nothing jerks.
 """
 
 from .params import JOINTS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .swing import cycloid_q15
 
 MOVE_FROM = const(0)  # 12 brad
@@ -17,19 +17,16 @@ MOVE_SIZE = const(26)
 
 
 @hot
-def posture_start(params: Params, move, joints, goal) -> int:
+def posture_start(params: Params, move: Ints, joints: Ints, goal: Ints) -> int:
     """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.
 
     The peak speed of a cycloid is twice its mean, hence twice the ticks of an even move.
     """
-    m = ptr32(move)
-    q = ptr32(joints)
-    to = ptr32(goal)
     longest = 0
     for joint in range(JOINTS):
-        m[MOVE_FROM + joint] = q[joint]
-        m[MOVE_TO + joint] = to[joint]
-        gap = to[joint] - q[joint]
+        move[MOVE_FROM + joint] = joints[joint]
+        move[MOVE_TO + joint] = goal[joint]
+        gap = goal[joint] - joints[joint]
         if gap < 0:
             gap = -gap
         if gap > longest:
@@ -37,31 +34,29 @@ def posture_start(params: Params, move, joints, goal) -> int:
     step = params.joint_step
     if step < 1:
         step = 1
-    m[MOVE_TICKS] = 1 + 2 * longest // step
-    m[MOVE_TICK] = 0
-    return m[MOVE_TICKS]
+    move[MOVE_TICKS] = 1 + 2 * longest // step
+    move[MOVE_TICK] = 0
+    return move[MOVE_TICKS]
 
 
 @hot
-def posture_step(move, joints) -> int:
+def posture_step(move: Ints, joints: Ints) -> int:
     """Write the move's next 12 joint angles into ``joints``; return the ticks still to come.
 
     Error at most 1.5 brad against the cycloid; the last angles are the goal's. Intermediates: the way of a
     joint is below 65536 brad and is taken in halves: 32768 * 32768.
     """
-    m = ptr32(move)
-    q = ptr32(joints)
-    m[MOVE_TICK] += 1
-    left = m[MOVE_TICKS] - m[MOVE_TICK]
+    move[MOVE_TICK] += 1
+    left = move[MOVE_TICKS] - move[MOVE_TICK]
     if left <= 0:
         for joint in range(JOINTS):
-            q[joint] = m[MOVE_TO + joint]
-        m[MOVE_TICK] = m[MOVE_TICKS]
+            joints[joint] = move[MOVE_TO + joint]
+        move[MOVE_TICK] = move[MOVE_TICKS]
         return 0
-    share = cycloid_q15(phase_of(m[MOVE_TICK], m[MOVE_TICKS]))
+    share = cycloid_q15(phase_of(move[MOVE_TICK], move[MOVE_TICKS]))
     for joint in range(JOINTS):
-        gap = m[MOVE_TO + joint] - m[MOVE_FROM + joint]
-        q[joint] = m[MOVE_FROM + joint] + (((gap >> 1) * share + 0x2000) >> 14)
+        gap = move[MOVE_TO + joint] - move[MOVE_FROM + joint]
+        joints[joint] = move[MOVE_FROM + joint] + (((gap >> 1) * share + 0x2000) >> 14)
     return left
 
 

@@ -9,7 +9,7 @@ from .fixed import isqrt, round_sqrt
 from .params import (
     Params,
 )
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 TOO_FAR = const(1)
 TOO_NEAR = const(2)
@@ -30,7 +30,7 @@ def scale_down(value: int, numerator: int, denominator: int) -> int:
 
 
 @hot
-def reach_foot(params: Params, leg: int, feet, reached) -> int:
+def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
     """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why.
 
     feet, reached: 12 lu, x y z of each leg from its hip in body axes; any 30-bit value.
@@ -42,13 +42,11 @@ def reach_foot(params: Params, leg: int, feet, reached) -> int:
     one more than 3 lu outside never does.
     Intermediates: 32767 * 32767 at most, or three quarters of 2^30 in the sum of squares.
     """
-    wanted = ptr32(feet)
-    out = ptr32(reached)
     base = params.legs[leg]
     at = leg * 3
-    x = wanted[at]
-    y = wanted[at + 1]
-    z = wanted[at + 2]
+    x = feet[at]
+    y = feet[at + 1]
+    z = feet[at + 2]
     flags = 0
     while x > 32767 or x < -32767 or y > 32767 or y < -32767 or z > 32767 or z < -32767:
         x >>= 1
@@ -69,17 +67,17 @@ def reach_foot(params: Params, leg: int, feet, reached) -> int:
         ahead_sq = x * x
         aside_sq = y * y
         down_sq = z * z
-    out[at] = x
-    out[at + 1] = y
-    out[at + 2] = z
+    reached[at] = x
+    reached[at + 1] = y
+    reached[at + 2] = z
     radius = base.hip_length
     if radius < 0:
         radius = -radius
     if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
         flags |= leave_hip(params, leg, radius, reached, at)
-        ahead_sq = out[at] * out[at]
-        aside_sq = out[at + 1] * out[at + 1]
-        down_sq = out[at + 2] * out[at + 2]
+        ahead_sq = reached[at] * reached[at]
+        aside_sq = reached[at + 1] * reached[at + 1]
+        down_sq = reached[at + 2] * reached[at + 2]
     near = base.shortest
     if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
         flags |= leave_centre(near, reached, at)
@@ -87,7 +85,7 @@ def reach_foot(params: Params, leg: int, feet, reached) -> int:
 
 
 @hot
-def leave_hip(params: Params, leg: int, radius: int, reached, at: int) -> int:
+def leave_hip(params: Params, leg: int, radius: int, reached: Ints, at: int) -> int:
     """Move the foot at ``reached[at]`` out of the hip offset; return INSIDE_HIP, with TOO_FAR if x gave way.
 
     Used by reach_foot, on a foot within reach. Without a ray, on the hip axis, the way out is down. y and z
@@ -95,9 +93,8 @@ def leave_hip(params: Params, leg: int, radius: int, reached, at: int) -> int:
     Intermediates: 32767 * 32767 at most.
     """
     limb = params.legs[leg]
-    out = ptr32(reached)
-    y = out[at + 1]
-    z = out[at + 2]
+    y = reached[at + 1]
+    z = reached[at + 2]
     doubled = 0
     if y == 0 and z == 0:
         z = -radius
@@ -106,9 +103,9 @@ def leave_hip(params: Params, leg: int, radius: int, reached, at: int) -> int:
         z <<= 1
         doubled += 1
     around = round_sqrt(y * y + z * z)
-    out[at + 1] = scale_down(y, radius, around)
-    out[at + 2] = scale_down(z, radius, around)
-    x = out[at]
+    reached[at + 1] = scale_down(y, radius, around)
+    reached[at + 2] = scale_down(z, radius, around)
+    x = reached[at]
     size = x
     if size < 0:
         size = -size
@@ -122,29 +119,28 @@ def leave_hip(params: Params, leg: int, radius: int, reached, at: int) -> int:
         flags |= TOO_FAR
     if x < 0:
         size = -size
-    out[at] = size
+    reached[at] = size
     return flags
 
 
 @hot
-def leave_centre(near: int, reached, at: int) -> int:
+def leave_centre(near: int, reached: Ints, at: int) -> int:
     """Move the foot at ``reached[at]`` out along its ray to the shortest leg; return TOO_NEAR.
 
     Used by reach_foot, on a foot outside the hip offset. At the hip itself there is no ray: straight down.
     """
-    out = ptr32(reached)
-    x = out[at]
-    y = out[at + 1]
-    z = out[at + 2]
+    x = reached[at]
+    y = reached[at + 1]
+    z = reached[at + 2]
     if x == 0 and y == 0 and z == 0:
-        out[at + 2] = -near
+        reached[at + 2] = -near
         return TOO_NEAR
     while x < 0x2000 and x > -0x2000 and y < 0x2000 and y > -0x2000 and z < 0x2000 and z > -0x2000:
         x <<= 1
         y <<= 1
         z <<= 1
     distance = isqrt(x * x + y * y + z * z)
-    out[at] = scale_down(x, near, distance)
-    out[at + 1] = scale_down(y, near, distance)
-    out[at + 2] = scale_down(z, near, distance)
+    reached[at] = scale_down(x, near, distance)
+    reached[at + 1] = scale_down(y, near, distance)
+    reached[at + 2] = scale_down(z, near, distance)
     return TOO_NEAR

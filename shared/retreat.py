@@ -9,7 +9,7 @@ from .command import C_GAIT, C_SPEED, COMMAND_SIZE
 from .fixed import saturate
 from .gaits import GAIT_ADAPTIVE
 from .params import LF_BITS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 # The block begins with the command that the trot is given instead of the driver's, COMMAND_SIZE values
 R_MOVED = const(13)  # lf, how far back it has come
@@ -22,39 +22,36 @@ _LONGEST_S = const(6)  # then the ground behind does not let it back off, and it
 
 
 @hot
-def retreat_start(retreat) -> int:
+def retreat_start(retreat: Ints) -> int:
     """Begin: nothing gone yet; return 0."""
-    r = ptr32(retreat)
     for at in range(RETREAT_SIZE):
-        r[at] = 0
+        retreat[at] = 0
     return 0
 
 
 @hot
-def retreat_step(params: Params, command, moved_lf: int, standing: int, retreat) -> int:
+def retreat_step(params: Params, command: Ints, moved_lf: int, standing: int, retreat: Ints) -> int:
     """Write this tick's command for the trot: backwards, then nothing; return 1 once it has stood for half a second.
 
     moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
     Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed, adaptively; all else as commanded.
     Intermediates: 3 * 2^15 * 2^8 lf.
     """
-    c = ptr32(command)
-    r = ptr32(retreat)
     for at in range(COMMAND_SIZE):
-        r[at] = c[at]
-    r[R_MOVED] = saturate(r[R_MOVED] - saturate(moved_lf, -0x3FFFFF, 0x3FFFFF), -0xFFFFFFF, 0xFFFFFFF)
-    r[R_TICKS] = saturate(r[R_TICKS] + 1, 0, 0xFFFF)
-    if r[R_MOVED] >= (params.leg_length * 3 << LF_BITS) // 10 or r[R_TICKS] > params.rate_hz * _LONGEST_S:
-        r[R_ENDS] = 1
-    r[C_GAIT] = GAIT_ADAPTIVE
-    r[C_SPEED] = -(params.speed_max[0] * 3 // 10)
-    r[C_SPEED + 1] = 0
-    r[C_SPEED + 2] = 0
-    if r[R_ENDS]:
-        r[C_SPEED] = 0
-    r[R_STOOD] = saturate(r[R_STOOD] + 1, 0, 0xFFFF)
-    if r[R_ENDS] == 0 or standing == 0:
-        r[R_STOOD] = 0
-    if r[R_STOOD] > params.rate_hz >> 1:
+        retreat[at] = command[at]
+    retreat[R_MOVED] = saturate(retreat[R_MOVED] - saturate(moved_lf, -0x3FFFFF, 0x3FFFFF), -0xFFFFFFF, 0xFFFFFFF)
+    retreat[R_TICKS] = saturate(retreat[R_TICKS] + 1, 0, 0xFFFF)
+    if retreat[R_MOVED] >= (params.leg_length * 3 << LF_BITS) // 10 or retreat[R_TICKS] > params.rate_hz * _LONGEST_S:
+        retreat[R_ENDS] = 1
+    retreat[C_GAIT] = GAIT_ADAPTIVE
+    retreat[C_SPEED] = -(params.speed_max[0] * 3 // 10)
+    retreat[C_SPEED + 1] = 0
+    retreat[C_SPEED + 2] = 0
+    if retreat[R_ENDS]:
+        retreat[C_SPEED] = 0
+    retreat[R_STOOD] = saturate(retreat[R_STOOD] + 1, 0, 0xFFFF)
+    if retreat[R_ENDS] == 0 or standing == 0:
+        retreat[R_STOOD] = 0
+    if retreat[R_STOOD] > params.rate_hz >> 1:
         return 1
     return 0

@@ -18,7 +18,7 @@ from .params import (
     LF_BITS,
     Params,
 )
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 M_LEVEL = const(0)  # 12 lu: the feet from the middle of the hips, in level axes that turn with the body
 M_FORCE_Q12 = const(12)  # 4 values: each foot's force along its leg, of the own weight
@@ -49,67 +49,60 @@ _STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell 
 
 
 @hot
-def sensing_reset(block) -> int:
+def sensing_reset(block: Ints) -> int:
     """Forget all that was measured, and the goals; return 0."""
-    m = ptr32(block)
     for at in range(SENSING_SIZE):
-        m[at] = 0
+        block[at] = 0
     return 0
 
 
 @hot
-def keep_sent(block, joints) -> int:
+def keep_sent(block: Ints, joints: Ints) -> int:
     """Keep the goals that are sent in this tick (12 brad); return 0."""
-    m = ptr32(block)
-    q = ptr32(joints)
-    at = M_SENT + m[M_SENT_AT] * JOINTS
+    at = M_SENT + block[M_SENT_AT] * JOINTS
     for joint in range(JOINTS):
-        m[at + joint] = q[joint]
-    m[M_SENT_AT] = m[M_SENT_AT] + 1 & 15
+        block[at + joint] = joints[joint]
+    block[M_SENT_AT] = block[M_SENT_AT] + 1 & 15
     return 0
 
 
 @hot
-def sense_legs(params: Params, joints, first: int, roll_brad: int, pitch_brad: int, block) -> int:
+def sense_legs(params: Params, joints: Ints, first: int, roll_brad: int, pitch_brad: int, block: Ints) -> int:
     """Take 12 measured joints from ``joints[first]`` on, update feet and forces; return the ticks known, up to 100.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. M_LEVEL within 6 lu + 2e-4 of
     the foot's distance. M_FORCE_Q12 answers the goals of P_SENT_TICKS ticks ago and is limited to +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
-    m = ptr32(block)
-    q = ptr32(joints)
-    m[M_ROLL] = roll_brad
-    m[M_PITCH] = pitch_brad
-    m[M_ROLL_SINE_Q13] = sin_q15(roll_brad) >> 2
-    m[M_ROLL_COSINE_Q13] = cos_q15(roll_brad) >> 2
-    m[M_PITCH_SINE_Q13] = sin_q15(pitch_brad) >> 2
-    m[M_PITCH_COSINE_Q13] = cos_q15(pitch_brad) >> 2
-    m[M_ROLLS_Q12] = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
-    m[M_ANSWERED] = 0
-    if m[M_KNOWN] > params.sent_ticks:
-        m[M_ANSWERED] = M_SENT + (m[M_SENT_AT] - params.sent_ticks & 15) * JOINTS
+    block[M_ROLL] = roll_brad
+    block[M_PITCH] = pitch_brad
+    block[M_ROLL_SINE_Q13] = sin_q15(roll_brad) >> 2
+    block[M_ROLL_COSINE_Q13] = cos_q15(roll_brad) >> 2
+    block[M_PITCH_SINE_Q13] = sin_q15(pitch_brad) >> 2
+    block[M_PITCH_COSINE_Q13] = cos_q15(pitch_brad) >> 2
+    block[M_ROLLS_Q12] = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
+    block[M_ANSWERED] = 0
+    if block[M_KNOWN] > params.sent_ticks:
+        block[M_ANSWERED] = M_SENT + (block[M_SENT_AT] - params.sent_ticks & 15) * JOINTS
     for leg in range(LEGS):
         sense_leg(params, leg, joints, first + leg * 3, block)
     for joint in range(JOINTS):
-        m[M_JOINTS + joint] = q[first + joint]
-    if m[M_KNOWN] < 100:
-        m[M_KNOWN] += 1
-    return m[M_KNOWN]
+        block[M_JOINTS + joint] = joints[first + joint]
+    if block[M_KNOWN] < 100:
+        block[M_KNOWN] += 1
+    return block[M_KNOWN]
 
 
 @hot
-def sense_leg(params: Params, leg: int, joints, at_joint: int, block) -> int:
+def sense_leg(params: Params, leg: int, joints: Ints, at_joint: int, block: Ints) -> int:
     """Write one foot into M_LEVEL and M_ROLLED and its force into M_FORCE_Q12; return 0. Used by sense_legs.
 
     A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
     """
-    q = ptr32(joints)
-    m = ptr32(block)
     base = params.legs[leg]
-    hip = q[at_joint]
-    thigh = q[at_joint + 1]
-    shank = thigh + q[at_joint + 2]
+    hip = joints[at_joint]
+    thigh = joints[at_joint + 1]
+    shank = thigh + joints[at_joint + 2]
     length = base.thigh_length
     knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
     place = base.hip
@@ -124,67 +117,66 @@ def sense_leg(params: Params, leg: int, joints, at_joint: int, block) -> int:
     y = place[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
     z = place[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
     keep_foot(leg, hip, shank, x, y, z, block)
-    m[M_FORCE_Q12 + leg] = 0
-    if m[M_ANSWERED]:
-        m[M_FORCE_Q12 + leg] = leg_force(params, leg, joints, at_joint, knee_drop, calf_drop, block)
+    block[M_FORCE_Q12 + leg] = 0
+    if block[M_ANSWERED]:
+        block[M_FORCE_Q12 + leg] = leg_force(params, leg, joints, at_joint, knee_drop, calf_drop, block)
     return 0
 
 
 @hot
-def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, block) -> int:
+def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, block: Ints) -> int:
     """Turn a foot at (x, y, z) in the body level into M_LEVEL; write where its contact had been without rolling.
 
     x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. M_ROLLED: error at
     most 1/600 of the way rolled + 1 lu; its last values go to M_BEFORE. Returns 0. Used by sense_leg.
     Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
-    m = ptr32(block)
     at = leg * 3
-    sine = m[M_PITCH_SINE_Q13]
-    cosine = m[M_PITCH_COSINE_Q13]
+    sine = block[M_PITCH_SINE_Q13]
+    cosine = block[M_PITCH_COSINE_Q13]
     ahead = x * cosine + z * sine + 0x1000 >> 13
     z = z * cosine - x * sine + 0x1000 >> 13
-    sine = m[M_ROLL_SINE_Q13]
-    cosine = m[M_ROLL_COSINE_Q13]
+    sine = block[M_ROLL_SINE_Q13]
+    cosine = block[M_ROLL_COSINE_Q13]
     aside = y * cosine - z * sine + 0x1000 >> 13
-    m[at] = ahead
-    m[at + 1] = aside
-    m[at + 2] = y * sine + z * cosine + 0x1000 >> 13
+    block[at] = ahead
+    block[at + 1] = aside
+    block[at + 2] = y * sine + z * cosine + 0x1000 >> 13
     at = M_ROLLED + leg * 2
     before = M_BEFORE + leg * 2
-    m[before] = m[at]
-    m[before + 1] = m[at + 1]
-    rolls_q12 = m[M_ROLLS_Q12]
-    shank_brad = (shank_brad + m[M_PITCH] + 0x8000 & 0xFFFF) - 0x8000
-    hip_brad = (hip_brad + m[M_ROLL] + 0x8000 & 0xFFFF) - 0x8000
-    m[at] = ahead - (rolls_q12 * shank_brad >> 12)
-    m[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
+    block[before] = block[at]
+    block[before + 1] = block[at + 1]
+    rolls_q12 = block[M_ROLLS_Q12]
+    shank_brad = (shank_brad + block[M_PITCH] + 0x8000 & 0xFFFF) - 0x8000
+    hip_brad = (hip_brad + block[M_ROLL] + 0x8000 & 0xFFFF) - 0x8000
+    block[at] = ahead - (rolls_q12 * shank_brad >> 12)
+    block[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
     return 0
 
 
 @hot
-def leg_force(params: Params, leg: int, joints, at_joint: int, knee_drop: int, calf_drop: int, block) -> int:
+def leg_force(
+    params: Params, leg: int, joints: Ints, at_joint: int, knee_drop: int, calf_drop: int, block: Ints
+) -> int:
     """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
     knee_drop, calf_drop: ak and ac of this file's head, lu. A calf motor on the body answers the errors of thigh
     and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
     """
-    q = ptr32(joints)
-    m = ptr32(block)
     at = leg * 3 + 1
-    sent = m[M_ANSWERED] + at
-    thigh = q[at_joint + 1]
-    calf = q[at_joint + 2]
-    error = m[sent] - thigh
-    turned = thigh - m[M_JOINTS + at]
+    sent = block[M_ANSWERED] + at
+    thigh = joints[at_joint + 1]
+    calf = joints[at_joint + 2]
+    error = block[sent] - thigh
+    turned = thigh - block[M_JOINTS + at]
     above = joint_torque(params.stiff_q8[1], params.damp_q8[1], error, turned)
     if params.coupled:
-        error += m[sent + 1] - calf
-        turned += calf - m[M_JOINTS + at + 1]
+        error += block[sent + 1] - calf
+        turned += calf - block[M_JOINTS + at + 1]
         below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
     else:
-        error = m[sent + 1] - calf
-        turned = calf - m[M_JOINTS + at + 1]
+        error = block[sent + 1] - calf
+        turned = calf - block[M_JOINTS + at + 1]
         below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
         above = saturate(above - below, -32767, 32767)
     base = params.legs[leg]
@@ -219,51 +211,48 @@ def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int)
 
 
 @hot
-def sense_moved(block, weights) -> int:
+def sense_moved(block: Ints, weights: Ints) -> int:
     """Write how far the body moved over the feet whose weight is above 0 into M_MOVED_...; return how many.
 
     Level axes that turn with the body, lf; 0 without such a foot or in the first tick. A foot's own way is
     limited to +-4095 lu a tick. About 1 % of the way in simulation.
     """
-    m = ptr32(block)
-    w = ptr32(weights)
     count = 0
     x = 0
     y = 0
-    if m[M_KNOWN] > 1:
+    if block[M_KNOWN] > 1:
         at = M_ROLLED
         before = M_BEFORE
         for leg in range(LEGS):
-            if w[leg] > 0:
-                x -= saturate(m[at] - m[before], -_TURN_MAX, _TURN_MAX)
-                y -= saturate(m[at + 1] - m[before + 1], -_TURN_MAX, _TURN_MAX)
+            if weights[leg] > 0:
+                x -= saturate(block[at] - block[before], -_TURN_MAX, _TURN_MAX)
+                y -= saturate(block[at + 1] - block[before + 1], -_TURN_MAX, _TURN_MAX)
                 count += 1
             at += 2
             before += 2
     if count:
         x = (x << LF_BITS) // count
         y = (y << LF_BITS) // count
-    m[M_MOVED_X] = x
-    m[M_MOVED_Y] = y
+    block[M_MOVED_X] = x
+    block[M_MOVED_Y] = y
     return count
 
 
 @hot
-def stands_level(params: Params, block) -> int:
+def stands_level(params: Params, block: Ints) -> int:
     """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
 
     A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
     """
-    m = ptr32(block)
-    if m[M_KNOWN] == 0:
+    if block[M_KNOWN] == 0:
         return 1
-    low = m[M_LEVEL + 2]
+    low = block[M_LEVEL + 2]
     high = low
     for at in range(M_LEVEL + 5, M_LEVEL + 12, 3):
-        if m[at] < low:
-            low = m[at]
-        if m[at] > high:
-            high = m[at]
+        if block[at] < low:
+            low = block[at]
+        if block[at] > high:
+            high = block[at]
     if high - low > params.leg_length >> 5:
         return 0
     return 1

@@ -6,7 +6,7 @@ margin is never above 0; four, three or two go through the same few lines.
 
 from .fixed import hypot, isqrt, saturate
 from .params import LEGS
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 NO_SUPPORT = const(-32768)  # no foot stands
 _AROUND = const(0x2310)  # FR, FL, RL, RR: the feet seen from above, against the clock, from the lowest four bits
@@ -19,27 +19,25 @@ def around(place: int) -> int:
 
 
 @hot
-def next_standing(weights, place: int) -> int:
+def next_standing(weights: Ints, place: int) -> int:
     """Return the next place after ``place`` (0 .. 3) whose foot stands (weight above 0), or ``place`` itself."""
-    w = ptr32(weights)
     for ahead in range(1, 4):
-        if w[around(place + ahead)] > 0:
+        if weights[around(place + ahead)] > 0:
             return place + ahead & 3
     return place
 
 
 @hot
-def edge_margin(feet, one: int, other: int, x: int, y: int) -> int:
+def edge_margin(feet: Ints, one: int, other: int, x: int, y: int) -> int:
     """Return how far (x, y) lies to the left of the line from foot ``one`` to foot ``other``, lu.
 
     Feet and point within +-32767 lu. Two feet in one place: minus the distance to them. Error at most 8 lu.
     Intermediates: 16383 * 16383 * 2 < 2^30.
     """
-    f = ptr32(feet)
-    from_x = f[one * 3]
-    from_y = f[one * 3 + 1]
-    along_x = f[other * 3] - from_x >> 2
-    along_y = f[other * 3 + 1] - from_y >> 2
+    from_x = feet[one * 3]
+    from_y = feet[one * 3 + 1]
+    along_x = feet[other * 3] - from_x >> 2
+    along_y = feet[other * 3 + 1] - from_y >> 2
     length = isqrt(along_x * along_x + along_y * along_y)
     if length == 0:
         return -hypot(x - from_x, y - from_y)
@@ -48,19 +46,18 @@ def edge_margin(feet, one: int, other: int, x: int, y: int) -> int:
 
 
 @hot
-def support_margin(feet, weights, x: int, y: int) -> int:
+def support_margin(feet, weights: Ints, x: int, y: int) -> int:
     """Return the margin in lu of the point (x, y) in the polygon of the standing feet; above 0 is inside.
 
     feet: 12 lu in a level frame; weights: 4 values, above 0 for a foot that stands; all within +-32767 lu.
     NO_SUPPORT without a foot; with one, minus the distance to it. Error at most 8 lu.
     """
-    w = ptr32(weights)
     margin = 0x1FFFF
     first = -1
     before = -1
     for place in range(0, 16, 4):
         leg = _AROUND >> place & 3
-        if w[leg] > 0:
+        if weights[leg] > 0:
             if before < 0:
                 first = leg
             else:
@@ -77,16 +74,13 @@ def support_margin(feet, weights, x: int, y: int) -> int:
 
 
 @hot
-def point_inside(feet, weights, margin: int, point) -> int:
+def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> int:
     """Move ``point`` (x, y in lu) until it is ``margin`` inside every edge of the support; return its margin.
 
     Moves square to the most violated edge, at most 8 times: near the closest such point, or, where the
     polygon has no room for the margin, near its middle. Feet and point within +-32767 lu, margin 0 .. 32767.
     Intermediates: 2 * 32767 * 8191 in the move.
     """
-    f = ptr32(feet)
-    w = ptr32(weights)
-    c = ptr32(point)
     least = 0
     for _ in range(8):
         least = 0x1FFFF
@@ -94,19 +88,19 @@ def point_inside(feet, weights, margin: int, point) -> int:
         other = 0
         for place in range(LEGS):
             leg = around(place)
-            if w[leg] > 0:
+            if weights[leg] > 0:
                 then = around(next_standing(weights, place))
-                along = edge_margin(feet, leg, then, c[0], c[1])
+                along = edge_margin(feet, leg, then, point[0], point[1])
                 if along < least:
                     least = along
                     one = leg
                     other = then
         if least >= margin - 4 or one == other:
             return least
-        along_x = f[other * 3] - f[one * 3] >> 3
-        along_y = f[other * 3 + 1] - f[one * 3 + 1] >> 3
+        along_x = feet[other * 3] - feet[one * 3] >> 3
+        along_y = feet[other * 3 + 1] - feet[one * 3 + 1] >> 3
         length = hypot(along_x, along_y) + 1
         short = saturate(margin - least + 3, 0, 32767)
-        c[0] = saturate(c[0] - along_y * short // length, -32767, 32767)
-        c[1] = saturate(c[1] + along_x * short // length, -32767, 32767)
+        point[0] = saturate(point[0] - along_y * short // length, -32767, 32767)
+        point[1] = saturate(point[1] + along_x * short // length, -32767, 32767)
     return least

@@ -23,7 +23,7 @@ from .gait import (
     ROW_TICKS,
 )
 from .params import LEGS, LF_BITS, Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 from .swing import cycloid_q15, lift_q15, swing_phase_q16
 
 STEP_X = const(0)  # lf, the foothold in the base frame
@@ -46,93 +46,85 @@ _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
 @hot
-def steps_reset(params: Params, steps) -> int:
+def steps_reset(params: Params, steps: Ints) -> int:
     """Put all four feet at rest, standing; return 0."""
-    s = ptr32(steps)
     for leg in range(LEGS):
         at = leg * STEP_SIZE
         rest = params.legs[leg].rest
-        s[at + STEP_X] = rest[0] << LF_BITS
-        s[at + STEP_Y] = rest[1] << LF_BITS
-        s[at + STEP_Z] = rest[2]
-        s[at + STEP_TO_Z] = rest[2]
-        s[at + STEP_TICKS] = 0
-        s[at + STEP_TICK] = 0
+        steps[at + STEP_X] = rest[0] << LF_BITS
+        steps[at + STEP_Y] = rest[1] << LF_BITS
+        steps[at + STEP_Z] = rest[2]
+        steps[at + STEP_TO_Z] = rest[2]
+        steps[at + STEP_TICKS] = 0
+        steps[at + STEP_TICK] = 0
     return 0
 
 
 @hot
-def steps_at_rest(params: Params, steps) -> int:
+def steps_at_rest(params: Params, steps: Ints) -> int:
     """Return 1 if all four feet stand within 1/16 lu of their rest positions, else 0."""
-    s = ptr32(steps)
     for leg in range(LEGS):
         at = leg * STEP_SIZE
         rest = params.legs[leg].rest
-        if s[at + STEP_TICKS]:
+        if steps[at + STEP_TICKS]:
             return 0
         for axis in range(2):
-            away = s[at + axis] - (rest[axis] << LF_BITS)
+            away = steps[at + axis] - (rest[axis] << LF_BITS)
             if away > 16 or away < -16:
                 return 0
     return 1
 
 
 @hot
-def start_swings(gait, clock, steps) -> int:
+def start_swings(gait: Ints, clock: Ints, steps: Ints) -> int:
     """Lift the legs whose swing starts in the clock's segment; return their bits."""
-    g = ptr32(gait)
-    c = ptr32(clock)
-    s = ptr32(steps)
-    row = G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE
+    row = G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE
     lifted = 0
     for leg in range(LEGS):
-        ticks = g[row + ROW_START + leg]
+        ticks = gait[row + ROW_START + leg]
         if ticks:
             at = leg * STEP_SIZE
-            s[at + STEP_TICKS] = ticks
-            s[at + STEP_TICK] = 0
-            s[at + STEP_LEFT_Q10] = g[row + ROW_SWING_Q10 + leg]
+            steps[at + STEP_TICKS] = ticks
+            steps[at + STEP_TICK] = 0
+            steps[at + STEP_LEFT_Q10] = gait[row + ROW_SWING_Q10 + leg]
             lifted |= 1 << leg
     return lifted
 
 
 @hot
-def lift_at_once(steps, height_lu: int) -> int:
+def lift_at_once(steps: Ints, height_lu: int) -> int:
     """Leave out the first sample of swings that have just started, where the foot still stands; return 0.
 
     For swings with both their ends among the samples: such a foot moves in every tick of its segment.
     """
-    s = ptr32(steps)
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        if s[at + STEP_TICKS] and s[at + STEP_TICK] == 0:
-            s[at + STEP_TICKS] += 1
-            s[at + STEP_TICK] = 1
-            s[at + STEP_HEIGHT] = height_lu
+        if steps[at + STEP_TICKS] and steps[at + STEP_TICK] == 0:
+            steps[at + STEP_TICKS] += 1
+            steps[at + STEP_TICK] = 1
+            steps[at + STEP_HEIGHT] = height_lu
     return 0
 
 
 @hot
-def body_advance(gait, clock) -> int:
+def body_advance(gait: Ints, clock: Ints) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 
     Summed over a segment exactly ROW_ADVANCE_Q4. 0 .. 8192, because compile_gait refuses faster segments.
     Intermediates below 4096 * 32768 + 2^15.
     """
-    g = ptr32(gait)
-    c = ptr32(clock)
-    row = G_ROWS + c[CLOCK_SEGMENT] * ROW_SIZE
-    advance_q4 = g[row + ROW_ADVANCE_Q4]
+    row = G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE
+    advance_q4 = gait[row + ROW_ADVANCE_Q4]
     if advance_q4 == 0:
         return 0
-    ticks = g[row + ROW_TICKS]
-    tick = c[CLOCK_TICK]
+    ticks = gait[row + ROW_TICKS]
+    tick = clock[CLOCK_TICK]
     share = ((tick + 1) << 15) // ticks
-    if g[G_CYCLOID] and ticks > 1:
+    if gait[G_CYCLOID] and ticks > 1:
         share = cycloid_q15(swing_phase_q16(tick, ticks, 65536, 65536))
     made = (advance_q4 >> 6) * share + ((advance_q4 & 63) * share >> 6) + 4 >> 3
-    advance = made - c[CLOCK_MADE_Q10]
-    c[CLOCK_MADE_Q10] = made
+    advance = made - clock[CLOCK_MADE_Q10]
+    clock[CLOCK_MADE_Q10] = made
     return advance
 
 
@@ -158,95 +150,88 @@ def turned_way(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
 
 
 @hot
-def move_feet(steps, speed, ticks_q10: int) -> int:
+def move_feet(steps: Ints, speed: Ints, ticks_q10: int) -> int:
     """Move all footholds against the body by ``ticks_q10`` of its speed; return 0.
 
     A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
     neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
     Range: feet within 65535 lu. Largest intermediate 65535 * 16384 + 2^14 < 2^30.
     """
-    s = ptr32(steps)
-    v = ptr32(speed)
-    dx = way(v[SPEED_X], ticks_q10)
-    dy = way(v[SPEED_Y], ticks_q10)
-    turn = saturate(way(v[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
+    dx = way(speed[SPEED_X], ticks_q10)
+    dy = way(speed[SPEED_Y], ticks_q10)
+    turn = saturate(way(speed[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
     shift = 22 - LF_BITS
     while turn > 16383 or turn < -16383:
         turn >>= 1
         shift -= 1
     half = 1 << shift
     for at in range(0, STEPS_SIZE, STEP_SIZE):
-        x = s[at + STEP_X]
-        y = s[at + STEP_Y]
+        x = steps[at + STEP_X]
+        y = steps[at + STEP_Y]
         if turn:
             x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
             y -= (x + 128 >> LF_BITS) * turn + (half >> 1) >> shift
             x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
-        s[at + STEP_X] = x - dx
-        s[at + STEP_Y] = y - dy
-        if s[at + STEP_TICKS]:
-            s[at + STEP_LEFT_Q10] -= ticks_q10
+        steps[at + STEP_X] = x - dx
+        steps[at + STEP_Y] = y - dy
+        if steps[at + STEP_TICKS]:
+            steps[at + STEP_LEFT_Q10] -= ticks_q10
     return 0
 
 
 @hot
-def place_feet(params: Params, gait, steps, speed, height_lu: int, feet) -> int:
+def place_feet(params: Params, gait, steps: Ints, speed, height_lu: int, feet: Ints) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
     feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
     """
-    s = ptr32(steps)
-    out = ptr32(feet)
     swinging = 0
     for leg in range(LEGS):
         at = leg * STEP_SIZE
-        if s[at + STEP_TICKS]:
+        if steps[at + STEP_TICKS]:
             swinging |= 1 << leg
             swing_foot(params, gait, steps, speed, leg, height_lu, feet)
         else:
-            out[leg * 3] = s[at + STEP_X] >> LF_BITS
-            out[leg * 3 + 1] = s[at + STEP_Y] >> LF_BITS
-            out[leg * 3 + 2] = s[at + STEP_Z]
+            feet[leg * 3] = steps[at + STEP_X] >> LF_BITS
+            feet[leg * 3 + 1] = steps[at + STEP_Y] >> LF_BITS
+            feet[leg * 3 + 2] = steps[at + STEP_Z]
     return swinging
 
 
 @hot
-def swing_foot(params: Params, gait, steps, speed, leg: int, height_lu: int, feet) -> int:
+def swing_foot(params: Params, gait: Ints, steps: Ints, speed, leg: int, height_lu: int, feet: Ints) -> int:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that
     of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
     which is where the foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
     """
-    g = ptr32(gait)
-    s = ptr32(steps)
-    out = ptr32(feet)
     at = leg * STEP_SIZE
-    samples = s[at + STEP_TICKS]
-    sample = s[at + STEP_TICK]
+    samples = steps[at + STEP_TICKS]
+    sample = steps[at + STEP_TICK]
     if sample == 0:
-        s[at + STEP_HEIGHT] = height_lu
+        steps[at + STEP_HEIGHT] = height_lu
     ends = samples
-    if g[G_P_T_Q16] >= 65536 or g[G_P_N_Q16] >= 65536:
+    if gait[G_P_T_Q16] >= 65536 or gait[G_P_N_Q16] >= 65536:
         ends = samples + 1
-    phase = swing_phase_q16(sample, ends, g[G_P_T_Q16], g[G_P_N_Q16])
+    phase = swing_phase_q16(sample, ends, gait[G_P_T_Q16], gait[G_P_N_Q16])
     share = cycloid_q15(phase)
     sample += 1
     if sample >= samples:
-        s[at + STEP_LEFT_Q10] = 0
-    ahead = (g[G_STANCE_Q10 + leg] >> 1) + s[at + STEP_LEFT_Q10]
+        steps[at + STEP_LEFT_Q10] = 0
+    ahead = (gait[G_STANCE_Q10 + leg] >> 1) + steps[at + STEP_LEFT_Q10]
     to_x = foothold_x(params, leg, speed, ahead)
     to_y = foothold_y(params, leg, speed, ahead)
-    out[leg * 3] = between(s[at + STEP_X], to_x, share)
-    out[leg * 3 + 1] = between(s[at + STEP_Y], to_y, share)
-    rise = (s[at + STEP_TO_Z] - s[at + STEP_Z]) * share + 0x4000 >> 15
-    out[leg * 3 + 2] = s[at + STEP_Z] + rise + (s[at + STEP_HEIGHT] * lift_q15(phase) + 0x4000 >> 15)
-    s[at + STEP_TICK] = sample
+    feet[leg * 3] = between(steps[at + STEP_X], to_x, share)
+    feet[leg * 3 + 1] = between(steps[at + STEP_Y], to_y, share)
+    rise = (steps[at + STEP_TO_Z] - steps[at + STEP_Z]) * share + 0x4000 >> 15
+    feet[leg * 3 + 2] = steps[at + STEP_Z] + rise + (steps[at + STEP_HEIGHT] * lift_q15(phase) + 0x4000 >> 15)
+    steps[at + STEP_TICK] = sample
     if sample >= samples:
-        s[at + STEP_X] = to_x
-        s[at + STEP_Y] = to_y
-        s[at + STEP_Z] = s[at + STEP_TO_Z]
-        s[at + STEP_TICKS] = 0
+        steps[at + STEP_X] = to_x
+        steps[at + STEP_Y] = to_y
+        steps[at + STEP_Z] = steps[at + STEP_TO_Z]
+        steps[at + STEP_TICKS] = 0
     return samples - sample
 
 
@@ -258,18 +243,16 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 
 
 @hot
-def foothold_x(params: Params, leg: int, speed, ahead_q10: int) -> int:
+def foothold_x(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
     """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
-    v = ptr32(speed)
     rest = params.legs[leg].rest
-    turned = turned_way(v[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
-    return (rest[0] << LF_BITS) + way(v[SPEED_X], ahead_q10) - turned
+    turned = turned_way(speed[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
+    return (rest[0] << LF_BITS) + way(speed[SPEED_X], ahead_q10) - turned
 
 
 @hot
-def foothold_y(params: Params, leg: int, speed, ahead_q10: int) -> int:
+def foothold_y(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
     """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
-    v = ptr32(speed)
     rest = params.legs[leg].rest
-    turned = turned_way(v[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
-    return (rest[1] << LF_BITS) + way(v[SPEED_Y], ahead_q10) + turned
+    turned = turned_way(speed[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
+    return (rest[1] << LF_BITS) + way(speed[SPEED_Y], ahead_q10) + turned

@@ -6,7 +6,7 @@ that line. The line is taken at the centre's own x, half a swing ahead of now.
 
 from .fixed import saturate
 from .params import Params
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 _SMOOTH_ONE_Q12 = const(4096)
 
@@ -26,20 +26,19 @@ def smooth_q12(part: int, whole: int) -> int:
 
 
 @hot
-def diagonal_y(feet, one: int, other: int, ahead_lu: int, x: int) -> int:
+def diagonal_y(feet: Ints, one: int, other: int, ahead_lu: int, x: int) -> int:
     """Return y of the line between two feet at ``x``, after both went back by ``ahead``; lu, within +-65535.
 
     feet: 12 lu in the body; all within +-32767. A line along y has no one answer: the first foot's y.
     Error at most 16 lu. Intermediates: 65535 * 8191 and 65535 * 2^13.
     """
-    f = ptr32(feet)
-    from_x = f[one * 3] - ahead_lu
-    along_x = f[other * 3] - f[one * 3]
+    from_x = feet[one * 3] - ahead_lu
+    along_x = feet[other * 3] - feet[one * 3]
     share_q12 = 0
     if along_x:
         share_q12 = saturate((saturate(x - from_x, -65535, 65535) << 13) // along_x, -8191 * 2, 8191 * 2)
-    rise = saturate(f[other * 3 + 1] - f[one * 3 + 1], -65535, 65535)
-    return saturate(f[one * 3 + 1] + (rise * share_q12 >> 13), -65535, 65535)
+    rise = saturate(feet[other * 3 + 1] - feet[one * 3 + 1], -65535, 65535)
+    return saturate(feet[one * 3 + 1] + (rise * share_q12 >> 13), -65535, 65535)
 
 
 @hot

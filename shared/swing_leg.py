@@ -43,30 +43,28 @@ from .crawl_layout import (
 from .filters import fraction, quintic_q15
 from .fixed import hypot, isqrt, saturate
 from .params import LF_BITS, RR
-from .runtime import const, hot, ptr32
+from .runtime import Ints, const, hot
 
 _PRODUCT_MAX = const(0x3FFFFFFF)
 
 
 @hot
-def enter(state, phase: int) -> int:
+def enter(state: Ints, phase: int) -> int:
     """Begin a phase of the swing at rest; return it."""
-    c = ptr32(state)
-    c[C_PHASE] = phase
-    c[C_TICK] = 0
-    c[C_SPEED] = 0
+    state[C_PHASE] = phase
+    state[C_TICK] = 0
+    state[C_SPEED] = 0
     return phase
 
 
 @hot
-def try_again(state, x_lf: int, top_lf: int) -> int:
+def try_again(state: Ints, x_lf: int, top_lf: int) -> int:
     """Lift once more, to ``top``, aim at ``x`` and come down there; return which try that is."""
-    c = ptr32(state)
-    c[C_TRIES] += 1
-    c[C_TARGET] = x_lf
-    c[C_TOP] = top_lf
+    state[C_TRIES] += 1
+    state[C_TARGET] = x_lf
+    state[C_TOP] = top_lf
     enter(state, LIFT)
-    return c[C_TRIES]
+    return state[C_TRIES]
 
 
 @hot
@@ -80,98 +78,87 @@ def brake_speed(brake: int, way_lu: int) -> int:
 
 
 @hot
-def lift_foot(settings, state) -> int:
+def lift_foot(settings: Ints, state: Ints) -> int:
     """Take one tick upwards; return 1 at the top. A leg that is folded already has its top where it is."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    speed = c[C_SPEED] + k[K_A_UP]
-    top_speed = brake_speed(k[K_BRAKE], c[C_TOP] - c[C_POS + 2] >> LF_BITS) + k[K_V_TOP]
+    speed = state[C_SPEED] + settings[K_A_UP]
+    top_speed = brake_speed(settings[K_BRAKE], state[C_TOP] - state[C_POS + 2] >> LF_BITS) + settings[K_V_TOP]
     if speed > top_speed:
         speed = top_speed
-    if speed > k[K_V_UP]:
-        speed = k[K_V_UP]
-    c[C_SPEED] = speed
-    z = c[C_POS + 2] + speed
-    if z > c[C_TOP]:
-        z = c[C_TOP]
-    if c[C_LENGTH] < k[K_NEAR]:
-        c[C_TOP] = z
-    if c[C_POS + 2] < z:
-        c[C_POS + 2] = z
-    if z < c[C_TOP]:
+    if speed > settings[K_V_UP]:
+        speed = settings[K_V_UP]
+    state[C_SPEED] = speed
+    z = state[C_POS + 2] + speed
+    if z > state[C_TOP]:
+        z = state[C_TOP]
+    if state[C_LENGTH] < settings[K_NEAR]:
+        state[C_TOP] = z
+    if state[C_POS + 2] < z:
+        state[C_POS + 2] = z
+    if z < state[C_TOP]:
         return 0
     return 1
 
 
 @hot
-def start_move(settings, state) -> int:
+def start_move(settings: Ints, state: Ints) -> int:
     """Begin the way across to the target from where the foot is; return its ticks. Ways within +-65535 lu."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    c[C_SOURCE] = c[C_POS]
-    c[C_SOURCE + 1] = c[C_POS + 1]
-    way = hypot(c[C_TARGET] - c[C_POS] >> LF_BITS, c[C_TARGET + 1] - c[C_POS + 1] >> LF_BITS)
-    ticks = (way << LF_BITS) // k[K_MOVE_PACE]
-    if ticks < k[K_MOVE_TICKS]:
-        ticks = k[K_MOVE_TICKS]
-    c[C_MOVE_TICKS] = ticks
+    state[C_SOURCE] = state[C_POS]
+    state[C_SOURCE + 1] = state[C_POS + 1]
+    way = hypot(state[C_TARGET] - state[C_POS] >> LF_BITS, state[C_TARGET + 1] - state[C_POS + 1] >> LF_BITS)
+    ticks = (way << LF_BITS) // settings[K_MOVE_PACE]
+    if ticks < settings[K_MOVE_TICKS]:
+        ticks = settings[K_MOVE_TICKS]
+    state[C_MOVE_TICKS] = ticks
     enter(state, MOVE)
     return ticks
 
 
 @hot
-def move_foot(state) -> int:
+def move_foot(state: Ints) -> int:
     """Take one tick across; return 1 when the foot is there and the body's move has ended too, else 0."""
-    c = ptr32(state)
-    share = quintic_q15(c[C_TICK], c[C_MOVE_TICKS])
-    c[C_POS] = c[C_SOURCE] + fraction(c[C_TARGET] - c[C_SOURCE], share)
-    c[C_POS + 1] = c[C_SOURCE + 1] + fraction(c[C_TARGET + 1] - c[C_SOURCE + 1], share)
-    if c[C_TICK] < c[C_MOVE_TICKS] or c[C_BODY_TICK] < c[C_BODY_TICKS]:
+    share = quintic_q15(state[C_TICK], state[C_MOVE_TICKS])
+    state[C_POS] = state[C_SOURCE] + fraction(state[C_TARGET] - state[C_SOURCE], share)
+    state[C_POS + 1] = state[C_SOURCE + 1] + fraction(state[C_TARGET + 1] - state[C_SOURCE + 1], share)
+    if state[C_TICK] < state[C_MOVE_TICKS] or state[C_BODY_TICK] < state[C_BODY_TICKS]:
         return 0
     return 1
 
 
 @hot
-def fall_speed(settings, state, leg: int) -> int:
+def fall_speed(settings: Ints, state: Ints, leg: int) -> int:
     """Return the speed, lf / tick, at which the foot may come down here.
 
     Front: steady. Hind: so that it can slow down, at K_A_DOWN, to K_V_SLOW near its print: v^2 = slow^2 + 2 a h.
     Intermediates: those of brake_speed and hypot.
     """
-    k = ptr32(settings)
-    c = ptr32(state)
     if leg < RR:
-        return k[K_V_FRONT]
-    above = (c[C_POS + 2] - c[C_EXPECT] >> LF_BITS) - k[K_NEAR_PRINT]
-    speed = hypot(brake_speed(2 * k[K_A_DOWN], above), k[K_V_SLOW])
+        return settings[K_V_FRONT]
+    above = (state[C_POS + 2] - state[C_EXPECT] >> LF_BITS) - settings[K_NEAR_PRINT]
+    speed = hypot(brake_speed(2 * settings[K_A_DOWN], above), settings[K_V_SLOW])
     if above < 0:
-        speed = k[K_V_SLOW]
-    if speed > k[K_V_REAR]:
-        speed = k[K_V_REAR]
+        speed = settings[K_V_SLOW]
+    if speed > settings[K_V_REAR]:
+        speed = settings[K_V_REAR]
     return speed
 
 
 @hot
-def lower_foot(settings, state, leg: int) -> int:
+def lower_foot(settings: Ints, state: Ints, leg: int) -> int:
     """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    speed = c[C_SPEED] + k[K_A_DOWN]
+    speed = state[C_SPEED] + settings[K_A_DOWN]
     most = fall_speed(settings, state, leg)
     if speed > most:
         speed = most
-    c[C_SPEED] = speed
-    if c[C_LENGTH] > k[K_REACH_SWING] and c[C_REF + 2] > c[C_BODY + 2] - k[K_LIMIT_X]:
-        c[C_REF + 2] -= k[K_BODY_V]
+    state[C_SPEED] = speed
+    if state[C_LENGTH] > settings[K_REACH_SWING] and state[C_REF + 2] > state[C_BODY + 2] - settings[K_LIMIT_X]:
+        state[C_REF + 2] -= settings[K_BODY_V]
     else:
-        c[C_POS + 2] -= speed
+        state[C_POS + 2] -= speed
     return speed
 
 
 @hot
-def hang_foot(settings, state) -> int:
+def hang_foot(settings: Ints, state: Ints) -> int:
     """Take one tick of creeping down, while the tare is taken; return the speed, lf / tick."""
-    k = ptr32(settings)
-    c = ptr32(state)
-    c[C_POS + 2] -= k[K_V_TARE]
-    return k[K_V_TARE]
+    state[C_POS + 2] -= settings[K_V_TARE]
+    return settings[K_V_TARE]

@@ -112,13 +112,20 @@ class Lowering:
         self._assignments(function)
         for statement in function.body:
             edits += self._edits(statement)
-        for argument in function.args.args if hot else []:
+        for argument in function.args.args:
             if argument.arg in given and argument.annotation is not None:
                 start = self.place.start(argument) + len(argument.arg)
                 edits.append(Edit(start, self.place.end(argument.annotation) - start, ""))
+        if not hot and function.returns is not None:
+            edits.append(self._no_result(function.returns))
         if self._heads:
             edits.append(self._head(function))
         return edits
+
+    def _no_result(self, returns: ast.expr) -> Edit:
+        """Take the annotation of a result away: `` -> Ints``."""
+        arrow = self.module.text.rindex(b"->", 0, self.place.start(returns))
+        return Edit(arrow - 1, self.place.end(returns) - arrow + 1, "")
 
     def known(self, function: ast.FunctionDef) -> set[str]:
         """Return the parameters and local names of a hot function that are more than a number."""

@@ -11,7 +11,7 @@ Kinds: full turns the field four electrical turns; small, for an assembled leg, 
 pole pairs known (1.2 deg at a 22:1 joint with 7); verify is small, changes nothing and compares.
 """
 
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .current import current_relax, current_sum, set_offsets
 from .encoder import wrap_count
 from .faults import (
@@ -123,62 +123,55 @@ _POLE_PAIRS_MOST = const(40)
 
 
 @hot
-def set_commutation(foc, cfg) -> int:
+def set_commutation(foc: Ints, cfg: Ints) -> int:
     """Hand the stored direction, pole pairs and offset to the current step; return F_ELEC_GAIN."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    block[F_ELEC_OFFSET] = k[K_ELEC_OFFSET] + TABLE_HALF_STEP
-    block[F_ELEC_GAIN] = 4 * k[K_POLE_PAIRS] * k[K_DIRECTION]
-    return block[F_ELEC_GAIN]
+    foc[F_ELEC_OFFSET] = cfg[K_ELEC_OFFSET] + TABLE_HALF_STEP
+    foc[F_ELEC_GAIN] = 4 * cfg[K_POLE_PAIRS] * cfg[K_DIRECTION]
+    return foc[F_ELEC_GAIN]
 
 
 @hot
-def calibration_start(cal, kind: int) -> int:
+def calibration_start(cal: Ints, kind: int) -> int:
     """Begin a calibration of ``kind`` with the next tick; return PHASE_REST. C_POSE_GIVEN, C_POSE are the caller's."""
-    c = ptr32(cal)
     for i in range(C_TICKS, C_POSE_GIVEN):
-        c[i] = 0
+        cal[i] = 0
     for i in range(4):
-        c[C_RAW_LOW + i] = 0xFFFF
-        c[C_RAW_HIGH + i] = -0xFFFF
-    c[C_KIND] = kind
-    c[C_PHASE] = PHASE_REST
+        cal[C_RAW_LOW + i] = 0xFFFF
+        cal[C_RAW_HIGH + i] = -0xFFFF
+    cal[C_KIND] = kind
+    cal[C_PHASE] = PHASE_REST
     return PHASE_REST
 
 
 @hot
-def calibration_abort(foc, cfg, cal) -> int:
+def calibration_abort(foc: Ints, cfg, cal: Ints) -> int:
     """End a calibration without a result, restore the commutation and the references; return PHASE_IDLE."""
-    block = ptr32(foc)
-    c = ptr32(cal)
-    c[C_PHASE] = PHASE_IDLE
-    c[C_KIND] = 0
-    block[F_D_REF] = 0
-    block[F_Q_REF] = 0
+    cal[C_PHASE] = PHASE_IDLE
+    cal[C_KIND] = 0
+    foc[F_D_REF] = 0
+    foc[F_Q_REF] = 0
     set_commutation(foc, cfg)
     return PHASE_IDLE
 
 
 @hot
-def calibration_needs_bridge(cal) -> int:
+def calibration_needs_bridge(cal: Ints) -> int:
     """Return 1 while the field is on, 0 at rest and when idle: the bridge is off then."""
-    c = ptr32(cal)
-    if c[C_PHASE] > PHASE_REST:
+    if cal[C_PHASE] > PHASE_REST:
         return 1
     return 0
 
 
 @hot
-def calibration_step(foc, cfg, state, io, cal) -> int:
+def calibration_step(foc, cfg, state, io, cal: Ints) -> int:
     """Do one tick; return C_PHASE, PHASE_IDLE when over. Then C_REASON is 0 or says what stood against it.
 
     About 18 s for a full one, 5 s for a small one.
     """
-    c = ptr32(cal)
-    phase = c[C_PHASE]
+    phase = cal[C_PHASE]
     if phase == PHASE_IDLE:
         return PHASE_IDLE
-    c[C_TICKS] += 1
+    cal[C_TICKS] += 1
     if phase == PHASE_REST:
         _rest(foc, cfg, state, io, cal)
     elif phase == PHASE_RAMP:
@@ -187,171 +180,151 @@ def calibration_step(foc, cfg, state, io, cal) -> int:
         _settle(foc, cfg, io, cal)
     else:
         _turn(foc, cfg, io, cal)
-    if c[C_PHASE] == PHASE_IDLE:
+    if cal[C_PHASE] == PHASE_IDLE:
         calibration_abort(foc, cfg, cal)
-    return c[C_PHASE]
+    return cal[C_PHASE]
 
 
 @hot
-def _refuse(cal, reason: int, value: int) -> int:
+def _refuse(cal: Ints, reason: int, value: int) -> int:
     """End with a reason, unless there is one already."""
-    c = ptr32(cal)
-    if c[C_REASON] == FAULT_NONE:
-        c[C_REASON] = reason
-        c[C_VALUE] = value
-    c[C_PHASE] = PHASE_IDLE
+    if cal[C_REASON] == FAULT_NONE:
+        cal[C_REASON] = reason
+        cal[C_VALUE] = value
+    cal[C_PHASE] = PHASE_IDLE
     return reason
 
 
 @hot
-def _next(cal, phase: int) -> int:
-    c = ptr32(cal)
-    c[C_PHASE] = phase
-    c[C_TICKS] = 0
+def _next(cal: Ints, phase: int) -> int:
+    cal[C_PHASE] = phase
+    cal[C_TICKS] = 0
     return phase
 
 
 @hot
-def _extremes(cal, place: int, value: int) -> int:
-    c = ptr32(cal)
-    if value < c[C_RAW_LOW + place]:
-        c[C_RAW_LOW + place] = value
-    if value > c[C_RAW_HIGH + place]:
-        c[C_RAW_HIGH + place] = value
-    return c[C_RAW_HIGH + place] - c[C_RAW_LOW + place]
+def _extremes(cal: Ints, place: int, value: int) -> int:
+    """Take in a value of the lowest and highest at ``place``; return how far apart these are."""
+    if value < cal[C_RAW_LOW + place]:
+        cal[C_RAW_LOW + place] = value
+    if value > cal[C_RAW_HIGH + place]:
+        cal[C_RAW_HIGH + place] = value
+    return cal[C_RAW_HIGH + place] - cal[C_RAW_LOW + place]
 
 
 @hot
-def _rest(foc, cfg, state, io, cal) -> int:
+def _rest(foc: Ints, cfg, state, io: Ints, cal: Ints) -> int:
     """Collect 256 readings with the bridge off, then check them and set the current offsets."""
-    block = ptr32(foc)
-    c = ptr32(cal)
-    b = ptr32(io)
-    if c[C_TICKS] == 1:
-        c[C_REST_ROTOR] = block[F_ROTOR]
-        c[C_REST_JOINT] = b[IO_JOINT_RAW]
+    if cal[C_TICKS] == 1:
+        cal[C_REST_ROTOR] = foc[F_ROTOR]
+        cal[C_REST_JOINT] = io[IO_JOINT_RAW]
     for phase in range(3):
-        raw = block[F_RAW_A + phase]
-        c[C_RAW_SUM + phase] = c[C_RAW_SUM + phase] + raw
+        raw = foc[F_RAW_A + phase]
+        cal[C_RAW_SUM + phase] = cal[C_RAW_SUM + phase] + raw
         _extremes(cal, phase, raw)
-    _extremes(cal, 3, wrap_count(block[F_ROTOR] - c[C_REST_ROTOR]))
-    if c[C_TICKS] >> _REST_SHIFT == 0:
+    _extremes(cal, 3, wrap_count(foc[F_ROTOR] - cal[C_REST_ROTOR]))
+    if cal[C_TICKS] >> _REST_SHIFT == 0:
         return PHASE_REST
     _check_rest(cfg, state, cal)
-    if c[C_PHASE] == PHASE_IDLE:
+    if cal[C_PHASE] == PHASE_IDLE:
         return PHASE_IDLE
     shift = _REST_SHIFT - 4
-    set_offsets(foc, c[C_RAW_SUM] >> shift, c[C_RAW_SUM + 1] >> shift, c[C_RAW_SUM + 2] >> shift)
+    set_offsets(foc, cal[C_RAW_SUM] >> shift, cal[C_RAW_SUM + 1] >> shift, cal[C_RAW_SUM + 2] >> shift)
     current_relax(foc)
     return _next(cal, PHASE_RAMP)
 
 
 @hot
-def _check_rest(cfg, state, cal) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
-    c = ptr32(cal)
+def _check_rest(cfg: Ints, state: Ints, cal: Ints) -> int:
+    """Return FAULT_NONE if the currents, the supply and the rotor at rest are fit, else the first fault."""
     for phase in range(3):
-        offset = c[C_RAW_SUM + phase] >> _REST_SHIFT
-        if offset > 2048 + k[K_OFFSET_SPREAD] or offset < 2048 - k[K_OFFSET_SPREAD]:
+        offset = cal[C_RAW_SUM + phase] >> _REST_SHIFT
+        if offset > 2048 + cfg[K_OFFSET_SPREAD] or offset < 2048 - cfg[K_OFFSET_SPREAD]:
             return _refuse(cal, FAULT_CAL_OFFSET, offset)
-        noise = c[C_RAW_HIGH + phase] - c[C_RAW_LOW + phase]
+        noise = cal[C_RAW_HIGH + phase] - cal[C_RAW_LOW + phase]
         if noise > _NOISE_MOST:
             return _refuse(cal, FAULT_CAL_NOISE, noise)
-    if s[S_BUS] < k[K_CAL_BUS_LEAST] or s[S_BUS] > k[K_CAL_BUS_MOST]:
-        return _refuse(cal, FAULT_CAL_BUS, s[S_BUS])
-    if s[S_RATE] > k[K_STALL_RATE] or s[S_RATE] < -k[K_STALL_RATE]:
-        return _refuse(cal, FAULT_CAL_MOVING, s[S_RATE])
-    noise = c[C_ROTOR_HIGH] - c[C_ROTOR_LOW]
+    if state[S_BUS] < cfg[K_CAL_BUS_LEAST] or state[S_BUS] > cfg[K_CAL_BUS_MOST]:
+        return _refuse(cal, FAULT_CAL_BUS, state[S_BUS])
+    if state[S_RATE] > cfg[K_STALL_RATE] or state[S_RATE] < -cfg[K_STALL_RATE]:
+        return _refuse(cal, FAULT_CAL_MOVING, state[S_RATE])
+    noise = cal[C_ROTOR_HIGH] - cal[C_ROTOR_LOW]
     if noise > _ENCODER_NOISE_MOST:
         return _refuse(cal, FAULT_CAL_ENCODER, noise)
     return FAULT_NONE
 
 
 @hot
-def _force(foc, cal, current: int) -> int:
+def _force(foc: Ints, cal: Ints, current: int) -> int:
     """Point the field at C_ANGLE with ``current`` on d, whatever the encoder says."""
-    block = ptr32(foc)
-    c = ptr32(cal)
-    block[F_ELEC_GAIN] = 0
-    block[F_ELEC_OFFSET] = (c[C_ANGLE] & 0xFFFF) + TABLE_HALF_STEP
-    block[F_FEED_D] = 0
-    block[F_FEED_Q] = 0
-    block[F_Q_REF] = 0
-    block[F_D_REF] = current
+    foc[F_ELEC_GAIN] = 0
+    foc[F_ELEC_OFFSET] = (cal[C_ANGLE] & 0xFFFF) + TABLE_HALF_STEP
+    foc[F_FEED_D] = 0
+    foc[F_FEED_Q] = 0
+    foc[F_Q_REF] = 0
+    foc[F_D_REF] = current
     return current
 
 
 @hot
-def _ramp(foc, cfg, cal) -> int:
+def _ramp(foc, cfg: Ints, cal: Ints) -> int:
     """Let the current grow while the field comes from a quarter turn back: no rotor stands exactly against both."""
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    c[C_ANGLE] = (c[C_TICKS] << 6) - 16384
-    _force(foc, cal, k[K_CAL_CURRENT] * c[C_TICKS] >> _RAMP_SHIFT)
-    if c[C_TICKS] >> _RAMP_SHIFT:
+    cal[C_ANGLE] = (cal[C_TICKS] << 6) - 16384
+    _force(foc, cal, cfg[K_CAL_CURRENT] * cal[C_TICKS] >> _RAMP_SHIFT)
+    if cal[C_TICKS] >> _RAMP_SHIFT:
         _next(cal, PHASE_SETTLE)
-    return c[C_PHASE]
+    return cal[C_PHASE]
 
 
 @hot
-def _settle(foc, cfg, io, cal) -> int:
+def _settle(foc: Ints, cfg: Ints, io: Ints, cal: Ints) -> int:
     """Wait until the rotor has found the field, then check the current and start to turn."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    b = ptr32(io)
-    wanted = _force(foc, cal, k[K_CAL_CURRENT])
-    if c[C_TICKS] < _SETTLE_TICKS:
+    wanted = _force(foc, cal, cfg[K_CAL_CURRENT])
+    if cal[C_TICKS] < _SETTLE_TICKS:
         return PHASE_SETTLE
-    missing = wanted - block[F_I_D]
+    missing = wanted - foc[F_I_D]
     if missing > wanted >> 2 or missing < -(wanted >> 2):
-        return _refuse(cal, FAULT_CAL_NO_CURRENT, block[F_I_D])
+        return _refuse(cal, FAULT_CAL_NO_CURRENT, foc[F_I_D])
     wrong = current_sum(foc)
-    if wrong > k[K_SUM_LIMIT] or wrong < -k[K_SUM_LIMIT]:
+    if wrong > cfg[K_SUM_LIMIT] or wrong < -cfg[K_SUM_LIMIT]:
         return _refuse(cal, FAULT_CAL_SUM, wrong)
-    c[C_LAST] = block[F_ROTOR]
-    c[C_JOINT_LAST] = b[IO_JOINT_RAW]
+    cal[C_LAST] = foc[F_ROTOR]
+    cal[C_JOINT_LAST] = io[IO_JOINT_RAW]
     return _next(cal, PHASE_FORWARD)
 
 
 @hot
-def _turn(foc, cfg, io, cal) -> int:
+def _turn(foc: Ints, cfg: Ints, io: Ints, cal: Ints) -> int:
     """Turn the field by one step, follow the encoders, and close the way when its end is reached."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    b = ptr32(io)
-    c[C_MOVED] += wrap_count(block[F_ROTOR] - c[C_LAST])
-    c[C_LAST] = block[F_ROTOR]
-    c[C_JOINT_MOVED] += wrap_count(b[IO_JOINT_RAW] - c[C_JOINT_LAST])
-    c[C_JOINT_LAST] = b[IO_JOINT_RAW]
-    if c[C_PHASE] >= PHASE_AGAIN:
+    cal[C_MOVED] += wrap_count(foc[F_ROTOR] - cal[C_LAST])
+    cal[C_LAST] = foc[F_ROTOR]
+    cal[C_JOINT_MOVED] += wrap_count(io[IO_JOINT_RAW] - cal[C_JOINT_LAST])
+    cal[C_JOINT_LAST] = io[IO_JOINT_RAW]
+    if cal[C_PHASE] >= PHASE_AGAIN:
         _sample_offset(foc, cal)
     travel = _SMALL_TRAVEL
     step = _SMALL_STEP
-    if c[C_KIND] == CAL_FULL:
+    if cal[C_KIND] == CAL_FULL:
         travel = _FULL_TRAVEL
         step = _FULL_STEP
-    if c[C_PHASE] == PHASE_BACK or c[C_PHASE] == PHASE_RETURN:
+    if cal[C_PHASE] == PHASE_BACK or cal[C_PHASE] == PHASE_RETURN:
         step = -step
-    if c[C_ANGLE] + step < 0 or c[C_ANGLE] + step > travel:
+    if cal[C_ANGLE] + step < 0 or cal[C_ANGLE] + step > travel:
         return _end_way(foc, cfg, io, cal, travel)
-    c[C_ANGLE] += step
-    return _force(foc, cal, k[K_CAL_CURRENT])
+    cal[C_ANGLE] += step
+    return _force(foc, cal, cfg[K_CAL_CURRENT])
 
 
 @hot
-def _end_way(foc, cfg, io, cal, travel: int) -> int:
-    c = ptr32(cal)
-    phase = c[C_PHASE]
+def _end_way(foc, cfg, io, cal: Ints, travel: int) -> int:
+    phase = cal[C_PHASE]
     if phase == PHASE_FORWARD:
-        c[C_FORWARD] = c[C_MOVED]
-        c[C_JOINT_FORWARD] = c[C_JOINT_MOVED]
+        cal[C_FORWARD] = cal[C_MOVED]
+        cal[C_JOINT_FORWARD] = cal[C_JOINT_MOVED]
     if phase == PHASE_BACK:
         _find_direction(cfg, cal, travel)
         _check_joint_encoder(cfg, io, cal)
-        if c[C_PHASE] == PHASE_IDLE:
+        if cal[C_PHASE] == PHASE_IDLE:
             return PHASE_IDLE
     if phase == PHASE_RETURN:
         return _finish(foc, cfg, io, cal)
@@ -359,111 +332,100 @@ def _end_way(foc, cfg, io, cal, travel: int) -> int:
 
 
 @hot
-def _find_direction(cfg, cal, travel: int) -> int:
+def _find_direction(cfg: Ints, cal: Ints, travel: int) -> int:
     """Direction and pole pairs from the first way, which must have come back to where it began."""
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    moved = c[C_FORWARD]
-    c[C_DIRECTION] = 1
+    moved = cal[C_FORWARD]
+    cal[C_DIRECTION] = 1
     if moved < 0:
-        c[C_DIRECTION] = -1
+        cal[C_DIRECTION] = -1
         moved = -moved
-    left = c[C_MOVED]
+    left = cal[C_MOVED]
     if moved < 64 or left > moved >> 2 or left < -(moved >> 2):
-        return _refuse(cal, FAULT_CAL_NOT_FREE, c[C_FORWARD])
+        return _refuse(cal, FAULT_CAL_NOT_FREE, cal[C_FORWARD])
     pairs = (travel + moved + moved) // (moved << 2)
-    if c[C_KIND] == CAL_FULL:
+    if cal[C_KIND] == CAL_FULL:
         rest = travel - 4 * pairs * moved
         if rest > moved or rest < -moved or pairs < 1 or pairs > _POLE_PAIRS_MOST:
             return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
-        if k[K_POLE_PAIRS] != 0 and k[K_POLE_PAIRS] != pairs:
+        if cfg[K_POLE_PAIRS] != 0 and cfg[K_POLE_PAIRS] != pairs:
             return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
     else:
-        pairs = k[K_POLE_PAIRS]
+        pairs = cfg[K_POLE_PAIRS]
         rest = travel - 4 * pairs * moved
         if rest > travel >> 2 or rest < -(travel >> 2):
-            return _refuse(cal, FAULT_CAL_NOT_FREE, c[C_FORWARD])
-    c[C_POLE_PAIRS] = pairs
-    if c[C_KIND] == CAL_VERIFY and c[C_DIRECTION] != k[K_DIRECTION]:
-        return _refuse(cal, FAULT_CAL_PHASE_ORDER, c[C_DIRECTION])
+            return _refuse(cal, FAULT_CAL_NOT_FREE, cal[C_FORWARD])
+    cal[C_POLE_PAIRS] = pairs
+    if cal[C_KIND] == CAL_VERIFY and cal[C_DIRECTION] != cfg[K_DIRECTION]:
+        return _refuse(cal, FAULT_CAL_PHASE_ORDER, cal[C_DIRECTION])
     return FAULT_NONE
 
 
 @hot
-def _check_joint_encoder(cfg, io, cal) -> int:
+def _check_joint_encoder(cfg: Ints, io: Ints, cal: Ints) -> int:
     """The joint must have moved by the rotor's way through the gear, within a quarter and 8 counts."""
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    b = ptr32(io)
-    if k[K_HAS_JOINT_ENCODER] == 0 or k[K_GEAR_Q8] < 1:
+    if cfg[K_HAS_JOINT_ENCODER] == 0 or cfg[K_GEAR_Q8] < 1:
         return 0
-    moved = c[C_JOINT_FORWARD]
+    moved = cal[C_JOINT_FORWARD]
     if moved < 0:
         moved = -moved
-    expected = (c[C_FORWARD] * c[C_DIRECTION] << 8) // k[K_GEAR_Q8]
+    expected = (cal[C_FORWARD] * cal[C_DIRECTION] << 8) // cfg[K_GEAR_Q8]
     error = moved - expected
-    if b[IO_JOINT_VALID] == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
-        return _refuse(cal, FAULT_CAL_JOINT_ENCODER, c[C_JOINT_FORWARD])
+    if io[IO_JOINT_VALID] == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
+        return _refuse(cal, FAULT_CAL_JOINT_ENCODER, cal[C_JOINT_FORWARD])
     return 0
 
 
 @hot
-def _sample_offset(foc, cal) -> int:
+def _sample_offset(foc: Ints, cal: Ints) -> int:
     """Add one sample of field angle minus rotor angle, relative to the first."""
-    block = ptr32(foc)
-    c = ptr32(cal)
-    offset = c[C_ANGLE] - 4 * c[C_POLE_PAIRS] * c[C_DIRECTION] * block[F_ROTOR]
-    if c[C_COUNT] == 0:
-        c[C_REFERENCE] = offset & 0xFFFF
-    offset = ((offset - c[C_REFERENCE] + 0x8000) & 0xFFFF) - 0x8000
-    c[C_SUM] += offset
-    c[C_COUNT] += 1
-    if offset < c[C_LOW]:
-        c[C_LOW] = offset
-    if offset > c[C_HIGH]:
-        c[C_HIGH] = offset
+    offset = cal[C_ANGLE] - 4 * cal[C_POLE_PAIRS] * cal[C_DIRECTION] * foc[F_ROTOR]
+    if cal[C_COUNT] == 0:
+        cal[C_REFERENCE] = offset & 0xFFFF
+    offset = ((offset - cal[C_REFERENCE] + 0x8000) & 0xFFFF) - 0x8000
+    cal[C_SUM] += offset
+    cal[C_COUNT] += 1
+    if offset < cal[C_LOW]:
+        cal[C_LOW] = offset
+    if offset > cal[C_HIGH]:
+        cal[C_HIGH] = offset
     return offset
 
 
 @hot
-def _finish(foc, cfg, io, cal) -> int:
+def _finish(foc, cfg: Ints, io, cal: Ints) -> int:
     """Check the offsets' spread, then write everything found, or compare it."""
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    spread = c[C_HIGH] - c[C_LOW]
-    if spread > _SPREAD_MOST or c[C_COUNT] < 1:
+    spread = cal[C_HIGH] - cal[C_LOW]
+    if spread > _SPREAD_MOST or cal[C_COUNT] < 1:
         return _refuse(cal, FAULT_CAL_SPREAD, spread)
-    c[C_OFFSET] = (c[C_REFERENCE] + c[C_SUM] // c[C_COUNT]) & 0xFFFF
-    if c[C_KIND] == CAL_VERIFY:
-        change = ((c[C_OFFSET] - k[K_ELEC_OFFSET] + 0x8000) & 0xFFFF) - 0x8000
-        if change > k[K_VERIFY] or change < -k[K_VERIFY]:
+    cal[C_OFFSET] = (cal[C_REFERENCE] + cal[C_SUM] // cal[C_COUNT]) & 0xFFFF
+    if cal[C_KIND] == CAL_VERIFY:
+        change = ((cal[C_OFFSET] - cfg[K_ELEC_OFFSET] + 0x8000) & 0xFFFF) - 0x8000
+        if change > cfg[K_VERIFY] or change < -cfg[K_VERIFY]:
             return _refuse(cal, FAULT_CAL_OFFSET_CHANGED, change)
         return _next(cal, PHASE_IDLE)
-    k[K_ELEC_OFFSET] = c[C_OFFSET]
-    k[K_DIRECTION] = c[C_DIRECTION]
-    k[K_POLE_PAIRS] = c[C_POLE_PAIRS]
-    k[K_CALIBRATED] = 1
-    if k[K_HAS_JOINT_ENCODER]:
-        same = c[C_FORWARD] ^ c[C_JOINT_FORWARD]
-        k[K_JOINT_ENCODER_SIGN] = k[K_JOINT_SIGN]
+    cfg[K_ELEC_OFFSET] = cal[C_OFFSET]
+    cfg[K_DIRECTION] = cal[C_DIRECTION]
+    cfg[K_POLE_PAIRS] = cal[C_POLE_PAIRS]
+    cfg[K_CALIBRATED] = 1
+    if cfg[K_HAS_JOINT_ENCODER]:
+        same = cal[C_FORWARD] ^ cal[C_JOINT_FORWARD]
+        cfg[K_JOINT_ENCODER_SIGN] = cfg[K_JOINT_SIGN]
         if same < 0:
-            k[K_JOINT_ENCODER_SIGN] = -k[K_JOINT_SIGN]
-    if c[C_POSE_GIVEN]:
+            cfg[K_JOINT_ENCODER_SIGN] = -cfg[K_JOINT_SIGN]
+    if cal[C_POSE_GIVEN]:
         set_zeros(cfg, cal)
     return _next(cal, PHASE_IDLE)
 
 
 @hot
-def set_zeros(cfg, cal) -> int:
+def set_zeros(cfg: Ints, cal: Ints) -> int:
     """Set both encoders' zeros from the pose C_POSE at which they read C_REST_ROTOR and C_REST_JOINT; return K_ZERO.
 
     The joint encoder's zero is rounded to its count: the rotor's is exact.
     """
-    k = ptr32(cfg)
-    c = ptr32(cal)
-    k[K_ZERO] = (c[C_REST_ROTOR] - c[C_POSE] * k[K_JOINT_SIGN]) & 16383
-    if k[K_HAS_JOINT_ENCODER] and k[K_GEAR_Q8] > 0:
-        half = k[K_GEAR_Q8] >> 1
-        angle = ((c[C_POSE] << 8) + half) // k[K_GEAR_Q8]
-        k[K_JOINT_ENCODER_ZERO] = (c[C_REST_JOINT] - angle * k[K_JOINT_ENCODER_SIGN]) & 16383
-    return k[K_ZERO]
+    cfg[K_ZERO] = (cal[C_REST_ROTOR] - cal[C_POSE] * cfg[K_JOINT_SIGN]) & 16383
+    if cfg[K_HAS_JOINT_ENCODER] and cfg[K_GEAR_Q8] > 0:
+        half = cfg[K_GEAR_Q8] >> 1
+        angle = ((cal[C_POSE] << 8) + half) // cfg[K_GEAR_Q8]
+        cfg[K_JOINT_ENCODER_ZERO] = (cal[C_REST_JOINT] - angle * cfg[K_JOINT_ENCODER_SIGN]) & 16383
+    return cfg[K_ZERO]

@@ -12,7 +12,7 @@ step says so by its result:
 """
 
 from ..fixed import round_sqrt
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .layout import (
     F_COSINE,
     F_D_REF,
@@ -71,7 +71,7 @@ _RAD_Q22 = const(402)  # rad per brad
 
 
 @hot
-def current_step(d: int, q: int, foc) -> int:
+def current_step(d: int, q: int, foc: Ints) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
     Reads F_RAW_*, F_D_REF and F_Q_REF, writes F_DUTY_*, F_I_*, F_V_*. Returns STEP_DONE, or what
@@ -83,37 +83,36 @@ def current_step(d: int, q: int, foc) -> int:
     squares below 2^30. The host chooses vu and checks that (F_KP e + F_INTEGRAL) stays below 2^30 for
     currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
     """
-    block = ptr32(foc)
-    if (d - block[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | block[F_MASKED] | q:
+    if (d - foc[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | foc[F_MASKED] | q:
         return STEP_INPUT
-    block[F_ROTOR] = d
-    d = d * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
+    foc[F_ROTOR] = d
+    d = d * foc[F_ELEC_GAIN] + foc[F_ELEC_OFFSET]
     q = ((d & 63) - 32) * _RAD_Q22
     c = d >> 6 & 1023
-    s = block[F_SINE + c]
-    y = block[F_COSINE + c]
+    s = foc[F_SINE + c]
+    y = foc[F_COSINE + c]
     c = y - (s * q >> 22)
     s += y * q >> 22
-    x = (block[F_RAW_A] << 1) - block[F_RAW_B] - block[F_RAW_C] - block[F_OFFSET_ALPHA]
-    y = ((block[F_RAW_B] - block[F_RAW_C]) * _SQRT3_Q14 - block[F_OFFSET_BETA]) >> 14
+    x = (foc[F_RAW_A] << 1) - foc[F_RAW_B] - foc[F_RAW_C] - foc[F_OFFSET_ALPHA]
+    y = ((foc[F_RAW_B] - foc[F_RAW_C]) * _SQRT3_Q14 - foc[F_OFFSET_BETA]) >> 14
     d = (c * x + s * y + 8192) >> 14
     q = (c * y - s * x + 8192) >> 14
-    block[F_I_D] = d
-    block[F_I_Q] = q
-    if d * d + q * q > block[F_TRIP_SQUARE]:
+    foc[F_I_D] = d
+    foc[F_I_Q] = q
+    if d * d + q * q > foc[F_TRIP_SQUARE]:
         return STEP_TRIP
-    d = block[F_D_REF] - d
-    block[F_INTEGRAL_D] = d * block[F_KI] + block[F_INTEGRAL_D]
-    d = ((d * block[F_KP] + block[F_INTEGRAL_D] + 4096) >> 13) + block[F_FEED_D]
-    q = block[F_Q_REF] - q
-    block[F_INTEGRAL_Q] = q * block[F_KI] + block[F_INTEGRAL_Q]
-    q = ((q * block[F_KP] + block[F_INTEGRAL_Q] + 4096) >> 13) + block[F_FEED_Q]
-    block[F_V_D] = d
-    block[F_V_Q] = q
-    if d * d + q * q > block[F_LIMIT_SQUARE]:
+    d = foc[F_D_REF] - d
+    foc[F_INTEGRAL_D] = d * foc[F_KI] + foc[F_INTEGRAL_D]
+    d = ((d * foc[F_KP] + foc[F_INTEGRAL_D] + 4096) >> 13) + foc[F_FEED_D]
+    q = foc[F_Q_REF] - q
+    foc[F_INTEGRAL_Q] = q * foc[F_KI] + foc[F_INTEGRAL_Q]
+    q = ((q * foc[F_KP] + foc[F_INTEGRAL_Q] + 4096) >> 13) + foc[F_FEED_Q]
+    foc[F_V_D] = d
+    foc[F_V_Q] = q
+    if d * d + q * q > foc[F_LIMIT_SQUARE]:
         return STEP_LIMIT
-    y = ((c * d - s * q) >> 11) * block[F_GAIN_ALPHA] >> 14
-    q = ((c * q + s * d) >> 11) * block[F_GAIN_BETA] >> 14
+    y = ((c * d - s * q) >> 11) * foc[F_GAIN_ALPHA] >> 14
+    q = ((c * q + s * d) >> 11) * foc[F_GAIN_BETA] >> 14
     d = y >> 1
     c = 0 - q - d
     s = q - d
@@ -127,17 +126,17 @@ def current_step(d: int, q: int, foc) -> int:
         d = y
     elif y < q:
         q = y
-    if d - q > block[F_SPAN]:
+    if d - q > foc[F_SPAN]:
         return STEP_SHAPE
-    d = block[F_HALF] - ((d + q) >> 1)
-    block[F_DUTY_A] = (y + d) >> 4
-    block[F_DUTY_B] = (s + d) >> 4
-    block[F_DUTY_C] = (c + d) >> 4
+    d = foc[F_HALF] - ((d + q) >> 1)
+    foc[F_DUTY_A] = (y + d) >> 4
+    foc[F_DUTY_B] = (s + d) >> 4
+    foc[F_DUTY_C] = (c + d) >> 4
     return STEP_DONE
 
 
 @hot
-def current_repair(code: int, rotor: int, invalid: int, foc) -> int:
+def current_repair(code: int, rotor: int, invalid: int, foc: Ints) -> int:
     """Finish what ``current_step`` left with the same arguments; return STEP_DONE or STEP_TRIP.
 
     A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
@@ -145,15 +144,14 @@ def current_repair(code: int, rotor: int, invalid: int, foc) -> int:
     two had none, the voltage of the last step is turned on with the rotor. A voltage vector that is
     too long is cut, d first. After a trip all duties are equal, and F_TRIPPED tells the motion tick.
     """
-    block = ptr32(foc)
     if code == STEP_INPUT:
-        if (rotor - block[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | invalid:
-            block[F_GLITCHES] += 1
+        if (rotor - foc[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | invalid:
+            foc[F_GLITCHES] += 1
             if invalid == 0:
-                block[F_ROTOR_SEEN] = rotor
-            rotor = block[F_ROTOR]
+                foc[F_ROTOR_SEEN] = rotor
+            rotor = foc[F_ROTOR]
         if _complete_currents(foc) == 0:
-            block[F_ROTOR] = rotor
+            foc[F_ROTOR] = rotor
             return turn_voltage(foc)
         code = current_step(rotor, 0, foc)
     if code == STEP_LIMIT:
@@ -162,132 +160,124 @@ def current_repair(code: int, rotor: int, invalid: int, foc) -> int:
     if code == STEP_SHAPE:
         return turn_voltage(foc)
     if code == STEP_TRIP:
-        block[F_TRIPPED] = 1
+        foc[F_TRIPPED] = 1
         _equal_duties(foc)
     return code
 
 
 @hot
-def turn_voltage(foc) -> int:
+def turn_voltage(foc: Ints) -> int:
     """Write the duties for F_V_D, F_V_Q (no longer than F_LIMIT) at the angle of F_ROTOR; return STEP_DONE."""
-    block = ptr32(foc)
-    angle = block[F_ROTOR] * block[F_ELEC_GAIN] + block[F_ELEC_OFFSET]
+    angle = foc[F_ROTOR] * foc[F_ELEC_GAIN] + foc[F_ELEC_OFFSET]
     rest = ((angle & 63) - 32) * _RAD_Q22
     index = angle >> 6 & 1023
-    sine0 = block[F_SINE + index]
-    cosine0 = block[F_COSINE + index]
+    sine0 = foc[F_SINE + index]
+    cosine0 = foc[F_COSINE + index]
     c = cosine0 - (sine0 * rest >> 22)
     s = sine0 + (cosine0 * rest >> 22)
-    d = block[F_V_D]
-    q = block[F_V_Q]
+    d = foc[F_V_D]
+    q = foc[F_V_Q]
     svpwm(foc, (c * d - s * q) >> 11, (c * q + s * d) >> 11)
     return STEP_DONE
 
 
 @hot
-def limit_voltage(foc) -> int:
+def limit_voltage(foc: Ints) -> int:
     """Cut F_V_D, F_V_Q to the length F_LIMIT, d first; return F_LIMITED.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
     """
-    block = ptr32(foc)
-    limit = block[F_LIMIT]
-    block[F_LIMITED] += 1
-    error = block[F_D_REF] - block[F_I_D]
-    v = block[F_V_D]
+    limit = foc[F_LIMIT]
+    foc[F_LIMITED] += 1
+    error = foc[F_D_REF] - foc[F_I_D]
+    v = foc[F_V_D]
     if v > limit or v < 0 - limit:  # not -limit: viper on x64 would negate the local itself
         if (v ^ error) >= 0:
-            block[F_INTEGRAL_D] -= error * block[F_KI]
+            foc[F_INTEGRAL_D] -= error * foc[F_KI]
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        block[F_V_D] = v
-    limit = round_sqrt(block[F_LIMIT_SQUARE] - v * v)
-    error = block[F_Q_REF] - block[F_I_Q]
-    v = block[F_V_Q]
+        foc[F_V_D] = v
+    limit = round_sqrt(foc[F_LIMIT_SQUARE] - v * v)
+    error = foc[F_Q_REF] - foc[F_I_Q]
+    v = foc[F_V_Q]
     if v > limit or v < 0 - limit:
         if (v ^ error) >= 0:
-            block[F_INTEGRAL_Q] -= error * block[F_KI]
+            foc[F_INTEGRAL_Q] -= error * foc[F_KI]
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        block[F_V_Q] = v
-    return block[F_LIMITED]
+        foc[F_V_Q] = v
+    return foc[F_LIMITED]
 
 
 @hot
-def current_reset(foc, rotor: int) -> int:
+def current_reset(foc: Ints, rotor: int) -> int:
     """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties. Return 0."""
-    block = ptr32(foc)
-    block[F_ROTOR] = rotor
-    block[F_ROTOR_SEEN] = -1
-    block[F_MASKED] = 0
-    block[F_GLITCHES] = 0
-    block[F_LIMITED] = 0
-    block[F_TRIPPED] = 0
-    block[F_I_D] = 0
-    block[F_I_Q] = 0
-    block[F_D_REF] = 0
-    block[F_Q_REF] = 0
-    block[F_FEED_D] = 0
-    block[F_FEED_Q] = 0
+    foc[F_ROTOR] = rotor
+    foc[F_ROTOR_SEEN] = -1
+    foc[F_MASKED] = 0
+    foc[F_GLITCHES] = 0
+    foc[F_LIMITED] = 0
+    foc[F_TRIPPED] = 0
+    foc[F_I_D] = 0
+    foc[F_I_Q] = 0
+    foc[F_D_REF] = 0
+    foc[F_Q_REF] = 0
+    foc[F_FEED_D] = 0
+    foc[F_FEED_Q] = 0
     return current_relax(foc)
 
 
 @hot
-def current_relax(foc) -> int:
+def current_relax(foc: Ints) -> int:
     """Forget integrals and voltage and write equal duties: for a bridge that is off. Return 0."""
-    block = ptr32(foc)
-    block[F_INTEGRAL_D] = 0
-    block[F_INTEGRAL_Q] = 0
-    block[F_V_D] = 0
-    block[F_V_Q] = 0
+    foc[F_INTEGRAL_D] = 0
+    foc[F_INTEGRAL_Q] = 0
+    foc[F_V_D] = 0
+    foc[F_V_Q] = 0
     return _equal_duties(foc)
 
 
 @hot
-def set_offsets(foc, a_q4: int, b_q4: int, c_q4: int) -> int:
+def set_offsets(foc: Ints, a_q4: int, b_q4: int, c_q4: int) -> int:
     """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
-    block = ptr32(foc)
-    block[F_OFFSET_A] = a_q4
-    block[F_OFFSET_B] = b_q4
-    block[F_OFFSET_C] = c_q4
-    block[F_OFFSET_ALPHA] = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
-    block[F_OFFSET_BETA] = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
+    foc[F_OFFSET_A] = a_q4
+    foc[F_OFFSET_B] = b_q4
+    foc[F_OFFSET_C] = c_q4
+    foc[F_OFFSET_ALPHA] = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
+    foc[F_OFFSET_BETA] = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
     return 0
 
 
 @hot
-def current_sum(foc) -> int:
+def current_sum(foc: Ints) -> int:
     """Return a + b + c of the last sample in counts; 0 within noise if the sensing is sound. Error 1/2 count."""
-    block = ptr32(foc)
-    offsets = block[F_OFFSET_A] + block[F_OFFSET_B] + block[F_OFFSET_C]
-    return block[F_RAW_A] + block[F_RAW_B] + block[F_RAW_C] - ((offsets + 8) >> 4)
+    offsets = foc[F_OFFSET_A] + foc[F_OFFSET_B] + foc[F_OFFSET_C]
+    return foc[F_RAW_A] + foc[F_RAW_B] + foc[F_RAW_C] - ((offsets + 8) >> 4)
 
 
 @hot
-def _equal_duties(foc) -> int:
-    block = ptr32(foc)
-    half = block[F_PERIOD] >> 1
+def _equal_duties(foc: Ints) -> int:
+    half = foc[F_PERIOD] >> 1
     for phase in range(3):
-        block[F_DUTY_A + phase] = half
+        foc[F_DUTY_A + phase] = half
     return 0
 
 
 @hot
-def _complete_currents(foc) -> int:
+def _complete_currents(foc: Ints) -> int:
     """Rebuild the one phase that F_MASKED names from the others and clear the mask; 0 if it names more."""
-    block = ptr32(foc)
-    masked = block[F_MASKED]
-    block[F_MASKED] = 0
+    masked = foc[F_MASKED]
+    foc[F_MASKED] = 0
     if masked == 0:
         return 1
     if masked & (masked - 1):
         return 0
     wrong = current_sum(foc)
     phase = masked >> 1
-    block[F_RAW_A + phase] = block[F_RAW_A + phase] - wrong
+    foc[F_RAW_A + phase] = foc[F_RAW_A + phase] - wrong
     return 1

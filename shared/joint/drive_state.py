@@ -8,7 +8,7 @@ Set-points act in operation enabled and nowhere else. Quick stop and fault react
 watchdog counts set-points and nothing else; nothing here writes one.
 """
 
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from ..wire.names import (
     LIMIT_WATCHDOG,
     MODE_CALIBRATING,
@@ -87,23 +87,22 @@ _NEVER = const(0xFFFF)  # age of a set-point there was not
 
 
 @hot
-def drive_reset(state) -> int:
+def drive_reset(state: Ints) -> int:
     """Start not ready, without torque, request, fault or set-point; return STATE_NOT_READY."""
-    s = ptr32(state)
-    s[S_DRIVE] = STATE_NOT_READY
-    s[S_TORQUE] = TORQUE_OFF
-    s[S_REQUEST] = REQUEST_NONE
-    s[S_PURPOSE] = MODE_OFF
-    s[S_MODE] = MODE_OFF
-    s[S_FAULT_CODE] = FAULT_NONE
-    s[S_FAULT_VALUE] = 0
-    s[S_FAULT_TICK] = 0
-    s[S_SETPOINT_AGE] = _NEVER
+    state[S_DRIVE] = STATE_NOT_READY
+    state[S_TORQUE] = TORQUE_OFF
+    state[S_REQUEST] = REQUEST_NONE
+    state[S_PURPOSE] = MODE_OFF
+    state[S_MODE] = MODE_OFF
+    state[S_FAULT_CODE] = FAULT_NONE
+    state[S_FAULT_VALUE] = 0
+    state[S_FAULT_TICK] = 0
+    state[S_SETPOINT_AGE] = _NEVER
     return STATE_NOT_READY
 
 
 @hot
-def drive_arm(cfg, state, io, purpose: int) -> int:
+def drive_arm(cfg, state: Ints, io: Ints, purpose: int) -> int:
     """Ask for operation enabled; return RESULT_OK, or RESULT_* with the first reason against it.
 
     purpose: MODE_OFF to follow set-points, MODE_CALIBRATING or MODE_HOMING. Needs switch-on disabled, no
@@ -111,256 +110,232 @@ def drive_arm(cfg, state, io, purpose: int) -> int:
     homed joint and a set-point not older than K_FRESH_TICKS, which in position and impedance mode
     lies within K_NEAR of the joint.
     """
-    s = ptr32(state)
-    b = ptr32(io)
-    if s[S_DRIVE] == STATE_FAULT or s[S_DRIVE] == STATE_FAULT_REACTION or s[S_CAUSE]:
+    if state[S_DRIVE] == STATE_FAULT or state[S_DRIVE] == STATE_FAULT_REACTION or state[S_CAUSE]:
         return RESULT_FAULT_PRESENT
-    if s[S_DRIVE] != STATE_SWITCH_ON_DISABLED or s[S_REQUEST] != REQUEST_NONE:
+    if state[S_DRIVE] != STATE_SWITCH_ON_DISABLED or state[S_REQUEST] != REQUEST_NONE:
         return RESULT_WRONG_STATE
-    if b[IO_HASH_OK] == 0:
+    if io[IO_HASH_OK] == 0:
         return RESULT_WRONG_HASH
-    if b[IO_SESSION] == 0:
+    if io[IO_SESSION] == 0:
         return RESULT_NO_SESSION
     reason = _purpose_result(cfg, state, io, purpose)
     if reason == RESULT_OK:
-        s[S_PURPOSE] = purpose
-        s[S_REQUEST] = REQUEST_ARM
+        state[S_PURPOSE] = purpose
+        state[S_REQUEST] = REQUEST_ARM
     return reason
 
 
 @hot
-def drive_disarm(state) -> int:
+def drive_disarm(state: Ints) -> int:
     """Ask for the torque to end at once; refused only in a fault, which has none. Return RESULT_*."""
-    s = ptr32(state)
-    if s[S_DRIVE] == STATE_FAULT or s[S_DRIVE] == STATE_FAULT_REACTION:
+    if state[S_DRIVE] == STATE_FAULT or state[S_DRIVE] == STATE_FAULT_REACTION:
         return RESULT_FAULT_PRESENT
-    s[S_REQUEST] = REQUEST_DISARM
+    state[S_REQUEST] = REQUEST_DISARM
     return RESULT_OK
 
 
 @hot
-def drive_quick_stop(state) -> int:
+def drive_quick_stop(state: Ints) -> int:
     """Ask to damp to a stop and then coast; return RESULT_WRONG_STATE unless operation is enabled."""
-    s = ptr32(state)
-    if s[S_DRIVE] != STATE_OPERATION_ENABLED:
+    if state[S_DRIVE] != STATE_OPERATION_ENABLED:
         return RESULT_WRONG_STATE
-    s[S_REQUEST] = REQUEST_QUICK_STOP
+    state[S_REQUEST] = REQUEST_QUICK_STOP
     return RESULT_OK
 
 
 @hot
-def drive_clear(state) -> int:
+def drive_clear(state: Ints) -> int:
     """Ask to leave the fault state; return RESULT_FAULT_PRESENT while its cause or another is still there.
 
     Never arms: after clearing, the joint is in switch-on disabled and every set-point is forgotten.
     """
-    s = ptr32(state)
-    if s[S_DRIVE] != STATE_FAULT:
+    if state[S_DRIVE] != STATE_FAULT:
         return RESULT_WRONG_STATE
-    if s[S_CAUSE]:
+    if state[S_CAUSE]:
         return RESULT_FAULT_PRESENT
-    s[S_REQUEST] = REQUEST_CLEAR
+    state[S_REQUEST] = REQUEST_CLEAR
     return RESULT_OK
 
 
 @hot
-def drive_step(cfg, state, io) -> int:
+def drive_step(cfg, state: Ints, io: Ints) -> int:
     """Do one tick of the states after the protections have set S_CAUSE; return S_TORQUE."""
-    s = ptr32(state)
-    b = ptr32(io)
     _age_setpoint(state, io)
     _watch_setpoints(cfg, state)
-    if s[S_DRIVE] == STATE_OPERATION_ENABLED and b[IO_HARDWARE_READY] == 0:
+    if state[S_DRIVE] == STATE_OPERATION_ENABLED and io[IO_HARDWARE_READY] == 0:
         report_cause(state, FAULT_DRIVER_SETUP, 0)
     if _latches(state, io):
         _enter_fault(cfg, state)
-    request = s[S_REQUEST]
-    drive = s[S_DRIVE]
+    request = state[S_REQUEST]
+    drive = state[S_DRIVE]
     if drive == STATE_FAULT_REACTION or drive == STATE_QUICK_STOP_ACTIVE:
         _react(cfg, state)
     elif drive == STATE_FAULT:
-        if request == REQUEST_CLEAR and s[S_CAUSE] == FAULT_NONE:
+        if request == REQUEST_CLEAR and state[S_CAUSE] == FAULT_NONE:
             _clear(state)
-        s[S_REQUEST] = REQUEST_NONE
+        state[S_REQUEST] = REQUEST_NONE
     elif request == REQUEST_DISARM:
         _stand_down(state)
     elif drive == STATE_OPERATION_ENABLED:
         if request == REQUEST_QUICK_STOP:
-            s[S_DRIVE] = STATE_QUICK_STOP_ACTIVE
-            s[S_REACTION_TICKS] = 0
-        s[S_REQUEST] = REQUEST_NONE
+            state[S_DRIVE] = STATE_QUICK_STOP_ACTIVE
+            state[S_REACTION_TICKS] = 0
+        state[S_REQUEST] = REQUEST_NONE
     else:
         _climb(state, io)
     return _set_torque(state, io)
 
 
 @hot
-def _purpose_result(cfg, state, io, purpose: int) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
-    b = ptr32(io)
+def _purpose_result(cfg: Ints, state: Ints, io: Ints, purpose: int) -> int:
+    """Return whether the joint may drive for ``purpose``: RESULT_OK or what is missing."""
     if purpose == MODE_CALIBRATING:
         return RESULT_OK
-    if k[K_CALIBRATED] == 0:
+    if cfg[K_CALIBRATED] == 0:
         return RESULT_NOT_CALIBRATED
     if purpose == MODE_HOMING:
         return RESULT_OK
-    if s[S_HOMED] == 0:
+    if state[S_HOMED] == 0:
         return RESULT_NOT_HOMED
-    if s[S_SETPOINT_AGE] > k[K_FRESH_TICKS] or b[IO_MODE] < MODE_POSITION or b[IO_MODE] > MODE_IMPEDANCE:
+    if state[S_SETPOINT_AGE] > cfg[K_FRESH_TICKS] or io[IO_MODE] < MODE_POSITION or io[IO_MODE] > MODE_IMPEDANCE:
         return RESULT_NO_SETPOINT
-    if b[IO_MODE] == MODE_POSITION or b[IO_MODE] == MODE_IMPEDANCE:
-        away = position_from_wire(b[IO_POSITION], k[K_GEAR_Q8]) - s[S_POSITION]
-        if away > k[K_NEAR] or away < -k[K_NEAR]:
+    if io[IO_MODE] == MODE_POSITION or io[IO_MODE] == MODE_IMPEDANCE:
+        away = position_from_wire(io[IO_POSITION], cfg[K_GEAR_Q8]) - state[S_POSITION]
+        if away > cfg[K_NEAR] or away < -cfg[K_NEAR]:
             return RESULT_FAR_FROM_SETPOINT
     return RESULT_OK
 
 
 @hot
-def _age_setpoint(state, io) -> int:
+def _age_setpoint(state: Ints, io: Ints) -> int:
     """Count ticks since IO_SEQUENCE changed; nothing else feeds the watchdog."""
-    s = ptr32(state)
-    b = ptr32(io)
-    if b[IO_SEQUENCE] != s[S_SEQUENCE]:
-        s[S_SEQUENCE] = b[IO_SEQUENCE]
-        s[S_SETPOINT_AGE] = 0
-    elif s[S_SETPOINT_AGE] < _NEVER:
-        s[S_SETPOINT_AGE] += 1
-    return s[S_SETPOINT_AGE]
+    if io[IO_SEQUENCE] != state[S_SEQUENCE]:
+        state[S_SEQUENCE] = io[IO_SEQUENCE]
+        state[S_SETPOINT_AGE] = 0
+    elif state[S_SETPOINT_AGE] < _NEVER:
+        state[S_SETPOINT_AGE] += 1
+    return state[S_SETPOINT_AGE]
 
 
 @hot
-def _watch_setpoints(cfg, state) -> int:
+def _watch_setpoints(cfg: Ints, state: Ints) -> int:
     """Calibration and homing take no set-points and end by themselves; everything else needs them."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    if s[S_DRIVE] != STATE_OPERATION_ENABLED or s[S_PURPOSE] != MODE_OFF:
+    if state[S_DRIVE] != STATE_OPERATION_ENABLED or state[S_PURPOSE] != MODE_OFF:
         return 0
-    if s[S_SETPOINT_AGE] <= k[K_WATCHDOG_TICKS]:
+    if state[S_SETPOINT_AGE] <= cfg[K_WATCHDOG_TICKS]:
         return 0
-    s[S_LIMITS] = s[S_LIMITS] | LIMIT_WATCHDOG
-    return report_cause(state, FAULT_WATCHDOG, s[S_SETPOINT_AGE])
+    state[S_LIMITS] = state[S_LIMITS] | LIMIT_WATCHDOG
+    return report_cause(state, FAULT_WATCHDOG, state[S_SETPOINT_AGE])
 
 
 @hot
-def _latches(state, io) -> int:
+def _latches(state: Ints, io: Ints) -> int:
     """Return the cause that is a fault now, FAULT_NONE if there is none.
 
     Before the hardware is ready the supply may still rise and sensors are not read: what these say is none yet. An
     emergency stop is, and what the application found wrong with the hardware, which would keep it from ever getting
     ready without a word; but for the gate driver's own fault, which is that of a missing supply.
     """
-    s = ptr32(state)
-    b = ptr32(io)
-    if s[S_DRIVE] != STATE_NOT_READY or s[S_CAUSE] == FAULT_EMERGENCY_STOP:
-        return s[S_CAUSE]
-    if b[IO_HARDWARE_FAULT] == FAULT_NONE or b[IO_HARDWARE_FAULT] == FAULT_DRIVER:
+    if state[S_DRIVE] != STATE_NOT_READY or state[S_CAUSE] == FAULT_EMERGENCY_STOP:
+        return state[S_CAUSE]
+    if io[IO_HARDWARE_FAULT] == FAULT_NONE or io[IO_HARDWARE_FAULT] == FAULT_DRIVER:
         return FAULT_NONE
-    s[S_CAUSE] = b[IO_HARDWARE_FAULT]
-    s[S_CAUSE_VALUE] = b[IO_HARDWARE_VALUE]
-    return s[S_CAUSE]
+    state[S_CAUSE] = io[IO_HARDWARE_FAULT]
+    state[S_CAUSE_VALUE] = io[IO_HARDWARE_VALUE]
+    return state[S_CAUSE]
 
 
 @hot
-def _enter_fault(cfg, state) -> int:
+def _enter_fault(cfg, state: Ints) -> int:
     """Latch the first cause; damp first if the joint was driving or damping and its sensing can be trusted."""
-    s = ptr32(state)
-    drive = s[S_DRIVE]
+    drive = state[S_DRIVE]
     if drive == STATE_FAULT:
         return drive
     if drive != STATE_FAULT_REACTION:
-        s[S_FAULT_CODE] = s[S_CAUSE]
-        s[S_FAULT_VALUE] = s[S_CAUSE_VALUE]
-        s[S_FAULT_TICK] = s[S_TICK]
-        s[S_REACTION_TICKS] = 0
-    can_damp = damps_first(s[S_CAUSE])
+        state[S_FAULT_CODE] = state[S_CAUSE]
+        state[S_FAULT_VALUE] = state[S_CAUSE_VALUE]
+        state[S_FAULT_TICK] = state[S_TICK]
+        state[S_REACTION_TICKS] = 0
+    can_damp = damps_first(state[S_CAUSE])
     if drive != STATE_OPERATION_ENABLED and drive != STATE_QUICK_STOP_ACTIVE and drive != STATE_FAULT_REACTION:
         can_damp = 0
-    if s[S_PURPOSE] == MODE_CALIBRATING:
+    if state[S_PURPOSE] == MODE_CALIBRATING:
         can_damp = 0
     if can_damp:
-        s[S_DRIVE] = STATE_FAULT_REACTION
+        state[S_DRIVE] = STATE_FAULT_REACTION
     else:
-        s[S_DRIVE] = STATE_FAULT
-    s[S_REQUEST] = REQUEST_NONE
-    return s[S_DRIVE]
+        state[S_DRIVE] = STATE_FAULT
+    state[S_REQUEST] = REQUEST_NONE
+    return state[S_DRIVE]
 
 
 @hot
-def _react(cfg, state) -> int:
+def _react(cfg: Ints, state: Ints) -> int:
     """Damp for the set time; a quick stop also ends when the joint stands."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    s[S_REACTION_TICKS] += 1
-    if s[S_DRIVE] == STATE_FAULT_REACTION:
-        if s[S_REACTION_TICKS] > k[K_DAMP_TICKS]:
-            s[S_DRIVE] = STATE_FAULT
-        return s[S_DRIVE]
-    rate = s[S_VELOCITY]
+    state[S_REACTION_TICKS] += 1
+    if state[S_DRIVE] == STATE_FAULT_REACTION:
+        if state[S_REACTION_TICKS] > cfg[K_DAMP_TICKS]:
+            state[S_DRIVE] = STATE_FAULT
+        return state[S_DRIVE]
+    rate = state[S_VELOCITY]
     if rate < 0:
         rate = -rate
-    if rate < k[K_STALL_RATE] or s[S_REACTION_TICKS] > k[K_QUICK_TICKS] or s[S_REQUEST] == REQUEST_DISARM:
+    if rate < cfg[K_STALL_RATE] or state[S_REACTION_TICKS] > cfg[K_QUICK_TICKS] or state[S_REQUEST] == REQUEST_DISARM:
         _stand_down(state)
-    s[S_REQUEST] = REQUEST_NONE
-    return s[S_DRIVE]
+    state[S_REQUEST] = REQUEST_NONE
+    return state[S_DRIVE]
 
 
 @hot
-def _stand_down(state) -> int:
+def _stand_down(state: Ints) -> int:
     """To switch-on disabled (not ready stays), and forget the set-points."""
-    s = ptr32(state)
-    if s[S_DRIVE] != STATE_NOT_READY:
-        s[S_DRIVE] = STATE_SWITCH_ON_DISABLED
-    s[S_REQUEST] = REQUEST_NONE
-    s[S_PURPOSE] = MODE_OFF
-    s[S_SETPOINT_AGE] = _NEVER
-    return s[S_DRIVE]
+    if state[S_DRIVE] != STATE_NOT_READY:
+        state[S_DRIVE] = STATE_SWITCH_ON_DISABLED
+    state[S_REQUEST] = REQUEST_NONE
+    state[S_PURPOSE] = MODE_OFF
+    state[S_SETPOINT_AGE] = _NEVER
+    return state[S_DRIVE]
 
 
 @hot
-def _clear(state) -> int:
-    s = ptr32(state)
-    s[S_FAULT_CODE] = FAULT_NONE
-    s[S_FAULT_VALUE] = 0
-    s[S_FAULT_TICK] = 0
+def _clear(state: Ints) -> int:
+    state[S_FAULT_CODE] = FAULT_NONE
+    state[S_FAULT_VALUE] = 0
+    state[S_FAULT_TICK] = 0
     return _stand_down(state)
 
 
 @hot
-def _climb(state, io) -> int:
+def _climb(state: Ints, io: Ints) -> int:
     """One state per tick towards operation enabled, as long as the hardware is ready."""
-    s = ptr32(state)
-    b = ptr32(io)
-    drive = s[S_DRIVE]
-    if b[IO_HARDWARE_READY] == 0:
+    drive = state[S_DRIVE]
+    if io[IO_HARDWARE_READY] == 0:
         _stand_down(state)
-        s[S_DRIVE] = STATE_NOT_READY
+        state[S_DRIVE] = STATE_NOT_READY
     elif drive == STATE_NOT_READY:
-        s[S_DRIVE] = STATE_SWITCH_ON_DISABLED
+        state[S_DRIVE] = STATE_SWITCH_ON_DISABLED
     elif drive == STATE_SWITCH_ON_DISABLED:
-        if s[S_REQUEST] == REQUEST_ARM:
-            s[S_DRIVE] = STATE_READY
+        if state[S_REQUEST] == REQUEST_ARM:
+            state[S_DRIVE] = STATE_READY
     elif drive == STATE_READY:
-        s[S_DRIVE] = STATE_SWITCHED_ON
+        state[S_DRIVE] = STATE_SWITCHED_ON
     elif drive == STATE_SWITCHED_ON:
-        s[S_DRIVE] = STATE_OPERATION_ENABLED
-        s[S_REQUEST] = REQUEST_NONE
-    return s[S_DRIVE]
+        state[S_DRIVE] = STATE_OPERATION_ENABLED
+        state[S_REQUEST] = REQUEST_NONE
+    return state[S_DRIVE]
 
 
 @hot
-def _set_torque(state, io) -> int:
-    s = ptr32(state)
-    b = ptr32(io)
-    drive = s[S_DRIVE]
-    s[S_TORQUE] = TORQUE_OFF
-    s[S_MODE] = MODE_OFF
+def _set_torque(state: Ints, io: Ints) -> int:
+    drive = state[S_DRIVE]
+    state[S_TORQUE] = TORQUE_OFF
+    state[S_MODE] = MODE_OFF
     if drive == STATE_OPERATION_ENABLED:
-        s[S_TORQUE] = TORQUE_DRIVE
-        s[S_MODE] = s[S_PURPOSE]
-        if s[S_PURPOSE] == MODE_OFF and b[IO_MODE] >= MODE_POSITION and b[IO_MODE] <= MODE_IMPEDANCE:
-            s[S_MODE] = b[IO_MODE]
+        state[S_TORQUE] = TORQUE_DRIVE
+        state[S_MODE] = state[S_PURPOSE]
+        if state[S_PURPOSE] == MODE_OFF and io[IO_MODE] >= MODE_POSITION and io[IO_MODE] <= MODE_IMPEDANCE:
+            state[S_MODE] = io[IO_MODE]
     elif drive == STATE_QUICK_STOP_ACTIVE or drive == STATE_FAULT_REACTION:
-        s[S_TORQUE] = TORQUE_DAMP
-        s[S_MODE] = MODE_DAMPING
-    return s[S_TORQUE]
+        state[S_TORQUE] = TORQUE_DAMP
+        state[S_MODE] = MODE_DAMPING
+    return state[S_TORQUE]

@@ -5,7 +5,7 @@ left, sqrt(2 a d), no more than the limit; the speed goes there by at most the a
 """
 
 from ..fixed import isqrt, saturate
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .layout import S_PROFILE, S_PROFILE_RATE
 
 _DISTANCE_MOST = const(0x1FFFFFFF)  # rc/256
@@ -40,16 +40,15 @@ def braking_rate(distance_rc256: int, accel: int, rate_max: int) -> int:
 
 
 @hot
-def profile_reset(state, position_rc: int, rate: int) -> int:
+def profile_reset(state: Ints, position_rc: int, rate: int) -> int:
     """Start at a position within +-2^21 rc with a rate; return 0."""
-    s = ptr32(state)
-    s[S_PROFILE] = position_rc << 8
-    s[S_PROFILE_RATE] = rate
+    state[S_PROFILE] = position_rc << 8
+    state[S_PROFILE_RATE] = rate
     return 0
 
 
 @hot
-def profile_step(state, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
+def profile_step(state: Ints, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
     """Advance S_PROFILE and S_PROFILE_RATE one tick towards the target; return the change of rate.
 
     target_rc256 within +-2^29 rc/256, where the target will be after this tick, target_rate its own
@@ -57,15 +56,14 @@ def profile_step(state, target_rc256: int, target_rate: int, accel: int, rate_ma
     +-accel. The target is met exactly when it can be reached by this tick's move and held by the
     next, each a change of at most ``accel``; S_PROFILE_RATE is then already the target's.
     """
-    s = ptr32(state)
-    rate = s[S_PROFILE_RATE]
-    left = target_rc256 - s[S_PROFILE]
+    rate = state[S_PROFILE_RATE]
+    left = target_rc256 - state[S_PROFILE]
     change = left - rate
     follow = target_rate - left
     near = saturate(left, -rate_max, rate_max) == left
     if near and change <= accel and change >= -accel and follow <= accel and follow >= -accel:
-        s[S_PROFILE] = target_rc256
-        s[S_PROFILE_RATE] = target_rate
+        state[S_PROFILE] = target_rc256
+        state[S_PROFILE_RATE] = target_rate
         return saturate(target_rate - rate, -accel, accel)
     ahead = left - target_rate
     if ahead >= 0:
@@ -74,15 +72,14 @@ def profile_step(state, target_rc256: int, target_rate: int, accel: int, rate_ma
         wanted = target_rate - braking_rate(saturate(-ahead, 0, _DISTANCE_MOST), accel, rate_max)
     wanted = saturate(wanted, -rate_max, rate_max)
     change = saturate(wanted - rate, -accel, accel)
-    s[S_PROFILE_RATE] = rate + change
-    s[S_PROFILE] += rate + change
+    state[S_PROFILE_RATE] = rate + change
+    state[S_PROFILE] += rate + change
     return change
 
 
 @hot
-def slew_rate(state, wanted: int, accel: int) -> int:
+def slew_rate(state: Ints, wanted: int, accel: int) -> int:
     """Move S_PROFILE_RATE towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
-    s = ptr32(state)
-    change = saturate(wanted - s[S_PROFILE_RATE], 0 - accel, accel)
-    s[S_PROFILE_RATE] += change
+    change = saturate(wanted - state[S_PROFILE_RATE], 0 - accel, accel)
+    state[S_PROFILE_RATE] += change
     return change

@@ -5,7 +5,7 @@ Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
 from ..fixed import isqrt
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from ..wire.names import (
     LIMIT_I2T,
     LIMIT_MCU_TEMPERATURE,
@@ -116,44 +116,41 @@ _TICKS_MOST = const(0xFFFF)
 
 
 @hot
-def report_cause(state, code: int, value: int) -> int:
+def report_cause(state: Ints, code: int, value: int) -> int:
     """Note a cause with its value; return the cause that stands in this tick.
 
     The first stays, except that one which allows damping gives way to one which does not.
     """
-    s = ptr32(state)
-    if s[S_CAUSE] == FAULT_NONE or (damps_first(s[S_CAUSE]) and damps_first(code) == 0):
-        s[S_CAUSE] = code
-        s[S_CAUSE_VALUE] = value
-    return s[S_CAUSE]
+    if state[S_CAUSE] == FAULT_NONE or (damps_first(state[S_CAUSE]) and damps_first(code) == 0):
+        state[S_CAUSE] = code
+        state[S_CAUSE_VALUE] = value
+    return state[S_CAUSE]
 
 
 @hot
-def protect_motion(foc, cfg, state, io) -> int:
+def protect_motion(foc, cfg, state: Ints, io: Ints) -> int:
     """Look for causes once a millisecond, the most dangerous first; return S_CAUSE.
 
     Times: over-current and emergency stop 1 tick, voltages K_BUS_TICKS, a lost encoder K_BAD_TICKS,
     disagreement K_DISAGREE_TICKS, current sum K_SUM_TICKS, stall K_STALL_TICKS.
     """
-    b = ptr32(io)
-    s = ptr32(state)
-    s[S_CAUSE] = FAULT_NONE
-    s[S_CAUSE_VALUE] = 0
-    if b[IO_E_STOP]:
+    state[S_CAUSE] = FAULT_NONE
+    state[S_CAUSE_VALUE] = 0
+    if io[IO_E_STOP]:
         report_cause(state, FAULT_EMERGENCY_STOP, 0)
-    if b[IO_HARDWARE_FAULT]:
-        report_cause(state, b[IO_HARDWARE_FAULT], b[IO_HARDWARE_VALUE])
+    if io[IO_HARDWARE_FAULT]:
+        report_cause(state, io[IO_HARDWARE_FAULT], io[IO_HARDWARE_VALUE])
     _check_current(foc, cfg, state)
     _check_encoders(foc, cfg, state)
     _check_bus(cfg, state)
     _check_motion(cfg, state)
     _check_stall(cfg, state)
-    if s[S_SLOW_CAUSE]:
-        report_cause(state, s[S_SLOW_CAUSE], s[S_SLOW_VALUE])
-    if s[S_RAISED]:
-        report_cause(state, s[S_RAISED], s[S_RAISED_VALUE])
-        s[S_RAISED] = FAULT_NONE
-    return s[S_CAUSE]
+    if state[S_SLOW_CAUSE]:
+        report_cause(state, state[S_SLOW_CAUSE], state[S_SLOW_VALUE])
+    if state[S_RAISED]:
+        report_cause(state, state[S_RAISED], state[S_RAISED_VALUE])
+        state[S_RAISED] = FAULT_NONE
+    return state[S_CAUSE]
 
 
 @hot
@@ -167,97 +164,86 @@ def count_ticks(ticks: int, present: int) -> int:
 
 
 @hot
-def gather_heat(foc, state) -> int:
+def gather_heat(foc: Ints, state: Ints) -> int:
     """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
-    block = ptr32(foc)
-    s = ptr32(state)
-    if s[S_HEAT_TICKS] >= 300:
-        return s[S_HEAT_SUM]
-    s[S_HEAT_SUM] += block[F_I_D] * block[F_I_D] + block[F_I_Q] * block[F_I_Q] >> 8
-    s[S_HEAT_TICKS] += 1
-    return s[S_HEAT_SUM]
+    if state[S_HEAT_TICKS] >= 300:
+        return state[S_HEAT_SUM]
+    state[S_HEAT_SUM] += foc[F_I_D] * foc[F_I_D] + foc[F_I_Q] * foc[F_I_Q] >> 8
+    state[S_HEAT_TICKS] += 1
+    return state[S_HEAT_SUM]
 
 
 @hot
-def protect_slow(cfg, state, io, curve) -> int:
+def protect_slow(cfg, state: Ints, io, curve) -> int:
     """Read both temperatures, advance the models and set S_DERATE, S_SLOW_LIMITS, S_SLOW_CAUSE; return S_DERATE (Q15).
 
     Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
     the cut, winding and MCU alike; at the cut it is also a fault. An open or shorted sensor is a fault.
     """
-    s = ptr32(state)
-    s[S_SLOW_CAUSE] = FAULT_NONE
-    s[S_SLOW_LIMITS] = 0
+    state[S_SLOW_CAUSE] = FAULT_NONE
+    state[S_SLOW_LIMITS] = 0
     winding_known = _read_winding(cfg, state, io, curve)
     _read_mcu(cfg, state, io)
     square = 0
-    if s[S_HEAT_TICKS] > 0:
-        square = s[S_HEAT_SUM] // s[S_HEAT_TICKS]
-    s[S_HEAT_SUM] = 0
-    s[S_HEAT_TICKS] = 0
+    if state[S_HEAT_TICKS] > 0:
+        square = state[S_HEAT_SUM] // state[S_HEAT_TICKS]
+    state[S_HEAT_SUM] = 0
+    state[S_HEAT_TICKS] = 0
     model = model_step(cfg, state, square)
-    if model > s[S_WINDING] or winding_known == 0:
-        s[S_WINDING] = model
-    s[S_DERATE] = _derate(cfg, state, square)
-    return s[S_DERATE]
+    if model > state[S_WINDING] or winding_known == 0:
+        state[S_WINDING] = model
+    state[S_DERATE] = _derate(cfg, state, square)
+    return state[S_DERATE]
 
 
 @hot
-def _slow_cause(state, code: int, value: int) -> int:
-    s = ptr32(state)
-    if s[S_SLOW_CAUSE] == FAULT_NONE:
-        s[S_SLOW_CAUSE] = code
-        s[S_SLOW_VALUE] = value
+def _slow_cause(state: Ints, code: int, value: int) -> int:
+    """Keep the first cause of slowing down, with its number; return ``code``."""
+    if state[S_SLOW_CAUSE] == FAULT_NONE:
+        state[S_SLOW_CAUSE] = code
+        state[S_SLOW_VALUE] = value
     return code
 
 
 @hot
-def _read_winding(cfg, state, io, curve) -> int:
+def _read_winding(cfg: Ints, state: Ints, io: Ints, curve) -> int:
     """Set S_WINDING from the thermistor; return 0 if it is open or shorted."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    b = ptr32(io)
-    raw = b[IO_THERMISTOR_RAW]
-    if raw >= k[K_OPEN_RAW]:
+    raw = io[IO_THERMISTOR_RAW]
+    if raw >= cfg[K_OPEN_RAW]:
         _slow_cause(state, FAULT_THERMISTOR_OPEN, raw)
         return 0
-    if raw <= k[K_SHORT_RAW]:
+    if raw <= cfg[K_SHORT_RAW]:
         _slow_cause(state, FAULT_THERMISTOR_SHORT, raw)
         return 0
-    s[S_WINDING] = thermistor_t16(curve, raw)
-    if s[S_THERMAL_STARTED] == 0:
-        s[S_THERMAL_STARTED] = 1
-        model_reset(state, s[S_WINDING])
+    state[S_WINDING] = thermistor_t16(curve, raw)
+    if state[S_THERMAL_STARTED] == 0:
+        state[S_THERMAL_STARTED] = 1
+        model_reset(state, state[S_WINDING])
     return 1
 
 
 @hot
-def _read_mcu(cfg, state, io) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
-    b = ptr32(io)
-    raw = b[IO_MCU_RAW]
-    s[S_MCU] = mcu_t16(raw, k[K_MCU_CAL1], k[K_MCU_CAL2])
-    if raw <= 0 or raw >= 4095 or k[K_MCU_CAL1] == k[K_MCU_CAL2]:
+def _read_mcu(cfg: Ints, state: Ints, io: Ints) -> int:
+    raw = io[IO_MCU_RAW]
+    state[S_MCU] = mcu_t16(raw, cfg[K_MCU_CAL1], cfg[K_MCU_CAL2])
+    if raw <= 0 or raw >= 4095 or cfg[K_MCU_CAL1] == cfg[K_MCU_CAL2]:
         _slow_cause(state, FAULT_MCU_SENSOR, raw)
-    return s[S_MCU]
+    return state[S_MCU]
 
 
 @hot
-def _derate(cfg, state, square: int) -> int:
+def _derate(cfg: Ints, state: Ints, square: int) -> int:
     """Return the share of the largest current that temperatures and I2t leave, in Q15, with its flags and faults."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    share = fall_q15(s[S_WINDING], k[K_WINDING_DERATE], k[K_WINDING_CUT])
+    share = fall_q15(state[S_WINDING], cfg[K_WINDING_DERATE], cfg[K_WINDING_CUT])
     if share < 0x8000:
-        s[S_SLOW_LIMITS] = s[S_SLOW_LIMITS] | LIMIT_WINDING_TEMPERATURE
-    if s[S_WINDING] >= k[K_WINDING_CUT]:
-        _slow_cause(state, FAULT_WINDING_HOT, s[S_WINDING])
-    mcu = fall_q15(s[S_MCU], k[K_MCU_DERATE], k[K_MCU_CUT])
+        state[S_SLOW_LIMITS] = state[S_SLOW_LIMITS] | LIMIT_WINDING_TEMPERATURE
+    if state[S_WINDING] >= cfg[K_WINDING_CUT]:
+        _slow_cause(state, FAULT_WINDING_HOT, state[S_WINDING])
+    mcu = fall_q15(state[S_MCU], cfg[K_MCU_DERATE], cfg[K_MCU_CUT])
     if mcu < 0x8000:
-        s[S_SLOW_LIMITS] = s[S_SLOW_LIMITS] | LIMIT_MCU_TEMPERATURE
-    if s[S_MCU] >= k[K_MCU_CUT]:
-        _slow_cause(state, FAULT_MCU_HOT, s[S_MCU])
+        state[S_SLOW_LIMITS] = state[S_SLOW_LIMITS] | LIMIT_MCU_TEMPERATURE
+    if state[S_MCU] >= cfg[K_MCU_CUT]:
+        _slow_cause(state, FAULT_MCU_HOT, state[S_MCU])
     if mcu < share:
         share = mcu
     left = _i2t_share(cfg, state, square)
@@ -267,128 +253,114 @@ def _derate(cfg, state, square: int) -> int:
 
 
 @hot
-def _i2t_share(cfg, state, square: int) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
+def _i2t_share(cfg: Ints, state: Ints, square: int) -> int:
     excess = i2t_step(cfg, state, square)
-    most = k[K_CURRENT_MAX]
-    lasting = k[K_I2T_CURRENT]
+    most = cfg[K_CURRENT_MAX]
+    lasting = cfg[K_I2T_CURRENT]
     if excess >= 0x8000 or lasting >= most or most < 1:
         return 0x8000
-    s[S_SLOW_LIMITS] = s[S_SLOW_LIMITS] | LIMIT_I2T
+    state[S_SLOW_LIMITS] = state[S_SLOW_LIMITS] | LIMIT_I2T
     return (lasting << 15) // most + ((most - lasting) * excess) // most
 
 
 @hot
-def _check_current(foc, cfg, state) -> int:
+def _check_current(foc: Ints, cfg: Ints, state: Ints) -> int:
     """Trip, voltage limit, sum of the phases; the last only under torque, so that calibration can measure offsets."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    s = ptr32(state)
-    if block[F_TRIPPED]:
-        length = isqrt(block[F_I_D] * block[F_I_D] + block[F_I_Q] * block[F_I_Q])
+    if foc[F_TRIPPED]:
+        length = isqrt(foc[F_I_D] * foc[F_I_D] + foc[F_I_Q] * foc[F_I_Q])
         report_cause(state, FAULT_OVER_CURRENT, length)
-        block[F_TRIPPED] = 0
-    if block[F_LIMITED]:
-        s[S_LIMITS] = s[S_LIMITS] | LIMIT_VOLTAGE
-        block[F_LIMITED] = 0
+        foc[F_TRIPPED] = 0
+    if foc[F_LIMITED]:
+        state[S_LIMITS] = state[S_LIMITS] | LIMIT_VOLTAGE
+        foc[F_LIMITED] = 0
     wrong = current_sum(foc)
     present = 0
-    if block[F_MASKED] == 0 and (wrong > k[K_SUM_LIMIT] or wrong < -k[K_SUM_LIMIT]):
+    if foc[F_MASKED] == 0 and (wrong > cfg[K_SUM_LIMIT] or wrong < -cfg[K_SUM_LIMIT]):
         present = 1
-    s[S_SUM_TICKS] = count_ticks(s[S_SUM_TICKS], present)
-    if s[S_SUM_TICKS] >= k[K_SUM_TICKS] and s[S_TORQUE] != TORQUE_OFF and s[S_MODE] != MODE_CALIBRATING:
+    state[S_SUM_TICKS] = count_ticks(state[S_SUM_TICKS], present)
+    if state[S_SUM_TICKS] >= cfg[K_SUM_TICKS] and state[S_TORQUE] != TORQUE_OFF and state[S_MODE] != MODE_CALIBRATING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
     return present
 
 
 @hot
-def _check_encoders(foc, cfg, state) -> int:
+def _check_encoders(foc: Ints, cfg: Ints, state: Ints) -> int:
     """After any fault of an encoder the position is not trusted: the joint must be homed again."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    s = ptr32(state)
-    glitches = block[F_GLITCHES]
-    block[F_GLITCHES] = 0
-    if glitches >= k[K_GLITCH_STEPS]:
-        s[S_BAD_TICKS] = count_ticks(s[S_BAD_TICKS], 1)
-    elif s[S_BAD_TICKS] > 0:
-        s[S_BAD_TICKS] -= 1
-    if s[S_SHIFTED] and s[S_HOMED]:
-        report_cause(state, FAULT_POSITION_RANGE, s[S_TURNS])
-        s[S_HOMED] = 0
-    if s[S_DISAGREE_TICKS] >= k[K_DISAGREE_TICKS]:
-        report_cause(state, FAULT_ENCODER_DISAGREE, s[S_JOINT_ERROR])
-        s[S_HOMED] = 0
-    if s[S_BAD_TICKS] >= k[K_BAD_TICKS]:
+    glitches = foc[F_GLITCHES]
+    foc[F_GLITCHES] = 0
+    if glitches >= cfg[K_GLITCH_STEPS]:
+        state[S_BAD_TICKS] = count_ticks(state[S_BAD_TICKS], 1)
+    elif state[S_BAD_TICKS] > 0:
+        state[S_BAD_TICKS] -= 1
+    if state[S_SHIFTED] and state[S_HOMED]:
+        report_cause(state, FAULT_POSITION_RANGE, state[S_TURNS])
+        state[S_HOMED] = 0
+    if state[S_DISAGREE_TICKS] >= cfg[K_DISAGREE_TICKS]:
+        report_cause(state, FAULT_ENCODER_DISAGREE, state[S_JOINT_ERROR])
+        state[S_HOMED] = 0
+    if state[S_BAD_TICKS] >= cfg[K_BAD_TICKS]:
         report_cause(state, FAULT_ENCODER_LOST, glitches)
-        s[S_HOMED] = 0
-        if s[S_TORQUE] == TORQUE_OFF:
+        state[S_HOMED] = 0
+        if state[S_TORQUE] == TORQUE_OFF:
             encoder_resync(foc, state)
     return glitches
 
 
 @hot
-def _check_bus(cfg, state) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
-    bus = s[S_BUS]
+def _check_bus(cfg: Ints, state: Ints) -> int:
+    bus = state[S_BUS]
     present = 0
-    if bus < k[K_UNDER]:
+    if bus < cfg[K_UNDER]:
         present = 1
-    s[S_UNDER_TICKS] = count_ticks(s[S_UNDER_TICKS], present)
-    if s[S_UNDER_TICKS] >= k[K_BUS_TICKS]:
+    state[S_UNDER_TICKS] = count_ticks(state[S_UNDER_TICKS], present)
+    if state[S_UNDER_TICKS] >= cfg[K_BUS_TICKS]:
         report_cause(state, FAULT_UNDER_VOLTAGE, bus)
     present = 0
-    if bus > k[K_OVER]:
+    if bus > cfg[K_OVER]:
         present = 1
-    s[S_OVER_TICKS] = count_ticks(s[S_OVER_TICKS], present)
-    if s[S_OVER_TICKS] >= k[K_BUS_TICKS]:
+    state[S_OVER_TICKS] = count_ticks(state[S_OVER_TICKS], present)
+    if state[S_OVER_TICKS] >= cfg[K_BUS_TICKS]:
         report_cause(state, FAULT_OVER_VOLTAGE, bus)
     return bus
 
 
 @hot
-def _check_motion(cfg, state) -> int:
+def _check_motion(cfg: Ints, state: Ints) -> int:
     """Over-speed in any state; beyond the hard position limit only when driving further out."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    rate = s[S_VELOCITY]
-    if rate > k[K_RATE_TRIP] or rate < -k[K_RATE_TRIP]:
+    rate = state[S_VELOCITY]
+    if rate > cfg[K_RATE_TRIP] or rate < -cfg[K_RATE_TRIP]:
         report_cause(state, FAULT_OVER_SPEED, rate)
-    if s[S_TORQUE] != TORQUE_DRIVE or s[S_HOMED] == 0:
+    if state[S_TORQUE] != TORQUE_DRIVE or state[S_HOMED] == 0:
         return 0
-    position = s[S_POSITION]
-    if rate > 0 and position > k[K_POSITION_MAX] + k[K_POSITION_MARGIN]:
+    position = state[S_POSITION]
+    if rate > 0 and position > cfg[K_POSITION_MAX] + cfg[K_POSITION_MARGIN]:
         report_cause(state, FAULT_POSITION_LIMIT, position)
-    if rate < 0 and position < k[K_POSITION_MIN] - k[K_POSITION_MARGIN]:
+    if rate < 0 and position < cfg[K_POSITION_MIN] - cfg[K_POSITION_MARGIN]:
         report_cause(state, FAULT_POSITION_LIMIT, position)
     return rate
 
 
 @hot
-def _check_stall(cfg, state) -> int:
+def _check_stall(cfg: Ints, state: Ints) -> int:
     """A stall is: asked to move, all the current there is, and standing. Holding a load is none."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    slow = k[K_STALL_RATE]
-    asked = s[S_RATE_REF]
+    slow = cfg[K_STALL_RATE]
+    asked = state[S_RATE_REF]
     if asked < 0:
         asked = -asked
-    rate = s[S_VELOCITY]
-    push = s[S_CURRENT_REF]
+    rate = state[S_VELOCITY]
+    push = state[S_CURRENT_REF]
     if push < 0:
         push = -push
     if rate < 0:
         rate = -rate
     stalled = 0
-    if s[S_MODE] == MODE_POSITION or s[S_MODE] == MODE_VELOCITY:
+    if state[S_MODE] == MODE_POSITION or state[S_MODE] == MODE_VELOCITY:
         stalled = 1
-    if asked <= slow + slow or rate >= slow or push < s[S_CURRENT_LIMIT] or s[S_TORQUE] != TORQUE_DRIVE:
+    if asked <= slow + slow or rate >= slow or push < state[S_CURRENT_LIMIT] or state[S_TORQUE] != TORQUE_DRIVE:
         stalled = 0
     if stalled:
-        s[S_LIMITS] = s[S_LIMITS] | LIMIT_STALL
-    s[S_STALL_TICKS] = count_ticks(s[S_STALL_TICKS], stalled)
-    if s[S_STALL_TICKS] >= k[K_STALL_TICKS]:
-        report_cause(state, FAULT_STALL, s[S_CURRENT_REF])
+        state[S_LIMITS] = state[S_LIMITS] | LIMIT_STALL
+    state[S_STALL_TICKS] = count_ticks(state[S_STALL_TICKS], stalled)
+    if state[S_STALL_TICKS] >= cfg[K_STALL_TICKS]:
+        report_cause(state, FAULT_STALL, state[S_CURRENT_REF])
     return stalled

@@ -1,7 +1,7 @@
 """What the joint reports, in the wire's units (docs/can-protocol.md), saturated, never wrapped."""
 
 from ..fixed import saturate
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .layout import (
     F_ELEC_GAIN,
     F_I_Q,
@@ -36,30 +36,24 @@ def position_to_wire(position_rc: int, gear_q8: int) -> int:
 
 
 @hot
-def report_position(cfg, state) -> int:
+def report_position(cfg: Ints, state: Ints) -> int:
     """Return the joint's position in brad."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    return position_to_wire(s[S_POSITION], k[K_GEAR_Q8])
+    return position_to_wire(state[S_POSITION], cfg[K_GEAR_Q8])
 
 
 @hot
-def report_velocity(cfg, state) -> int:
+def report_velocity(cfg: Ints, state: Ints) -> int:
     """Return the joint's velocity in 1/4096 turn/s. Error below 1 plus 4 rate units."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    return saturate((s[S_VELOCITY] >> 2) * k[K_WIRE_RATE_Q16] >> 14, -_INT16, _INT16)
+    return saturate((state[S_VELOCITY] >> 2) * cfg[K_WIRE_RATE_Q16] >> 14, -_INT16, _INT16)
 
 
 @hot
-def report_current(foc, cfg) -> int:
+def report_current(foc: Ints, cfg: Ints) -> int:
     """Return the measured q current in 1/4096 A, positive when it drives the joint forward. Error below 1."""
-    block = ptr32(foc)
-    k = ptr32(cfg)
-    current = block[F_I_Q] * k[K_JOINT_SIGN]
-    if block[F_ELEC_GAIN] < 0:
+    current = foc[F_I_Q] * cfg[K_JOINT_SIGN]
+    if foc[F_ELEC_GAIN] < 0:
         current = 0 - current
-    return saturate(current * k[K_WIRE_CURRENT_Q12] >> 12, -_INT16, _INT16)
+    return saturate(current * cfg[K_WIRE_CURRENT_Q12] >> 12, -_INT16, _INT16)
 
 
 @hot
@@ -69,8 +63,6 @@ def report_temperature(value_t16: int) -> int:
 
 
 @hot
-def report_bus(cfg, state) -> int:
+def report_bus(cfg: Ints, state: Ints) -> int:
     """Return the bus voltage in 1/16 V, 0 .. 1023. Rounds down."""
-    k = ptr32(cfg)
-    s = ptr32(state)
-    return saturate(s[S_BUS] * k[K_WIRE_BUS_Q12] >> 12, 0, _UINT10)
+    return saturate(state[S_BUS] * cfg[K_WIRE_BUS_Q12] >> 12, 0, _UINT10)

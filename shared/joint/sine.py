@@ -6,7 +6,7 @@ array handed to a viper function costs it some 110 instructions a call.
 """
 
 from ..fixed import sin_q15
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .layout import F_SINE, FOC_SIZE
 
 TABLE_HALF_STEP = const(32)  # brad, added to an angle so that its nearest entry is taken
@@ -14,9 +14,8 @@ _STEP_SHIFT = const(6)  # brad between entries: 64
 
 
 @hot
-def fill_sine(foc) -> int:
+def fill_sine(foc: Ints) -> int:
     """Write the table, in Q15, to F_SINE and behind; return 0. Error 1 of Q15, from sin_q15."""
-    block = ptr32(foc)
     for place in range(F_SINE, FOC_SIZE):
-        block[place] = sin_q15(place - F_SINE << _STEP_SHIFT)
+        foc[place] = sin_q15(place - F_SINE << _STEP_SHIFT)
     return 0

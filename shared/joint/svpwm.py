@@ -4,7 +4,7 @@ A duty is the time the high side is on, in compare counts 0 .. F_PERIOD. The cur
 same for the common case; this is the full form, with the shortest pulses and the sampling windows.
 """
 
-from ..runtime import hot, ptr32
+from ..runtime import Ints, hot
 from .layout import (
     F_DUTY_A,
     F_GAIN_ALPHA,
@@ -37,7 +37,7 @@ def shape_pulse(duty: int, pulse: int, period: int) -> int:
 
 
 @hot
-def svpwm(foc, alpha: int, beta: int) -> int:
+def svpwm(foc: Ints, alpha: int, beta: int) -> int:
     """Write the three duties for the voltage (alpha, beta) in 1/16 vu; return F_MASKED.
 
     Range: a vector no longer than 16 F_LIMIT; a longer one, up to twice that, is cut phase by phase
@@ -46,9 +46,8 @@ def svpwm(foc, alpha: int, beta: int) -> int:
     count plus F_PULSE / 2 near the ends. Intermediates: the host chooses F_GAIN_ALPHA = 2^14
     F_PERIOD / bus, so the products stay below 2^14 * 16 F_PERIOD / sqrt 3 < 2^30 up to F_PERIOD 7000.
     """
-    block = ptr32(foc)
-    a = alpha * block[F_GAIN_ALPHA] >> 14
-    b = beta * block[F_GAIN_BETA] >> 14
+    a = alpha * foc[F_GAIN_ALPHA] >> 14
+    b = beta * foc[F_GAIN_BETA] >> 14
     c = -b - (a >> 1)
     b -= a >> 1
     high = b
@@ -60,16 +59,16 @@ def svpwm(foc, alpha: int, beta: int) -> int:
         high = a
     elif a < low:
         low = a
-    middle = block[F_HALF] - ((high + low) >> 1)
-    period = block[F_PERIOD]
-    pulse = block[F_PULSE]
-    block[F_DUTY_A] = shape_pulse((a + middle) >> 4, pulse, period)
-    block[F_DUTY_A + 1] = shape_pulse((b + middle) >> 4, pulse, period)
-    block[F_DUTY_A + 2] = shape_pulse((c + middle) >> 4, pulse, period)
-    period -= block[F_WINDOW]
+    middle = foc[F_HALF] - ((high + low) >> 1)
+    period = foc[F_PERIOD]
+    pulse = foc[F_PULSE]
+    foc[F_DUTY_A] = shape_pulse((a + middle) >> 4, pulse, period)
+    foc[F_DUTY_A + 1] = shape_pulse((b + middle) >> 4, pulse, period)
+    foc[F_DUTY_A + 2] = shape_pulse((c + middle) >> 4, pulse, period)
+    period -= foc[F_WINDOW]
     masked = 0
     for phase in range(3):
-        if block[F_DUTY_A + phase] > period:
+        if foc[F_DUTY_A + phase] > period:
             masked |= 1 << phase
-    block[F_MASKED] = masked
+    foc[F_MASKED] = masked
     return masked

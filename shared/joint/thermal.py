@@ -6,7 +6,7 @@ between the windings lags behind the copper, so the hotter of sensor and model c
 """
 
 from ..fixed import saturate
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .cascade import fall_q15
 from .layout import (
     K_HEAT,
@@ -33,25 +33,24 @@ _WARM_T16 = const(400)  # 25 degrees C, at which the robot file gives the resist
 
 
 @hot
-def thermistor_t16(curve, raw: int) -> int:
+def thermistor_t16(curve: Ints, raw: int) -> int:
     """Return the temperature of a reading from a curve: the counts of CURVE_POINTS points, then their temperatures.
 
     The curve is data, so NTC and PTC are the same here: the host puts points where the curve bends. Straight between
     points, beyond the first and the last their temperature. Counts 0 .. 4095, not falling; temperatures within +-2^16.
     Error at most 1 t16 plus the curve's own. Below 2^30.
     """
-    table = ptr32(curve)
     at = 0
     half = CURVE_POINTS >> 1
     while half:
-        if table[at + half] <= raw:
+        if curve[at + half] <= raw:
             at += half
         half >>= 1
-    value = table[CURVE_POINTS + at]
-    if at == CURVE_POINTS - 1 or raw <= table[at]:
+    value = curve[CURVE_POINTS + at]
+    if at == CURVE_POINTS - 1 or raw <= curve[at]:
         return value
-    span = table[at + 1] - table[at]
-    return value + ((table[CURVE_POINTS + at + 1] - value) * (raw - table[at]) + (span >> 1)) // span
+    span = curve[at + 1] - curve[at]
+    return value + ((curve[CURVE_POINTS + at + 1] - value) * (raw - curve[at]) + (span >> 1)) // span
 
 
 @hot
@@ -68,40 +67,37 @@ def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
 
 
 @hot
-def model_reset(state, air_t16: int) -> int:
+def model_reset(state: Ints, air_t16: int) -> int:
     """Start the model with everything at ``air_t16``; return it."""
-    s = ptr32(state)
-    s[S_AIR] = air_t16
-    s[S_MODEL_WINDING] = 0
-    s[S_MODEL_HOUSING] = 0
+    state[S_AIR] = air_t16
+    state[S_MODEL_WINDING] = 0
+    state[S_MODEL_HOUSING] = 0
     return air_t16
 
 
 @hot
-def model_step(cfg, state, square: int) -> int:
+def model_step(cfg: Ints, state: Ints, square: int) -> int:
     """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
 
     Ranges: K_HEAT 0 .. 2047 with K_HEAT_SHIFT 0 .. 24, the leaks 0 .. 16383 with K_LEAK_SHIFT 13 .. 30. Both
     nodes stay within 0 .. 256 degrees above the air, S_AIR within +-2^13. Error of the end temperature below 1 K.
     Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
-    k = ptr32(cfg)
-    s = ptr32(state)
     if square > _SQUARE_MOST:
         square = _SQUARE_MOST
-    winding = s[S_MODEL_WINDING]
-    housing = s[S_MODEL_HOUSING]
+    winding = state[S_MODEL_WINDING]
+    housing = state[S_MODEL_HOUSING]
     flow = winding - housing
-    shift = k[K_LEAK_SHIFT]
-    heat = square * k[K_HEAT] >> k[K_HEAT_SHIFT]
+    shift = cfg[K_LEAK_SHIFT]
+    heat = square * cfg[K_HEAT] >> cfg[K_HEAT_SHIFT]
     if heat > _NODE_MOST:
         heat = _NODE_MOST
-    heat += scaled(heat, copper_share(s[S_AIR] + (winding >> 14)), 14)
-    winding += heat - scaled(flow, k[K_WINDING_LEAK], shift)
-    housing += scaled(flow, k[K_HOUSING_GAIN], shift) - scaled(housing, k[K_HOUSING_LEAK], shift)
-    s[S_MODEL_WINDING] = _node(winding)
-    s[S_MODEL_HOUSING] = _node(housing)
-    return s[S_AIR] + (s[S_MODEL_WINDING] >> 14)
+    heat += scaled(heat, copper_share(state[S_AIR] + (winding >> 14)), 14)
+    winding += heat - scaled(flow, cfg[K_WINDING_LEAK], shift)
+    housing += scaled(flow, cfg[K_HOUSING_GAIN], shift) - scaled(housing, cfg[K_HOUSING_LEAK], shift)
+    state[S_MODEL_WINDING] = _node(winding)
+    state[S_MODEL_HOUSING] = _node(housing)
+    return state[S_AIR] + (state[S_MODEL_WINDING] >> 14)
 
 
 @hot
@@ -123,22 +119,20 @@ def scaled(value: int, factor: int, shift: int) -> int:
 
 
 @hot
-def i2t_step(cfg, state, square: int) -> int:
+def i2t_step(cfg: Ints, state: Ints, square: int) -> int:
     """Add i^2 minus the lasting current's to S_I2T; return the share in Q15 of the excess current still allowed.
 
     square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of K_I2T_MAX, then linearly to 0 at K_I2T_MAX
     (2 .. 2^29), where only K_I2T_CURRENT is left. Error 2^-14.
     """
-    k = ptr32(cfg)
-    s = ptr32(state)
-    current = k[K_I2T_CURRENT]
-    total = s[S_I2T] + square - (current * current >> 8)
+    current = cfg[K_I2T_CURRENT]
+    total = state[S_I2T] + square - (current * current >> 8)
     if total < 0:
         total = 0
-    top = k[K_I2T_MAX]
+    top = cfg[K_I2T_MAX]
     if total > top:
         total = top
-    s[S_I2T] = total
+    state[S_I2T] = total
     shift = 0
     while (top >> shift) > 32767:
         shift += 1

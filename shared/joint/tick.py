@@ -3,7 +3,7 @@
 The fourth, the current step, is current.py. motion_tick may be interrupted by it at any place.
 """
 
-from ..runtime import hot, ptr32
+from ..runtime import Ints, hot
 from ..wire.names import MODE_CALIBRATING, MODE_HOMING
 from .calibration import (
     C_KIND,
@@ -51,35 +51,33 @@ from .protection import gather_heat, protect_motion, protect_slow
 
 
 @hot
-def joint_reset(foc, cfg, state, rotor: int) -> int:
+def joint_reset(foc, cfg, state: Ints, rotor: int) -> int:
     """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
 
     ``state`` is zeros, fill_sine has filled its part of ``foc``.
     """
-    s = ptr32(state)
     current_reset(foc, rotor)
     set_commutation(foc, cfg)
     encoder_reset(foc, cfg, state)
     drive_reset(state)
     cascade_reset(cfg, state)
-    s[S_DERATE] = 0x8000
+    state[S_DERATE] = 0x8000
     return 0
 
 
 @hot
-def motion_tick(foc, cfg, state, io, cal) -> int:
+def motion_tick(foc, cfg, state: Ints, io, cal) -> int:
     """Do one millisecond; return S_TORQUE: TORQUE_OFF means that the bridge must be off."""
-    s = ptr32(state)
-    s[S_TICK] = (s[S_TICK] + 1) & 0x3FFFFFFF
-    s[S_LIMITS] = s[S_SLOW_LIMITS]
+    state[S_TICK] = (state[S_TICK] + 1) & 0x3FFFFFFF
+    state[S_LIMITS] = state[S_SLOW_LIMITS]
     _sense(foc, cfg, state, io)
     protect_motion(foc, cfg, state, io)
-    before = s[S_MODE]
+    before = state[S_MODE]
     drive_step(cfg, state, io)
-    if s[S_MODE] != before:
+    if state[S_MODE] != before:
         _change_mode(foc, cfg, state, cal, before)
     _act(foc, cfg, state, io, cal)
-    return s[S_TORQUE]
+    return state[S_TORQUE]
 
 
 @hot
@@ -89,57 +87,52 @@ def slow_tick(cfg, state, io, curve) -> int:
 
 
 @hot
-def begin_calibration(state, cal, kind: int) -> int:
+def begin_calibration(state: Ints, cal, kind: int) -> int:
     """Choose the calibration that arming for MODE_CALIBRATING will run; return its kind, 0 if one is running."""
-    s = ptr32(state)
-    if s[S_MODE] == MODE_CALIBRATING:
+    if state[S_MODE] == MODE_CALIBRATING:
         return 0
     calibration_start(cal, kind)
     return kind
 
 
 @hot
-def _sense(foc, cfg, state, io) -> int:
-    k = ptr32(cfg)
-    s = ptr32(state)
-    b = ptr32(io)
+def _sense(foc, cfg: Ints, state: Ints, io: Ints) -> int:
     encoder_step(foc, cfg, state)
     watch_encoders(cfg, state, io)
-    s[S_BUS] = bus_voltage(b[IO_BUS_RAW], k[K_BUS_GAIN])
-    feed_bus(foc, cfg, s[S_BUS])
+    state[S_BUS] = bus_voltage(io[IO_BUS_RAW], cfg[K_BUS_GAIN])
+    feed_bus(foc, cfg, state[S_BUS])
     gather_heat(foc, state)
-    limit = k[K_CURRENT_MAX] * s[S_DERATE] >> 15
-    s[S_CURRENT_LIMIT] = limit
+    limit = cfg[K_CURRENT_MAX] * state[S_DERATE] >> 15
+    state[S_CURRENT_LIMIT] = limit
     return limit
 
 
 @hot
-def _change_mode(foc, cfg, state, cal, before: int) -> int:
+def _change_mode(foc, cfg, state: Ints, cal, before: int) -> int:
     """Leave the old mode cleanly and start the new one bumpless."""
-    s = ptr32(state)
     if before == MODE_CALIBRATING:
         calibration_abort(foc, cfg, cal)
     if before == MODE_HOMING:
         homing_stop(state)
     cascade_reset(cfg, state)
-    if s[S_MODE] == MODE_HOMING:
+    if state[S_MODE] == MODE_HOMING:
         homing_start(state)
-    return s[S_MODE]
+    return state[S_MODE]
 
 
 @hot
-def _act(foc, cfg, state, io, cal) -> int:
-    s = ptr32(state)
-    if s[S_TORQUE] == TORQUE_DRIVE and s[S_MODE] == MODE_CALIBRATING:
+def _act(foc, cfg, state: Ints, io, cal) -> int:
+    """Do what the mode wants: calibrate, home, follow the set-points or brake; return what feed_voltages does."""
+    if state[S_TORQUE] == TORQUE_DRIVE and state[S_MODE] == MODE_CALIBRATING:
         return _calibrate(foc, cfg, state, io, cal)
-    if s[S_TORQUE] == TORQUE_DRIVE:
-        if s[S_MODE] == MODE_HOMING:
+    if state[S_TORQUE] == TORQUE_DRIVE:
+        if state[S_MODE] == MODE_HOMING:
             _home(cfg, state)
         cascade_step(cfg, state, io)
-    elif s[S_TORQUE] == TORQUE_DAMP:
+    elif state[S_TORQUE] == TORQUE_DAMP:
         damping_current(cfg, state)
     else:
-        s[S_CURRENT_REF] = 0
+        state[S_CURRENT_REF] = 0
         current_relax(foc)
     write_current(foc, cfg, state)
     lead_angle(foc, cfg, state)
@@ -147,36 +140,33 @@ def _act(foc, cfg, state, io, cal) -> int:
 
 
 @hot
-def _calibrate(foc, cfg, state, io, cal) -> int:
+def _calibrate(foc, cfg, state: Ints, io, cal: Ints) -> int:
     """One tick of calibration; when it is over, stand down, or raise its reason."""
-    s = ptr32(state)
-    c = ptr32(cal)
-    s[S_CURRENT_REF] = 0
-    kind = c[C_KIND]
+    state[S_CURRENT_REF] = 0
+    kind = cal[C_KIND]
     running = calibration_step(foc, cfg, state, io, cal)
     if calibration_needs_bridge(cal) == 0:
-        s[S_TORQUE] = TORQUE_OFF
+        state[S_TORQUE] = TORQUE_OFF
         current_relax(foc)
     if running == 0:
-        if kind != 0 and c[C_REASON] != 0:
-            s[S_RAISED] = c[C_REASON]
-            s[S_RAISED_VALUE] = c[C_VALUE]
+        if kind != 0 and cal[C_REASON] != 0:
+            state[S_RAISED] = cal[C_REASON]
+            state[S_RAISED_VALUE] = cal[C_VALUE]
         drive_disarm(state)
     return running
 
 
 @hot
-def _home(cfg, state) -> int:
+def _home(cfg, state: Ints) -> int:
     """One tick of homing; when it is over, stand down, or raise the reason."""
-    s = ptr32(state)
     homing_step(cfg, state)
-    result = s[S_HOME_RESULT]
+    result = state[S_HOME_RESULT]
     if result == HOME_NO_STOP:
-        s[S_RAISED] = FAULT_HOME_NO_STOP
-        s[S_RAISED_VALUE] = s[S_HOME_TICKS]
+        state[S_RAISED] = FAULT_HOME_NO_STOP
+        state[S_RAISED_VALUE] = state[S_HOME_TICKS]
     if result == HOME_AMBIGUOUS:
-        s[S_RAISED] = FAULT_HOME_AMBIGUOUS
-        s[S_RAISED_VALUE] = s[S_POSITION]
+        state[S_RAISED] = FAULT_HOME_AMBIGUOUS
+        state[S_RAISED_VALUE] = state[S_POSITION]
     if result != HOME_SEEKING:
         drive_disarm(state)
     return result

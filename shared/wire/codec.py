@@ -9,7 +9,7 @@ Largest intermediate: 2^30 - 1.
 """
 
 from ..fixed import saturate
-from ..runtime import hot, ptr16, ptr32
+from ..runtime import Ints, hot, ptr16
 
 
 @hot
@@ -43,42 +43,40 @@ def _outside(value: int, low: int, high: int, special: int) -> int:
 
 
 @hot
-def encode_sync(frame, values, start: int) -> int:
+def encode_sync(frame, values: Ints, start: int) -> int:
     """Encode sync; return the number of values limited. Exact.
 
     0 counter: 0 .. 255
     1 session: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    counter = saturate(block[start], 0, 255)
-    session = saturate(block[start + 1], 0, 255)
+    counter = saturate(values[start], 0, 255)
+    session = saturate(values[start + 1], 0, 255)
     words[0] = (counter & 0xFF) | ((session & 0xFF) << 8)
     words[1] = 0
     words[2] = 0
     words[3] = 0
     return (
-        _differs(counter, block[start])
-        + _differs(session, block[start + 1])
+        _differs(counter, values[start])
+        + _differs(session, values[start + 1])
     )
 
 
 @hot
-def decode_sync(frame, values, start: int) -> int:
+def decode_sync(frame, values: Ints, start: int) -> int:
     """Decode sync; return the number of values out of range. Exact.
 
     0 counter: 0 .. 255
     1 session: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = words[0] & 0xFF
-    block[start + 1] = words[0] >> 8
+    values[start] = words[0] & 0xFF
+    values[start + 1] = words[0] >> 8
     return 0
 
 
 @hot
-def encode_group(frame, values, start: int) -> int:
+def encode_group(frame, values: Ints, start: int) -> int:
     """Encode group; return the number of values limited. Exact.
 
     0 slot_0: -32767 .. 32767 or -32768 (no_change)
@@ -93,25 +91,24 @@ def encode_group(frame, values, start: int) -> int:
     feedforward_current: in 2^-12 A
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    slot_0 = _limit_but(block[start], -32767, 32767, -32768)
-    slot_1 = _limit_but(block[start + 1], -32767, 32767, -32768)
-    slot_2 = _limit_but(block[start + 2], -32767, 32767, -32768)
-    slot_3 = _limit_but(block[start + 3], -32767, 32767, -32768)
+    slot_0 = _limit_but(values[start], -32767, 32767, -32768)
+    slot_1 = _limit_but(values[start + 1], -32767, 32767, -32768)
+    slot_2 = _limit_but(values[start + 2], -32767, 32767, -32768)
+    slot_3 = _limit_but(values[start + 3], -32767, 32767, -32768)
     words[0] = slot_0 & 0xFFFF
     words[1] = slot_1 & 0xFFFF
     words[2] = slot_2 & 0xFFFF
     words[3] = slot_3 & 0xFFFF
     return (
-        _differs(slot_0, block[start])
-        + _differs(slot_1, block[start + 1])
-        + _differs(slot_2, block[start + 2])
-        + _differs(slot_3, block[start + 3])
+        _differs(slot_0, values[start])
+        + _differs(slot_1, values[start + 1])
+        + _differs(slot_2, values[start + 2])
+        + _differs(slot_3, values[start + 3])
     )
 
 
 @hot
-def decode_group(frame, values, start: int) -> int:
+def decode_group(frame, values: Ints, start: int) -> int:
     """Decode group; return the number of values out of range. Exact.
 
     0 slot_0: -32767 .. 32767 or -32768 (no_change)
@@ -126,16 +123,15 @@ def decode_group(frame, values, start: int) -> int:
     feedforward_current: in 2^-12 A
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = (words[0] ^ 0x8000) - 0x8000
-    block[start + 1] = (words[1] ^ 0x8000) - 0x8000
-    block[start + 2] = (words[2] ^ 0x8000) - 0x8000
-    block[start + 3] = (words[3] ^ 0x8000) - 0x8000
+    values[start] = (words[0] ^ 0x8000) - 0x8000
+    values[start + 1] = (words[1] ^ 0x8000) - 0x8000
+    values[start + 2] = (words[2] ^ 0x8000) - 0x8000
+    values[start + 3] = (words[3] ^ 0x8000) - 0x8000
     return 0
 
 
 @hot
-def encode_gains(frame, values, start: int) -> int:
+def encode_gains(frame, values: Ints, start: int) -> int:
     """Encode gains; return the number of values limited. Exact.
 
     0 slot_0: 0 .. 32767 or -32768 (no_change)
@@ -146,25 +142,24 @@ def encode_gains(frame, values, start: int) -> int:
     impedance_damping: in 2^-8 A/(turn/s)
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    slot_0 = _limit_but(block[start], 0, 32767, -32768)
-    slot_1 = _limit_but(block[start + 1], 0, 32767, -32768)
-    slot_2 = _limit_but(block[start + 2], 0, 32767, -32768)
-    slot_3 = _limit_but(block[start + 3], 0, 32767, -32768)
+    slot_0 = _limit_but(values[start], 0, 32767, -32768)
+    slot_1 = _limit_but(values[start + 1], 0, 32767, -32768)
+    slot_2 = _limit_but(values[start + 2], 0, 32767, -32768)
+    slot_3 = _limit_but(values[start + 3], 0, 32767, -32768)
     words[0] = slot_0 & 0xFFFF
     words[1] = slot_1 & 0xFFFF
     words[2] = slot_2 & 0xFFFF
     words[3] = slot_3 & 0xFFFF
     return (
-        _differs(slot_0, block[start])
-        + _differs(slot_1, block[start + 1])
-        + _differs(slot_2, block[start + 2])
-        + _differs(slot_3, block[start + 3])
+        _differs(slot_0, values[start])
+        + _differs(slot_1, values[start + 1])
+        + _differs(slot_2, values[start + 2])
+        + _differs(slot_3, values[start + 3])
     )
 
 
 @hot
-def decode_gains(frame, values, start: int) -> int:
+def decode_gains(frame, values: Ints, start: int) -> int:
     """Decode gains; return the number of values out of range. Exact.
 
     0 slot_0: 0 .. 32767 or -32768 (no_change)
@@ -175,21 +170,20 @@ def decode_gains(frame, values, start: int) -> int:
     impedance_damping: in 2^-8 A/(turn/s)
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = (words[0] ^ 0x8000) - 0x8000
-    block[start + 1] = (words[1] ^ 0x8000) - 0x8000
-    block[start + 2] = (words[2] ^ 0x8000) - 0x8000
-    block[start + 3] = (words[3] ^ 0x8000) - 0x8000
+    values[start] = (words[0] ^ 0x8000) - 0x8000
+    values[start + 1] = (words[1] ^ 0x8000) - 0x8000
+    values[start + 2] = (words[2] ^ 0x8000) - 0x8000
+    values[start + 3] = (words[3] ^ 0x8000) - 0x8000
     return (
-        _outside(block[start], 0, 32767, -32768)
-        + _outside(block[start + 1], 0, 32767, -32768)
-        + _outside(block[start + 2], 0, 32767, -32768)
-        + _outside(block[start + 3], 0, 32767, -32768)
+        _outside(values[start], 0, 32767, -32768)
+        + _outside(values[start + 1], 0, 32767, -32768)
+        + _outside(values[start + 2], 0, 32767, -32768)
+        + _outside(values[start + 3], 0, 32767, -32768)
     )
 
 
 @hot
-def encode_fault(frame, values, start: int) -> int:
+def encode_fault(frame, values: Ints, start: int) -> int:
     """Encode fault; return the number of values limited. Exact.
 
     0 code: 0 .. 255
@@ -197,23 +191,22 @@ def encode_fault(frame, values, start: int) -> int:
     2 tick: 0 .. 1073741823, ms
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    code = saturate(block[start], 0, 255)
-    value = saturate(block[start + 1], -8388608, 8388607)
-    tick = saturate(block[start + 2], 0, 1073741823)
+    code = saturate(values[start], 0, 255)
+    value = saturate(values[start + 1], -8388608, 8388607)
+    tick = saturate(values[start + 2], 0, 1073741823)
     words[0] = (code & 0xFF) | ((value & 0xFF) << 8)
     words[1] = value >> 8 & 0xFFFF
     words[2] = tick & 0xFFFF
     words[3] = tick >> 16 & 0x3FFF
     return (
-        _differs(code, block[start])
-        + _differs(value, block[start + 1])
-        + _differs(tick, block[start + 2])
+        _differs(code, values[start])
+        + _differs(value, values[start + 1])
+        + _differs(tick, values[start + 2])
     )
 
 
 @hot
-def decode_fault(frame, values, start: int) -> int:
+def decode_fault(frame, values: Ints, start: int) -> int:
     """Decode fault; return the number of values out of range. Exact.
 
     0 code: 0 .. 255
@@ -221,15 +214,14 @@ def decode_fault(frame, values, start: int) -> int:
     2 tick: 0 .. 1073741823, ms
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = words[0] & 0xFF
-    block[start + 1] = (words[0] >> 8) + (((words[1] ^ 0x8000) - 0x8000) << 8)
-    block[start + 2] = (words[2]) + ((words[3] & 0x3FFF) << 16)
+    values[start] = words[0] & 0xFF
+    values[start + 1] = (words[0] >> 8) + (((words[1] ^ 0x8000) - 0x8000) << 8)
+    values[start + 2] = (words[2]) + ((words[3] & 0x3FFF) << 16)
     return 0
 
 
 @hot
-def encode_reply(frame, values, start: int) -> int:
+def encode_reply(frame, values: Ints, start: int) -> int:
     """Encode reply; return the number of values limited. Exact.
 
     0 position: -32767 .. 32767 or -32768 (not_available), brad = 2^-16 turn
@@ -237,23 +229,22 @@ def encode_reply(frame, values, start: int) -> int:
     2 current: -32767 .. 32767 or -32768 (not_available), 2^-12 A
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    position = _limit_but(block[start], -32767, 32767, -32768)
-    velocity = _limit_but(block[start + 1], -32767, 32767, -32768)
-    current = _limit_but(block[start + 2], -32767, 32767, -32768)
+    position = _limit_but(values[start], -32767, 32767, -32768)
+    velocity = _limit_but(values[start + 1], -32767, 32767, -32768)
+    current = _limit_but(values[start + 2], -32767, 32767, -32768)
     words[0] = position & 0xFFFF
     words[1] = velocity & 0xFFFF
     words[2] = current & 0xFFFF
     words[3] = 0
     return (
-        _differs(position, block[start])
-        + _differs(velocity, block[start + 1])
-        + _differs(current, block[start + 2])
+        _differs(position, values[start])
+        + _differs(velocity, values[start + 1])
+        + _differs(current, values[start + 2])
     )
 
 
 @hot
-def decode_reply(frame, values, start: int) -> int:
+def decode_reply(frame, values: Ints, start: int) -> int:
     """Decode reply; return the number of values out of range. Exact.
 
     0 position: -32767 .. 32767 or -32768 (not_available), brad = 2^-16 turn
@@ -261,15 +252,14 @@ def decode_reply(frame, values, start: int) -> int:
     2 current: -32767 .. 32767 or -32768 (not_available), 2^-12 A
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = (words[0] ^ 0x8000) - 0x8000
-    block[start + 1] = (words[1] ^ 0x8000) - 0x8000
-    block[start + 2] = (words[2] ^ 0x8000) - 0x8000
+    values[start] = (words[0] ^ 0x8000) - 0x8000
+    values[start + 1] = (words[1] ^ 0x8000) - 0x8000
+    values[start + 2] = (words[2] ^ 0x8000) - 0x8000
     return 0
 
 
 @hot
-def encode_slow_status(frame, values, start: int) -> int:
+def encode_slow_status(frame, values: Ints, start: int) -> int:
     """Encode slow_status; return the number of values limited. Exact.
 
     0 winding_temperature: -4095 .. 4095 or -4096 (not_available), 2^-4 degC
@@ -280,29 +270,28 @@ def encode_slow_status(frame, values, start: int) -> int:
     5 overruns: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    winding_temperature = _limit_but(block[start], -4095, 4095, -4096)
-    mcu_temperature = _limit_but(block[start + 1], -4095, 4095, -4096)
-    bus_voltage = saturate(block[start + 2], 0, 1023)
-    limits = saturate(block[start + 3], 0, 4095)
-    lost_sync = saturate(block[start + 4], 0, 255)
-    overruns = saturate(block[start + 5], 0, 255)
+    winding_temperature = _limit_but(values[start], -4095, 4095, -4096)
+    mcu_temperature = _limit_but(values[start + 1], -4095, 4095, -4096)
+    bus_voltage = saturate(values[start + 2], 0, 1023)
+    limits = saturate(values[start + 3], 0, 4095)
+    lost_sync = saturate(values[start + 4], 0, 255)
+    overruns = saturate(values[start + 5], 0, 255)
     words[0] = (winding_temperature & 0x1FFF) | ((mcu_temperature & 0x7) << 13)
     words[1] = (mcu_temperature >> 3 & 0x3FF) | ((bus_voltage & 0x3F) << 10)
     words[2] = (bus_voltage >> 6 & 0xF) | ((limits & 0xFFF) << 4)
     words[3] = (lost_sync & 0xFF) | ((overruns & 0xFF) << 8)
     return (
-        _differs(winding_temperature, block[start])
-        + _differs(mcu_temperature, block[start + 1])
-        + _differs(bus_voltage, block[start + 2])
-        + _differs(limits, block[start + 3])
-        + _differs(lost_sync, block[start + 4])
-        + _differs(overruns, block[start + 5])
+        _differs(winding_temperature, values[start])
+        + _differs(mcu_temperature, values[start + 1])
+        + _differs(bus_voltage, values[start + 2])
+        + _differs(limits, values[start + 3])
+        + _differs(lost_sync, values[start + 4])
+        + _differs(overruns, values[start + 5])
     )
 
 
 @hot
-def decode_slow_status(frame, values, start: int) -> int:
+def decode_slow_status(frame, values: Ints, start: int) -> int:
     """Decode slow_status; return the number of values out of range. Exact.
 
     0 winding_temperature: -4095 .. 4095 or -4096 (not_available), 2^-4 degC
@@ -313,18 +302,17 @@ def decode_slow_status(frame, values, start: int) -> int:
     5 overruns: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = (words[0] & 0x1FFF ^ 0x1000) - 0x1000
-    block[start + 1] = (words[0] >> 13) + (((words[1] & 0x3FF ^ 0x200) - 0x200) << 3)
-    block[start + 2] = (words[1] >> 10) + ((words[2] & 0xF) << 6)
-    block[start + 3] = words[2] >> 4
-    block[start + 4] = words[3] & 0xFF
-    block[start + 5] = words[3] >> 8
+    values[start] = (words[0] & 0x1FFF ^ 0x1000) - 0x1000
+    values[start + 1] = (words[0] >> 13) + (((words[1] & 0x3FF ^ 0x200) - 0x200) << 3)
+    values[start + 2] = (words[1] >> 10) + ((words[2] & 0xF) << 6)
+    values[start + 3] = words[2] >> 4
+    values[start + 4] = words[3] & 0xFF
+    values[start + 5] = words[3] >> 8
     return 0
 
 
 @hot
-def encode_heartbeat(frame, values, start: int) -> int:
+def encode_heartbeat(frame, values: Ints, start: int) -> int:
     """Encode heartbeat; return the number of values limited. Exact.
 
     0 state: 0 .. 7
@@ -337,33 +325,32 @@ def encode_heartbeat(frame, values, start: int) -> int:
     7 firmware_patch: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    state = saturate(block[start], 0, 7)
-    mode = saturate(block[start + 1], 0, 7)
-    fault = saturate(block[start + 2], 0, 255)
-    protocol_hash = saturate(block[start + 3], 0, 65535)
-    session = saturate(block[start + 4], 0, 255)
-    firmware_major = saturate(block[start + 5], 0, 255)
-    firmware_minor = saturate(block[start + 6], 0, 255)
-    firmware_patch = saturate(block[start + 7], 0, 255)
+    state = saturate(values[start], 0, 7)
+    mode = saturate(values[start + 1], 0, 7)
+    fault = saturate(values[start + 2], 0, 255)
+    protocol_hash = saturate(values[start + 3], 0, 65535)
+    session = saturate(values[start + 4], 0, 255)
+    firmware_major = saturate(values[start + 5], 0, 255)
+    firmware_minor = saturate(values[start + 6], 0, 255)
+    firmware_patch = saturate(values[start + 7], 0, 255)
     words[0] = (state & 0xF) | ((mode & 0xF) << 4) | ((fault & 0xFF) << 8)
     words[1] = protocol_hash & 0xFFFF
     words[2] = (session & 0xFF) | ((firmware_major & 0xFF) << 8)
     words[3] = (firmware_minor & 0xFF) | ((firmware_patch & 0xFF) << 8)
     return (
-        _differs(state, block[start])
-        + _differs(mode, block[start + 1])
-        + _differs(fault, block[start + 2])
-        + _differs(protocol_hash, block[start + 3])
-        + _differs(session, block[start + 4])
-        + _differs(firmware_major, block[start + 5])
-        + _differs(firmware_minor, block[start + 6])
-        + _differs(firmware_patch, block[start + 7])
+        _differs(state, values[start])
+        + _differs(mode, values[start + 1])
+        + _differs(fault, values[start + 2])
+        + _differs(protocol_hash, values[start + 3])
+        + _differs(session, values[start + 4])
+        + _differs(firmware_major, values[start + 5])
+        + _differs(firmware_minor, values[start + 6])
+        + _differs(firmware_patch, values[start + 7])
     )
 
 
 @hot
-def decode_heartbeat(frame, values, start: int) -> int:
+def decode_heartbeat(frame, values: Ints, start: int) -> int:
     """Decode heartbeat; return the number of values out of range. Exact.
 
     0 state: 0 .. 7
@@ -376,23 +363,22 @@ def decode_heartbeat(frame, values, start: int) -> int:
     7 firmware_patch: 0 .. 255
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = words[0] & 0xF
-    block[start + 1] = words[0] >> 4 & 0xF
-    block[start + 2] = words[0] >> 8
-    block[start + 3] = words[1]
-    block[start + 4] = words[2] & 0xFF
-    block[start + 5] = words[2] >> 8
-    block[start + 6] = words[3] & 0xFF
-    block[start + 7] = words[3] >> 8
+    values[start] = words[0] & 0xF
+    values[start + 1] = words[0] >> 4 & 0xF
+    values[start + 2] = words[0] >> 8
+    values[start + 3] = words[1]
+    values[start + 4] = words[2] & 0xFF
+    values[start + 5] = words[2] >> 8
+    values[start + 6] = words[3] & 0xFF
+    values[start + 7] = words[3] >> 8
     return (
-        _outside(block[start], 0, 7, 0)
-        + _outside(block[start + 1], 0, 7, 0)
+        _outside(values[start], 0, 7, 0)
+        + _outside(values[start + 1], 0, 7, 0)
     )
 
 
 @hot
-def encode_service_request(frame, values, start: int) -> int:
+def encode_service_request(frame, values: Ints, start: int) -> int:
     """Encode service_request; return the number of values limited. Exact.
 
     0 command: 1 .. 14
@@ -402,27 +388,26 @@ def encode_service_request(frame, values, start: int) -> int:
     4 value: -1073741824 .. 1073741823
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    command = saturate(block[start], 1, 14)
-    sequence = saturate(block[start + 1], 0, 255)
-    session = saturate(block[start + 2], 0, 255)
-    index = saturate(block[start + 3], 0, 255)
-    value = saturate(block[start + 4], -0x3FFFFFFF - 1, 1073741823)
+    command = saturate(values[start], 1, 14)
+    sequence = saturate(values[start + 1], 0, 255)
+    session = saturate(values[start + 2], 0, 255)
+    index = saturate(values[start + 3], 0, 255)
+    value = saturate(values[start + 4], -0x3FFFFFFF - 1, 1073741823)
     words[0] = (command & 0xFF) | ((sequence & 0xFF) << 8)
     words[1] = (session & 0xFF) | ((index & 0xFF) << 8)
     words[2] = value & 0xFFFF
     words[3] = value >> 16 & 0x7FFF
     return (
-        _differs(command, block[start])
-        + _differs(sequence, block[start + 1])
-        + _differs(session, block[start + 2])
-        + _differs(index, block[start + 3])
-        + _differs(value, block[start + 4])
+        _differs(command, values[start])
+        + _differs(sequence, values[start + 1])
+        + _differs(session, values[start + 2])
+        + _differs(index, values[start + 3])
+        + _differs(value, values[start + 4])
     )
 
 
 @hot
-def decode_service_request(frame, values, start: int) -> int:
+def decode_service_request(frame, values: Ints, start: int) -> int:
     """Decode service_request; return the number of values out of range. Exact.
 
     0 command: 1 .. 14
@@ -432,17 +417,16 @@ def decode_service_request(frame, values, start: int) -> int:
     4 value: -1073741824 .. 1073741823
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = words[0] & 0xFF
-    block[start + 1] = words[0] >> 8
-    block[start + 2] = words[1] & 0xFF
-    block[start + 3] = words[1] >> 8
-    block[start + 4] = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
-    return _outside(block[start], 1, 14, 1)
+    values[start] = words[0] & 0xFF
+    values[start + 1] = words[0] >> 8
+    values[start + 2] = words[1] & 0xFF
+    values[start + 3] = words[1] >> 8
+    values[start + 4] = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
+    return _outside(values[start], 1, 14, 1)
 
 
 @hot
-def encode_service_response(frame, values, start: int) -> int:
+def encode_service_response(frame, values: Ints, start: int) -> int:
     """Encode service_response; return the number of values limited. Exact.
 
     0 command: 1 .. 14
@@ -452,27 +436,26 @@ def encode_service_response(frame, values, start: int) -> int:
     4 value: -1073741824 .. 1073741823
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    command = saturate(block[start], 1, 14)
-    sequence = saturate(block[start + 1], 0, 255)
-    result = saturate(block[start + 2], 0, 18)
-    index = saturate(block[start + 3], 0, 255)
-    value = saturate(block[start + 4], -0x3FFFFFFF - 1, 1073741823)
+    command = saturate(values[start], 1, 14)
+    sequence = saturate(values[start + 1], 0, 255)
+    result = saturate(values[start + 2], 0, 18)
+    index = saturate(values[start + 3], 0, 255)
+    value = saturate(values[start + 4], -0x3FFFFFFF - 1, 1073741823)
     words[0] = (command & 0xFF) | ((sequence & 0xFF) << 8)
     words[1] = (result & 0xFF) | ((index & 0xFF) << 8)
     words[2] = value & 0xFFFF
     words[3] = value >> 16 & 0x7FFF
     return (
-        _differs(command, block[start])
-        + _differs(sequence, block[start + 1])
-        + _differs(result, block[start + 2])
-        + _differs(index, block[start + 3])
-        + _differs(value, block[start + 4])
+        _differs(command, values[start])
+        + _differs(sequence, values[start + 1])
+        + _differs(result, values[start + 2])
+        + _differs(index, values[start + 3])
+        + _differs(value, values[start + 4])
     )
 
 
 @hot
-def decode_service_response(frame, values, start: int) -> int:
+def decode_service_response(frame, values: Ints, start: int) -> int:
     """Decode service_response; return the number of values out of range. Exact.
 
     0 command: 1 .. 14
@@ -482,13 +465,12 @@ def decode_service_response(frame, values, start: int) -> int:
     4 value: -1073741824 .. 1073741823
     """
     words = ptr16(frame)
-    block = ptr32(values)
-    block[start] = words[0] & 0xFF
-    block[start + 1] = words[0] >> 8
-    block[start + 2] = words[1] & 0xFF
-    block[start + 3] = words[1] >> 8
-    block[start + 4] = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
+    values[start] = words[0] & 0xFF
+    values[start + 1] = words[0] >> 8
+    values[start + 2] = words[1] & 0xFF
+    values[start + 3] = words[1] >> 8
+    values[start + 4] = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
     return (
-        _outside(block[start], 1, 14, 1)
-        + _outside(block[start + 2], 0, 18, 0)
+        _outside(values[start], 1, 14, 1)
+        + _outside(values[start + 2], 0, 18, 0)
     )

@@ -6,7 +6,7 @@ current or impedance set-point, the last one wins. A feed-forward holds for the 
 the next set-point has none. Stiffness and damping hold until changed. Nothing here ever makes a set-point up.
 """
 
-from ..runtime import const, hot, ptr32
+from ..runtime import Ints, const, hot
 from .codec import decode_sync
 from .framing import SETPOINT_KINDS, frame_block, node_group, node_slot, read_slot, setpoint_group, setpoint_kind
 from .names import (
@@ -60,56 +60,51 @@ _MOST = const(0x3FFFFFFF)
 
 
 @hot
-def clear_setpoints(link) -> int:
+def clear_setpoints(link: Ints) -> int:
     """Forget every set-point, pending and latched, with gains and feed-forwards."""
-    block = ptr32(link)
     for i in range(LINK_PENDING_SET, LINK_MODE + 1):
-        block[i] = 0
+        link[i] = 0
     for i in range(LINK_PENDING, LINK_SIZE):
-        block[i] = 0
+        link[i] = 0
     return 0
 
 
 @hot
-def start_session(link, session: int) -> int:
+def start_session(link: Ints, session: int) -> int:
     """Bind the link to the host's session 1 .. 255, on arm: SYNC of another is refused, counting starts anew.
 
     The set-points stay as they are, because arming needs fresh ones before it.
     """
-    block = ptr32(link)
-    block[LINK_SESSION] = session
-    block[LINK_COUNTER] = -1
+    link[LINK_SESSION] = session
+    link[LINK_COUNTER] = -1
     return session
 
 
 @hot
-def end_session(link) -> int:
+def end_session(link: Ints) -> int:
     """Leave the session and forget every set-point: on disarm, fault and e-stop."""
-    block = ptr32(link)
-    block[LINK_SESSION] = 0
+    link[LINK_SESSION] = 0
     return clear_setpoints(link)
 
 
 @hot
-def link_reset(link, node: int) -> int:
+def link_reset(link: Ints, node: int) -> int:
     """Start the link of node 0 .. 12: no session, no SYNC seen, no set-point, counters zero."""
-    block = ptr32(link)
     for i in range(LINK_SIZE):
-        block[i] = 0
-    block[LINK_NODE] = node
-    block[LINK_COUNTER] = -1
+        link[i] = 0
+    link[LINK_NODE] = node
+    link[LINK_COUNTER] = -1
     return 0
 
 
 @hot
-def _add_up(link, place: int, more: int) -> int:
+def _add_up(link: Ints, place: int, more: int) -> int:
     """Add ``more`` >= 0 to a counter that stays at its largest value; return it."""
-    block = ptr32(link)
-    if block[place] > _MOST - more:
-        block[place] = _MOST
+    if link[place] > _MOST - more:
+        link[place] = _MOST
     else:
-        block[place] = block[place] + more
-    return block[place]
+        link[place] = link[place] + more
+    return link[place]
 
 
 @hot
@@ -119,10 +114,9 @@ def _bad_frame(link) -> int:
 
 
 @hot
-def _accept_setpoint(link, identifier: int, frame) -> int:
+def _accept_setpoint(link: Ints, identifier: int, frame) -> int:
     """Keep this joint's slot of a set-point frame; FRAME_NOT_MINE for another group or "no change"."""
-    block = ptr32(link)
-    node = block[LINK_NODE]
+    node = link[LINK_NODE]
     if setpoint_group(identifier) != node_group(node) or node_group(node) < 0:
         return FRAME_NOT_MINE
     value = read_slot(frame, node_slot(node))
@@ -131,64 +125,60 @@ def _accept_setpoint(link, identifier: int, frame) -> int:
     kind = setpoint_kind(identifier)
     if kind >= KIND_STIFFNESS and value < 0:
         return _bad_frame(link)
-    block[LINK_PENDING + kind] = value
-    block[LINK_PENDING_SET] = block[LINK_PENDING_SET] | (1 << kind)
+    link[LINK_PENDING + kind] = value
+    link[LINK_PENDING_SET] = link[LINK_PENDING_SET] | (1 << kind)
     if kind <= KIND_IMPEDANCE:
-        block[LINK_PENDING_MODE] = kind + 1
+        link[LINK_PENDING_MODE] = kind + 1
     return FRAME_SETPOINT
 
 
 @hot
-def _count_sync(link) -> int:
+def _count_sync(link: Ints) -> int:
     """Count the SYNC frames missed since the last one; return how many, 0 .. 255."""
-    block = ptr32(link)
-    counter = block[LINK_SYNC]
+    counter = link[LINK_SYNC]
     missed = 0
-    if block[LINK_COUNTER] >= 0:
-        missed = (counter - block[LINK_COUNTER] - 1) & 0xFF
+    if link[LINK_COUNTER] >= 0:
+        missed = (counter - link[LINK_COUNTER] - 1) & 0xFF
         _add_up(link, LINK_LOST, missed)
-    block[LINK_COUNTER] = counter
+    link[LINK_COUNTER] = counter
     return missed
 
 
 @hot
-def _latch(link) -> int:
+def _latch(link: Ints) -> int:
     """Move the pending set-points to the latched ones; FRAME_SYNC_SETPOINT if one carries a mode."""
-    block = ptr32(link)
-    arrived = block[LINK_PENDING_SET]
-    mode = block[LINK_PENDING_MODE]
-    block[LINK_PENDING_SET] = 0
-    block[LINK_PENDING_MODE] = 0
+    arrived = link[LINK_PENDING_SET]
+    mode = link[LINK_PENDING_MODE]
+    link[LINK_PENDING_SET] = 0
+    link[LINK_PENDING_MODE] = 0
     for kind in range(SETPOINT_KINDS):
         if (arrived >> kind) & 1:
-            block[LINK_LATCHED + kind] = block[LINK_PENDING + kind]
+            link[LINK_LATCHED + kind] = link[LINK_PENDING + kind]
         elif mode and (kind == KIND_VELOCITY_FEEDFORWARD or kind == KIND_CURRENT_FEEDFORWARD):
-            block[LINK_LATCHED + kind] = 0
+            link[LINK_LATCHED + kind] = 0
     if mode == 0:
         return FRAME_SYNC
-    block[LINK_MODE] = mode
+    link[LINK_MODE] = mode
     return FRAME_SYNC_SETPOINT
 
 
 @hot
-def _accept_sync(link, frame) -> int:
+def _accept_sync(link: Ints, frame) -> int:
     """Count, then latch; SYNC of a host with another session changes nothing."""
-    block = ptr32(link)
     decode_sync(frame, link, LINK_SYNC)
-    if block[LINK_SESSION] and block[LINK_SYNC + 1] != block[LINK_SESSION]:
+    if link[LINK_SESSION] and link[LINK_SYNC + 1] != link[LINK_SESSION]:
         return FRAME_OTHER_SESSION
     _count_sync(link)
     return _latch(link)
 
 
 @hot
-def accept_frame(link, identifier: int, frame, length: int) -> int:
+def accept_frame(link: Ints, identifier: int, frame, length: int) -> int:
     """Take one received frame of ``length`` bytes; return FRAME_*.
 
     ``frame`` is an array('H') of four words. An e-stop counts whatever its length. Of a request only
     the address is looked at: decode_service_request reads it. Intermediates within 2^30.
     """
-    block = ptr32(link)
     kind = frame_block(identifier)
     if kind == E_STOP_ID:
         if identifier == E_STOP_ID:
@@ -202,7 +192,7 @@ def accept_frame(link, identifier: int, frame, length: int) -> int:
         if length < SYNC_LENGTH:
             return _bad_frame(link)
         return _accept_sync(link, frame)
-    node = block[LINK_NODE]
+    node = link[LINK_NODE]
     if identifier == SERVICE_REQUEST_ID or identifier == SERVICE_REQUEST_ID + node:
         if length < SERVICE_REQUEST_LENGTH:
             return _bad_frame(link)
