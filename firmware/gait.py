@@ -11,26 +11,23 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 
 from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
 from shared.command import (
-    C_BALANCE,
-    C_MODE,
-    C_SPEED,
     COMMAND_SIZE,
     MODE_LIMP,
     MODE_STAND,
     MODE_WALK,
+    Command,
 )
 from shared.gaits import GAIT_NAMES
 from shared.params import JOINTS, Params
 from shared.planner import Planner, plan
 from shared.planner_layout import (
-    N_GAIT,
-    N_STATE,
     S_ATTITUDE_OK,
     S_JOINTS,
     S_JOINTS_OK,
     S_PITCH,
     S_ROLL,
     SENSED_SIZE,
+    Status,
 )
 from shared.runtime import Ints, const, hot, ptr8
 
@@ -100,8 +97,8 @@ class GaitBoard:
         self.reading = bytearray(READING_BYTES)
         self.ready = bytearray(READY_BYTES)
         self.rate_hz = params.rate_hz
-        self.numbers = int_block(BOARD_SIZE)
-        self.numbers[B_STALE] = self.numbers[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
+        self.status = int_block(BOARD_SIZE)
+        self.status[B_STALE] = self.status[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
         at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)
         close_frame(self.ready, READY, at)
         self.attitude = attitude
@@ -109,16 +106,16 @@ class GaitBoard:
 
     def take(self, data, count):
         """Take data[:count] of the stream: see take_frames."""
-        return take_frames(self.reader, self.frame, self.numbers, self.command, self.sensed, data, count)
+        return take_frames(self.reader, self.frame, self.status, self.command, self.sensed, data, count)
 
     def answer(self):
         """Read the sensor for the host into the frame ``reading``."""
-        write_reading(self.reading, self.numbers, self.sensor.read(self.asked), self.asked)
+        write_reading(self.reading, self.status, self.sensor.read(self.asked), self.asked)
 
     def tick(self):
         """Read the sensor and plan one tick into the frame ``setpoints``; return the flags."""
         fault = self.sensor.read(self.counts)
-        return tick(self, self.planner, self.numbers, self.command, self.obeyed, self.sensed, fault)
+        return tick(self, self.planner, self.status, self.command, self.obeyed, self.sensed, fault)
 
 
 @hot
@@ -178,10 +175,10 @@ def is_length(reader: Ints, frame, length: int) -> int:
 
 
 @hot
-def reset(numbers: Ints, command: Ints) -> int:
+def reset(numbers: Ints, command: Command) -> int:
     """Drive again; what was commanded before is not obeyed after it. Return 0."""
     numbers[B_STOPPED] = 0
-    command[C_MODE] = MODE_LIMP
+    command.mode = MODE_LIMP
     return 0
 
 
@@ -195,7 +192,7 @@ def tick(board, planner, numbers: Ints, command, obeyed, sensed, fault: int) -> 
     numbers[B_TICKS] = (numbers[B_TICKS] + 1) & _MASK
     if numbers[B_AGE] < numbers[B_STALE]:
         numbers[B_AGE] += 1
-    return write_setpoints(board.setpoints, numbers, planner.numbers, planner.joints)
+    return write_setpoints(board.setpoints, numbers, planner.status, planner.joints)
 
 
 @hot
@@ -213,19 +210,19 @@ def sense(attitude: Ints, counts, sensed: Ints, fault: int) -> int:
 
 
 @hot
-def obey(numbers: Ints, command: Ints, obeyed: Ints, fault: int) -> int:
+def obey(numbers: Ints, command: Command, obeyed: Command, fault: int) -> int:
     """Turn the command as received into what the planner may do now; return its mode."""
     for i in range(COMMAND_SIZE):
         obeyed[i] = command[i]
     if numbers[B_STOPPED]:
-        obeyed[C_MODE] = MODE_LIMP
-    elif numbers[B_AGE] >= numbers[B_STALE] and obeyed[C_MODE] == MODE_WALK:
-        obeyed[C_MODE] = MODE_STAND
+        obeyed.mode = MODE_LIMP
+    elif numbers[B_AGE] >= numbers[B_STALE] and obeyed.mode == MODE_WALK:
+        obeyed.mode = MODE_STAND
     if fault:
-        obeyed[C_BALANCE] = 0
+        obeyed.balance = 0
         for axis in range(3):
-            obeyed[C_SPEED + axis] = command[C_SPEED + axis] >> 1
-    return obeyed[C_MODE]
+            obeyed.speed[axis] = command.speed[axis] >> 1
+    return obeyed.mode
 
 
 @hot
@@ -244,12 +241,12 @@ def own_flags(numbers: Ints, sensed: Ints, fault: int) -> int:
 
 
 @hot
-def write_setpoints(frame, numbers: Ints, planned: Ints, joints) -> int:
+def write_setpoints(frame, numbers: Ints, planned: Status, joints) -> int:
     """Write the SETPOINTS frame; return the flags in it."""
     at = put(frame, PAYLOAD, numbers[B_TICKS], 4)
     at = put(frame, at, numbers[B_FLAGS], 4)
-    at = put(frame, at, planned[N_STATE], 1)
-    at = put(frame, at, planned[N_GAIT], 1)
+    at = put(frame, at, planned.state, 1)
+    at = put(frame, at, planned.gait, 1)
     close_frame(frame, SETPOINTS, put_each(frame, at, joints, JOINTS, 2))
     return numbers[B_FLAGS]
 

@@ -9,17 +9,11 @@ from dataclasses import dataclass, replace
 
 from shared import planner_layout as core
 from shared.command import (
-    C_BALANCE,
-    C_GAIT,
-    C_HEIGHT,
-    C_MODE,
-    C_POSE,
-    C_SPEED,
-    COMMAND_SIZE,
     MODE_LIMP,
     MODE_SIT,
     MODE_STAND,
     MODE_WALK,
+    Command,
 )
 from shared.gait import G_VX_MAX
 from shared.gaits import GAIT_NAMES
@@ -64,7 +58,7 @@ class Driver:
         self.rate_hz = self.scale.rate_hz
         self.planner = Planner(core_params(robot, rate_hz, planar))
         self.command = Command(gait=robot.gait.default)
-        self._command: list[int] = zeros(COMMAND_SIZE)
+        self._command: list[int] = Command()
         self._sensed: list[int] = zeros(core.SENSED_SIZE)
         self.flags = 0
 
@@ -81,7 +75,7 @@ class Driver:
     @property
     def state(self) -> str:
         """The planner's state in a word."""
-        return core.STATE_NAMES[self.planner.numbers[core.N_STATE]]
+        return core.STATE_NAMES[self.planner.status.state]
 
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
@@ -125,13 +119,13 @@ class Driver:
 
     def _fill_command(self) -> None:
         wish, scale, block = self.command, self.scale, self._command
-        block[C_MODE] = MODES[wish.mode]
-        block[C_GAIT] = gait_index(wish.gait)
-        block[C_SPEED] = scale.lf_per_tick(wish.vx_m_s)
-        block[C_SPEED + 1] = scale.lf_per_tick(wish.vy_m_s)
-        block[C_SPEED + 2] = scale.yaw18_per_tick(wish.wz_rad_s)
+        block.mode = MODES[wish.mode]
+        block.gait = gait_index(wish.gait)
+        block.speed[0] = scale.lf_per_tick(wish.vx_m_s)
+        block.speed[1] = scale.lf_per_tick(wish.vy_m_s)
+        block.speed[2] = scale.yaw18_per_tick(wish.wz_rad_s)
         for axis in range(3):
-            block[C_POSE + axis] = scale.lu(wish.pose[axis])
-            block[C_POSE + 3 + axis] = brad(wish.pose[axis + 3])
-        block[C_BALANCE] = int(wish.balance)
-        block[C_HEIGHT] = scale.lu(wish.height_m)
+            block.pose[axis] = scale.lu(wish.pose[axis])
+            block.pose[3 + axis] = brad(wish.pose[axis + 3])
+        block.balance = int(wish.balance)
+        block.height = scale.lu(wish.height_m)

@@ -23,10 +23,10 @@ _STOPPED = "told to stop, or fallen"
 
 def gait_now(driver: Driver) -> str:
     """Return what is walked: "backing off", "crawl", or the name of the gait."""
-    numbers = driver.planner.numbers
-    state = numbers[core.N_CLIMB]
+    status = driver.planner.status
+    state = status.climb
     if state == core.CLIMB_OFF:
-        return GAIT_NAMES[numbers[core.N_GAIT]]
+        return GAIT_NAMES[status.gait]
     return "backing off" if state == core.CLIMB_BACK else "crawl"
 
 
@@ -35,7 +35,7 @@ def change_reason(driver: Driver) -> str:
     params = driver.planner.params
     behind_mm = 1000 * driver.scale.metres(params.leg_length * 3 >> 5)
     held_s = params.advice_ticks / BEHIND_STEP / driver.rate_hz
-    crawls = driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
+    crawls = driver.planner.status.climb != core.CLIMB_OFF
     return {
         handover.REASON_NONE: "",
         handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
@@ -43,7 +43,7 @@ def change_reason(driver: Driver) -> str:
         if crawls
         else "a gait or a way was commanded that is not the crawl's",
         handover.REASON_EVEN: f"even ground under the last {handover.LEGS_EVEN} footholds",
-    }[driver.planner.numbers[core.N_REASON]]
+    }[driver.planner.status.reason]
 
 
 def advice(driver: Driver) -> str:
@@ -52,12 +52,12 @@ def advice(driver: Driver) -> str:
         adaptive.ADVICE_FINE: "",
         adaptive.ADVICE_BEHIND: "it does not get on: another gait may",
         adaptive.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
-    }[driver.planner.numbers[core.N_ADVICE]]
+    }[driver.planner.status.advice]
 
 
 def margin_m(driver: Driver) -> float:
     """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
-    return driver.scale.metres(driver.planner.numbers[core.N_MARGIN])
+    return driver.scale.metres(driver.planner.status.margin)
 
 
 def crawl_event(driver: Driver) -> str:
@@ -87,11 +87,11 @@ class GaitWatch:
     def restart(self) -> None:
         """Forget the notes; the seconds count from here."""
         self.notes: list[Note] = []
-        self._ticks, self._before = 0, self._driver.planner.numbers[core.N_CLIMB]
+        self._ticks, self._before = 0, self._driver.planner.status.climb
 
     def look(self) -> None:
         """Take note of a tick."""
-        now, before = self._driver.planner.numbers[core.N_CLIMB], self._before
+        now, before = self._driver.planner.status.climb, self._before
         self._ticks += 1
         if now == before:
             return
@@ -101,10 +101,10 @@ class GaitWatch:
             self.notes.append(Note(time_s, gait_now(self._driver), self._why(before, now)))
 
     def _why(self, before: int, now: int) -> str:
-        numbers = self._driver.planner.numbers
+        status = self._driver.planner.status
         if now == core.CLIMB_OFF and before == core.CLIMB_BACK:
             return _GIVEN_UP
-        if now == core.CLIMB_OFF and numbers[core.N_STATE] != core.WALKING:
+        if now == core.CLIMB_OFF and status.state != core.WALKING:
             return _STOPPED
         return change_reason(self._driver)
 

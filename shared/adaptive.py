@@ -15,8 +15,6 @@ rates it holds no heading and learns no centre of mass; without attitude it does
 from .body import POSE_X, POSE_Y, POSE_Z
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
 from .gait import (
-    CLOCK_SEGMENT,
-    CLOCK_TICK,
     G_CYCLE,
     G_ROWS,
     G_STANCE_Q10,
@@ -25,6 +23,7 @@ from .gait import (
     ROW_START,
     ROW_SWING_Q10,
     ROW_TICKS,
+    Clock,
 )
 from .ground import extra_lift, follow_twist, press_feet, roughness, twist
 from .load import L_FORCE_Q12, LOAD_SIZE, STANDS_Q8, load_share, load_slew
@@ -242,7 +241,7 @@ def retime(params: Params, gait: Ints, speed: Ints) -> int:
 
 
 @hot
-def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Ints, speed, drive: Ints) -> int:
+def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Clock, speed, drive: Ints) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
@@ -251,7 +250,7 @@ def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Ints, speed
     e = walk.nav
     t = walk.tip
     half = retime(params, gait, speed)
-    segment = clock[CLOCK_SEGMENT]
+    segment = clock.segment
     if segment & 1:
         w[W_LIFT] = extra_lift(params, w[W_ROUGH], e[NAV_X], drive[SPEED_X])
         return 0
@@ -268,7 +267,7 @@ def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Ints, speed
 
 
 @hot
-def sway_body(params: Params, walk: Adaptive, gait: Ints, clock: Ints, walking: int) -> int:
+def sway_body(params: Params, walk: Adaptive, gait: Ints, clock: Clock, walking: int) -> int:
     """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
 
     Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
@@ -277,14 +276,14 @@ def sway_body(params: Params, walk: Adaptive, gait: Ints, clock: Ints, walking: 
     if walking == 0:
         step = params.sway_slew
         w[W_SWAY] -= saturate(w[W_SWAY], -step, step)
-    elif clock[CLOCK_SEGMENT] & 1 == 0:
-        share = smooth_q12(clock[CLOCK_TICK] + 1, gait[G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS])
+    elif clock.segment & 1 == 0:
+        share = smooth_q12(clock.tick + 1, gait[G_ROWS + clock.segment * ROW_SIZE + ROW_TICKS])
         w[W_SWAY] = w[W_SWAY_FROM] + ((w[W_SWAY_TO] - w[W_SWAY_FROM]) * share >> 12)
     return w[W_SWAY]
 
 
 @hot
-def learn_centre(params: Params, walk: Adaptive, clock: Ints) -> int:
+def learn_centre(params: Params, walk: Adaptive, clock: Clock) -> int:
     """Sum up how the robot tips over a swing and learn from it; return the tip it learnt from, 2^-18 rad, else 0.
 
     What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
@@ -293,13 +292,13 @@ def learn_centre(params: Params, walk: Adaptive, clock: Ints) -> int:
     w = walk.state
     if w[W_RATES] == 0 or params.lateral_q12 == 0:
         return 0
-    tick = clock[CLOCK_TICK] + 1
-    swings = clock[CLOCK_SEGMENT] & 1
+    tick = clock.tick + 1
+    swings = clock.segment & 1
     late = params.tip_ticks
     if (swings and tick >= late) or (swings == 0 and tick < late):
         tip_add(walk.tip, w[W_TURNED], w[W_TURNED + 1])
     elif swings == 0 and tick == late:
-        front = clock[CLOCK_SEGMENT] >> 1
+        front = clock.segment >> 1
         return tip_learn(params, walk.body, front, 3 - front, walk.tip)
     return 0
 

@@ -8,16 +8,23 @@ from .body import POSE_SIZE
 from .fixed import saturate
 from .gait import G_VX_MAX
 from .params import Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
 from .steps import SPEED_SIZE
 
-C_MODE = const(0)  # MODE_...
-C_GAIT = const(1)  # index into gaits.GAITS
-C_SPEED = const(2)  # 3 values: vx, vy in lf / tick, wz in yaw18 / tick
-C_POSE = const(5)  # 6 values: x, y, z in lu; roll, pitch, yaw in brad
-C_BALANCE = const(11)  # 1: keep the body level by the measured attitude
-C_HEIGHT = const(12)  # lu, swing height; 0: the gait's own
-COMMAND_SIZE = const(13)
+
+@record
+class Command:
+    """What a driver wants, limited and slewed by the planner."""
+
+    mode: int = field("", "MODE_...")
+    gait: int = field("", "index into gaits.GAITS")
+    speed: Ints = vector(3, "", "vx, vy in lf / tick, wz in yaw18 / tick")
+    pose: Ints = vector(6, "", "x, y, z in lu; roll, pitch, yaw in brad")
+    balance: int = field("", "1: keep the body level by the measured attitude")
+    height: int = field("lu", "swing height; 0: the gait's own")
+
+
 
 MODE_LIMP = const(0)  # drive nothing: the joints are not held
 MODE_STAND = const(1)
@@ -32,7 +39,7 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed(params: Params, gait: Ints, command: Ints, halves: int, speed: Ints) -> int:
+def slew_speed(params: Params, gait: Ints, command: Command, halves: int, speed: Ints) -> int:
     """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
 
     halves: 0 to stop, 1, or 2 for the whole command, which is first limited to what robot and gait
@@ -41,7 +48,7 @@ def slew_speed(params: Params, gait: Ints, command: Ints, halves: int, speed: In
     still = 1
     for axis in range(SPEED_SIZE):
         top = gait[G_VX_MAX + axis]
-        wanted = command[C_SPEED + axis]
+        wanted = command.speed[axis]
         if wanted > top or wanted < -top:
             wanted = saturate(wanted, -top, top)
         wanted *= halves
@@ -57,13 +64,13 @@ def slew_speed(params: Params, gait: Ints, command: Ints, halves: int, speed: In
 
 
 @hot
-def slew_pose(params: Params, command: Ints, standing: int, pose: Ints) -> int:
+def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> int:
     """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
     for axis in range(POSE_SIZE):
         wanted = 0
         if standing:
             top = params.pose_max[axis]
-            wanted = command[C_POSE + axis]
+            wanted = command.pose[axis]
             if wanted > top or wanted < -top:
                 wanted = saturate(wanted, -top, top)
         if pose[axis] != wanted:

@@ -10,6 +10,7 @@ from .params import (
     LF_BITS,
     Params,
 )
+from .record import field, record
 from .runtime import Ints, const, hot, zeros
 
 G_SEGMENTS = const(0)  # number of segments
@@ -128,22 +129,29 @@ def share_out_swing(block, leg):
     block[G_STANCE_Q10 + leg] = standing
 
 
-CLOCK_SEGMENT = const(0)
-CLOCK_TICK = const(1)  # tick within the segment
-CLOCK_MADE_Q10 = const(2)  # the body's advance already made in the segment, ticks
-CLOCK_SIZE = const(3)
+
+
+@record
+class Clock:
+    """Clock"""
+
+    segment: int = field("", "segment")
+    tick: int = field("", "tick within the segment")
+    made_q10: int = field("", "the body's advance already made in the segment, ticks")
+
+
 
 
 @hot
-def gait_clock(gait: Ints, clock: Ints) -> int:
+def gait_clock(gait: Ints, clock: Clock) -> int:
     """Move the clock one tick on; return 1 when that starts a new cycle, else 0."""
-    clock[CLOCK_TICK] += 1
-    if clock[CLOCK_TICK] < gait[G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE + ROW_TICKS]:
+    clock.tick += 1
+    if clock.tick < gait[G_ROWS + clock.segment * ROW_SIZE + ROW_TICKS]:
         return 0
-    clock[CLOCK_TICK] = 0
-    clock[CLOCK_MADE_Q10] = 0
-    clock[CLOCK_SEGMENT] += 1
-    if clock[CLOCK_SEGMENT] < gait[G_SEGMENTS]:
+    clock.tick = 0
+    clock.made_q10 = 0
+    clock.segment += 1
+    if clock.segment < gait[G_SEGMENTS]:
         return 0
-    clock[CLOCK_SEGMENT] = 0
+    clock.segment = 0
     return 1

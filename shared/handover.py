@@ -4,7 +4,7 @@ The crawl starts from the measured joints, wherever the feet are. The trot gets 
 footholds; what its goals then differ by (height, lead, tilt) fades over half a second.
 """
 
-from .command import C_SPEED
+from .command import Command
 from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
 from .fixed import cos_q15, saturate, sin_q15
 from .params import JOINTS, LEGS, LF_BITS, Params
@@ -26,11 +26,11 @@ LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past wh
 
 
 @hot
-def straight_on(params: Params, command: Ints) -> int:
+def straight_on(params: Params, command: Command) -> int:
     """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
-    ahead = command[C_SPEED]
-    aside = command[C_SPEED + 1]
-    turn = saturate(command[C_SPEED + 2], -0xFFFFF, 0xFFFFF) * 4
+    ahead = command.speed[0]
+    aside = command.speed[1]
+    turn = saturate(command.speed[2], -0xFFFFF, 0xFFFFF) * 4
     if ahead <= 0 or aside > ahead or aside < -ahead:
         return 0
     if turn > params.speed_max[2] or turn < -params.speed_max[2]:

@@ -20,12 +20,6 @@ from .planner_climb import climb, climbs
 from .planner_layout import (
     CLIMB_BACK,
     LIMP,
-    N_CLIMB,
-    N_FLAGS,
-    N_GAIT,
-    N_MARGIN,
-    N_STATE,
-    N_SWINGING,
     RISING,
     SEATED,
     SITTING,
@@ -64,46 +58,46 @@ class Planner(PlannerState):
 @hot
 def plan(planner: PlannerState, command, sensed) -> int:
     """One tick of the planner; returns its flags."""
-    n = planner.numbers
+    status = planner.status
     m = planner.sensing
-    n[N_FLAGS] = 0
+    status.flags = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
-    state = n[N_STATE]
+    state = status.state
     if state == LIMP:
         follow_joints(planner, planner.sensed)
     elif state == RISING or state == SITTING:
         if posture_step(planner.move, planner.goal) == 0:
-            n[N_STATE] = state + 1
+            status.state = state + 1
     elif state != SEATED:
         if climbs(planner, command, planner.sensed):
             climb(planner, command, planner.sensed)
-        elif n[N_CLIMB] == CLIMB_BACK:
+        elif status.climb == CLIMB_BACK:
             tread(planner, planner.retreat, planner.sensed)
         else:
             tread(planner, command, planner.sensed)
     follow_goals(planner.params, planner.goal, planner.joints)
     if m[M_KNOWN]:
         keep_sent(planner.sensing, planner.joints)
-    return n[N_FLAGS]
+    return status.flags
 
 
 @hot
 def tread(planner: PlannerState, command, sensed) -> int:
     """One tick of standing or walking by a gait's table or the adaptive trot; return 0."""
-    n = planner.numbers
+    status = planner.status
     own = 0
-    if n[N_GAIT] == GAIT_ADAPTIVE:
+    if status.gait == GAIT_ADAPTIVE:
         own = 1
         feel(planner, sensed)
     step_gait(planner, command)
     level(planner, command, sensed)
     active = raise_body(planner.params, planner.walk, own)
-    n[N_MARGIN] = carry(planner.params, planner.walk, planner.reached, n[N_SWINGING], own)
+    status.margin = carry(planner.params, planner.walk, planner.reached, status.swinging, own)
     if active:
         correction = planner.balance.correction
         pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
-    n[N_FLAGS] |= solve_legs(planner, planner.goal)
+    status.flags |= solve_legs(planner, planner.goal)
     fade = planner.fade
     if fade[F_LEFT]:
         fade_out(planner.fade, planner.goal)

@@ -5,11 +5,10 @@
 
 from .adaptive import ADVICE_BEHIND, W_AHEAD, W_BEHIND, W_ROUGH, W_SWAY, adaptive_start
 from .balance import balance_reset
-from .command import C_GAIT, C_MODE, C_SPEED, MODE_WALK
+from .command import MODE_WALK, Command
 from .crawl import crawl_start, crawl_tick
 from .crawl_layout import C_LEG, C_MARGIN, C_PHASE, C_STANDS, REST
 from .fixed import saturate
-from .gait import CLOCK_TICK
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .handover import (
     REASON_BEHIND,
@@ -28,16 +27,6 @@ from .planner_layout import (
     CLIMB_OFF,
     CLIMB_ON,
     CLIMB_READY,
-    N_ADVICE,
-    N_CLIMB,
-    N_CYCLES,
-    N_FALLEN,
-    N_FLAGS,
-    N_GAIT,
-    N_MARGIN,
-    N_REASON,
-    N_STATE,
-    N_SWINGING,
     S_ATTITUDE_OK,
     S_JOINTS,
     S_JOINTS_OK,
@@ -55,82 +44,82 @@ from .steps import SPEED_SIZE
 
 
 @hot
-def climbs(planner: PlannerState, command: Ints, sensed: Ints) -> int:
+def climbs(planner: PlannerState, command: Command, sensed: Ints) -> int:
     """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
 
     It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
     advised to give way, at a moment when all feet have stood for long enough; held up, the trot backs off first.
     Without measured joints or attitude it never begins (BLIND): its table is walked instead.
     """
-    n = planner.numbers
-    if n[N_CLIMB] == CLIMB_BACK:
+    status = planner.status
+    if status.climb == CLIMB_BACK:
         return backed_off(planner, command, sensed)
-    if n[N_CLIMB]:
+    if status.climb:
         return 1
-    if command[C_MODE] != MODE_WALK or n[N_FALLEN] or straight_on(planner.params, command) == 0:
+    if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
         return 0
     reason = REASON_NONE
-    if n[N_SWINGING]:
+    if status.swinging:
         return 0
-    if command[C_GAIT] == GAIT_CLIMB and (n[N_STATE] == STANDING or n[N_GAIT] == GAIT_CLIMB):
+    if command.gait == GAIT_CLIMB and (status.state == STANDING or status.gait == GAIT_CLIMB):
         reason = REASON_COMMAND
-    elif n[N_GAIT] == GAIT_ADAPTIVE and (command[C_GAIT] == GAIT_ADAPTIVE or command[C_GAIT] == GAIT_CLIMB):
-        reason = advised(planner, command[C_GAIT])
+    elif status.gait == GAIT_ADAPTIVE and (command.gait == GAIT_ADAPTIVE or command.gait == GAIT_CLIMB):
+        reason = advised(planner, command.gait)
     if reason == REASON_NONE:
         return 0
     if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
-        n[N_FLAGS] |= BLIND
+        status.flags |= BLIND
         return 0
-    n[N_REASON] = reason
+    status.reason = reason
     if reason == REASON_BEHIND:
         return back_off(planner)
-    return stop_to_climb(planner, command[C_GAIT])
+    return stop_to_climb(planner, command.gait)
 
 
 @hot
 def stop_to_climb(planner: PlannerState, gait: int) -> int:
     """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
-    n = planner.numbers
+    status = planner.status
     v = planner.speed
     for axis in range(SPEED_SIZE):
         v[axis] = 0
-    n[N_CLIMB] = CLIMB_READY
-    n[N_GAIT] = gait
+    status.climb = CLIMB_READY
+    status.gait = gait
     return 1
 
 
 @hot
 def back_off(planner: PlannerState) -> int:
     """The held-up trot begins to back off, its reference where the robot is; return 0: it goes on trotting."""
-    n = planner.numbers
+    status = planner.status
     w = planner.felt
     navigate_reset(planner.nav)
     w[W_BEHIND] = 0
-    n[N_CLIMB] = CLIMB_BACK
+    status.climb = CLIMB_BACK
     return retreat_start(planner.retreat)
 
 
 @hot
-def backed_off(planner: PlannerState, command: Ints, sensed: Ints) -> int:
+def backed_off(planner: PlannerState, command: Command, sensed: Ints) -> int:
     """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
 
     It is given up when the command is no longer one for it, or when the senses it needs are missing.
     """
-    n = planner.numbers
+    status = planner.status
     m = planner.sensing
     keeps_on = straight_on(planner.params, command)
-    if command[C_MODE] != MODE_WALK or n[N_FALLEN]:
+    if command.mode != MODE_WALK or status.fallen:
         keeps_on = 0
-    if command[C_GAIT] != GAIT_ADAPTIVE and command[C_GAIT] != GAIT_CLIMB:
+    if command.gait != GAIT_ADAPTIVE and command.gait != GAIT_CLIMB:
         keeps_on = 0
     if keeps_on == 0 or sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
-        n[N_CLIMB] = CLIMB_OFF
+        status.climb = CLIMB_OFF
         return 0
     standing = 0
-    if n[N_STATE] == STANDING:
+    if status.state == STANDING:
         standing = 1
     if retreat_step(planner.params, command, m[M_MOVED_X], standing, planner.retreat):
-        return stop_to_climb(planner, command[C_GAIT])
+        return stop_to_climb(planner, command.gait)
     return 0
 
 
@@ -141,13 +130,13 @@ def advised(planner: PlannerState, wanted: int) -> int:
     wanted: the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does
     not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     w = planner.felt
     clock = planner.clock
-    if n[N_STATE] != WALKING or clock[CLOCK_TICK] <= params.stand_ticks:
+    if status.state != WALKING or clock.tick <= params.stand_ticks:
         return REASON_NONE
-    if n[N_ADVICE] == ADVICE_BEHIND:
+    if status.advice == ADVICE_BEHIND:
         return REASON_BEHIND
     if wanted == GAIT_CLIMB and w[W_BEHIND] == 0 and stands_level(planner.params, planner.sensing):
         return REASON_COMMAND
@@ -155,61 +144,61 @@ def advised(planner: PlannerState, wanted: int) -> int:
 
 
 @hot
-def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
+def climb(planner: PlannerState, command: Command, sensed: Ints) -> int:
     """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
 
     While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     m = planner.sensing
     at = planner.climb.state
     if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
-        n[N_FLAGS] |= BLIND
+        status.flags |= BLIND
         return 0
     roll = saturate(sensed[S_ROLL], -32768, 32767)
     pitch = saturate(sensed[S_PITCH], -32768, 32767)
     sense_legs(planner.params, sensed, S_JOINTS, roll, pitch, planner.sensing)
-    if n[N_CLIMB] == CLIMB_READY and m[M_KNOWN] > params.sent_ticks + 1:
+    if status.climb == CLIMB_READY and m[M_KNOWN] > params.sent_ticks + 1:
         crawl_start(planner.climb, planner.sensing, sensed, S_JOINTS, planner.joints, roll, pitch)
-        n[N_CLIMB] = CLIMB_ON
-    if n[N_CLIMB] == CLIMB_ON:
+        status.climb = CLIMB_ON
+    if status.climb == CLIMB_ON:
         reason = leaves(planner, command)
-        way = command[C_SPEED]
-        if reason or command[C_MODE] != MODE_WALK or n[N_FALLEN]:
+        way = command.speed[0]
+        if reason or command.mode != MODE_WALK or status.fallen:
             way = 0
-        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
-        n[N_SWINGING] = 0
+        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
+        status.swinging = 0
         if at[C_STANDS + at[C_LEG]] == 0:
-            n[N_SWINGING] = 1 << at[C_LEG]
-        n[N_MARGIN] = at[C_MARGIN]
-        n[N_STATE] = WALKING
+            status.swinging = 1 << at[C_LEG]
+        status.margin = at[C_MARGIN]
+        status.state = WALKING
         if at[C_PHASE] == REST:
             if reason:
                 hand_to_trot(planner, command, reason)
             elif way <= 0:
-                n[N_STATE] = STANDING
+                status.state = STANDING
     return 0
 
 
 @hot
-def leaves(planner: PlannerState, command: Ints) -> int:
+def leaves(planner: PlannerState, command: Command) -> int:
     """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
 
     Another gait is commanded, or a way it cannot go; as part of the adaptive gait also on even ground. A
     command of no speed at all lets it rest.
     """
-    n = planner.numbers
+    status = planner.status
     wanted = wanted_gait(planner, command)
-    if command[C_MODE] != MODE_WALK:
+    if command.mode != MODE_WALK:
         return REASON_NONE
     if wanted != GAIT_CLIMB and wanted != GAIT_ADAPTIVE:
         return REASON_COMMAND
-    if command[C_SPEED] == 0 and command[C_SPEED + 1] == 0 and command[C_SPEED + 2] == 0:
+    if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
-    n[N_GAIT] = wanted
+    status.gait = wanted
     if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.state):
         return REASON_EVEN
     return REASON_NONE
@@ -218,7 +207,7 @@ def leaves(planner: PlannerState, command: Ints) -> int:
 @hot
 def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
-    n = planner.numbers
+    status = planner.status
     w = planner.felt
     v = planner.speed
     steps_from_crawl(planner.params, planner.climb.state, w[W_AHEAD], w[W_SWAY], planner.steps)
@@ -228,9 +217,9 @@ def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     balance_reset(planner.balance)
     adaptive_start(planner.params, planner.walk)
     w[W_ROUGH] = 0
-    n[N_CLIMB] = CLIMB_OFF
-    n[N_REASON] = reason
-    n[N_ADVICE] = 0
-    n[N_CYCLES] = 0
-    n[N_STATE] = WALKING
+    status.climb = CLIMB_OFF
+    status.reason = reason
+    status.advice = 0
+    status.cycles = 0
+    status.state = WALKING
     return use_gait(planner, wanted_gait(planner, command))

@@ -1,6 +1,7 @@
 """Where the planner keeps its numbers: its states, what it is told is sensed, its flags, its own block."""
 
-from .runtime import const
+from .record import field, record, vector
+from .runtime import Ints, const
 
 LIMP = const(0)
 RISING = const(1)
@@ -33,25 +34,32 @@ POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays 
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
 
 # The planner's own numbers, one block
-N_STATE = const(0)
-N_GAIT = const(1)  # the gait being walked
-N_HEIGHT = const(2)  # lu, its swing height
-N_FLAGS = const(3)
-N_SWINGING = const(4)  # legs in swing, bits
-N_GAITS = const(5)  # how many gaits there are
-N_CYCLES = const(6)  # 0 in the first cycle after standing
-N_MARGIN = const(7)  # lu, static stability margin: the centre of mass in the polygon of the standing feet
-N_ADVICE = const(8)  # ADVICE_... of the adaptive trot: whether another gait would do better
-N_TILTED = const(9)  # ticks in a row of too much tilt
-N_FALLEN = const(10)  # 1: fallen
-N_CLIMB = const(11)  # the crawl over obstacles: CLIMB_...
-N_REASON = const(12)  # why trot and crawl were last exchanged, handover.REASON_...
-N_WAITED = const(13)  # ticks for which the commanded crawl has waited for level feet
-N_MET = const(14)  # 1: the joints have been known
-N_HELD = const(15)  # 6 values: the commanded pose that was out of reach, lu and brad
-N_HOLDS = const(21)  # 1: it was
-N_BEYOND = const(22)  # 1: a standing leg was out of reach or at its limits in the last tick
-N_SIZE = const(23)
+
+
+@record
+class Status:
+    """Status"""
+
+    state: int = field("", "state")
+    gait: int = field("", "the gait being walked")
+    height: int = field("lu", "its swing height")
+    flags: int = field("", "flags")
+    swinging: int = field("", "legs in swing, bits")
+    gaits: int = field("", "how many gaits there are")
+    cycles: int = field("", "0 in the first cycle after standing")
+    margin: int = field("lu", "static stability margin: the centre of mass in the polygon of the standing feet")
+    advice: int = field("", "ADVICE_... of the adaptive trot: whether another gait would do better")
+    tilted: int = field("", "ticks in a row of too much tilt")
+    fallen: int = field("", "1: fallen")
+    climb: int = field("", "the crawl over obstacles: CLIMB_...")
+    reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
+    waited: int = field("", "ticks for which the commanded crawl has waited for level feet")
+    met: int = field("", "1: the joints have been known")
+    held: Ints = vector(6, "", "the commanded pose that was out of reach, lu and brad")
+    holds: int = field("", "1: it was")
+    beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
+
+
 
 CLIMB_OFF = const(0)
 CLIMB_READY = const(1)  # standing still until the joints' loads are known

@@ -3,34 +3,34 @@
 from .adaptive import W_FAR
 from .balance import balance_release, balance_step
 from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
-from .command import C_BALANCE
+from .command import Command
 from .compliance import sag_leg
 from .fixed import saturate
 from .leg import leg_inverse, limit_joints
 from .load import L_FORCE_Q12
 from .params import LEGS
-from .planner_layout import N_BEYOND, N_FLAGS, N_SWINGING, NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
+from .planner_layout import NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
 from .planner_state import PlannerState
 from .reach import TOO_NEAR, reach_foot
 from .runtime import Ints, hot
 
 
 @hot
-def level(planner: PlannerState, command: Ints, sensed: Ints) -> int:
+def level(planner: PlannerState, command: Command, sensed: Ints) -> int:
     """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     pose = planner.pose
     posed = planner.posed
     correction = planner.balance.correction
-    if command[C_BALANCE] and sensed[S_ATTITUDE_OK]:
+    if command.balance and sensed[S_ATTITUDE_OK]:
         roll = saturate(sensed[S_ROLL], -32768, 32767)
         pitch = saturate(sensed[S_PITCH], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
         balance_release(planner.balance, params.pose_slew[POSE_ROLL])
-        if command[C_BALANCE]:
-            n[N_FLAGS] |= NO_ATTITUDE
+        if command.balance:
+            status.flags |= NO_ATTITUDE
     for axis in range(POSE_SIZE):
         posed[axis] = pose[axis]
     posed[POSE_ROLL] += correction.roll
@@ -45,14 +45,14 @@ def solve_legs(planner: PlannerState, joints) -> int:
     A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
     tick or two. N_BEYOND is set where a standing leg has flags.
     """
-    n = planner.numbers
+    status = planner.status
     hip_feet = planner.hip_feet
     limbs = planner.climb.limbs
     per_leg = planner.leg_flags
     forces = planner.load
     w = planner.felt
     body_rotation(planner.posed, planner.rotation)
-    n[N_BEYOND] = 0
+    status.beyond = 0
     together = 0
     farthest = 0
     for leg in range(LEGS):
@@ -71,7 +71,7 @@ def solve_legs(planner: PlannerState, joints) -> int:
         flags |= limit_joints(planner.params, leg, joints)
         per_leg[leg] = flags
         together |= flags
-        if flags and n[N_SWINGING] >> leg & 1 == 0:
-            n[N_BEYOND] = 1
+        if flags and status.swinging >> leg & 1 == 0:
+            status.beyond = 1
     w[W_FAR] = farthest
     return together

@@ -7,9 +7,6 @@ from .ground import press_feet
 from .params import JOINTS
 from .planner_layout import (
     BLIND,
-    N_ADVICE,
-    N_FLAGS,
-    N_MET,
     ODD_READING,
     S_ATTITUDE_OK,
     S_JOINTS,
@@ -31,7 +28,7 @@ def take_senses(planner: PlannerState, sensed: Ints) -> int:
 
     Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     own = planner.sensed
     odd = 0
@@ -41,17 +38,17 @@ def take_senses(planner: PlannerState, sensed: Ints) -> int:
         if odd >= 0:
             own[S_ATTITUDE_OK] = 1
         if odd > 0:
-            n[N_FLAGS] |= ODD_READING
+            status.flags |= ODD_READING
     own[S_JOINTS_OK] = 0
     if sensed[S_JOINTS_OK]:
         odd = believe(sensed, S_JOINTS, JOINTS, params.read_step, planner.sensed, planner.joints_read)
-        if n[N_MET] == 0:
+        if status.met == 0:
             meet(planner)
         if odd >= 0:
             own[S_JOINTS_OK] = 1
-            n[N_MET] = 1
+            status.met = 1
         if odd > 0:
-            n[N_FLAGS] |= ODD_READING
+            status.flags |= ODD_READING
     for at in range(S_RATES, SENSED_SIZE):
         own[at] = sensed[at]
     return 0
@@ -72,7 +69,7 @@ def meet(planner: PlannerState) -> int:
 @hot
 def feel(planner: PlannerState, sensed: Ints) -> int:
     """Give the adaptive trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
-    n = planner.numbers
+    status = planner.status
     w = planner.felt
     correction = planner.balance.correction
     roll = 0
@@ -86,10 +83,10 @@ def feel(planner: PlannerState, sensed: Ints) -> int:
         if sensed[S_RATES_OK]:
             w[W_TURNED + axis] = saturate(sensed[S_RATES + axis], -0x8000, 0x7FFF)
     if sensed[S_ATTITUDE_OK] == 0 or sensed[S_RATES_OK] == 0 or sensed[S_JOINTS_OK] == 0:
-        n[N_FLAGS] |= BLIND
+        status.flags |= BLIND
     feel_legs(planner.params, planner.walk, sensed, S_JOINTS, sensed[S_JOINTS_OK], roll, pitch)
     feel_ground(planner.params, planner.walk, planner.steps, roll, pitch, correction.roll, correction.pitch)
-    n[N_ADVICE] = w[W_ADVICE]
+    status.advice = w[W_ADVICE]
     return 0
 
 
@@ -98,8 +95,8 @@ def relax(planner: PlannerState) -> int:
     """Under a table gait: forget what was measured, sway to the middle, footholds to level ground; return 0."""
     w = planner.felt
     m = planner.sensing
-    n = planner.numbers
-    n[N_ADVICE] = 0
+    status = planner.status
+    status.advice = 0
     m[M_KNOWN] = 0
     if w[W_ACTIVE]:
         w[W_TWIST] = 0

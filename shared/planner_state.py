@@ -4,12 +4,12 @@ from .adaptive import Adaptive
 from .balance import Balance, balance_setup
 from .body import POSE_SIZE
 from .crawl import Crawl
-from .gait import CLOCK_SIZE, G_ROWS, compile_gait
+from .gait import G_ROWS, Clock, compile_gait
 from .gaits import GAITS
 from .goals import READ_SIZE
 from .handover import FADE_SIZE
 from .params import JOINTS, LEGS, Params
-from .planner_layout import N_GAITS, N_SIZE, SENSED_SIZE
+from .planner_layout import SENSED_SIZE, Status
 from .posture import MOVE_SIZE
 from .retreat import RETREAT_SIZE
 from .runtime import zeros
@@ -24,8 +24,8 @@ class PlannerState:
         self.gaits = [compile_gait(table, params) for table in GAITS]
         self.gait = self.gaits[0]
         self.top = zeros(G_ROWS)  # a gait's head, of which only the fastest speeds are used
-        self.numbers = zeros(N_SIZE)
-        self.clock = zeros(CLOCK_SIZE)
+        self.status = Status()
+        self.clock = Clock()
         self.speed = zeros(SPEED_SIZE)
         self.drive = zeros(SPEED_SIZE)  # the speed that is walked: corrected by odometry
         self.pose = zeros(POSE_SIZE)
@@ -51,5 +51,5 @@ class PlannerState:
         self.climb = Crawl(params)
         self.fade = zeros(FADE_SIZE)
         self.retreat = zeros(RETREAT_SIZE)
-        self.numbers[N_GAITS] = len(self.gaits)
+        self.status.gaits = len(self.gaits)
         balance_setup(params, self.balance)

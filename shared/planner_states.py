@@ -8,7 +8,7 @@ A move between stand and seat goes from the joints' present goals to the next st
 from .adaptive import adaptive_reset
 from .balance import balance_reset
 from .body import POSE_SIZE
-from .command import C_MODE, MODE_LIMP, MODE_SIT, MODE_STAND
+from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
 from .handover import F_LEFT
 from .params import JOINTS, LEGS
@@ -17,13 +17,6 @@ from .planner_layout import (
     CLIMB_OFF,
     FALLEN,
     LIMP,
-    N_CLIMB,
-    N_FALLEN,
-    N_FLAGS,
-    N_HOLDS,
-    N_STATE,
-    N_SWINGING,
-    N_TILTED,
     NO_JOINTS,
     NOT_DRIVEN,
     RISING,
@@ -45,23 +38,23 @@ from .steps import SPEED_SIZE, place_feet, steps_reset
 
 
 @hot
-def choose_state(planner: PlannerState, command: Ints, sensed) -> int:
+def choose_state(planner: PlannerState, command: Command, sensed) -> int:
     """Go where the commanded mode leads from the present state; return 0."""
-    n = planner.numbers
-    mode = command[C_MODE]
+    status = planner.status
+    mode = command.mode
     if mode < MODE_LIMP or mode > MODE_SIT:
-        n[N_FLAGS] |= BAD_COMMAND
+        status.flags |= BAD_COMMAND
         mode = MODE_STAND
-    state = n[N_STATE]
+    state = status.state
     if watch_tilt(planner, sensed, mode):
-        n[N_FLAGS] |= FALLEN
+        status.flags |= FALLEN
         if mode != MODE_LIMP:
             mode = MODE_SIT
             if state == WALKING:
                 begin_move(planner, sensed, SITTING)
     if mode == MODE_LIMP:
-        n[N_STATE] = LIMP
-        n[N_SWINGING] = 0
+        status.state = LIMP
+        status.swinging = 0
     elif mode == MODE_SIT:
         if state == STANDING or state == RISING:
             begin_move(planner, sensed, SITTING)
@@ -76,21 +69,21 @@ def watch_tilt(planner: PlannerState, sensed: Ints, mode: int) -> int:
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     if mode == MODE_LIMP or mode == MODE_SIT:
-        n[N_FALLEN] = 0
+        status.fallen = 0
     most = params.tilt_max
     tilted = 0
     if sensed[S_ROLL] > most or sensed[S_ROLL] < -most or sensed[S_PITCH] > most or sensed[S_PITCH] < -most:
-        tilted = n[N_TILTED] + 1
-    if sensed[S_ATTITUDE_OK] == 0 or (n[N_STATE] != STANDING and n[N_STATE] != WALKING):
+        tilted = status.tilted + 1
+    if sensed[S_ATTITUDE_OK] == 0 or (status.state != STANDING and status.state != WALKING):
         tilted = 0
-    n[N_TILTED] = tilted
+    status.tilted = tilted
     if tilted > params.tilt_ticks:
-        n[N_FALLEN] = 1
-        n[N_TILTED] = 0
-    return n[N_FALLEN]
+        status.fallen = 1
+        status.tilted = 0
+    return status.fallen
 
 
 @hot
@@ -100,15 +93,15 @@ def begin_move(planner: PlannerState, sensed: Ints, state: int) -> int:
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
     """
-    n = planner.numbers
+    status = planner.status
     known = 0
     if sensed[S_JOINTS_OK]:
         known = joints_near(planner.params, sensed, S_JOINTS, planner.joints)
-    if n[N_STATE] == LIMP and known == 0:
-        n[N_FLAGS] |= NO_JOINTS
+    if status.state == LIMP and known == 0:
+        status.flags |= NO_JOINTS
         return 0
-    n[N_STATE] = state
-    n[N_SWINGING] = 0
+    status.state = state
+    status.swinging = 0
     settle(planner)
     if state == SITTING:
         fold_legs(planner)
@@ -130,9 +123,9 @@ def settle(planner: PlannerState) -> int:
         posed[axis] = 0
     fade = planner.fade
     fade[F_LEFT] = 0
-    n = planner.numbers
-    n[N_CLIMB] = CLIMB_OFF
-    n[N_HOLDS] = 0
+    status = planner.status
+    status.climb = CLIMB_OFF
+    status.holds = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     adaptive_reset(planner.params, planner.walk)
@@ -153,9 +146,9 @@ def fold_legs(planner: PlannerState) -> int:
 @hot
 def follow_joints(planner: PlannerState, sensed: Ints) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
-    n = planner.numbers
+    status = planner.status
     q = planner.goal
-    n[N_FLAGS] |= NOT_DRIVEN
+    status.flags |= NOT_DRIVEN
     if sensed[S_JOINTS_OK]:
         for joint in range(JOINTS):
             q[joint] = sensed[S_JOINTS + joint]

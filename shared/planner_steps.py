@@ -6,31 +6,19 @@
 from .adaptive import W_FASTEST, W_LIFT, adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
 from .balance import balance_gains
 from .body import POSE_SIZE
-from .command import C_GAIT, C_HEIGHT, C_MODE, C_POSE, MODE_WALK, slew_pose, slew_speed
+from .command import MODE_WALK, Command, slew_pose, slew_speed
 from .fixed import saturate
-from .gait import CLOCK_MADE_Q10, CLOCK_SEGMENT, CLOCK_TICK, G_HEIGHT_MM, G_VX_MAX, gait_clock
+from .gait import G_HEIGHT_MM, G_VX_MAX, gait_clock
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .navigate import drive_as_told
 from .planner_layout import (
     BAD_COMMAND,
-    N_BEYOND,
-    N_CYCLES,
-    N_FALLEN,
-    N_FLAGS,
-    N_GAIT,
-    N_GAITS,
-    N_HEIGHT,
-    N_HELD,
-    N_HOLDS,
-    N_STATE,
-    N_SWINGING,
-    N_WAITED,
     POSE_HELD,
     STANDING,
     WALKING,
 )
 from .planner_state import PlannerState
-from .runtime import Ints, const, hot
+from .runtime import const, hot
 from .sensing import M_KNOWN
 from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
 
@@ -38,71 +26,71 @@ _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
 @hot
-def step_gait(planner: PlannerState, command: Ints) -> int:
+def step_gait(planner: PlannerState, command: Command) -> int:
     """Move the feet by one tick of the gait, and start or end walking where that is safe; return 0.
 
     The first cycle of a table gait is walked at half speed: all feet start at rest, in the middle of their
     way, and the last to swing would else be left a whole stride behind. The adaptive one starts slowly anyway.
     """
-    n = planner.numbers
+    status = planner.status
     wanted = crawl_waits(planner, wanted_gait(planner, command))
-    if n[N_STATE] == STANDING:
+    if status.state == STANDING:
         use_gait(planner, wanted)
-        n[N_CYCLES] = 0
+        status.cycles = 0
     fits = limit_to_both(planner, wanted)
     halves = 0
-    if command[C_MODE] == MODE_WALK and n[N_FALLEN] == 0:
+    if command.mode == MODE_WALK and status.fallen == 0:
         halves = 1
-        if n[N_CYCLES] or n[N_GAIT] == GAIT_ADAPTIVE:
+        if status.cycles or status.gait == GAIT_ADAPTIVE:
             halves = 2
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
     held = 0
-    if n[N_BEYOND] or n[N_HOLDS]:
+    if status.beyond or status.holds:
         held = hold_back(planner, command)
     if held == 0:
         slew_pose(planner.params, command, 1, planner.pose)
-    if n[N_STATE] == STANDING:
+    if status.state == STANDING:
         if still:
             place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
-            n[N_SWINGING] = 0
-            if n[N_GAIT] == GAIT_ADAPTIVE:
+            status.swinging = 0
+            if status.gait == GAIT_ADAPTIVE:
                 sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
             return 0
-        n[N_STATE] = WALKING
+        status.state = WALKING
         adaptive_start(planner.params, planner.walk)
-    walk_on(planner, command[C_HEIGHT], still)
+    walk_on(planner, command.height, still)
     if gait_clock(planner.gait, planner.clock):
-        n[N_CYCLES] = 1
+        status.cycles = 1
         if still and steps_at_rest(planner.params, planner.steps):
-            n[N_STATE] = STANDING
+            status.state = STANDING
         elif fits:
             use_gait(planner, wanted)
         else:
-            use_gait(planner, n[N_GAIT])
+            use_gait(planner, status.gait)
     return 0
 
 
 @hot
-def hold_back(planner: PlannerState, command: Ints) -> int:
+def hold_back(planner: PlannerState, command: Command) -> int:
     """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
 
     It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
     """
-    n = planner.numbers
+    status = planner.status
     w = planner.pose
     posed = 0
     for axis in range(POSE_SIZE):
         if w[axis]:
             posed = 1
-        if n[N_HELD + axis] != command[C_POSE + axis]:
-            n[N_HELD + axis] = command[C_POSE + axis]
-            n[N_HOLDS] = 0
-    if n[N_BEYOND] and posed:
-        n[N_HOLDS] = 1
+        if status.held[axis] != command.pose[axis]:
+            status.held[axis] = command.pose[axis]
+            status.holds = 0
+    if status.beyond and posed:
+        status.holds = 1
         slew_pose(planner.params, command, 0, planner.pose)
-    if n[N_HOLDS]:
-        n[N_FLAGS] |= POSE_HELD
-    return n[N_HOLDS]
+    if status.holds:
+        status.flags |= POSE_HELD
+    return status.holds
 
 
 @hot
@@ -111,14 +99,14 @@ def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
 
     height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     w = planner.felt
     clock = planner.clock
     own = 0
     if height_lu <= 0:
-        height_lu = n[N_HEIGHT]
-    if n[N_GAIT] == GAIT_ADAPTIVE:
+        height_lu = status.height
+    if status.gait == GAIT_ADAPTIVE:
         own = 1
         height_lu = saturate(height_lu, 0, 32767) + w[W_LIFT]
     height_lu = saturate(height_lu, 0, -params.sit_z)
@@ -126,18 +114,18 @@ def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
         drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
     else:
         drive_as_told(planner.speed, planner.drive)
-    if clock[CLOCK_TICK] == 0:
+    if clock.tick == 0:
         if own:
             begin_segment(planner.params, planner.walk, planner.gait, planner.clock, planner.speed, planner.drive)
         start_swings(planner.gait, planner.clock, planner.steps)
         if own:
             lift_at_once(planner.steps, height_lu)
     move_feet(planner.steps, planner.drive, body_advance(planner.gait, planner.clock))
-    n[N_SWINGING] = place_feet(planner.params, planner.gait, planner.steps, planner.drive, height_lu, planner.feet)
+    status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.drive, height_lu, planner.feet)
     if own:
         sway_body(planner.params, planner.walk, planner.gait, planner.clock, 1)
         learn_centre(planner.params, planner.walk, planner.clock)
-    return n[N_SWINGING]
+    return status.swinging
 
 
 @hot
@@ -148,7 +136,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
     """
     g = planner.gait
     w = planner.gaits[wanted]
-    n = planner.numbers
+    status = planner.status
     v = planner.speed
     top = planner.top
     fits = 1
@@ -159,7 +147,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
         if g[G_VX_MAX + axis] < most:
             most = g[G_VX_MAX + axis]
         top[G_VX_MAX + axis] = most
-    if n[N_GAIT] == GAIT_ADAPTIVE:
+    if status.gait == GAIT_ADAPTIVE:
         start_slowly(planner)
     return fits
 
@@ -185,13 +173,13 @@ def start_slowly(planner: PlannerState) -> int:
 
 
 @hot
-def wanted_gait(planner: PlannerState, command: Ints) -> int:
+def wanted_gait(planner: PlannerState, command: Command) -> int:
     """Return the index of the commanded gait, or of the present one if there is no such gait."""
-    n = planner.numbers
-    gait = command[C_GAIT]
-    if gait < 0 or gait >= n[N_GAITS]:
-        n[N_FLAGS] |= BAD_COMMAND
-        return n[N_GAIT]
+    status = planner.status
+    gait = command.gait
+    if gait < 0 or gait >= status.gaits:
+        status.flags |= BAD_COMMAND
+        return status.gait
     return gait
 
 
@@ -203,14 +191,14 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
     (planner_climb.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
     does not wait.
     """
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     m = planner.sensing
-    if wanted != GAIT_CLIMB or n[N_STATE] != WALKING or n[N_GAIT] == GAIT_CLIMB:
-        n[N_WAITED] = 0
+    if wanted != GAIT_CLIMB or status.state != WALKING or status.gait == GAIT_CLIMB:
+        status.waited = 0
         return wanted
-    n[N_WAITED] = saturate(n[N_WAITED] + 1, 0, 0xFFFF)
-    if n[N_WAITED] > params.rate_hz * _WAIT_S or (n[N_GAIT] == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
+    status.waited = saturate(status.waited + 1, 0, 0xFFFF)
+    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
         return wanted
     return GAIT_ADAPTIVE
 
@@ -218,18 +206,18 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
 @hot
 def use_gait(planner: PlannerState, gait: int) -> int:
     """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
-    n = planner.numbers
+    status = planner.status
     params = planner.params
     clock = planner.clock
-    clock[CLOCK_TICK] = 0
-    clock[CLOCK_MADE_Q10] = 0
-    clock[CLOCK_SEGMENT] = 0
-    n[N_GAIT] = gait
+    clock.tick = 0
+    clock.made_q10 = 0
+    clock.segment = 0
+    status.gait = gait
     planner.gait = planner.gaits[gait]
     if gait == GAIT_ADAPTIVE:
         balance_gains(planner.params, 1, planner.balance)
     else:
         balance_gains(planner.params, 0, planner.balance)
     g = planner.gait
-    n[N_HEIGHT] = (g[G_HEIGHT_MM] << params.length_shift) // 1000
+    status.height = (g[G_HEIGHT_MM] << params.length_shift) // 1000
     return 0

@@ -5,7 +5,7 @@ foot while the robot's weight is across the other diagonal, and it tips over; be
 of the edge it does not. The way back is measured by the legs' odometry, so slip does not count.
 """
 
-from .command import C_GAIT, C_SPEED, COMMAND_SIZE
+from .command import COMMAND_SIZE, Command
 from .fixed import saturate
 from .gaits import GAIT_ADAPTIVE
 from .params import LF_BITS, Params
@@ -30,7 +30,7 @@ def retreat_start(retreat: Ints) -> int:
 
 
 @hot
-def retreat_step(params: Params, command: Ints, moved_lf: int, standing: int, retreat: Ints) -> int:
+def retreat_step(params: Params, command: Ints, moved_lf: int, standing: int, retreat: Command) -> int:
     """Write this tick's command for the trot: backwards, then nothing; return 1 once it has stood for half a second.
 
     moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
@@ -43,12 +43,12 @@ def retreat_step(params: Params, command: Ints, moved_lf: int, standing: int, re
     retreat[R_TICKS] = saturate(retreat[R_TICKS] + 1, 0, 0xFFFF)
     if retreat[R_MOVED] >= (params.leg_length * 3 << LF_BITS) // 10 or retreat[R_TICKS] > params.rate_hz * _LONGEST_S:
         retreat[R_ENDS] = 1
-    retreat[C_GAIT] = GAIT_ADAPTIVE
-    retreat[C_SPEED] = -(params.speed_max[0] * 3 // 10)
-    retreat[C_SPEED + 1] = 0
-    retreat[C_SPEED + 2] = 0
+    retreat.gait = GAIT_ADAPTIVE
+    retreat.speed[0] = -(params.speed_max[0] * 3 // 10)
+    retreat.speed[1] = 0
+    retreat.speed[2] = 0
     if retreat[R_ENDS]:
-        retreat[C_SPEED] = 0
+        retreat.speed[0] = 0
     retreat[R_STOOD] = saturate(retreat[R_STOOD] + 1, 0, 0xFFFF)
     if retreat[R_ENDS] == 0 or standing == 0:
         retreat[R_STOOD] = 0

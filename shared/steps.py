@@ -8,9 +8,6 @@ stance (the symmetric point of Raibert's foot placement), so nothing accumulates
 
 from .fixed import saturate
 from .gait import (
-    CLOCK_MADE_Q10,
-    CLOCK_SEGMENT,
-    CLOCK_TICK,
     G_CYCLOID,
     G_P_N_Q16,
     G_P_T_Q16,
@@ -21,6 +18,7 @@ from .gait import (
     ROW_START,
     ROW_SWING_Q10,
     ROW_TICKS,
+    Clock,
 )
 from .params import LEGS, LF_BITS, Params
 from .runtime import Ints, const, hot
@@ -76,9 +74,9 @@ def steps_at_rest(params: Params, steps: Ints) -> int:
 
 
 @hot
-def start_swings(gait: Ints, clock: Ints, steps: Ints) -> int:
+def start_swings(gait: Ints, clock: Clock, steps: Ints) -> int:
     """Lift the legs whose swing starts in the clock's segment; return their bits."""
-    row = G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE
+    row = G_ROWS + clock.segment * ROW_SIZE
     lifted = 0
     for leg in range(LEGS):
         ticks = gait[row + ROW_START + leg]
@@ -107,24 +105,24 @@ def lift_at_once(steps: Ints, height_lu: int) -> int:
 
 
 @hot
-def body_advance(gait: Ints, clock: Ints) -> int:
+def body_advance(gait: Ints, clock: Clock) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 
     Summed over a segment exactly ROW_ADVANCE_Q4. 0 .. 8192, because compile_gait refuses faster segments.
     Intermediates below 4096 * 32768 + 2^15.
     """
-    row = G_ROWS + clock[CLOCK_SEGMENT] * ROW_SIZE
+    row = G_ROWS + clock.segment * ROW_SIZE
     advance_q4 = gait[row + ROW_ADVANCE_Q4]
     if advance_q4 == 0:
         return 0
     ticks = gait[row + ROW_TICKS]
-    tick = clock[CLOCK_TICK]
+    tick = clock.tick
     share = ((tick + 1) << 15) // ticks
     if gait[G_CYCLOID] and ticks > 1:
         share = cycloid_q15(swing_phase_q16(tick, ticks, 65536, 65536))
     made = (advance_q4 >> 6) * share + ((advance_q4 & 63) * share >> 6) + 4 >> 3
-    advance = made - clock[CLOCK_MADE_Q10]
-    clock[CLOCK_MADE_Q10] = made
+    advance = made - clock.made_q10
+    clock.made_q10 = made
     return advance
 
 

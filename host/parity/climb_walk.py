@@ -10,7 +10,7 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.link import PAYLOAD
 from firmware.mpu6050 import Mpu6050
-from shared.command import C_BALANCE, C_GAIT, C_MODE, C_SPEED, COMMAND_SIZE, MODE_STAND, MODE_WALK
+from shared.command import COMMAND_SIZE, MODE_STAND, MODE_WALK
 from shared.gaits import GAIT_CLIMB
 from shared.record import pack
 from sim2d import terrain
@@ -35,8 +35,8 @@ _G_M_S2, _ACCEL_PER_G, _GYRO_PER_DEG_S, _INT16 = 9.80665, 16384, 131, 32767
 
 def _command(robot: Robot, mode: int) -> list[int]:
     block = [0] * COMMAND_SIZE
-    block[C_MODE], block[C_GAIT], block[C_BALANCE] = mode, GAIT_CLIMB, 1
-    block[C_SPEED] = scale_of(robot).lf_per_tick(SPEED_M_S)
+    block.mode, block.gait, block.balance = mode, GAIT_CLIMB, 1
+    block.speed[0] = scale_of(robot).lf_per_tick(SPEED_M_S)
     return block
 
 

@@ -117,7 +117,7 @@ class Supervisor:
         """Why the gait changed, what the crawl met, what is advised."""
         if self.driver.state != "walking":
             return ()
-        crawls = self.driver.planner.numbers[core.N_CLIMB] != core.CLIMB_OFF
+        crawls = self.driver.planner.status.climb != core.CLIMB_OFF
         return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
 
     def stop_now(self) -> None:

@@ -4,8 +4,6 @@ from dataclasses import dataclass, field
 from math import inf, isfinite
 from typing import Any
 
-from shared import planner_layout as core
-
 from ..gait_advice import gait_advice
 from ..gait_changes import gait_now, margin_m
 from ..robot_model import Robot
@@ -64,7 +62,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
     """Return the state, the reason, who drives, what is measured, and the loop's figures."""
     supervisor = loop.supervisor
     arbiter, measured, now_s = supervisor.arbiter, supervisor.measured, loop.clock()
-    numbers, stop = supervisor.driver.planner.numbers, arbiter.stop
+    numbers, stop = supervisor.driver.planner.status, arbiter.stop
     battery_V = measured.battery_V
     return {
         "type": "status",
@@ -90,7 +88,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
         "load": rounded(measured.load, 3),
         "temperature_C": rounded(measured.temperature_C, 1),
         "silent": [joint for joint, age_s in enumerate(measured.age_s) if age_s == inf],
-        "swinging": numbers[core.N_SWINGING],
+        "swinging": numbers.swinging,
         "bus_asked": supervisor.bus.counters.sent,
         "bus_errors": supervisor.bus.counters.errors,
         "obeyed": arbiter.obeyed,

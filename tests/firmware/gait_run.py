@@ -4,7 +4,6 @@ from firmware.gait import B_FLAGS, GaitBoard
 from firmware.gait_main import BLOCK_BYTES, take_block
 from firmware.link import crc16
 from firmware.mpu6050 import Mpu6050
-from shared.planner_layout import N_STATE
 
 
 class I2c:
@@ -54,7 +53,7 @@ def run(params, attitude, blocks, lock, unlock):
         take_block(board, stream, data)
         board.tick()
         stream.write(board.setpoints)
-        states |= 1 << board.planner.numbers[N_STATE]
-        faults |= 1 << (board.numbers[B_FLAGS] >> 20)
+        states |= 1 << board.planner.status.state
+        faults |= 1 << (board.status[B_FLAGS] >> 20)
         unlock()
-    return [stream.sent, stream.digest, states, faults, list(board.numbers), list(board.reader), list(board.command)]
+    return [stream.sent, stream.digest, states, faults, list(board.status), list(board.reader), list(board.command)]

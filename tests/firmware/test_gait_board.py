@@ -16,7 +16,7 @@ from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
 from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
-from shared.command import C_BALANCE, C_MODE, C_SPEED, COMMAND_SIZE, MODE_WALK
+from shared.command import COMMAND_SIZE, MODE_WALK
 from shared.planner import Planner
 from shared.planner_layout import (
     S_ATTITUDE_OK,
@@ -37,9 +37,9 @@ LEVEL = [0, 0, 0, 0, 0, 16384]
 
 def walk_command():
     block = array("i", [0] * COMMAND_SIZE)
-    block[C_MODE] = MODE_WALK
-    block[C_SPEED] = scale_of(ROBOT).lf_per_tick(0.05)
-    block[C_BALANCE] = 1
+    block.mode = MODE_WALK
+    block.speed[0] = scale_of(ROBOT).lf_per_tick(0.05)
+    block.balance = 1
     return block
 
 
@@ -137,9 +137,9 @@ def test_broken_frames_are_counted_and_not_obeyed(loop):
         loop.write(broken)
         loop.write(bytes(80))  # whatever it waits for ends
     assert loop.board.reader[link.R_BROKEN] > 0
-    assert not loop.board.numbers[application.B_STOPPED]
+    assert not loop.board.status[application.B_STOPPED]
     loop.write(stop)
-    assert loop.board.numbers[application.B_STOPPED]
+    assert loop.board.status[application.B_STOPPED]
 
 
 @pytest.mark.parametrize(

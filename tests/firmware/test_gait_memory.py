@@ -15,7 +15,6 @@ from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.runtimes import Unix, Wasi
 from host.scale import attitude_block, brad, core_params
-from shared.command import C_MODE
 from shared.planner_layout import LIMP, STANDING, WALKING
 from shared.record import pack
 
@@ -54,7 +53,7 @@ def blocks():
     noise = random.Random(3)
     rest = [brad(a) for a in planar_robot(ROBOT).stand_pose_rad]
     limp = walk_command()
-    limp[C_MODE] = 0
+    limp.mode = 0
     stream, found = b"", []
     for tick in range(TICKS):
         stream += frame(link.COMMAND, limp if tick < 3 else walk_command(), 4)[: noise.choice((99, 99, 99, 30))]

@@ -22,17 +22,17 @@ def seen(driver, *states):
     """Return the notes of a watch that sees (climb state, reason, planner's state) tick by tick."""
     watch = GaitWatch(driver)
     for climb, reason, state in states:
-        numbers = driver.planner.numbers
-        numbers[core.N_CLIMB], numbers[core.N_REASON], numbers[core.N_STATE] = climb, reason, state
+        status = driver.planner.status
+        status.climb, status.reason, status.state = climb, reason, state
         watch.look()
     return watch.notes
 
 
 @pytest.mark.parametrize("reason", REASONS)
 def test_every_reason_has_a_sentence(driver, reason):
-    driver.planner.numbers[core.N_REASON] = reason
+    driver.planner.status.reason = reason
     for climb in (core.CLIMB_OFF, core.CLIMB_READY, core.CLIMB_ON, core.CLIMB_BACK):
-        driver.planner.numbers[core.N_CLIMB] = climb
+        driver.planner.status.climb = climb
         assert len(change_reason(driver).split()) > 3
 
 

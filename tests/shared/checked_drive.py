@@ -24,7 +24,7 @@ def fill(made, values):
 
 def drive_planner(array, params, ticks, dice):
     """Any words in command and senses, with modes that lead through all states."""
-    from shared.command import C_MODE, COMMAND_SIZE
+    from shared.command import COMMAND_SIZE
     from shared.params import Params
     from shared.planner import Planner
     from shared.planner_layout import SENSED_SIZE
@@ -38,7 +38,7 @@ def drive_planner(array, params, ticks, dice):
         if tick % 4 == 0:
             fill(command, [word(dice) if dice.randrange(3) == 0 else value for value in command])
             fill(sensed, [word(dice) if dice.randrange(9) == 0 else value for value in sensed])
-            command[C_MODE] = dice.choice((0, 1, 2, 2, 2, 2, 2, 2, 3, word(dice)))
+            command.mode = dice.choice((0, 1, 2, 2, 2, 2, 2, 2, 3, word(dice)))
         checked.check(planner.tick(command, sensed))
 
 

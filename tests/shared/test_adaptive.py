@@ -200,7 +200,7 @@ def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
     assert state[adaptive.W_AHEAD] == PARAMS.body_forward
     assert state[adaptive.W_RAISED] == PARAMS.body_raise
     assert sum(load[4:8]) == pytest.approx(state[adaptive.W_WEIGHT_Q12], abs=8)
-    assert stander.planner.numbers[n.N_MARGIN] * UNIT_M > 0.05
+    assert stander.planner.status.margin * UNIT_M > 0.05
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
@@ -212,7 +212,7 @@ def test_it_walks_stops_and_sits_with_every_knee(name, knees):
     for _ in range(300):
         flags |= walker.tick()
         seen.add(walker.swinging())
-        assert walker.planner.numbers[n.N_MARGIN] == walker.planner.walk.state[adaptive.W_MARGIN]
+        assert walker.planner.status.margin == walker.planner.walk.state[adaptive.W_MARGIN]
     assert seen == {0, 6, 9}
     assert flags & ~n.BLIND == 0
     walker.mode(c.MODE_STAND)

@@ -139,8 +139,8 @@ def test_prints_come_out_in_the_order_they_went_in():
 
 def test_the_crawl_begins_when_commanded_and_tells_why():
     walker = in_climb(1.0)
-    numbers = walker.planner.numbers
-    assert (numbers[n.N_CLIMB], numbers[n.N_REASON]) == (n.CLIMB_ON, REASON_COMMAND)
+    status = walker.planner.status
+    assert (status.climb, status.reason) == (n.CLIMB_ON, REASON_COMMAND)
     assert walker.state == n.WALKING
 
 
@@ -154,7 +154,7 @@ def test_without_joints_or_attitude_the_table_is_walked_and_said_so():
         walker.speed(0.05)
         walker.mode(c.MODE_WALK)
         assert walker.ticks(50) & n.BLIND
-        assert (walker.planner.numbers[n.N_CLIMB], walker.state) == (n.CLIMB_OFF, n.WALKING)
+        assert (walker.planner.status.climb, walker.state) == (n.CLIMB_OFF, n.WALKING)
 
 
 class Scripted:
@@ -181,10 +181,10 @@ class Scripted:
             steps = [abs(a - b) for a, b in zip(goals, self.goals, strict=True)]
             self.largest_step_rad = max(self.largest_step_rad, *steps)
         self.goals = goals
-        numbers = self.driver.planner.numbers
-        self.states.append(numbers[n.N_STATE])
-        self.crawls.append(numbers[n.N_CLIMB])
-        self.reasons.append(numbers[n.N_REASON])
+        status = self.driver.planner.status
+        self.states.append(status.state)
+        self.crawls.append(status.climb)
+        self.reasons.append(status.reason)
         return goals
 
 

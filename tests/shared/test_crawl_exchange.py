@@ -13,8 +13,9 @@ from shared import crawl_layout as at
 from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
 from shared import planner_layout as n
 from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED, W_BEHIND, W_ROUGH
-from shared.gait import CLOCK_TICK
+from shared.command import Command
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
+from shared.planner_layout import Status
 from tests.float_twin import crawl_exchange as twin
 from tests.float_twin.doubt import Doubt
 
@@ -50,28 +51,28 @@ class Pair:
 
     @property
     def numbers(self):
-        return self.walker.planner.numbers
+        return self.walker.planner.status
 
-    def command(self, block):
+    def command(self, block: Command):
         """Return a command for the twin."""
         fine_m = self.robot.unit_m / 256
         speed = [value * unit for value, unit in zip(block[c.C_SPEED :][:3], (fine_m, fine_m, YAW_RAD), strict=True)]
-        return SimpleNamespace(walk=block[c.C_MODE] == c.MODE_WALK, gait=block[c.C_GAIT], speed=speed)
+        return SimpleNamespace(walk=block.mode == c.MODE_WALK, gait=block.gait, speed=speed)
 
     def known(self, sensed):
         """Return what the planner knows now."""
-        robot, numbers = self.walker.planner, self.numbers
+        robot, numbers = self.walker.planner, self.status
         return SimpleNamespace(
             joints_ok=sensed[n.S_JOINTS_OK],
             attitude_ok=sensed[n.S_ATTITUDE_OK],
-            fallen=numbers[n.N_FALLEN],
-            standing=numbers[n.N_STATE] == n.STANDING,
-            swinging=numbers[n.N_SWINGING],
-            walked=numbers[n.N_GAIT],
-            behind=numbers[n.N_ADVICE] == ADVICE_BEHIND,
+            fallen=numbers.fallen,
+            standing=numbers.state == n.STANDING,
+            swinging=numbers.swinging,
+            walked=numbers.gait,
+            behind=numbers.advice == ADVICE_BEHIND,
             lag=robot.felt[W_BEHIND],
             heights=[height * self.robot.unit_m for height in robot.sensing[sensing.M_LEVEL + 2 : 12 : 3]],
-            segment=robot.clock[CLOCK_TICK],
+            segment=robot.clock.tick,
             moved=robot.sensing[sensing.M_MOVED_X] * self.robot.unit_m / 256,
             known=robot.sensing[sensing.M_KNOWN],
         )
@@ -79,12 +80,12 @@ class Pair:
     def climbs(self, robot, command, sensed):
         """Stand in for shared.planner_climb.climbs: both decide."""
         wanted, known = self.command(command), self.known(sensed)
-        flags = self.numbers[n.N_FLAGS]
-        self.numbers[n.N_FLAGS] = 0
+        flags = self.status.flags
+        self.status.flags = 0
         answer = planner_climb.climbs(robot, command, sensed)
         assert bool(answer) == self.twin.takes(wanted, known)
         self.compare(known.standing)
-        self.numbers[n.N_FLAGS] |= flags
+        self.status.flags |= flags
         return answer
 
     def climb(self, robot, command, sensed):
@@ -92,8 +93,8 @@ class Pair:
         wanted, known = self.command(command), self.known(sensed)
         crawl = robot.climb.state
         before = SimpleNamespace(even=crawl[at.C_STEPS_EVEN])
-        flags, events = self.numbers[n.N_FLAGS], crawl[at.C_LANDED]
-        self.numbers[n.N_FLAGS] = 0
+        flags, events = self.status.flags, crawl[at.C_LANDED]
+        self.status.flags = 0
         planner_climb.climb(robot, command, sensed)
         known.known = robot.sensing[sensing.M_KNOWN]
         was = self.twin.stage
@@ -107,27 +108,27 @@ class Pair:
             if self.twin.stage == twin.OFF:
                 self.handed_over()
         self.compare(standing)
-        self.numbers[n.N_FLAGS] |= flags
+        self.status.flags |= flags
         return 0
 
     def swings(self, crawl):
         """Return whether the planner says which leg is in the air."""
         bits = sum(1 << leg for leg in range(4) if not crawl[at.C_STANDS + leg])
-        return self.numbers[n.N_SWINGING] == bits and self.numbers[n.N_MARGIN] == crawl[at.C_MARGIN]
+        return self.status.swinging == bits and self.status.margin == crawl[at.C_MARGIN]
 
     def handed_over(self):
         """The trot begins from rest, with nothing held against it."""
         robot = self.walker.planner
         assert list(robot.speed) == [0, 0, 0]
-        assert (self.numbers[n.N_ADVICE], self.numbers[n.N_CYCLES], robot.felt[W_ROUGH]) == (0, 0, 0)
-        assert robot.clock[CLOCK_TICK] == 0
+        assert (self.status.advice, self.status.cycles, robot.felt[W_ROUGH]) == (0, 0, 0)
+        assert robot.clock.tick == 0
 
     def compare(self, standing):
         """The same stage, reason, state, gait and flag."""
-        numbers = self.numbers
-        core = numbers[n.N_CLIMB], numbers[n.N_REASON], numbers[n.N_STATE] == n.STANDING, numbers[n.N_GAIT]
+        status = self.status
+        core = status.climb, status.reason, status.state == n.STANDING, status.gait
         assert core == (self.twin.stage, self.twin.reason, standing, self.twin.walked)
-        assert bool(numbers[n.N_FLAGS] & n.BLIND) == self.twin.blind
+        assert bool(status.flags & n.BLIND) == self.twin.blind
         self.seen.add((self.twin.stage, self.twin.reason))
 
     def tick(self):
@@ -164,15 +165,15 @@ SPEEDS_SI = ((0.05, 0.0, 0.0),) * 6 + (
 
 def trouble(pair, dice):
     """Draw a command now and then, and senses, advice and even ground."""
-    block, sensed, numbers = pair.walker.command, pair.walker.sensed, pair.numbers
+    block, sensed, numbers = pair.walker.command, pair.walker.sensed, pair.status
     if dice.random() < 0.006:
-        block[c.C_MODE], block[c.C_GAIT] = dice.choice(MODES), dice.choice(GAITS)
+        block.mode, block.gait = dice.choice(MODES), dice.choice(GAITS)
         pair.walker.speed(*dice.choice(SPEEDS_SI))
     sensed[n.S_JOINTS_OK] = int(dice.random() > 0.002)
     sensed[n.S_ATTITUDE_OK] = int(dice.random() > 0.002)
-    if dice.random() < 0.3 and numbers[n.N_GAIT] == GAIT_ADAPTIVE:
-        numbers[n.N_ADVICE] = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
-    if dice.random() < 0.05 and numbers[n.N_CLIMB] == n.CLIMB_ON:
+    if dice.random() < 0.3 and numbers.gait == GAIT_ADAPTIVE:
+        numbers.advice = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
+    if dice.random() < 0.05 and numbers.climb == n.CLIMB_ON:
         pair.walker.planner.climb.state[at.C_STEPS_EVEN] = dice.choice((0, 15, 16, 20))
 
 
@@ -219,22 +220,22 @@ FEET = st.tuples(st.sampled_from((0, 5)), HEIGHTS)
 SHARED_WALKER = Walker()
 
 
-def put(numbers, clock, speed, command):
+def put(numbers: Status, clock, speed, command):
     """Return a pair whose planner is at a point that was drawn, and its command."""
     pair = Pair(walker=SHARED_WALKER)
     robot, block = pair.walker.planner, pair.walker.command
     for place, value in numbers.items():
-        robot.numbers[place] = value
-    robot.numbers[n.N_REASON], pair.twin.stage = 0, numbers[n.N_CLIMB]
-    robot.clock[CLOCK_TICK] = pair.robot.stand_ticks + clock
-    block[c.C_MODE], block[c.C_GAIT] = command
+        robot.status[place] = value
+    robot.status.reason, pair.twin.stage = 0, numbers.climb
+    robot.clock.tick = pair.robot.stand_ticks + clock
+    block.mode, block.gait = command
     block[c.C_SPEED : c.C_SPEED + 3] = array("i", speed)
     return pair, robot, block
 
 
 @repeatable(1500)
 @given(TROTS, st.integers(0, 1), SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), FEET, st.sampled_from((0, 0, 99)))
-def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed, command, senses, feet, lag):
+def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers: Status, clock, speed, command, senses, feet, lag):
     pair, robot, block = put(numbers, clock, speed, command)
     sensed = pair.walker.sensed
     sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
@@ -243,7 +244,7 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed
     robot.felt[W_BEHIND], robot.nav[0], robot.speed[0] = lag, 99, 99
     robot.sensing[sensing.M_KNOWN], robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
     pair.climbs(robot, block, sensed)
-    if numbers[n.N_CLIMB] == n.CLIMB_OFF:
+    if numbers.climb == n.CLIMB_OFF:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
         assert (robot.felt[W_BEHIND], robot.nav[0]) == ((0, 0) if backs else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
@@ -251,13 +252,13 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers, clock, speed
 
 @repeatable(600)
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
-def test_the_crawl_ends_for_the_same_reason_at_any_point(numbers, speed, command, even):
+def test_the_crawl_ends_for_the_same_reason_at_any_point(numbers: Status, speed, command, even):
     pair, robot, block = put(numbers, 0, speed, command)
     robot.climb.state[at.C_STEPS_EVEN] = even
     wanted = pair.command(block)
-    pair.twin.walked = numbers[n.N_GAIT]
+    pair.twin.walked = numbers.gait
     assert planner_climb.leaves(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
-    assert robot.numbers[n.N_GAIT] == pair.twin.walked
+    assert robot.status.gait == pair.twin.walked
 
 
 @repeatable(60)
@@ -280,9 +281,9 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
         assert retreat.retreat_step(params, command, moved, standing, state) == int(done)
         if doubt.count:
             back.ends = bool(state[retreat.R_ENDS])
-        assert state[c.C_SPEED] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
+        assert state.speed[0] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
         assert state[c.C_SPEED + 1 : c.C_SPEED + 3] == [0, 0]
-        assert state[c.C_GAIT] == GAIT_ADAPTIVE
+        assert state.gait == GAIT_ADAPTIVE
         assert state[c.C_POSE : c.COMMAND_SIZE] == command[c.C_POSE :]
         if done:
             return
@@ -298,10 +299,10 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
 def test_the_crawl_waits_as_long_as_the_twin(wishes, state, known):
     """The wait begins anew with each command for another gait, and ends after six seconds of one."""
     pair = Pair(walker=SHARED_WALKER)
-    robot, numbers = pair.walker.planner, pair.numbers
-    numbers[n.N_STATE], numbers[n.N_WAITED], robot.sensing[sensing.M_KNOWN] = state, 0, known
+    robot, numbers = pair.walker.planner, pair.status
+    numbers.state, numbers.waited, robot.sensing[sensing.M_KNOWN] = state, 0, known
     for wanted, walked, ticks in wishes:
-        numbers[n.N_GAIT] = walked
+        numbers.gait = walked
         for _ in range(ticks):
             told = pair.twin.next_gait(wanted, pair.known(pair.walker.sensed))
             assert planner_steps.crawl_waits(robot, wanted) == told

@@ -22,7 +22,7 @@ from shared import (
 )
 from shared import crawl as core_crawl
 from shared import crawl_layout as at
-from shared.command import C_SPEED, COMMAND_SIZE
+from shared.command import COMMAND_SIZE
 from shared.crawl import Crawl
 from shared.planner_layout import LIMIT_FLAGS
 from shared.sensing import M_FORCE_Q12, M_LEVEL, SENSING_SIZE
@@ -373,7 +373,7 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
     ticks = 0
     while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state):
         ticks += 1
-        assert state[C_SPEED] <= 0
+        assert state.speed[0] <= 0
         assert ticks < 8 * rate_hz
     by_way = math.ceil(0.3 * 0.24 / back_m) if back_m > 1e-5 else math.inf
     assert abs(ticks - min(by_way, 6 * rate_hz) - rate_hz / 2) <= 3 + 0.001 * ticks

@@ -10,8 +10,8 @@ from shared import command as c
 from shared import gait as g
 from shared import planner_layout as n
 from shared import steps as s
+from shared.gait import Clock
 from shared.gaits import GAIT_NAMES, GAITS
-from shared.runtime import zeros
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
 
@@ -33,7 +33,7 @@ class Trace:
         self.table = GAITS[GAIT_NAMES.index(gait)]
         self.cycle = self.walker.planner.gaits[GAIT_NAMES.index(gait)][g.G_CYCLE]
         self.walker.ticks(1 + 3 * self.cycle)
-        while self.walker.planner.clock[g.CLOCK_SEGMENT] or self.walker.planner.clock[g.CLOCK_TICK]:
+        while self.walker.planner.clock.segment or self.walker.planner.clock.tick:
             self.walker.tick()
         self.feet, self.air = [], []
         for _ in range(2 * self.cycle):
@@ -131,7 +131,7 @@ def test_turning_speed_is_the_commanded_one(rate_hz, wz_rad_s):
 def test_lift_is_the_configured_height(gait):
     for height_lu in (0, 2000, 4321):
         walker = Walker("caramelo", 50)
-        walker.command[c.C_HEIGHT] = height_lu
+        walker.command.height = height_lu
         walker.walk(gait, vx_m_s=0.03)
         table = Gait(GAITS[GAIT_NAMES.index(gait)], 50)
         highest = [0] * 4
@@ -151,7 +151,7 @@ def test_a_height_that_changes_in_the_air_waits_for_the_next_swing():
     walker.walk("trot", vx_m_s=0.05)
     last, worst = None, 0.0
     for tick in range(1200):
-        walker.command[c.C_HEIGHT] = 6000 if tick % 7 < 3 else 300
+        walker.command.height = 6000 if tick % 7 < 3 else 300
         walker.tick()
         heights = [foot[2] for foot in walker.feet_m()]
         worst = max([worst] + [abs(a - b) for a, b in zip(heights, last or heights, strict=True)])
@@ -177,7 +177,7 @@ def test_feet_keep_their_place_over_a_long_walk(gait):
     walker = Walker("caramelo", 50)
     walker.walk(gait, vx_m_s=0.04, vy_m_s=0.01, wz_rad_s=0.2)
     cycle = walker.planner.gaits[GAIT_NAMES.index(gait)][g.G_CYCLE]
-    while walker.state != n.WALKING or walker.planner.clock[g.CLOCK_SEGMENT] or walker.planner.clock[g.CLOCK_TICK]:
+    while walker.state != n.WALKING or walker.planner.clock.segment or walker.planner.clock.tick:
         walker.tick()
     walker.ticks(3 * cycle)
     early = list(walker.planner.feet)
@@ -244,7 +244,7 @@ def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
         assert made[g.G_CYCLE] == exact.cycle
         for leg in range(4):
             assert made[g.G_STANCE_Q10 + leg] / 1024 == pytest.approx(exact.way_of_stance[leg], abs=0.25)
-        clock = zeros(g.CLOCK_SIZE)
+        clock = Clock()
         for place in range(exact.cycle):
             assert s.body_advance(made, clock) / 1024 == pytest.approx(exact.way(place), abs=8e-3 + 5e-5 * exact.cycle)
             assert g.gait_clock(made, clock) == (place == exact.cycle - 1)

@@ -173,16 +173,16 @@ def test_before_the_joints_are_known_the_goals_are_what_was_read_and_it_stays_li
 def wild_command(walker, dice):
     """Command anything: modes, gaits, speeds and poses at the ends of the sliders or beyond, any words."""
     command, params = walker.command, walker.params
-    command[c.C_MODE] = dice.choice((c.MODE_WALK,) * 6 + (c.MODE_STAND, c.MODE_STAND, c.MODE_SIT, c.MODE_LIMP, 9))
-    command[c.C_GAIT] = dice.choice((-1, *range(len(GAITS)), len(GAITS)))
-    command[c.C_BALANCE] = dice.randrange(2)
-    command[c.C_HEIGHT] = dice.choice((0, 0, 6000, any_word(dice)))
+    command.mode = dice.choice((c.MODE_WALK,) * 6 + (c.MODE_STAND, c.MODE_STAND, c.MODE_SIT, c.MODE_LIMP, 9))
+    command.gait = dice.choice((-1, *range(len(GAITS)), len(GAITS)))
+    command.balance = dice.randrange(2)
+    command.height = dice.choice((0, 0, 6000, any_word(dice)))
     for axis in range(3):
         top = params.speed_max[axis]
-        command[c.C_SPEED + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
+        command.speed[axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
     for axis in range(6):
         top = params.pose_max[axis]
-        command[c.C_POSE + axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
+        command.pose[axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
 
 
 def any_word(dice):
@@ -317,7 +317,7 @@ def standing_still(walker, ticks):
 def pose_at(walker, ends):
     """Command each slider at an end, or in the middle: 1, -1, 0."""
     for axis, end in enumerate(ends):
-        walker.command[c.C_POSE + axis] = end * walker.params.pose_max[axis]
+        walker.command.pose[axis] = end * walker.params.pose_max[axis]
 
 
 def held_short(name, ends):
@@ -348,11 +348,11 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name, corn
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command[c.C_POSE + 2], walker.command[c.C_POSE + 4] = 5000, walker.params.pose_max[4]
+    walker.command.pose[2], walker.command.pose[4] = 5000, walker.params.pose_max[4]
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
-    assert 0 < walker.planner.pose[4] < walker.command[c.C_POSE + 4]
-    walker.command[c.C_POSE + 4] = 500
+    assert 0 < walker.planner.pose[4] < walker.command.pose[4]
+    walker.command.pose[4] = 500
     walker.ticks(150)
     assert walker.tick() == 0
     assert list(walker.planner.pose[2:5]) == [5000, 0, 500]
@@ -376,7 +376,7 @@ def walking_at(name, gait, ends, balance):
     walker.gait(gait)
     walker.speed(0.05)
     walker.mode(c.MODE_WALK)
-    walker.command[c.C_BALANCE] = balance
+    walker.command.balance = balance
     pose_at(walker, ends)
     return largest_step(walker, 150)
 

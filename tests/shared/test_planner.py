@@ -172,7 +172,7 @@ def test_walks_that_stop_and_start_do_not_creep():
     walker, dice = in_state(n.STANDING), random.Random(1)
     rest = list(walker.planner.feet)
     for _ in range(30):
-        walker.command[c.C_GAIT] = dice.randrange(GAIT_CLIMB)
+        walker.command.gait = dice.randrange(GAIT_CLIMB)
         walker.speed(dice.uniform(-0.1, 0.1), dice.uniform(-0.05, 0.05), dice.uniform(-0.4, 0.4))
         walker.mode(c.MODE_WALK)
         walker.ticks(dice.randrange(20, 200))
@@ -190,11 +190,11 @@ def test_a_gait_changes_only_when_all_feet_stand_and_the_robot_is_slow_enough():
     changes = set()
     for tick in range(12000):
         if tick % 37 == 0:
-            walker.command[c.C_GAIT] = dice.randrange(GAIT_CLIMB)
+            walker.command.gait = dice.randrange(GAIT_CLIMB)
             walker.speed(dice.uniform(-0.3, 0.3), dice.uniform(-0.2, 0.2), dice.uniform(-1, 1))
-        before = walker.planner.numbers[n.N_GAIT]
+        before = walker.planner.status.gait
         walker.tick()
-        after = walker.planner.numbers[n.N_GAIT]
+        after = walker.planner.status.gait
         if before != after:
             changes.add((before, after))
             assert not any(walker.planner.steps[leg * s.STEP_SIZE + s.STEP_TICKS] for leg in range(4))
@@ -232,8 +232,8 @@ def restless_feet(walker, ticks, seed):
         if tick % 23 == 0:
             for at in range(c.C_SPEED, c.COMMAND_SIZE):
                 walker.command[at] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
-            walker.command[c.C_MODE] = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
-            walker.command[c.C_GAIT] = dice.choice((-1, *range(GAIT_CLIMB), len(GAITS)))
+            walker.command.mode = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
+            walker.command.gait = dice.choice((-1, *range(GAIT_CLIMB), len(GAITS)))
         walker.tick()
         assert walker.state in (n.STANDING, n.WALKING)
         feet = walker.feet_m()
@@ -272,7 +272,7 @@ def drive(walker, ticks, seed):
         if tick % 5 == 0:
             for block in (walker.command, walker.sensed):
                 block[dice.randrange(len(block))] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
-            walker.command[c.C_MODE] = dice.choice((0, 1, 1, 2, 2, 2, 2, 2, 3, dice.randint(-9, 9)))
+            walker.command.mode = dice.choice((0, 1, 1, 2, 2, 2, 2, 2, 3, dice.randint(-9, 9)))
         flags = walker.planner.tick(walker.command, walker.sensed)
         states.add(walker.state)
         joints = list(walker.planner.joints)
@@ -318,11 +318,11 @@ STATES = [in_state(state) for state in range(6)]
 
 def test_unknown_modes_and_gaits_are_reported_and_replaced():
     walker = in_state(n.WALKING)
-    gait = walker.planner.numbers[n.N_GAIT]
-    walker.command[c.C_GAIT] = len(GAIT_NAMES)
+    gait = walker.planner.status.gait
+    walker.command.gait = len(GAIT_NAMES)
     assert walker.tick() & n.BAD_COMMAND
     walker.ticks(200)
-    assert walker.planner.numbers[n.N_GAIT] == gait
+    assert walker.planner.status.gait == gait
     walker.gait("crawl")
     walker.mode(17)
     assert walker.tick() & n.BAD_COMMAND
@@ -331,7 +331,7 @@ def test_unknown_modes_and_gaits_are_reported_and_replaced():
 
 def test_balance_without_attitude_is_reported_and_fades():
     walker = in_state(n.STANDING)
-    walker.command[c.C_BALANCE] = 1
+    walker.command.balance = 1
     walker.sensed[n.S_ROLL] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
@@ -360,7 +360,7 @@ def test_the_body_pose_is_limited_and_slewed():
 def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
     walker = in_state(n.STANDING)
     walker.params.pose_max[2] = walker.params.pose_slew[2] = 20000
-    walker.command[c.C_POSE + 2] = 20000
+    walker.command.pose[2] = 20000
     assert walker.tick() & n.REACH_FLAGS
     assert any(walker.planner.leg_flags)
 

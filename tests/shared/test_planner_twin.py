@@ -31,13 +31,13 @@ class Pair:
         block, unit = self.walker.command, self.robot.unit_m
         speed = [v * s for v, s in zip(block[c.C_SPEED : c.C_SPEED + 3], (unit / 256, unit / 256, 2**-18), strict=True)]
         pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block[c.C_POSE : c.C_POSE + 6])]
-        height = block[c.C_HEIGHT] * unit
+        height = block.height * unit
         return SimpleNamespace(
-            mode=block[c.C_MODE],
-            gait=block[c.C_GAIT],
+            mode=block.mode,
+            gait=block.gait,
             speed=speed,
             pose=pose,
-            balance=block[c.C_BALANCE],
+            balance=block.balance,
             height_m=height,
         )
 
@@ -63,7 +63,7 @@ class Pair:
 
     def agree_on_reach(self):
         """Within rounding of the edge of its reach the float planner goes by the core, else they agree."""
-        beyond = bool(self.walker.planner.numbers[n.N_BEYOND])
+        beyond = bool(self.walker.planner.status.beyond)
         if beyond != any(self.twin.flagged):
             assert self.twin.edge_m < 0.1e-3 or self.twin.edge_rad < 1e-3
             self.twin.flagged = [beyond] * 4
@@ -126,15 +126,15 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
     states, errors = set(), []
     for tick in range(4000):
         if tick % 60 == 0:
-            command[c.C_MODE] = dice.choice((c.MODE_STAND, c.MODE_WALK, c.MODE_WALK, c.MODE_WALK))
-            command[c.C_GAIT] = dice.randrange(len(TABLE_GAITS))
-            command[c.C_BALANCE] = dice.randrange(2)
-            command[c.C_HEIGHT] = dice.choice((0, 2000, 5000))
+            command.mode = dice.choice((c.MODE_STAND, c.MODE_WALK, c.MODE_WALK, c.MODE_WALK))
+            command.gait = dice.randrange(len(TABLE_GAITS))
+            command.balance = dice.randrange(2)
+            command.height = dice.choice((0, 2000, 5000))
             for axis in range(3):
                 top = params.speed_max[axis] // 2
-                command[c.C_SPEED + axis] = dice.randint(-top, top) * 2 * dice.randrange(2)
+                command.speed[axis] = dice.randint(-top, top) * 2 * dice.randrange(2)
             for axis in range(6):
-                command[c.C_POSE + axis] = dice.randint(-800, 800)
+                command.pose[axis] = dice.randint(-800, 800)
         sensed[n.S_ROLL] += dice.randint(-40, 40) - (sensed[n.S_ROLL] >> 4)
         sensed[n.S_PITCH] += dice.randint(-40, 40) - (sensed[n.S_PITCH] >> 4)
         errors.append(pair.tick())

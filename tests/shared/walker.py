@@ -28,13 +28,13 @@ class Walker:
 
     @property
     def state(self):
-        return self.planner.numbers[n.N_STATE]
+        return self.planner.status.state
 
     def mode(self, mode):
-        self.command[c.C_MODE] = mode
+        self.command.mode = mode
 
     def gait(self, name):
-        self.command[c.C_GAIT] = GAIT_NAMES.index(name)
+        self.command.gait = GAIT_NAMES.index(name)
 
     def speed(self, vx_m_s=0.0, vy_m_s=0.0, wz_rad_s=0.0):
         """Command a speed; return what the integers make of it, per tick, in m and rad."""
@@ -84,4 +84,4 @@ class Walker:
 
     def swinging(self):
         """Return the legs in the air as bits."""
-        return self.planner.numbers[n.N_SWINGING]
+        return self.planner.status.swinging

@@ -31,7 +31,7 @@ def climb_from(ground, at_m, seconds=30.0, gait="adaptive"):
         if commanded is None and world.position_m()[0] - start_m >= at_m:
             commanded = tick
             driver.set_command(mode="walk", gait="climb", vx_m_s=0.05)
-        if began is None and driver.planner.numbers[n.N_CLIMB] == n.CLIMB_ON:
+        if began is None and driver.planner.status.climb == n.CLIMB_ON:
             began = tick
         if max(map(abs, world.attitude_rad()[:2])) > FALLEN_RAD:
             return True, None

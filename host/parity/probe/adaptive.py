@@ -2,7 +2,7 @@
 
 
 from shared import adaptive
-from shared.gait import CLOCK_SEGMENT, CLOCK_SIZE, CLOCK_TICK, compile_gait
+from shared.gait import Clock, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
 from shared.runtime import zeros
 from shared.steps import SPEED_SIZE, STEPS_SIZE, steps_reset
@@ -20,7 +20,7 @@ POSED = Block(zeros(6), (3, Range(-65535, 65535)), (3, BRAD))
 SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
 DRIVE = zeros(SPEED_SIZE)
 STEPS = zeros(STEPS_SIZE)
-CLOCK = zeros(CLOCK_SIZE)
+CLOCK = Clock()
 FLAG = Range(0, 1)
 GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
 WALK = adaptive.Adaptive(PARAMS[0])
@@ -42,8 +42,8 @@ def _begin():
 
 def _clock(params, dice):
     """Put the clock anywhere in the gait of a robot; return that gait."""
-    CLOCK[CLOCK_SEGMENT] = dice.below(4)
-    CLOCK[CLOCK_TICK] = dice.below(12)
+    CLOCK.segment = dice.below(4)
+    CLOCK.tick = dice.below(12)
     for at in range(len(PARAMS)):
         if PARAMS[at] is params:
             return GAIT_OF[at]

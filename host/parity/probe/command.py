@@ -3,6 +3,7 @@
 
 from shared import command
 from shared.body import POSE_SIZE
+from shared.command import Command
 from shared.runtime import zeros
 from shared.steps import SPEED_SIZE
 
@@ -10,7 +11,7 @@ from .draw import Range
 from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
 from .probe import Block, Probe
 
-COMMAND = Block(zeros(command.COMMAND_SIZE), (command.COMMAND_SIZE, INT30))
+COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 SPEED = zeros(SPEED_SIZE)
 POSE = zeros(POSE_SIZE)
 

@@ -16,7 +16,7 @@ from shared import (
     swing_leg,
 )
 from shared import crawl_layout as at
-from shared.command import C_SPEED, COMMAND_SIZE
+from shared.command import C_SPEED, COMMAND_SIZE, Command
 from shared.filters import fraction, quintic_q15
 from shared.params import Params
 from shared.runtime import zeros
@@ -159,7 +159,7 @@ class _Walk:
 WALK = _Walk()
 TILT = Range(-600, 600)
 STEPS = zeros(STEPS_SIZE)
-COMMAND = zeros(COMMAND_SIZE)
+COMMAND = Command()
 RETREAT = zeros(retreat.RETREAT_SIZE)
 FADE = zeros(handover.FADE_SIZE)
 

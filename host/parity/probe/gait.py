@@ -2,6 +2,7 @@
 
 
 from shared import gait
+from shared.gait import Clock
 from shared.gaits import GAITS
 from shared.runtime import zeros
 
@@ -9,17 +10,17 @@ from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .probe import Pick, Probe
 
-CLOCK = zeros(gait.CLOCK_SIZE)
+CLOCK = Clock()
 BLOCK = zeros(gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE)
 ROW = [400, 0, 1]
 
 
-def draw_clock(block, clock, dice):
+def draw_clock(block, clock: Clock, dice):
     """Put the clock at any tick of any segment of the gait."""
-    clock[gait.CLOCK_SEGMENT] = dice.below(block[gait.G_SEGMENTS])
-    row = gait.G_ROWS + clock[gait.CLOCK_SEGMENT] * gait.ROW_SIZE
-    clock[gait.CLOCK_TICK] = dice.below(block[row + gait.ROW_TICKS])
-    clock[gait.CLOCK_MADE_Q10] = dice.below(32769)
+    clock.segment = dice.below(block[gait.G_SEGMENTS])
+    row = gait.G_ROWS + clock.segment * gait.ROW_SIZE
+    clock.tick = dice.below(block[row + gait.ROW_TICKS])
+    clock.made_q10 = dice.below(32769)
 
 
 def _any_clock(values, dice):

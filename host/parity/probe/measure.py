@@ -70,7 +70,7 @@ def locked(module, name, count):
                 before = micropython.mem_total()
                 ran += _runs_locked(micropython, plain, probe)
                 moved += micropython.mem_total() - before
-            _say({"ticks": ran, "bytes": moved, "state": probe.robot.numbers[0]})
+            _say({"ticks": ran, "bytes": moved, "state": probe.robot.status[0]})
 
 
 def _runs_locked(micropython, caller, probe):

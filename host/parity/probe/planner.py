@@ -6,14 +6,11 @@ from shared.adaptive import W_ACTIVE, W_SWAY
 from shared.balance import balance_setup
 from shared.command import (
     C_BALANCE,
-    C_GAIT,
-    C_HEIGHT,
-    C_MODE,
-    C_POSE,
     C_SPEED,
     COMMAND_SIZE,
     MODE_STAND,
     MODE_WALK,
+    Command,
 )
 from shared.crawl import crawl_start
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
@@ -28,7 +25,7 @@ from .robots import PARAMS
 
 SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
 
-COMMAND = zeros(COMMAND_SIZE)
+COMMAND = Command()
 SENSED = zeros(n.SENSED_SIZE)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
@@ -43,12 +40,12 @@ def restart(robot):
     walk = robot.walk
     own = (walk.body, walk.firm, walk.stands, robot.drive, robot.reached)
     own += (robot.sensed, robot.joints_read, robot.tilt_read)
-    for block in (robot.numbers, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
+    for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         for at in range(len(block)):
             block[at] = 0
     robot.gait = robot.gaits[0]
     balance_setup(robot.params, robot.balance)
-    robot.numbers[n.N_GAITS] = len(robot.gaits)
+    robot.status.gaits = len(robot.gaits)
     planner_states.settle(robot)
 
 
@@ -63,12 +60,12 @@ def _restart_all():
 def _any_wish(dice):
     """Any numbers in the command; mode and gait stay for a while."""
     if dice.below(30) == 0:
-        COMMAND[C_MODE] = ANY_MODE.any(dice)
-        COMMAND[C_GAIT] = ANY_GAIT.any(dice)
+        COMMAND.mode = ANY_MODE.any(dice)
+        COMMAND.gait = ANY_GAIT.any(dice)
     for at in range(C_SPEED, C_BALANCE):
         COMMAND[at] = INT30.any(dice)
-    COMMAND[C_BALANCE] = dice.bits(1)
-    COMMAND[C_HEIGHT] = INT30.any(dice) if dice.bits(1) else 0
+    COMMAND.balance = dice.bits(1)
+    COMMAND.height = INT30.any(dice) if dice.bits(1) else 0
 
 
 def _any_sense(dice):
@@ -118,7 +115,7 @@ class Walk(Probe):
         self.robot = robot
         self.length = length
         self.gait = gait
-        watch = (robot.joints, robot.leg_flags, robot.numbers)
+        watch = (robot.joints, robot.leg_flags, robot.status)
         Probe.__init__(self, "tick:" + name, robot.tick, (COMMAND, SENSED), watch=watch)
 
     def count(self, usual):
@@ -129,8 +126,8 @@ class Walk(Probe):
         restart(self.robot)
         for at in range(COMMAND_SIZE):
             COMMAND[at] = 0
-        COMMAND[C_GAIT] = self.gait
-        COMMAND[C_BALANCE] = 1
+        COMMAND.gait = self.gait
+        COMMAND.balance = 1
         SENSED[n.S_ATTITUDE_OK] = 1
         SENSED[n.S_JOINTS_OK] = 1
         SENSED[n.S_RATES_OK] = 1
@@ -138,7 +135,7 @@ class Walk(Probe):
             SENSED[n.S_JOINTS + joint] = 0
 
     def draw(self, index, count):
-        COMMAND[C_MODE] = MODE_STAND if index % 1000 > 800 else MODE_WALK
+        COMMAND.mode = MODE_STAND if index % 1000 > 800 else MODE_WALK
         if index % 150 == 0:
             self.new_wish(index)
         for at in TILT:
@@ -155,16 +152,16 @@ class Walk(Probe):
         wild = index % 750 == 600
         for axis in range(3):
             top = params.speed_max[axis]
-            COMMAND[C_SPEED + axis] = self.dice.below(2 * top + 1) - top
+            COMMAND.speed[axis] = self.dice.below(2 * top + 1) - top
         for axis in range(6):
             top = params.pose_max[axis]
             top = top * 4 if wild else top // 6
-            COMMAND[C_POSE + axis] = self.dice.below(2 * top + 1) - top
-        COMMAND[C_HEIGHT] = 12000 if wild else 0
+            COMMAND.pose[axis] = self.dice.below(2 * top + 1) - top
+        COMMAND.height = 12000 if wild else 0
 
 
 ROBOT = Pick(*ROBOTS)
-STATE = (ROBOTS[0].numbers, ROBOTS[1].numbers, ROBOTS[0].joints, ROBOTS[1].joints)
+STATE = (ROBOTS[0].status, ROBOTS[1].status, ROBOTS[0].joints, ROBOTS[1].joints)
 FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
 POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
 BELIEVED = STATE + (ROBOTS[0].sensed, ROBOTS[1].sensed)
@@ -181,7 +178,7 @@ def _climbing(values, dice):
     _live(values, dice)
     robot = values[0]
     crawl_start(robot.climb, robot.walk.sensing, robot.joints, 0, robot.joints, 0, 0)
-    robot.numbers[n.N_CLIMB] = 1 + dice.bits(1)
+    robot.status.climb = 1 + dice.bits(1)
 
 
 def _backing_off(values, dice):
@@ -189,13 +186,13 @@ def _backing_off(values, dice):
     _live(values, dice)
     robot = values[0]
     planner_climb.back_off(robot)
-    COMMAND[C_SPEED] = dice.bits(12)
-    COMMAND[C_SPEED + 1] = 0
-    COMMAND[C_SPEED + 2] = 0
-    COMMAND[C_MODE] = MODE_WALK
-    COMMAND[C_GAIT] = GAIT_ADAPTIVE if dice.bits(2) else GAIT_CLIMB
+    COMMAND.speed[0] = dice.bits(12)
+    COMMAND.speed[1] = 0
+    COMMAND.speed[2] = 0
+    COMMAND.mode = MODE_WALK
+    COMMAND.gait = GAIT_ADAPTIVE if dice.bits(2) else GAIT_CLIMB
     if dice.bits(1):
-        robot.numbers[n.N_STATE] = n.STANDING
+        robot.status.state = n.STANDING
         robot.retreat[R_ENDS] = 1
         robot.retreat[R_STOOD] = 0xFFFF
 

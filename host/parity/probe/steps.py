@@ -2,7 +2,7 @@
 
 
 from shared import steps
-from shared.gait import CLOCK_SIZE, G_VX_MAX
+from shared.gait import G_VX_MAX, Clock
 from shared.params import LF_BITS, Params
 from shared.runtime import zeros
 
@@ -13,7 +13,7 @@ from .probe import Probe
 
 STEPS = zeros(steps.STEPS_SIZE)
 SPEED = zeros(steps.SPEED_SIZE)
-CLOCK = zeros(CLOCK_SIZE)
+CLOCK = Clock()
 FEET = zeros(12)
 HEIGHT = Range(0, 6000)
 SPEED_LF = Range(-(1 << 19) + 1, (1 << 19) - 1)

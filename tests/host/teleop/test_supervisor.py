@@ -189,11 +189,11 @@ def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     rig.stand()
     rig.run(1.0, AHEAD)
     assert (rig.supervisor.state, rig.supervisor.remark) == ("walking", "")
-    numbers = rig.supervisor.driver.planner.numbers
-    numbers[core.N_ADVICE] = adaptive.ADVICE_TILTED
+    numbers = rig.supervisor.driver.planner.status
+    numbers.advice = adaptive.ADVICE_TILTED
     assert rig.supervisor.remark == "it tilts a lot on this ground: the crawl is safer"
-    numbers[core.N_ADVICE] = adaptive.ADVICE_FINE
-    numbers[core.N_CLIMB], numbers[core.N_REASON] = core.CLIMB_ON, handover.REASON_BEHIND
+    numbers.advice = adaptive.ADVICE_FINE
+    numbers.climb, numbers.reason = core.CLIMB_ON, handover.REASON_BEHIND
     rig.supervisor._watch_gait()
     assert rig.supervisor.state == "crawling"
     assert rig.supervisor.remark.startswith("held up: more than ")
