@@ -20,6 +20,7 @@ from shared.joint.layout import (
 from shared.wire.names import REPLY_LENGTH
 
 from .joint_bus import FRAMES_MOST, WANTS_REPLY, take_frame, write_reply
+from .joint_control import Control
 from .joint_run import BRIDGE_OFF, BRIDGE_ON, RUN_STEPS, RUN_STEPS_FED, RUN_UNSENT, take_motion, take_step
 
 _QUEUE = 64  # frames
@@ -56,7 +57,7 @@ class SimBoard:
         self._in = Frames()
         self.sent = Frames()
 
-    def start(self, control):
+    def start(self, control: Control):
         """From now on ``handler()`` does a current step on the control's blocks, ``millisecond()`` a motion tick."""
         self._control = control
         self.handler = self._step
@@ -157,11 +158,11 @@ class SimBoard:
         """Set the hardware filters; a simulated bus hands over every frame."""
         self.filters = count
 
-    def listen(self, control, link, frame, out):
+    def listen(self, control: Control, link, frame, out):
         """Return what serves the bus: called without arguments, it does what chip_joint.serve_bus does."""
         return lambda: self._serve(control, link, frame, out)
 
-    def _serve(self, c, link, frame, out):
+    def _serve(self, c: Control, link, frame, out):
         for _ in range(FRAMES_MOST):
             came = self.can_receive(frame)
             if came < 0:

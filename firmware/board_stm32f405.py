@@ -42,6 +42,7 @@ from .chip_setup import (
 from .chip_step import bridge_on, interrupt, outputs_off, rotor_angle, write_compares
 from .drv8323 import Drv8323
 from .encoders import READ_ANGLE, angle_of
+from .joint_control import Control
 
 _OF_THE_CHIP = const(256)  # the "register" of the gate driver that stands for one of the microcontroller
 _WAKE_MS = const(2)  # tREADY of the gate driver is at most 1
@@ -118,7 +119,7 @@ class Stm32F405Board:
         self.can_send = bound(send, chip)
         self.ticks_us = bound(clock_us, chip)
 
-    def start(self, control, step=interrupt, *more):
+    def start(self, control: Control, step=interrupt, *more):
         """Do a current step on the control's blocks at each update of the timer, and start the watchdog.
 
         From now on ``millisecond()`` reads sensors, does a motion tick and moves the bridge. ``step``: another
@@ -135,7 +136,7 @@ class Stm32F405Board:
         """Open all six switches."""
         outputs_off(self._chip)
 
-    def listen(self, control, link, frame, out):
+    def listen(self, control: Control, link, frame, out):
         """Return what serves the bus: called without arguments, it returns what chip_joint.serve_bus does."""
         c = control
         return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, out)

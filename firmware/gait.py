@@ -9,27 +9,24 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 * STOP from anywhere: it drives nothing until RESET.
 """
 
-from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
+from shared.attitude import ALIGNING, Attitude, attitude_step
+from shared.body import POSE_SIZE
 from shared.command import (
     COMMAND_SIZE,
     MODE_LIMP,
     MODE_STAND,
     MODE_WALK,
     Command,
+    repeat_command,
 )
 from shared.gaits import GAIT_NAMES
 from shared.params import JOINTS, Params
 from shared.planner import Planner, plan
-from shared.planner_layout import (
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
-    SENSED_SIZE,
-    Status,
-)
+from shared.planner_layout import Status
+from shared.planner_state import PlannerState
 from shared.runtime import Ints, const, hot, ptr8
+from shared.sensed import Sensed
+from shared.steps import SPEED_SIZE
 
 from .link import (
     COMMAND,
@@ -87,8 +84,8 @@ class GaitBoard:
     def __init__(self, params: Params, attitude, sensor):
         self.planner = Planner(params)
         self.sensor = sensor
-        self.command = int_block(COMMAND_SIZE)  # as received
-        self.sensed = int_block(SENSED_SIZE)
+        self.command = Command()  # as received
+        self.sensed = Sensed()
         self.counts = int_block(_COUNTS)
         self.asked = int_block(_COUNTS)  # what the host gets to read, apart from what the board itself plans with
         self.reader = int_block(READER_SIZE)
@@ -102,7 +99,7 @@ class GaitBoard:
         at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)
         close_frame(self.ready, READY, at)
         self.attitude = attitude
-        self.obeyed = int_block(COMMAND_SIZE)  # the command as the planner gets it
+        self.obeyed = Command()  # the command as the planner gets it
 
     def take(self, data, count):
         """Take data[:count] of the stream: see take_frames."""
@@ -144,23 +141,33 @@ def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int)
 
 
 @hot
-def take_command(reader, frame, numbers: Ints, command: Ints) -> int:
+def take_command(reader, frame, numbers: Ints, command: Command) -> int:
     """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
         return 0
-    for i in range(COMMAND_SIZE):
-        command[i] = read_int30(frame, TAKEN + 4 * i)
+    command.mode = read_int30(frame, TAKEN)
+    command.gait = read_int30(frame, TAKEN + 4)
+    at = TAKEN + 8
+    for axis in range(SPEED_SIZE):
+        command.speed[axis] = read_int30(frame, at)
+        at += 4
+    for axis in range(POSE_SIZE):
+        command.pose[axis] = read_int30(frame, at)
+        at += 4
+    command.balance = read_int30(frame, at)
+    command.height = read_int30(frame, at + 4)
     numbers[B_AGE] = 0
     return 1
 
 
 @hot
-def take_joints(reader, frame, sensed: Ints) -> int:
+def take_joints(reader, frame, sensed: Sensed) -> int:
     """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 2 * JOINTS) == 0:
         return 0
-    read_each(frame, TAKEN, sensed, S_JOINTS, JOINTS)
-    sensed[S_JOINTS_OK] = 1
+    valid = sensed.valid
+    read_each(frame, TAKEN, sensed.joints, 0, JOINTS)
+    valid.joints = 1
     return 1
 
 
@@ -183,7 +190,9 @@ def reset(numbers: Ints, command: Command) -> int:
 
 
 @hot
-def tick(board, planner, numbers: Ints, command, obeyed, sensed, fault: int) -> int:
+def tick(
+    board, planner: PlannerState, numbers: Ints, command, obeyed, sensed, fault: int
+) -> int:
     """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
     sense(board.attitude, board.counts, sensed, fault)
     obey(numbers, command, obeyed, fault)
@@ -196,24 +205,25 @@ def tick(board, planner, numbers: Ints, command, obeyed, sensed, fault: int) -> 
 
 
 @hot
-def sense(attitude: Ints, counts, sensed: Ints, fault: int) -> int:
+def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
     """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
-    sensed[S_ATTITUDE_OK] = 0
+    valid = sensed.valid
+    tilt = sensed.tilt
+    valid.tilt = 0
     if fault:
         return 0
     aligning = attitude_step(attitude, counts) & ALIGNING
     if aligning == 0:
-        sensed[S_ATTITUDE_OK] = 1
-    sensed[S_ROLL] = attitude[A_ROLL]
-    sensed[S_PITCH] = attitude[A_PITCH]
-    return sensed[S_ATTITUDE_OK]
+        valid.tilt = 1
+    tilt[0] = attitude.roll
+    tilt[1] = attitude.pitch
+    return valid.tilt
 
 
 @hot
 def obey(numbers: Ints, command: Command, obeyed: Command, fault: int) -> int:
     """Turn the command as received into what the planner may do now; return its mode."""
-    for i in range(COMMAND_SIZE):
-        obeyed[i] = command[i]
+    repeat_command(command, obeyed)
     if numbers[B_STOPPED]:
         obeyed.mode = MODE_LIMP
     elif numbers[B_AGE] >= numbers[B_STALE] and obeyed.mode == MODE_WALK:
@@ -226,12 +236,13 @@ def obey(numbers: Ints, command: Command, obeyed: Command, fault: int) -> int:
 
 
 @hot
-def own_flags(numbers: Ints, sensed: Ints, fault: int) -> int:
+def own_flags(numbers: Ints, sensed: Sensed, fault: int) -> int:
     """Return the application's flags."""
+    valid = sensed.valid
     flags = fault << _FAULT_SHIFT
     if fault:
         flags |= SENSOR_FAULT
-    elif sensed[S_ATTITUDE_OK] == 0:
+    elif valid.tilt == 0:
         flags |= ALIGNING_NOW
     if numbers[B_AGE] >= numbers[B_STALE]:
         flags |= COMMAND_STALE

@@ -89,6 +89,7 @@ from shared.wire.parameters import (
 )
 from shared.wire.receive import LINK_BAD, LINK_LOST, start_session
 
+from .joint_control import Control
 from .joint_run import RUN_LATE, RUN_UNSENT
 
 # Value of arm, calibrate and home: the challenge above 16 bits of their own
@@ -113,7 +114,7 @@ BUILD_ID = const(1)
 class Service:
     """Answers requests; ``frame`` holds the answer. ``joint`` is firmware/joint.py."""
 
-    def __init__(self, joint, control, parameters, unique_id):
+    def __init__(self, joint, control: Control, parameters, unique_id):
         self._joint = joint
         self._control = control
         self._parameters = parameters

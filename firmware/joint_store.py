@@ -32,6 +32,8 @@ from shared.wire.parameters import (
     PARAMETERS,
 )
 
+from .joint_control import Control
+
 LOADED = const(1)
 MISSING = const(2)
 BROKEN = const(3)
@@ -47,7 +49,7 @@ _STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_
 class Parameters:
     """Reads and writes the stored kind of parameters in the blocks of ``control``; ``node`` is the first of them."""
 
-    def __init__(self, control, settings):
+    def __init__(self, control: Control, settings):
         self._control = control
         self._settings = settings
         self.node = 0

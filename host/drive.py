@@ -15,7 +15,6 @@ from shared.command import (
     MODE_WALK,
     Command,
 )
-from shared.gait import G_VX_MAX
 from shared.gaits import GAIT_NAMES
 from shared.planner import Planner
 from shared.runtime import zeros
@@ -82,7 +81,7 @@ class Driver:
 
         The crawl over obstacles takes its own time; the figure is that of the table it goes over to.
         """
-        most = self.planner.gaits[gait_index(gait)][G_VX_MAX]
+        most = self.planner.gaits[gait_index(gait)].speed_max[0]
         key = "vx_m_s" if most == self.planner.params.speed_max[0] else "stride_m"
         return self.scale.metres_per_second(most), f"speed_limits.{key}"
 

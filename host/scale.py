@@ -9,16 +9,10 @@ from dataclasses import dataclass
 from math import ceil, degrees, floor, isqrt, pi, sqrt
 
 from shared.attitude import (
-    A_ALIGN_TICKS,
-    A_GYRO_Q30,
-    A_ONE_G,
-    A_TOLERANCE,
-    A_TRUST_Q15,
-    ATTITUDE_SIZE,
+    Attitude,
     attitude_reset,
 )
 from shared.params import LEGS, LF_BITS, Gains, Params
-from shared.runtime import zeros
 
 from .errors import UserError
 from .mass import com_at_rest_m, lever_m
@@ -282,12 +276,12 @@ def attitude_block(robot: Robot, rate_hz: int | None = None) -> list[int]:
     """Return a fresh attitude filter block (shared/attitude.py) with the robot's IMU scales."""
     rate = robot.control.rate_hz if rate_hz is None else rate_hz
     imu = robot.imu
-    block = zeros(ATTITUDE_SIZE)
-    block[A_GYRO_Q30] = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
-    block[A_ONE_G] = imu.accel_counts_per_g
-    block[A_TRUST_Q15] = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))
-    block[A_TOLERANCE] = round(imu.tolerance_g * imu.accel_counts_per_g)
-    block[A_ALIGN_TICKS] = min(1024, max(1, round(imu.align_time_s * rate)))
+    block = Attitude()
+    block.gyro_q30 = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
+    block.one_g = imu.accel_counts_per_g
+    block.trust_q15 = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))
+    block.tolerance = round(imu.tolerance_g * imu.accel_counts_per_g)
+    block.align_ticks = min(1024, max(1, round(imu.align_time_s * rate)))
     attitude_reset(block)
     return block
 

@@ -14,33 +14,15 @@ rates it holds no heading and learns no centre of mass; without attitude it does
 
 from .body import POSE_X, POSE_Y, POSE_Z
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
-from .gait import (
-    G_CYCLE,
-    G_ROWS,
-    G_STANCE_Q10,
-    ROW_ADVANCE_Q4,
-    ROW_SIZE,
-    ROW_START,
-    ROW_SWING_Q10,
-    ROW_TICKS,
-    Clock,
-)
+from .gait import Clock, Gait
 from .ground import extra_lift, follow_twist, press_feet, roughness, twist
-from .load import L_FORCE_Q12, LOAD_SIZE, STANDS_Q8, load_share, load_slew
-from .navigate import NAV_SIZE, NAV_X, drive_as_told, follow_reference, hold, navigate_reset
-from .params import (
-    JOINTS,
-    LEGS,
-    LF_BITS,
-    Params,
-)
+from .load import STANDS_Q8, Load, load_share, load_slew
+from .navigate import Navigation, drive_as_told, follow_reference, hold, navigate_reset
+from .params import JOINTS, LEGS, LF_BITS, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot, zeros
 from .sensing import (
-    M_FORCE_Q12,
-    M_KNOWN,
-    M_MOVED_X,
-    M_MOVED_Y,
-    SENSING_SIZE,
+    Sensing,
     sense_legs,
     sense_moved,
     sensing_reset,
@@ -48,27 +30,32 @@ from .sensing import (
 from .stability import support_margin
 from .steps import SPEED_X, SPEED_Y
 from .sway import diagonal_y, next_sway, smooth_q12
-from .tipping import TIP_COM_X, TIP_COM_Y, TIP_SIZE, tip_add, tip_learn, tip_reset
+from .tipping import Tipping, tip_add, tip_learn, tip_reset
 
-W_WEIGHT_Q12 = const(0)  # measured weight, of the own weight
-W_RAISED = const(1)  # lu, body above the rest height
-W_AHEAD = const(2)  # lu, body ahead of the feet
-W_SWAY = const(3)  # lu, body to the left of the feet
-W_SWAY_FROM = const(4)
-W_SWAY_TO = const(5)
-W_TWIST = const(6)  # lf, of the ground
-W_ROUGH = const(7)  # 1/16 brad, largest tilt of late
-W_LIFT = const(8)  # lu, added to the swing's height
-W_FASTEST = const(9)  # lf / tick, grows after a start
-W_AGE = const(10)  # 4 values: ticks since the planned touchdown, 0 in swing, up to 1000
-W_TURNED = const(14)  # 3 values: turn of this tick, 2^-18 rad
-W_RATES = const(17)  # 1: they are measured
-W_BEHIND = const(18)  # ticks behind the reference, BEHIND_STEP times, less those not behind
-W_MARGIN = const(19)  # lu, of the centre of mass in the support
-W_ADVICE = const(20)  # ADVICE_...
-W_ACTIVE = const(21)  # 1: the body is not where a table gait wants it
-W_FAR = const(22)  # lu^2, thigh joint to foot of the longest leg, as planned last
-W_SIZE = const(23)
+
+@record
+class TrotState:
+    """What the trot feels and does about it."""
+
+    weight_q12: int = field("own weight Q12", "measured weight")
+    raised: int = field("lu", "body above the rest height")
+    ahead: int = field("lu", "body ahead of the feet")
+    sway: int = field("lu", "body to the left of the feet")
+    sway_from: int = field("lu", "sway at the beginning of the segment")
+    sway_to: int = field("lu", "sway at its end")
+    twist: int = field("lf", "of the ground: how much higher it is at FR and RL than its plane")
+    rough: int = field("1/16 brad", "largest tilt of late")
+    lift: int = field("lu", "added to the swing's height")
+    fastest: int = field("lf / tick", "largest speed; grows after a start")
+    age: Ints = vector(LEGS, "ticks", "since the planned touchdown, 0 in swing, up to 1000")
+    turned: Ints = vector(3, "2^-18 rad", "turn about x, y and z in this tick")
+    turned_known: int = field("", "1: it is measured")
+    behind: int = field("ticks", "behind the reference, BEHIND_STEP times, less those not behind")
+    margin: int = field("lu", "of the centre of mass in the support")
+    advice: int = field("", "ADVICE_...")
+    active: int = field("", "1: the body is not where a table gait wants it")
+    far: int = field("lu^2", "thigh joint to foot of the longest leg, as planned last")
+
 
 ADVICE_FINE = const(0)
 ADVICE_BEHIND = const(1)  # held up: another gait may get on
@@ -85,11 +72,11 @@ class Adaptive:
     """All that the adaptive trot remembers, preallocated; the planner holds one."""
 
     def __init__(self, params: Params):
-        self.sensing = zeros(SENSING_SIZE)
-        self.load = zeros(LOAD_SIZE)
-        self.nav = zeros(NAV_SIZE)
-        self.tip = zeros(TIP_SIZE)
-        self.state = zeros(W_SIZE)
+        self.sensing = Sensing()
+        self.load = Load()
+        self.nav = Navigation()
+        self.tip = Tipping()
+        self.state = TrotState()
         self.body = zeros(JOINTS)  # the planned feet in the body
         self.firm = zeros(LEGS)  # 1: the foot surely stands
         self.stands = zeros(LEGS)  # 256: the foot is planned to stand
@@ -99,13 +86,24 @@ class Adaptive:
 @hot
 def adaptive_reset(params: Params, walk: Adaptive) -> int:
     """Forget everything: the own weight, a level ground, no motion; return 0."""
-    w = walk.state
-    f = walk.load
-    for at in range(W_SIZE):
-        w[at] = 0
-    for at in range(LOAD_SIZE):
-        f[at] = 0
-    w[W_WEIGHT_Q12] = 4096
+    trot = walk.state
+    load = walk.load
+    trot.weight_q12 = 4096
+    trot.raised = 0
+    trot.ahead = 0
+    trot.sway = 0
+    trot.twist = 0
+    trot.rough = 0
+    trot.turned_known = 0
+    trot.margin = 0
+    trot.advice = ADVICE_FINE
+    trot.active = 0
+    trot.far = 0
+    for leg in range(LEGS):
+        trot.age[leg] = 0
+        load.force_q12[leg] = 0
+    for axis in range(3):
+        trot.turned[axis] = 0
     sensing_reset(walk.sensing)
     navigate_reset(walk.nav)
     tip_reset(walk.tip, 1)
@@ -116,36 +114,36 @@ def adaptive_reset(params: Params, walk: Adaptive) -> int:
 @hot
 def adaptive_start(params: Params, walk: Adaptive) -> int:
     """Begin to walk from a stand: slowly, the reference where the robot is; return 0."""
-    w = walk.state
-    w[W_FASTEST] = params.start_speed
-    w[W_SWAY_FROM] = w[W_SWAY]
-    w[W_SWAY_TO] = w[W_SWAY]
-    w[W_BEHIND] = 0
-    w[W_LIFT] = 0
+    trot = walk.state
+    trot.fastest = params.start_speed
+    trot.sway_from = trot.sway
+    trot.sway_to = trot.sway
+    trot.behind = 0
+    trot.lift = 0
     navigate_reset(walk.nav)
     tip_reset(walk.tip, 0)
     return 0
 
 
 @hot
-def feel_legs(params: Params, walk: Adaptive, joints, first: int, known: int, roll_brad: int, pitch_brad: int) -> int:
-    """Take the measured joints ``joints[first] ...`` (if ``known``): feet, odometry, weight; return 1 if they were.
+def feel_legs(params: Params, walk: Adaptive, joints: Ints, known: int, roll_brad: int, pitch_brad: int) -> int:
+    """Take the measured ``joints`` (12 brad, if ``known``): feet, odometry, weight; return 1 if they were.
 
     roll, pitch: brad within +-32768. The weight follows the sum of the feet's forces, slowly and only while all feet
     surely stand; it reads 5 to 18 % low in simulation. Intermediates below those of sense_legs.
     """
-    w = walk.state
+    trot = walk.state
     m = walk.sensing
     firm = walk.firm
     if known == 0:
-        m[M_KNOWN] = 0
-        m[M_MOVED_X] = 0
-        m[M_MOVED_Y] = 0
+        m.known = 0
+        m.moved_x = 0
+        m.moved_y = 0
         return 0
-    sense_legs(params, joints, first, roll_brad, pitch_brad, walk.sensing)
+    sense_legs(params, joints, roll_brad, pitch_brad, walk.sensing)
     youngest = _AGE_MAX
     for leg in range(LEGS):
-        age = w[W_AGE + leg]
+        age = trot.age[leg]
         firm[leg] = 0
         if age > params.stand_ticks:
             firm[leg] = 1
@@ -153,9 +151,9 @@ def feel_legs(params: Params, walk: Adaptive, joints, first: int, known: int, ro
             youngest = age
     sense_moved(walk.sensing, walk.firm)
     if youngest > params.stand_ticks and params.sags:
-        force = m[M_FORCE_Q12] + m[M_FORCE_Q12 + 1] + m[M_FORCE_Q12 + 2] + m[M_FORCE_Q12 + 3]
-        force = saturate(force, _WEIGHT_LEAST_Q12, _WEIGHT_MOST_Q12) - w[W_WEIGHT_Q12]
-        w[W_WEIGHT_Q12] += force * params.load_gain_q15 + 0x4000 >> 15
+        force = m.force_q12[0] + m.force_q12[1] + m.force_q12[2] + m.force_q12[3]
+        force = saturate(force, _WEIGHT_LEAST_Q12, _WEIGHT_MOST_Q12) - trot.weight_q12
+        trot.weight_q12 += force * params.load_gain_q15 + 0x4000 >> 15
     return 1
 
 
@@ -167,14 +165,14 @@ def feel_ground(
 
     roll, pitch: the measured tilt; plane_...: how the feet's plane lies against the level, all brad.
     """
-    w = walk.state
+    trot = walk.state
     m = walk.sensing
     firm = walk.firm
-    w[W_ROUGH] = roughness(params, w[W_ROUGH], roll_brad, pitch_brad)
-    if m[M_KNOWN] and firm[0] and firm[1] and firm[2] and firm[3]:
-        w[W_TWIST] = follow_twist(params, w[W_TWIST], twist(walk.sensing, plane_roll, plane_pitch))
-    press_feet(params, steps, w[W_TWIST] >> LF_BITS)
-    return w[W_TWIST] >> LF_BITS
+    trot.rough = roughness(params, trot.rough, roll_brad, pitch_brad)
+    if m.known and firm[0] and firm[1] and firm[2] and firm[3]:
+        trot.twist = follow_twist(params, trot.twist, twist(walk.sensing, plane_roll, plane_pitch))
+    press_feet(params, steps, trot.twist >> LF_BITS)
+    return trot.twist >> LF_BITS
 
 
 @hot
@@ -183,30 +181,30 @@ def drive_speed(params: Params, walk: Adaptive, speed, drive) -> int:
 
     Without odometry the speeds are the commanded ones.
     """
-    w = walk.state
+    trot = walk.state
     m = walk.sensing
     e = walk.nav
-    w[W_FASTEST] = saturate(w[W_FASTEST] + params.start_slew, 0, 0x7FFFF)
-    if m[M_KNOWN] < 2:
+    trot.fastest = saturate(trot.fastest + params.start_slew, 0, 0x7FFFF)
+    if m.known < 2:
         navigate_reset(walk.nav)
         drive_as_told(speed, drive)
         return 0
-    follow_reference(params, speed, m[M_MOVED_X], m[M_MOVED_Y], w[W_TURNED + 2], w[W_RATES], walk.nav)
-    hold(params, speed, w[W_SWAY], walk.nav, drive)
+    follow_reference(params, speed, m.moved_x, m.moved_y, trot.turned[2], trot.turned_known, walk.nav)
+    hold(params, speed, trot.sway, walk.nav, drive)
     step = -1
-    if e[NAV_X] > params.leg_length * 3 << LF_BITS - 5:
+    if e.x > params.leg_length * 3 << LF_BITS - 5:
         step = BEHIND_STEP
-    w[W_BEHIND] = saturate(w[W_BEHIND] + step, 0, 0xFFFF)
-    w[W_ADVICE] = ADVICE_FINE
-    if w[W_BEHIND] > params.advice_ticks:
-        w[W_ADVICE] = ADVICE_BEHIND
-    elif w[W_ROUGH] > _TILT_ADVICE:
-        w[W_ADVICE] = ADVICE_TILTED
+    trot.behind = saturate(trot.behind + step, 0, 0xFFFF)
+    trot.advice = ADVICE_FINE
+    if trot.behind > params.advice_ticks:
+        trot.advice = ADVICE_BEHIND
+    elif trot.rough > _TILT_ADVICE:
+        trot.advice = ADVICE_TILTED
     return 1
 
 
 @hot
-def retime(params: Params, gait: Ints, speed: Ints) -> int:
+def retime(params: Params, gait: Gait, speed: Ints) -> int:
     """Give the gait's segments the lengths for the present speed; return the ticks of half a cycle.
 
     The body moves on in the swings at half its mean speed: faster in the swing tips more, slower jerks. Only at the
@@ -225,61 +223,64 @@ def retime(params: Params, gait: Ints, speed: Ints) -> int:
     now = saturate(now - params.slow_speed, 0, span)
     body = params.body_slow + ((params.body_fast - params.body_slow) * now + (span >> 1)) // span
     swing = params.swing_slow + ((params.swing_fast - params.swing_slow) * now + (span >> 1)) // span
-    for row in range(G_ROWS, G_ROWS + 4 * ROW_SIZE, 2 * ROW_SIZE):
-        gait[row + ROW_TICKS] = body
-        gait[row + ROW_ADVANCE_Q4] = (body << 4) + (swing << 3)
-        gait[row + ROW_SIZE + ROW_TICKS] = swing
-        gait[row + ROW_SIZE + ROW_ADVANCE_Q4] = swing << 3
+    for pair in range(0, 4, 2):
+        stance = gait.rows[pair]
+        stance.ticks = body
+        stance.advance_q4 = (body << 4) + (swing << 3)
+        flight = gait.rows[pair + 1]
+        flight.ticks = swing
+        flight.advance_q4 = swing << 3
         for leg in range(LEGS):
-            if gait[row + ROW_SIZE + ROW_START + leg]:
-                gait[row + ROW_SIZE + ROW_START + leg] = swing
-                gait[row + ROW_SIZE + ROW_SWING_Q10 + leg] = swing << 9
+            if flight.start[leg]:
+                flight.start[leg] = swing
+                flight.swing_q10[leg] = swing << 9
     for leg in range(LEGS):
-        gait[G_STANCE_Q10 + leg] = (body + swing << 11) - (swing << 9)
-    gait[G_CYCLE] = body + swing << 1
+        gait.stance_q10[leg] = (body + swing << 11) - (swing << 9)
+    gait.cycle = body + swing << 1
     return body + swing
 
 
 @hot
-def begin_segment(params: Params, walk: Adaptive, gait: Ints, clock: Clock, speed, drive: Ints) -> int:
+def begin_segment(params: Params, walk: Adaptive, gait: Gait, clock: Clock, speed, drive: Ints) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
     """
-    w = walk.state
+    trot = walk.state
     e = walk.nav
     t = walk.tip
     half = retime(params, gait, speed)
     segment = clock.segment
     if segment & 1:
-        w[W_LIFT] = extra_lift(params, w[W_ROUGH], e[NAV_X], drive[SPEED_X])
+        trot.lift = extra_lift(params, trot.rough, e.x, drive[SPEED_X])
         return 0
     front = 1 - (segment >> 1)
-    swing = gait[G_ROWS + ROW_SIZE + ROW_TICKS]
+    flight = gait.rows[1]
+    swing = flight.ticks
     ahead_q1 = saturate((half << 1) - (swing >> 1), 0, 0x3FF)
     ahead = saturate(drive[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
-    com_x = params.com_x + (t[TIP_COM_X] >> LF_BITS)
-    com_y = params.com_y + (t[TIP_COM_Y] >> LF_BITS)
+    com_x = params.com_x + (t.com_x >> LF_BITS)
+    com_y = params.com_y + (t.com_y >> LF_BITS)
     line = diagonal_y(walk.body, front, 3 - front, saturate(ahead, -32767, 32767), com_x)
-    w[W_SWAY_FROM] = w[W_SWAY]
-    w[W_SWAY_TO] = next_sway(params, w[W_SWAY], line, com_y)
+    trot.sway_from = trot.sway
+    trot.sway_to = next_sway(params, trot.sway, line, com_y)
     return 0
 
 
 @hot
-def sway_body(params: Params, walk: Adaptive, gait: Ints, clock: Clock, walking: int) -> int:
+def sway_body(params: Params, walk: Adaptive, gait: Gait, clock: Clock, walking: int) -> int:
     """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
 
     Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
     """
-    w = walk.state
+    trot = walk.state
     if walking == 0:
         step = params.sway_slew
-        w[W_SWAY] -= saturate(w[W_SWAY], -step, step)
+        trot.sway -= saturate(trot.sway, -step, step)
     elif clock.segment & 1 == 0:
-        share = smooth_q12(clock.tick + 1, gait[G_ROWS + clock.segment * ROW_SIZE + ROW_TICKS])
-        w[W_SWAY] = w[W_SWAY_FROM] + ((w[W_SWAY_TO] - w[W_SWAY_FROM]) * share >> 12)
-    return w[W_SWAY]
+        share = smooth_q12(clock.tick + 1, gait.rows[clock.segment].ticks)
+        trot.sway = trot.sway_from + ((trot.sway_to - trot.sway_from) * share >> 12)
+    return trot.sway
 
 
 @hot
@@ -289,14 +290,14 @@ def learn_centre(params: Params, walk: Adaptive, clock: Clock) -> int:
     What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
     without turning rates, nor in the plane, where nothing tips about a diagonal.
     """
-    w = walk.state
-    if w[W_RATES] == 0 or params.lateral_q12 == 0:
+    trot = walk.state
+    if trot.turned_known == 0 or params.lateral_q12 == 0:
         return 0
     tick = clock.tick + 1
     swings = clock.segment & 1
     late = params.tip_ticks
     if (swings and tick >= late) or (swings == 0 and tick < late):
-        tip_add(walk.tip, w[W_TURNED], w[W_TURNED + 1])
+        tip_add(walk.tip, trot.turned[0], trot.turned[1])
     elif swings == 0 and tick == late:
         front = clock.segment >> 1
         return tip_learn(params, walk.body, front, 3 - front, walk.tip)
@@ -311,7 +312,7 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
     Intermediates: squares of a leg, below 2^30.
     """
-    w = walk.state
+    trot = walk.state
     forces = walk.load
     up = params.height_slew
     wanted = 0
@@ -319,21 +320,21 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     if own:
         ahead = params.body_forward
         leg = params.leg_length
-        wanted = params.body_raise + saturate((w[W_WEIGHT_Q12] - 4096) * (leg >> 3) >> 12, 0, leg // 10)
+        wanted = params.body_raise + saturate((trot.weight_q12 - 4096) * (leg >> 3) >> 12, 0, leg // 10)
         longest = params.leg_longest
-        over = (w[W_FAR] - longest * longest) // (2 * longest + 1)
+        over = (trot.far - longest * longest) // (2 * longest + 1)
         if over > 0:
-            wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - over)
-        elif wanted > w[W_RAISED]:
-            wanted = saturate(wanted, -0xFFFF, w[W_RAISED] - (over >> 1))
-    w[W_RAISED] += saturate(wanted - w[W_RAISED], -2 * up, up)
-    w[W_AHEAD] += saturate(ahead - w[W_AHEAD], -up, up)
-    w[W_ACTIVE] = own
-    if w[W_RAISED] or w[W_AHEAD] or w[W_SWAY] or forces[L_FORCE_Q12] or forces[L_FORCE_Q12 + 1]:
-        w[W_ACTIVE] = 1
-    if forces[L_FORCE_Q12 + 2] or forces[L_FORCE_Q12 + 3] or w[W_TWIST]:
-        w[W_ACTIVE] = 1
-    return w[W_ACTIVE]
+            wanted = saturate(wanted, -0xFFFF, trot.raised - over)
+        elif wanted > trot.raised:
+            wanted = saturate(wanted, -0xFFFF, trot.raised - (over >> 1))
+    trot.raised += saturate(wanted - trot.raised, -2 * up, up)
+    trot.ahead += saturate(ahead - trot.ahead, -up, up)
+    trot.active = own
+    if trot.raised or trot.ahead or trot.sway or forces.force_q12[0] or forces.force_q12[1]:
+        trot.active = 1
+    if forces.force_q12[2] or forces.force_q12[3] or trot.twist:
+        trot.active = 1
+    return trot.active
 
 
 @hot
@@ -343,12 +344,12 @@ def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, p
     roll, pitch: the part of the pose that levels the body, brad. Turning about the hips would move the centre of
     mass off the feet on a slope. Returns 0. Intermediates: 32767 * 32767 + 2^14.
     """
-    w = walk.state
-    height = saturate(w[W_RAISED] - params.legs[0].rest[2], 0, 32767)
+    trot = walk.state
+    height = saturate(trot.raised - params.legs[0].rest[2], 0, 32767)
     cosine = cos_q15(pitch_brad)
-    posed[POSE_X] += w[W_AHEAD] + mul_q15(height, sin_q15(pitch_brad))
-    posed[POSE_Y] += w[W_SWAY] - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
-    posed[POSE_Z] += w[W_RAISED] - height + mul_q15(height, mul_q15(cos_q15(roll_brad), cosine))
+    posed[POSE_X] += trot.ahead + mul_q15(height, sin_q15(pitch_brad))
+    posed[POSE_Y] += trot.sway - mul_q15(height, mul_q15(sin_q15(roll_brad), cosine))
+    posed[POSE_Z] += trot.raised - height + mul_q15(height, mul_q15(cos_q15(roll_brad), cosine))
     return 0
 
 
@@ -358,7 +359,7 @@ def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int
 
     reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to carry, so the sag fades.
     """
-    w = walk.state
+    trot = walk.state
     body = walk.body
     stands = walk.stands
     t = walk.tip
@@ -375,21 +376,21 @@ def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int
         at += 3
         stands[leg] = 0
         if swinging >> leg & 1:
-            w[W_AGE + leg] = 0
+            trot.age[leg] = 0
         else:
             stands[leg] = STANDS_Q8
-            if w[W_AGE + leg] < _AGE_MAX:
-                w[W_AGE + leg] += 1
-    com_x = params.com_x + (t[TIP_COM_X] >> LF_BITS)
-    com_y = params.com_y + (t[TIP_COM_Y] >> LF_BITS)
+            if trot.age[leg] < _AGE_MAX:
+                trot.age[leg] += 1
+    com_x = params.com_x + (t.com_x >> LF_BITS)
+    com_y = params.com_y + (t.com_y >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
     weight = 0
     if own:
-        weight = w[W_WEIGHT_Q12]
-    if w[W_ACTIVE]:
+        weight = trot.weight_q12
+    if trot.active:
         load_share(walk.body, walk.stands, com_x, com_y, weight, planar, walk.load)
-        load_slew(walk.load, w[W_WEIGHT_Q12] * params.load_slew_q12 >> 12)
-    w[W_MARGIN] = support_margin(walk.body, walk.stands, com_x, com_y)
-    return w[W_MARGIN]
+        load_slew(walk.load, trot.weight_q12 * params.load_slew_q12 >> 12)
+    trot.margin = support_margin(walk.body, walk.stands, com_x, com_y)
+    return trot.margin

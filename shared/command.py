@@ -6,7 +6,6 @@ limits, the body pose likewise, so a step of the stick is a ramp of the robot.
 
 from .body import POSE_SIZE
 from .fixed import saturate
-from .gait import G_VX_MAX
 from .params import Params
 from .record import field, record, vector
 from .runtime import Ints, const, hot
@@ -19,17 +18,33 @@ class Command:
 
     mode: int = field("", "MODE_...")
     gait: int = field("", "index into gaits.GAITS")
-    speed: Ints = vector(3, "", "vx, vy in lf / tick, wz in yaw18 / tick")
-    pose: Ints = vector(6, "", "x, y, z in lu; roll, pitch, yaw in brad")
+    speed: Ints = vector(SPEED_SIZE, "lf / tick", "forward, left; turning in yaw18 / tick")
+    pose: Ints = vector(POSE_SIZE, "lu, brad", "x, y, z; roll, pitch, yaw")
     balance: int = field("", "1: keep the body level by the measured attitude")
     height: int = field("lu", "swing height; 0: the gait's own")
 
 
 
+COMMAND_SIZE = const(4 + SPEED_SIZE + POSE_SIZE)  # integers of a command in a frame, in the order of its declaration
+
 MODE_LIMP = const(0)  # drive nothing: the joints are not held
 MODE_STAND = const(1)
 MODE_WALK = const(2)
 MODE_SIT = const(3)
+
+
+@hot
+def repeat_command(command: Command, told: Command) -> int:
+    """Copy a command; return 0."""
+    told.mode = command.mode
+    told.gait = command.gait
+    told.balance = command.balance
+    told.height = command.height
+    for axis in range(SPEED_SIZE):
+        told.speed[axis] = command.speed[axis]
+    for axis in range(POSE_SIZE):
+        told.pose[axis] = command.pose[axis]
+    return 0
 
 
 @hot
@@ -39,15 +54,15 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed(params: Params, gait: Ints, command: Command, halves: int, speed: Ints) -> int:
+def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed: Ints) -> int:
     """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
 
-    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to what robot and gait
-    allow. Half an odd speed is rounded towards 0, so that left and right mirror.
+    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most`` (3 values).
+    Half an odd speed is rounded towards 0, so that left and right mirror.
     """
     still = 1
     for axis in range(SPEED_SIZE):
-        top = gait[G_VX_MAX + axis]
+        top = most[axis]
         wanted = command.speed[axis]
         if wanted > top or wanted < -top:
             wanted = saturate(wanted, -top, top)

@@ -35,7 +35,7 @@ from .fixed import saturate
 from .footholds import prints_start
 from .params import JOINTS, LEGS, LF_BITS
 from .runtime import Ints, const, hot
-from .sensing import M_FORCE_Q12, M_LEVEL
+from .sensing import Sensing
 
 _OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
@@ -44,7 +44,9 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 
 
 @hot
-def crawl_start(crawl: Crawl, sensing: Ints, joints, first: int, goals: Ints, roll_brad: int, pitch_brad: int) -> int:
+def crawl_start(
+    crawl: Crawl, sensing: Sensing, joints, first: int, goals: Ints, roll_brad: int, pitch_brad: int
+) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
     joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
@@ -57,15 +59,15 @@ def crawl_start(crawl: Crawl, sensing: Ints, joints, first: int, goals: Ints, ro
     c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
     measure(crawl, joints, first)
     roll_feet(crawl.settings, crawl.measured, crawl.state)
-    height = sensing[M_LEVEL + 2] + sensing[M_LEVEL + 5] + sensing[M_LEVEL + 8] + sensing[M_LEVEL + 11] >> 2
+    height = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
     total = 0
     for leg in range(LEGS):
         for axis in range(3):
-            c[C_FOOT + leg * 3 + axis] = sensing[M_LEVEL + leg * 3 + axis] << LF_BITS
+            c[C_FOOT + leg * 3 + axis] = sensing.level[leg * 3 + axis] << LF_BITS
         c[C_FOOT + leg * 3 + 2] -= height << LF_BITS
         c[C_STANDS + leg] = 1
         c[C_SHARE + leg] = _OWN_Q12
-        total += sensing[M_FORCE_Q12 + leg]
+        total += sensing.force_q12[leg]
     c[C_WEIGHT] = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     c[C_WEIGHT_FINE] = c[C_WEIGHT] << 8
     c[C_BODY + 2] = -height << LF_BITS
@@ -128,11 +130,11 @@ def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_br
 
 
 @hot
-def weigh(settings: Ints, sensing: Ints, state: Ints) -> int:
+def weigh(settings: Ints, sensing: Sensing, state: Ints) -> int:
     """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
     total = 0
     for leg in range(LEGS):
-        state[C_FORCE + leg] += fraction(sensing[M_FORCE_Q12 + leg] - state[C_FORCE + leg], settings[K_FORCE])
+        state[C_FORCE + leg] += fraction(sensing.force_q12[leg] - state[C_FORCE + leg], settings[K_FORCE])
         if state[C_STANDS + leg]:
             total += state[C_FORCE + leg]
     gap = (saturate(total, 0, 16383) << 8) - state[C_WEIGHT_FINE]

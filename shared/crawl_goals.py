@@ -33,7 +33,7 @@ from .crawl_state import Crawl
 from .filters import fraction
 from .fixed import cos_q15, mul_q15, saturate, sin_q15
 from .leg import leg_inverse, limit_joints, plane_length
-from .load import L_WANTED_Q12, load_share
+from .load import Load, load_share
 from .params import JOINTS, LEGS, LF_BITS
 from .reach import reach_foot
 from .runtime import Ints, const, hot
@@ -51,7 +51,7 @@ def warped(state: Ints, leg: int) -> int:
 
 
 @hot
-def share_load(settings: Ints, state: Ints, feet: Ints, weights: Ints, load: Ints) -> int:
+def share_load(settings: Ints, state: Ints, feet: Ints, weights: Ints, load: Load) -> int:
     """Write into C_LOAD what each foot should carry under the wanted pose, and the margin; return the margin, lu.
 
     feet (12 lu), weights (4) and load (LOAD_SIZE) are scratch. The middle of mass is (K_COM_X, K_COM_Z) in
@@ -68,7 +68,7 @@ def share_load(settings: Ints, state: Ints, feet: Ints, weights: Ints, load: Int
             feet[leg * 3 + axis] = saturate(away, -32767, 32767)
     load_share(feet, weights, ahead, 0, saturate(state[C_WEIGHT], 0, 16383), settings[K_PLANAR], load)
     for leg in range(LEGS):
-        state[C_LOAD + leg] = load[L_WANTED_Q12 + leg]
+        state[C_LOAD + leg] = load.wanted_q12[leg]
         weights[leg] = state[C_STANDS + leg]
     state[C_MARGIN] = support_margin(feet, weights, ahead, 0)
     return state[C_MARGIN]

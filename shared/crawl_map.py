@@ -42,7 +42,7 @@ from .filters import fraction
 from .fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from .params import LEGS, LF_BITS
 from .runtime import Ints, const, hot
-from .sensing import M_LEVEL
+from .sensing import Sensing
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
 _HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
@@ -82,7 +82,7 @@ def foot_weight_q8(state: Ints, leg: int) -> int:
 
 
 @hot
-def fit_heading(sensing: Ints, state: Ints) -> int:
+def fit_heading(sensing: Sensing, state: Ints) -> int:
     """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
 
     Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
@@ -97,8 +97,8 @@ def fit_heading(sensing: Ints, state: Ints) -> int:
         w = foot_weight_q8(state, leg)
         at = leg * 3
         total += w
-        mx += w * sensing[M_LEVEL + at]
-        my += w * sensing[M_LEVEL + at + 1]
+        mx += w * sensing.level[at]
+        my += w * sensing.level[at + 1]
         fx += w * (state[C_FOOT + at] - state[C_BODY] >> LF_BITS)
         fy += w * (state[C_FOOT + at + 1] - state[C_BODY + 1] >> LF_BITS)
     if total == 0:
@@ -112,8 +112,8 @@ def fit_heading(sensing: Ints, state: Ints) -> int:
     for leg in range(LEGS):
         w = foot_weight_q8(state, leg)
         at = leg * 3
-        ax = saturate(sensing[M_LEVEL + at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
-        ay = saturate(sensing[M_LEVEL + at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
+        ax = saturate(sensing.level[at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
+        ay = saturate(sensing.level[at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
         bx = saturate((state[C_FOOT + at] - state[C_BODY] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
         by = saturate((state[C_FOOT + at + 1] - state[C_BODY + 1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
@@ -122,7 +122,7 @@ def fit_heading(sensing: Ints, state: Ints) -> int:
 
 
 @hot
-def fit_body(settings: Ints, sensing: Ints, state: Ints) -> int:
+def fit_body(settings: Ints, sensing: Sensing, state: Ints) -> int:
     """Update the heading and place of the body from the stance feet; return 0.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
@@ -140,13 +140,13 @@ def fit_body(settings: Ints, sensing: Ints, state: Ints) -> int:
     dz = 0
     for leg in range(LEGS):
         at = leg * 3
-        x = sensing[M_LEVEL + at]
-        y = sensing[M_LEVEL + at + 1]
+        x = sensing.level[at]
+        y = sensing.level[at + 1]
         turned_x = x * cosine - y * sine + 32 >> 6
         turned_y = x * sine + y * cosine + 32 >> 6
         state[C_SEEN + at] = turned_x
         state[C_SEEN + at + 1] = turned_y
-        state[C_SEEN + at + 2] = sensing[M_LEVEL + at + 2] << LF_BITS
+        state[C_SEEN + at + 2] = sensing.level[at + 2] << LF_BITS
         w = foot_weight_q8(state, leg)
         total += w
         for axis in range(3):

@@ -3,7 +3,7 @@
 from .body import POSE_SIZE
 from .crawl_layout import C_SIZE, K_SIZE
 from .crawl_setup import crawl_setup
-from .load import LOAD_SIZE
+from .load import Load
 from .params import JOINTS, LEGS, Params
 from .runtime import zeros
 
@@ -15,7 +15,7 @@ class Crawl:
         self.settings = zeros(K_SIZE)
         self.limbs = Params()
         self.state = zeros(C_SIZE)
-        self.load = zeros(LOAD_SIZE)
+        self.load = Load()
         self.weights = zeros(LEGS)
         self.point = zeros(2)
         self.pose = zeros(POSE_SIZE)

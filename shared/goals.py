@@ -8,6 +8,7 @@ acts where a gait asks for more than the joint has (the papers' trot, the first 
 
 from .fixed import saturate
 from .params import JOINTS, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
 
 READ_NONE = const(0)  # no reading yet
@@ -15,10 +16,15 @@ READ_ONCE = const(1)  # one set of readings that the next has to agree with befo
 READ_SURE = const(2)
 READ_ODD = const(3)  # some of the last set were odd
 
-# Past readings of ``count`` values: those of the last odd set, then
-READ_STATE = const(0)  # + count: READ_...
-READ_ROW = const(1)  # + count: odd sets in a row
-READ_SIZE = const(2)  # + count
+
+@record
+class Past:
+    """What is remembered of up to 12 readings."""
+
+    odd: Ints = vector(JOINTS, "brad", "the last set in which some were odd")
+    state: int = field("", "READ_...")
+    row: int = field("ticks", "odd sets in a row")
+
 
 _MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
 
@@ -63,10 +69,10 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> int:
 
 
 @hot
-def joints_near(params: Params, readings: Ints, first: int, joints: Ints) -> int:
-    """Return 1 if each of ``joints`` (12 brad) gets to its reading (from ``first`` on) within one tick, else 0."""
+def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
+    """Return 1 if each of ``joints`` (12 brad) gets to its reading within one tick, else 0."""
     for joint in range(JOINTS):
-        gap = readings[first + joint] - joints[joint]
+        gap = readings[joint] - joints[joint]
         top = params.joint_top[joint % 3]
         if gap > top or gap < -top:
             return 0
@@ -74,18 +80,18 @@ def joints_near(params: Params, readings: Ints, first: int, joints: Ints) -> int
 
 
 @hot
-def believe(readings: Ints, first: int, count: int, step: int, believed: Ints, past: Ints) -> int:
-    """Copy ``count`` readings from ``readings[first]`` on to the same places of ``believed``, but for odd ones.
+def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
+    """Copy ``count`` readings (at most 12) into ``believed``, but for odd ones.
 
     A reading is limited to +-32768. It is odd if it is more than ``step`` away from what is believed and from the
     reading before it; then what is believed stays. So one odd reading counts nothing, and one that lasts counts from
-    its second tick on. The first set of all is believed when the next one agrees. past: count + READ_SIZE values.
+    its second tick on. The first set of all is believed when the next one agrees.
     Returns how many are odd, or -1 while nothing is known: at first, and after ten odd sets in a row.
     Intermediates: below 2^17.
     """
-    state = past[count + READ_STATE]
+    state = past.state
     odd = 0
-    for at in range(first, first + count):
+    for at in range(count):
         reading = readings[at]
         was = believed[at]
         if reading != was:
@@ -96,37 +102,37 @@ def believe(readings: Ints, first: int, count: int, step: int, believed: Ints, p
             else:
                 believed[at] = reading
     if state >= READ_SURE and odd:
-        odd = believe_again(readings, first, count, step, believed, past)
+        odd = believe_again(readings, count, step, believed, past)
     if odd == 0 and state != READ_NONE:
-        past[count + READ_STATE] = READ_SURE
-        past[count + READ_ROW] = 0
+        past.state = READ_SURE
+        past.row = 0
         return 0
-    if state >= READ_SURE and past[count + READ_ROW] < _MOST_ODD:
-        past[count + READ_STATE] = READ_ODD
-        past[count + READ_ROW] += 1
+    if state >= READ_SURE and past.row < _MOST_ODD:
+        past.state = READ_ODD
+        past.row += 1
         return odd
-    for at in range(first, first + count):
+    for at in range(count):
         believed[at] = saturate(readings[at], -32768, 32767)
-    past[count + READ_STATE] = READ_ONCE
-    past[count + READ_ROW] = 0
+    past.state = READ_ONCE
+    past.row = 0
     return -1
 
 
 @hot
-def believe_again(readings: Ints, first: int, count: int, step: int, believed: Ints, past: Ints) -> int:
+def believe_again(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
     """Believe those odd readings that agree with an odd set just before; keep the set; return how many stay odd.
 
     Used by believe.
     """
     odd = 0
     for place in range(count):
-        reading = saturate(readings[first + place], -32768, 32767)
-        gap = reading - believed[first + place]
+        reading = saturate(readings[place], -32768, 32767)
+        gap = reading - believed[place]
         if gap > step or gap < -step:
-            again = reading - past[place]
-            if past[count + READ_STATE] == READ_ODD and again <= step and again >= -step:
-                believed[first + place] = reading
+            again = reading - past.odd[place]
+            if past.state == READ_ODD and again <= step and again >= -step:
+                believed[place] = reading
             else:
                 odd += 1
-        past[place] = reading
+        past.odd[place] = reading
     return odd

@@ -9,24 +9,24 @@ from .params import (
     LEGS,
     Params,
 )
-from .runtime import Ints, const, hot
-from .sensing import M_LEVEL
-from .steps import STEP_SIZE, STEP_TICKS, STEP_TO_Z, STEP_Z
+from .runtime import const, hot
+from .sensing import Sensing
+from .steps import Steps
 
 _ROUGH_FROM = const(455)  # brad, 2.5 deg: what walking on the flat tilts
 _ROUGH_RANGE = const(637)  # brad, 3.5 deg more: full extra lift
 
 
 @hot
-def twist(sensing: Ints, roll_brad: int, pitch_brad: int) -> int:
+def twist(sensing: Sensing, roll_brad: int, pitch_brad: int) -> int:
     """Return the mean of FR, RL minus FL, RR of the measured feet's heights over the ground's plane, lu.
 
     sensing: a block of sense_legs; roll, pitch: how the ground's plane lies in level axes, brad. Error at most 4 lu.
     Intermediates: 4 * 65535 * 2^12 at most (feet as sense_legs leaves them).
     """
-    x = sensing[M_LEVEL] - sensing[M_LEVEL + 3] - sensing[M_LEVEL + 6] + sensing[M_LEVEL + 9] >> 2
-    y = sensing[M_LEVEL + 1] - sensing[M_LEVEL + 4] - sensing[M_LEVEL + 7] + sensing[M_LEVEL + 10] >> 2
-    z = sensing[M_LEVEL + 2] - sensing[M_LEVEL + 5] - sensing[M_LEVEL + 8] + sensing[M_LEVEL + 11] >> 2
+    x = sensing.level[0] - sensing.level[3] - sensing.level[6] + sensing.level[9] >> 2
+    y = sensing.level[1] - sensing.level[4] - sensing.level[7] + sensing.level[10] >> 2
+    z = sensing.level[2] - sensing.level[5] - sensing.level[8] + sensing.level[11] >> 2
     z = z * (cos_q15(pitch_brad) >> 2) - x * (sin_q15(pitch_brad) >> 2) >> 13
     return z * (cos_q15(roll_brad) >> 2) + y * (sin_q15(roll_brad) >> 2) >> 13
 
@@ -45,19 +45,19 @@ def follow_twist(params: Params, now_lf: int, measured_lu: int) -> int:
 
 
 @hot
-def press_feet(params: Params, steps: Ints, twist_lu: int) -> int:
+def press_feet(params: Params, steps: Steps, twist_lu: int) -> int:
     """Move the footholds' heights to the twisted ground: standing feet slowly, swing feet by their aim; return 0."""
-    step = params.press
+    most = params.press
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
+        step = steps.legs[leg]
         floor = params.legs[leg].rest[2]
         if leg == 0 or leg == 3:
             floor += twist_lu
         else:
             floor -= twist_lu
-        steps[at + STEP_TO_Z] = floor
-        if steps[at + STEP_TICKS] == 0 and steps[at + STEP_Z] != floor:
-            steps[at + STEP_Z] += saturate(floor - steps[at + STEP_Z], -step, step)
+        step.to_z = floor
+        if step.ticks == 0 and step.z != floor:
+            step.z += saturate(floor - step.z, -most, most)
     return 0
 
 

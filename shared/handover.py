@@ -8,8 +8,9 @@ from .command import Command
 from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
 from .fixed import cos_q15, saturate, sin_q15
 from .params import JOINTS, LEGS, LF_BITS, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
-from .steps import STEP_SIZE, STEP_TICK, STEP_TICKS, STEP_TO_Z, STEP_X, STEP_Y, STEP_Z
+from .steps import Steps
 
 # Why the gait was changed
 REASON_NONE = const(0)
@@ -17,10 +18,17 @@ REASON_BEHIND = const(1)  # held up: the trot fell behind its reference
 REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot go
 REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
 
-F_LEFT = const(0)  # ticks to go; -1: the jump is still to be taken
-F_TICKS = const(1)
-F_JUMP = const(2)  # 12 brad
-FADE_SIZE = const(14)
+
+
+@record
+class Fade:
+    """What joint goals still differ from those of the gait before, fading out."""
+
+    left: int = field("ticks", "to go; -1: the jump is still to be taken")
+    ticks: int = field("ticks", "the whole fade")
+    jump: Ints = vector(JOINTS, "brad", "by which the first goals differed; until it is taken, the goals sent last")
+
+
 
 LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
 
@@ -47,7 +55,7 @@ def ground_even(state: Ints) -> int:
 
 
 @hot
-def steps_from_crawl(params: Params, state: Ints, ahead_lu: int, sway_lu: int, steps: Ints) -> int:
+def steps_from_crawl(params: Params, state: Ints, ahead_lu: int, sway_lu: int, steps: Steps) -> int:
     """Write the crawl's feet into the trot's footholds, level and at rest height; return 0.
 
     A foothold is where the foot is from the crawl's wanted body, turned back by its heading, plus the trot's
@@ -58,39 +66,39 @@ def steps_from_crawl(params: Params, state: Ints, ahead_lu: int, sway_lu: int, s
     cosine = cos_q15(yaw) + 1 >> 1
     sine = sin_q15(yaw) + 1 >> 1
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
+        step = steps.legs[leg]
         x = saturate(state[C_FOOT + leg * 3] - state[C_REF] >> LF_BITS, -32767, 32767)
         y = saturate(state[C_FOOT + leg * 3 + 1] - state[C_REF + 1] >> LF_BITS, -32767, 32767)
-        steps[at + STEP_X] = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
-        steps[at + STEP_Y] = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
+        step.x = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
+        step.y = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
         rest_z = params.legs[leg].rest[2]
-        steps[at + STEP_Z] = rest_z
-        steps[at + STEP_TO_Z] = rest_z
-        steps[at + STEP_TICKS] = 0
-        steps[at + STEP_TICK] = 0
+        step.z = rest_z
+        step.to_z = rest_z
+        step.ticks = 0
+        step.tick = 0
     return 0
 
 
 @hot
-def fade_start(params: Params, fade: Ints, joints: Ints) -> int:
+def fade_start(params: Params, fade: Fade, joints: Ints) -> int:
     """Keep the goals sent last (12 brad): the next ones are to go on from there; return the ticks of the fade."""
     for joint in range(JOINTS):
-        fade[F_JUMP + joint] = joints[joint]
-    fade[F_LEFT] = -1
-    fade[F_TICKS] = (params.rate_hz >> 1) + 1
-    return fade[F_TICKS]
+        fade.jump[joint] = joints[joint]
+    fade.left = -1
+    fade.ticks = (params.rate_hz >> 1) + 1
+    return fade.ticks
 
 
 @hot
-def fade_out(fade: Ints, joints: Ints) -> int:
+def fade_out(fade: Fade, joints: Ints) -> int:
     """Add what is left of the jump to the goals (12 brad); return the ticks to go. Exact to 1 brad."""
-    if fade[F_LEFT] < 0:
+    if fade.left < 0:
         for joint in range(JOINTS):
-            fade[F_JUMP + joint] = saturate(fade[F_JUMP + joint] - joints[joint], -65535, 65535)
-        fade[F_LEFT] = fade[F_TICKS]
-    if fade[F_LEFT] > 0:
+            fade.jump[joint] = saturate(fade.jump[joint] - joints[joint], -65535, 65535)
+        fade.left = fade.ticks
+    if fade.left > 0:
         for joint in range(JOINTS):
-            left = fade[F_JUMP + joint] * fade[F_LEFT] // fade[F_TICKS]
+            left = fade.jump[joint] * fade.left // fade.ticks
             joints[joint] = saturate(joints[joint] + left, -32768, 32767)
-        fade[F_LEFT] -= 1
-    return fade[F_LEFT]
+        fade.left -= 1
+    return fade.left

@@ -8,16 +8,23 @@ Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
 
 from .fixed import saturate
 from .params import LEGS
+from .record import field, record, vector
 from .runtime import Ints, const, hot
 
-L_WANTED_Q12 = const(0)  # 4 values: the share of each foot
-L_FORCE_Q12 = const(4)  # 4 values: the same, slewed
-L_MIDDLE = const(8)  # 2 values: the weighted middle of the feet, lu
-L_MOMENT = const(10)  # 3 values: second moments xx, xy, yy about it
-L_SHIFT = const(13)  # how many bits the moments were shortened by
-L_ALONG = const(14)  # 2 values: how the share grows along x and y
-L_ARM = const(16)  # 8 values: x, y of each foot that stands, from the middle, 32 lu
-LOAD_SIZE = const(24)
+
+@record
+class Load:
+    """Load"""
+
+    wanted_q12: Ints = vector(4, "", "the share of each foot")
+    force_q12: Ints = vector(4, "", "the same, slewed")
+    middle: Ints = vector(2, "", "the weighted middle of the feet, lu")
+    moment: Ints = vector(3, "", "second moments xx, xy, yy about it")
+    shift: int = field("", "how many bits the moments were shortened by")
+    along: Ints = vector(2, "", "how the share grows along x and y")
+    arm: Ints = vector(8, "", "x, y of each foot that stands, from the middle, 32 lu")
+
+
 
 STANDS_Q8 = const(256)  # the weight of a foot that stands
 _UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
@@ -25,16 +32,16 @@ _UNIT_HALF = const(16)
 
 
 @hot
-def load_even(block: Ints, weight_q12: int) -> int:
+def load_even(block: Load, weight_q12: int) -> int:
     """Let every foot carry a quarter, at once; return 0. weight: Q12 of the own weight, 0 .. 16383."""
     for leg in range(LEGS):
-        block[L_WANTED_Q12 + leg] = weight_q12 >> 2
-        block[L_FORCE_Q12 + leg] = weight_q12 >> 2
+        block.wanted_q12[leg] = weight_q12 >> 2
+        block.force_q12[leg] = weight_q12 >> 2
     return 0
 
 
 @hot
-def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Ints) -> int:
+def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load) -> int:
     """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
 
     feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
@@ -46,18 +53,17 @@ def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, pla
     total = load_moments(feet, weights, planar, block)
     if total <= 0:
         for leg in range(LEGS):
-            block[L_WANTED_Q12 + leg] = 0
+            block.wanted_q12[leg] = 0
         return 0
     load_slope(com_x, com_y, planar, block)
     even = 0x100000 // total
-    shift = block[L_SHIFT] + 6
-    along_x = block[L_ALONG]
-    along_y = block[L_ALONG + 1]
-    arm = L_ARM
+    shift = block.shift + 6
+    along_x = block.along[0]
+    along_y = block.along[1]
     for leg in range(LEGS):
         share = 0
         if weights[leg] > 0:
-            share = even + (along_x * block[arm] + along_y * block[arm + 1] >> shift)
+            share = even + (along_x * block.arm[2 * leg] + along_y * block.arm[2 * leg + 1] >> shift)
             if share < 0:
                 share = 0
             elif share > 0x200000:
@@ -66,13 +72,12 @@ def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, pla
             if share > 4096:
                 share = 4096
             share = share * weight_q12 + 2048 >> 12
-        block[L_WANTED_Q12 + leg] = share
-        arm += 2
+        block.wanted_q12[leg] = share
     return 1
 
 
 @hot
-def load_moments(feet: Ints, weights: Ints, planar: int, block: Ints) -> int:
+def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
     """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
 
     Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
@@ -86,7 +91,6 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Ints) -> int:
     xx = 0
     xy = 0
     yy = 0
-    arm = L_ARM
     at = 0
     for leg in range(LEGS):
         weight = weights[leg]
@@ -99,12 +103,11 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Ints) -> int:
                 y = feet[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
                 if y > 1023 or y < -1023:
                     y = saturate(y, -1023, 1023)
-            block[arm] = x
-            block[arm + 1] = y
+            block.arm[2 * leg] = x
+            block.arm[2 * leg + 1] = y
             xx += x * x * weight >> 8
             xy += x * y * weight >> 8
             yy += y * y * weight >> 8
-        arm += 2
         at += 3
     shift = 0
     while xx + yy > 16383:
@@ -112,30 +115,30 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Ints) -> int:
         xy >>= 1
         yy >>= 1
         shift += 1
-    block[L_MIDDLE] = middle_x
-    block[L_MIDDLE + 1] = middle_y
-    block[L_MOMENT] = xx
-    block[L_MOMENT + 1] = xy
-    block[L_MOMENT + 2] = yy
-    block[L_SHIFT] = shift
+    block.middle[0] = middle_x
+    block.middle[1] = middle_y
+    block.moment[0] = xx
+    block.moment[1] = xy
+    block.moment[2] = yy
+    block.shift = shift
     return total
 
 
 @hot
-def load_slope(com_x: int, com_y: int, planar: int, block: Ints) -> int:
+def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
     """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
 
     Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
     take the part along the line. Slopes are in Q18 per 32 lu, shifted by L_SHIFT, limited to +-0x3FFFF.
     Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
     """
-    off_x = saturate(com_x - block[L_MIDDLE] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    off_x = saturate(com_x - block.middle[0] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
     off_y = 0
     if planar == 0:
-        off_y = saturate(com_y - block[L_MIDDLE + 1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-    xx = block[L_MOMENT]
-    xy = block[L_MOMENT + 1]
-    yy = block[L_MOMENT + 2]
+        off_y = saturate(com_y - block.middle[1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    xx = block.moment[0]
+    xy = block.moment[1]
+    yy = block.moment[2]
     square = (xx + yy) * (xx + yy)
     det = xx * yy - xy * xy
     if det > square >> 6:
@@ -146,16 +149,16 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Ints) -> int:
         along_y = xy * off_x + yy * off_y
         det = square
     det = (det >> 14) + 1
-    block[L_ALONG] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
-    block[L_ALONG + 1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
+    block.along[0] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
+    block.along[1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
     return 0
 
 
 @hot
-def load_slew(block: Ints, step_q12: int) -> int:
+def load_slew(block: Load, step_q12: int) -> int:
     """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
     for leg in range(LEGS):
-        short = block[L_WANTED_Q12 + leg] - block[L_FORCE_Q12 + leg]
+        short = block.wanted_q12[leg] - block.force_q12[leg]
         if short:
-            block[L_FORCE_Q12 + leg] += saturate(short, -step_q12, step_q12)
+            block.force_q12[leg] += saturate(short, -step_q12, step_q12)
     return 0

@@ -8,29 +8,37 @@ feedback with a position term), and feet are placed for the corrected speed.
 
 from .fixed import saturate
 from .params import LF_BITS, Params
+from .record import field, record
 from .runtime import Ints, const, hot
 from .steps import SPEED_SIZE, SPEED_WZ, SPEED_X, SPEED_Y
 
-NAV_X = const(0)  # lf, the reference from the robot, level axes
-NAV_Y = const(1)
-NAV_YAW = const(2)  # yaw18
-NAV_SIZE = const(3)
+
+@record
+class Navigation:
+    """How far the walk's reference is ahead of the robot."""
+
+    x: int = field("lf", "ahead, in the robot's level axes")
+    y: int = field("lf", "to the left")
+    yaw: int = field("yaw18", "its heading from the robot's")
+
+
 
 _YAW_MAX = const(91750)  # yaw18, 0.35 rad: further the reference waits
 _TURN_MAX = const(0x7FFF)  # yaw18 a tick, 1/8 rad
 
 
 @hot
-def navigate_reset(nav: Ints) -> int:
+def navigate_reset(nav: Navigation) -> int:
     """Put the reference where the robot is; return 0."""
-    for axis in range(NAV_SIZE):
-        nav[axis] = 0
+    nav.x = 0
+    nav.y = 0
+    nav.yaw = 0
     return 0
 
 
 @hot
 def follow_reference(
-    params: Params, speed: Ints, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav: Ints
+    params: Params, speed: Ints, moved_x: int, moved_y: int, turned_yaw18: int, yaw_known: int, nav: Navigation
 ) -> int:
     """Update the errors by one tick; return 0.
 
@@ -42,20 +50,20 @@ def follow_reference(
     turned = 0
     if yaw_known:
         turned = saturate(turned_yaw18, -_TURN_MAX, _TURN_MAX)
-        yaw = saturate(nav[NAV_YAW] + speed[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
-    nav[NAV_YAW] = yaw
+        yaw = saturate(nav.yaw + speed[SPEED_WZ] - turned, -_YAW_MAX, _YAW_MAX)
+    nav.yaw = yaw
     most = (params.leg_length << LF_BITS) // 6
-    x = nav[NAV_X] + speed[SPEED_X] - ((speed[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
-    y = nav[NAV_Y] + speed[SPEED_Y] + ((speed[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
+    x = nav.x + speed[SPEED_X] - ((speed[SPEED_Y] >> 4) * (yaw >> 4) >> 10) - moved_x
+    y = nav.y + speed[SPEED_Y] + ((speed[SPEED_X] >> 4) * (yaw >> 4) >> 10) - moved_y
     x = saturate(x, -most, most)
     y = saturate(y, -most, most)
-    nav[NAV_X] = x + ((y >> LF_BITS) * turned >> 10)
-    nav[NAV_Y] = y - ((x >> LF_BITS) * turned >> 10)
+    nav.x = x + ((y >> LF_BITS) * turned >> 10)
+    nav.y = y - ((x >> LF_BITS) * turned >> 10)
     return 0
 
 
 @hot
-def hold(params: Params, speed: Ints, sway_lu: int, nav: Ints, drive: Ints) -> int:
+def hold(params: Params, speed: Ints, sway_lu: int, nav: Navigation, drive: Ints) -> int:
     """Write the speeds to walk with into ``drive``: the reference's plus the errors times a gain, limited.
 
     sway: lu, within +-32767, the body's planned way to the left, which is no error. Corrections are limited to a
@@ -69,12 +77,12 @@ def hold(params: Params, speed: Ints, sway_lu: int, nav: Ints, drive: Ints) -> i
     if most < params.start_speed:
         most = params.start_speed
     most = most // 5
-    drive[SPEED_X] = speed[SPEED_X] + saturate((nav[NAV_X] >> 4) * gain >> 12, -most, most)
+    drive[SPEED_X] = speed[SPEED_X] + saturate((nav.x >> 4) * gain >> 12, -most, most)
     most = params.speed_max[1] * 2 // 5
-    y = saturate(nav[NAV_Y] + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
+    y = saturate(nav.y + (sway_lu << LF_BITS), -0x3FFFFF, 0x3FFFFF)
     drive[SPEED_Y] = speed[SPEED_Y] + saturate((y >> 4) * gain >> 12, -most, most)
     most = params.speed_max[2] * 3 // 4
-    drive[SPEED_WZ] = speed[SPEED_WZ] + saturate((nav[NAV_YAW] >> 4) * gain >> 12, -most, most)
+    drive[SPEED_WZ] = speed[SPEED_WZ] + saturate((nav.yaw >> 4) * gain >> 12, -most, most)
     return 0
 
 

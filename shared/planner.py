@@ -11,9 +11,10 @@ planner_pose (body and legs), planner_climb (the crawl instead of all that), pla
 """
 
 from .adaptive import carry, pose_body, raise_body
+from .command import Command
 from .gaits import GAIT_ADAPTIVE
 from .goals import follow_goals
-from .handover import F_LEFT, fade_out
+from .handover import fade_out
 from .leg import limit_joints
 from .params import LEGS, Params
 from .planner_climb import climb, climbs
@@ -31,14 +32,15 @@ from .planner_states import choose_state, follow_joints, settle
 from .planner_steps import step_gait
 from .posture import posture_step
 from .runtime import hot
-from .sensing import M_KNOWN, keep_sent
+from .sensed import Sensed
+from .sensing import keep_sent
 
 
 class Planner(PlannerState):
     """The control core of one robot at one rate.
 
     ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read
-    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``numbers`` (N_...), ``feet`` (12 lu, planned, in the
+    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``status``, ``feet`` (12 lu, planned, in the
     base frame), ``reached`` (12 lu from the hips). Raises ValueError if a gait can't fit the robot.
     """
 
@@ -46,17 +48,16 @@ class Planner(PlannerState):
         super().__init__(params)
         settle(self)
 
-    def tick(self, command, sensed):
-        """Take a command (COMMAND_SIZE) and what is sensed (SENSED_SIZE), plan one tick; return the flags.
+    def tick(self, command: Command, sensed: Sensed) -> int:
+        """Take a command and what is sensed, plan one tick; return the flags.
 
         Any 30-bit value in either block is survived: speeds and poses are limited, an unknown mode or
         gait sets BAD_COMMAND. Intermediates are those of the functions called.
         """
         return plan(self, command, sensed)
 
-
 @hot
-def plan(planner: PlannerState, command, sensed) -> int:
+def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of the planner; returns its flags."""
     status = planner.status
     m = planner.sensing
@@ -73,17 +74,17 @@ def plan(planner: PlannerState, command, sensed) -> int:
         if climbs(planner, command, planner.sensed):
             climb(planner, command, planner.sensed)
         elif status.climb == CLIMB_BACK:
-            tread(planner, planner.retreat, planner.sensed)
+            tread(planner, planner.back, planner.sensed)
         else:
             tread(planner, command, planner.sensed)
     follow_goals(planner.params, planner.goal, planner.joints)
-    if m[M_KNOWN]:
+    if m.known:
         keep_sent(planner.sensing, planner.joints)
     return status.flags
 
 
 @hot
-def tread(planner: PlannerState, command, sensed) -> int:
+def tread(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of standing or walking by a gait's table or the adaptive trot; return 0."""
     status = planner.status
     own = 0
@@ -99,7 +100,7 @@ def tread(planner: PlannerState, command, sensed) -> int:
         pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
     status.flags |= solve_legs(planner, planner.goal)
     fade = planner.fade
-    if fade[F_LEFT]:
+    if fade.left:
         fade_out(planner.fade, planner.goal)
         for leg in range(LEGS):
             limit_joints(planner.params, leg, planner.goal)

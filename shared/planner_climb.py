@@ -3,7 +3,7 @@
     off -> (held up) backing off -> ready -> crawling -> off
 """
 
-from .adaptive import ADVICE_BEHIND, W_AHEAD, W_BEHIND, W_ROUGH, W_SWAY, adaptive_start
+from .adaptive import ADVICE_BEHIND, adaptive_start
 from .balance import balance_reset
 from .command import MODE_WALK, Command
 from .crawl import crawl_start, crawl_tick
@@ -27,30 +27,27 @@ from .planner_layout import (
     CLIMB_OFF,
     CLIMB_ON,
     CLIMB_READY,
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
     STANDING,
     WALKING,
 )
 from .planner_state import PlannerState
 from .planner_steps import use_gait, wanted_gait
 from .retreat import retreat_start, retreat_step
-from .runtime import Ints, hot
-from .sensing import M_KNOWN, M_MOVED_X, sense_legs, stands_level
+from .runtime import hot
+from .sensed import Sensed
+from .sensing import sense_legs, stands_level
 from .steps import SPEED_SIZE
 
 
 @hot
-def climbs(planner: PlannerState, command: Command, sensed: Ints) -> int:
+def climbs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
 
     It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
     advised to give way, at a moment when all feet have stood for long enough; held up, the trot backs off first.
     Without measured joints or attitude it never begins (BLIND): its table is walked instead.
     """
+    valid = sensed.valid
     status = planner.status
     if status.climb == CLIMB_BACK:
         return backed_off(planner, command, sensed)
@@ -67,7 +64,7 @@ def climbs(planner: PlannerState, command: Command, sensed: Ints) -> int:
         reason = advised(planner, command.gait)
     if reason == REASON_NONE:
         return 0
-    if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
+    if valid.joints == 0 or valid.tilt == 0:
         status.flags |= BLIND
         return 0
     status.reason = reason
@@ -94,17 +91,18 @@ def back_off(planner: PlannerState) -> int:
     status = planner.status
     w = planner.felt
     navigate_reset(planner.nav)
-    w[W_BEHIND] = 0
+    w.behind = 0
     status.climb = CLIMB_BACK
     return retreat_start(planner.retreat)
 
 
 @hot
-def backed_off(planner: PlannerState, command: Command, sensed: Ints) -> int:
+def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
 
     It is given up when the command is no longer one for it, or when the senses it needs are missing.
     """
+    valid = sensed.valid
     status = planner.status
     m = planner.sensing
     keeps_on = straight_on(planner.params, command)
@@ -112,13 +110,13 @@ def backed_off(planner: PlannerState, command: Command, sensed: Ints) -> int:
         keeps_on = 0
     if command.gait != GAIT_ADAPTIVE and command.gait != GAIT_CLIMB:
         keeps_on = 0
-    if keeps_on == 0 or sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
+    if keeps_on == 0 or valid.joints == 0 or valid.tilt == 0:
         status.climb = CLIMB_OFF
         return 0
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, m[M_MOVED_X], standing, planner.retreat):
+    if retreat_step(planner.params, command, m.moved_x, standing, planner.retreat, planner.back):
         return stop_to_climb(planner, command.gait)
     return 0
 
@@ -138,36 +136,38 @@ def advised(planner: PlannerState, wanted: int) -> int:
         return REASON_NONE
     if status.advice == ADVICE_BEHIND:
         return REASON_BEHIND
-    if wanted == GAIT_CLIMB and w[W_BEHIND] == 0 and stands_level(planner.params, planner.sensing):
+    if wanted == GAIT_CLIMB and w.behind == 0 and stands_level(planner.params, planner.sensing):
         return REASON_COMMAND
     return REASON_NONE
 
 
 @hot
-def climb(planner: PlannerState, command: Command, sensed: Ints) -> int:
+def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
 
     While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
     """
+    valid = sensed.valid
+    tilt = sensed.tilt
     status = planner.status
     params = planner.params
     m = planner.sensing
     at = planner.climb.state
-    if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
+    if valid.joints == 0 or valid.tilt == 0:
         status.flags |= BLIND
         return 0
-    roll = saturate(sensed[S_ROLL], -32768, 32767)
-    pitch = saturate(sensed[S_PITCH], -32768, 32767)
-    sense_legs(planner.params, sensed, S_JOINTS, roll, pitch, planner.sensing)
-    if status.climb == CLIMB_READY and m[M_KNOWN] > params.sent_ticks + 1:
-        crawl_start(planner.climb, planner.sensing, sensed, S_JOINTS, planner.joints, roll, pitch)
+    roll = saturate(tilt[0], -32768, 32767)
+    pitch = saturate(tilt[1], -32768, 32767)
+    sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
+    if status.climb == CLIMB_READY and m.known > params.sent_ticks + 1:
+        crawl_start(planner.climb, planner.sensing, sensed.joints, 0, planner.joints, roll, pitch)
         status.climb = CLIMB_ON
     if status.climb == CLIMB_ON:
         reason = leaves(planner, command)
         way = command.speed[0]
         if reason or command.mode != MODE_WALK or status.fallen:
             way = 0
-        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
+        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed.joints, 0, roll, pitch, way, planner.goal)
         status.swinging = 0
         if at[C_STANDS + at[C_LEG]] == 0:
             status.swinging = 1 << at[C_LEG]
@@ -210,13 +210,13 @@ def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     status = planner.status
     w = planner.felt
     v = planner.speed
-    steps_from_crawl(planner.params, planner.climb.state, w[W_AHEAD], w[W_SWAY], planner.steps)
+    steps_from_crawl(planner.params, planner.climb.state, w.ahead, w.sway, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):
         v[axis] = 0
     balance_reset(planner.balance)
     adaptive_start(planner.params, planner.walk)
-    w[W_ROUGH] = 0
+    w.rough = 0
     status.climb = CLIMB_OFF
     status.reason = reason
     status.advice = 0

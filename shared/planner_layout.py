@@ -1,5 +1,6 @@
 """Where the planner keeps its numbers: its states, what it is told is sensed, its flags, its own block."""
 
+from .body import POSE_SIZE
 from .record import field, record, vector
 from .runtime import Ints, const
 
@@ -10,16 +11,6 @@ WALKING = const(3)
 SITTING = const(4)
 SEATED = const(5)
 STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated")
-
-# What is sensed, one block
-S_ROLL = const(0)  # brad
-S_PITCH = const(1)
-S_ATTITUDE_OK = const(2)  # 1: roll and pitch may be used
-S_JOINTS = const(3)  # 12 brad, as measured
-S_JOINTS_OK = const(15)  # 1: the measured joints may be used
-S_RATES = const(16)  # 3 values: turn about x, y, z in this tick without the gyro's bias, 2^-18 rad
-S_RATES_OK = const(19)  # 1: they may be used
-SENSED_SIZE = const(20)
 
 # Flags of a tick
 REACH_FLAGS = const(0x07)  # a foot was out of reach: TOO_FAR, TOO_NEAR, INSIDE_HIP
@@ -38,24 +29,24 @@ FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told t
 
 @record
 class Status:
-    """Status"""
+    """What the planner of one robot does and tells: its state, flags and counts."""
 
-    state: int = field("", "state")
+    state: int = field("", "LIMP .. SEATED")
     gait: int = field("", "the gait being walked")
-    height: int = field("lu", "its swing height")
-    flags: int = field("", "flags")
+    height: int = field("lu", "swing height of the gait")
+    flags: int = field("", "flags of this tick")
     swinging: int = field("", "legs in swing, bits")
     gaits: int = field("", "how many gaits there are")
     cycles: int = field("", "0 in the first cycle after standing")
     margin: int = field("lu", "static stability margin: the centre of mass in the polygon of the standing feet")
     advice: int = field("", "ADVICE_... of the adaptive trot: whether another gait would do better")
-    tilted: int = field("", "ticks in a row of too much tilt")
+    tilted: int = field("ticks", "in a row of too much tilt")
     fallen: int = field("", "1: fallen")
     climb: int = field("", "the crawl over obstacles: CLIMB_...")
     reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
-    waited: int = field("", "ticks for which the commanded crawl has waited for level feet")
+    waited: int = field("ticks", "for which the commanded crawl has waited for level feet")
     met: int = field("", "1: the joints have been known")
-    held: Ints = vector(6, "", "the commanded pose that was out of reach, lu and brad")
+    held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
 

@@ -1,31 +1,32 @@
 """The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
 
-from .adaptive import W_FAR
 from .balance import balance_release, balance_step
 from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
 from .command import Command
 from .compliance import sag_leg
 from .fixed import saturate
 from .leg import leg_inverse, limit_joints
-from .load import L_FORCE_Q12
 from .params import LEGS
-from .planner_layout import NO_ATTITUDE, S_ATTITUDE_OK, S_PITCH, S_ROLL
+from .planner_layout import NO_ATTITUDE
 from .planner_state import PlannerState
 from .reach import TOO_NEAR, reach_foot
-from .runtime import Ints, hot
+from .runtime import hot
+from .sensed import Sensed
 
 
 @hot
-def level(planner: PlannerState, command: Command, sensed: Ints) -> int:
+def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
+    valid = sensed.valid
+    tilt = sensed.tilt
     status = planner.status
     params = planner.params
     pose = planner.pose
     posed = planner.posed
     correction = planner.balance.correction
-    if command.balance and sensed[S_ATTITUDE_OK]:
-        roll = saturate(sensed[S_ROLL], -32768, 32767)
-        pitch = saturate(sensed[S_PITCH], -32768, 32767)
+    if command.balance and valid.tilt:
+        roll = saturate(tilt[0], -32768, 32767)
+        pitch = saturate(tilt[1], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
         balance_release(planner.balance, params.pose_slew[POSE_ROLL])
@@ -66,12 +67,12 @@ def solve_legs(planner: PlannerState, joints) -> int:
         far = leg_inverse(planner.params, leg, planner.reached, joints)
         if far > farthest:
             farthest = far
-        if forces[L_FORCE_Q12 + leg]:
-            sag_leg(planner.params, leg, planner.reached, 0, 0, forces[L_FORCE_Q12 + leg], joints)
+        if forces.force_q12[leg]:
+            sag_leg(planner.params, leg, planner.reached, 0, 0, forces.force_q12[leg], joints)
         flags |= limit_joints(planner.params, leg, joints)
         per_leg[leg] = flags
         together |= flags
         if flags and status.swinging >> leg & 1 == 0:
             status.beyond = 1
-    w[W_FAR] = farthest
+    w.far = farthest
     return together

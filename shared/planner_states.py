@@ -10,7 +10,6 @@ from .balance import balance_reset
 from .body import POSE_SIZE
 from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
-from .handover import F_LEFT
 from .params import JOINTS, LEGS
 from .planner_layout import (
     BAD_COMMAND,
@@ -20,11 +19,6 @@ from .planner_layout import (
     NO_JOINTS,
     NOT_DRIVEN,
     RISING,
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
     SEATED,
     SITTING,
     STANDING,
@@ -33,12 +27,13 @@ from .planner_layout import (
 from .planner_pose import solve_legs
 from .planner_state import PlannerState
 from .posture import posture_start
-from .runtime import Ints, hot
+from .runtime import hot
+from .sensed import Sensed
 from .steps import SPEED_SIZE, place_feet, steps_reset
 
 
 @hot
-def choose_state(planner: PlannerState, command: Command, sensed) -> int:
+def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """Go where the commanded mode leads from the present state; return 0."""
     status = planner.status
     mode = command.mode
@@ -64,20 +59,22 @@ def choose_state(planner: PlannerState, command: Command, sensed) -> int:
 
 
 @hot
-def watch_tilt(planner: PlannerState, sensed: Ints, mode: int) -> int:
+def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
     """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
+    valid = sensed.valid
+    tilt = sensed.tilt
     status = planner.status
     params = planner.params
     if mode == MODE_LIMP or mode == MODE_SIT:
         status.fallen = 0
     most = params.tilt_max
     tilted = 0
-    if sensed[S_ROLL] > most or sensed[S_ROLL] < -most or sensed[S_PITCH] > most or sensed[S_PITCH] < -most:
+    if tilt[0] > most or tilt[0] < -most or tilt[1] > most or tilt[1] < -most:
         tilted = status.tilted + 1
-    if sensed[S_ATTITUDE_OK] == 0 or (status.state != STANDING and status.state != WALKING):
+    if valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
         tilted = 0
     status.tilted = tilted
     if tilted > params.tilt_ticks:
@@ -87,16 +84,17 @@ def watch_tilt(planner: PlannerState, sensed: Ints, mode: int) -> int:
 
 
 @hot
-def begin_move(planner: PlannerState, sensed: Ints, state: int) -> int:
+def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
     """Start RISING to the rest stance or SITTING down from the last goals; return 0.
 
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
     """
+    valid = sensed.valid
     status = planner.status
     known = 0
-    if sensed[S_JOINTS_OK]:
-        known = joints_near(planner.params, sensed, S_JOINTS, planner.joints)
+    if valid.joints:
+        known = joints_near(planner.params, sensed.joints, planner.joints)
     if status.state == LIMP and known == 0:
         status.flags |= NO_JOINTS
         return 0
@@ -122,7 +120,7 @@ def settle(planner: PlannerState) -> int:
         w[axis] = 0
         posed[axis] = 0
     fade = planner.fade
-    fade[F_LEFT] = 0
+    fade.left = 0
     status = planner.status
     status.climb = CLIMB_OFF
     status.holds = 0
@@ -144,12 +142,14 @@ def fold_legs(planner: PlannerState) -> int:
 
 
 @hot
-def follow_joints(planner: PlannerState, sensed: Ints) -> int:
+def follow_joints(planner: PlannerState, sensed: Sensed) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
+    valid = sensed.valid
+    measured = sensed.joints
     status = planner.status
     q = planner.goal
     status.flags |= NOT_DRIVEN
-    if sensed[S_JOINTS_OK]:
+    if valid.joints:
         for joint in range(JOINTS):
-            q[joint] = sensed[S_JOINTS + joint]
+            q[joint] = measured[joint]
     return 0

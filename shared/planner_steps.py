@@ -3,12 +3,12 @@
     command -> wanted gait -> slewed speed -> gait clock -> feet
 """
 
-from .adaptive import W_FASTEST, W_LIFT, adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
+from .adaptive import adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
 from .balance import balance_gains
 from .body import POSE_SIZE
 from .command import MODE_WALK, Command, slew_pose, slew_speed
 from .fixed import saturate
-from .gait import G_HEIGHT_MM, G_VX_MAX, gait_clock
+from .gait import gait_clock
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .navigate import drive_as_told
 from .planner_layout import (
@@ -19,7 +19,6 @@ from .planner_layout import (
 )
 from .planner_state import PlannerState
 from .runtime import const, hot
-from .sensing import M_KNOWN
 from .steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
 
 _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
@@ -108,7 +107,7 @@ def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
         height_lu = status.height
     if status.gait == GAIT_ADAPTIVE:
         own = 1
-        height_lu = saturate(height_lu, 0, 32767) + w[W_LIFT]
+        height_lu = saturate(height_lu, 0, 32767) + w.lift
     height_lu = saturate(height_lu, 0, -params.sit_z)
     if own and still == 0:
         drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
@@ -134,19 +133,19 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
 
     Returns 1 if the present speed is within that of the wanted gait: a faster walk would step too far in it.
     """
-    g = planner.gait
-    w = planner.gaits[wanted]
+    gait = planner.gait
+    other = planner.gaits[wanted]
     status = planner.status
-    v = planner.speed
+    speed = planner.speed
     top = planner.top
     fits = 1
     for axis in range(SPEED_SIZE):
-        most = w[G_VX_MAX + axis]
-        if v[axis] > most or v[axis] < -most:
+        most = other.speed_max[axis]
+        if speed[axis] > most or speed[axis] < -most:
             fits = 0
-        if g[G_VX_MAX + axis] < most:
-            most = g[G_VX_MAX + axis]
-        top[G_VX_MAX + axis] = most
+        if gait.speed_max[axis] < most:
+            most = gait.speed_max[axis]
+        top[axis] = most
     if status.gait == GAIT_ADAPTIVE:
         start_slowly(planner)
     return fits
@@ -161,14 +160,14 @@ def start_slowly(planner: PlannerState) -> int:
     params = planner.params
     w = planner.felt
     top = planner.top
-    fastest = w[W_FASTEST]
+    fastest = w.fastest
     for axis in range(2):
-        if top[G_VX_MAX + axis] > fastest:
-            top[G_VX_MAX + axis] = fastest
+        if top[axis] > fastest:
+            top[axis] = fastest
     share_q10 = saturate((fastest << 10) // params.speed_max[0], 1, 1024)
     turn = (params.speed_max[2] * share_q10 >> 10) + 1
-    if top[G_VX_MAX + 2] > turn:
-        top[G_VX_MAX + 2] = turn
+    if top[2] > turn:
+        top[2] = turn
     return 0
 
 
@@ -198,7 +197,7 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
         status.waited = 0
         return wanted
     status.waited = saturate(status.waited + 1, 0, 0xFFFF)
-    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and m[M_KNOWN] == 0):
+    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and m.known == 0):
         return wanted
     return GAIT_ADAPTIVE
 
@@ -219,5 +218,5 @@ def use_gait(planner: PlannerState, gait: int) -> int:
     else:
         balance_gains(planner.params, 0, planner.balance)
     g = planner.gait
-    status.height = (g[G_HEIGHT_MM] << params.length_shift) // 1000
+    status.height = (g.height_mm << params.length_shift) // 1000
     return 0

@@ -6,26 +6,33 @@ cycloid's profile, so nothing jerks.
 """
 
 from .params import JOINTS, Params
-from .runtime import Ints, const, hot
+from .record import field, record, vector
+from .runtime import Ints, hot
 from .swing import cycloid_q15
 
-MOVE_FROM = const(0)  # 12 brad
-MOVE_TO = const(12)  # 12 brad
-MOVE_TICKS = const(24)
-MOVE_TICK = const(25)
-MOVE_SIZE = const(26)
+
+@record
+class Move:
+    """A slow move of all joints from one posture to another."""
+
+    start: Ints = vector(JOINTS, "brad", "where it began")
+    goal: Ints = vector(JOINTS, "brad", "where it ends")
+    ticks: int = field("ticks", "the whole move")
+    tick: int = field("ticks", "gone by")
+
+
 
 
 @hot
-def posture_start(params: Params, move: Ints, joints: Ints, goal: Ints) -> int:
+def posture_start(params: Params, move: Move, joints: Ints, goal: Ints) -> int:
     """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.
 
     The peak speed of a cycloid is twice its mean, hence twice the ticks of an even move.
     """
     longest = 0
     for joint in range(JOINTS):
-        move[MOVE_FROM + joint] = joints[joint]
-        move[MOVE_TO + joint] = goal[joint]
+        move.start[joint] = joints[joint]
+        move.goal[joint] = goal[joint]
         gap = goal[joint] - joints[joint]
         if gap < 0:
             gap = -gap
@@ -34,29 +41,29 @@ def posture_start(params: Params, move: Ints, joints: Ints, goal: Ints) -> int:
     step = params.joint_step
     if step < 1:
         step = 1
-    move[MOVE_TICKS] = 1 + 2 * longest // step
-    move[MOVE_TICK] = 0
-    return move[MOVE_TICKS]
+    move.ticks = 1 + 2 * longest // step
+    move.tick = 0
+    return move.ticks
 
 
 @hot
-def posture_step(move: Ints, joints: Ints) -> int:
+def posture_step(move: Move, joints: Ints) -> int:
     """Write the move's next 12 joint angles into ``joints``; return the ticks still to come.
 
     Error at most 1.5 brad against the cycloid; the last angles are the goal's. Intermediates: the way of a
     joint is below 65536 brad and is taken in halves: 32768 * 32768.
     """
-    move[MOVE_TICK] += 1
-    left = move[MOVE_TICKS] - move[MOVE_TICK]
+    move.tick += 1
+    left = move.ticks - move.tick
     if left <= 0:
         for joint in range(JOINTS):
-            joints[joint] = move[MOVE_TO + joint]
-        move[MOVE_TICK] = move[MOVE_TICKS]
+            joints[joint] = move.goal[joint]
+        move.tick = move.ticks
         return 0
-    share = cycloid_q15(phase_of(move[MOVE_TICK], move[MOVE_TICKS]))
+    share = cycloid_q15(phase_of(move.tick, move.ticks))
     for joint in range(JOINTS):
-        gap = move[MOVE_TO + joint] - move[MOVE_FROM + joint]
-        joints[joint] = move[MOVE_FROM + joint] + (((gap >> 1) * share + 0x2000) >> 14)
+        gap = move.goal[joint] - move.start[joint]
+        joints[joint] = move.start[joint] + (((gap >> 1) * share + 0x2000) >> 14)
     return left
 
 

@@ -12,34 +12,34 @@ with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
 from .fixed import cos_q15, saturate, sin_q15
-from .params import (
-    JOINTS,
-    LEGS,
-    LF_BITS,
-    Params,
-)
+from .params import JOINTS, LEGS, LF_BITS, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
 
-M_LEVEL = const(0)  # 12 lu: the feet from the middle of the hips, in level axes that turn with the body
-M_FORCE_Q12 = const(12)  # 4 values: each foot's force along its leg, of the own weight
-M_ROLLED = const(16)  # 8 lu: x, y of each foot less what it rolled
-M_BEFORE = const(24)  # 8 lu: the same in the tick before
-M_JOINTS = const(32)  # 12 brad: the joints in the tick before
-M_KNOWN = const(44)  # ticks that were measured in a row, up to 100
-M_MOVED_X = const(45)  # lf: how far the body moved in this tick, level axes
-M_MOVED_Y = const(46)
-M_SENT_AT = const(47)  # where in the ring the next goals go
-M_SENT = const(48)  # 16 * 12 brad: the goals of the last 16 ticks
-# What is the same for all legs in a tick
-M_ROLL = const(240)  # brad
-M_PITCH = const(241)
-M_ROLL_SINE_Q13 = const(242)
-M_ROLL_COSINE_Q13 = const(243)
-M_PITCH_SINE_Q13 = const(244)
-M_PITCH_COSINE_Q13 = const(245)
-M_ROLLS_Q12 = const(246)  # lu that a foot rolls per brad
-M_ANSWERED = const(247)  # where the goals begin that the measured joints answer; 0: there are none yet
-SENSING_SIZE = const(248)
+
+@record
+class Sensing:
+    """What the legs tell of feet, forces and motion."""
+
+    level: Ints = vector(JOINTS, "lu", "the feet from the middle of the hips, in level axes that turn with the body")
+    force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
+    rolled: Ints = vector(2 * LEGS, "lu", "x, y of each foot less what it rolled")
+    before: Ints = vector(2 * LEGS, "lu", "the same in the tick before")
+    joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")
+    known: int = field("ticks", "measured in a row, up to 100")
+    moved_x: int = field("lf", "how far the body moved forward in this tick, level axes")
+    moved_y: int = field("lf", "how far to the left")
+    sent_at: int = field("", "where in the ring the next goals go, 0 .. 15")
+    sent: Ints = vector(16 * JOINTS, "brad", "ring of the goals of the last 16 ticks")
+    roll: int = field("brad", "of this tick")
+    pitch: int = field("brad", "of this tick")
+    roll_sine_q13: int = field("Q13", "sine of roll")
+    roll_cosine_q13: int = field("Q13", "cosine of roll")
+    pitch_sine_q13: int = field("Q13", "sine of pitch")
+    pitch_cosine_q13: int = field("Q13", "cosine of pitch")
+    rolls_q12: int = field("lu / brad Q12", "how far a foot rolls as its shank turns")
+    answered: int = field("", "where in the ring the goals lie that the joints answer; -1: nowhere yet")
+
 
 _BRAD_TO_RAD_Q26 = const(6434)  # 2 pi / 65536 in Q26 = 6433.98
 _ERROR_MAX = const(4095)  # brad, 22 deg: beyond it a drive gives all it has anyway
@@ -49,60 +49,67 @@ _STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell 
 
 
 @hot
-def sensing_reset(block: Ints) -> int:
+def sensing_reset(sensing: Sensing) -> int:
     """Forget all that was measured, and the goals; return 0."""
-    for at in range(SENSING_SIZE):
-        block[at] = 0
+    sensing.known = 0
+    sensing.moved_x = 0
+    sensing.moved_y = 0
+    sensing.sent_at = 0
+    sensing.answered = -1
+    for leg in range(LEGS):
+        sensing.force_q12[leg] = 0
+    for at in range(JOINTS):
+        sensing.level[at] = 0
     return 0
 
 
 @hot
-def keep_sent(block: Ints, joints: Ints) -> int:
+def keep_sent(sensing: Sensing, joints: Ints) -> int:
     """Keep the goals that are sent in this tick (12 brad); return 0."""
-    at = M_SENT + block[M_SENT_AT] * JOINTS
+    at = sensing.sent_at * JOINTS
     for joint in range(JOINTS):
-        block[at + joint] = joints[joint]
-    block[M_SENT_AT] = block[M_SENT_AT] + 1 & 15
+        sensing.sent[at + joint] = joints[joint]
+    sensing.sent_at = sensing.sent_at + 1 & 15
     return 0
 
 
 @hot
-def sense_legs(params: Params, joints: Ints, first: int, roll_brad: int, pitch_brad: int, block: Ints) -> int:
-    """Take 12 measured joints from ``joints[first]`` on, update feet and forces; return the ticks known, up to 100.
+def sense_legs(params: Params, joints: Ints, roll_brad: int, pitch_brad: int, sensing: Sensing) -> int:
+    """Take 12 measured joints, update feet and forces; return the ticks known, up to 100.
 
-    joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. M_LEVEL within 6 lu + 2e-4 of
-    the foot's distance. M_FORCE_Q12 answers the goals of P_SENT_TICKS ticks ago and is limited to +-16383; it
+    joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
+    the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
-    block[M_ROLL] = roll_brad
-    block[M_PITCH] = pitch_brad
-    block[M_ROLL_SINE_Q13] = sin_q15(roll_brad) >> 2
-    block[M_ROLL_COSINE_Q13] = cos_q15(roll_brad) >> 2
-    block[M_PITCH_SINE_Q13] = sin_q15(pitch_brad) >> 2
-    block[M_PITCH_COSINE_Q13] = cos_q15(pitch_brad) >> 2
-    block[M_ROLLS_Q12] = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
-    block[M_ANSWERED] = 0
-    if block[M_KNOWN] > params.sent_ticks:
-        block[M_ANSWERED] = M_SENT + (block[M_SENT_AT] - params.sent_ticks & 15) * JOINTS
+    sensing.roll = roll_brad
+    sensing.pitch = pitch_brad
+    sensing.roll_sine_q13 = sin_q15(roll_brad) >> 2
+    sensing.roll_cosine_q13 = cos_q15(roll_brad) >> 2
+    sensing.pitch_sine_q13 = sin_q15(pitch_brad) >> 2
+    sensing.pitch_cosine_q13 = cos_q15(pitch_brad) >> 2
+    sensing.rolls_q12 = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
+    sensing.answered = -1
+    if sensing.known > params.sent_ticks:
+        sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
     for leg in range(LEGS):
-        sense_leg(params, leg, joints, first + leg * 3, block)
+        sense_leg(params, leg, joints, sensing)
     for joint in range(JOINTS):
-        block[M_JOINTS + joint] = joints[first + joint]
-    if block[M_KNOWN] < 100:
-        block[M_KNOWN] += 1
-    return block[M_KNOWN]
+        sensing.joints[joint] = joints[joint]
+    if sensing.known < 100:
+        sensing.known += 1
+    return sensing.known
 
 
 @hot
-def sense_leg(params: Params, leg: int, joints: Ints, at_joint: int, block: Ints) -> int:
-    """Write one foot into M_LEVEL and M_ROLLED and its force into M_FORCE_Q12; return 0. Used by sense_legs.
+def sense_leg(params: Params, leg: int, joints: Ints, sensing: Sensing) -> int:
+    """Write one foot into ``level`` and ``rolled`` and its force into ``force_q12``; return 0. Used by sense_legs.
 
     A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
     """
     base = params.legs[leg]
-    hip = joints[at_joint]
-    thigh = joints[at_joint + 1]
-    shank = thigh + joints[at_joint + 2]
+    hip = joints[leg * 3]
+    thigh = joints[leg * 3 + 1]
+    shank = thigh + joints[leg * 3 + 2]
     length = base.thigh_length
     knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
     place = base.hip
@@ -116,47 +123,46 @@ def sense_leg(params: Params, leg: int, joints: Ints, at_joint: int, block: Ints
     cosine = cos_q15(hip)
     y = place[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
     z = place[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
-    keep_foot(leg, hip, shank, x, y, z, block)
-    block[M_FORCE_Q12 + leg] = 0
-    if block[M_ANSWERED]:
-        block[M_FORCE_Q12 + leg] = leg_force(params, leg, joints, at_joint, knee_drop, calf_drop, block)
+    keep_foot(leg, hip, shank, x, y, z, sensing)
+    sensing.force_q12[leg] = 0
+    if sensing.answered >= 0:
+        sensing.force_q12[leg] = leg_force(params, leg, joints, knee_drop, calf_drop, sensing)
     return 0
 
 
 @hot
-def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, block: Ints) -> int:
-    """Turn a foot at (x, y, z) in the body level into M_LEVEL; write where its contact had been without rolling.
+def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, sensing: Sensing) -> int:
+    """Turn a foot at (x, y, z) in the body level into ``level``; write where its contact had been without rolling.
 
-    x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. M_ROLLED: error at
-    most 1/600 of the way rolled + 1 lu; its last values go to M_BEFORE. Returns 0. Used by sense_leg.
+    x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. ``rolled``: error at
+    most 1/600 of the way rolled + 1 lu; its last values go to ``before``. Returns 0. Used by sense_leg.
     Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
     at = leg * 3
-    sine = block[M_PITCH_SINE_Q13]
-    cosine = block[M_PITCH_COSINE_Q13]
+    sine = sensing.pitch_sine_q13
+    cosine = sensing.pitch_cosine_q13
     ahead = x * cosine + z * sine + 0x1000 >> 13
     z = z * cosine - x * sine + 0x1000 >> 13
-    sine = block[M_ROLL_SINE_Q13]
-    cosine = block[M_ROLL_COSINE_Q13]
+    sine = sensing.roll_sine_q13
+    cosine = sensing.roll_cosine_q13
     aside = y * cosine - z * sine + 0x1000 >> 13
-    block[at] = ahead
-    block[at + 1] = aside
-    block[at + 2] = y * sine + z * cosine + 0x1000 >> 13
-    at = M_ROLLED + leg * 2
-    before = M_BEFORE + leg * 2
-    block[before] = block[at]
-    block[before + 1] = block[at + 1]
-    rolls_q12 = block[M_ROLLS_Q12]
-    shank_brad = (shank_brad + block[M_PITCH] + 0x8000 & 0xFFFF) - 0x8000
-    hip_brad = (hip_brad + block[M_ROLL] + 0x8000 & 0xFFFF) - 0x8000
-    block[at] = ahead - (rolls_q12 * shank_brad >> 12)
-    block[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
+    sensing.level[at] = ahead
+    sensing.level[at + 1] = aside
+    sensing.level[at + 2] = y * sine + z * cosine + 0x1000 >> 13
+    at = leg * 2
+    sensing.before[at] = sensing.rolled[at]
+    sensing.before[at + 1] = sensing.rolled[at + 1]
+    rolls_q12 = sensing.rolls_q12
+    shank_brad = (shank_brad + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
+    hip_brad = (hip_brad + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
+    sensing.rolled[at] = ahead - (rolls_q12 * shank_brad >> 12)
+    sensing.rolled[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
     return 0
 
 
 @hot
 def leg_force(
-    params: Params, leg: int, joints: Ints, at_joint: int, knee_drop: int, calf_drop: int, block: Ints
+    params: Params, leg: int, joints: Ints, knee_drop: int, calf_drop: int, sensing: Sensing
 ) -> int:
     """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
@@ -164,19 +170,19 @@ def leg_force(
     and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
     """
     at = leg * 3 + 1
-    sent = block[M_ANSWERED] + at
-    thigh = joints[at_joint + 1]
-    calf = joints[at_joint + 2]
-    error = block[sent] - thigh
-    turned = thigh - block[M_JOINTS + at]
+    sent = sensing.answered + at
+    thigh = joints[at]
+    calf = joints[at + 1]
+    error = sensing.sent[sent] - thigh
+    turned = thigh - sensing.joints[at]
     above = joint_torque(params.stiff_q8[1], params.damp_q8[1], error, turned)
     if params.coupled:
-        error += block[sent + 1] - calf
-        turned += calf - block[M_JOINTS + at + 1]
+        error += sensing.sent[sent + 1] - calf
+        turned += calf - sensing.joints[at + 1]
         below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
     else:
-        error = block[sent + 1] - calf
-        turned = calf - block[M_JOINTS + at + 1]
+        error = sensing.sent[sent + 1] - calf
+        turned = calf - sensing.joints[at + 1]
         below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
         above = saturate(above - below, -32767, 32767)
     base = params.legs[leg]
@@ -191,7 +197,7 @@ def leg_force(
 def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int) -> int:
     """Return a joint's torque, stiffness * error - damping * speed, in own weight times lu, +-32767.
 
-    stiff, damp: P_STIFF_Q8 and P_DAMP_Q8 of the joint; error: goal minus measured; turned: way in one tick; each
+    stiff, damp: ``params.stiff_q8`` and ``damp_q8`` of the joint; error: goal minus measured; turned: in one tick; each
     limited to +-4095 brad. Intermediates: 4095 * 32767 * 2.
     """
     if error_brad > _ERROR_MAX:
@@ -211,8 +217,8 @@ def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int)
 
 
 @hot
-def sense_moved(block: Ints, weights: Ints) -> int:
-    """Write how far the body moved over the feet whose weight is above 0 into M_MOVED_...; return how many.
+def sense_moved(sensing: Sensing, weights: Ints) -> int:
+    """Write how far the body moved over the feet with a weight above 0 into ``moved_x``, ``moved_y``; return how many.
 
     Level axes that turn with the body, lf; 0 without such a foot or in the first tick. A foot's own way is
     limited to +-4095 lu a tick. About 1 % of the way in simulation.
@@ -220,39 +226,38 @@ def sense_moved(block: Ints, weights: Ints) -> int:
     count = 0
     x = 0
     y = 0
-    if block[M_KNOWN] > 1:
-        at = M_ROLLED
-        before = M_BEFORE
+    if sensing.known > 1:
+        at = 0
         for leg in range(LEGS):
             if weights[leg] > 0:
-                x -= saturate(block[at] - block[before], -_TURN_MAX, _TURN_MAX)
-                y -= saturate(block[at + 1] - block[before + 1], -_TURN_MAX, _TURN_MAX)
+                x -= saturate(sensing.rolled[at] - sensing.before[at], -_TURN_MAX, _TURN_MAX)
+                y -= saturate(sensing.rolled[at + 1] - sensing.before[at + 1], -_TURN_MAX, _TURN_MAX)
                 count += 1
             at += 2
-            before += 2
     if count:
         x = (x << LF_BITS) // count
         y = (y << LF_BITS) // count
-    block[M_MOVED_X] = x
-    block[M_MOVED_Y] = y
+    sensing.moved_x = x
+    sensing.moved_y = y
     return count
 
 
 @hot
-def stands_level(params: Params, block: Ints) -> int:
+def stands_level(params: Params, sensing: Sensing) -> int:
     """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
 
     A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
     """
-    if block[M_KNOWN] == 0:
+    if sensing.known == 0:
         return 1
-    low = block[M_LEVEL + 2]
+    low = sensing.level[2]
     high = low
-    for at in range(M_LEVEL + 5, M_LEVEL + 12, 3):
-        if block[at] < low:
-            low = block[at]
-        if block[at] > high:
-            high = block[at]
+    for leg in range(1, LEGS):
+        height = sensing.level[leg * 3 + 2]
+        if height < low:
+            low = height
+        if height > high:
+            high = height
     if high - low > params.leg_length >> 5:
         return 0
     return 1

@@ -7,33 +7,33 @@ stance (the symmetric point of Raibert's foot placement), so nothing accumulates
 """
 
 from .fixed import saturate
-from .gait import (
-    G_CYCLOID,
-    G_P_N_Q16,
-    G_P_T_Q16,
-    G_ROWS,
-    G_STANCE_Q10,
-    ROW_ADVANCE_Q4,
-    ROW_SIZE,
-    ROW_START,
-    ROW_SWING_Q10,
-    ROW_TICKS,
-    Clock,
-)
+from .gait import Clock, Gait
 from .params import LEGS, LF_BITS, Params
+from .record import field, parts, record
 from .runtime import Ints, const, hot
 from .swing import cycloid_q15, lift_q15, swing_phase_q16
 
-STEP_X = const(0)  # lf, the foothold in the base frame
-STEP_Y = const(1)
-STEP_Z = const(2)  # lu, its height in the base frame
-STEP_TICKS = const(3)  # samples of the swing, 0 in stance
-STEP_TICK = const(4)  # the sample to come
-STEP_LEFT_Q10 = const(5)  # body advance still to come during the swing, ticks
-STEP_TO_Z = const(6)  # lu, height of the next foothold
-STEP_HEIGHT = const(7)  # lu, lift of the swing, as it was when the foot left
-STEP_SIZE = const(8)
-STEPS_SIZE = const(32)  # 4 * STEP_SIZE
+
+@record
+class Step:
+    """One foot: its foothold, and its swing to the next one."""
+
+    x: int = field("lf", "the foothold in the base frame")
+    y: int = field("lf", "the foothold in the base frame")
+    z: int = field("lu", "the foothold in the base frame")
+    ticks: int = field("ticks", "samples of the swing, 0 in stance")
+    tick: int = field("ticks", "the sample to come")
+    left_q10: int = field("ticks Q10", "what the body will still advance during the swing")
+    to_z: int = field("lu", "height of the next foothold")
+    height: int = field("lu", "lift of the swing, as it was when the foot left")
+
+
+@record
+class Steps:
+    """All four feet."""
+
+    legs: list[Step] = parts(LEGS, Step, "FR, FL, RR, RL")
+
 
 SPEED_X = const(0)  # lf / tick
 SPEED_Y = const(1)
@@ -44,81 +44,81 @@ _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
 @hot
-def steps_reset(params: Params, steps: Ints) -> int:
+def steps_reset(params: Params, steps: Steps) -> int:
     """Put all four feet at rest, standing; return 0."""
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
+        step = steps.legs[leg]
         rest = params.legs[leg].rest
-        steps[at + STEP_X] = rest[0] << LF_BITS
-        steps[at + STEP_Y] = rest[1] << LF_BITS
-        steps[at + STEP_Z] = rest[2]
-        steps[at + STEP_TO_Z] = rest[2]
-        steps[at + STEP_TICKS] = 0
-        steps[at + STEP_TICK] = 0
+        step.x = rest[0] << LF_BITS
+        step.y = rest[1] << LF_BITS
+        step.z = rest[2]
+        step.to_z = rest[2]
+        step.ticks = 0
+        step.tick = 0
     return 0
 
 
 @hot
-def steps_at_rest(params: Params, steps: Ints) -> int:
+def steps_at_rest(params: Params, steps: Steps) -> int:
     """Return 1 if all four feet stand within 1/16 lu of their rest positions, else 0."""
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
+        step = steps.legs[leg]
         rest = params.legs[leg].rest
-        if steps[at + STEP_TICKS]:
+        if step.ticks:
             return 0
-        for axis in range(2):
-            away = steps[at + axis] - (rest[axis] << LF_BITS)
-            if away > 16 or away < -16:
-                return 0
+        away_x = step.x - (rest[0] << LF_BITS)
+        away_y = step.y - (rest[1] << LF_BITS)
+        if away_x > 16 or away_x < -16 or away_y > 16 or away_y < -16:
+            return 0
     return 1
 
 
 @hot
-def start_swings(gait: Ints, clock: Clock, steps: Ints) -> int:
+def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
     """Lift the legs whose swing starts in the clock's segment; return their bits."""
-    row = G_ROWS + clock.segment * ROW_SIZE
+    row = gait.rows[clock.segment]
     lifted = 0
     for leg in range(LEGS):
-        ticks = gait[row + ROW_START + leg]
+        ticks = row.start[leg]
         if ticks:
-            at = leg * STEP_SIZE
-            steps[at + STEP_TICKS] = ticks
-            steps[at + STEP_TICK] = 0
-            steps[at + STEP_LEFT_Q10] = gait[row + ROW_SWING_Q10 + leg]
+            step = steps.legs[leg]
+            step.ticks = ticks
+            step.tick = 0
+            step.left_q10 = row.swing_q10[leg]
             lifted |= 1 << leg
     return lifted
 
 
 @hot
-def lift_at_once(steps: Ints, height_lu: int) -> int:
+def lift_at_once(steps: Steps, height_lu: int) -> int:
     """Leave out the first sample of swings that have just started, where the foot still stands; return 0.
 
     For swings with both their ends among the samples: such a foot moves in every tick of its segment.
     """
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
-        if steps[at + STEP_TICKS] and steps[at + STEP_TICK] == 0:
-            steps[at + STEP_TICKS] += 1
-            steps[at + STEP_TICK] = 1
-            steps[at + STEP_HEIGHT] = height_lu
+        step = steps.legs[leg]
+        if step.ticks and step.tick == 0:
+            step.ticks += 1
+            step.tick = 1
+            step.height = height_lu
     return 0
 
 
 @hot
-def body_advance(gait: Ints, clock: Clock) -> int:
+def body_advance(gait: Gait, clock: Clock) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 
     Summed over a segment exactly ROW_ADVANCE_Q4. 0 .. 8192, because compile_gait refuses faster segments.
     Intermediates below 4096 * 32768 + 2^15.
     """
-    row = G_ROWS + clock.segment * ROW_SIZE
-    advance_q4 = gait[row + ROW_ADVANCE_Q4]
+    row = gait.rows[clock.segment]
+    advance_q4 = row.advance_q4
     if advance_q4 == 0:
         return 0
-    ticks = gait[row + ROW_TICKS]
+    ticks = row.ticks
     tick = clock.tick
     share = ((tick + 1) << 15) // ticks
-    if gait[G_CYCLOID] and ticks > 1:
+    if gait.cycloid and ticks > 1:
         share = cycloid_q15(swing_phase_q16(tick, ticks, 65536, 65536))
     made = (advance_q4 >> 6) * share + ((advance_q4 & 63) * share >> 6) + 4 >> 3
     advance = made - clock.made_q10
@@ -148,7 +148,7 @@ def turned_way(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
 
 
 @hot
-def move_feet(steps: Ints, speed: Ints, ticks_q10: int) -> int:
+def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
     """Move all footholds against the body by ``ticks_q10`` of its speed; return 0.
 
     A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
@@ -163,73 +163,74 @@ def move_feet(steps: Ints, speed: Ints, ticks_q10: int) -> int:
         turn >>= 1
         shift -= 1
     half = 1 << shift
-    for at in range(0, STEPS_SIZE, STEP_SIZE):
-        x = steps[at + STEP_X]
-        y = steps[at + STEP_Y]
+    for leg in range(LEGS):
+        step = steps.legs[leg]
+        x = step.x
+        y = step.y
         if turn:
             x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
             y -= (x + 128 >> LF_BITS) * turn + (half >> 1) >> shift
             x += (y + 128 >> LF_BITS) * turn + half >> shift + 1
-        steps[at + STEP_X] = x - dx
-        steps[at + STEP_Y] = y - dy
-        if steps[at + STEP_TICKS]:
-            steps[at + STEP_LEFT_Q10] -= ticks_q10
+        step.x = x - dx
+        step.y = y - dy
+        if step.ticks:
+            step.left_q10 -= ticks_q10
     return 0
 
 
 @hot
-def place_feet(params: Params, gait, steps: Ints, speed, height_lu: int, feet: Ints) -> int:
+def place_feet(params: Params, gait, steps: Steps, speed, height_lu: int, feet: Ints) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
     feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
     """
     swinging = 0
     for leg in range(LEGS):
-        at = leg * STEP_SIZE
-        if steps[at + STEP_TICKS]:
+        step = steps.legs[leg]
+        if step.ticks:
             swinging |= 1 << leg
             swing_foot(params, gait, steps, speed, leg, height_lu, feet)
         else:
-            feet[leg * 3] = steps[at + STEP_X] >> LF_BITS
-            feet[leg * 3 + 1] = steps[at + STEP_Y] >> LF_BITS
-            feet[leg * 3 + 2] = steps[at + STEP_Z]
+            feet[leg * 3] = step.x >> LF_BITS
+            feet[leg * 3 + 1] = step.y >> LF_BITS
+            feet[leg * 3 + 2] = step.z
     return swinging
 
 
 @hot
-def swing_foot(params: Params, gait: Ints, steps: Ints, speed, leg: int, height_lu: int, feet: Ints) -> int:
+def swing_foot(params: Params, gait: Gait, steps: Steps, speed, leg: int, height_lu: int, feet: Ints) -> int:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that
     of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
     which is where the foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
     """
-    at = leg * STEP_SIZE
-    samples = steps[at + STEP_TICKS]
-    sample = steps[at + STEP_TICK]
+    step = steps.legs[leg]
+    samples = step.ticks
+    sample = step.tick
     if sample == 0:
-        steps[at + STEP_HEIGHT] = height_lu
+        step.height = height_lu
     ends = samples
-    if gait[G_P_T_Q16] >= 65536 or gait[G_P_N_Q16] >= 65536:
+    if gait.p_t_q16 >= 65536 or gait.p_n_q16 >= 65536:
         ends = samples + 1
-    phase = swing_phase_q16(sample, ends, gait[G_P_T_Q16], gait[G_P_N_Q16])
+    phase = swing_phase_q16(sample, ends, gait.p_t_q16, gait.p_n_q16)
     share = cycloid_q15(phase)
     sample += 1
     if sample >= samples:
-        steps[at + STEP_LEFT_Q10] = 0
-    ahead = (gait[G_STANCE_Q10 + leg] >> 1) + steps[at + STEP_LEFT_Q10]
+        step.left_q10 = 0
+    ahead = (gait.stance_q10[leg] >> 1) + step.left_q10
     to_x = foothold_x(params, leg, speed, ahead)
     to_y = foothold_y(params, leg, speed, ahead)
-    feet[leg * 3] = between(steps[at + STEP_X], to_x, share)
-    feet[leg * 3 + 1] = between(steps[at + STEP_Y], to_y, share)
-    rise = (steps[at + STEP_TO_Z] - steps[at + STEP_Z]) * share + 0x4000 >> 15
-    feet[leg * 3 + 2] = steps[at + STEP_Z] + rise + (steps[at + STEP_HEIGHT] * lift_q15(phase) + 0x4000 >> 15)
-    steps[at + STEP_TICK] = sample
+    feet[leg * 3] = between(step.x, to_x, share)
+    feet[leg * 3 + 1] = between(step.y, to_y, share)
+    rise = (step.to_z - step.z) * share + 0x4000 >> 15
+    feet[leg * 3 + 2] = step.z + rise + (step.height * lift_q15(phase) + 0x4000 >> 15)
+    step.tick = sample
     if sample >= samples:
-        steps[at + STEP_X] = to_x
-        steps[at + STEP_Y] = to_y
-        steps[at + STEP_Z] = steps[at + STEP_TO_Z]
-        steps[at + STEP_TICKS] = 0
+        step.x = to_x
+        step.y = to_y
+        step.z = step.to_z
+        step.ticks = 0
     return samples - sample
 
 

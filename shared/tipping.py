@@ -7,14 +7,21 @@ robot file are found within some steps.
 
 from .fixed import hypot, saturate
 from .params import LF_BITS, Params
+from .record import field, record
 from .runtime import Ints, const, hot
 
-TIP_ROLL = const(0)  # 2^-18 rad, turned since the swing began, about x
-TIP_PITCH = const(1)
-TIP_COM_X = const(2)  # lf, learnt offset of the centre of mass
-TIP_COM_Y = const(3)
-TIP_COUNT = const(4)  # swings learnt from, up to 8
-TIP_SIZE = const(5)
+
+@record
+class Tipping:
+    """How the robot tips over its diagonals, and what that told of its centre of mass."""
+
+    roll: int = field("2^-18 rad", "turned about x since the swing began")
+    pitch: int = field("2^-18 rad", "turned about y since the swing began")
+    com_x: int = field("lf", "learnt offset of the centre of mass, forward")
+    com_y: int = field("lf", "learnt offset of the centre of mass, left")
+    swings: int = field("", "swings learnt from, up to 8")
+
+
 
 _TIP_MAX = const(6863)  # 1.5 deg: more is a push or an obstacle
 _QUICK_SWINGS = const(8)  # the first ones count four times: what the robot file does not know is found soon
@@ -22,27 +29,27 @@ _SUM_MAX = const(16383)
 
 
 @hot
-def tip_reset(tip: Ints, forget: int) -> int:
+def tip_reset(tip: Tipping, forget: int) -> int:
     """Begin a new sum; ``forget`` 1 forgets the learnt centre of mass too. Returns 0."""
-    tip[TIP_ROLL] = 0
-    tip[TIP_PITCH] = 0
+    tip.roll = 0
+    tip.pitch = 0
     if forget:
-        tip[TIP_COM_X] = 0
-        tip[TIP_COM_Y] = 0
-        tip[TIP_COUNT] = 0
+        tip.com_x = 0
+        tip.com_y = 0
+        tip.swings = 0
     return 0
 
 
 @hot
-def tip_add(tip: Ints, roll_18: int, pitch_18: int) -> int:
+def tip_add(tip: Tipping, roll_18: int, pitch_18: int) -> int:
     """Add one tick's turn about x and y, 2^-18 rad, within +-2^29; sums are limited to +-3.6 deg. Returns 0."""
-    tip[TIP_ROLL] = saturate(tip[TIP_ROLL] + roll_18, -_SUM_MAX, _SUM_MAX)
-    tip[TIP_PITCH] = saturate(tip[TIP_PITCH] + pitch_18, -_SUM_MAX, _SUM_MAX)
+    tip.roll = saturate(tip.roll + roll_18, -_SUM_MAX, _SUM_MAX)
+    tip.pitch = saturate(tip.pitch + pitch_18, -_SUM_MAX, _SUM_MAX)
     return 0
 
 
 @hot
-def tip_learn(params: Params, feet: Ints, one: int, other: int, tip: Ints) -> int:
+def tip_learn(params: Params, feet: Ints, one: int, other: int, tip: Tipping) -> int:
     """Learn from a swing over the feet ``one`` (a front one) and ``other``; return how it tipped, + forward.
 
     feet: 12 lu in the body, within +-32767. The tip about the line is limited to 1.5 deg; a tenth of the leg's
@@ -58,16 +65,16 @@ def tip_learn(params: Params, feet: Ints, one: int, other: int, tip: Ints) -> in
         along_y = -along_y
         side = -1
     length = hypot(along_x, along_y) + 1
-    tipped = (tip[TIP_ROLL] * along_x + tip[TIP_PITCH] * along_y) // length
+    tipped = (tip.roll * along_x + tip.pitch * along_y) // length
     tipped = saturate(tipped, -_TIP_MAX, _TIP_MAX)
     most = params.leg_length // 10
     step = tipped * most >> 18 - LF_BITS
-    if tip[TIP_COUNT] < _QUICK_SWINGS:
-        tip[TIP_COUNT] += 1
+    if tip.swings < _QUICK_SWINGS:
+        tip.swings += 1
         step <<= 2
     most = most << LF_BITS
-    tip[TIP_COM_X] = saturate(tip[TIP_COM_X] + step, -most, most)
-    tip[TIP_COM_Y] = saturate(tip[TIP_COM_Y] + side * step, -most, most)
-    tip[TIP_ROLL] = 0
-    tip[TIP_PITCH] = 0
+    tip.com_x = saturate(tip.com_x + step, -most, most)
+    tip.com_y = saturate(tip.com_y + side * step, -most, most)
+    tip.roll = 0
+    tip.pitch = 0
     return tipped

@@ -267,6 +267,8 @@ class Lowering:
                 return [edit]
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS:
             return []  # an alias made by hand
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not self._is_module(node.func.value):
+            return [edit for part in (node.func.value, *node.args, *node.keywords) for edit in self._edits(part)]
         if isinstance(node, ast.Attribute | ast.Subscript | ast.Name):
             found = self.resolve(node)
             if found is not None and (changed := self._changed(node, found)) is not None:

@@ -7,10 +7,6 @@ and last there is no attitude, so the planner walks without balance; a sensor th
 from collections.abc import Sequence
 
 from shared.attitude import (
-    A_ALIGN_TICKS,
-    A_COUNT,
-    A_PITCH,
-    A_ROLL,
     ACCEL_REJECTED,
     ALIGNING,
     MOVED_WHILE_ALIGNING,
@@ -83,7 +79,7 @@ class Attitude:
         """Roll and pitch, or None while they are not known."""
         if self.state != "ok":
             return None
-        return rad(self.block[A_ROLL]), rad(self.block[A_PITCH])
+        return rad(self.block.roll), rad(self.block.pitch)
 
     @property
     def rates_rad_s(self) -> tuple[float, float, float] | None:
@@ -131,7 +127,7 @@ class Attitude:
             self._open()
 
     def _take(self, flags: int) -> None:
-        self._aligned = bool(self.block[A_COUNT] >= self.block[A_ALIGN_TICKS])
+        self._aligned = bool(self.block.count >= self.block.align_ticks)
         if flags & MOVED_WHILE_ALIGNING:
             self.note = "hold the robot still: the gyro's bias is being measured"
         elif flags & ACCEL_REJECTED and flags & ALIGNING:

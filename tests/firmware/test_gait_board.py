@@ -15,7 +15,7 @@ from host.gait_frames import frame
 from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
-from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
+from shared.attitude import ALIGNING, attitude_step
 from shared.command import COMMAND_SIZE, MODE_WALK
 from shared.planner import Planner
 from shared.planner_layout import (
@@ -184,7 +184,7 @@ class VirtualBoard:
     def _host(self, counts, joints):
         aligning = attitude_step(self.attitude, array("i", counts)) & ALIGNING
         self.sensed[S_ATTITUDE_OK] = 0 if aligning else 1
-        self.sensed[S_ROLL], self.sensed[S_PITCH] = self.attitude[A_ROLL], self.attitude[A_PITCH]
+        self.sensed[S_ROLL], self.sensed[S_PITCH] = self.attitude.roll, self.attitude.pitch
         for i, angle in enumerate(joints):
             self.sensed[S_JOINTS + i] = angle
         self.planner.tick(walk_command(), self.sensed)

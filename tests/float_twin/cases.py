@@ -8,7 +8,6 @@ import math
 
 from probe.robots import ATTITUDES, PARAMS
 
-from shared.attitude import A_ALIGN_TICKS, A_GYRO_Q30, A_ONE_G, A_TOLERANCE, A_TRUST_Q15
 from shared.gaits import GAIT_NAMES, GAITS
 
 from . import body, fixed, leg, planner, reach, swing
@@ -82,10 +81,10 @@ def walking(gait):
 def filtering():
     """Return the step of a float attitude filter that has been aligned."""
     block = ATTITUDES[0]
-    gyro_rad, trust = block[A_GYRO_Q30] / 2.0**30, block[A_TRUST_Q15] / 32768
-    attitude = Attitude(gyro_rad, block[A_ONE_G], trust, block[A_TOLERANCE], block[A_ALIGN_TICKS])
-    accel = (500, -300, block[A_ONE_G])
-    for _ in range(block[A_ALIGN_TICKS]):
+    gyro_rad, trust = block.gyro_q30 / 2.0**30, block.trust_q15 / 32768
+    attitude = Attitude(gyro_rad, block.one_g, trust, block.tolerance, block.align_ticks)
+    accel = (500, -300, block.one_g)
+    for _ in range(block.align_ticks):
         attitude.step((5, 6, 7), accel)
     return lambda gyro: (attitude.step(gyro, accel), attitude.angles()), ((300, -200, 100),)
 

@@ -9,6 +9,7 @@ import random
 import sys
 
 from host.parity import checked
+from shared.attitude import Attitude
 
 
 def word(dice):
@@ -42,15 +43,15 @@ def drive_planner(array, params, ticks, dice):
         checked.check(planner.tick(command, sensed))
 
 
-def drive_attitude(array, block, ticks, dice):
+def drive_attitude(array, block: Attitude, ticks, dice):
     """Any readings, half of them at the ends of int16; every trust and tolerance."""
-    from shared.attitude import A_ALIGN_TICKS, A_GYRO_Q30, A_TOLERANCE, A_TRUST_Q15, attitude_step
+    from shared.attitude import attitude_step
 
     ends = (-32768, -32767, -1, 0, 1, 16384, 32767)
     for trust in (0, 700, 32767):
         made = fill(array("i", [0] * len(block)), block)
-        made[A_TRUST_Q15], made[A_TOLERANCE], made[A_ALIGN_TICKS] = trust, 32767, 3
-        made[A_GYRO_Q30] = 0x1FFFF if trust else block[A_GYRO_Q30]
+        made.trust_q15, made.tolerance, made.align_ticks = trust, 32767, 3
+        made.gyro_q30 = 0x1FFFF if trust else block.gyro_q30
         reading = array("i", [0] * 6)
         for tick in range(ticks):
             wild = tick > 3

@@ -6,6 +6,7 @@ from array import array
 from host.robot_file import load_robot
 from host.scale import attitude_block
 from shared import attitude as a
+from shared.attitude import Attitude
 from tests.float_twin import attitude as twin
 
 GYRO_COUNTS_PER_RAD_S = 131 * 180 / math.pi
@@ -20,14 +21,14 @@ def block(rate_hz=50, **settings):
     return made
 
 
-def twin_of(made):
+def twin_of(made: Attitude):
     """Return the float filter with a block's settings."""
     return twin.Attitude(
-        made[a.A_GYRO_Q30] / 2**30,
-        made[a.A_ONE_G],
-        made[a.A_TRUST_Q15] / 2**15,
-        made[a.A_TOLERANCE],
-        made[a.A_ALIGN_TICKS],
+        made.gyro_q30 / 2**30,
+        made.one_g,
+        made.trust_q15 / 2**15,
+        made.tolerance,
+        made.align_ticks,
     )
 
 
@@ -44,9 +45,9 @@ def counts(roll, pitch, roll_rate, pitch_rate, bias=(0, 0, 0), push_g=(0, 0, 0))
     return array("i", [max(-32768, min(32767, v)) for v in gyro + accel])
 
 
-def angles_deg(made):
+def angles_deg(made: Attitude):
     """Return the integer filter's roll and pitch."""
-    return made[a.A_ROLL] * 360 / 65536, made[a.A_PITCH] * 360 / 65536
+    return made.roll * 360 / 65536, made.pitch * 360 / 65536
 
 
 def apart_deg(one, other):

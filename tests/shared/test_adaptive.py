@@ -10,7 +10,7 @@ from shared import adaptive, ground, navigate, sensing, sway, tipping
 from shared import command as c
 from shared import planner_layout as n
 from shared import steps as s
-from shared.gait import G_CYCLE, G_ROWS, G_STANCE_Q10, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
+from shared.gait import G_ROWS, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
 from shared.params import Params
 from shared.record import copy
@@ -102,10 +102,10 @@ def test_tipping_moves_the_centre_of_mass_against_it():
 def test_the_first_swings_teach_four_times_as_much():
     feet, tip, steps = array("i", [15000, -15000, 0] + [0] * 6 + [-15000, 15000, 0]), array("i", [0] * 5), []
     for _ in range(10):
-        before = tip[tipping.TIP_COM_X]
+        before = tip.com_x
         tipping.tip_add(tip, 0, 4000)
         tipping.tip_learn(PARAMS, feet, 0, 3, tip)
-        steps.append(tip[tipping.TIP_COM_X] - before)
+        steps.append(tip.com_x - before)
     assert steps[:8] == [steps[0]] * 8
     assert steps[0] == pytest.approx(4 * steps[9], abs=4)
     tipping.tip_reset(tip, 1)
@@ -170,9 +170,9 @@ def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle
         rows = range(G_ROWS, G_ROWS + 4 * ROW_SIZE, ROW_SIZE)
         ticks = [gait[row + ROW_TICKS] for row in rows]
         assert ticks == pytest.approx([body, swing, body, swing], abs=0.51)
-        assert gait[G_CYCLE] == 2 * half == sum(ticks)
+        assert gait.cycle == 2 * half == sum(ticks)
         assert sum(gait[row + ROW_ADVANCE_Q4] for row in rows) == 16 * sum(ticks)
-        assert gait[G_STANCE_Q10] == 1024 * sum(ticks) - 512 * ticks[1]
+        assert gait.stance_q10[0] == 1024 * sum(ticks) - 512 * ticks[1]
 
 
 def test_levelling_turns_about_the_ground():
@@ -197,9 +197,9 @@ def stander():
 
 def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
     state, load = stander.planner.walk.state, stander.planner.walk.load
-    assert state[adaptive.W_AHEAD] == PARAMS.body_forward
-    assert state[adaptive.W_RAISED] == PARAMS.body_raise
-    assert sum(load[4:8]) == pytest.approx(state[adaptive.W_WEIGHT_Q12], abs=8)
+    assert state.ahead == PARAMS.body_forward
+    assert state.raised == PARAMS.body_raise
+    assert sum(load[4:8]) == pytest.approx(state.weight_q12, abs=8)
     assert stander.planner.status.margin * UNIT_M > 0.05
 
 
@@ -212,13 +212,13 @@ def test_it_walks_stops_and_sits_with_every_knee(name, knees):
     for _ in range(300):
         flags |= walker.tick()
         seen.add(walker.swinging())
-        assert walker.planner.status.margin == walker.planner.walk.state[adaptive.W_MARGIN]
+        assert walker.planner.status.margin == walker.planner.walk.state.margin
     assert seen == {0, 6, 9}
     assert flags & ~n.BLIND == 0
     walker.mode(c.MODE_STAND)
     walker.until(n.STANDING)
     walker.ticks(60)
-    assert walker.planner.walk.state[adaptive.W_SWAY] == 0
+    assert walker.planner.walk.state.sway == 0
     walker.mode(c.MODE_SIT)
     walker.until(n.SEATED)
 
@@ -231,7 +231,7 @@ def test_blind_it_walks_on_expectations_and_says_so():
     assert walker.ticks(200) & (n.BLIND | n.NO_ATTITUDE)
     assert walker.state == n.WALKING
     assert list(walker.planner.drive) == list(walker.planner.speed)
-    assert walker.planner.walk.state[adaptive.W_WEIGHT_Q12] == 4096
+    assert walker.planner.walk.state.weight_q12 == 4096
 
 
 def test_it_does_not_move_without_a_command_and_starts_slowly():

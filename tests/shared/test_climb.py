@@ -19,7 +19,7 @@ from shared.crawl_map import fit_body, rebase
 from shared.filters import fraction, quintic_q15
 from shared.footholds import MOST_PRINTS, print_add, print_drop
 from shared.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
-from shared.sensing import M_LEVEL, SENSING_SIZE
+from shared.sensing import SENSING_SIZE
 from shared.swing_leg import brake_speed
 from sim2d import terrain
 from sim2d.run import simulate
@@ -80,7 +80,7 @@ def standing(x_lu, y_lu, heading_rad):
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
         for axis in range(3):
-            sensing[M_LEVEL + leg * 3 + axis] = round(seen[axis])
+            sensing.level[leg * 3 + axis] = round(seen[axis])
         state[at.C_STANDS + leg], state[at.C_SHARE + leg] = 1, 4096
     return crawl, sensing
 
@@ -102,7 +102,7 @@ def test_a_foot_in_the_air_does_not_move_the_body():
     before = list(crawl.state[at.C_BODY : at.C_BODY + 6])
     crawl.state[at.C_STANDS] = 0
     for axis in range(3):
-        sensing[M_LEVEL + axis] += 3000
+        sensing.level[axis] += 3000
     fit_body(crawl.settings, sensing, crawl.state)
     moved = [abs(a - b) for a, b in zip(before, crawl.state[at.C_BODY : at.C_BODY + 6], strict=True)]
     assert max(moved[:3]) <= 8 * 256

@@ -12,7 +12,7 @@ from shared import command as c
 from shared import crawl_layout as at
 from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
 from shared import planner_layout as n
-from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED, W_BEHIND, W_ROUGH
+from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
 from shared.command import Command
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from shared.planner_layout import Status
@@ -70,11 +70,11 @@ class Pair:
             swinging=numbers.swinging,
             walked=numbers.gait,
             behind=numbers.advice == ADVICE_BEHIND,
-            lag=robot.felt[W_BEHIND],
+            lag=robot.felt.behind,
             heights=[height * self.robot.unit_m for height in robot.sensing[sensing.M_LEVEL + 2 : 12 : 3]],
             segment=robot.clock.tick,
-            moved=robot.sensing[sensing.M_MOVED_X] * self.robot.unit_m / 256,
-            known=robot.sensing[sensing.M_KNOWN],
+            moved=robot.sensing.moved_x * self.robot.unit_m / 256,
+            known=robot.sensing.known,
         )
 
     def climbs(self, robot, command, sensed):
@@ -96,7 +96,7 @@ class Pair:
         flags, events = self.status.flags, crawl[at.C_LANDED]
         self.status.flags = 0
         planner_climb.climb(robot, command, sensed)
-        known.known = robot.sensing[sensing.M_KNOWN]
+        known.known = robot.sensing.known
         was = self.twin.stage
         self.twin.begin_crawl(known)
         standing, self.twin.walked = known.standing, known.walked
@@ -120,7 +120,7 @@ class Pair:
         """The trot begins from rest, with nothing held against it."""
         robot = self.walker.planner
         assert list(robot.speed) == [0, 0, 0]
-        assert (self.status.advice, self.status.cycles, robot.felt[W_ROUGH]) == (0, 0, 0)
+        assert (self.status.advice, self.status.cycles, robot.felt.rough) == (0, 0, 0)
         assert robot.clock.tick == 0
 
     def compare(self, standing):
@@ -241,12 +241,12 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers: Status, cloc
     sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.felt[W_BEHIND], robot.nav[0], robot.speed[0] = lag, 99, 99
-    robot.sensing[sensing.M_KNOWN], robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
+    robot.felt.behind, robot.nav[0], robot.speed[0] = lag, 99, 99
+    robot.sensing.known, robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
     pair.climbs(robot, block, sensed)
     if numbers.climb == n.CLIMB_OFF:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        assert (robot.felt[W_BEHIND], robot.nav[0]) == ((0, 0) if backs else (lag, 99))
+        assert (robot.felt.behind, robot.nav[0]) == ((0, 0) if backs else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 
 
@@ -300,7 +300,7 @@ def test_the_crawl_waits_as_long_as_the_twin(wishes, state, known):
     """The wait begins anew with each command for another gait, and ends after six seconds of one."""
     pair = Pair(walker=SHARED_WALKER)
     robot, numbers = pair.walker.planner, pair.status
-    numbers.state, numbers.waited, robot.sensing[sensing.M_KNOWN] = state, 0, known
+    numbers.state, numbers.waited, robot.sensing.known = state, 0, known
     for wanted, walked, ticks in wishes:
         numbers.gait = walked
         for _ in range(ticks):

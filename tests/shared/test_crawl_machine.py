@@ -65,7 +65,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
 
 
 def test_a_long_walk_on_level_ground_and_on_a_slope():
-    """Legs in order, one landing each, until the ground counts as even; the front feet then expect the slope."""
+    """Sensing in order, one landing each, until the ground counts as even; the front feet then expect the slope."""
     for slope in (0.0, 0.15):
         pair = walked(Pair(Trouble(slope=slope), random.Random(1)), 50.0)
         assert pair.met == {twin.LANDED}

@@ -25,7 +25,7 @@ from shared import crawl_layout as at
 from shared.command import COMMAND_SIZE
 from shared.crawl import Crawl
 from shared.planner_layout import LIMIT_FLAGS
-from shared.sensing import M_FORCE_Q12, M_LEVEL, SENSING_SIZE
+from shared.sensing import M_FORCE_Q12, SENSING_SIZE
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin import crawl_plan as plan
@@ -97,7 +97,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     for leg in range(4):
         crawl.state[at.C_SHARE + leg] = round(4096 * shares[leg])
         for axis in range(3):
-            sensing[M_LEVEL + leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
+            sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
     crawl_map.fit_body(crawl.settings, sensing, crawl.state)
     best = twin.heading(seen, feet, shares)
     assert abs(crawl.state[at.C_BODY + 5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
@@ -412,9 +412,9 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
         angles = twin.leg_joints(foot, [0.0] * 6, shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
         joints.extend(round((angle + dice.uniform(-0.05, 0.05)) / (2 * math.pi) * 65536) for angle in angles)
     for leg in range(4):
-        sensing[M_FORCE_Q12 + leg] = round(felt[leg] * 4096)
+        sensing.force_q12[leg] = round(felt[leg] * 4096)
         for axis in range(3):
-            sensing[M_LEVEL + leg * 3 + axis] = round(level[leg][axis] / UNIT_M)
+            sensing.level[leg * 3 + axis] = round(level[leg][axis] / UNIT_M)
     roll, pitch = (round(angle / (2 * math.pi) * 65536) for angle in tilt)
     core_crawl.crawl_start(crawl, sensing, joints, 0, joints, roll, pitch)
     c = crawl.state

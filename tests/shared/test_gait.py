@@ -31,7 +31,7 @@ class Trace:
         self.walker = Walker(name, rate_hz)
         self.command = self.walker.walk(gait, **speed)
         self.table = GAITS[GAIT_NAMES.index(gait)]
-        self.cycle = self.walker.planner.gaits[GAIT_NAMES.index(gait)][g.G_CYCLE]
+        self.cycle = self.walker.planner.gaits[GAIT_NAMES.index(gait)].cycle
         self.walker.ticks(1 + 3 * self.cycle)
         while self.walker.planner.clock.segment or self.walker.planner.clock.tick:
             self.walker.tick()
@@ -176,7 +176,7 @@ def test_feet_keep_their_place_over_a_long_walk(gait):
     """After 100 s in a curve the footholds are those of the third cycle, to the unit."""
     walker = Walker("caramelo", 50)
     walker.walk(gait, vx_m_s=0.04, vy_m_s=0.01, wz_rad_s=0.2)
-    cycle = walker.planner.gaits[GAIT_NAMES.index(gait)][g.G_CYCLE]
+    cycle = walker.planner.gaits[GAIT_NAMES.index(gait)].cycle
     while walker.state != n.WALKING or walker.planner.clock.segment or walker.planner.clock.tick:
         walker.tick()
     walker.ticks(3 * cycle)
@@ -241,9 +241,9 @@ def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
     params = block(name, rate_hz)
     for table in GAITS:
         made, exact = g.compile_gait(table, params), Gait(table, rate_hz)
-        assert made[g.G_CYCLE] == exact.cycle
+        assert made.cycle == exact.cycle
         for leg in range(4):
-            assert made[g.G_STANCE_Q10 + leg] / 1024 == pytest.approx(exact.way_of_stance[leg], abs=0.25)
+            assert made.stance_q10[leg] / 1024 == pytest.approx(exact.way_of_stance[leg], abs=0.25)
         clock = Clock()
         for place in range(exact.cycle):
             assert s.body_advance(made, clock) / 1024 == pytest.approx(exact.way(place), abs=8e-3 + 5e-5 * exact.cycle)

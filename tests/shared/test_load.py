@@ -86,7 +86,7 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
             sensing.sense_legs(params, measured, 3, 0, 0, state)
             sensing.keep_sent(state, sent)
         arms = abs(math.sin(rad(joints[2]))) * min(si.l2, si.l3) / (si.l2 + si.l3)
-        assert state[sensing.M_FORCE_Q12 + leg] == pytest.approx(force, rel=0.02, abs=6 / arms)
+        assert state.force_q12[leg] == pytest.approx(force, rel=0.02, abs=6 / arms)
         found += 1
     assert found > 100
 
@@ -120,7 +120,7 @@ def test_a_body_that_moves_over_round_feet_is_measured_exactly():
         joints = array("i", [0, 0, 0] + [0, 4000 + turn, -8000] * 4)
         sensing.sense_legs(params, joints, 3, 0, 0, state)
         assert sensing.sense_moved(state, weights) == (0 if before is None else 4)
-        moved += state[sensing.M_MOVED_X] / 256 * unit_m
+        moved += state.moved_x / 256 * unit_m
         before = turn
     si = leg_si(params, 0)
     reach = [forward((0, rad(4000 + t), rad(-8000)), si.side_l1, si.l2, si.l3)[0] for t in (-1500, 1500)]
@@ -133,7 +133,7 @@ def test_no_foot_no_odometry():
     for turn in (0, 100):
         sensing.sense_legs(BLOCKS["caramelo"], array("i", [turn] * 15), 3, 0, 0, state)
     assert sensing.sense_moved(state, array("i", [0] * 4)) == 0
-    assert state[sensing.M_MOVED_X] == state[sensing.M_MOVED_Y] == 0
+    assert state.moved_x == state.moved_y == 0
 
 
 def feet_near_rest(params, dice):

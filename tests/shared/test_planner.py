@@ -372,7 +372,7 @@ def test_commands_are_limited_to_the_longest_stride():
     walker.speed(5.0)
     walker.mode(c.MODE_WALK)
     walker.ticks(600)
-    assert walker.planner.speed[0] == walker.planner.gaits[0][g.G_VX_MAX]
+    assert walker.planner.speed[0] == walker.planner.gaits[0].speed_max[0]
     xs = []
     for _ in range(200):
         walker.tick()

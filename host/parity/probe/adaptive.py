@@ -56,8 +56,8 @@ def _live(values, dice):
     if dice.below(40) == 0:
         adaptive.adaptive_reset(params, WALK)
     for axis in range(3):
-        WALK.state[adaptive.W_TURNED + axis] = RATE.any(dice)
-    WALK.state[adaptive.W_RATES] = dice.bits(1)
+        WALK.state.turned[axis] = RATE.any(dice)
+    WALK.state.turned_known = dice.bits(1)
     ANGLES.fill(dice)
     REACHED.fill(dice)
     SPEED.fill(dice)
@@ -65,7 +65,7 @@ def _live(values, dice):
     adaptive.feel_legs(params, WALK, ANGLES.array, LEGS_FROM, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
     adaptive.drive_speed(params, WALK, SPEED.array, DRIVE)
     adaptive.sway_body(params, WALK, gait, CLOCK, 1)
-    WALK.state[adaptive.W_FAR] = SQUARE.any(dice)
+    WALK.state.far = SQUARE.any(dice)
     adaptive.raise_body(params, WALK, dice.bits(1))
     adaptive.carry(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
 

@@ -2,13 +2,14 @@
 
 
 from shared import attitude
+from shared.attitude import Attitude
 from shared.runtime import zeros
 
 from .draw import Range
 from .probe import Probe
 from .robots import ATTITUDES
 
-BLOCK = zeros(attitude.ATTITUDE_SIZE)
+BLOCK = Attitude()
 COUNTS = zeros(6)
 INT16 = Range(-32768, 32767)
 UNIT = Range(-(1 << 22), 1 << 22)
@@ -32,7 +33,7 @@ def _read(values, dice):
     for axis in range(6):
         COUNTS[axis] = INT16.any(dice) if wild else dice.bits(11) - 1024
     if not wild:
-        COUNTS[3 + dice.below(3)] = BLOCK[attitude.A_ONE_G] * (1 if dice.bits(2) else -1)
+        COUNTS[3 + dice.below(3)] = BLOCK.one_g * (1 if dice.bits(2) else -1)
 
 
 def _run(values, dice):
@@ -40,28 +41,28 @@ def _run(values, dice):
     if dice.below(40) == 0:
         _settings(ATTITUDES[dice.below(len(ATTITUDES))])
         if dice.bits(1):
-            BLOCK[attitude.A_COUNT] = BLOCK[_ALIGNED]
+            BLOCK.count = BLOCK[_ALIGNED]
     _read(values, dice)
 
 
 def _run_aligning(values, dice):
     """Readings at rest, mostly, so that alignments end."""
-    if BLOCK[attitude.A_COUNT] >= BLOCK[_ALIGNED]:
+    if BLOCK.count >= BLOCK[_ALIGNED]:
         _settings(ATTITUDES[dice.below(len(ATTITUDES))])
         BLOCK[_ALIGNED] = 1 + dice.below(8)
     _read(values, dice)
     if dice.bits(3):
         for axis in range(6):
             COUNTS[axis] = dice.bits(9) - 256
-        COUNTS[5] += BLOCK[attitude.A_ONE_G]
+        COUNTS[5] += BLOCK.one_g
 
 
 def _any_gravity(values, dice):
     _settings(ATTITUDES[dice.below(len(ATTITUDES))])
-    BLOCK[attitude.A_COUNT] = BLOCK[_ALIGNED]
+    BLOCK.count = BLOCK[_ALIGNED]
     for axis in range(3):
-        BLOCK[attitude.A_GRAVITY + axis] = UNIT.any(dice)
-        BLOCK[attitude.A_BIAS + axis] = dice.bits(12) - 2048
+        BLOCK.gravity[axis] = UNIT.any(dice)
+        BLOCK.bias[axis] = dice.bits(12) - 2048
     _read(values, dice)
 
 

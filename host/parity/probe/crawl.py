@@ -18,9 +18,10 @@ from shared import (
 from shared import crawl_layout as at
 from shared.command import C_SPEED, COMMAND_SIZE, Command
 from shared.filters import fraction, quintic_q15
+from shared.handover import Fade
 from shared.params import Params
 from shared.runtime import zeros
-from shared.sensing import M_FORCE_Q12, M_LEVEL, SENSING_SIZE, keep_sent, sense_legs, sensing_reset
+from shared.sensing import Sensing, keep_sent, sense_legs, sensing_reset
 from shared.steps import STEPS_SIZE
 
 from .draw import Range
@@ -49,7 +50,7 @@ STATE = CRAWL.state
 SET = CRAWL.settings
 LIMBS = Params()
 SETTINGS = zeros(at.K_SIZE)
-SENSING = zeros(SENSING_SIZE)
+SENSING = Sensing()
 JOINTS = zeros(12)
 GOALS = zeros(12)
 PLACE = Range(-(1 << 23), (1 << 23) - 1)
@@ -103,14 +104,14 @@ def _soil(values, dice):
             STATE[place] = spread.any(dice)
     STATE[at.C_POS + 2] = STATE[at.C_EXPECT] - dice.bits(22)
     for place in range(12):
-        SENSING[M_LEVEL + place] = dice.bits(16) - 32768
+        SENSING.level[place] = dice.bits(16) - 32768
         JOINTS[place] = dice.bits(14) - 8192
         CRAWL.measured[place] = JOINTS[place]
         CRAWL.pose[place % 6] = dice.bits(14) - 8192
         CRAWL.feet[place] = dice.bits(15) - 16384
         CRAWL.hip_feet[place] = dice.bits(15) - 16384
     for place in range(4):
-        SENSING[M_FORCE_Q12 + place] = dice.bits(14) - 8192
+        SENSING.force_q12[place] = dice.bits(14) - 8192
     CRAWL.point[0] = dice.bits(15) - 16384
     CRAWL.point[1] = dice.bits(15) - 16384
     SET[at.K_PLANAR] = dice.bits(1)
@@ -140,9 +141,9 @@ class _Walk:
         SET[at.K_PLANAR] = self.ticks // 400 & 1
         sense_legs(PARAMS[0], JOINTS, 0, values[4], values[5], SENSING)
         for leg in range(4):
-            SENSING[M_FORCE_Q12 + leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000
+            SENSING.force_q12[leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000
             if leg == STATE[at.C_LEG] and STATE[at.C_PHASE] in (at.LIFT, at.MOVE, at.TARE):
-                SENSING[M_FORCE_Q12 + leg] = dice.bits(6)
+                SENSING.force_q12[leg] = dice.bits(6)
         keep_sent(SENSING, GOALS)
 
     def start(self, dice):
@@ -161,7 +162,7 @@ TILT = Range(-600, 600)
 STEPS = zeros(STEPS_SIZE)
 COMMAND = Command()
 RETREAT = zeros(retreat.RETREAT_SIZE)
-FADE = zeros(handover.FADE_SIZE)
+FADE = Fade()
 
 
 def _any_speed(values, dice):
@@ -173,8 +174,8 @@ def _any_fade(values, dice):
     _soil(values, dice)
     for place in range(handover.FADE_SIZE):
         FADE[place] = dice.bits(16) - 32768
-    FADE[handover.F_LEFT] = dice.bits(8) - 1
-    FADE[handover.F_TICKS] = FADE[handover.F_LEFT] + 1 if dice.bits(1) else 256
+    FADE.left = dice.bits(8) - 1
+    FADE.ticks = FADE.left + 1 if dice.bits(1) else 256
 
 
 def _any_retreat(values, dice):

@@ -2,7 +2,7 @@
 
 
 from shared import gait
-from shared.gait import Clock
+from shared.gait import Clock, Gait
 from shared.gaits import GAITS
 from shared.runtime import zeros
 
@@ -15,11 +15,11 @@ BLOCK = zeros(gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE)
 ROW = [400, 0, 1]
 
 
-def draw_clock(block, clock: Clock, dice):
+def draw_clock(block: Gait, clock: Clock, dice):
     """Put the clock at any tick of any segment of the gait."""
-    clock.segment = dice.below(block[gait.G_SEGMENTS])
-    row = gait.G_ROWS + clock.segment * gait.ROW_SIZE
-    clock.tick = dice.below(block[row + gait.ROW_TICKS])
+    clock.segment = dice.below(block.segments)
+    row = block.rows[clock.segment]
+    clock.tick = dice.below(row.ticks)
     clock.made_q10 = dice.below(32769)
 
 
@@ -37,9 +37,9 @@ def _copy(params, dice):
 
 def _new_row(values, dice):
     _copy(ROBOT.choices[0], dice)
-    BLOCK[gait.G_CYCLE] = dice.below(2000)
-    BLOCK[gait.G_CYCLOID] = 0
-    values[1] %= BLOCK[gait.G_SEGMENTS]
+    BLOCK.cycle = dice.below(2000)
+    BLOCK.cycloid = 0
+    values[1] %= BLOCK.segments
     ROW[0] = 1 + dice.below(2000)
     ROW[1] = dice.below(16)
     ROW[2] = dice.below(9)
@@ -47,7 +47,7 @@ def _new_row(values, dice):
 
 def _new_share(values, dice):
     _copy(ROBOT.choices[dice.below(len(ROBOT.choices))], dice)
-    values[1] %= BLOCK[gait.G_SEGMENTS]
+    values[1] %= BLOCK.segments
 
 
 def _new_limit(values, dice):

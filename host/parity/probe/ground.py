@@ -3,7 +3,7 @@
 
 from shared import ground
 from shared.runtime import zeros
-from shared.sensing import SENSING_SIZE
+from shared.sensing import Sensing
 from shared.steps import STEPS_SIZE
 
 from .draw import Range
@@ -12,7 +12,7 @@ from .probe import Block, Probe
 
 LF = Range(-(1 << 22), 1 << 22)
 LENGTH = Range(-65535, 65535)
-SENSING = Block(zeros(SENSING_SIZE), (12, LENGTH))
+SENSING = Block(Sensing(), (12, LENGTH))
 STEPS = Block(zeros(STEPS_SIZE), *([(2, LF), (1, LENGTH), (5, Range(0, 1000))] * 4))
 
 PROBES = (

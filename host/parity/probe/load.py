@@ -2,6 +2,7 @@
 
 
 from shared import load
+from shared.load import Load
 from shared.runtime import zeros
 
 from .draw import Range
@@ -14,7 +15,7 @@ FEET = Block(zeros(12), (12, PLACE))
 WEIGHTS = Block(zeros(4), (4, Range(0, load.STANDS_Q8)))
 ARM = Range(-1023, 1023)
 BLOCK = Block(
-    zeros(load.LOAD_SIZE), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
+    Load(), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
 )
 
 

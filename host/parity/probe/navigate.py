@@ -2,6 +2,7 @@
 
 
 from shared import navigate
+from shared.navigate import Navigation
 from shared.runtime import zeros
 from shared.steps import SPEED_SIZE
 
@@ -11,7 +12,7 @@ from .probe import Block, Probe
 
 LF = Range(-(1 << 22), 1 << 22)
 PLACE = Range(-32767, 32767)
-NAV = Block(zeros(navigate.NAV_SIZE), (2, LF), (1, Range(-91750, 91750)))
+NAV = Block(Navigation(), (2, LF), (1, Range(-91750, 91750)))
 SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
 DRIVE = zeros(SPEED_SIZE)
 KNOWN = Range(0, 1)

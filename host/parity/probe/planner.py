@@ -2,7 +2,6 @@
 
 from shared import planner, planner_climb, planner_pose, planner_senses, planner_states, planner_steps
 from shared import planner_layout as n
-from shared.adaptive import W_ACTIVE, W_SWAY
 from shared.balance import balance_setup
 from shared.command import (
     C_BALANCE,
@@ -94,8 +93,8 @@ def _live(values, dice):
 
 def _live_active(values, dice):
     _live(values, dice)
-    values[0].walk.state[W_ACTIVE] = 1
-    values[0].walk.state[W_SWAY] = dice.bits(12) - 2048
+    values[0].walk.state.active = 1
+    values[0].walk.state.sway = dice.bits(12) - 2048
 
 
 def _live_in(values, dice):

@@ -2,6 +2,7 @@
 
 
 from shared import posture
+from shared.posture import Move
 from shared.runtime import zeros
 
 from .draw import Range
@@ -10,7 +11,7 @@ from .probe import Block, Probe
 
 JOINTS = Block(zeros(12), (12, BRAD))
 GOAL = Block(zeros(12), (12, BRAD))
-MOVE = zeros(posture.MOVE_SIZE)
+MOVE = Move()
 OUT = zeros(12)
 TICKS = Range(1, 1 << 28)
 
@@ -19,8 +20,8 @@ def _under_way(values, dice):
     """Any pair of poses, any length, any tick of it."""
     for joint in range(24):
         MOVE[joint] = BRAD.any(dice)
-    MOVE[posture.MOVE_TICKS] = TICKS.any(dice)
-    MOVE[posture.MOVE_TICK] = dice.below(MOVE[posture.MOVE_TICKS])
+    MOVE.ticks = TICKS.any(dice)
+    MOVE.tick = dice.below(MOVE.ticks)
 
 
 def _order(values, dice):

@@ -3,6 +3,7 @@
 
 from shared import sensing
 from shared.runtime import zeros
+from shared.sensing import Sensing
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
@@ -12,7 +13,7 @@ from .robots import PARAMS
 ANGLES = Block(zeros(16), (16, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))
 WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
-BLOCK = zeros(sensing.SENSING_SIZE)
+BLOCK = Sensing()
 DROP = Range(-32767, 32767)
 ANGLE18 = Range(-131072, 131071)
 PLACE = Range(-65534, 65534)
@@ -29,7 +30,7 @@ def _some_ticks(values, dice):
 
 def _begin():
     sensing.sensing_reset(BLOCK)
-    BLOCK[sensing.M_KNOWN] = 90
+    BLOCK.known = 90
     sensing.sense_legs(PARAMS[0], ANGLES.array, 3, 2000, -1000, BLOCK)  # for the parts: what is the same for all legs
 
 
@@ -39,9 +40,9 @@ def _soil(values, dice):
 
 def _nearly_level(values, dice):
     """Put the feet at heights that differ by about as much as is allowed, now and then before any is known."""
-    BLOCK[sensing.M_KNOWN] = dice.bits(2)
+    BLOCK.known = dice.bits(2)
     for leg in range(4):
-        BLOCK[sensing.M_LEVEL + leg * 3 + 2] = dice.bits(11) - 22000
+        BLOCK.level[leg * 3 + 2] = dice.bits(11) - 22000
 
 
 PROBES = (

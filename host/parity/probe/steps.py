@@ -2,7 +2,7 @@
 
 
 from shared import steps
-from shared.gait import G_VX_MAX, Clock
+from shared.gait import Clock, Gait
 from shared.params import LF_BITS, Params
 from shared.runtime import zeros
 
@@ -23,9 +23,9 @@ SHARE = Range(0, 32768)
 PEAK = Range(0, 8191)
 
 
-def _draw_speed(gait, dice):
+def _draw_speed(gait: Gait, dice):
     for axis in range(steps.SPEED_SIZE):
-        top = gait[G_VX_MAX + axis]
+        top = gait.speed_max[axis]
         SPEED[axis] = dice.below(2 * top + 1) - top
 
 

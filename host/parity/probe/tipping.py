@@ -3,6 +3,7 @@
 
 from shared import tipping
 from shared.runtime import zeros
+from shared.tipping import Tipping
 
 from .draw import Range
 from .draws import HALF30, LEG, ROBOT
@@ -10,7 +11,7 @@ from .probe import Block, Probe
 
 SUM = Range(-16383, 16383)
 LF = Range(-(1 << 20), 1 << 20)
-TIP = Block(zeros(tipping.TIP_SIZE), (2, SUM), (2, LF), (1, Range(0, 8)))
+TIP = Block(Tipping(), (2, SUM), (2, LF), (1, Range(0, 8)))
 FEET = Block(zeros(12), (12, Range(-32767, 32767)))
 
 PROBES = (
