@@ -7,17 +7,13 @@ twelve angles back. Everything between those two conversions is the core's integ
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared import planner_layout as core
-from shared.command import (
-    MODE_LIMP,
-    MODE_SIT,
-    MODE_STAND,
-    MODE_WALK,
-    Command,
-)
+from shared import command as core
+from shared.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.gaits import GAIT_NAMES
 from shared.planner import Planner
-from shared.runtime import zeros
+from shared.planner_layout import STATE_NAMES
+from shared.record import pack
+from shared.sensed import Sensed
 
 from .errors import UserError
 from .robot_model import Robot
@@ -57,24 +53,24 @@ class Driver:
         self.rate_hz = self.scale.rate_hz
         self.planner = Planner(core_params(robot, rate_hz, planar))
         self.command = Command(gait=robot.gait.default)
-        self._command: list[int] = Command()
-        self._sensed: list[int] = zeros(core.SENSED_SIZE)
+        self._command = core.Command()
+        self._sensed = Sensed()
         self.flags = 0
 
     @property
-    def command_block(self) -> list[int]:
+    def command_integers(self) -> list[int]:
         """The core's command of the last tick (shared/command.py); a record keeps it."""
-        return self._command
+        return list(pack(self._command))
 
     @property
-    def sensed_block(self) -> list[int]:
-        """What the core was told to be sensed in the last tick (shared/planner_layout.py)."""
-        return self._sensed
+    def sensed_integers(self) -> list[int]:
+        """What the core was told to be sensed in the last tick (shared/sensed.py)."""
+        return list(self._sensed.pack())
 
     @property
     def state(self) -> str:
         """The planner's state in a word."""
-        return core.STATE_NAMES[self.planner.status.state]
+        return STATE_NAMES[self.planner.status.state]
 
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
@@ -97,18 +93,17 @@ class Driver:
         rates_rad_s: Sequence[float] | None = None,
     ) -> None:
         """Fill in what is sensed; None where it is not known. ``rates_rad_s``: about x, y, z, without bias."""
-        block = self._sensed
-        block[core.S_RATES_OK] = int(rates_rad_s is not None)
+        sensed, valid = self._sensed, self._sensed.valid
+        valid.turned = int(rates_rad_s is not None)
         for axis, rate in enumerate(rates_rad_s or ()):
-            block[core.S_RATES + axis] = self.scale.yaw18_per_tick(rate)
-        block[core.S_JOINTS_OK] = int(joints_rad is not None)
+            sensed.turned[axis] = self.scale.yaw18_per_tick(rate)
+        valid.joints = int(joints_rad is not None)
         for joint, angle_rad in enumerate(joints_rad or ()):
-            block[core.S_JOINTS + joint] = brad(angle_rad)
-        known = roll_rad is not None and pitch_rad is not None
-        block[core.S_ATTITUDE_OK] = int(known)
+            sensed.joints[joint] = brad(angle_rad)
+        valid.tilt = int(roll_rad is not None and pitch_rad is not None)
         if roll_rad is not None and pitch_rad is not None:
-            block[core.S_ROLL] = brad(roll_rad)
-            block[core.S_PITCH] = brad(pitch_rad)
+            sensed.tilt[0] = brad(roll_rad)
+            sensed.tilt[1] = brad(pitch_rad)
 
     def step(self) -> list[float]:
         """Plan one tick and return the twelve joint goals in rad."""

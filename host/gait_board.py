@@ -8,9 +8,10 @@ from typing import Protocol
 from firmware import gait as application
 from firmware import link
 from firmware.mpu6050 import FAULT_NAMES
-from shared.command import COMMAND_SIZE
+from shared.command import Command
 from shared.params import JOINTS
 from shared.planner_layout import STATE_NAMES
+from shared.record import pack
 
 from .errors import UserError
 from .gait_frames import FrameReader, frame
@@ -65,9 +66,9 @@ class GaitBoardLink:
         self.rate_hz = payload[0] | payload[1] << 8
         self.gaits = payload[2]
 
-    def send_command(self, block: Sequence[int]) -> None:
-        """Send a command block (shared/command.py)."""
-        self._send(link.COMMAND, block[:COMMAND_SIZE], 4)
+    def send_command(self, command: Command) -> None:
+        """Send a command."""
+        self._send(link.COMMAND, pack(command), 4)
 
     def send_joints(self, joints_brad: Sequence[int]) -> None:
         """Send the twelve measured joint angles."""

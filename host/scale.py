@@ -272,8 +272,8 @@ def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
     params.advice_ticks = round(ADVICE_S * rate)
 
 
-def attitude_block(robot: Robot, rate_hz: int | None = None) -> list[int]:
-    """Return a fresh attitude filter block (shared/attitude.py) with the robot's IMU scales."""
+def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
+    """Return a fresh attitude filter (shared/attitude.py) with the robot's IMU scales."""
     rate = robot.control.rate_hz if rate_hz is None else rate_hz
     imu = robot.imu
     block = Attitude()

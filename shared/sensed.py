@@ -26,3 +26,16 @@ class Sensed:
         self.tilt = zeros(2)
         self.joints = zeros(JOINTS)
         self.turned = zeros(3)
+
+    def pack(self):
+        """Return its 20 integers as recordings keep them: tilt, joints, turned, each followed by its validity."""
+        valid = self.valid
+        return [*self.tilt, valid.tilt, *self.joints, valid.joints, *self.turned, valid.turned]
+
+    def unpack(self, integers):
+        """Take what ``pack`` returned."""
+        valid = self.valid
+        self.tilt[0], self.tilt[1], valid.tilt, *left = integers
+        for joint in range(JOINTS):
+            self.joints[joint] = left[joint]
+        valid.joints, self.turned[0], self.turned[1], self.turned[2], valid.turned = left[JOINTS:]

@@ -31,7 +31,7 @@ def _robot_params(name: str) -> str:
 from array import array
 
 PARAMS = {_array(pack(core_params(robot)))}
-ATTITUDE = {_array(attitude_block(robot))}
+ATTITUDE = {_array(pack(attitude_block(robot)))}
 '''
 
 

@@ -2,6 +2,9 @@
 
 import ast
 from dataclasses import dataclass, field
+from typing import Any
+
+from shared.record import pack
 
 from .source import Module, constant_value, resolve
 
@@ -104,6 +107,16 @@ def records_of(tree: ast.Module) -> list[ast.ClassDef]:
     """Return the classes of a module marked ``@record``."""
     return [node for node in tree.body if isinstance(node, ast.ClassDef) and any(
         isinstance(mark, ast.Name) and mark.id == "record" for mark in node.decorator_list)]
+
+
+def place_of(record: Any, name: str) -> int:
+    """Return where a field of a record lies in the array that the build makes of it. KeyError if it has none."""
+    at = 0
+    for known, declared in record.FIELDS:
+        if known == name:
+            return at
+        at += (len(pack(declared.of())) if declared.of else 1) * (1 if declared.count is None else declared.count)
+    raise KeyError(name)
 
 
 def _number(module: Module, node: ast.expr) -> int:

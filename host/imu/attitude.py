@@ -127,7 +127,7 @@ class Attitude:
             self._open()
 
     def _take(self, flags: int) -> None:
-        self._aligned = bool(self.block.count >= self.block.align_ticks)
+        self._aligned = bool(self.block.gathered >= self.block.align_ticks)
         if flags & MOVED_WHILE_ALIGNING:
             self.note = "hold the robot still: the gyro's bias is being measured"
         elif flags & ACCEL_REJECTED and flags & ALIGNING:

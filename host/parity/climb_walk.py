@@ -10,7 +10,7 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.link import PAYLOAD
 from firmware.mpu6050 import Mpu6050
-from shared.command import COMMAND_SIZE, MODE_STAND, MODE_WALK
+from shared.command import MODE_STAND, MODE_WALK, Command
 from shared.gaits import GAIT_CLIMB
 from shared.record import pack
 from sim2d import terrain
@@ -33,8 +33,8 @@ TICK_BYTES = COMMAND_BYTES + SENSED_BYTES + RAW_BYTES + ANSWER_BYTES
 _G_M_S2, _ACCEL_PER_G, _GYRO_PER_DEG_S, _INT16 = 9.80665, 16384, 131, 32767
 
 
-def _command(robot: Robot, mode: int) -> list[int]:
-    block = [0] * COMMAND_SIZE
+def _command(robot: Robot, mode: int) -> Command:
+    block = Command()
     block.mode, block.gait, block.balance = mode, GAIT_CLIMB, 1
     block.speed[0] = scale_of(robot).lf_per_tick(SPEED_M_S)
     return block
@@ -71,7 +71,7 @@ class _Walker:
         """See sim2d.run.Controller."""
         joints = frame(link.SENSED, [brad(angle) for angle in sensed.joint_position_rad], 2)
         self._i2c.raw = _raw(sensed)
-        wish = _command(self._robot, MODE_STAND if len(self.ticks) < STAND_TICKS else MODE_WALK)
+        wish = pack(_command(self._robot, MODE_STAND if len(self.ticks) < STAND_TICKS else MODE_WALK))
         command = frame(link.COMMAND, wish, 4)
         for one in (command, joints):
             self._board.take(one, len(one))

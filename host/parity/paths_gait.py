@@ -13,8 +13,9 @@ from typing import Any
 from firmware import link
 from firmware.gait import B_FLAGS
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES
-from shared.planner_layout import CLIMB_ON, N_CLIMB, N_GAIT, N_STATE, WALKING
+from shared.planner_layout import CLIMB_ON, WALKING, Status
 
+from ..build.records import place_of
 from ..robot_file import load_robot
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.cortex_m import FILES_AT, Machine
@@ -166,7 +167,7 @@ for number in range(GAITS):
     for _ in range(TICKS):
         cycle()
     gc.collect()
-    states.append([board.planner.numbers[i] for i in {watched}] + [board.numbers[{flags}] >> 16])
+    states.append([board.planner.status[i] for i in {watched}] + [board.numbers[{flags}] >> 16])
 order(2, 1)
 gc.collect()
 for _ in range(10):
@@ -256,6 +257,9 @@ def gait_figures(image: bytes) -> RoleFigures:
     return RoleFigures(answer["free"], answer["left"], paths, complaints_of(answer, extent))
 
 
+WATCHED = ("state", "gait", "climb")  # of the planner's status, in every gait
+
+
 def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
     """Return what a run's answer says that must not be, in sentences."""
     found = [f"{answer['taken']} bytes of heap were taken in {extent.quiet_cycles} cycles"] if answer["taken"] else []
@@ -275,7 +279,7 @@ def gait_script(extent: Extent) -> str:
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
-        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": [place_of(Status, name) for name in WATCHED], "flags": B_FLAGS,
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
         "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,

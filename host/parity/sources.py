@@ -53,11 +53,16 @@ def robot_blocks() -> str:
     joints = [_joint_blocks(**setup) for setup in JOINT_SETUPS]
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
+        "from shared.attitude import Attitude\n"
         "from shared.params import Params\n"
         "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"
         "def _params(values) -> Params:\n"
         "    made = Params()\n"
+        "    unpack(made, values)\n"
+        "    return made\n\n\n"
+        "def _attitude(values) -> Attitude:\n"
+        "    made = Attitude()\n"
         "    unpack(made, values)\n"
         "    return made\n\n\n"
         "def _block(values):\n"
@@ -66,7 +71,7 @@ def robot_blocks() -> str:
         "        made[at] = values[at]\n"
         "    return made\n\n\n"
         f"PARAMS = {_listing([pack(one) for one in params], '_params')}\n"
-        f"ATTITUDES = {_listing(attitudes)}\n"
+        f"ATTITUDES = {_listing([pack(one) for one in attitudes], '_attitude')}\n"
         f"JOINTS = ({''.join(_listing(blocks) + ', ' for blocks in joints)})\n"
     )
 

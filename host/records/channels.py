@@ -3,7 +3,6 @@
 from typing import Any
 
 from shared.command import COMMAND_SIZE
-from shared.planner_layout import SENSED_SIZE
 
 NUMBER: dict[str, Any] = {"type": "number"}
 WHOLE: dict[str, Any] = {"type": "integer"}
@@ -43,7 +42,7 @@ CHANNELS: dict[str, dict[str, dict[str, Any]]] = {
     "/planner": {
         "tick": WHOLE,
         "command": _many(WHOLE, COMMAND_SIZE),
-        "sensed": _many(WHOLE, SENSED_SIZE),
+        "sensed": _many(WHOLE, 20),
         "joints": _many(WHOLE, 12),
         "flags": WHOLE,
     },

@@ -70,7 +70,7 @@ class LoopLog:
         late_ms, busy_ms = 1000 * pacer.late_s[-1], 1000 * pacer.busy_s[-1]
         timing = {"late_ms": round(late_ms, 3), "busy_ms": round(busy_ms, 3), "missed": pacer.missed}
         self._put("/timing", now_s, {"tick": self._tick, **timing})
-        blocks = {"command": list(driver.command_block), "sensed": list(driver.sensed_block)}
+        blocks = {"command": driver.command_integers, "sensed": driver.sensed_integers}
         planned = {"joints": list(driver.planner.joints), "flags": driver.flags}
         self._put("/planner", now_s, {"tick": self._tick, **blocks, **planned})
 

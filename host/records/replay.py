@@ -5,9 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from shared.command import Command
 from shared.params import Params
 from shared.planner import Planner
 from shared.record import pack, unpack
+from shared.sensed import Sensed
 
 from ..errors import UserError
 from .channels import CHANNELS
@@ -63,7 +65,10 @@ def _differs(planner: Planner, tick: int, values: dict[str, Any]) -> str:
     """Return how a tick comes out otherwise than recorded, "" if it does not."""
     if values["tick"] != tick:
         return f"ticks {tick} .. {values['tick'] - 1} are missing: the disk did not keep up"
-    flags = planner.tick(values["command"], values["sensed"])
+    command, sensed = Command(), Sensed()
+    unpack(command, values["command"])
+    sensed.unpack(values["sensed"])
+    flags = planner.tick(command, sensed)
     recorded = values["joints"]
     if list(planner.joints) == recorded and flags == values["flags"]:
         return ""

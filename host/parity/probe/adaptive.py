@@ -5,21 +5,20 @@ from shared import adaptive
 from shared.gait import Clock, compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
 from shared.runtime import zeros
-from shared.steps import SPEED_SIZE, STEPS_SIZE, steps_reset
+from shared.steps import SPEED_SIZE, Steps, steps_reset
 
 from .draw import Range
 from .draws import BRAD
 from .probe import Block, Pick, Probe
 from .robots import PARAMS
 
-LEGS_FROM = 3
 PLACE = Range(-18900, 18900)  # three squares of it are below 2^30
-ANGLES = Block(zeros(16), (16, BRAD))
+ANGLES = Block(zeros(12), (12, BRAD))
 REACHED = Block(zeros(12), (12, PLACE))
 POSED = Block(zeros(6), (3, Range(-65535, 65535)), (3, BRAD))
 SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
 DRIVE = zeros(SPEED_SIZE)
-STEPS = zeros(STEPS_SIZE)
+STEPS = Steps()
 CLOCK = Clock()
 FLAG = Range(0, 1)
 GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
@@ -62,7 +61,7 @@ def _live(values, dice):
     REACHED.fill(dice)
     SPEED.fill(dice)
     gait = _clock(params, dice)
-    adaptive.feel_legs(params, WALK, ANGLES.array, LEGS_FROM, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
+    adaptive.feel_legs(params, WALK, ANGLES.array, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
     adaptive.drive_speed(params, WALK, SPEED.array, DRIVE)
     adaptive.sway_body(params, WALK, gait, CLOCK, 1)
     WALK.state.far = SQUARE.any(dice)
@@ -85,7 +84,7 @@ def _part(name, arguments, watch=STATE, fit=_live):
 PROBES = (
     _part("adaptive_reset", (ROBOT, WALK)),
     _part("adaptive_start", (ROBOT, WALK)),
-    _part("feel_legs", (ROBOT, WALK, ANGLES, LEGS_FROM, FLAG, BRAD, BRAD)),
+    _part("feel_legs", (ROBOT, WALK, ANGLES, FLAG, BRAD, BRAD)),
     _part("feel_ground", (ROBOT, WALK, STEPS, BRAD, BRAD, BRAD, BRAD), STATE + (STEPS,)),
     _part("drive_speed", (ROBOT, WALK, SPEED, DRIVE), STATE + (DRIVE,)),
     _part("retime", (ROBOT, 0, SPEED), (), _with_gait(1)),

@@ -3,6 +3,7 @@
 
 from shared import attitude
 from shared.attitude import Attitude
+from shared.record import copy
 from shared.runtime import zeros
 
 from .draw import Range
@@ -14,17 +15,15 @@ COUNTS = zeros(6)
 INT16 = Range(-32768, 32767)
 UNIT = Range(-(1 << 22), 1 << 22)
 RATE = Range(-(1 << 15), 1 << 15)
-_ALIGNED = attitude.A_ALIGN_TICKS
 
 
 def _settings(source):
-    for at in range(attitude.ATTITUDE_SIZE):
-        BLOCK[at] = source[at]
+    copy(source, BLOCK)
 
 
 def _begin():
     _settings(ATTITUDES[0])
-    BLOCK[_ALIGNED] = 4
+    BLOCK.align_ticks = 4
 
 
 def _read(values, dice):
@@ -41,15 +40,15 @@ def _run(values, dice):
     if dice.below(40) == 0:
         _settings(ATTITUDES[dice.below(len(ATTITUDES))])
         if dice.bits(1):
-            BLOCK.count = BLOCK[_ALIGNED]
+            BLOCK.gathered = BLOCK.align_ticks
     _read(values, dice)
 
 
 def _run_aligning(values, dice):
     """Readings at rest, mostly, so that alignments end."""
-    if BLOCK.count >= BLOCK[_ALIGNED]:
+    if BLOCK.gathered >= BLOCK.align_ticks:
         _settings(ATTITUDES[dice.below(len(ATTITUDES))])
-        BLOCK[_ALIGNED] = 1 + dice.below(8)
+        BLOCK.align_ticks = 1 + dice.below(8)
     _read(values, dice)
     if dice.bits(3):
         for axis in range(6):
@@ -59,7 +58,7 @@ def _run_aligning(values, dice):
 
 def _any_gravity(values, dice):
     _settings(ATTITUDES[dice.below(len(ATTITUDES))])
-    BLOCK.count = BLOCK[_ALIGNED]
+    BLOCK.gathered = BLOCK.align_ticks
     for axis in range(3):
         BLOCK.gravity[axis] = UNIT.any(dice)
         BLOCK.bias[axis] = dice.bits(12) - 2048

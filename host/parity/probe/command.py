@@ -4,6 +4,7 @@
 from shared import command
 from shared.body import POSE_SIZE
 from shared.command import Command
+from shared.gait import Gait
 from shared.runtime import zeros
 from shared.steps import SPEED_SIZE
 
@@ -12,12 +13,14 @@ from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
 from .probe import Block, Probe
 
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
+TOLD = Command()
 SPEED = zeros(SPEED_SIZE)
 POSE = zeros(POSE_SIZE)
 
 
 def _use_gait(values, dice):
-    values[1] = gait_of(values[0], values[1])
+    gait: Gait = gait_of(values[0], values[1])
+    values[1] = gait.speed_max
 
 
 def _begin():
@@ -28,6 +31,7 @@ def _begin():
 
 
 PROBES = (
+    Probe("repeat_command", command.repeat_command, (COMMAND, TOLD), watch=(TOLD,)),
     Probe("slew", command.slew, (HALF30, HALF30, Range(0, (1 << 29) - 1))),
     Probe(
         "slew_speed",

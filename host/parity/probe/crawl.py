@@ -16,18 +16,19 @@ from shared import (
     swing_leg,
 )
 from shared import crawl_layout as at
-from shared.command import C_SPEED, COMMAND_SIZE, Command
+from shared.command import Command
 from shared.filters import fraction, quintic_q15
 from shared.handover import Fade
 from shared.params import Params
 from shared.runtime import zeros
 from shared.sensing import Sensing, keep_sent, sense_legs, sensing_reset
-from shared.steps import STEPS_SIZE
+from shared.steps import Steps
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Probe
 from .robots import PARAMS
+from .row import Row
 
 SOURCES = (
     "filters",
@@ -139,7 +140,7 @@ class _Walk:
             CRAWL.measured[joint] = JOINTS[joint]
             JOINTS[joint] += (GOALS[joint] - JOINTS[joint]) // 2 + dice.bits(5) - 16
         SET[at.K_PLANAR] = self.ticks // 400 & 1
-        sense_legs(PARAMS[0], JOINTS, 0, values[4], values[5], SENSING)
+        sense_legs(PARAMS[0], JOINTS, values[4], values[5], SENSING)
         for leg in range(4):
             SENSING.force_q12[leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000
             if leg == STATE[at.C_LEG] and STATE[at.C_PHASE] in (at.LIFT, at.MOVE, at.TARE):
@@ -153,27 +154,30 @@ class _Walk:
             JOINTS[leg * 3 + 2] = -16000 - dice.bits(10)
         for joint in range(12):
             GOALS[joint] = JOINTS[joint]
-        sense_legs(PARAMS[0], JOINTS, 0, 0, 0, SENSING)
+        sense_legs(PARAMS[0], JOINTS, 0, 0, SENSING)
         crawl.crawl_start(CRAWL, SENSING, JOINTS, 0, GOALS, 0, 0)
 
 
 WALK = _Walk()
 TILT = Range(-600, 600)
-STEPS = zeros(STEPS_SIZE)
+STEPS = Steps()
 COMMAND = Command()
-RETREAT = zeros(retreat.RETREAT_SIZE)
+RETREAT = retreat.Retreat()
+RETREAT_ROW = Row(RETREAT)
+TOLD = Command()
 FADE = Fade()
+FADE_ROW = Row((FADE, 0), (FADE, 1), FADE.jump)
 
 
 def _any_speed(values, dice):
-    for place in range(C_SPEED, C_SPEED + 3):
-        COMMAND[place] = dice.bits(21) - (1 << 20)
+    for axis in range(3):
+        COMMAND.speed[axis] = dice.bits(21) - (1 << 20)
 
 
 def _any_fade(values, dice):
     _soil(values, dice)
-    for place in range(handover.FADE_SIZE):
-        FADE[place] = dice.bits(16) - 32768
+    for place in range(len(FADE_ROW)):
+        FADE_ROW[place] = dice.bits(16) - 32768
     FADE.left = dice.bits(8) - 1
     FADE.ticks = FADE.left + 1 if dice.bits(1) else 256
 
@@ -181,8 +185,8 @@ def _any_fade(values, dice):
 def _any_retreat(values, dice):
     """Any command and any way back, often near its end."""
     _any_speed(values, dice)
-    for place in range(COMMAND_SIZE, retreat.RETREAT_SIZE):
-        RETREAT[place] = dice.bits(24 if dice.bits(1) else 5)
+    for place in range(len(RETREAT_ROW)):
+        RETREAT_ROW[place] = dice.bits(24 if dice.bits(1) else 5)
 
 
 PROBES = (
@@ -277,8 +281,13 @@ PROBES = (
     _stateful(crawl, "estimate", CRAWL, SENSING, JOINTS, 0, TILT, TILT),
     _stateful(crawl, "crawl_start", CRAWL, SENSING, JOINTS, 0, GOALS, TILT, TILT),
     Probe("retreat_start", retreat.retreat_start, (RETREAT,), watch=(RETREAT,), fit=_any_retreat),
-    Probe("retreat_step", retreat.retreat_step, (ROBOT, COMMAND, Range(-(1 << 23), 1 << 23), Range(0, 1), RETREAT),
-          watch=(RETREAT,), fit=_any_retreat),
+    Probe(
+        "retreat_step",
+        retreat.retreat_step,
+        (ROBOT, COMMAND, Range(-(1 << 23), 1 << 23), Range(0, 1), RETREAT, TOLD),
+        watch=(TOLD, RETREAT),
+        fit=_any_retreat,
+    ),
     Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
     _stateful(handover, "ground_even", STATE),
     Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, STATE, LU, LU, STEPS), watch=(STEPS,), fit=_soil),

@@ -4,14 +4,14 @@
 from shared import gait
 from shared.gait import Clock, Gait
 from shared.gaits import GAITS
-from shared.runtime import zeros
+from shared.record import copy
 
 from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .probe import Pick, Probe
 
 CLOCK = Clock()
-BLOCK = zeros(gait.G_ROWS + gait.MAX_SEGMENTS * gait.ROW_SIZE)
+BLOCK = Gait()
 ROW = [400, 0, 1]
 
 
@@ -31,8 +31,7 @@ def _any_clock(values, dice):
 def _copy(params, dice):
     """Put a compiled gait into BLOCK, which the set-up functions then fill in again."""
     source = gait_of(params, dice.below(len(GAITS)))
-    for at in range(len(source)):
-        BLOCK[at] = source[at]
+    copy(source, BLOCK)
 
 
 def _new_row(values, dice):

@@ -2,9 +2,8 @@
 
 
 from shared import ground
-from shared.runtime import zeros
 from shared.sensing import Sensing
-from shared.steps import STEPS_SIZE
+from shared.steps import Steps
 
 from .draw import Range
 from .draws import BRAD, ROBOT
@@ -13,7 +12,7 @@ from .probe import Block, Probe
 LF = Range(-(1 << 22), 1 << 22)
 LENGTH = Range(-65535, 65535)
 SENSING = Block(Sensing(), (12, LENGTH))
-STEPS = Block(zeros(STEPS_SIZE), *([(2, LF), (1, LENGTH), (5, Range(0, 1000))] * 4))
+STEPS = Block(Steps(), *([(2, LF), (1, LENGTH), (5, Range(0, 1000))] * 4))
 
 PROBES = (
     Probe("twist", ground.twist, (SENSING, BRAD, BRAD)),

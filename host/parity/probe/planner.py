@@ -4,9 +4,6 @@ from shared import planner, planner_climb, planner_pose, planner_senses, planner
 from shared import planner_layout as n
 from shared.balance import balance_setup
 from shared.command import (
-    C_BALANCE,
-    C_SPEED,
-    COMMAND_SIZE,
     MODE_STAND,
     MODE_WALK,
     Command,
@@ -14,18 +11,28 @@ from shared.command import (
 from shared.crawl import crawl_start
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
 from shared.params import Params
-from shared.retreat import R_ENDS, R_STOOD
 from shared.runtime import zeros
+from shared.sensed import Sensed
 
 from .draw import Range
 from .draws import BRAD, GAIT, INT30
 from .probe import Pick, Probe
 from .robots import PARAMS
+from .row import Row
 
 SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
 
 COMMAND = Command()
-SENSED = zeros(n.SENSED_SIZE)
+SENSED = Sensed()
+VALID = SENSED.valid
+
+
+def row_of(sensed: Sensed):
+    """Return what is sensed as one row: tilt and whether it is valid, joints likewise, turning likewise."""
+    return Row(sensed.tilt, (sensed.valid, 0), sensed.joints, (sensed.valid, 1), sensed.turned, (sensed.valid, 2))
+
+
+SENSED_ROW = row_of(SENSED)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
@@ -34,14 +41,21 @@ ANY_GAIT = Range(-1, len(GAIT_NAMES))
 USUAL = 200  # vectors of a function, for which a walk has all its ticks
 
 
+def clear(block):
+    """Make all integers of a record or an array 0."""
+    row = Row(block) if not isinstance(block, Row) else block
+    for at in range(len(row)):
+        row[at] = 0
+
+
 def restart(robot):
     """Bring a planner back to its first tick: limp, nothing known."""
     walk = robot.walk
     own = (walk.body, walk.firm, walk.stands, robot.drive, robot.reached)
-    own += (robot.sensed, robot.joints_read, robot.tilt_read)
+    own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
+    own += (robot.joints_past, robot.tilt_past)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
-        for at in range(len(block)):
-            block[at] = 0
+        clear(block)
     robot.gait = robot.gaits[0]
     balance_setup(robot.params, robot.balance)
     robot.status.gaits = len(robot.gaits)
@@ -49,9 +63,8 @@ def restart(robot):
 
 
 def _restart_all():
-    for block in (COMMAND, SENSED):
-        for at in range(len(block)):
-            block[at] = 0
+    clear(COMMAND)
+    clear(SENSED_ROW)
     for robot in ROBOTS:
         restart(robot)
 
@@ -61,25 +74,27 @@ def _any_wish(dice):
     if dice.below(30) == 0:
         COMMAND.mode = ANY_MODE.any(dice)
         COMMAND.gait = ANY_GAIT.any(dice)
-    for at in range(C_SPEED, C_BALANCE):
-        COMMAND[at] = INT30.any(dice)
+    for axis in range(3):
+        COMMAND.speed[axis] = INT30.any(dice)
+    for axis in range(6):
+        COMMAND.pose[axis] = INT30.any(dice)
     COMMAND.balance = dice.bits(1)
     COMMAND.height = INT30.any(dice) if dice.bits(1) else 0
 
 
 def _any_sense(dice):
     """Joints mostly about where they were, or none would be believed; the rest anything."""
-    for at in range(len(SENSED)):
-        if at < n.S_JOINTS or at >= n.S_JOINTS_OK or dice.bits(6) == 0:
-            SENSED[at] = BRAD.any(dice)
+    for at in range(len(SENSED_ROW)):
+        if at < 3 or at >= 15 or dice.bits(6) == 0:  # no joint
+            SENSED_ROW[at] = BRAD.any(dice)
         else:
-            SENSED[at] += dice.bits(7) - 64
+            SENSED_ROW[at] += dice.bits(7) - 64
     if dice.bits(3):  # mostly upright, or it would sit most of the time
-        SENSED[n.S_ROLL] >>= 4
-        SENSED[n.S_PITCH] >>= 4
-    SENSED[n.S_RATES_OK] = dice.bits(1)
-    SENSED[n.S_ATTITUDE_OK] = dice.bits(1)
-    SENSED[n.S_JOINTS_OK] = 1 if dice.bits(2) else 0
+        SENSED.tilt[0] >>= 4
+        SENSED.tilt[1] >>= 4
+    VALID.turned = dice.bits(1)
+    VALID.tilt = dice.bits(1)
+    VALID.joints = 1 if dice.bits(2) else 0
 
 
 def _live(values, dice):
@@ -103,7 +118,6 @@ def _live_in(values, dice):
 
 
 # Made once: a tuple of public names is made anew wherever it stands.
-TILT = (n.S_ROLL, n.S_PITCH)
 FEELING = (GAIT_ADAPTIVE, GAIT_CLIMB)
 
 
@@ -123,27 +137,26 @@ class Walk(Probe):
     def start(self):
         Probe.start(self)
         restart(self.robot)
-        for at in range(COMMAND_SIZE):
-            COMMAND[at] = 0
+        clear(COMMAND)
         COMMAND.gait = self.gait
         COMMAND.balance = 1
-        SENSED[n.S_ATTITUDE_OK] = 1
-        SENSED[n.S_JOINTS_OK] = 1
-        SENSED[n.S_RATES_OK] = 1
+        VALID.tilt = 1
+        VALID.joints = 1
+        VALID.turned = 1
         for joint in range(12):
-            SENSED[n.S_JOINTS + joint] = 0
+            SENSED.joints[joint] = 0
 
     def draw(self, index, count):
         COMMAND.mode = MODE_STAND if index % 1000 > 800 else MODE_WALK
         if index % 150 == 0:
             self.new_wish(index)
-        for at in TILT:
-            SENSED[at] += self.dice.bits(7) - 64 - (SENSED[at] >> 4)
+        for axis in range(2):
+            SENSED.tilt[axis] += self.dice.bits(7) - 64 - (SENSED.tilt[axis] >> 4)
         if self.gait in FEELING:
             for axis in range(3):
-                SENSED[n.S_RATES + axis] = self.dice.bits(9) - 256
+                SENSED.turned[axis] = self.dice.bits(9) - 256
             for joint in range(12):
-                SENSED[n.S_JOINTS + joint] = self.robot.joints[joint] + self.dice.bits(6) - 32
+                SENSED.joints[joint] = self.robot.joints[joint] + self.dice.bits(6) - 32
 
     def new_wish(self, index):
         """Another speed and pose, mostly in reach; every fifth time far outside what the legs reach."""
@@ -163,8 +176,8 @@ ROBOT = Pick(*ROBOTS)
 STATE = (ROBOTS[0].status, ROBOTS[1].status, ROBOTS[0].joints, ROBOTS[1].joints)
 FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
 POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
-BELIEVED = STATE + (ROBOTS[0].sensed, ROBOTS[1].sensed)
-RETREATS = (ROBOTS[0].retreat, ROBOTS[1].retreat)
+BELIEVED = STATE + (row_of(ROBOTS[0].sensed), row_of(ROBOTS[1].sensed))
+RETREATS = (ROBOTS[0].back, ROBOTS[0].retreat, ROBOTS[1].back, ROBOTS[1].retreat)
 WALKS_STATE = STATE + (ROBOTS[0].walk.state, ROBOTS[1].walk.state)
 
 
@@ -192,8 +205,8 @@ def _backing_off(values, dice):
     COMMAND.gait = GAIT_ADAPTIVE if dice.bits(2) else GAIT_CLIMB
     if dice.bits(1):
         robot.status.state = n.STANDING
-        robot.retreat[R_ENDS] = 1
-        robot.retreat[R_STOOD] = 0xFFFF
+        robot.retreat.ends = 1
+        robot.retreat.stood = 0xFFFF
 
 
 PARTS = (
@@ -215,7 +228,8 @@ PARTS = (
     _part("step_gait", planner_steps.step_gait, (ROBOT, COMMAND), STATE + FEET),
     _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
     _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
-    _part("meet", planner_senses.meet, (ROBOT,), STATE),
+    _part("meet", planner_senses.meet, (ROBOT, GOAL), STATE),
+    _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
     _part("feel", planner_senses.feel, (ROBOT, SENSED), WALKS_STATE),
     _part("relax", planner_senses.relax, (ROBOT,), WALKS_STATE, _live_active),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),

@@ -18,8 +18,10 @@ TICKS = Range(1, 1 << 28)
 
 def _under_way(values, dice):
     """Any pair of poses, any length, any tick of it."""
-    for joint in range(24):
-        MOVE[joint] = BRAD.any(dice)
+    for joint in range(12):
+        MOVE.start[joint] = BRAD.any(dice)
+    for joint in range(12):
+        MOVE.goal[joint] = BRAD.any(dice)
     MOVE.ticks = TICKS.any(dice)
     MOVE.tick = dice.below(MOVE.ticks)
 

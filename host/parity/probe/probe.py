@@ -3,20 +3,22 @@
 from shared.record import pack
 
 from .draw import Dice, Digest, Range
+from .row import Row
 
 
 class Block:
-    """An array argument that is filled anew for each vector: ``(count, Range)`` pairs in order."""
+    """An array or record that is filled anew for each vector: ``(count, Range)`` pairs in order."""
 
     def __init__(self, array, *parts) -> None:
         self.array = array
+        self.row = Row(array)
         self.parts = parts
 
     def fill(self, dice: Dice) -> None:
         at = 0
         for count, spread in self.parts:
             for _ in range(count):
-                self.array[at] = spread.any(dice)
+                self.row[at] = spread.any(dice)
                 at += 1
 
 
@@ -143,8 +145,7 @@ class Probe:
         if isinstance(result, int):
             digest.add(result)
         elif result is not None:
-            for value in result:
-                digest.add(value)
+            _add(result, digest)
         for block in self.watch:
             _add(block, digest)
 

@@ -9,11 +9,13 @@ from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
+from .row import Row
 
-ANGLES = Block(zeros(16), (16, BRAD))
+ANGLES = Block(zeros(12), (12, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))
 WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
 BLOCK = Sensing()
+ROW = Row(BLOCK)
 DROP = Range(-32767, 32767)
 ANGLE18 = Range(-131072, 131071)
 PLACE = Range(-65534, 65534)
@@ -24,18 +26,18 @@ def _some_ticks(values, dice):
     """Keep goals near the joints to come now and then, so that some errors are small."""
     for _ in range(1 + dice.below(2)):
         for joint in range(12):
-            GOALS.array[joint] = BRAD.any(dice) if dice.bits(2) == 0 else ANGLES.array[joint + 3] + dice.bits(8) - 128
+            GOALS.array[joint] = BRAD.any(dice) if dice.bits(2) == 0 else ANGLES.array[joint] + dice.bits(8) - 128
         sensing.keep_sent(BLOCK, GOALS.array)
 
 
 def _begin():
     sensing.sensing_reset(BLOCK)
     BLOCK.known = 90
-    sensing.sense_legs(PARAMS[0], ANGLES.array, 3, 2000, -1000, BLOCK)  # for the parts: what is the same for all legs
+    sensing.sense_legs(PARAMS[0], ANGLES.array, 2000, -1000, BLOCK)  # for the parts: what is the same for all legs
 
 
 def _soil(values, dice):
-    BLOCK[dice.below(len(BLOCK))] = 7
+    ROW[dice.below(len(ROW))] = 7
 
 
 def _nearly_level(values, dice):
@@ -52,16 +54,16 @@ PROBES = (
     Probe(
         "sense_legs",
         sensing.sense_legs,
-        (ROBOT, ANGLES, 3, BRAD, BRAD, BLOCK),
+        (ROBOT, ANGLES, BRAD, BRAD, BLOCK),
         watch=(BLOCK,),
         fit=_some_ticks,
         begin=_begin,
         vectors=2,
     ),
     Probe(
-        "sense_leg", sensing.sense_leg, (ROBOT, LEG, ANGLES, 3, BLOCK), watch=(BLOCK,), fit=_some_ticks, begin=_begin
+        "sense_leg", sensing.sense_leg, (ROBOT, LEG, ANGLES, BLOCK), watch=(BLOCK,), fit=_some_ticks, begin=_begin
     ),
-    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, 3, DROP, DROP, BLOCK), fit=_some_ticks, begin=_begin),
+    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, DROP, DROP, BLOCK), fit=_some_ticks, begin=_begin),
     Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
     Probe(
         "keep_foot",

@@ -10,8 +10,10 @@ from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .gait import draw_clock
 from .probe import Probe
+from .row import Row
 
-STEPS = zeros(steps.STEPS_SIZE)
+STEPS = steps.Steps()
+ROW = Row(STEPS)
 SPEED = zeros(steps.SPEED_SIZE)
 CLOCK = Clock()
 FEET = zeros(12)
@@ -33,14 +35,14 @@ def _draw_steps(params, dice):
     """Feet within a stride of rest; some of them in swing, at any sample of it."""
     steps.steps_reset(params, STEPS)
     for leg in range(4):
-        at = leg * steps.STEP_SIZE
-        STEPS[at + steps.STEP_X] += dice.bits(20) - (1 << 19)
-        STEPS[at + steps.STEP_Y] += dice.bits(20) - (1 << 19)
-        STEPS[at + steps.STEP_TO_Z] += dice.bits(10) - (1 << 9)
+        step = STEPS.legs[leg]
+        step.x += dice.bits(20) - (1 << 19)
+        step.y += dice.bits(20) - (1 << 19)
+        step.to_z += dice.bits(10) - (1 << 9)
         if dice.bits(1):
-            STEPS[at + steps.STEP_TICKS] = 1 + dice.below(200)
-            STEPS[at + steps.STEP_TICK] = dice.below(STEPS[at + steps.STEP_TICKS])
-            STEPS[at + steps.STEP_LEFT_Q10] = dice.bits(17)
+            step.ticks = 1 + dice.below(200)
+            step.tick = dice.below(step.ticks)
+            step.left_q10 = dice.bits(17)
 
 
 def _soiled(values, dice):
@@ -50,7 +52,7 @@ def _soiled(values, dice):
 def _near_rest(values, dice):
     steps.steps_reset(values[0], STEPS)
     if dice.bits(1):
-        STEPS[dice.below(steps.STEPS_SIZE)] += dice.below(41) - 20
+        ROW[dice.below(len(ROW))] += dice.below(41) - 20
 
 
 def _start(values, dice):
@@ -93,9 +95,9 @@ def _walking(values, dice):
 
 def _swinging(values, dice):
     _walking(values, dice)
-    at = values[4] * steps.STEP_SIZE
-    STEPS[at + steps.STEP_TICKS] = 1 + dice.below(200)
-    STEPS[at + steps.STEP_TICK] = dice.below(STEPS[at + steps.STEP_TICKS])
+    step = STEPS.legs[values[4]]
+    step.ticks = 1 + dice.below(200)
+    step.tick = dice.below(step.ticks)
 
 
 def _ahead(values, dice):
@@ -110,9 +112,10 @@ def _near_line(values, dice):
 
 
 def _some_started(values, dice):
-    for at in range(0, len(STEPS), steps.STEP_SIZE):
-        STEPS[at + steps.STEP_TICKS] = dice.bits(4)
-        STEPS[at + steps.STEP_TICK] = dice.bits(1)
+    for leg in range(4):
+        step = STEPS.legs[leg]
+        step.ticks = dice.bits(4)
+        step.tick = dice.bits(1)
 
 
 PROBES = (
