@@ -25,7 +25,7 @@ class Command:
 
 
 
-COMMAND_SIZE = const(4 + SPEED_SIZE + POSE_SIZE)  # integers of a command in a frame, in the order of its declaration
+COMMAND_SIZE = const(13)  # integers of a command in a frame, in the order of its declaration
 
 MODE_LIMP = const(0)  # drive nothing: the joints are not held
 MODE_STAND = const(1)

@@ -10,7 +10,7 @@ from .params import LEGS, LF_BITS, Params
 from .record import field, parts, record, vector
 from .runtime import Ints, const, hot
 
-MAX_SEGMENTS = const(16)
+MAX_SEGMENTS = const(8)
 
 
 @record

@@ -11,9 +11,9 @@ one, ``parts`` a list of them. What crosses a border as integers goes through ``
 """
 
 from array import array
-from sys import implementation
 
-_CPYTHON = implementation.name == "cpython"
+from .runtime import CPYTHON
+
 _made = [0]  # how many fields have been declared: MicroPython does not keep a class's names in order
 
 
@@ -64,7 +64,7 @@ def record(declared):
         for name, place in found:
             setattr(self, name, place.make())
 
-    if _CPYTHON:  # with slots an attribute is read as fast as a list's element
+    if CPYTHON:  # with slots an attribute is read as fast as a list's element
         names = [name for name, _ in found]
         body = {"__slots__": names, "__doc__": declared.__doc__, "__module__": declared.__module__}
         declared = type(declared.__name__, (), body)

@@ -16,7 +16,7 @@ from array import array
 from sys import implementation
 
 try:
-    from _core import bound  # an image's core in C (host/build/c_core.py) brings its own
+    from _core import bound  # type: ignore[import-not-found]  # an image's core in C (host/build/c_core.py) brings its own
 except ImportError:
 
     def bound(function, *given):
@@ -28,8 +28,8 @@ except ImportError:
         return call
 
 
-_CPYTHON = implementation.name == "cpython"
-if _CPYTHON:
+CPYTHON = implementation.name == "cpython"
+if CPYTHON:
     Ints = list[int]  # what an array of integers is called in annotations
 else:
     Ints = list  # type: ignore[misc,no-redef]  # MicroPython reads no annotations
@@ -75,13 +75,13 @@ def zeros(size):
 
     That is a list on CPython, four times as fast there as an array of machine words, which ptr32 needs in viper.
     """
-    if _CPYTHON:
+    if CPYTHON:
         return [0] * size
     return array("i", [0] * size)
 
 
 def table(values):
     """Return ``values``, each 0 .. 65535, to be read through ptr16: a tuple on CPython, for the same reason."""
-    if _CPYTHON:
+    if CPYTHON:
         return values
     return array("H", values)

@@ -30,12 +30,12 @@ class Sensed:
     def pack(self):
         """Return its 20 integers as recordings keep them: tilt, joints, turned, each followed by its validity."""
         valid = self.valid
-        return [*self.tilt, valid.tilt, *self.joints, valid.joints, *self.turned, valid.turned]
+        return list(self.tilt) + [valid.tilt] + list(self.joints) + [valid.joints] + list(self.turned) + [valid.turned]
 
     def unpack(self, integers):
         """Take what ``pack`` returned."""
         valid = self.valid
-        self.tilt[0], self.tilt[1], valid.tilt, *left = integers
+        self.tilt[0], self.tilt[1], valid.tilt = integers[:3]
         for joint in range(JOINTS):
-            self.joints[joint] = left[joint]
-        valid.joints, self.turned[0], self.turned[1], self.turned[2], valid.turned = left[JOINTS:]
+            self.joints[joint] = integers[3 + joint]
+        valid.joints, self.turned[0], self.turned[1], self.turned[2], valid.turned = integers[3 + JOINTS :]

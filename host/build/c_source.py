@@ -8,7 +8,7 @@ because C leaves the order of evaluation open and Python does not.
 
 import ast
 
-from .rules import POINTERS, REGISTERS, aliases, hot_arity
+from .rules import MARKS, aliases, hot_arity
 from .source import Module, resolve
 
 _TYPES = {"ptr8": "uint8_t", "ptr16": "uint16_t", "ptr32": "int32_t", "reg16": "volatile uint16_t",
@@ -284,7 +284,7 @@ class FunctionWriter:
 def _calls(node: ast.AST, writer: FunctionWriter) -> int:
     """Return how many hot functions an expression calls."""
     return sum(
-        isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id not in (*POINTERS, *REGISTERS)
+        isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id not in MARKS
         and hot_arity(writer.module, n.func.id, writer.modules) is not None
         for n in ast.walk(node)
     )

@@ -8,7 +8,6 @@ from .records import Layout, Layouts
 from .source import Module, resolve
 
 WHOLE = ("array", "record", "object", "list")  # kinds that have a name of their own
-MARKS = ("ptr8", "ptr16", "ptr32", "reg16", "reg32")
 
 
 @dataclass(frozen=True)
@@ -28,12 +27,19 @@ class Value:
     raw: str = ""  # what to hand on, where ``text`` is a pointer
 
 
+def _attributes(tree: ast.Module) -> set[str]:
+    """Return the attributes that the objects of a module's classes have."""
+    return {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
+            and isinstance(node.ctx, ast.Store) and isinstance(node.value, ast.Name) and node.value.id == "self"}
+
+
 class Kinds:
     """Finds them through annotations, constructors and the attributes that classes set up; imports nothing."""
 
     def __init__(self, modules: dict[str, Module]) -> None:
         self.modules = modules
         self.layouts = Layouts(modules)
+        self.attributes = {name for module in modules.values() for name in _attributes(module.tree)}
         self._globals: dict[str, dict[str, Value]] = {}
         self._classes: dict[tuple[str, str], dict[str, Value]] = {}
 

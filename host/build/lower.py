@@ -8,9 +8,10 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
-from .kinds import MARKS, Kinds, Value
+from .kinds import Kinds, Value
 from .records import Layout, records_of
-from .rewrite import Edit, Places, apply_edits
+from .rewrite import Edit, Places, apply_edits, beside
+from .rules import MARKS
 from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
 
 
@@ -23,8 +24,7 @@ def lower(modules: dict[str, Module]) -> dict[str, Module]:
     """Return the modules with arrays in the place of records. BuildError names file, line and what is wrong."""
     kinds = Kinds(modules)
     fields = kinds.layouts.names()
-    made = {name: _lowered(module, kinds, fields) for name, module in modules.items()} if fields else modules
-    return refresh(made) if fields else modules
+    return refresh({name: _lowered(module, kinds, fields) for name, module in modules.items()})
 
 
 def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
@@ -102,14 +102,9 @@ class Lowering:
 
     def function(self, function: ast.FunctionDef, owner: tuple[str, str] | None, hot: bool) -> list[Edit]:
         """Return the edits of a function; ``owner``: the class it is a method of."""
-        given = self.kinds.parameters(self.module, function, owner)
         self.hot = hot
-        for argument in function.args.args:
-            self.names.pop(argument.arg, None)
-        self.names |= given
-        self._given = set(given)
+        given = self._enter(function, owner)
         edits: list[Edit] = []
-        self._assignments(function)
         for statement in function.body:
             edits += self._edits(statement)
         for argument in function.args.args:
@@ -129,12 +124,18 @@ class Lowering:
 
     def known(self, function: ast.FunctionDef) -> set[str]:
         """Return the parameters and local names of a hot function that are more than a number."""
-        given = self.kinds.parameters(self.module, function, None)
+        self._enter(function, None)
+        return set(self.names)
+
+    def _enter(self, function: ast.FunctionDef, owner: tuple[str, str] | None) -> set[str]:
+        """Learn what a function's parameters and local names stand for; return the parameters that are known."""
         for argument in function.args.args:
             self.names.pop(argument.arg, None)
+        given = self.kinds.parameters(self.module, function, owner)
         self.names |= given
+        self._given = set(given)
         self._assignments(function)
-        return set(self.names)
+        return self._given
 
     # what local names stand for
 
@@ -195,7 +196,7 @@ class Lowering:
             return replace(found, text=text, raw=text) if found else None
         base = self.resolve(node.value)
         if base is None:
-            if node.attr in self.fields:
+            if node.attr in self.fields and (self.hot or node.attr not in self.kinds.attributes):
                 what = ast.unparse(node.value)
                 raise self.module.error(node, f"what is {what}? .{node.attr} is a field of a record: annotate {what}")
             return None
@@ -265,7 +266,7 @@ class Lowering:
             edit = self._kept(node, node.targets[0].id)
             if edit is not None:
                 return [edit]
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS:
+        if _marked(node):
             return []  # an alias made by hand
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not self._is_module(node.func.value):
             return [edit for part in (node.func.value, *node.args, *node.keywords) for edit in self._edits(part)]
@@ -306,12 +307,7 @@ class Lowering:
     def _head(self, function: ast.FunctionDef) -> Edit:
         """Make the aliases, on a line that is there."""
         text = "; ".join(f"{alias} = ptr32({name})" for name, alias in self._heads.items())
-        first = function.body[0]
-        if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-            return Edit(self.place.end(first), 0, f"; {text}")
-        if hasattr(first, "body"):
-            raise self.module.error(first, "a hot function that begins with a block needs a docstring before it")
-        return Edit(self.place.start(first), 0, f"{text}; ", rank=-2)
+        return beside(self.module, function, text, self.place)
 
 
 def _keeps(node: ast.AST) -> bool:
@@ -320,7 +316,7 @@ def _keeps(node: ast.AST) -> bool:
     return isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(target, ast.Name)
 
 
-def _marked(node: ast.expr) -> bool:
+def _marked(node: ast.AST) -> bool:
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS
 
 

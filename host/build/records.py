@@ -98,6 +98,9 @@ class Layouts:
             of = self.find(module, inner.id) if isinstance(inner, ast.Name) else None
             if of is None:
                 raise module.error(inner, f"{ast.unparse(inner)} is not a record")
+        wanted = 1 if of else 2
+        if len(values) < wanted:
+            raise module.error(call, "a field has a unit and a meaning, a part a meaning")
         words = [value.value for value in values if isinstance(value, ast.Constant) and isinstance(value.value, str)]
         default = 0 if of or len(values) < 3 else _number(module, values[2])
         return statement.target.id, Place(at, count, of, default, "" if of else words[0], words[-1])

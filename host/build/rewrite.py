@@ -77,6 +77,16 @@ def _functions(tree: ast.Module) -> list[ast.FunctionDef]:
     return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
 
 
+def beside(module: Module, owner: ast.Module | ast.FunctionDef, text: str, place: Places) -> Edit:
+    """Put statements on a line that is there: behind the docstring, else before the first statement."""
+    first = owner.body[0]
+    if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+        return Edit(place.end(first), 0, f"; {text}")
+    if hasattr(first, "body"):
+        raise module.error(first, "a hot function that begins with a block needs a docstring before it")
+    return Edit(place.start(first), 0, f"{text}; ", rank=-2)
+
+
 def inline_constants(module: Module, function: ast.FunctionDef, place: Places) -> list[Edit]:
     """Numbers instead of names: saves a look-up in bytecode, and viper would see an object."""
     local = {a.arg for a in function.args.args}

@@ -11,7 +11,8 @@ from .source import Module, constant_value, resolve
 
 POINTERS = ("ptr8", "ptr16", "ptr32")
 REGISTERS = ("reg16", "reg32")  # pointers to a chip's registers, which change by themselves
-_BUILTINS = (*POINTERS, *REGISTERS, "int", "range")
+MARKS = (*POINTERS, *REGISTERS)
+_BUILTINS = (*MARKS, "int", "range")
 _WORD = 1 << 30
 
 _FORBIDDEN: tuple[tuple[type[ast.AST], str], ...] = (
@@ -69,7 +70,7 @@ def aliases(function: ast.FunctionDef) -> dict[str, str]:
             and isinstance(node.targets[0], ast.Name)
             and isinstance(node.value, ast.Call)
             and isinstance(node.value.func, ast.Name)
-            and node.value.func.id in (*POINTERS, *REGISTERS)
+            and node.value.func.id in MARKS
         ):
             found[node.targets[0].id] = node.value.func.id
     return found

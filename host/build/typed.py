@@ -9,7 +9,7 @@ import ast
 from .kinds import Kinds
 from .lower import Lowering, lower
 from .records import Layout, records_of
-from .rewrite import Edit, Places, apply_edits, inline_constants, strip_pointers
+from .rewrite import Edit, Places, apply_edits, beside, inline_constants, strip_pointers
 from .rules import aliases, check_hot
 from .source import Module, hot_functions, resolve
 
@@ -32,7 +32,7 @@ def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
 def _typed(module: Module, kinds: Kinds) -> bytes:
     place = Places(module.text)
     declares = "; from typing import ClassVar; from shared.record import Field" if records_of(module.tree) else ""
-    edits = [_beside(module, module.tree, _IMPORTS + declares, place)]
+    edits = [beside(module, module.tree, _IMPORTS + declares, place)]
     for declared in records_of(module.tree):
         layout = kinds.layouts.find(module, declared.name)
         assert layout is not None
@@ -46,7 +46,7 @@ def _typed(module: Module, kinds: Kinds) -> bytes:
         numbers = {name: kind for name, kind in _locals(module, function, kinds.modules).items() if name not in known}
         names = "; ".join(f"{name}: {kind}" for name, kind in numbers.items())
         if names:
-            edits.append(_beside(module, function, names, place))
+            edits.append(beside(module, function, names, place))
     return apply_edits(module.text, edits)
 
 
@@ -69,16 +69,6 @@ def _type_record(module: Module, declared: ast.ClassDef, layout: Layout, place: 
              f"    def __init__(self) -> None: {'; '.join(makes)}"]
     text = "\n".join(lines)
     return Edit(start, end - start, text + "\n" * (module.text[start:end].count(b"\n") - 2))
-
-
-def _beside(module: Module, owner: ast.Module | ast.FunctionDef, text: str, place: Places) -> Edit:
-    """Put statements on a line that is there: behind the docstring, else before the first statement."""
-    first = owner.body[0]
-    if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
-        return Edit(place.end(first), 0, f"; {text}")
-    if hasattr(first, "body"):
-        raise module.error(first, "a hot function that begins with a block needs a docstring before it")
-    return Edit(place.start(first), 0, f"{text}; ", rank=-2)
 
 
 def _unmark(function: ast.FunctionDef, place: Places) -> list[Edit]:

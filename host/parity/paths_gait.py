@@ -279,7 +279,8 @@ def gait_script(extent: Extent) -> str:
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
-        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": [place_of(Status, name) for name in WATCHED], "flags": B_FLAGS,
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": B_FLAGS,
+        "watched": [place_of(Status, name) for name in WATCHED],
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
         "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,

@@ -14,13 +14,16 @@ from .probe import Block, Probe
 
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
+MOST = zeros(SPEED_SIZE)
 SPEED = zeros(SPEED_SIZE)
 POSE = zeros(POSE_SIZE)
 
 
 def _use_gait(values, dice):
     gait: Gait = gait_of(values[0], values[1])
-    values[1] = gait.speed_max
+    for axis in range(SPEED_SIZE):
+        MOST[axis] = gait.speed_max[axis]
+    values[1] = MOST
 
 
 def _begin():

@@ -166,7 +166,7 @@ RETREAT = retreat.Retreat()
 RETREAT_ROW = Row(RETREAT)
 TOLD = Command()
 FADE = Fade()
-FADE_ROW = Row((FADE, 0), (FADE, 1), FADE.jump)
+FADE_ROW = Row(FADE)
 
 
 def _any_speed(values, dice):

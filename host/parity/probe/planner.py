@@ -11,6 +11,7 @@ from shared.command import (
 from shared.crawl import crawl_start
 from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
 from shared.params import Params
+from shared.planner import Planner
 from shared.runtime import zeros
 from shared.sensed import Sensed
 
@@ -18,7 +19,7 @@ from .draw import Range
 from .draws import BRAD, GAIT, INT30
 from .probe import Pick, Probe
 from .robots import PARAMS
-from .row import Row
+from .row import Row, clear
 
 SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
 
@@ -41,14 +42,7 @@ ANY_GAIT = Range(-1, len(GAIT_NAMES))
 USUAL = 200  # vectors of a function, for which a walk has all its ticks
 
 
-def clear(block):
-    """Make all integers of a record or an array 0."""
-    row = Row(block) if not isinstance(block, Row) else block
-    for at in range(len(row)):
-        row[at] = 0
-
-
-def restart(robot):
+def restart(robot: Planner):
     """Bring a planner back to its first tick: limp, nothing known."""
     walk = robot.walk
     own = (walk.body, walk.firm, walk.stands, robot.drive, robot.reached)
@@ -64,7 +58,10 @@ def restart(robot):
 
 def _restart_all():
     clear(COMMAND)
-    clear(SENSED_ROW)
+    clear(SENSED.tilt)
+    clear(SENSED.joints)
+    clear(SENSED.turned)
+    clear(VALID)
     for robot in ROBOTS:
         restart(robot)
 
@@ -99,7 +96,7 @@ def _any_sense(dice):
 
 def _live(values, dice):
     """Let the drawn robot live three ticks of anything; what is probed then acts on that state."""
-    robot = values[0]
+    robot: Planner = values[0]
     for _ in range(3):
         _any_wish(dice)
         _any_sense(dice)
@@ -108,8 +105,10 @@ def _live(values, dice):
 
 def _live_active(values, dice):
     _live(values, dice)
-    values[0].walk.state.active = 1
-    values[0].walk.state.sway = dice.bits(12) - 2048
+    robot: Planner = values[0]
+    trot = robot.walk.state
+    trot.active = 1
+    trot.sway = dice.bits(12) - 2048
 
 
 def _live_in(values, dice):
@@ -124,7 +123,7 @@ FEELING = (GAIT_ADAPTIVE, GAIT_CLIMB)
 class Walk(Probe):
     """A long walk: stand up, then walk with commands that change, a noisy attitude, feet out of reach."""
 
-    def __init__(self, name, robot, gait, length) -> None:
+    def __init__(self, name, robot: Planner, gait, length) -> None:
         self.robot = robot
         self.length = length
         self.gait = gait
@@ -188,7 +187,7 @@ def _part(name, function, arguments, watch, fit=_live):
 def _climbing(values, dice):
     """A crawl that has just begun, with any senses."""
     _live(values, dice)
-    robot = values[0]
+    robot: Planner = values[0]
     crawl_start(robot.climb, robot.walk.sensing, robot.joints, 0, robot.joints, 0, 0)
     robot.status.climb = 1 + dice.bits(1)
 
@@ -196,7 +195,7 @@ def _climbing(values, dice):
 def _backing_off(values, dice):
     """A trot that backs off from an edge; sometimes it has just stood long enough."""
     _live(values, dice)
-    robot = values[0]
+    robot: Planner = values[0]
     planner_climb.back_off(robot)
     COMMAND.speed[0] = dice.bits(12)
     COMMAND.speed[1] = 0
