@@ -6,7 +6,7 @@ within -2^30 .. 2^30-1 for the stated ranges, so nothing here is ever a heap obj
 MicroPython. The errors in the docstrings are worst cases, checked in tests/shared/test_fixed.py.
 """
 
-from .runtime import const, hot, ptr16
+from .runtime import const, hot
 from .tables import ATAN_BRAD18, SIN_Q16, SQRT_SEED
 
 _HALF_TURN_BRAD = const(0x8000)
@@ -44,7 +44,7 @@ def sin_q15(angle_brad: int) -> int:
     One half-turn table in Q16 with 512 intervals and linear interpolation.
     Error at most 1 LSB of Q15. Largest intermediate 64 * 65535 + 96 < 2^23.
     """
-    table = ptr16(SIN_Q16)
+    table = SIN_Q16
     index = angle_brad >> 6 & 511
     value = table[index]
     value = value * 64 + (table[index + 1] - value) * (angle_brad & 63) + 96 >> 7
@@ -61,7 +61,7 @@ def cos_q15(angle_brad: int) -> int:
 
     It is sin_q15 a quarter turn on, without its call: nearly half of a tick's sines are cosines.
     """
-    table = ptr16(SIN_Q16)
+    table = SIN_Q16
     angle_brad += _QUARTER_BRAD
     index = angle_brad >> 6 & 511
     value = table[index]
@@ -82,7 +82,7 @@ def atan2_brad18(y: int, x: int) -> int:
     the larger may keep 18 to 21 bits; then one table of arctan with linear interpolation.
     Largest intermediate: the smaller side, below 2^21, times 2^9, so below 2^30.
     """
-    table = ptr16(ATAN_BRAD18)
+    table = ATAN_BRAD18
     far = x
     if far < 0:
         far = -far
@@ -156,7 +156,7 @@ def isqrt(n: int) -> int:
     """
     if n <= 0:
         return 0
-    table = ptr16(SQRT_SEED)
+    table = SQRT_SEED
     scaled = n
     shift = 0
     if scaled < 0x4000000:

@@ -8,7 +8,7 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
-from .kinds import Kinds, Value
+from .kinds import WHOLE, Kinds, Value
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside
 from .rules import MARKS
@@ -122,10 +122,10 @@ class Lowering:
         arrow = self.module.text.rindex(b"->", 0, self.place.start(returns))
         return Edit(arrow - 1, self.place.end(returns) - arrow + 1, "")
 
-    def known(self, function: ast.FunctionDef) -> set[str]:
-        """Return the parameters and local names of a hot function that are more than a number."""
+    def known(self, function: ast.FunctionDef) -> dict[str, Value]:
+        """Return what the parameters and local names of a hot function that are more than a number stand for."""
         self._enter(function, None)
-        return set(self.names)
+        return self.names
 
     def _enter(self, function: ast.FunctionDef, owner: tuple[str, str] | None) -> set[str]:
         """Learn what a function's parameters and local names stand for; return the parameters that are known."""
@@ -167,11 +167,11 @@ class Lowering:
             return self.kinds.made(self.module, node, name, self.resolve) if made else None
         if found.kind in ("within", "run"):
             return replace(found, at=name)
-        if self.hot and found.kind in ("record", "array"):
+        if self.hot and found.kind in ("record", "array", "table"):
             return replace(found, text=name, raw=found.raw)
         if self.hot and found.kind == "object":
             return found
-        if found.kind in ("record", "array", "object", "list"):
+        if found.kind in WHOLE:
             return replace(found, text=name, raw=name)
         return None
 
@@ -224,7 +224,7 @@ class Lowering:
             size = base.layout.size if base.layout else 1
             at = _sum(base.at, self._times(node.slice, size))
             return Value("within" if base.layout else "number", base.text, base.layout, at, raw=base.raw)
-        if base.kind == "array":
+        if base.kind in ("array", "table"):
             if not self.hot:
                 return None  # an array's element needs no change
             return Value("number", self._root(base, node), at=self._text(node.slice))
@@ -287,8 +287,8 @@ class Lowering:
         start, size = self.place.start(node.value), self.place.end(node.value) - self.place.start(node.value)
         if found.kind in ("within", "run"):
             return Edit(start, size, found.at)
-        if self.hot and found.kind in ("record", "array"):
-            return Edit(start, size, f"ptr32({found.raw})")
+        if self.hot and found.kind in ("record", "array", "table"):
+            return Edit(start, size, f"{'ptr16' if found.kind == 'table' else 'ptr32'}({found.raw})")
         if self.hot and found.kind == "object":
             return Edit(self.place.start(node), self.place.end(node) - self.place.start(node), "pass")
         return None

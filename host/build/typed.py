@@ -43,8 +43,9 @@ def _typed(module: Module, kinds: Kinds) -> bytes:
         edits += _unmark(function, place)
         edits += _type_signature(function, place)
         known = Lowering(module, kinds, set(), place).known(function)
-        numbers = {name: kind for name, kind in _locals(module, function, kinds.modules).items() if name not in known}
-        names = "; ".join(f"{name}: {kind}" for name, kind in numbers.items())
+        local = _locals(module, function, kinds.modules)
+        local |= {name: _TABLE for name in local if name in known and known[name].kind == "table"}
+        names = "; ".join(f"{name}: {kind}" for name, kind in local.items() if name not in known or kind == _TABLE)
         if names:
             edits.append(beside(module, function, names, place))
     return apply_edits(module.text, edits)
