@@ -17,6 +17,7 @@ Names = Annotated[list[str] | None, typer.Option("--runtime", help="Only this ru
 Port = Annotated[str | None, typer.Option(help="Serial port of a real board, e.g. /dev/ttyACM0.")]
 Vectors = Annotated[int, typer.Option(min=8, help="Vectors of a function; 200 also means walks of 5000 ticks.")]
 Coverage = Annotated[bool, typer.Option("--coverage", help="Also report which statements ran, in a traced VM.")]
+Memory = Annotated[bool, typer.Option("--memory", help="Print instead each function's largest value and heap.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
@@ -30,6 +31,7 @@ def parity(
     port: Port = None,
     vectors: Vectors = 200,
     coverage: Coverage = False,
+    memory: Memory = False,
     as_json: Json = False,
 ) -> int:
     """Run the same vectors in CPython and in every MicroPython here, and compare the digests.
@@ -50,6 +52,8 @@ def parity(
     from ..parity.sources import gather
     from ..progress import cases
 
+    if memory:
+        return show_memory(as_json)
     chosen = choose(runtime, port)
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("parity") as tell:
         work = Path(folder)
@@ -66,6 +70,29 @@ def parity(
     else:
         _print(reports, broken, covered)
     return NOT_ACHIEVED if broken or (covered is not None and not covered.enough) else 0
+
+
+def show_memory(as_json: bool) -> int:
+    """Print what each function takes from the heap and its largest intermediate; 1 if any keeps a byte."""
+    import tempfile
+    from dataclasses import asdict
+    from pathlib import Path
+
+    from rich.table import Table
+
+    from ..parity.sources import gather
+    from ..parity.table import measure_rows
+
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, screen().status("every function in two VMs"):
+        rows = measure_rows(gather(Path(folder)), Path(folder))
+    if as_json:
+        write_json({"functions": [asdict(row) for row in rows]})
+    else:
+        table = Table("function", "bits", "frame in bytecode", "kept", "as viper", box=None, pad_edge=False)
+        for row in rows:
+            table.add_row(row.name, *map(str, (row.bits, row.frame, row.kept, row.viper)))
+        screen().print(table)
+    return NOT_ACHIEVED if any(row.kept or row.viper for row in rows) else 0
 
 
 def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":

@@ -1,17 +1,13 @@
-"""The table in docs/core.md is what the VMs say today."""
+"""`caramelo parity --memory`: a row for every function of a tick, and none keeps a byte."""
 
-from host.parity.table import PAGE, on_page, put_on_page, table_of
+from host.parity.table import rows_of
 
 from ..marks import NEEDS_UNIX
 
 
-def test_a_table_is_put_on_the_page_and_found_there_again():
-    page = PAGE.read_text()
-    assert on_page(put_on_page(page, "another\n")) == "another\n"
-    assert put_on_page(put_on_page(page, "another\n"), on_page(page)) == page
-
-
 @NEEDS_UNIX
-def test_the_table_is_up_to_date(largest, bound, bytecode, viper):
-    table = table_of(largest, bound, bytecode, viper)
-    assert on_page(PAGE.read_text()) == table, "python -m host.parity.table writes it"
+def test_every_function_of_a_tick_has_a_row_and_keeps_nothing(largest, bound, bytecode, viper):
+    rows = rows_of(largest, bound, bytecode, viper)
+    assert {row.name for row in rows} == {name for name in largest if bound[name].ticks}
+    assert [row for row in rows if row.kept or row.viper] == []
+    assert all(row.bits <= 30 for row in rows)
