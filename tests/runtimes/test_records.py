@@ -12,6 +12,7 @@ from host.build.typed import typed_modules
 from shared.params import LEGS, Params
 from shared.pid import Pid
 from shared.record import copy, pack, unpack
+from shared.sensed import Sensed
 
 HEAD = '''"""One."""
 
@@ -178,6 +179,14 @@ def test_integers_go_in_and_out_in_the_order_of_the_declaration():
     copy(params, other)
     params.legs[2].rest[1] = -5
     assert pack(other) == integers
+
+
+def test_what_is_sensed_goes_in_and_out_in_the_order_of_a_recording():
+    sensed, integers = Sensed(), list(range(20))
+    sensed.unpack(integers)
+    assert sensed.pack() == integers
+    assert (sensed.tilt, sensed.joints, sensed.turned) == ([0, 1], integers[3:15], [16, 17, 18])
+    assert (sensed.valid.tilt, sensed.valid.joints, sensed.valid.turned) == (2, 15, 19)
 
 
 def test_a_wrong_number_of_integers_is_refused():
