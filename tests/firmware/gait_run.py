@@ -4,6 +4,7 @@ from firmware.gait import B_FLAGS, GaitBoard
 from firmware.gait_main import BLOCK_BYTES, take_block
 from firmware.link import crc16
 from firmware.mpu6050 import Mpu6050
+from shared.record import pack
 
 
 class I2c:
@@ -56,4 +57,4 @@ def run(params, attitude, blocks, lock, unlock):
         states |= 1 << board.planner.status.state
         faults |= 1 << (board.status[B_FLAGS] >> 20)
         unlock()
-    return [stream.sent, stream.digest, states, faults, list(board.status), list(board.reader), list(board.command)]
+    return [stream.sent, stream.digest, states, faults, list(board.status), list(board.reader), pack(board.command)]

@@ -29,7 +29,7 @@ def start_gait_vm(work, robot, bufsize=-1):
     copy_modules(sources, "firmware.gait_main")
     script = (
         "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
-        f"run_piped(array('i', {pack(core_params(robot))}), array('i', {list(attitude_block(robot))}))\n"
+        f"run_piped(array('i', {pack(core_params(robot))}), array('i', {pack(attitude_block(robot))}))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-m", "micropython_unix", "-c", script],

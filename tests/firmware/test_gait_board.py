@@ -16,16 +16,10 @@ from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
 from shared.attitude import ALIGNING, attitude_step
-from shared.command import COMMAND_SIZE, MODE_WALK
+from shared.command import COMMAND_SIZE, MODE_WALK, Command
 from shared.planner import Planner
-from shared.planner_layout import (
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
-    SENSED_SIZE,
-)
+from shared.record import pack
+from shared.sensed import Sensed
 from sim2d import terrain
 from sim2d.run import simulate
 
@@ -36,11 +30,10 @@ LEVEL = [0, 0, 0, 0, 0, 16384]
 
 
 def walk_command():
-    block = array("i", [0] * COMMAND_SIZE)
-    block.mode = MODE_WALK
-    block.speed[0] = scale_of(ROBOT).lf_per_tick(0.05)
-    block.balance = 1
-    return block
+    command = Command()
+    command.mode, command.balance = MODE_WALK, 1
+    command.speed[0] = scale_of(ROBOT).lf_per_tick(0.05)
+    return command
 
 
 class Loop:
@@ -146,9 +139,9 @@ def test_broken_frames_are_counted_and_not_obeyed(loop):
     ("kind", "values", "size"), [(link.COMMAND, [MODE_WALK] * (COMMAND_SIZE - 1), 4), (link.SENSED, [1] * 13, 2)]
 )
 def test_a_payload_of_another_length_is_not_taken(loop, kind, values, size):
-    before = list(loop.board.command), list(loop.board.sensed)
+    before = pack(loop.board.command), loop.board.sensed.pack()
     loop.write(frame(kind, values, size))
-    assert (list(loop.board.command), list(loop.board.sensed)) == before
+    assert (pack(loop.board.command), loop.board.sensed.pack()) == before
     assert loop.board.reader[link.R_BROKEN] == 1
 
 
@@ -162,8 +155,8 @@ class VirtualBoard:
         self.read, self.write, self.flush = process.stdout.read, process.stdin.write, process.stdin.flush
         self.link = GaitBoardLink(self)
         self.planner, self.attitude = Planner(core_params(ROBOT)), attitude_block(ROBOT)
-        self.sensed = array("i", [0] * SENSED_SIZE)
-        self.sensed[S_JOINTS_OK] = 1
+        self.sensed = Sensed()
+        self.sensed.valid.joints = 1
         self.compared = 0
 
     def tick(self, sensed):
@@ -183,10 +176,9 @@ class VirtualBoard:
 
     def _host(self, counts, joints):
         aligning = attitude_step(self.attitude, array("i", counts)) & ALIGNING
-        self.sensed[S_ATTITUDE_OK] = 0 if aligning else 1
-        self.sensed[S_ROLL], self.sensed[S_PITCH] = self.attitude.roll, self.attitude.pitch
-        for i, angle in enumerate(joints):
-            self.sensed[S_JOINTS + i] = angle
+        self.sensed.valid.tilt = 0 if aligning else 1
+        self.sensed.tilt[:] = self.attitude.roll, self.attitude.pitch
+        self.sensed.joints[:] = joints
         self.planner.tick(walk_command(), self.sensed)
         return list(self.planner.joints)
 

@@ -2,7 +2,6 @@
 
 import random
 import shutil
-from array import array
 from pathlib import Path
 
 import pytest
@@ -27,16 +26,17 @@ ROBOT = load_robot("caramelo")
 TICKS = 1000
 SCRIPT = """
 import json, micropython
-from array import array
 from data import ATTITUDE, BLOCKS, PARAMS
 from gait_run import gait_run
+from shared.attitude import Attitude
 from shared.params import Params
 from shared.record import unpack
 %s
-made = Params()
-unpack(made, PARAMS)
+params, attitude = Params(), Attitude()
+unpack(params, PARAMS)
+unpack(attitude, ATTITUDE)
 figures = gait_run.run(
-    made, array("i", ATTITUDE), BLOCKS, micropython.heap_lock, micropython.heap_unlock)
+    params, attitude, BLOCKS, micropython.heap_lock, micropython.heap_unlock)
 print("@@" + json.dumps({"figures": figures}))
 """
 PLANTED = """
@@ -56,7 +56,7 @@ def blocks():
     limp.mode = 0
     stream, found = b"", []
     for tick in range(TICKS):
-        stream += frame(link.COMMAND, limp if tick < 3 else walk_command(), 4)[: noise.choice((99, 99, 99, 30))]
+        stream += frame(link.COMMAND, pack(limp if tick < 3 else walk_command()), 4)[: noise.choice((99, 99, 99, 30))]
         stream += noise.choice((b"", b"", b"\xca", b"\xca\x5e\x01\x02", noise.randbytes(5)))
         stream += noise.choice((b"", frame(link.READ, (tick & 255,))))
         stream += frame(link.SENSED, rest, 2) if tick % 3 == 0 else b""
@@ -70,7 +70,7 @@ def blocks():
 
 @pytest.fixture(scope="module")
 def reference():
-    return run(core_params(ROBOT), array("i", attitude_block(ROBOT)), blocks(), int, int)
+    return run(core_params(ROBOT), attitude_block(ROBOT), blocks(), int, int)
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def sources(tmp_path_factory):
     (folder / "gait_run" / "__init__.py").write_text("")
     shutil.copy(Path(__file__).with_name("gait_run.py"), folder / "gait_run" / "gait_run.py")
     (folder / "data").mkdir()
-    params, attitude = pack(core_params(ROBOT)), list(attitude_block(ROBOT))
+    params, attitude = pack(core_params(ROBOT)), pack(attitude_block(ROBOT))
     (folder / "data" / "__init__.py").write_text(f"PARAMS = {params}\nATTITUDE = {attitude}\nBLOCKS = {blocks()}\n")
     return folder
 

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from firmware import gait, link
 from host.gait_frames import FrameReader, frame
+from shared.planner_layout import Status
+from shared.record import pack, unpack
 
 NOISE = random.Random(7)
 
@@ -135,14 +137,15 @@ def test_the_boards_frames_are_the_firsts():
         joints = [NOISE.randrange(-32768, 32768) for _ in range(12)]
         numbers[gait.B_TICKS], numbers[gait.B_FLAGS] = NOISE.randrange(1 << 30), NOISE.randrange(1 << 24)
         numbers[gait.B_QUESTION] = NOISE.randrange(256)
-        planned = [NOISE.randrange(256) for _ in range(14)]
+        planned = Status()
+        unpack(planned, [NOISE.randrange(256) for _ in pack(planned)])
         setpoints, reading = bytearray(gait.SETPOINTS_BYTES), bytearray(gait.READING_BYTES)
         gait.write_setpoints(setpoints, numbers, planned, joints)
         writer = FirstWriter(link.SETPOINTS)
         writer.put(numbers[gait.B_TICKS], 4)
         writer.put(numbers[gait.B_FLAGS], 4)
-        writer.put(planned[0], 1)
-        writer.put(planned[1], 1)
+        writer.put(planned.state, 1)
+        writer.put(planned.gait, 1)
         for angle in joints:
             writer.put(angle, 2)
         assert setpoints == writer.close()

@@ -1,6 +1,6 @@
 """The crawl's machine in floats: which stage follows which, when, and where body and foot are to go.
 
-Lengths in m, angles in rad, times in ticks and speeds per tick, forces as parts of the own weight. Sensing FR, FL, RR,
+Lengths in m, angles in rad, times in ticks and speeds per tick, forces as parts of the own weight. Legs FR, FL, RR,
 RL. What is felt comes as an object: seen (4 places of the map), force and load (4), body (the measured pose),
 length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (commanded in this tick).
 """

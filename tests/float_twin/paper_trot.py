@@ -1,7 +1,7 @@
 """Paper A's own walk in plain floats: discontinuous trot, cycloid swing with its re-timing, balance optional.
 
 Four phases of T = 0.5 s at 50 Hz: the body moves half a stride, FR + RL swing, the body moves half a stride,
-FL + RR swing. Body moves and swings are both cycloids, eqs 11-14; stride = speed x 4 T. Sensing FR, FL, RR, RL;
+FL + RR swing. Body moves and swings are both cycloids, eqs 11-14; stride = speed x 4 T. Legs FR, FL, RR, RL;
 x forward, z up, angles about +y. The hips stay at 0: this is the robot's sagittal plane.
 """
 

@@ -12,6 +12,7 @@ from host.build.typed import typed_modules
 from shared.params import LEGS, Params
 from shared.pid import Pid
 from shared.record import copy, pack, unpack
+from shared.sensed import Sensed
 
 HEAD = '''"""One."""
 
@@ -94,6 +95,40 @@ def test_ordinary_functions_read_the_same_places(tmp_path):
     assert made.endswith("    leg = 13\n    holder.robot[leg] = 7\n    return holder.robot[leg + 2]\n")
 
 
+LOWERINGS = {  # beside HOT: what is written, and what becomes of it
+    "an array's pointer stands behind the docstring": (
+        '@hot\ndef g(feet: Ints, leg: int) -> int:\n    """Do."""\n    feet[leg] += 1\n    return g(feet, feet[leg])\n',
+        '@hot\ndef g(feet, leg: int) -> int:\n    """Do."""; _feet = ptr32(feet)\n    _feet[leg] += 1\n'
+        "    return g(feet, _feet[leg])\n",
+    ),
+    "or before the first statement": (
+        "@hot\ndef g(feet: Ints) -> int:\n    feet[0] += 1\n    return 0\n",
+        "@hot\ndef g(feet) -> int:\n    _feet = ptr32(feet); _feet[0] += 1\n    return 0\n",
+    ),
+    "an array that is only handed on has none": (
+        "@hot\ndef g(feet: Ints) -> int:\n    return g(feet)\n", "@hot\ndef g(feet) -> int:\n    return g(feet)\n",
+    ),
+    "nor has one in an ordinary function": (
+        "def g(feet: Ints, leg: int):\n    return feet[leg]\n", "def g(feet, leg: int):\n    return feet[leg]\n",
+    ),
+    "a method named like a field is no field": (
+        "def g(stick, robot: Robot):\n    return stick.length(robot.rate_hz) + robot.arm.length\n",
+        "def g(stick, robot):\n    return stick.length(robot[0]) + robot[17]\n",
+    ),
+    "an ordinary function's result has no annotation": (
+        "def g(robot: Robot) -> Ints:\n    return zeros(robot.rate_hz)\n",
+        "def g(robot):\n    return zeros(robot[0])\n",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "made"), LOWERINGS.values(), ids=LOWERINGS)
+def test_what_becomes_of_a_function(tmp_path, text, made):
+    found = lower(modules(tmp_path, text))["shared.one"].text.decode()
+    assert found.endswith("\n\n" + made)
+    assert found.count("\n") == (HEAD + text).count("\n")
+
+
 def test_mypyc_gets_a_class(tmp_path):
     found = typed_modules(modules(tmp_path, HOT))["shared.one"].decode()
     assert "length: int; rest: list[int]" in found
@@ -109,6 +144,8 @@ def test_mypyc_gets_a_class(tmp_path):
         ("robot: Robot, feet", "robot, feet", r"what is robot\? .legs is a field of a record: annotate robot"),
         ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:42: limb is a part of a block"),
         ("mine.rate_hz", "holder.robot.rate_hz", r"shared/one.py:41: holder.robot is read through a name"),
+        ("out[leg] = feet", "holder.feet[leg] = feet", r"shared/one.py:41: holder.feet is read through a name"),
+        ('    """Do."""\n', "    if leg:\n        leg = 1\n", "36: a hot function that begins with a block"),
         ("    mine = holder.robot\n", "    mine = holder.robot\n    mine = robot\n", r"one name for one record"),
     ],
 )
@@ -142,6 +179,14 @@ def test_integers_go_in_and_out_in_the_order_of_the_declaration():
     copy(params, other)
     params.legs[2].rest[1] = -5
     assert pack(other) == integers
+
+
+def test_what_is_sensed_goes_in_and_out_in_the_order_of_a_recording():
+    sensed, integers = Sensed(), list(range(20))
+    sensed.unpack(integers)
+    assert sensed.pack() == integers
+    assert (sensed.tilt, sensed.joints, sensed.turned) == ([0, 1], integers[3:15], [16, 17, 18])
+    assert (sensed.valid.tilt, sensed.valid.joints, sensed.valid.turned) == (2, 15, 19)
 
 
 def test_a_wrong_number_of_integers_is_refused():

@@ -18,6 +18,11 @@ def integers(low, high):
     return st.one_of(st.integers(low, high), st.sampled_from(inside))
 
 
+def any_word(dice):
+    """Return any 30-bit word, of any size."""
+    return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+
+
 def median(values):
     """Return the middle one of the sorted values."""
     return sorted(values)[len(values) // 2]

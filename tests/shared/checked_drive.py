@@ -9,7 +9,6 @@ import random
 import sys
 
 from host.parity import checked
-from shared.attitude import Attitude
 
 
 def word(dice):
@@ -17,46 +16,44 @@ def word(dice):
     return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
 
 
-def fill(made, values):
-    for at, value in enumerate(values):
-        made[at] = value
-    return made
-
-
-def drive_planner(array, params, ticks, dice):
+def drive_planner(params, ticks, dice):
     """Any words in command and senses, with modes that lead through all states."""
-    from shared.command import COMMAND_SIZE
+    from shared.command import Command
     from shared.params import Params
     from shared.planner import Planner
-    from shared.planner_layout import SENSED_SIZE
-    from shared.record import unpack
+    from shared.record import pack, unpack
+    from shared.sensed import Sensed
 
     robot = Params()
     unpack(robot, params)
     planner = Planner(robot)
-    command, sensed = array("i", [0] * COMMAND_SIZE), array("i", [0] * SENSED_SIZE)
+    command, sensed = Command(), Sensed()
     for tick in range(ticks):
         if tick % 4 == 0:
-            fill(command, [word(dice) if dice.randrange(3) == 0 else value for value in command])
-            fill(sensed, [word(dice) if dice.randrange(9) == 0 else value for value in sensed])
-            command.mode = dice.choice((0, 1, 2, 2, 2, 2, 2, 2, 3, word(dice)))
+            unpack(command, [word(dice) if dice.randrange(3) == 0 else value for value in pack(command)])
+            sensed.unpack([checked.check(word(dice)) if dice.randrange(9) == 0 else value for value in sensed.pack()])
+            command.mode = checked.check(dice.choice((0, 1, 2, 2, 2, 2, 2, 2, 3, word(dice))))
         checked.check(planner.tick(command, sensed))
 
 
-def drive_attitude(array, block: Attitude, ticks, dice):
+def drive_attitude(array, block, ticks, dice):
     """Any readings, half of them at the ends of int16; every trust and tolerance."""
-    from shared.attitude import attitude_step
+    from shared.attitude import Attitude, attitude_step
+    from shared.record import unpack
 
     ends = (-32768, -32767, -1, 0, 1, 16384, 32767)
     for trust in (0, 700, 32767):
-        made = fill(array("i", [0] * len(block)), block)
-        made.trust_q15, made.tolerance, made.align_ticks = trust, 32767, 3
-        made.gyro_q30 = 0x1FFFF if trust else block.gyro_q30
+        made = Attitude()
+        unpack(made, block)
+        made.trust_q15, made.tolerance, made.align_ticks = map(checked.check, (trust, 32767, 3))
+        if trust:
+            made.gyro_q30 = checked.check(0x1FFFF)
         reading = array("i", [0] * 6)
         for tick in range(ticks):
             wild = tick > 3
             values = [dice.choice(ends) if dice.randrange(2) else dice.randint(-32768, 32767) for _ in range(6)]
-            fill(reading, values if wild else (0, 0, 0, 0, 0, 16384))
+            for at, value in enumerate(values if wild else (0, 0, 0, 0, 0, 16384)):
+                reading[at] = value
             checked.check(attitude_step(made, reading))
 
 
@@ -79,7 +76,7 @@ def main():
 
     dice = random.Random(5)
     for params in asked["params"]:
-        drive_planner(array, params, asked["ticks"], dice)
+        drive_planner(params, asked["ticks"], dice)
     for block in asked["attitudes"]:
         drive_attitude(array, block, asked["ticks"], dice)
     drive_pid(asked["ticks"], dice)

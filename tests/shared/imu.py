@@ -5,7 +5,6 @@ from array import array
 
 from host.robot_file import load_robot
 from host.scale import attitude_block
-from shared import attitude as a
 from shared.attitude import Attitude
 from tests.float_twin import attitude as twin
 
@@ -14,10 +13,10 @@ ONE_G = 16384
 
 
 def block(rate_hz=50, **settings):
-    """Return the integer filter of Caramelo at a rate, with other settings where given by index name."""
+    """Return the integer filter of Caramelo at a rate, with other settings where given by name."""
     made = attitude_block(load_robot("caramelo"), rate_hz)
     for name, value in settings.items():
-        made[getattr(a, name)] = value
+        setattr(made, name, value)
     return made
 
 

@@ -10,10 +10,11 @@ from shared import adaptive, ground, navigate, sensing, sway, tipping
 from shared import command as c
 from shared import planner_layout as n
 from shared import steps as s
-from shared.gait import G_ROWS, ROW_ADVANCE_Q4, ROW_SIZE, ROW_TICKS, compile_gait
+from shared.gait import compile_gait
 from shared.gaits import GAIT_ADAPTIVE, GAITS
+from shared.navigate import Navigation
 from shared.params import Params
-from shared.record import copy
+from shared.record import copy, pack, unpack
 from tests.float_twin import adaptive as twin
 
 from .robots import block, rad
@@ -26,8 +27,14 @@ LF_M = UNIT_M / 256
 YAW = 2.0**-18
 
 
+def holding(made, *values):
+    """Return a record with these values in it."""
+    unpack(made, values)
+    return made
+
+
 def test_errors_to_the_reference_add_up_and_turn_with_the_robot():
-    dice, nav, exact = random.Random(1), array("i", [0] * 3), (0.0, 0.0, 0.0)
+    dice, nav, exact = random.Random(1), Navigation(), (0.0, 0.0, 0.0)
     for _ in range(3000):
         speed = array("i", [dice.randint(-60000, 60000), dice.randint(-30000, 30000), dice.randint(-2000, 2000)])
         moved, turned = (dice.randint(-60000, 60000), dice.randint(-30000, 30000)), dice.randint(-2500, 2500)
@@ -35,26 +42,26 @@ def test_errors_to_the_reference_add_up_and_turn_with_the_robot():
         told = speed[0] * LF_M, speed[1] * LF_M, speed[2] * YAW
         exact = twin.follow(exact, told, [v * LF_M for v in moved], turned * YAW, LEG_M / 6)
         exact = tuple(exact)
-        assert [v * LF_M for v in nav[:2]] == pytest.approx(exact[:2], abs=1.5e-3)
-        assert nav[2] * YAW == pytest.approx(exact[2], abs=1e-3)
-        exact = nav[0] * LF_M, nav[1] * LF_M, nav[2] * YAW
+        assert [v * LF_M for v in (nav.x, nav.y)] == pytest.approx(exact[:2], abs=1.5e-3)
+        assert nav.yaw * YAW == pytest.approx(exact[2], abs=1e-3)
+        exact = nav.x * LF_M, nav.y * LF_M, nav.yaw * YAW
 
 
 def test_without_yaw_the_heading_is_not_held():
-    nav = array("i", [0, 0, 5000])
+    nav = holding(Navigation(), 0, 0, 5000)
     navigate.follow_reference(PARAMS, array("i", [0, 0, 2000]), 0, 0, 900, 0, nav)
-    assert nav[2] == 0
+    assert nav.yaw == 0
 
 
 def test_corrections_are_small_shares_of_the_speed_and_sway_is_no_error():
     drive, speed = array("i", [0] * 3), array("i", [30000, 0, 0])
-    navigate.hold(PARAMS, speed, 0, array("i", [1 << 20, 1 << 21, 90000]), drive)
+    navigate.hold(PARAMS, speed, 0, holding(Navigation(), 1 << 20, 1 << 21, 90000), drive)
     assert drive[0] == 36000
     assert drive[1] == PARAMS.speed_max[1] * 2 // 5
     assert 0 < drive[2] <= PARAMS.speed_max[2] * 3 // 4
-    navigate.hold(PARAMS, speed, 1000, array("i", [0, -256000, 0]), drive)
+    navigate.hold(PARAMS, speed, 1000, holding(Navigation(), 0, -256000, 0), drive)
     assert list(drive) == [30000, 0, 0]
-    navigate.hold(PARAMS, array("i", [0, 0, 0]), 0, array("i", [256 << 8, 0, 0]), drive)
+    navigate.hold(PARAMS, array("i", [0, 0, 0]), 0, holding(Navigation(), 256 << 8, 0, 0), drive)
     assert drive[0] == pytest.approx(0.5 * (256 << 8) / 50, abs=20)
 
 
@@ -89,18 +96,18 @@ def test_tipping_moves_the_centre_of_mass_against_it():
         for _ in range(100):
             feet = array("i", [15000, -15000, 0, 15000, 15000, 0, -15000, -15000, 0, -15000, 15000, 0])
             turned = [dice.randint(-4000, 4000) for _ in range(2)]
-            tip = array("i", [0, 0, 0, 0, 8])
+            tip = holding(tipping.Tipping(), 0, 0, 0, 0, 8)
             tipping.tip_add(tip, *turned)
             exact = twin.tip_forward(feet[3 * one : 3 * one + 2], feet[9 - 3 * one : 11 - 3 * one], turned)
             exact = twin.clip(exact, math.radians(1.5) / YAW)
             assert abs(tipping.tip_learn(PARAMS, feet, one, 3 - one, tip) - exact) <= 3
             step = exact * YAW * LEG_M / 10 / LF_M
             side = 1 if one == 0 else -1
-            assert list(tip) == pytest.approx([0, 0, step, side * step, 8], rel=2e-3, abs=5)
+            assert pack(tip) == pytest.approx([0, 0, step, side * step, 8], rel=2e-3, abs=5)
 
 
 def test_the_first_swings_teach_four_times_as_much():
-    feet, tip, steps = array("i", [15000, -15000, 0] + [0] * 6 + [-15000, 15000, 0]), array("i", [0] * 5), []
+    feet, tip, steps = array("i", [15000, -15000, 0] + [0] * 6 + [-15000, 15000, 0]), tipping.Tipping(), []
     for _ in range(10):
         before = tip.com_x
         tipping.tip_add(tip, 0, 4000)
@@ -109,14 +116,14 @@ def test_the_first_swings_teach_four_times_as_much():
     assert steps[:8] == [steps[0]] * 8
     assert steps[0] == pytest.approx(4 * steps[9], abs=4)
     tipping.tip_reset(tip, 1)
-    assert list(tip) == [0] * 5
+    assert pack(tip) == [0] * 5
 
 
 def test_twist_is_the_fourth_way_that_tilt_and_height_do_not_see():
-    dice, state = random.Random(4), array("i", [0] * sensing.SENSING_SIZE)
+    dice, state = random.Random(4), sensing.Sensing()
     for _ in range(300):
         feet = [[dice.randint(-20000, 20000) for _ in range(3)] for _ in range(4)]
-        state[:12] = array("i", [v for foot in feet for v in foot])
+        state.level[:] = [v for foot in feet for v in foot]
         roll, pitch = dice.randint(-4000, 4000), dice.randint(-4000, 4000)
         assert abs(ground.twist(state, roll, pitch) - twin.twist(feet, rad(roll), rad(pitch))) <= 8
     believed = 0
@@ -129,14 +136,14 @@ def test_twist_is_the_fourth_way_that_tilt_and_height_do_not_see():
 
 
 def test_footholds_go_to_the_twisted_ground_and_swings_aim_there():
-    steps = array("i", [0] * s.STEPS_SIZE)
+    steps = s.Steps()
     s.steps_reset(PARAMS, steps)
-    rest = steps[s.STEP_Z]
-    steps[s.STEP_SIZE + s.STEP_TICKS] = 5
+    rest = steps.legs[0].z
+    steps.legs[1].ticks = 5
     for _ in range(50):
         ground.press_feet(PARAMS, steps, 700)
-    assert [steps[leg * s.STEP_SIZE + s.STEP_Z] - rest for leg in range(4)] == [700, 0, -700, 700]
-    assert [steps[leg * s.STEP_SIZE + s.STEP_TO_Z] - rest for leg in range(4)] == [700, -700, -700, 700]
+    assert [leg.z - rest for leg in steps.legs] == [700, 0, -700, 700]
+    assert [leg.to_z - rest for leg in steps.legs] == [700, -700, -700, 700]
 
 
 @pytest.mark.parametrize(("tilt_deg", "behind_m", "speed_m_s"), [(0, 0, 0), (3, 0, 0.05), (9, 0, 0), (0, 0.02, 0.05)])
@@ -167,11 +174,10 @@ def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle
         share = max(0.0, min(1.0, 2 * part - 1))
         body = params.body_slow + (params.body_fast - params.body_slow) * share
         swing = params.swing_slow + (params.swing_fast - params.swing_slow) * share
-        rows = range(G_ROWS, G_ROWS + 4 * ROW_SIZE, ROW_SIZE)
-        ticks = [gait[row + ROW_TICKS] for row in rows]
+        ticks = [row.ticks for row in gait.rows[:4]]
         assert ticks == pytest.approx([body, swing, body, swing], abs=0.51)
         assert gait.cycle == 2 * half == sum(ticks)
-        assert sum(gait[row + ROW_ADVANCE_Q4] for row in rows) == 16 * sum(ticks)
+        assert sum(row.advance_q4 for row in gait.rows[:4]) == 16 * sum(ticks)
         assert gait.stance_q10[0] == 1024 * sum(ticks) - 512 * ticks[1]
 
 
@@ -199,7 +205,7 @@ def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
     state, load = stander.planner.walk.state, stander.planner.walk.load
     assert state.ahead == PARAMS.body_forward
     assert state.raised == PARAMS.body_raise
-    assert sum(load[4:8]) == pytest.approx(state.weight_q12, abs=8)
+    assert sum(load.force_q12) == pytest.approx(state.weight_q12, abs=8)
     assert stander.planner.status.margin * UNIT_M > 0.05
 
 
@@ -226,8 +232,7 @@ def test_it_walks_stops_and_sits_with_every_knee(name, knees):
 def test_blind_it_walks_on_expectations_and_says_so():
     walker = Walker()
     walker.walk("adaptive")
-    walker.sensed[n.S_JOINTS_OK] = 0
-    walker.sensed[n.S_ATTITUDE_OK] = 0
+    walker.sensed.valid.joints = walker.sensed.valid.tilt = 0
     assert walker.ticks(200) & (n.BLIND | n.NO_ATTITUDE)
     assert walker.state == n.WALKING
     assert list(walker.planner.drive) == list(walker.planner.speed)
@@ -253,8 +258,8 @@ def test_leaving_for_another_gait_gives_back_its_stance():
     walker.gait("trot")
     walker.ticks(300)
     state = walker.planner.walk.state
-    assert [state[at] for at in (adaptive.W_AHEAD, adaptive.W_RAISED, adaptive.W_SWAY, adaptive.W_ACTIVE)] == [0] * 4
-    assert max(walker.planner.walk.load[4:8]) == 0
+    assert [state.ahead, state.raised, state.sway, state.active] == [0] * 4
+    assert max(walker.planner.walk.load.force_q12) == 0
 
 
 @pytest.mark.parametrize("gait", ["trot", "adaptive"])
@@ -262,7 +267,7 @@ def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
     walker = Walker()
     walker.walk(gait)
     walker.ticks(60)
-    walker.sensed[n.S_ROLL] = round(math.radians(45) / rad(1))
+    walker.sensed.tilt[0] = round(math.radians(45) / rad(1))
     limit = PARAMS.tilt_ticks
     assert walker.ticks(limit + 1) & n.FALLEN == 0  # one more: a tilt so sudden is believed the second time
     assert walker.ticks(1) & n.FALLEN
@@ -270,7 +275,7 @@ def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
     walker.until(n.SEATED)
     assert walker.ticks(20) & n.FALLEN
     assert walker.state == n.SEATED
-    walker.sensed[n.S_ROLL] = 0
+    walker.sensed.tilt[0] = 0
     walker.mode(c.MODE_SIT)
     assert walker.ticks(1) & n.FALLEN == 0
     walker.stand()
@@ -281,8 +286,8 @@ def test_a_jolt_is_no_fall():
     walker.walk("adaptive")
     walker.ticks(60)
     for _ in range(10):
-        walker.sensed[n.S_PITCH] = round(math.radians(45) / rad(1))
+        walker.sensed.tilt[1] = round(math.radians(45) / rad(1))
         walker.ticks(PARAMS.tilt_ticks - 1)
-        walker.sensed[n.S_PITCH] = 0
+        walker.sensed.tilt[1] = 0
         assert walker.ticks(2) & n.FALLEN == 0
     assert walker.state == n.WALKING

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import attitude as a
+from shared.record import pack
 from tests.float_twin.attitude import turned_back
 
 from .bars import integers, repeatable
@@ -76,7 +77,7 @@ def test_noise_does_not_part_it_from_the_float_filter(rate_hz):
 @pytest.mark.parametrize("rate_hz", [50, 500])
 def test_a_turn_slower_than_the_units_is_not_lost(rate_hz):
     """0.05 deg/s is less than half a unit of 2^-18 rad a tick at 500 Hz; the accelerometer is not believed here."""
-    made, _ = aligned(rate_hz, A_TOLERANCE=0)
+    made, _ = aligned(rate_hz, tolerance=0)
     reading = array("i", [7, 0, 0, 0, 0, ONE_G + 100])
     for _ in range(20 * rate_hz):
         assert a.attitude_step(made, reading) == a.ACCEL_REJECTED
@@ -87,7 +88,7 @@ def test_a_turn_slower_than_the_units_is_not_lost(rate_hz):
 @given(st.floats(-80, 80), st.floats(-170, 170))
 def test_alignment_finds_the_attitude_at_rest(roll_deg, pitch_deg):
     reading = counts(math.radians(roll_deg), math.radians(pitch_deg), 0, 0)
-    made, other = aligned(50, reading, A_ALIGN_TICKS=20)
+    made, other = aligned(50, reading, align_ticks=20)
     seen = math.cos(math.radians(roll_deg))  # close to a roll of 90 degrees the pitch fades
     assert apart_deg(angles_deg(made), (roll_deg, pitch_deg)) <= 0.02 / seen
     assert apart_deg(angles_deg(made), twin_deg(other)) <= 0.01 / seen
@@ -95,11 +96,11 @@ def test_alignment_finds_the_attitude_at_rest(roll_deg, pitch_deg):
 
 def test_alignment_learns_the_gyros_bias():
     made, _ = aligned(50, counts(0, 0, 0, 0, (200, -300, 77)))
-    assert list(made[a.A_BIAS : a.A_BIAS + 3]) == [200 * 64, -300 * 64, 77 * 64]
+    assert list(made.bias) == [200 * 64, -300 * 64, 77 * 64]
 
 
 def test_alignment_starts_again_when_the_robot_is_moved():
-    made = block(A_ALIGN_TICKS=10)
+    made = block(align_ticks=10)
     for _ in range(9):
         assert a.attitude_step(made, LEVEL) == a.ALIGNING
     assert a.attitude_step(made, counts(0, 0, 0.5, 0)) == a.ALIGNING | a.MOVED_WHILE_ALIGNING
@@ -110,10 +111,10 @@ def test_alignment_starts_again_when_the_robot_is_moved():
 
 @pytest.mark.parametrize("push_g", [(0, 0, 0.3), (0, 0, -1), (0.8, 0, 0)])
 def test_alignment_away_from_1_g_starts_again(push_g):
-    made = block(A_ALIGN_TICKS=5)
+    made = block(align_ticks=5)
     flags = [a.attitude_step(made, counts(0, 0, 0, 0, push_g=push_g)) for _ in range(5)]
     assert flags[-1] == a.ALIGNING | a.ACCEL_REJECTED
-    assert made.count == 0
+    assert made.gathered == 0
 
 
 def test_readings_away_from_1_g_are_rejected_and_change_nothing():
@@ -149,12 +150,12 @@ def test_int16_extremes_keep_every_number_small():
     corners = list(itertools.product((-32768, 0, 32767), repeat=6))
     random.Random(1).shuffle(corners)
     for trust in (0, 655, 32767):
-        made, _ = aligned(A_TRUST_Q15=trust, A_TOLERANCE=32767)
+        made, _ = aligned(trust_q15=trust, tolerance=32767)
         for corner in corners:
             a.attitude_step(made, array("i", corner))
-            size = math.hypot(*made[a.A_GRAVITY : a.A_GRAVITY + 3]) / 2**22
+            size = math.hypot(*made.gravity) / 2**22
             assert 0.98 <= size <= 1.02
-            assert all(-(1 << 30) <= value < 1 << 30 for value in made)
+            assert all(-(1 << 30) <= value < 1 << 30 for value in pack(made))
             assert -16384 <= made.roll <= 16384
             assert -32768 <= made.pitch <= 32767
 
@@ -162,7 +163,7 @@ def test_int16_extremes_keep_every_number_small():
 @repeatable(200)
 @given(st.lists(st.tuples(*[INT16] * 6), min_size=5, max_size=25), st.sampled_from((2048, 16384)))
 def test_any_readings_are_survived(readings, one_g):
-    made = block(A_ONE_G=one_g, A_ALIGN_TICKS=2)
+    made = block(one_g=one_g, align_ticks=2)
     for reading in readings:
         a.attitude_step(made, array("i", reading))
         assert -16384 <= made.roll <= 16384
@@ -172,7 +173,7 @@ def test_the_length_of_up_stays_1_within_its_error():
     made, _ = aligned()
     for reading, _ in swaying(50, 8, (0, 0, 0), 100):
         a.attitude_step(made, reading)
-        assert abs(math.hypot(*made[a.A_GRAVITY : a.A_GRAVITY + 3]) / 2**22 - 1) <= 2**-10
+        assert abs(math.hypot(*made.gravity) / 2**22 - 1) <= 2**-10
 
 
 def test_twin_turns_up_as_the_body_turns():

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def drive(params, ticks):
     """Run the driver on these planner blocks; returns the finished process."""
-    asked = {"params": [pack(one) for one in params], "attitudes": [list(attitude_block())], "ticks": ticks}
+    asked = {"params": [pack(one) for one in params], "attitudes": [pack(attitude_block())], "ticks": ticks}
     command = [sys.executable, "-m", "tests.shared.checked_drive"]
     return subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True, cwd=ROOT, timeout=300)
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from shared import command as c
 from shared.body import POSE_SIZE
-from shared.gait import G_VX_MAX, compile_gait
+from shared.gait import compile_gait
 from shared.gaits import GAITS
 from tests.float_twin.fixed import towards
 
@@ -29,12 +29,11 @@ def test_slew_goes_towards(now, wanted, step):
 @repeatable(200)
 @given(st.lists(WORD, min_size=3, max_size=3), st.integers(0, 2), st.lists(st.integers(-9, 9), min_size=3, max_size=3))
 def test_speed_is_slewed_within_its_limits(asked, halves, share):
-    command = array("i", [0] * c.COMMAND_SIZE)
-    command[c.C_SPEED : c.C_SPEED + 3] = array("i", asked)
-    tops = GAIT[G_VX_MAX : G_VX_MAX + 3]
+    command, tops = c.Command(), GAIT.speed_max
+    command.speed[:] = asked
     speed = array("i", [top * part // 9 for top, part in zip(tops, share, strict=True)])
     before = list(speed)
-    still = c.slew_speed(PARAMS, GAIT, command, halves, speed)
+    still = c.slew_speed(PARAMS, tops, command, halves, speed)
     for axis in range(3):
         limited = max(-tops[axis], min(tops[axis], asked[axis]))
         assert abs(speed[axis] - towards(before[axis], limited * halves / 2, PARAMS.speed_slew[axis])) <= 0.5
@@ -45,8 +44,8 @@ def test_speed_is_slewed_within_its_limits(asked, halves, share):
 @repeatable(200)
 @given(st.lists(WORD, min_size=6, max_size=6), st.integers(0, 1))
 def test_pose_is_slewed_within_its_limits(asked, standing):
-    command, pose = array("i", [0] * c.COMMAND_SIZE), array("i", [0] * POSE_SIZE)
-    command[c.C_POSE : c.C_POSE + 6] = array("i", asked)
+    command, pose = c.Command(), array("i", [0] * POSE_SIZE)
+    command.pose[:] = asked
     for _ in range(200):
         before = list(pose)
         c.slew_pose(PARAMS, command, standing, pose)

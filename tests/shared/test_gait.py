@@ -6,11 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import command as c
 from shared import gait as g
 from shared import planner_layout as n
 from shared import steps as s
-from shared.gait import Clock
 from shared.gaits import GAIT_NAMES, GAITS
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
@@ -204,9 +202,7 @@ def mirror_error(gait, spoil=None):
     pair[1].planner.gaits = [g.compile_gait(mirrored_table(table), pair[1].params) for table in GAITS]
     for walker, sign in zip(pair, (1, -1), strict=True):
         walker.walk(gait, 0.04, sign * 0.02, sign * 0.2)
-        walker.command[c.C_POSE : c.C_POSE + 6] = type(walker.command)(
-            "i", (900, sign * 700, 400, sign * 500, 300, sign * 400)
-        )
+        walker.command.pose[:] = 900, sign * 700, 400, sign * 500, 300, sign * 400
     feet, joints = 0, 0
     for _ in range(400):
         for walker in pair:
@@ -244,7 +240,7 @@ def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
         assert made.cycle == exact.cycle
         for leg in range(4):
             assert made.stance_q10[leg] / 1024 == pytest.approx(exact.way_of_stance[leg], abs=0.25)
-        clock = Clock()
+        clock = g.Clock()
         for place in range(exact.cycle):
             assert s.body_advance(made, clock) / 1024 == pytest.approx(exact.way(place), abs=8e-3 + 5e-5 * exact.cycle)
             assert g.gait_clock(made, clock) == (place == exact.cycle - 1)

@@ -8,13 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from host.parity.probe.row import Row
 from shared import command as c
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES, GAITS
-from shared.goals import READ_SIZE, READ_STATE, READ_SURE, believe, follow_goals, joints_near
+from shared.goals import READ_SURE, Past, believe, follow_goals, joints_near
 from tests.float_twin import goals as twin
 
-from .bars import integers, repeatable
+from .bars import any_word, integers, repeatable
 from .robots import block
 from .walker import Walker
 
@@ -58,7 +59,7 @@ def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
     assert all(min(a, b) <= q <= max(a, b) for a, b, q in zip(start, wanted, joints, strict=True))
-    assert joints_near(params, exact, 0, joints) == 1
+    assert joints_near(params, exact, joints) == 1
     for _ in range(400):
         follow_goals(params, wanted, joints)
     assert list(joints) == list(wanted)
@@ -80,9 +81,9 @@ def test_near_is_within_a_tick_of_every_joint():
     params = block("caramelo")
     for joint, top in enumerate(tops(params)):
         for way, near in ((top, 1), (-top, 1), (top + 1, 0), (-top - 1, 0)):
-            readings = [0] * 14
-            readings[2 + joint] = way
-            assert joints_near(params, readings, 2, [0] * 12) == near
+            readings = [0] * 12
+            readings[joint] = way
+            assert joints_near(params, readings, [0] * 12) == near
 
 
 def test_the_joints_speed_is_that_of_the_robot_file():
@@ -103,14 +104,14 @@ def sets(readings):
     return st.lists(st.lists(st.one_of(near, near, near, far), min_size=COUNT, max_size=COUNT), max_size=readings)
 
 
-def taken(readings, first=2):
-    """Return what is believed and the answer after each set, the values lying from place ``first`` on."""
-    believed, past, found = array("i", [0] * (first + COUNT)), array("i", [0] * (COUNT + READ_SIZE)), []
+def taken(readings, more=2):
+    """Return what is believed and the answer after each set; the ``more`` values behind it are no part of it."""
+    believed, past, found = array("i", [0] * (COUNT + more)), Past(), []
     for one in readings:
-        answer = believe([9] * first + list(one), first, COUNT, STEP, believed, past)
-        found.append((answer, list(believed[first:])))
-        assert list(believed[:first]) == [0] * first
-        assert answer < 0 or past[COUNT + READ_STATE] >= READ_SURE
+        answer = believe(list(one) + [9] * more, COUNT, STEP, believed, past)
+        found.append((answer, list(believed[:COUNT])))
+        assert list(believed[COUNT:]) == [0] * more
+        assert answer < 0 or past.state >= READ_SURE
     return found
 
 
@@ -162,12 +163,12 @@ def test_before_the_joints_are_known_the_goals_are_what_was_read_and_it_stays_li
     walker, lying = Walker(), [300 * joint - 2000 for joint in range(12)]
     walker.mode(c.MODE_STAND)
     for sensed in ([7000] * 12, lying):  # the first reading is odd, the second is not that of the first
-        walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", sensed)
+        walker.sensed.joints[:] = sensed
         assert walker.planner.tick(walker.command, walker.sensed) == n.NO_JOINTS | n.NOT_DRIVEN
         assert list(walker.planner.joints) == sensed
     assert walker.planner.tick(walker.command, walker.sensed) == 0
     assert walker.state == n.RISING
-    assert list(walker.planner.move[:12]) == lying
+    assert list(walker.planner.move.start) == lying
 
 
 def wild_command(walker, dice):
@@ -185,21 +186,18 @@ def wild_command(walker, dice):
         command.pose[axis] = dice.choice((0, top, -top, dice.randint(-top, top), any_word(dice)))
 
 
-def any_word(dice):
-    return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
-
-
 def wild_senses(walker, dice):
     """Joints somewhere about the goals, tilts that wander; now and then glitches, stuck and missing values."""
     sensed = walker.sensed
     for joint in range(12):
-        sensed[n.S_JOINTS + joint] = walker.planner.joints[joint] + dice.randint(-300, 300)
-    for axis in (n.S_ROLL, n.S_PITCH):
-        sensed[axis] = max(-9000, min(9000, sensed[axis])) + dice.randint(-400, 400) - (sensed[axis] >> 6)
+        sensed.joints[joint] = walker.planner.joints[joint] + dice.randint(-300, 300)
+    for axis, tilt in enumerate(sensed.tilt):
+        sensed.tilt[axis] = max(-9000, min(9000, tilt)) + dice.randint(-400, 400) - (tilt >> 6)
     if dice.randrange(8) == 0:
-        sensed[dice.randrange(n.SENSED_SIZE)] = any_word(dice)
-    for known in (n.S_JOINTS_OK, n.S_ATTITUDE_OK, n.S_RATES_OK):
-        sensed[known] = int(dice.random() < 0.97)
+        row = walker.sensed_row()
+        row[dice.randrange(len(row))] = any_word(dice)
+    for known in ("joints", "tilt", "turned"):
+        setattr(sensed.valid, known, int(dice.random() < 0.97))
 
 
 def lived(name, rate_hz, ticks, seed):
@@ -268,8 +266,8 @@ def glitched(state, gait, then, seed):
     """Return by how much one odd reading moved any goal in the 60 ticks after it, brad, and if it was told."""
     dice = random.Random(seed)
     plain, odd = pair_in(state, gait, dice.randrange(6, 50))
-    place = dice.choice((n.S_ROLL, n.S_PITCH, *range(n.S_JOINTS, n.S_JOINTS + 12)))
-    odd.sensed[place] += dice.choice((-1, 1)) * dice.randint(4000, 30000)
+    readings = Row(odd.sensed.tilt, odd.sensed.joints)
+    readings[dice.randrange(len(readings))] += dice.choice((-1, 1)) * dice.randint(4000, 30000)
     told, worst = 0, 0
     for _ in range(60):
         for walker in (plain, odd):
@@ -277,8 +275,7 @@ def glitched(state, gait, then, seed):
                 walker.mode(then)
         plain.tick()
         told |= odd.tick() & n.ODD_READING
-        for axis in (n.S_ROLL, n.S_PITCH):
-            odd.sensed[axis] = 0
+        odd.sensed.tilt[:] = 0, 0
         worst = max(worst, *(abs(a - b) for a, b in zip(plain.planner.joints, odd.planner.joints, strict=True)))
     return worst, told
 
@@ -327,7 +324,7 @@ def held_short(name, ends):
     pose_at(walker, ends)
     _, still = standing_still(walker, 150)
     assert still
-    flags, arrived = walker.tick(), list(walker.planner.pose) == list(walker.command[c.C_POSE : c.C_POSE + 6])
+    flags, arrived = walker.tick(), list(walker.planner.pose) == list(walker.command.pose)
     assert bool(flags & n.POSE_HELD) == (not arrived)
     assert flags & (n.REACH_FLAGS | n.LIMIT_FLAGS) == 0
     return not arrived

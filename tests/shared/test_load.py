@@ -9,7 +9,7 @@ import pytest
 
 from shared import compliance, load, sensing, stability
 from shared.params import Params
-from shared.record import copy
+from shared.record import copy, pack, unpack
 from tests.float_twin import load as twin
 from tests.float_twin.leg import forward
 
@@ -68,7 +68,7 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
     """Hold a leg still under a force along it: the goals that sag to the pose tell the force within 2 %."""
     params, dice, found = soft(name, coupled), random.Random(6), 0
     give = [rad(params.sag_q16[j] / 65536) for j in range(3)]
-    state = array("i", [0] * sensing.SENSING_SIZE)
+    state = sensing.Sensing()
     for leg, joints in poses(params, 300, 4):
         joints[0] = 0
         si = leg_si(params, leg)
@@ -78,12 +78,12 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
         if max(abs(goal[j] - rad(joints[j])) for j in range(3)) > math.radians(15):
             continue
         sensing.sensing_reset(state)
-        sent, measured = array("i", [0] * 12), array("i", [0] * 15)
+        sent, measured = array("i", [0] * 12), array("i", [0] * 12)
         for j in range(3):
             sent[leg * 3 + j] = round(goal[j] / rad(1))
-            measured[3 + leg * 3 + j] = joints[j]
+            measured[leg * 3 + j] = joints[j]
         for _ in range(params.sent_ticks + 2):
-            sensing.sense_legs(params, measured, 3, 0, 0, state)
+            sensing.sense_legs(params, measured, 0, 0, state)
             sensing.keep_sent(state, sent)
         arms = abs(math.sin(rad(joints[2]))) * min(si.l2, si.l3) / (si.l2 + si.l3)
         assert state.force_q12[leg] == pytest.approx(force, rel=0.02, abs=6 / arms)
@@ -94,19 +94,19 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
 @pytest.mark.parametrize("name", NAMES)
 def test_level_feet_are_the_measured_legs_turned_by_roll_and_pitch(name):
     params, dice = BLOCKS[name], random.Random(8)
-    state = array("i", [0] * sensing.SENSING_SIZE)
+    state = sensing.Sensing()
     for _ in range(200):
         roll, pitch = dice.randint(-8000, 8000), dice.randint(-8000, 8000)
-        joints = array("i", [0, 0, 0] + [dice.randint(-20000, 20000) for _ in range(12)])
-        sensing.sense_legs(params, joints, 3, roll, pitch, state)
+        joints = array("i", [dice.randint(-20000, 20000) for _ in range(12)])
+        sensing.sense_legs(params, joints, roll, pitch, state)
         a, b = rad(roll), rad(pitch)
         for leg in range(4):
             si = leg_si(params, leg)
-            foot = forward([rad(q) for q in joints[3 + leg * 3 : 6 + leg * 3]], si.side_l1, si.l2, si.l3)
+            foot = forward([rad(q) for q in joints[leg * 3 : 3 + leg * 3]], si.side_l1, si.l2, si.l3)
             x, y, z = (foot[i] + si.hip[i] for i in range(3))
             x, z = math.cos(b) * x + math.sin(b) * z, -math.sin(b) * x + math.cos(b) * z
             exact = x, math.cos(a) * y - math.sin(a) * z, math.sin(a) * y + math.cos(a) * z
-            got = state[leg * 3 : leg * 3 + 3]
+            got = state.level[leg * 3 : leg * 3 + 3]
             assert math.dist([v * si.unit_m for v in got], exact) <= 12 * si.unit_m + 2e-4 * (si.l1 + si.l2 + si.l3)
 
 
@@ -114,11 +114,11 @@ def test_a_body_that_moves_over_round_feet_is_measured_exactly():
     """Roll a rigid leg over its round foot: hip moves by (height + radius) * turn, and that is what is told."""
     params = BLOCKS["caramelo"]
     unit_m = 2.0 ** -params.length_shift
-    state, weights = array("i", [0] * sensing.SENSING_SIZE), array("i", [1] * 4)
+    state, weights = sensing.Sensing(), array("i", [1] * 4)
     moved, before = 0.0, None
     for turn in range(-1500, 1501, 50):
-        joints = array("i", [0, 0, 0] + [0, 4000 + turn, -8000] * 4)
-        sensing.sense_legs(params, joints, 3, 0, 0, state)
+        joints = array("i", [0, 4000 + turn, -8000] * 4)
+        sensing.sense_legs(params, joints, 0, 0, state)
         assert sensing.sense_moved(state, weights) == (0 if before is None else 4)
         moved += state.moved_x / 256 * unit_m
         before = turn
@@ -129,9 +129,9 @@ def test_a_body_that_moves_over_round_feet_is_measured_exactly():
 
 
 def test_no_foot_no_odometry():
-    state = array("i", [0] * sensing.SENSING_SIZE)
+    state = sensing.Sensing()
     for turn in (0, 100):
-        sensing.sense_legs(BLOCKS["caramelo"], array("i", [turn] * 15), 3, 0, 0, state)
+        sensing.sense_legs(BLOCKS["caramelo"], array("i", [turn] * 12), 0, 0, state)
     assert sensing.sense_moved(state, array("i", [0] * 4)) == 0
     assert state.moved_x == state.moved_y == 0
 
@@ -145,9 +145,9 @@ def feet_near_rest(params, dice):
 
 def shared_out(feet, weights, com, weight, planar=0):
     """Return what the core makes of it, Q12."""
-    state = array("i", [0] * load.LOAD_SIZE)
+    state = load.Load()
     assert load.load_share(feet, array("i", weights), *com, weight, planar, state) == 1
-    return list(state[:4])
+    return state.wanted_q12
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -184,19 +184,21 @@ def test_in_the_plane_only_x_matters():
 
 
 def test_nobody_stands_nobody_carries_and_no_foot_pulls():
-    state = array("i", [5] * load.LOAD_SIZE)
+    state = load.Load()
+    unpack(state, [5] * len(pack(state)))
     feet = array("i", [15000, -15000, 0, 15000, 15000, 0, -15000, -15000, 0, -15000, 15000, 0])
     assert load.load_share(feet, array("i", [0] * 4), 0, 0, 4096, 0, state) == 0
-    assert list(state[:4]) == [0] * 4
+    assert state.wanted_q12 == [0] * 4
     assert min(shared_out(feet, [256] * 4, (30000, 0), 4096)) == 0
 
 
 def test_forces_move_by_a_step_at_most():
-    state = array("i", [1000, 0, 2000, 1096] + [1024] * 4 + [0] * (load.LOAD_SIZE - 8))
+    state = load.Load()
+    state.wanted_q12[:], state.force_q12[:] = [1000, 0, 2000, 1096], [1024] * 4
     load.load_slew(state, 100)
-    assert list(state[4:8]) == [1000, 924, 1124, 1096]
+    assert state.force_q12 == [1000, 924, 1124, 1096]
     load.load_even(state, 4096)
-    assert list(state[:8]) == [1024] * 8
+    assert state.wanted_q12 == state.force_q12 == [1024] * 4
 
 
 @pytest.mark.parametrize("standing", [s for n in (2, 3, 4) for s in itertools.combinations(range(4), n)])

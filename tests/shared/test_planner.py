@@ -2,22 +2,22 @@
 
 import math
 import random
-from array import array
 from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from host.parity.probe.row import Row
 from shared import command as c
-from shared import gait as g
 from shared import planner_layout as n
 from shared import steps as s
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
 from shared.record import pack, unpack
+from shared.sensed import Sensed
 from tests.float_twin.gait import Gait
 
-from .bars import integers, repeatable
+from .bars import any_word, integers, repeatable
 from .walker import Walker
 
 WORD = integers(-(1 << 30), (1 << 30) - 1)
@@ -63,7 +63,7 @@ def test_limp_from_every_state_at_once(state):
     walker = in_state(state)
     walker.mode(c.MODE_LIMP)
     fallen = [100 * joint - 600 for joint in range(12)]
-    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", fallen)
+    walker.sensed.joints[:] = fallen
     assert walker.planner.tick(walker.command, walker.sensed) & ~n.ODD_READING == n.NOT_DRIVEN
     assert walker.state == n.LIMP
     assert walker.swinging() == 0
@@ -100,7 +100,7 @@ def test_standing_up_starts_from_the_measured_pose_and_is_slow():
     low, high = limits_of(walker.params)
     dice = random.Random(3)
     lying = [dice.randint(a, b) for a, b in zip(low, high, strict=True)]
-    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", lying)
+    walker.sensed.joints[:] = lying
     for _ in range(2):
         walker.planner.tick(walker.command, walker.sensed)
     assert list(walker.planner.joints) == lying
@@ -132,10 +132,10 @@ def test_sitting_down_is_slow_and_ends_at_the_seat():
 def test_a_limp_robot_with_unknown_joints_stays_limp():
     walker = in_state(n.LIMP)
     walker.mode(c.MODE_STAND)
-    walker.sensed[n.S_JOINTS_OK] = 0
+    walker.sensed.valid.joints = 0
     assert walker.tick() & n.NO_JOINTS
     assert walker.state == n.LIMP
-    walker.sensed[n.S_JOINTS_OK] = 1
+    walker.sensed.valid.joints = 1
     assert walker.tick() == 0
     assert walker.state == n.RISING
 
@@ -145,11 +145,11 @@ def test_one_that_is_driven_sits_down_from_its_goals_whatever_is_measured(known)
     walker = in_state(n.STANDING)
     goals = list(walker.planner.joints)
     walker.mode(c.MODE_SIT)
-    walker.sensed[n.S_JOINTS_OK] = known
-    walker.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", [0] * 12)
+    walker.sensed.valid.joints = known
+    walker.sensed.joints[:] = [0] * 12
     walker.tick()
     assert walker.state == n.SITTING
-    assert list(walker.planner.move[:12]) == goals
+    assert list(walker.planner.move.start) == goals
 
 
 @pytest.mark.parametrize("after_walk", [False, True])
@@ -197,8 +197,8 @@ def test_a_gait_changes_only_when_all_feet_stand_and_the_robot_is_slow_enough():
         after = walker.planner.status.gait
         if before != after:
             changes.add((before, after))
-            assert not any(walker.planner.steps[leg * s.STEP_SIZE + s.STEP_TICKS] for leg in range(4))
-            tops = walker.planner.gaits[after][g.G_VX_MAX : g.G_VX_MAX + 3]
+            assert not any(step.ticks for step in walker.planner.steps.legs)
+            tops = walker.planner.gaits[after].speed_max
             assert all(abs(v) <= top for v, top in zip(walker.planner.speed, tops, strict=True))
     assert len(changes) == GAIT_CLIMB * (GAIT_CLIMB - 1)
 
@@ -227,13 +227,14 @@ def foot_step_limit_m(walker):
 
 def restless_feet(walker, ticks, seed):
     """Drive anything at all; return the largest way of a planned foot in a tick while standing or walking, m."""
-    dice, last, worst = random.Random(seed), None, 0.0
+    command, dice, last, worst = walker.command, random.Random(seed), None, 0.0
     for tick in range(ticks):
         if tick % 23 == 0:
-            for at in range(c.C_SPEED, c.COMMAND_SIZE):
-                walker.command[at] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
-            walker.command.mode = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
-            walker.command.gait = dice.choice((-1, *range(GAIT_CLIMB), len(GAITS)))
+            for wish in (command.speed, command.pose):
+                wish[:] = [any_word(dice) for _ in wish]
+            command.balance, command.height = any_word(dice), any_word(dice)
+            command.mode = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
+            command.gait = dice.choice((-1, *range(GAIT_CLIMB), len(GAITS)))
         walker.tick()
         assert walker.state in (n.STANDING, n.WALKING)
         feet = walker.feet_m()
@@ -253,8 +254,8 @@ def test_the_jump_test_sees_a_planted_jump():
     walker = in_state(n.WALKING, 500)
     walker.ticks(20)
     before = walker.feet_m()
-    for leg in range(4):
-        walker.planner.steps[leg * s.STEP_SIZE + s.STEP_X] += 6000 << 8
+    for step in walker.planner.steps.legs:
+        step.x += 6000 << 8
     walker.tick()
     assert max(math.dist(a, b) for a, b in zip(before, walker.feet_m(), strict=True)) > foot_step_limit_m(walker)
 
@@ -270,8 +271,8 @@ def drive(walker, ticks, seed):
     low, high = limits_of(walker.params)
     for tick in range(ticks):
         if tick % 5 == 0:
-            for block in (walker.command, walker.sensed):
-                block[dice.randrange(len(block))] = dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
+            for block in (Row(walker.command), walker.sensed_row()):
+                block[dice.randrange(len(block))] = any_word(dice)
             walker.command.mode = dice.choice((0, 1, 1, 2, 2, 2, 2, 2, 3, dice.randint(-9, 9)))
         flags = walker.planner.tick(walker.command, walker.sensed)
         states.add(walker.state)
@@ -293,24 +294,28 @@ def test_any_words_in_command_and_senses_are_survived(name):
 
 
 @repeatable(60)
-@given(words(c.COMMAND_SIZE), words(n.SENSED_SIZE))
-def test_one_tick_of_any_words_in_any_state(command, sensed):
+@given(words(c.COMMAND_SIZE), words(len(Sensed().pack())))
+def test_one_tick_of_any_words_in_any_state(told, felt):
+    command, sensed = c.Command(), Sensed()
+    unpack(command, told)
+    sensed.unpack(felt)
     for state in range(6):
         walker = STATES[state]
         kept = [pack(block) for block in every_block(walker.planner)]
         gait = walker.planner.gait
-        walker.planner.tick(array("i", command), array("i", sensed))
+        walker.planner.tick(command, sensed)
         for block, old in zip(every_block(walker.planner), kept, strict=True):
             unpack(block, old)
         walker.planner.gait = gait
 
 
 def every_block(planner):
-    """Return all arrays of a planner that a tick may change."""
-    names = "top numbers clock speed pose posed rotation steps move feet hip_feet reached goal joints leg_flags"
-    names += " sensed joints_read tilt_read"
-    balance = planner.balance
-    return [*(getattr(planner, name) for name in names.split()), balance.roll, balance.pitch, balance.correction]
+    """Return all records and arrays of a planner that a tick may change."""
+    names = "top status clock speed pose posed rotation steps move feet hip_feet reached goal joints leg_flags"
+    names += " joints_past tilt_past"
+    balance, sensed = planner.balance, planner.sensed
+    inner = [balance.roll, balance.pitch, balance.correction, sensed.valid, sensed.tilt, sensed.joints, sensed.turned]
+    return [getattr(planner, name) for name in names.split()] + inner
 
 
 STATES = [in_state(state) for state in range(6)]
@@ -332,11 +337,11 @@ def test_unknown_modes_and_gaits_are_reported_and_replaced():
 def test_balance_without_attitude_is_reported_and_fades():
     walker = in_state(n.STANDING)
     walker.command.balance = 1
-    walker.sensed[n.S_ROLL] = 600
+    walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
     assert walker.planner.posed[3] < -100
-    walker.sensed[n.S_ATTITUDE_OK] = 0
+    walker.sensed.valid.tilt = 0
     before = walker.planner.posed[3]
     assert walker.tick() & n.NO_ATTITUDE
     assert 0 < walker.planner.posed[3] - before <= walker.params.pose_slew[3]
@@ -346,7 +351,7 @@ def test_balance_without_attitude_is_reported_and_fades():
 
 def test_the_body_pose_is_limited_and_slewed():
     walker = in_state(n.STANDING)
-    walker.command[c.C_POSE : c.C_POSE + 6] = array("i", [(1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77])
+    walker.command.pose[:] = (1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77
     last = list(walker.planner.pose)
     for _ in range(300):
         walker.tick()

@@ -29,8 +29,8 @@ class Pair:
     def command_si(self):
         """Return the command in SI, as the float planner takes it."""
         block, unit = self.walker.command, self.robot.unit_m
-        speed = [v * s for v, s in zip(block[c.C_SPEED : c.C_SPEED + 3], (unit / 256, unit / 256, 2**-18), strict=True)]
-        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block[c.C_POSE : c.C_POSE + 6])]
+        speed = [v * s for v, s in zip(block.speed, (unit / 256, unit / 256, 2**-18), strict=True)]
+        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block.pose)]
         height = block.height * unit
         return SimpleNamespace(
             mode=block.mode,
@@ -45,11 +45,11 @@ class Pair:
         """Return the senses in SI."""
         block = self.walker.sensed
         return SimpleNamespace(
-            roll=rad(block[n.S_ROLL]),
-            pitch=rad(block[n.S_PITCH]),
-            attitude_ok=block[n.S_ATTITUDE_OK],
-            joints=[rad(q) for q in block[n.S_JOINTS : n.S_JOINTS + 12]],
-            joints_ok=block[n.S_JOINTS_OK],
+            roll=rad(block.tilt[0]),
+            pitch=rad(block.tilt[1]),
+            attitude_ok=block.valid.tilt,
+            joints=[rad(q) for q in block.joints],
+            joints_ok=block.valid.joints,
         )
 
     def tick(self):
@@ -82,8 +82,8 @@ class Pair:
         command = self.walker.command
         self.walker.gait(gait)
         self.walker.speed(*speed_m_s)
-        for at in range(c.C_SPEED, c.C_SPEED + 3):
-            command[at] &= ~1
+        for axis in range(3):
+            command.speed[axis] &= ~1
         self.walker.mode(c.MODE_WALK)
         errors = []
         for _ in range(int(seconds * self.walker.rate_hz)):
@@ -135,8 +135,8 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
                 command.speed[axis] = dice.randint(-top, top) * 2 * dice.randrange(2)
             for axis in range(6):
                 command.pose[axis] = dice.randint(-800, 800)
-        sensed[n.S_ROLL] += dice.randint(-40, 40) - (sensed[n.S_ROLL] >> 4)
-        sensed[n.S_PITCH] += dice.randint(-40, 40) - (sensed[n.S_PITCH] >> 4)
+        for axis in range(2):
+            sensed.tilt[axis] += dice.randint(-40, 40) - (sensed.tilt[axis] >> 4)
         errors.append(pair.tick())
         assert pair.walker.state == pair.twin.state
         states.add(pair.walker.state)

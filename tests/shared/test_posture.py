@@ -18,7 +18,7 @@ ANGLES = st.lists(integers(-32768, 32767), min_size=12, max_size=12)
 
 def moved(start, goal, step):
     """Return the joints at every tick of a move, the start first."""
-    params, move = block("caramelo"), array("i", [0] * m.MOVE_SIZE)
+    params, move = block("caramelo"), m.Move()
     params.joint_step = step
     joints = array("i", start)
     ticks = m.posture_start(params, move, joints, array("i", goal))

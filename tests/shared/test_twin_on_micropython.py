@@ -24,7 +24,7 @@ def test_every_number_of_the_sample_is_the_same(tmp_path):
             folder = ROOT / ("tests/float_twin" if package == "float_twin" else package)
             shutil.copy(folder / f"{name}.py", tmp_path / package)
     there = runtime.ask(tmp_path, SCRIPT)["numbers"]
-    here = sample.status()
+    here = sample.numbers()
     assert len(there) == len(here) > 1000
     assert there == pytest.approx(here, abs=1e-9)
     assert {float(state) for state in (1, 3, 4, 5)} <= set(here)

@@ -1,11 +1,11 @@
 """Runs the planner from its blocks: stand up, walk, sit, with every tick's feet and joints kept."""
 
-from array import array
-
+from host.parity.probe.row import Row
 from shared import command as c
 from shared import planner_layout as n
 from shared.gaits import GAIT_NAMES
 from shared.planner import Planner
+from shared.sensed import Sensed
 
 from .robots import block
 
@@ -21,10 +21,9 @@ class Walker:
         self.rate_hz = rate_hz
         self.unit_m = 2.0 ** -self.params.length_shift
         self.planner = Planner(self.params)
-        self.command = array("i", [0] * c.COMMAND_SIZE)
-        self.sensed = array("i", [0] * n.SENSED_SIZE)
-        self.sensed[n.S_JOINTS_OK] = 1
-        self.sensed[n.S_ATTITUDE_OK] = 1
+        self.command = c.Command()
+        self.sensed = Sensed()
+        self.sensed.valid.joints = self.sensed.valid.tilt = 1
 
     @property
     def state(self):
@@ -40,14 +39,19 @@ class Walker:
         """Command a speed; return what the integers make of it, per tick, in m and rad."""
         per_tick = 256 / self.unit_m / self.rate_hz
         values = round(vx_m_s * per_tick), round(vy_m_s * per_tick), round(wz_rad_s * 262144 / self.rate_hz)
-        self.command[c.C_SPEED : c.C_SPEED + 3] = array("i", values)
+        self.command.speed[:] = values
         return values[0] * self.unit_m / 256, values[1] * self.unit_m / 256, values[2] / 262144
 
     def tick(self):
         """One tick; returns the flags."""
         flags = self.planner.tick(self.command, self.sensed)
-        self.sensed[n.S_JOINTS : n.S_JOINTS + 12] = array("i", self.planner.joints)
+        self.sensed.joints[:] = self.planner.joints
         return flags
+
+    def sensed_row(self):
+        """Return what is sensed as one row of integers, in the order of a recording."""
+        sensed, valid = self.sensed, self.sensed.valid
+        return Row(sensed.tilt, (valid, 0), sensed.joints, (valid, 1), sensed.turned, (valid, 2))
 
     def ticks(self, count):
         """Several ticks; returns all flags seen."""

@@ -176,24 +176,24 @@ def test_the_pose_is_limited_and_kept_by_the_planner(rig):
 
 def test_turning_speeds_reach_the_planner_where_there_are_any(rig, monkeypatch):
     rig.run(0.1)
-    block = rig.supervisor.driver.sensed_block
-    assert block[core.S_RATES_OK] == 0
+    sensed = rig.supervisor.driver._sensed
+    assert sensed.valid.turned == 0
     monkeypatch.setattr(rig.supervisor, "_read_rates", lambda: (0.1, 0.0, -0.2))
     rig.run(0.1)
     scale = rig.supervisor.driver.scale
-    assert block[core.S_RATES_OK] == 1
-    assert list(block[core.S_RATES : core.S_RATES + 3]) == [scale.yaw18_per_tick(rate) for rate in (0.1, 0.0, -0.2)]
+    assert sensed.valid.turned == 1
+    assert list(sensed.turned) == [scale.yaw18_per_tick(rate) for rate in (0.1, 0.0, -0.2)]
 
 
 def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     rig.stand()
     rig.run(1.0, AHEAD)
     assert (rig.supervisor.state, rig.supervisor.remark) == ("walking", "")
-    numbers = rig.supervisor.driver.planner.status
-    numbers.advice = adaptive.ADVICE_TILTED
+    planned = rig.supervisor.driver.planner.status
+    planned.advice = adaptive.ADVICE_TILTED
     assert rig.supervisor.remark == "it tilts a lot on this ground: the crawl is safer"
-    numbers.advice = adaptive.ADVICE_FINE
-    numbers.climb, numbers.reason = core.CLIMB_ON, handover.REASON_BEHIND
+    planned.advice = adaptive.ADVICE_FINE
+    planned.climb, planned.reason = core.CLIMB_ON, handover.REASON_BEHIND
     rig.supervisor._watch_gait()
     assert rig.supervisor.state == "crawling"
     assert rig.supervisor.remark.startswith("held up: more than ")
