@@ -20,6 +20,7 @@ from shared.attitude import (
 from shared.params import LEGS, LF_BITS, Gains, Params
 from shared.runtime import zeros
 
+from .crawl_tuning import fill_crawl
 from .errors import UserError
 from .mass import com_at_rest_m, lever_m
 from .plane import joint_drives
@@ -112,6 +113,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
         _leg(params, robot, scale, leg)
     _compliance(params, robot, scale)
     _adaptive(params, robot, scale)
+    fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
     if planar:
         params.lateral_q12 = 0
     return params

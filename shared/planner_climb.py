@@ -7,7 +7,7 @@ from .adaptive import ADVICE_BEHIND, W_AHEAD, W_BEHIND, W_ROUGH, W_SWAY, adaptiv
 from .balance import balance_reset
 from .command import C_GAIT, C_MODE, C_SPEED, MODE_WALK
 from .crawl import crawl_start, crawl_tick
-from .crawl_layout import C_LEG, C_MARGIN, C_PHASE, C_STANDS, REST
+from .crawl_state import REST
 from .fixed import saturate
 from .gait import CLOCK_TICK
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
@@ -163,7 +163,8 @@ def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
     n = planner.numbers
     params = planner.params
     m = planner.sensing
-    at = planner.climb.state
+    support = planner.climb.support
+    stage = planner.climb.stage
     if sensed[S_JOINTS_OK] == 0 or sensed[S_ATTITUDE_OK] == 0:
         n[N_FLAGS] |= BLIND
         return 0
@@ -180,11 +181,11 @@ def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
             way = 0
         n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
         n[N_SWINGING] = 0
-        if at[C_STANDS + at[C_LEG]] == 0:
-            n[N_SWINGING] = 1 << at[C_LEG]
-        n[N_MARGIN] = at[C_MARGIN]
+        if support.stance[stage.leg] == 0:
+            n[N_SWINGING] = 1 << stage.leg
+        n[N_MARGIN] = support.margin
         n[N_STATE] = WALKING
-        if at[C_PHASE] == REST:
+        if stage.stage == REST:
             if reason:
                 hand_to_trot(planner, command, reason)
             elif way <= 0:
@@ -210,7 +211,7 @@ def leaves(planner: PlannerState, command: Ints) -> int:
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
     n[N_GAIT] = wanted
-    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.state):
+    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.even):
         return REASON_EVEN
     return REASON_NONE
 
@@ -221,7 +222,7 @@ def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
     n = planner.numbers
     w = planner.felt
     v = planner.speed
-    steps_from_crawl(planner.params, planner.climb.state, w[W_AHEAD], w[W_SWAY], planner.steps)
+    steps_from_crawl(planner.params, planner.climb.map, planner.climb.path, w[W_AHEAD], w[W_SWAY], planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):
         v[axis] = 0
