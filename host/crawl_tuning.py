@@ -24,7 +24,7 @@ _UNITS = {
     "Q15 / tick": ("_q15", "_s", False),
     "brad": ("", "_rad", False),
 }
-_NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}
+_NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
 _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
 _MOST_LAG_S = 0.062  # goals are kept for 31 ticks, at up to 500 Hz
 

@@ -28,7 +28,7 @@ class Contact:
     """What the leg in the air feels."""
 
     tare_q12: int = field("own weight", "force that it reads without contact")
-    ticks: int = field("ticks", "with load, in a row")
+    load_ticks: int = field("ticks", "with load, in a row")
     peak: int = field("", "1: more than the least of a contact in one of them")
     past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
     past_at: int = field("", "where the last is")
@@ -47,7 +47,7 @@ def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> in
 @hot
 def start_contact(contact: Contact) -> int:
     """Begin to feel for the ground; return 0."""
-    contact.ticks = 0
+    contact.load_ticks = 0
     contact.peak = 0
     return 0
 
@@ -67,13 +67,13 @@ def feel_ground(params: Params, contact: Contact, force_q12: int, speed: int, le
         least = _FAST_Q12
         gain = params.crawl.tare_fast_q15
     if force > least:
-        contact.ticks += 1
+        contact.load_ticks += 1
         if force > _PEAK_Q12:
             contact.peak = 1
     else:
         start_contact(contact)
         contact.tare_q12 += fraction(force, gain)
-    if contact.ticks >= params.crawl.contact_ticks and contact.peak:
+    if contact.load_ticks >= params.crawl.contact_ticks and contact.peak:
         return 1
     return 0
 
@@ -85,8 +85,8 @@ def corner_lift(params: Params, map: Map, path: BodyPath, leg: int) -> int:
     Pitch lowers the front, roll raises the left. Angles limited to +-4096 brad. Largest intermediate
     2 * 32767 * 4096 < 2^29.
     """
-    nose_up = saturate(path.wanted[POSE_PITCH] - map.body[POSE_PITCH] >> LF_BITS, -4096, 4096)
-    left_up = saturate(map.body[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
+    nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
+    left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
     lift = nose_up * params.crawl.half_length
     if leg >= RR:
         lift = -lift
@@ -123,6 +123,6 @@ def feel_riser(params: Params, contact: Contact, swing: Swing, seen_x_lf: int, t
     way = swing.target[0] - swing.departure[0] >> LF_BITS
     if way < 0:
         way = -way
-    if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.ticks + 1):
+    if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.way_ticks + 1):
         return 1
     return 0

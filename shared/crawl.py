@@ -28,7 +28,9 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 
 
 @hot
-def crawl_start(crawl: Crawl, sensing: Ints, joints, first: int, goals: Ints, roll_brad: int, pitch_brad: int) -> int:
+def crawl_start(
+    crawl: Crawl, sensing: Ints, joints: Ints, first: int, goals: Ints, roll_brad: int, pitch_brad: int
+) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
     joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
@@ -74,13 +76,13 @@ def forget(crawl: Crawl) -> int:
 
 
 @hot
-def start_map(crawl: Crawl, sensing: Ints, joints, first: int, roll_brad: int, pitch_brad: int) -> int:
+def start_map(crawl: Crawl, sensing: Ints, joints: Ints, first: int, roll_brad: int, pitch_brad: int) -> int:
     """Begin the map under the body, and the body's path where it is; return 0. Arguments as crawl_start."""
     map = crawl.map
     path = crawl.path
     level = sensing[M_LEVEL + 2] + sensing[M_LEVEL + 5] + sensing[M_LEVEL + 8] + sensing[M_LEVEL + 11] >> 2
     for axis in range(POSE_SIZE):
-        map.body[axis] = 0
+        map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     measure(crawl, joints, first)
     roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
@@ -88,11 +90,11 @@ def start_map(crawl: Crawl, sensing: Ints, joints, first: int, roll_brad: int, p
         map.feet[at] = sensing[M_LEVEL + at] << LF_BITS
         if at % 3 == 2:
             map.feet[at] -= level << LF_BITS
-    map.body[POSE_Z] = -level << LF_BITS
+    map.body_pose[POSE_Z] = -level << LF_BITS
     for axis in range(POSE_SIZE):
-        path.wanted[axis] = map.body[axis]
-        path.lagged[axis] = map.body[axis]
-        path.commanded[axis] = map.body[axis]
+        path.wanted[axis] = map.body_pose[axis]
+        path.lagged[axis] = map.body_pose[axis]
+        path.commanded[axis] = map.body_pose[axis]
     return 0
 
 
@@ -112,10 +114,10 @@ def start_support(sensing: Ints, support: Support) -> int:
 @hot
 def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
     """Take the body's measured tilt; in the plane it does not roll. Returns 0."""
-    map.body[POSE_PITCH] = pitch_brad << LF_BITS
-    map.body[POSE_ROLL] = 0
+    map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
+    map.body_pose[POSE_ROLL] = 0
     if params.lateral_q12:
-        map.body[POSE_ROLL] = roll_brad << LF_BITS
+        map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
     return 0
 
 
@@ -130,7 +132,14 @@ def measure(crawl: Crawl, joints: Ints, first: int) -> int:
 
 @hot
 def crawl_tick(
-    crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int, ahead_lf: int, joints
+    crawl: Crawl,
+    sensing: Ints,
+    sensed: Ints,
+    first: int,
+    roll_brad: int,
+    pitch_brad: int,
+    ahead_lf: int,
+    joints: Ints,
 ) -> int:
     """Take one tick: 12 measured joints from ``sensed[first]`` on, in; 12 goals into ``joints``; return flags.
 
@@ -146,7 +155,7 @@ def crawl_tick(
 
 
 @hot
-def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
+def estimate(crawl: Crawl, sensing: Ints, sensed: Ints, first: int, roll_brad: int, pitch_brad: int) -> int:
     """Bring the map, the forces and the weight up to date with what is measured; return 0."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     measure(crawl, sensed, first)
@@ -191,9 +200,9 @@ def rebase(crawl: Crawl) -> int:
     map = crawl.map
     far = params.leg_length << LF_BITS - 1
     aside = far * 3 >> 1
-    x = map.body[0]
-    y = map.body[1]
-    z = map.body[2]
+    x = map.body_pose[0]
+    y = map.body_pose[1]
+    z = map.body_pose[2]
     if y <= aside and y >= -aside:
         y = 0
         if x <= far and x >= -far and z <= far and z >= -far:
@@ -210,7 +219,7 @@ def move_origin(
     map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
 ) -> int:
     """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z); return 0."""
-    map.body[axis] -= by
+    map.body_pose[axis] -= by
     for at in range(axis, JOINTS, 3):
         map.feet[at] -= by
         map.seen[at] -= by

@@ -58,7 +58,7 @@ def plan_loads(
 
 
 @hot
-def take_pose(path: BodyPath, swings: int, pose: Ints, rotation) -> int:
+def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
     """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
 
     The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.

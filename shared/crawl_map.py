@@ -29,7 +29,7 @@ class Map:
 
     feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
     seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
-    body: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
+    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
     shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
 
 
@@ -56,8 +56,8 @@ def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> int:
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
     """
     roll_q8 = params.foot_radius * 710 // 113
-    pitch = map.body[POSE_PITCH] >> LF_BITS
-    yaw = map.body[POSE_YAW] >> LF_BITS
+    pitch = map.body_pose[POSE_PITCH] >> LF_BITS
+    yaw = map.body_pose[POSE_YAW] >> LF_BITS
     for leg in range(LEGS):
         shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
         turn = saturate(shank - map.shank[leg], -840, 840)
@@ -98,8 +98,8 @@ def fit_heading(sensing: Ints, support: Support, map: Map) -> int:
         total += w
         mx += w * sensing[M_LEVEL + at]
         my += w * sensing[M_LEVEL + at + 1]
-        fx += w * (map.feet[at] - map.body[0] >> LF_BITS)
-        fy += w * (map.feet[at + 1] - map.body[1] >> LF_BITS)
+        fx += w * (map.feet[at] - map.body_pose[0] >> LF_BITS)
+        fy += w * (map.feet[at + 1] - map.body_pose[1] >> LF_BITS)
     if total == 0:
         return 0
     mx = mx // total
@@ -113,8 +113,8 @@ def fit_heading(sensing: Ints, support: Support, map: Map) -> int:
         at = leg * 3
         ax = saturate(sensing[M_LEVEL + at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
         ay = saturate(sensing[M_LEVEL + at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
-        bx = saturate((map.feet[at] - map.body[0] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
-        by = saturate((map.feet[at + 1] - map.body[1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((map.feet[at] - map.body_pose[0] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((map.feet[at + 1] - map.body_pose[1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
         along += w * (ax * bx + ay * by >> 10)
     return atan2_brad18(across, along) << 6
@@ -126,8 +126,8 @@ def turn_feet(sensing: Ints, map: Map) -> int:
 
     Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
     """
-    cosine = cos_q15(map.body[POSE_YAW] >> LF_BITS) >> 1
-    sine = sin_q15(map.body[POSE_YAW] >> LF_BITS) >> 1
+    cosine = cos_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
+    sine = sin_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
     for leg in range(LEGS):
         at = leg * 3
         x = sensing[M_LEVEL + at]
@@ -145,9 +145,9 @@ def fit_body(params: Params, sensing: Ints, support: Support, map: Map) -> int:
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
-    map.body[POSE_YAW] = 0
+    map.body_pose[POSE_YAW] = 0
     if params.lateral_q12:
-        map.body[POSE_YAW] = fit_heading(sensing, support, map)
+        map.body_pose[POSE_YAW] = fit_heading(sensing, support, map)
     turn_feet(sensing, map)
     for axis in range(3):
         total = 0
@@ -156,12 +156,12 @@ def fit_body(params: Params, sensing: Ints, support: Support, map: Map) -> int:
             at = leg * 3 + axis
             w = foot_weight_q8(support, leg)
             total += w
-            gap = map.feet[at] - map.body[axis] - map.seen[at] + 8 >> 4
+            gap = map.feet[at] - map.body_pose[axis] - map.seen[at] + 8 >> 4
             gaps += w * saturate(gap, -0x7FFFF, 0x7FFFF)
         if total:
-            map.body[axis] += gaps // total << 4
+            map.body_pose[axis] += gaps // total << 4
         for leg in range(LEGS):
-            map.seen[leg * 3 + axis] += map.body[axis]
+            map.seen[leg * 3 + axis] += map.body_pose[axis]
     return 0
 
 

@@ -30,8 +30,8 @@ class BodyPath:
     wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
     from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
     to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
-    tick: int = field("ticks", "of the move so far")
-    ticks: int = field("ticks", "of the whole move")
+    move_tick: int = field("ticks", "of the move so far")
+    move_ticks: int = field("ticks", "of the whole move")
     lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
     integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
     commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
@@ -98,7 +98,7 @@ def resting_x(params: Params, map: Map, support: Support) -> int:
 
 
 @hot
-def longest_leg(params: Params, pose, rotation, feet, hip_feet, skip: int) -> int:
+def longest_leg(params: Params, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints, skip: int) -> int:
     """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``pose`` over ``feet``.
 
     pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Error as plane_length.
@@ -123,9 +123,9 @@ def plan_body(
     point: Ints,
     skip: int,
     pose: Ints,
-    rotation,
+    rotation: Ints,
     feet: Ints,
-    hip_feet,
+    hip_feet: Ints,
 ) -> int:
     """Start a move of the body that brings its centre of mass over ``point`` (x, y lu); return its ticks.
 
@@ -161,9 +161,9 @@ def start_body(params: Params, path: BodyPath, pose: Ints) -> int:
     for axis in range(POSE_SIZE):
         path.from_pose[axis] = path.wanted[axis]
         path.to_pose[axis] = pose[axis] << LF_BITS
-    path.tick = 0
-    path.ticks = move_ticks(params, path)
-    return path.ticks
+    path.move_tick = 0
+    path.move_ticks = move_ticks(params, path)
+    return path.move_ticks
 
 
 @hot
@@ -193,10 +193,10 @@ def move_ticks(params: Params, path: BodyPath) -> int:
 @hot
 def move_body(path: BodyPath) -> int:
     """Take one tick of the body's move; return 1 while it goes on, else 0. Error: 0.13 % of the way."""
-    if path.tick >= path.ticks:
+    if path.move_tick >= path.move_ticks:
         return 0
-    path.tick += 1
-    share = quintic_q15(path.tick, path.ticks)
+    path.move_tick += 1
+    share = quintic_q15(path.move_tick, path.move_ticks)
     for axis in range(POSE_SIZE):
         path.wanted[axis] = path.from_pose[axis] + fraction(path.to_pose[axis] - path.from_pose[axis], share)
     return 1
@@ -218,11 +218,11 @@ def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int
             limit = params.crawl.angle_limit << LF_BITS
         wanted = path.wanted[axis]
         path.lagged[axis] += fraction(wanted - path.lagged[axis], params.crawl.lag_q15)
-        error = saturate(path.lagged[axis] - map.body[axis], -0xFFFFFF, 0xFFFFFF)
+        error = saturate(path.lagged[axis] - map.body_pose[axis], -0xFFFFFF, 0xFFFFFF)
         integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
         path.integral[axis] = integral
         path.commanded[axis] = wanted + saturate(fraction(error, _KP_Q15) + integral, -limit, limit)
-        away = saturate(map.body[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
+        away = saturate(map.body_pose[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
         path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
     if params.lateral_q12 == 0:
         path.commanded[1] = 0

@@ -36,7 +36,7 @@ class Stage:
     """The state machine."""
 
     stage: int = field("", "SHIFT .. REST")
-    tick: int = field("ticks", "of the stage")
+    stage_tick: int = field("ticks", "of the stage")
     turn: int = field("", "place in the order of the legs, 0 .. 3")
     leg: int = field("", "the leg that it is about")
     ahead: int = field("lf", "how far the command is ahead of the steps made")

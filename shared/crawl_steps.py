@@ -46,7 +46,7 @@ def enter(crawl: Crawl, next: int) -> int:
     stage = crawl.stage
     swing = crawl.swing
     stage.stage = next
-    stage.tick = 0
+    stage.stage_tick = 0
     swing.speed = 0
     return next
 
@@ -82,7 +82,7 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> int:
     params = crawl.params
     stage = crawl.stage
     step = params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
-    stage.tick = saturate(stage.tick + 1, 0, 0xFFFFFF)
+    stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
     stage.ahead = saturate(stage.ahead + saturate(ahead_lf, 0, step), -step, step)
     move_body(crawl.path)
     if stage.stage == REST:
@@ -168,12 +168,12 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
     for other in range(LEGS):
         if other != leg:
             support.share_q12[other] = saturate(support.share_q12[other] + step, 0, _FULL_Q12)
-    if path.ticks - stage.tick < params.crawl.share_ticks or 2 * stage.tick >= path.ticks:
+    if path.move_ticks - stage.stage_tick < params.crawl.share_ticks or 2 * stage.stage_tick >= path.move_ticks:
         support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
     error = match_diagonals(crawl, leg)
-    if support.share_q12[leg] or stage.tick <= path.ticks + params.crawl.settle_ticks:
+    if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
         return 0
-    if stage.tick > path.ticks + params.crawl.warp_ticks:
+    if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
         tell(crawl, EVENT_WARP, map.feet[leg * 3], support.warp)
         lift_off(crawl, leg)
     elif error < _WARP_OK_Q12 and error > -_WARP_OK_Q12:
@@ -238,9 +238,9 @@ def swing_tick(crawl: Crawl, leg: int) -> int:
     map = crawl.map
     stage = crawl.stage
     swing = crawl.swing
-    there = swing_foot(crawl.swing, crawl.path, stage.tick)
+    there = swing_foot(crawl.swing, crawl.path, stage.stage_tick)
     x = map.seen[leg * 3]
-    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, stage.tick):
+    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, stage.stage_tick):
         swing.risers += 1
         tell(crawl, EVENT_RISER, x, map.seen[leg * 3 + 2] - swing.ground)
         swing.place[0] = x - (params.crawl.riser_retreat << LF_BITS)
@@ -259,8 +259,8 @@ def hang_tick(crawl: Crawl, leg: int) -> int:
     support = crawl.support
     swing = crawl.swing
     swing.place[2] -= params.crawl.hang_speed
-    take_tare(crawl.params, crawl.contact, support.force_q12[leg], stage.tick)
-    if stage.tick >= params.crawl.hang_ticks:
+    take_tare(crawl.params, crawl.contact, support.force_q12[leg], stage.stage_tick)
+    if stage.stage_tick >= params.crawl.hang_ticks:
         enter(crawl, LOWER)
         swing.speed = params.crawl.hang_speed
         start_contact(crawl.contact)
@@ -283,7 +283,7 @@ def lower_tick(crawl: Crawl, leg: int) -> int:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
-    elif below > params.crawl.drop_depth and contact.ticks == 0 and swing.tries < _TRIES and (
+    elif below > params.crawl.drop_depth and contact.load_ticks == 0 and swing.tries < _TRIES and (
         leg >= RR or swing.dropped == 0
     ):
         find_ground(crawl, leg)

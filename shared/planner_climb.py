@@ -217,7 +217,7 @@ def leaves(planner: PlannerState, command: Ints) -> int:
 
 
 @hot
-def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
+def hand_to_trot(planner: PlannerState, command: Ints, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
     n = planner.numbers
     w = planner.felt

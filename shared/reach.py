@@ -6,9 +6,7 @@ cylinder of radius L1 about the hip axis. No public implementation does both: cl
 """
 
 from .fixed import isqrt, round_sqrt
-from .params import (
-    Params,
-)
+from .params import Params
 from .runtime import Ints, const, hot
 
 TOO_FAR = const(1)
@@ -42,7 +40,7 @@ def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
     one more than 3 lu outside never does.
     Intermediates: 32767 * 32767 at most, or three quarters of 2^30 in the sum of squares.
     """
-    base = params.legs[leg]
+    limb = params.legs[leg]
     at = leg * 3
     x = feet[at]
     y = feet[at + 1]
@@ -53,35 +51,35 @@ def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
         y >>= 1
         z >>= 1
         flags = TOO_FAR
-    reach = base.longest
-    ahead_sq = x * x
-    aside_sq = y * y
-    down_sq = z * z
-    quarter = (ahead_sq >> 2) + (aside_sq >> 2) + (down_sq >> 2)
-    if flags or quarter > (reach + 2) * (reach + 2) >> 2:
-        flags = TOO_FAR
-        distance = 2 * isqrt(quarter) + 1
-        x = scale_down(x, reach, distance)
-        y = scale_down(y, reach, distance)
-        z = scale_down(z, reach, distance)
-        ahead_sq = x * x
-        aside_sq = y * y
-        down_sq = z * z
     reached[at] = x
     reached[at + 1] = y
     reached[at + 2] = z
-    radius = base.hip_length
+    quarter = (x * x >> 2) + (y * y >> 2) + (z * z >> 2)
+    if flags or quarter > (limb.longest + 2) * (limb.longest + 2) >> 2:
+        flags = leave_outside(limb.longest, quarter, reached, at)
+    radius = limb.hip_length
     if radius < 0:
         radius = -radius
-    if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
+    across_sq = reached[at + 1] * reached[at + 1] + reached[at + 2] * reached[at + 2]
+    if radius > 1 and across_sq < (radius - 1) * (radius - 1):
         flags |= leave_hip(params, leg, radius, reached, at)
-        ahead_sq = reached[at] * reached[at]
-        aside_sq = reached[at + 1] * reached[at + 1]
-        down_sq = reached[at + 2] * reached[at + 2]
-    near = base.shortest
-    if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
+        across_sq = reached[at + 1] * reached[at + 1] + reached[at + 2] * reached[at + 2]
+    near = limb.shortest
+    if near > 2 and reached[at] * reached[at] + across_sq < (near - 2) * (near - 2):
         flags |= leave_centre(near, reached, at)
     return flags
+
+
+@hot
+def leave_outside(longest: int, quarter_sq: int, reached: Ints, at: int) -> int:
+    """Move the foot at ``reached[at]`` in along its ray to the longest leg; return TOO_FAR.
+
+    Used by reach_foot; quarter_sq: a quarter of its distance squared, lu^2.
+    """
+    distance = 2 * isqrt(quarter_sq) + 1
+    for axis in range(at, at + 3):
+        reached[axis] = scale_down(reached[axis], longest, distance)
+    return TOO_FAR
 
 
 @hot

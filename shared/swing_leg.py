@@ -27,7 +27,7 @@ class Swing:
     ground: int = field("lf", "expected height of the ground there")
     top: int = field("lf", "height up to which it is lifted")
     speed: int = field("lf / tick", "up or down")
-    ticks: int = field("ticks", "of the way across")
+    way_ticks: int = field("ticks", "of the way across")
     tries: int = field("", "how often it was lifted once more")
     risers: int = field("", "how many risers it ran into")
     dropped: int = field("", "1: it has met a drop")
@@ -86,17 +86,17 @@ def start_swing(params: Params, swing: Swing) -> int:
     ticks = (way << LF_BITS) // params.crawl.swing_speed
     if ticks < params.crawl.swing_ticks:
         ticks = params.crawl.swing_ticks
-    swing.ticks = ticks
+    swing.way_ticks = ticks
     return ticks
 
 
 @hot
 def swing_foot(swing: Swing, path: BodyPath, tick: int) -> int:
     """Take tick number ``tick`` across; return 1 when the foot is there and the body's move has ended too, else 0."""
-    share = quintic_q15(tick, swing.ticks)
+    share = quintic_q15(tick, swing.way_ticks)
     for axis in range(2):
         swing.place[axis] = swing.departure[axis] + fraction(swing.target[axis] - swing.departure[axis], share)
-    if tick < swing.ticks or path.tick < path.ticks:
+    if tick < swing.way_ticks or path.move_tick < path.move_ticks:
         return 0
     return 1
 
@@ -128,7 +128,7 @@ def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing, leg: int)
     if speed > most:
         speed = most
     swing.speed = speed
-    lowest = map.body[POSE_Z] - (params.crawl.position_limit << LF_BITS)
+    lowest = map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
     if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
         path.wanted[POSE_Z] -= params.crawl.body_speed
     else:

@@ -109,7 +109,8 @@ class Pair:
         c, dice, trouble = self.crawl, self.dice, self.trouble
         c.swing.limited = int(dice.random() < trouble.clipped)
         for axis in range(6):
-            c.map.body[axis] = c.path.wanted[axis] + round(dice.uniform(-1, 1) * trouble.noise * (300, 800)[axis > 2])
+            off = round(dice.uniform(-1, 1) * trouble.noise * (300, 800)[axis > 2])
+            c.map.body_pose[axis] = c.path.wanted[axis] + off
         for leg in range(4):
             if c.support.stance[leg]:
                 self.sense_standing(leg)
@@ -125,7 +126,7 @@ class Pair:
             seen=self.feet(c.map.seen),
             force=[value / 4096 for value in c.support.force_q12[:4]],
             load=[value / 4096 for value in c.support.load_q12[:4]],
-            body=self.pose(c.map.body),
+            body=self.pose(c.map.body_pose),
             length=c.swing.leg_length * self.unit_m,
             clipped=c.swing.limited,
             heavy=c.support.heavy_q12 / 4096,
@@ -175,11 +176,11 @@ class Pair:
     def push(self, leg):
         """Push the corner of the body over a leg that comes down on its shin, until it lifts."""
         c = self.crawl
-        if c.stage.stage == at.LOWER and c.stage.tick == 3 and self.dice.random() < self.trouble.shins:
+        if c.stage.stage == at.LOWER and c.stage.stage_tick == 3 and self.dice.random() < self.trouble.shins:
             self.pushed = self.dice.uniform(0.05, 0.15)
         elif c.stage.stage != at.LOWER:
             self.pushed = 0.0
-        c.map.body[4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+        c.map.body_pose[4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
 
     # --- any point
 
@@ -248,9 +249,9 @@ class Pair:
             middle, way = (self.fine(self.k.height) if axis == 2 else 0), (self.spread(30), dice.randint(-40000, 40000))
             c.path.to_pose[axis] = middle + way[axis > 2]
             c.path.from_pose[axis] = c.path.wanted[axis] = middle + way[axis > 2] // 2
-            c.map.body[axis] = c.path.wanted[axis] + (self.spread(35), dice.randint(-300000, 300000))[axis > 2]
-        c.path.ticks = dice.randrange(12, 60)
-        c.path.tick = dice.choice((c.path.ticks, dice.randrange(1, c.path.ticks)))
+            c.map.body_pose[axis] = c.path.wanted[axis] + (self.spread(35), dice.randint(-300000, 300000))[axis > 2]
+        c.path.move_ticks = dice.randrange(12, 60)
+        c.path.move_tick = dice.choice((c.path.move_ticks, dice.randrange(1, c.path.move_ticks)))
 
     def jump_swing(self, leg):
         """Draw where a foot in the air is and is to go, what it has met, and what it feels."""
@@ -262,13 +263,13 @@ class Pair:
         c.swing.ground = c.swing.place[2] + self.spread(dice.choice((30, 100)))
         c.swing.top = c.swing.place[2] + self.spread(60)
         c.swing.speed = dice.randrange(k.hind_lower_speed)
-        c.swing.ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
-        times = (c.path.ticks + k.settle_ticks, c.path.ticks // 2, c.swing.ticks, k.hang_ticks)
-        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.ticks + k.warp_ticks)
-        c.stage.tick = max(0, dice.choice(times) + dice.randint(-2, 2))
+        c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
+        times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
+        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.warp_ticks)
+        c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
         c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
         c.swing.dropped = dice.randrange(2) if leg < 2 else 0
-        c.contact.tare_q12, c.contact.ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
+        c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
         c.contact.past[:PAST_SIZE] = [c.swing.place[0]] * PAST_SIZE
         c.contact.past_at = dice.randrange(PAST_SIZE)
@@ -279,7 +280,7 @@ class Pair:
     def adopt(self):
         """Put the twin where the core is."""
         c, other = self.crawl, self.twin
-        other.turn, other.stage, other.ticks = c.stage.turn, c.stage.stage, c.stage.tick
+        other.turn, other.stage, other.ticks = c.stage.turn, c.stage.stage, c.stage.stage_tick
         other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
@@ -290,7 +291,7 @@ class Pair:
         body = other.body
         poses = c.path.from_pose, c.path.to_pose, c.path.wanted
         body.start, body.goal, body.wanted = (self.pose(pose) for pose in poses)
-        body.tick, body.ticks = c.path.tick, c.path.ticks
+        body.tick, body.ticks = c.path.move_tick, c.path.move_ticks
         other.swing = None
         if other.stage not in (twin.SHIFT, twin.REST):
             other.swing = self.adopted_swing()
@@ -301,8 +302,8 @@ class Pair:
         s = twin.Swing(c.stage.leg, self.metres(c.swing.place), PAST_SIZE)
         s.source, s.target = self.metres(c.swing.departure), self.metres(c.swing.target)
         s.expect, s.top, s.speed = self.metres((c.swing.ground, c.swing.top, c.swing.speed))
-        s.ticks_across, s.tries, s.hits = c.swing.ticks, c.swing.tries, c.swing.risers
-        s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.ticks
+        s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
+        s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
         s.tare = c.contact.tare_q12 / 4096
         return s
 
@@ -331,7 +332,7 @@ class Pair:
 
     def move_origin(self):
         """Both keep their maps under the body: what is measured last is where it is."""
-        body = self.metres(self.crawl.map.body[:3])
+        body = self.metres(self.crawl.map.body_pose[:3])
         way = self.twin.move_origin(body)
         assert rebase(self.crawl) == int(way is not None)
         if way:
@@ -353,19 +354,19 @@ class Pair:
         same = {
             "stage": (c.stage.stage, other.stage),
             "leg": (c.stage.leg, other.leg),
-            "tick": (c.stage.tick, other.ticks),
+            "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
             "on print": (c.footholds.taken[:2], [int(s) for s in other.on_print]),
             "prints": (c.footholds.waiting[:2], [len(side) for side in other.prints]),
             "even": (c.even.even_steps, other.steps_even),
             "landed": (c.even.landed, other.landed),
-            "planned": (c.path.tick == 0, other.body.planned),
+            "planned": (c.path.move_tick == 0, other.body.planned),
         }
         if other.swing:
             s = other.swing
             same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.hits, int(s.dropped)]
             if other.stage in (twin.DOWN, twin.REST):
-                same["touched"] = (c.contact.ticks, c.contact.peak), (s.touched, int(s.peak))
+                same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
         if other.events:
             event, leg, _, _ = other.events[-1]
             same["event"] = [c.event.code, c.event.leg], [event, leg]
@@ -409,7 +410,7 @@ class Pair:
 
     def compare_plan(self):
         """Compare where the body is to go and how long it takes, then let the twin go there too."""
-        move, goal, ticks = self.twin.body, self.pose(self.crawl.path.to_pose), self.crawl.path.ticks
+        move, goal, ticks = self.twin.body, self.pose(self.crawl.path.to_pose), self.crawl.path.move_ticks
         off = {
             "plan x y": math.dist(goal[:2], move.goal[:2]) / self.size,
             "plan z": abs(goal[2] - move.goal[2]) / self.size,

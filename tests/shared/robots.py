@@ -108,6 +108,15 @@ def block(name, rate_hz=50, knees="full-elbow"):
     return core_params(robot(name, knees), rate_hz)
 
 
+def unlimited(params):
+    """Return a robot with the reach of its legs as if the calves bent without limits."""
+    for leg in params.legs:
+        links = leg.thigh_length, leg.calf_length
+        leg.longest = math.isqrt(leg.hip_length**2 + (links[0] + links[1]) ** 2)
+        leg.shortest = math.ceil(math.hypot(leg.hip_length, links[0] - links[1]))
+    return params
+
+
 def leg_si(params, leg):
     """Return what the float twin's leg needs, in m, as the integers say it; and the unit."""
     unit_m = 2.0 ** -params.length_shift

@@ -92,7 +92,7 @@ def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
     crawl, sensing = standing(x_lu, y_lu, heading_rad)
     for _ in range(2):
         fit_body(crawl.params, sensing, crawl.support, crawl.map)
-    x, y, z, _, _, yaw = crawl.map.body[:6]
+    x, y, z, _, _, yaw = crawl.map.body_pose[:6]
     assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
     assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
 
@@ -100,18 +100,18 @@ def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
 def test_a_foot_in_the_air_does_not_move_the_body():
     crawl, sensing = standing(100, -50, 0.05)
     fit_body(crawl.params, sensing, crawl.support, crawl.map)
-    before = list(crawl.map.body[:6])
+    before = list(crawl.map.body_pose[:6])
     crawl.support.stance[0] = 0
     for axis in range(3):
         sensing[M_LEVEL + axis] += 3000
     fit_body(crawl.params, sensing, crawl.support, crawl.map)
-    moved = [abs(a - b) for a, b in zip(before, crawl.map.body[:6], strict=True)]
+    moved = [abs(a - b) for a, b in zip(before, crawl.map.body_pose[:6], strict=True)]
     assert max(moved[:3]) <= 8 * 256
 
 
 def places(crawl):
     """Return the places of a crawl as seen from its body."""
-    body, path, swing = crawl.map.body, crawl.path, crawl.swing
+    body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
     found = [*crawl.map.feet, *crawl.map.seen, *crawl.footholds.places]
     found += [*path.wanted[:3], *path.from_pose[:3], *path.to_pose[:3], *swing.place, *swing.target]
     found = [value - body[at % 3] for at, value in enumerate(found)]
@@ -125,12 +125,12 @@ def test_the_map_is_moved_exactly():
     for values in (crawl.map.feet, crawl.map.seen, crawl.footholds.places, crawl.path.wanted, crawl.path.to_pose,
                    crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past):
         values[:] = [dice.randint(-(1 << 22), 1 << 22) for _ in values]
-    crawl.map.body[0] = (crawl.params.leg_length << 7) + 12345
+    crawl.map.body_pose[0] = (crawl.params.leg_length << 7) + 12345
     crawl.swing.ground = crawl.swing.place[2] - 777
     away = places(crawl)
     assert rebase(crawl) == 1
     assert places(crawl) == away
-    assert crawl.map.body[0] == 0
+    assert crawl.map.body_pose[0] == 0
     assert rebase(crawl) == 0
 
 

@@ -77,7 +77,7 @@ def put(crawl, feet, body_m=(0.0, 0.0, 0.18), angles=(0.0, 0.0, 0.0)):
         for axis in range(3):
             c.map.feet[leg * 3 + axis] = fine(foot[axis])
     for axis in range(3):
-        for pose in (c.map.body, c.path.wanted, c.path.commanded):
+        for pose in (c.map.body_pose, c.path.wanted, c.path.commanded):
             pose[axis] = fine(body_m[axis])
             pose[3 + axis] = bf(angles[axis])
 
@@ -100,9 +100,9 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
             sensing[M_LEVEL + leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
     crawl_map.fit_body(crawl.params, sensing, crawl.support, crawl.map)
     best = twin.heading(seen, feet, shares)
-    assert abs(crawl.map.body[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
+    assert abs(crawl.map.body_pose[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
     exact = twin.body_place(seen, feet, shares, best)
-    found = [crawl.map.body[axis] * FINE_M for axis in range(3)]
+    found = [crawl.map.body_pose[axis] * FINE_M for axis in range(3)]
     assert math.dist(found, exact) < 0.15 * MM
 
 
@@ -228,7 +228,7 @@ def test_a_bodys_move_is_the_quintic(crawl):
     c = crawl
     for axis in range(6):
         c.path.from_pose[axis], c.path.to_pose[axis] = 1000 * axis, 200000 - 90000 * axis
-    c.path.tick, c.path.ticks = 0, 40
+    c.path.move_tick, c.path.move_ticks = 0, 40
     for tick in range(1, 41):
         assert crawl_pose.move_body(c.path) == 1
         for axis in range(6):
@@ -253,10 +253,10 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
         for axis in range(6):
             swing_of = 0.02 * math.sin(tick / (20 + 7 * axis))
             c.path.wanted[axis] = round((0.1 + swing_of) / units[axis])
-            c.map.body[axis] = round((0.1 + 0.9 * swing_of - 0.004) / units[axis])
+            c.map.body_pose[axis] = round((0.1 + 0.9 * swing_of - 0.004) / units[axis])
         crawl_pose.hold_pose(c.params, c.map, c.support, c.path)
         for axis in range(6):
-            exact = loops[axis].step(c.path.wanted[axis] * units[axis], c.map.body[axis] * units[axis])
+            exact = loops[axis].step(c.path.wanted[axis] * units[axis], c.map.body_pose[axis] * units[axis])
             assert abs(c.path.commanded[axis] * units[axis] - exact) < 0.05 * MM
 
 
@@ -326,7 +326,7 @@ def test_a_hind_foot_comes_down_so_that_it_can_slow_down(above_m):
 def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     crawl = Crawl(PARAMS)
     c = crawl
-    c.map.body[body.POSE_PITCH], c.map.body[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
+    c.map.body_pose[body.POSE_PITCH], c.map.body_pose[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
     exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
     assert abs(contact.corner_lift(c.params, c.map, c.path, leg) * UNIT_M - exact) < 0.1 * MM
 
@@ -337,13 +337,13 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     crawl = Crawl(PARAMS)
     c, k = crawl, crawl.params.crawl
     ticks = 24
-    c.stage.tick, c.swing.ticks, c.swing.target[0], c.swing.departure[0] = 20, ticks, fine(way_m), 0
+    c.stage.stage_tick, c.swing.way_ticks, c.swing.target[0], c.swing.departure[0] = 20, ticks, fine(way_m), 0
     for place in range(contact.PAST_SIZE):
         c.contact.past[place] = fine(behind_m)
     late = swing.held_up(behind_m, setting(crawl, "riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
     margin = behind_m - setting(crawl, "riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
-        assert bool(contact.feel_riser(c.params, c.contact, c.swing, c.map.seen[leg * 3], c.stage.tick)) == late
+        assert bool(contact.feel_riser(c.params, c.contact, c.swing, c.map.seen[leg * 3], c.stage.stage_tick)) == late
 
 
 @pytest.mark.parametrize("tare", [-400, 0, 700])
@@ -352,7 +352,7 @@ def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(
     c = crawl
 
     def felt(*loads):
-        c.contact.tare_q12, c.contact.ticks, c.contact.peak = tare, 0, 0
+        c.contact.tare_q12, c.contact.load_ticks, c.contact.peak = tare, 0, 0
         answers = []
         for load in loads:
             answers.append(contact.feel_ground(c.params, c.contact, tare + load, 0, 0))
@@ -419,7 +419,7 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     feet, pose, weight = carry.start(level, felt, tilt[1], tilt[0])
     for leg in range(4):
         assert math.dist([v * FINE_M for v in c.map.feet[leg * 3 :][:3]], feet[leg]) < 0.02 * MM
-    for found in (c.map.body, c.path.wanted, c.path.commanded, c.path.lagged, c.path.from_pose):
+    for found in (c.map.body_pose, c.path.wanted, c.path.commanded, c.path.lagged, c.path.from_pose):
         assert math.dist([v * FINE_M for v in found[:3]], pose[:3]) < 0.02 * MM
         assert math.dist([v / (1 << 24) * 2 * math.pi for v in found[3:]], pose[3:]) < 0.2e-3
     assert abs(c.support.weight_q12 / 4096 - weight) < 1e-3

@@ -85,7 +85,7 @@ def _soil_map(dice, bits):
         MAP.feet[at] = _near(dice, bits)
         MAP.seen[at] = _near(dice, bits)
     for axis in range(6):
-        MAP.body[axis] = _near(dice, bits if axis < 3 else 22)
+        MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
     for leg in range(4):
         MAP.shank[leg] = SHANK.any(dice)
         SUPPORT.stance[leg] = dice.bits(1)
@@ -108,8 +108,8 @@ def _soil_path(dice, bits):
         PATH.integral[axis] = _near(dice, bits)
         PATH.commanded[axis] = _near(dice, bits)
         PATH.sag[axis] = _near(dice, bits)
-    PATH.tick = dice.below(61)
-    PATH.ticks = dice.below(61)
+    PATH.move_tick = dice.below(61)
+    PATH.move_ticks = dice.below(61)
     for at in range(24):
         FOOTHOLDS.places[at] = _near(dice, bits)
     for side in range(2):
@@ -127,14 +127,14 @@ def _soil_swing(dice, bits):
     FOOT.place[2] = FOOT.ground - dice.bits(22)
     FOOT.top = _near(dice, bits)
     FOOT.speed = SPEED.any(dice)
-    FOOT.ticks = 1 + dice.below(60)
+    FOOT.way_ticks = 1 + dice.below(60)
     FOOT.tries = dice.bits(2)
     FOOT.risers = dice.bits(2)
     FOOT.dropped = dice.bits(1)
     FOOT.leg_length = dice.bits(15)
     FOOT.limited = dice.bits(1)
     CONTACT.tare_q12 = FORCE.any(dice)
-    CONTACT.ticks = dice.below(10)
+    CONTACT.load_ticks = dice.below(10)
     CONTACT.peak = dice.bits(1)
     for at in range(contact.PAST_SIZE):
         CONTACT.past[at] = _near(dice, bits)
@@ -143,7 +143,7 @@ def _soil_swing(dice, bits):
 
 def _soil_stage(dice):
     STAGE.stage = dice.below(6)
-    STAGE.tick = TICKS.any(dice)
+    STAGE.stage_tick = TICKS.any(dice)
     STAGE.turn = dice.bits(2)
     STAGE.leg = dice.bits(2)
     STAGE.ahead = dice.below(1200000) - 600000
