@@ -5,9 +5,11 @@ import math
 import pytest
 
 from host import crawl_tuning
+from host.scale import brad, core_params
+from shared.record import pack
 from tests.float_twin import crawl_reach as twin
 
-from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si
+from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si, robot
 
 RATES = (20, 50, 333, 500)
 LENGTHS = ("tall", "margin", "ahead", "com_z", "lift_front", "lift_rear", "near_print", "deepest", "hit", "high")
@@ -69,6 +71,33 @@ def test_legs_reach_no_farther_than_the_calves_bend(name):
         assert limb.longest * unit_m == pytest.approx(far, abs=6 * unit_m)
         assert limb.shortest * unit_m == pytest.approx(near, abs=6 * unit_m)
         assert limb.clearance * unit_m == pytest.approx(-(near + shape.l1) / 2, abs=6 * unit_m)
+
+
+GIVEN = {
+    "margin_m": ("margin", 0.02, 1),
+    "com_z_m": ("com_z", -0.012, 1),
+    "lift_speed_m_s": ("lift_speed", 0.2, 256 / 50),
+    "lift_acceleration_m_s2": ("lift_acceleration", 2.5, 256 / 2500),
+    "body_acceleration_m_s2": ("body_acceleration", 0.5, 1),
+}
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+def test_a_robot_file_may_give_the_crawls_numbers_anew(name):
+    """In SI, of its own leg; what it does not name stays as it is."""
+    values = {key: value for key, (_, value, _) in GIVEN.items()}
+    other = {"settle_s": 0.08, "tare_in_s": 0.1, "angle_limit_rad": 0.15}
+    changed = core_params(robot(name).model_copy(update={"crawl": values | other}), 50)
+    usual, unit_m = block(name), 2.0**-changed.length_shift
+    for field, value, unit in GIVEN.values():
+        assert getattr(changed.crawl, field) * unit_m == pytest.approx(value * unit, abs=2 * unit_m * (1 + unit)), field
+    assert (changed.crawl.settle_ticks, changed.crawl.angle_limit) == (4, brad(0.15))
+    assert changed.crawl.tare_in_q15 == round(32768 / 0.1 / 50)
+    for field, _, _ in GIVEN.values():
+        setattr(changed.crawl, field, getattr(usual.crawl, field))
+    for field in ("settle_ticks", "angle_limit", "tare_in_q15"):
+        setattr(changed.crawl, field, getattr(usual.crawl, field))
+    assert pack(changed) == pack(usual)
 
 
 # From docs/gaits.md and the texts of the core, m and s
