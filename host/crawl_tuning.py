@@ -6,6 +6,7 @@ A robot file's table ``crawl`` gives single numbers anew, in SI: the keys are th
 
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
+from math import pi
 
 from shared.crawl_setup import CrawlSetup
 from shared.fixed import cos_q15, hypot, isqrt
@@ -60,7 +61,7 @@ def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None
 def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
     """Return what the core takes for a thousandth of a number of the table, for a leg of ``leg`` lu."""
     if unit == "brad":
-        return round(value / 1e6 * 32768 / 3.141592653589793)
+        return round(value / 1e6 * 32768 / pi)
     if unit == "ticks":
         return max(1, (value * rate_hz + _SECOND_US // 2) // _SECOND_US)
     if unit == "Q15 / tick":
