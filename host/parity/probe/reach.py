@@ -15,7 +15,6 @@ WITHIN = Block(zeros(12), (12, Range(-18000, 18000)))
 CLOSE = Block(zeros(12), (12, Range(-15000, 15000)))
 REACHED = zeros(12)
 SIDE = Range(-32767, 32767)
-SIZE = Range(0, 32767)
 
 
 def _one_leg(values, dice):
@@ -27,12 +26,6 @@ def _one_leg(values, dice):
     values[4] = one * 3
 
 
-def _outside(values, dice):
-    foot, at = values[2], values[3] * 3
-    values[3] = at
-    values[1] = (foot[at] * foot[at] >> 2) + (foot[at + 1] * foot[at + 1] >> 2) + (foot[at + 2] * foot[at + 2] >> 2)
-
-
 def _off_centre(values, dice):
     foot, at = values[1], values[2] * 3
     values[2] = at
@@ -41,7 +34,7 @@ def _off_centre(values, dice):
 
 
 PROBES = (
-    Probe("scale_down", reach.scale_down, (SIDE, SIZE, INT30)),
+    Probe("scale_down", reach.scale_down, (SIDE, Range(0, 32767), INT30)),
     Probe("reach_foot", reach.reach_foot, (ROBOT, LEG, ANYWHERE, REACHED), watch=(REACHED,)),
     Probe("reach_foot:near", reach.reach_foot, (ROBOT, LEG, NEARBY, REACHED), watch=(REACHED,)),
     Probe(
@@ -51,6 +44,5 @@ PROBES = (
         watch=(WITHIN.array,),
         fit=_one_leg,
     ),
-    Probe("leave_outside", reach.leave_outside, (SIZE, 0, WITHIN, LEG), watch=(WITHIN.array,), fit=_outside),
     Probe("leave_centre", reach.leave_centre, (Range(0, 15000), CLOSE, LEG), watch=(CLOSE.array,), fit=_off_centre),
 )
