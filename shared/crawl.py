@@ -132,14 +132,7 @@ def measure(crawl: Crawl, joints: Ints, first: int) -> int:
 
 @hot
 def crawl_tick(
-    crawl: Crawl,
-    sensing: Ints,
-    sensed: Ints,
-    first: int,
-    roll_brad: int,
-    pitch_brad: int,
-    ahead_lf: int,
-    joints: Ints,
+    crawl: Crawl, sensing: Ints, sensed: Ints, first: int, roll_brad: int, pitch_brad: int, ahead_lf: int, joints: Ints
 ) -> int:
     """Take one tick: 12 measured joints from ``sensed[first]`` on, in; 12 goals into ``joints``; return flags.
 

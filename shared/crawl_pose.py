@@ -116,17 +116,9 @@ def longest_leg(params: Params, pose: Ints, rotation: Ints, feet: Ints, hip_feet
 
 @hot
 def plan_body(
-    params: Params,
-    map: Map,
-    support: Support,
-    path: BodyPath,
-    point: Ints,
-    skip: int,
-    pose: Ints,
-    rotation: Ints,
-    feet: Ints,
-    hip_feet: Ints,
-) -> int:
+    params: Params, map: Map, support: Support, path: BodyPath, point: Ints, skip: int,
+    pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints,
+) -> int:  # fmt: skip
     """Start a move of the body that brings its centre of mass over ``point`` (x, y lu); return its ticks.
 
     The body is at its height above the feet (more under load), lowered until no leg but ``skip`` is longer than

@@ -19,7 +19,7 @@ class CrawlSetup:
     stride: int = field("lu", "a third of the hip distance: front footholds lie where the hind feet want them")
     height: int = field("lu", "hips above the mean of the feet: 0.865 of the straightest leg")
     half_length: int = field("lu", "from the body's middle to its hips, forward")
-    half_width: int = field("lu", "from the body's middle to its feet, sideways")
+    half_width: int = field("lu", "from the body's middle to the planes of its legs, sideways")
     reach: int = field("lu", "longest planned leg, thigh joint to foot")
     swing_reach: int = field("lu", "longest leg in the air, thigh joint to foot")
     folded: int = field("lu", "a leg as short as this is folded")

@@ -143,17 +143,9 @@ def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
     """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
     mass_target(crawl.params, crawl.map, leg, wanted_x, crawl.feet, crawl.weights, crawl.point)
     return plan_body(
-        crawl.params,
-        crawl.map,
-        crawl.support,
-        crawl.path,
-        crawl.point,
-        skip,
-        crawl.pose,
-        crawl.rotation,
-        crawl.feet,
-        crawl.hip_feet,
-    )
+        crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, skip,
+        crawl.pose, crawl.rotation, crawl.feet, crawl.hip_feet,
+    )  # fmt: skip
 
 
 @hot

@@ -176,10 +176,10 @@ def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
         n[N_CLIMB] = CLIMB_ON
     if n[N_CLIMB] == CLIMB_ON:
         reason = leaves(planner, command)
-        way = command[C_SPEED]
+        ahead = command[C_SPEED]
         if reason or command[C_MODE] != MODE_WALK or n[N_FALLEN]:
-            way = 0
-        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, way, planner.goal)
+            ahead = 0
+        n[N_FLAGS] |= crawl_tick(planner.climb, planner.sensing, sensed, S_JOINTS, roll, pitch, ahead, planner.goal)
         n[N_SWINGING] = 0
         if support.stance[stage.leg] == 0:
             n[N_SWINGING] = 1 << stage.leg
@@ -188,7 +188,7 @@ def climb(planner: PlannerState, command: Ints, sensed: Ints) -> int:
         if stage.stage == REST:
             if reason:
                 hand_to_trot(planner, command, reason)
-            elif way <= 0:
+            elif ahead <= 0:
                 n[N_STATE] = STANDING
     return 0
 
