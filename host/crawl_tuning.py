@@ -15,15 +15,17 @@ from shared.params import FR, LEGS, LF_BITS, RR, Leg, Params
 _LEG_MM = 240  # the leg that the table's lengths belong to
 _STRIDE_MM = 90  # the longest
 _SECOND_US = 1_000_000
-# How a field's name ends, and its key in the file, by the core's unit; and whether the number goes with the leg
+# How a field's name ends, and its key in the file, by the core's unit; what the table gives it in is so many to 1 of SI
 _UNITS = {
-    "lu": ("", "_m", True),
-    "lf / tick": ("", "_m_s", True),
-    "lf / tick^2": ("", "_m_s2", True),
-    "lu / s^2": ("", "_m_s2", True),
-    "ticks": ("_ticks", "_s", False),
-    "Q15 / tick": ("_q15", "_s", False),
-    "brad": ("", "_rad", False),
+    "lu": ("", "_m", 1000),
+    "lf / tick": ("", "_m_s", 1000),
+    "lf / tick^2": ("", "_m_s2", 1000),
+    "lu / s^2": ("", "_m_s2", 1000),
+    "ticks": ("_ticks", "_s", 1000),
+    "Q15 / tick": ("_q15", "_s", 1000),
+    "brad": ("", "_rad", 1000),
+    "Q15": ("_q15", "", 1000),
+    "own weight": ("_q12", "_weights", 10000),
 }
 _NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
 _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
@@ -38,7 +40,7 @@ def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple
             yield f"crawl.{key}", value, f"{hint}the keys are those of shared/crawl_setup.py: {', '.join(_KEYS)}"
             continue
         place = _NUMBERS[_KEYS[key]]
-        usual = place.default / 1000 * (leg_m * 1000 / _LEG_MM if _UNITS[place.unit][2] else 1)
+        usual = place.default * _one(place.unit, leg_m)
         low, high = sorted((usual / 4, usual * 2))
         if _KEYS[key] == "goal_lag_ticks":
             high = _MOST_LAG_S
@@ -52,16 +54,22 @@ def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None
         setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params.leg_length, params.rate_hz))
     for key, value in given.items():
         place = _NUMBERS[_KEYS[key]]
-        thousandths = value * 1e6 * (_LEG_MM / 1000 / leg_m if _UNITS[place.unit][2] else 1)
-        integer = _scaled(round(thousandths), place.unit, params.leg_length, params.rate_hz)
+        thousandths = round(1000 * value / _one(place.unit, leg_m))
+        integer = _scaled(thousandths, place.unit, params.leg_length, params.rate_hz)
         setattr(params.crawl, _KEYS[key], integer)
     _shape(params)
 
 
+def _one(unit: str, leg_m: float) -> float:
+    """Return what 1 in the table is in SI, for a leg."""
+    return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") else 1)
+
+
 def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
     """Return what the core takes for a thousandth of a number of the table, for a leg of ``leg`` lu."""
-    if unit == "brad":
-        return round(value / 1e6 * 32768 / pi)
+    if unit in ("brad", "Q15", "own weight"):
+        one = {"brad": 32768 / pi, "Q15": 32768, "own weight": 4096}[unit]
+        return round(value / 1000 / _UNITS[unit][2] * one)
     if unit == "ticks":
         return max(1, (value * rate_hz + _SECOND_US // 2) // _SECOND_US)
     if unit == "Q15 / tick":

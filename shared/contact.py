@@ -15,10 +15,6 @@ from .runtime import Ints, const, hot
 from .swing_leg import Swing
 
 PAST_SIZE = const(32)  # ticks
-# Parts of the own weight in Q12; in brackets what that is on Caramelo (21.6 N)
-_TOUCH_Q12 = const(569)  # 3 N
-_PEAK_Q12 = const(758)  # 4 N
-_FAST_Q12 = const(1706)  # 9 N: a foot that still falls fast feels its own braking
 _MOST_RISERS = const(2)
 _RAD_BRAD = const(10430)  # 65536 / 2 pi
 
@@ -61,14 +57,14 @@ def feel_ground(params: Params, contact: Contact, force_q12: int, speed: int, le
     tare follows.
     """
     force = force_q12 - contact.tare_q12
-    least = _TOUCH_Q12
+    least = params.crawl.touch_q12
     gain = params.crawl.tare_slow_q15
     if leg >= RR and speed > params.crawl.fast_speed:
-        least = _FAST_Q12
+        least = params.crawl.fast_touch_q12
         gain = params.crawl.tare_fast_q15
     if force > least:
         contact.load_ticks += 1
-        if force > _PEAK_Q12:
+        if force > params.crawl.peak_q12:
             contact.peak = 1
     else:
         start_contact(contact)

@@ -16,7 +16,6 @@ from .sensing import M_LEVEL
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
 _HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
-_LOADED_Q12 = const(379)  # 2 N of Caramelo's 21.6
 _NEAR_LU = const(16383)
 
 
@@ -173,7 +172,7 @@ def follow_slips(params: Params, support: Support, map: Map) -> int:
     down again, the others too. A foot that is far off in height is followed fast: it stood on something that
     gave way.
     """
-    least = _LOADED_Q12
+    least = params.crawl.free_q12
     if params.lateral_q12 == 0:
         least = -0x8000
     far = params.crawl.slip_far << LF_BITS

@@ -15,9 +15,6 @@ from .record import field, record, vector
 from .runtime import Ints, const, hot
 from .stability import point_inside
 
-_SLOPE_SHARE_Q15 = const(26214)  # 0.8 of the slope of the feet: the rest is left to the legs
-_PITCH_MAX = const(3129)  # brad, 0.3 rad
-_KP_Q15 = const(9830)  # 0.3
 _TURN_RATE_Q15 = const(6434)  # 2 pi / 32: brad times lu to lf
 _OWN_Q12 = const(4096)
 _LOAD_MAX_Q12 = const(10240)
@@ -40,7 +37,7 @@ class BodyPath:
 
 @hot
 def feet_pitch(params: Params, map: Map) -> int:
-    """Return the body's pitch in brad that goes with the slope from hind to front feet, within +-0.3 rad.
+    """Return the body's pitch in brad that goes with the slope from hind to front feet, within its limit.
 
     Going up (front feet higher) is pitch below 0: nose up. Feet closer than two thirds of half the body
     are taken as that far apart.
@@ -50,7 +47,8 @@ def feet_pitch(params: Params, map: Map) -> int:
     if dx < least:
         dx = least
     slope = atan2_brad(front_to_hind(map, 2) >> 1, dx)
-    return -saturate(mul_q15(slope, _SLOPE_SHARE_Q15), -_PITCH_MAX, _PITCH_MAX)
+    pitch = mul_q15(slope, params.crawl.slope_share_q15)
+    return -saturate(pitch, -params.crawl.pitch_max, params.crawl.pitch_max)
 
 
 @hot
@@ -213,7 +211,7 @@ def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int
         error = saturate(path.lagged[axis] - map.body_pose[axis], -0xFFFFFF, 0xFFFFFF)
         integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
         path.integral[axis] = integral
-        path.commanded[axis] = wanted + saturate(fraction(error, _KP_Q15) + integral, -limit, limit)
+        path.commanded[axis] = wanted + saturate(fraction(error, params.crawl.error_q15) + integral, -limit, limit)
         away = saturate(map.body_pose[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
         path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
     if params.lateral_q12 == 0:

@@ -9,10 +9,11 @@ from .record import field, record
 
 @record
 class CrawlSetup:
-    """The third column is the value tuned, in mm, mm/s, mm/s^2 of a leg of 240 mm, ms or mrad; 0: from the shape.
+    """The third column is the value tuned, in mm, mm/s, mm/s^2 of a leg of 240 mm, ms, mrad ...; 0: from the shape.
 
     lu takes mm, lf / tick mm/s, lf / tick^2 and lu / s^2 mm/s^2; ticks take ms, and a share Q15 / tick, with which
-    something is followed or fades, its time constant in ms. Measured in simulation where no other source is named.
+    something is followed or fades, its time constant in ms; own weights (Q12) take 1/10000, other shares (Q15) 1/1000.
+    Measured in simulation where no other source is named.
     """
 
     # Stance: where the body is to be over its feet
@@ -32,6 +33,10 @@ class CrawlSetup:
     body_ticks: int = field("ticks", "shortest move of the body", 250)
     settle_ticks: int = field("ticks", "after a move", 60)
     share_ticks: int = field("ticks", "in which a leg takes all of its share of the load, or leaves it", 300)
+    slope_share_q15: int = field("Q15", "of the feet's slope that the body pitches; the rest is left to the legs", 800)
+    pitch_max: int = field("brad", "of that pitch", 300)
+    free_q12: int = field("own weight", "with less a leg is free, and a foot tells of no slip: 2 N of 21.6", 925)
+    warp_least_q12: int = field("own weight", "off on the diagonals that is good enough to lift: 4 N of 21.6", 1851)
     warp_gain: int = field("lf / tick", "warp per own weight on the wrong diagonal: 0.8 mm/s per newton", 17)
     warp_speed: int = field("lf / tick", "the fastest warp", 30)
     warp_max: int = field("lu", "the largest warp", 40)
@@ -55,6 +60,9 @@ class CrawlSetup:
     near_foothold: int = field("lu", "above it", 12)
     fast_speed: int = field("lf / tick", "a hind foot that falls faster is not to touch yet", 72)
     # Contact: what a leg in the air meets
+    touch_q12: int = field("own weight", "above the tare: the least load of a contact, 3 N of Caramelo's 21.6", 1389)
+    peak_q12: int = field("own weight", "load that a contact has once, 4 N of 21.6", 1851)
+    fast_touch_q12: int = field("own weight", "least load of a foot that falls fast and feels its braking, 9 N", 4165)
     contact_ticks: int = field("ticks", "of load that make a contact", 60)
     highest_contact: int = field("lu", "above the expected height: higher there is none", 65)
     deepest: int = field("lu", "below the expected height: given up", 85)
@@ -83,6 +91,7 @@ class CrawlSetup:
     slip_far_q15: int = field("Q15 / tick", "the same of a foot that is far off: what it stood on gave way", 200)
     slip_far: int = field("lu", "that far", 8)
     lag_q15: int = field("Q15 / tick", "servos and bus behind the pose that is wanted", 60)
+    error_q15: int = field("Q15", "share of the error that the pose loop adds to the command", 300)
     integral_q15: int = field("Q15 / tick", "integral of the pose loop", 333)
     sag_q15: int = field("Q15 / tick", "measured less wanted pose, from which a swing leg starts", 100)
     position_limit: int = field("lu", "of the pose loop's terms", 30)

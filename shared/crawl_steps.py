@@ -34,8 +34,6 @@ from .swing_leg import lift_foot, lower_foot, start_swing, swing_foot, try_again
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
 _FULL_Q12 = const(4096)
-_FREE_Q12 = const(379)  # 2 N of Caramelo's 21.6: nothing left on the leg that is to lift
-_WARP_OK_Q12 = const(758)  # 4 N
 _TRIES_FRONT_STEP = const(2)
 _TRIES = const(3)
 
@@ -168,7 +166,7 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
     if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
         tell(crawl, EVENT_WARP, map.feet[leg * 3], support.warp)
         lift_off(crawl, leg)
-    elif error < _WARP_OK_Q12 and error > -_WARP_OK_Q12:
+    elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
         lift_off(crawl, leg)
     return 0
 
@@ -184,7 +182,7 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
     support = crawl.support
     if params.lateral_q12 == 0:
         return 0
-    if support.share_q12[leg] == 0 and support.force_q12[leg] < _FREE_Q12:
+    if support.share_q12[leg] == 0 and support.force_q12[leg] < params.crawl.free_q12:
         return 0
     error = 0
     for other in range(LEGS):
