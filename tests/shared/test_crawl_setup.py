@@ -86,16 +86,17 @@ GIVEN = {
 def test_a_robot_file_may_give_the_crawls_numbers_anew(name):
     """In SI, of its own leg; what it does not name stays as it is."""
     values = {key: value for key, (_, value, _) in GIVEN.items()}
-    other = {"settle_s": 0.08, "tare_in_s": 0.1, "angle_limit_rad": 0.15}
+    other = {"settle_s": 0.08, "tare_in_s": 0.1, "angle_limit_rad": 0.15, "touch_weights": 0.2, "error": 0.25}
     changed = core_params(robot(name).model_copy(update={"crawl": values | other}), 50)
     usual, unit_m = block(name), 2.0**-changed.length_shift
     for field, value, unit in GIVEN.values():
         assert getattr(changed.crawl, field) * unit_m == pytest.approx(value * unit, abs=2 * unit_m * (1 + unit)), field
     assert (changed.crawl.settle_ticks, changed.crawl.angle_limit) == (4, brad(0.15))
     assert changed.crawl.tare_in_q15 == round(32768 / 0.1 / 50)
+    assert (changed.crawl.touch_q12, changed.crawl.error_q15) == (round(4096 * 0.2), 8192)
     for field, _, _ in GIVEN.values():
         setattr(changed.crawl, field, getattr(usual.crawl, field))
-    for field in ("settle_ticks", "angle_limit", "tare_in_q15"):
+    for field in ("settle_ticks", "angle_limit", "tare_in_q15", "touch_q12", "error_q15"):
         setattr(changed.crawl, field, getattr(usual.crawl, field))
     assert pack(changed) == pack(usual)
 
