@@ -1,6 +1,6 @@
 """What the planner says of its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
 
-The core keeps codes (shared/handover.py, shared/crawl_layout.py); here they get their words, for the walk's report,
+The core keeps codes (shared/handover.py, shared/crawl_state.py); here they get their words, for the walk's report,
 the pages and the records.
 """
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from shared import adaptive, handover
-from shared import crawl_layout as crawl
+from shared import crawl_state as crawl
 from shared import planner_layout as core
 from shared.adaptive import BEHIND_STEP
 from shared.gaits import GAIT_NAMES
@@ -62,19 +62,19 @@ def margin_m(driver: Driver) -> float:
 
 def crawl_event(driver: Driver) -> str:
     """Return what the crawl met last, "" if nothing."""
-    state = driver.planner.climb.state
-    leg = LEG_NAMES[state[crawl.C_EVENT_LEG]]
-    off_mm = 1000 * driver.scale.metres(state[crawl.C_EVENT_Z])
+    event = driver.planner.climb.event
+    leg = LEG_NAMES[event.leg]
+    off_mm = 1000 * driver.scale.metres(event.z)
     return {
         crawl.EVENT_NONE: "",
         crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm off the height expected",
-        crawl.EVENT_HIGH: f"{leg} met ground {off_mm:.0f} mm above the height expected: it tries further on",
-        crawl.EVENT_VOID: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
+        crawl.EVENT_STEP: f"{leg} met ground {off_mm:.0f} mm above the height expected: it tries further on",
+        crawl.EVENT_DROP: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
         crawl.EVENT_SHIN: f"{leg} stood on an edge with its shin: it lifts and goes further on",
-        crawl.EVENT_HIT: f"{leg} ran into a riser: it goes back and higher",
-        crawl.EVENT_NOTHING: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
+        crawl.EVENT_RISER: f"{leg} ran into a riser: it goes back and higher",
+        crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
         crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry what they should",
-    }[state[crawl.C_EVENT]]
+    }[event.code]
 
 
 class GaitWatch:

@@ -10,6 +10,7 @@ from math import degrees
 from shared.gaits import GAIT_NAMES
 from sim2d.model import least_inertia_kgm2
 
+from .crawl_tuning import crawl_complaints
 from .joint_units import Board
 from .kinematics_si import leg_inverse
 from .plane import joint_drives
@@ -38,6 +39,7 @@ def complaints(robot: Robot) -> Iterator[Complaint]:
     yield from changes_fit_the_integers(robot)
     yield from gains_fit_the_integers(robot)
     yield from gaits_exist(robot)
+    yield from crawl_complaints(robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
     yield from poses_are_reachable(robot)
     if isinstance(robot.actuator, Servo):
         yield from servo_is_consistent(robot.actuator)

@@ -236,6 +236,7 @@ class Robot(Table):
     balance: Balance
     gait: Gait
     adaptive: Adaptive
+    crawl: dict[str, Annotated[float, number(-30.0, 30.0)]] = Field(default_factory=dict)  # host/crawl_tuning.py
     imu: Imu
 
     @property

@@ -14,6 +14,7 @@ from shared.attitude import (
 )
 from shared.params import LEGS, LF_BITS, Gains, Params
 
+from .crawl_tuning import fill_crawl
 from .errors import UserError
 from .mass import com_at_rest_m, lever_m
 from .plane import joint_drives
@@ -106,6 +107,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
         _leg(params, robot, scale, leg)
     _compliance(params, robot, scale)
     _adaptive(params, robot, scale)
+    fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
     if planar:
         params.lateral_q12 = 0
     return params

@@ -5,132 +5,120 @@ weight and its friction; that tare is taken before it goes down and followed whi
 """
 
 from .body import POSE_PITCH, POSE_ROLL
-from .crawl_layout import (
-    C_BODY,
-    C_CLIPPED,
-    C_FORCE,
-    C_HITS,
-    C_MOVE_TICKS,
-    C_PAST,
-    C_PAST_AT,
-    C_PEAK,
-    C_POS,
-    C_REF,
-    C_SEEN,
-    C_SOURCE,
-    C_SPEED,
-    C_TARE,
-    C_TARGET,
-    C_TICK,
-    C_TOUCHED,
-    K_ARM_X,
-    K_ARM_Y,
-    K_HIT,
-    K_HIT_AFTER,
-    K_HIT_LAG,
-    K_LATE,
-    K_TARE_FAST,
-    K_TARE_IN,
-    K_TARE_SKIP,
-    K_TARE_SLOW,
-    K_TOUCH_TICKS,
-    K_V_QUICK,
-    PAST_SIZE,
-)
+from .crawl_map import Map
+from .crawl_pose import BodyPath
 from .filters import fraction
 from .fixed import saturate
-from .params import LF_BITS, RR
+from .params import LF_BITS, RR, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
+from .swing_leg import Swing
 
-# Parts of the own weight in Q12; in brackets what that is on Caramelo (21.6 N)
-_TOUCH_Q12 = const(569)  # 3 N
-_PEAK_Q12 = const(758)  # 4 N
-_FAST_Q12 = const(1706)  # 9 N: a foot that still falls fast feels its own braking
-_MOST_HITS = const(2)
+PAST_SIZE = const(32)  # ticks
+_MOST_RISERS = const(2)
 _RAD_BRAD = const(10430)  # 65536 / 2 pi
 
 
+@record
+class Contact:
+    """What the leg in the air feels."""
+
+    tare_q12: int = field("own weight", "force that it reads without contact")
+    load_ticks: int = field("ticks", "with load, in a row")
+    peak: int = field("", "1: more than the least of a contact in one of them")
+    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
+    past_at: int = field("", "where the last is")
+
+
 @hot
-def take_tare(settings: Ints, state: Ints, leg: int) -> int:
-    """Take one tick of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
-    force = state[C_FORCE + leg]
-    if state[C_TICK] <= settings[K_TARE_SKIP] + 1:
-        state[C_TARE] = force
+def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> int:
+    """Take tick ``tick`` of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
+    if tick <= params.crawl.hang_skip_ticks + 1:
+        contact.tare_q12 = force_q12
     else:
-        state[C_TARE] += fraction(force - state[C_TARE], settings[K_TARE_IN])
-    return state[C_TARE]
+        contact.tare_q12 += fraction(force_q12 - contact.tare_q12, params.crawl.tare_in_q15)
+    return contact.tare_q12
 
 
 @hot
-def feel_ground(settings: Ints, state: Ints, leg: int) -> int:
-    """Return 1 when the foot of ``leg``, on its way down, has ground under it, else 0.
+def start_contact(contact: Contact) -> int:
+    """Begin to feel for the ground; return 0."""
+    contact.load_ticks = 0
+    contact.peak = 0
+    return 0
+
+
+@hot
+def feel_ground(params: Params, contact: Contact, force_q12: int, speed: int, leg: int) -> int:
+    """Return 1 when the foot of ``leg``, on its way down at ``speed`` (lf / tick), has ground under it, else 0.
 
     That is more than 3 N above the tare for 60 ms, with more than 4 N once in them (on Caramelo; in parts of
-    the weight on others). A hind foot that is still fast over its known print needs 9 N. Without load the
+    the weight on others). A hind foot that is still fast over its known foothold needs 9 N. Without load the
     tare follows.
     """
-    force = state[C_FORCE + leg] - state[C_TARE]
-    least = _TOUCH_Q12
-    gain = settings[K_TARE_SLOW]
-    if leg >= RR and state[C_SPEED] > settings[K_V_QUICK]:
-        least = _FAST_Q12
-        gain = settings[K_TARE_FAST]
+    force = force_q12 - contact.tare_q12
+    least = params.crawl.touch_q12
+    gain = params.crawl.tare_slow_q15
+    if leg >= RR and speed > params.crawl.fast_speed:
+        least = params.crawl.fast_touch_q12
+        gain = params.crawl.tare_fast_q15
     if force > least:
-        state[C_TOUCHED] += 1
-        if force > _PEAK_Q12:
-            state[C_PEAK] = 1
+        contact.load_ticks += 1
+        if force > params.crawl.peak_q12:
+            contact.peak = 1
     else:
-        state[C_TOUCHED] = 0
-        state[C_PEAK] = 0
-        state[C_TARE] += fraction(force, gain)
-    if state[C_TOUCHED] >= settings[K_TOUCH_TICKS] and state[C_PEAK]:
+        start_contact(contact)
+        contact.tare_q12 += fraction(force, gain)
+    if contact.load_ticks >= params.crawl.contact_ticks and contact.peak:
         return 1
     return 0
 
 
 @hot
-def corner_lift(settings: Ints, state: Ints, leg: int) -> int:
+def corner_lift(params: Params, map: Map, path: BodyPath, leg: int) -> int:
     """Return by how much the body's corner over ``leg`` is above its plan, lu: pushed up from below.
 
     Pitch lowers the front, roll raises the left. Angles limited to +-4096 brad. Largest intermediate
     2 * 32767 * 4096 < 2^29.
     """
-    nose_up = saturate(state[C_REF + POSE_PITCH] - state[C_BODY + POSE_PITCH] >> LF_BITS, -4096, 4096)
-    left_up = saturate(state[C_BODY + POSE_ROLL] - state[C_REF + POSE_ROLL] >> LF_BITS, -4096, 4096)
-    lift = nose_up * settings[K_ARM_X]
+    nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
+    left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
+    lift = nose_up * params.crawl.half_length
     if leg >= RR:
         lift = -lift
     if leg & 1:
-        lift += left_up * settings[K_ARM_Y]
+        lift += left_up * params.crawl.half_width
     else:
-        lift -= left_up * settings[K_ARM_Y]
+        lift -= left_up * params.crawl.half_width
     return lift // _RAD_BRAD
 
 
 @hot
-def keep_past(state: Ints) -> int:
-    """Keep where the foot was wanted in this tick, for the riser; return its place in the ring."""
-    at = state[C_PAST_AT] + 1
+def keep_past(contact: Contact, x_lf: int) -> int:
+    """Keep where the foot is sent in this tick, for the riser; return its place in the ring."""
+    at = contact.past_at + 1
     if at >= PAST_SIZE:
         at = 0
-    state[C_PAST + at] = state[C_POS]
-    state[C_PAST_AT] = at
+    contact.past[at] = x_lf
+    contact.past_at = at
     return at
 
 
 @hot
-def feel_riser(settings: Ints, state: Ints, leg: int) -> int:
-    """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains."""
-    if state[C_TICK] <= settings[K_HIT_AFTER] or state[C_HITS] >= _MOST_HITS or state[C_CLIPPED]:
+def feel_riser(params: Params, contact: Contact, swing: Swing, seen_x_lf: int, tick: int) -> int:
+    """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains.
+
+    tick: of its way across; seen_x: where the measured joints have it, lf.
+    """
+    if tick <= params.crawl.riser_skip_ticks or swing.risers >= _MOST_RISERS or swing.limited:
         return 0
-    at = state[C_PAST_AT] - settings[K_LATE]
+    at = contact.past_at - params.crawl.goal_lag_ticks
     if at < 0:
         at += PAST_SIZE
-    behind = state[C_PAST + at] - state[C_SEEN + leg * 3] >> LF_BITS
-    way = state[C_TARGET] - state[C_SOURCE] >> LF_BITS
+    behind = contact.past[at] - seen_x_lf >> LF_BITS
+    way = swing.target[0] - swing.departure[0] >> LF_BITS
     if way < 0:
         way = -way
-    late = way * settings[K_HIT_LAG] // (state[C_MOVE_TICKS] + 1)
-    if behind > settings[K_HIT] + late:
+    if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.way_ticks + 1):
         return 1
     return 0

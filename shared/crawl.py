@@ -1,41 +1,25 @@
-"""The crawl over obstacles: one leg at a time, three always down, every hind foot in a front foot's print.
+"""The crawl over obstacles: one leg at a time, three always down, every hind foot on a front foot's foothold.
 
     measured joints, tilt -> forces, map -> state machine -> pose loop -> load shares -> joint goals
 
 It needs measured joints and attitude. It walks straight ahead along the line it was started on; how a
-phase follows a phase is in crawl_steps.py.
+stage follows a stage is in crawl_steps.py.
 """
 
-from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE
-from .crawl_goals import bridge, legs_goals, share_load
-from .crawl_layout import (
-    C_BODY,
-    C_CMD,
-    C_FOOT,
-    C_FORCE,
-    C_GOAL,
-    C_HEAVY,
-    C_LAGGED,
-    C_REF,
-    C_SHARE,
-    C_SIZE,
-    C_STANDS,
-    C_WEIGHT,
-    C_WEIGHT_FINE,
-    K_FORCE,
-    K_PLANAR,
-    K_WEIGHT,
-)
-from .crawl_map import fit_body, follow_slips, rebase, roll_feet
-from .crawl_pose import hold_pose
+from .body import POSE_PITCH, POSE_ROLL, POSE_SIZE, POSE_Z
+from .contact import PAST_SIZE, Contact
+from .crawl_goals import bridge, legs_goals, plan_loads
+from .crawl_map import Map, Support, fit_body, follow_slips, roll_feet
+from .crawl_pose import BodyPath, hold_pose
 from .crawl_state import Crawl
-from .crawl_steps import machine, start_machine
+from .crawl_steps import start_stages, take_stage
 from .filters import fraction
 from .fixed import saturate
-from .footholds import prints_start
-from .params import JOINTS, LEGS, LF_BITS
+from .footholds import Footholds, follow_front_feet, footholds_start
+from .params import JOINTS, LEGS, LF_BITS, Params
 from .runtime import Ints, const, hot
 from .sensing import Sensing
+from .swing_leg import Swing
 
 _OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
@@ -45,100 +29,208 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 
 @hot
 def crawl_start(
-    crawl: Crawl, sensing: Sensing, joints, first: int, goals: Ints, roll_brad: int, pitch_brad: int
+    crawl: Crawl, sensing: Sensing, joints: Ints, goals: Ints, roll_brad: int, pitch_brad: int
 ) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
-    joints: 12 measured brad from ``first`` on; goals: the 12 brad sent last. The map begins under the body,
+    joints: 12 measured brad; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
     """
-    c = crawl.state
-    k = crawl.settings
-    for at in range(C_SIZE):
-        c[at] = 0
-    c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
-    measure(crawl, joints, first)
-    roll_feet(crawl.settings, crawl.measured, crawl.state)
-    height = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
-    total = 0
-    for leg in range(LEGS):
-        for axis in range(3):
-            c[C_FOOT + leg * 3 + axis] = sensing.level[leg * 3 + axis] << LF_BITS
-        c[C_FOOT + leg * 3 + 2] -= height << LF_BITS
-        c[C_STANDS + leg] = 1
-        c[C_SHARE + leg] = _OWN_Q12
-        total += sensing.force_q12[leg]
-    c[C_WEIGHT] = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
-    c[C_WEIGHT_FINE] = c[C_WEIGHT] << 8
-    c[C_BODY + 2] = -height << LF_BITS
-    if k[K_PLANAR] == 0:
-        c[C_BODY + POSE_ROLL] = roll_brad << LF_BITS
-    for axis in range(POSE_SIZE):
-        c[C_REF + axis] = c[C_BODY + axis]
-        c[C_LAGGED + axis] = c[C_BODY + axis]
-        c[C_CMD + axis] = c[C_BODY + axis]
+    sent = crawl.goals
     for joint in range(JOINTS):
-        c[C_GOAL + joint] = goals[joint]
-    prints_start(crawl.limbs, crawl.state)
-    start_machine(crawl)
-    share_load(crawl.settings, crawl.state, crawl.feet, crawl.weights, crawl.load)
+        sent[joint] = goals[joint]
+    forget(crawl)
+    start_map(crawl, sensing, joints, roll_brad, pitch_brad)
+    start_support(sensing, crawl.support)
+    footholds_start(crawl.params, crawl.map, crawl.footholds)
+    start_stages(crawl)
+    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
     for leg in range(LEGS):
         bridge(crawl, leg, 0)
     return 0
 
 
 @hot
-def measure(crawl: Crawl, joints: Ints, first: int) -> int:
-    """Copy 12 measured joints (brad) from ``joints[first]`` on, limited to +-32768; return 0."""
-    m = crawl.measured
-    for joint in range(JOINTS):
-        m[joint] = saturate(joints[first + joint], -32768, 32767)
+def forget(crawl: Crawl) -> int:
+    """Put back what a step does not set anew; return 0."""
+    support = crawl.support
+    path = crawl.path
+    even = crawl.even
+    stage = crawl.stage
+    event = crawl.event
+    for leg in range(LEGS):
+        support.stance[leg] = 0
+        support.force_q12[leg] = 0
+    support.heavy_q12 = 0
+    support.warp = 0
+    for axis in range(POSE_SIZE):
+        path.integral[axis] = 0
+        path.sag[axis] = 0
+    even.uneven = 0
+    even.landed = 0
+    even.even_steps = 0
+    stage.ahead = 0
+    event.code = 0
+    event.number = 0
     return 0
 
 
 @hot
-def crawl_tick(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int, way_lf: int, joints) -> int:
-    """Take one tick: 12 measured joints from ``sensed[first]`` on, in; 12 goals into ``joints``; return flags.
+def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> int:
+    """Begin the map under the body, and the body's path where it is; return 0. Arguments as crawl_start."""
+    map = crawl.map
+    path = crawl.path
+    level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
+    for axis in range(POSE_SIZE):
+        map.body_pose[axis] = 0
+    take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
+    measure(crawl, joints)
+    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    for at in range(JOINTS):
+        map.feet[at] = sensing.level[at] << LF_BITS
+        if at % 3 == 2:
+            map.feet[at] -= level << LF_BITS
+    map.body_pose[POSE_Z] = -level << LF_BITS
+    for axis in range(POSE_SIZE):
+        path.wanted[axis] = map.body_pose[axis]
+        path.lagged[axis] = map.body_pose[axis]
+        path.commanded[axis] = map.body_pose[axis]
+    return 0
 
-    sensing: the block of sense_legs after this tick's reading. way_lf: how far the command wants to go in
+
+@hot
+def start_support(sensing: Sensing, support: Support) -> int:
+    """All legs stand and carry what they are felt to; return 0."""
+    total = 0
+    for leg in range(LEGS):
+        support.stance[leg] = 1
+        support.share_q12[leg] = _OWN_Q12
+        total += sensing.force_q12[leg]
+    support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    support.weight_q20 = support.weight_q12 << 8
+    return 0
+
+
+@hot
+def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
+    """Take the body's measured tilt; in the plane it does not roll. Returns 0."""
+    map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
+    map.body_pose[POSE_ROLL] = 0
+    if params.lateral_q12:
+        map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
+    return 0
+
+
+@hot
+def measure(crawl: Crawl, joints: Ints) -> int:
+    """Copy 12 measured joints (brad), limited to +-32768; return 0."""
+    measured = crawl.measured
+    for joint in range(JOINTS):
+        measured[joint] = saturate(joints[joint], -32768, 32767)
+    return 0
+
+
+@hot
+def crawl_tick(
+    crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int, ahead_lf: int, joints: Ints
+) -> int:
+    """Take one tick: 12 measured joints (brad) in, 12 goals into ``joints``; return flags.
+
+    sensing: the block of sense_legs after this tick's reading. ahead_lf: how far the command wants to go in
     this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
     limit_joints.
     """
-    estimate(crawl, sensing, sensed, first, roll_brad, pitch_brad)
-    machine(crawl, way_lf)
-    hold_pose(crawl.settings, crawl.state)
-    share_load(crawl.settings, crawl.state, crawl.feet, crawl.weights, crawl.load)
+    estimate(crawl, sensing, measured, roll_brad, pitch_brad)
+    take_stage(crawl, ahead_lf)
+    hold_pose(crawl.params, crawl.map, crawl.support, crawl.path)
+    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
     return legs_goals(crawl, joints)
 
 
 @hot
-def estimate(crawl: Crawl, sensing, sensed, first: int, roll_brad: int, pitch_brad: int) -> int:
+def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> int:
     """Bring the map, the forces and the weight up to date with what is measured; return 0."""
-    k = crawl.settings
-    c = crawl.state
-    c[C_BODY + POSE_PITCH] = pitch_brad << LF_BITS
-    c[C_BODY + POSE_ROLL] = 0
-    if k[K_PLANAR] == 0:
-        c[C_BODY + POSE_ROLL] = roll_brad << LF_BITS
-    measure(crawl, sensed, first)
-    rebase(crawl.settings, crawl.state)
-    roll_feet(crawl.settings, crawl.measured, crawl.state)
-    fit_body(crawl.settings, sensing, crawl.state)
-    follow_slips(crawl.settings, crawl.state)
-    weigh(crawl.settings, sensing, crawl.state)
+    take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
+    measure(crawl, measured)
+    rebase(crawl)
+    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    follow_slips(crawl.params, crawl.support, crawl.map)
+    follow_front_feet(crawl.support, crawl.map, crawl.footholds)
+    weigh(crawl.params, sensing, crawl.support)
     return 0
 
 
 @hot
-def weigh(settings: Ints, sensing: Sensing, state: Ints) -> int:
+def weigh(params: Params, sensing: Sensing, support: Support) -> int:
     """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
     total = 0
     for leg in range(LEGS):
-        state[C_FORCE + leg] += fraction(sensing.force_q12[leg] - state[C_FORCE + leg], settings[K_FORCE])
-        if state[C_STANDS + leg]:
-            total += state[C_FORCE + leg]
-    gap = (saturate(total, 0, 16383) << 8) - state[C_WEIGHT_FINE]
-    state[C_WEIGHT_FINE] += fraction(gap, settings[K_WEIGHT])
-    state[C_WEIGHT] = saturate(state[C_WEIGHT_FINE] >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
-    state[C_HEAVY] = saturate((saturate(state[C_WEIGHT], _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12) * 2, 0, 4096)
+        force = support.force_q12[leg]
+        force += fraction(sensing.force_q12[leg] - force, params.crawl.force_q15)
+        support.force_q12[leg] = force
+        if support.stance[leg]:
+            total += force
+    gap = (saturate(total, 0, 16383) << 8) - support.weight_q20
+    support.weight_q20 += fraction(gap, params.crawl.weight_q15)
+    support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
+    support.heavy_q12 = saturate(payload * 2, 0, 4096)
+    return 0
+
+
+@hot
+def rebase(crawl: Crawl) -> int:
+    """Move the map's origin to the body's x and z if one is farther than half a leg off; return 1 if it was moved.
+
+    y stays, because its axis is the line that is walked along, until the body is half as far again off it: a new line.
+    Farther out the body's next target, which is limited to 32767 lu, would be cut short.
+
+    Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
+    motion changes, and the numbers stay within 2^16 lu however far it walks.
+    """
+    params = crawl.params
+    map = crawl.map
+    far = params.leg_length << LF_BITS - 1
+    aside = far * 3 >> 1
+    x = map.body_pose[0]
+    y = map.body_pose[1]
+    z = map.body_pose[2]
+    if y <= aside and y >= -aside:
+        y = 0
+        if x <= far and x >= -far and z <= far and z >= -far:
+            return 0
+    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 0, x)
+    if y:
+        move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 1, y)
+    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 2, z)
+    return 1
+
+
+@hot
+def move_origin(
+    map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
+) -> int:
+    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z); return 0."""
+    map.body_pose[axis] -= by
+    for at in range(axis, JOINTS, 3):
+        map.feet[at] -= by
+        map.seen[at] -= by
+    for at in range(axis, JOINTS * 2, 3):
+        footholds.places[at] -= by
+    path.wanted[axis] -= by
+    path.from_pose[axis] -= by
+    path.to_pose[axis] -= by
+    path.lagged[axis] -= by
+    path.commanded[axis] -= by
+    swing.place[axis] -= by
+    swing.target[axis] -= by
+    if axis < 2:
+        swing.departure[axis] -= by
+    else:
+        swing.ground -= by
+        swing.top -= by
+    if axis == 0:
+        for at in range(PAST_SIZE):
+            contact.past[at] -= by
     return 0

@@ -3,90 +3,91 @@
 On such ground the crawl gives way to the trot, and meanwhile expects its next step on that slope.
 """
 
-from .crawl_layout import (
-    C_EVEN,
-    C_FOOT,
-    C_LANDED,
-    C_SOURCE,
-    C_STEPS_EVEN,
-    C_TARGET,
-    K_VOID,
-)
+from .crawl_map import Map, front_to_hind
 from .fixed import saturate
-from .params import LEGS, LF_BITS, RR
-from .runtime import Ints, const, hot
+from .params import LEGS, LF_BITS, RR, Params
+from .record import field, record
+from .runtime import const, hot
+from .swing_leg import Swing
 
 _SURE = const(3)  # landings on a slope until the next is expected there
 
 
+@record
+class Evenness:
+    """How even the ground has been."""
+
+    uneven: int = field("lu", "farthest spread of the footholds' heights about their slope")
+    landed: int = field("", "legs that have landed since the start")
+    even_steps: int = field("", "legs that have landed in a row on even ground")
+
+
 @hot
-def count_even(settings: Ints, state: Ints, leg: int) -> int:
+def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: int) -> int:
     """Note how uneven the ground is where ``leg`` has landed, and for how many landings it was even; return that.
 
-    Even is within K_VOID / 3 (8 mm of a leg of 240 mm) of a slope along the way: the trot's own measure. A robot
-    astride an edge stands on a slope too, but its front feet do not go on along it.
+    Even is within a third of a drop's depth (8 mm of a leg of 240 mm) of a slope along the way: the trot's own
+    measure. A robot astride an edge stands on a slope too, but its front feet do not go on along it.
     """
-    dx = feet_length(state)
-    dz = feet_rise(state)
+    dx = feet_length(map)
+    dz = feet_rise(map)
     low = 0x1FFFF
     high = -0x1FFFF
     for other in range(LEGS):
-        at = C_FOOT + other * 3
-        off = off_slope(state[at] - state[C_FOOT], state[at + 2] - state[C_FOOT + 2], dx, dz)
+        off = off_slope(map.feet[other * 3] - map.feet[0], map.feet[other * 3 + 2] - map.feet[2], dx, dz)
         if off < low:
             low = off
         if off > high:
             high = off
     uneven = high - low
     if leg < RR:
-        at = C_FOOT + leg * 3
-        off = off_slope(state[at] - state[C_SOURCE], state[at + 2] - state[C_TARGET + 2], dx, dz)
+        off = off_slope(map.feet[leg * 3] - swing.departure[0], map.feet[leg * 3 + 2] - swing.target[2], dx, dz)
         if off < 0:
             off = -off
         if off > uneven:
             uneven = off
-    state[C_EVEN] = uneven
-    state[C_LANDED] = state[C_LANDED] + 1 & 0xFFFFFF
-    state[C_STEPS_EVEN] += 1
-    if uneven > settings[K_VOID] // 3:
-        state[C_STEPS_EVEN] = 0
-    return state[C_STEPS_EVEN]
+    even.uneven = uneven
+    even.landed = even.landed + 1 & 0xFFFFFF
+    even.even_steps += 1
+    if uneven > params.crawl.drop_depth // 3:
+        even.even_steps = 0
+    return even.even_steps
 
 
 @hot
-def feet_length(state: Ints) -> int:
+def feet_length(map: Map) -> int:
     """Return how far the middle of the front feet is before that of the hind feet, 4 lu: 1 .. 16383."""
-    return saturate(state[C_FOOT] + state[C_FOOT + 3] - state[C_FOOT + 6] - state[C_FOOT + 9] >> LF_BITS + 3, 1, 16383)
+    return saturate(front_to_hind(map, 0) >> LF_BITS + 3, 1, 16383)
 
 
 @hot
-def feet_rise(state: Ints) -> int:
+def feet_rise(map: Map) -> int:
     """Return how far the middle of the front feet is above that of the hind feet, lu within +-16383."""
-    rise = state[C_FOOT + 2] + state[C_FOOT + 5] - state[C_FOOT + 8] - state[C_FOOT + 11] >> LF_BITS + 1
-    return saturate(rise, -16383, 16383)
+    return saturate(front_to_hind(map, 2) >> LF_BITS + 1, -16383, 16383)
 
 
 @hot
-def off_slope(way_lf: int, rise_lf: int, dx: int, dz: int) -> int:
-    """Return by how much ``rise`` over ``way`` (lf) is off a slope of dz (lu) in dx (4 lu), lu.
+def off_slope(ahead_lf: int, rise_lf: int, dx: int, dz: int) -> int:
+    """Return by how much ``rise`` over ``ahead`` (lf) is off a slope of dz (lu) in dx (4 lu), lu.
 
-    Way limited to +-65532 lu, rise to +-16383; dx 1 .. 16383, dz within 16383. Error at most 2 lu and what dz and
+    Ahead limited to +-65532 lu, rise to +-16383; dx 1 .. 16383, dz within 16383. Error at most 2 lu and what dz and
     dx were rounded by. Largest intermediate 16383 * 16383.
     """
-    way = saturate(way_lf >> LF_BITS + 2, -16383, 16383)
+    ahead = saturate(ahead_lf >> LF_BITS + 2, -16383, 16383)
     rise = saturate(rise_lf >> LF_BITS, -16383, 16383)
-    return rise - way * dz // dx
+    return rise - ahead * dz // dx
 
 
 @hot
-def expected_rise(settings: Ints, state: Ints, way_lf: int) -> int:
-    """Return by how much the ground is expected to rise over ``way`` (lf, at most +-65532 lu), lf; 0 unless it slopes.
+def expected_rise(params: Params, map: Map, even: Evenness, ahead_lf: int) -> int:
+    """Return by how much the ground is expected to rise over ``ahead`` (at most +-65532 lu), lf; 0 unless it slopes.
 
-    It slopes if the last landings were even and the rise is above K_VOID / 6 (4 mm of a leg of 240 mm).
+    It slopes if the last landings were even and the rise is above a sixth of a drop (4 mm of a leg of 240 mm).
     """
-    if state[C_STEPS_EVEN] < _SURE:
+    if even.even_steps < _SURE:
         return 0
-    rise = -off_slope(way_lf, 0, feet_length(state), feet_rise(state))
-    if rise < settings[K_VOID] // 6 and rise > -(settings[K_VOID] // 6):
+    rise = -off_slope(ahead_lf, 0, feet_length(map), feet_rise(map))
+    least = params.crawl.drop_depth // 6
+    if rise < least and rise > -least:
         return 0
     return saturate(rise, -16383, 16383) << LF_BITS

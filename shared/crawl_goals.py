@@ -7,34 +7,14 @@ other, and at the start, the goal's jump is taken into an offset that fades.
 
 from .body import POSE_PITCH, POSE_SIZE, POSE_YAW, body_rotation, body_to_hip
 from .compliance import sag_leg
-from .crawl_layout import (
-    C_CLIPPED,
-    C_CMD,
-    C_FOOT,
-    C_GOAL,
-    C_LEG,
-    C_LENGTH,
-    C_LOAD,
-    C_LOW,
-    C_MARGIN,
-    C_OFFSET,
-    C_POS,
-    C_REF,
-    C_SHARE,
-    C_STANDS,
-    C_WARP,
-    C_WEIGHT,
-    K_COM_X,
-    K_COM_Z,
-    K_FADE,
-    K_PLANAR,
-)
+from .crawl_map import Map, Support
+from .crawl_pose import BodyPath, mass_ahead
 from .crawl_state import Crawl
 from .filters import fraction
-from .fixed import cos_q15, mul_q15, saturate, sin_q15
+from .fixed import cos_q15, saturate, sin_q15
 from .leg import leg_inverse, limit_joints, plane_length
 from .load import Load, load_share
-from .params import JOINTS, LEGS, LF_BITS
+from .params import JOINTS, LEGS, LF_BITS, Params
 from .reach import reach_foot
 from .runtime import Ints, const, hot
 from .stability import support_margin
@@ -43,47 +23,50 @@ _WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and 
 
 
 @hot
-def warped(state: Ints, leg: int) -> int:
+def foot_warp(support: Support, leg: int) -> int:
     """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
     if _WARP_SIGNS >> leg & 1:
-        return -state[C_WARP]
-    return state[C_WARP]
+        return -support.warp
+    return support.warp
 
 
 @hot
-def share_load(settings: Ints, state: Ints, feet: Ints, weights: Ints, load: Load) -> int:
-    """Write into C_LOAD what each foot should carry under the wanted pose, and the margin; return the margin, lu.
+def plan_loads(
+    params: Params, map: Map, path: BodyPath, support: Support, feet: Ints, weights: Ints, load: Load
+) -> int:
+    """Write what each foot should carry under the wanted pose, and the margin; return the margin, lu.
 
-    feet (12 lu), weights (4) and load (LOAD_SIZE) are scratch. The middle of mass is (K_COM_X, K_COM_Z) in
-    the body, turned by the wanted pitch.
+    feet (12 lu), weights (4) and load are scratch.
     """
-    pitch = state[C_REF + POSE_PITCH] >> LF_BITS
-    ahead = mul_q15(settings[K_COM_X], cos_q15(pitch)) + mul_q15(settings[K_COM_Z], sin_q15(pitch))
+    ahead = mass_ahead(params, path.wanted[POSE_PITCH] >> LF_BITS)
+    planar = 0
+    if params.lateral_q12 == 0:
+        planar = 1
     for leg in range(LEGS):
         weights[leg] = 0
-        if state[C_STANDS + leg]:
-            weights[leg] = state[C_SHARE + leg] >> 4
+        if support.stance[leg]:
+            weights[leg] = support.share_q12[leg] >> 4
         for axis in range(3):
-            away = state[C_FOOT + leg * 3 + axis] - state[C_REF + axis] >> LF_BITS
+            away = map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
             feet[leg * 3 + axis] = saturate(away, -32767, 32767)
-    load_share(feet, weights, ahead, 0, saturate(state[C_WEIGHT], 0, 16383), settings[K_PLANAR], load)
+    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, load)
     for leg in range(LEGS):
-        state[C_LOAD + leg] = load.wanted_q12[leg]
-        weights[leg] = state[C_STANDS + leg]
-    state[C_MARGIN] = support_margin(feet, weights, ahead, 0)
-    return state[C_MARGIN]
+        support.load_q12[leg] = load.wanted_q12[leg]
+        weights[leg] = support.stance[leg]
+    support.margin = support_margin(feet, weights, ahead, 0)
+    return support.margin
 
 
 @hot
-def take_pose(state: Ints, swings: int, pose: Ints, rotation) -> int:
+def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
     """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
 
     The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
     """
     for axis in range(POSE_SIZE):
-        value = state[C_CMD + axis]
+        value = path.commanded[axis]
         if swings:
-            value = state[C_REF + axis] + state[C_LOW + axis]
+            value = path.wanted[axis] + path.sag[axis]
         pose[axis] = value + 128 >> LF_BITS
     heading = pose[POSE_YAW]
     pose[POSE_YAW] = 0
@@ -93,87 +76,108 @@ def take_pose(state: Ints, swings: int, pose: Ints, rotation) -> int:
 
 
 @hot
-def foot_in_body(state: Ints, leg: int, swings: int, pose: Ints, feet: Ints) -> int:
-    """Write the map place of a foot as seen from the body's place, turned back by its heading; return 0.
+def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: Ints) -> int:
+    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading; return 0.
 
     feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
     at = leg * 3
-    if swings:
-        x = state[C_POS]
-        y = state[C_POS + 1]
-        z = state[C_POS + 2]
-    else:
-        x = state[C_FOOT + at]
-        y = state[C_FOOT + at + 1]
-        z = state[C_FOOT + at + 2] + warped(state, leg)
-    x = saturate((x + 128 >> LF_BITS) - pose[0], -32767, 32767)
-    y = saturate((y + 128 >> LF_BITS) - pose[1], -32767, 32767)
+    x = saturate((x_lf + 128 >> LF_BITS) - pose[0], -32767, 32767)
+    y = saturate((y_lf + 128 >> LF_BITS) - pose[1], -32767, 32767)
     cosine = cos_q15(pose[POSE_YAW]) + 1 >> 1
     sine = sin_q15(pose[POSE_YAW]) + 1 >> 1
     feet[at] = x * cosine + y * sine >> 14
     feet[at + 1] = y * cosine - x * sine >> 14
-    feet[at + 2] = saturate((z + 128 >> LF_BITS) - pose[2], -32767, 32767)
+    feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose[2], -32767, 32767)
+    return 0
+
+
+@hot
+def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
+    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``; return 0.
+
+    Under the pose taken last. A swing leg's length is kept.
+    """
+    map = crawl.map
+    swing = crawl.swing
+    at = leg * 3
+    if swings:
+        foot_in_body(crawl.pose, swing.place[0], swing.place[1], swing.place[2], leg, crawl.feet)
+    else:
+        z = map.feet[at + 2] + foot_warp(crawl.support, leg)
+        foot_in_body(crawl.pose, map.feet[at], map.feet[at + 1], z, leg, crawl.feet)
+    body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
+    if swings:
+        swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)
     return 0
 
 
 @hot
 def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
     """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
-    c = crawl.state
-    r = crawl.rotation
-    foot_in_body(crawl.state, leg, swings, crawl.pose, crawl.feet)
-    body_to_hip(crawl.limbs, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
-    if swings:
-        c[C_LENGTH] = plane_length(crawl.limbs, leg, crawl.hip_feet)
-    flags = reach_foot(crawl.limbs, leg, crawl.hip_feet, crawl.reached)
-    leg_inverse(crawl.limbs, leg, crawl.reached, crawl.joints)
+    support = crawl.support
+    rotation = crawl.rotation
+    place_foot(crawl, leg, swings)
+    flags = reach_foot(crawl.params, leg, crawl.hip_feet, crawl.reached)
+    leg_inverse(crawl.params, leg, crawl.reached, crawl.joints)
     if swings == 0:
-        load = c[C_LOAD + leg]
-        fx = load * r[6] + 0x2000 >> 14
-        fy = load * r[7] + 0x2000 >> 14
-        fz = load * r[8] + 0x2000 >> 14
-        sag_leg(crawl.limbs, leg, crawl.reached, fx, fy, fz, crawl.joints)
+        load = support.load_q12[leg]
+        fx = load * rotation[6] + 0x2000 >> 14
+        fy = load * rotation[7] + 0x2000 >> 14
+        fz = load * rotation[8] + 0x2000 >> 14
+        sag_leg(crawl.params, leg, crawl.reached, fx, fy, fz, crawl.joints)
     return flags
 
 
 @hot
 def bridge(crawl: Crawl, leg: int, swings: int) -> int:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
-    c = crawl.state
-    q = crawl.joints
-    take_pose(crawl.state, swings, crawl.pose, crawl.rotation)
+    joints = crawl.joints
+    goals = crawl.goals
+    jumps = crawl.jumps
+    take_pose(crawl.path, swings, crawl.pose, crawl.rotation)
     leg_goal(crawl, leg, swings)
     for joint in range(leg * 3, leg * 3 + 3):
-        c[C_OFFSET + joint] = saturate(c[C_GOAL + joint] - q[joint], -32768, 32767) << LF_BITS
+        jumps[joint] = saturate(goals[joint] - joints[joint], -32768, 32767) << LF_BITS
     return 0
+
+
+@hot
+def solve_legs(crawl: Crawl) -> int:
+    """Solve the stance legs under the commanded pose, the swing leg under the wanted one; return their reach flags."""
+    support = crawl.support
+    together = 0
+    take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
+    for leg in range(LEGS):
+        if support.stance[leg]:
+            together |= leg_goal(crawl, leg, 0)
+    for leg in range(LEGS):
+        if support.stance[leg] == 0:
+            take_pose(crawl.path, 1, crawl.pose, crawl.rotation)
+            together |= leg_goal(crawl, leg, 1)
+    return together
 
 
 @hot
 def legs_goals(crawl: Crawl, joints: Ints) -> int:
     """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
-    k = crawl.settings
-    c = crawl.state
-    q = crawl.joints
-    c[C_CLIPPED] = 0
-    together = 0
-    take_pose(crawl.state, 0, crawl.pose, crawl.rotation)
-    for leg in range(LEGS):
-        if c[C_STANDS + leg]:
-            together |= leg_goal(crawl, leg, 0)
-    for leg in range(LEGS):
-        if c[C_STANDS + leg] == 0:
-            take_pose(crawl.state, 1, crawl.pose, crawl.rotation)
-            together |= leg_goal(crawl, leg, 1)
+    params = crawl.params
+    stage = crawl.stage
+    swing = crawl.swing
+    solved = crawl.joints
+    goals = crawl.goals
+    jumps = crawl.jumps
+    swing.limited = 0
+    together = solve_legs(crawl)
     for joint in range(JOINTS):
-        offset = c[C_OFFSET + joint]
-        joints[joint] = saturate(q[joint] + (offset + 128 >> LF_BITS), -32768, 32767)
-        c[C_OFFSET + joint] = offset - fraction(offset, k[K_FADE])
+        jump = jumps[joint]
+        joints[joint] = saturate(solved[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
+        jumps[joint] = jump - fraction(jump, params.crawl.jump_q15)
     for leg in range(LEGS):
-        limited = limit_joints(crawl.limbs, leg, joints)
-        if limited and leg == c[C_LEG]:
-            c[C_CLIPPED] = 1
+        limited = limit_joints(crawl.params, leg, joints)
+        if limited and leg == stage.leg:
+            swing.limited = 1
         together |= limited
     for joint in range(JOINTS):
-        c[C_GOAL + joint] = joints[joint]
+        goals[joint] = joints[joint]
     return together

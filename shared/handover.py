@@ -5,7 +5,9 @@ footholds; what its goals then differ by (height, lead, tilt) fades over half a 
 """
 
 from .command import Command
-from .crawl_layout import C_FOOT, C_REF, C_STEPS_EVEN
+from .crawl_even import Evenness
+from .crawl_map import Map
+from .crawl_pose import BodyPath
 from .fixed import cos_q15, saturate, sin_q15
 from .params import JOINTS, LEGS, LF_BITS, Params
 from .record import field, record, vector
@@ -47,28 +49,28 @@ def straight_on(params: Params, command: Command) -> int:
 
 
 @hot
-def ground_even(state: Ints) -> int:
+def ground_even(even: Evenness) -> int:
     """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
-    if state[C_STEPS_EVEN] >= LEGS_EVEN:
+    if even.even_steps >= LEGS_EVEN:
         return 1
     return 0
 
 
 @hot
-def steps_from_crawl(params: Params, state: Ints, ahead_lu: int, sway_lu: int, steps: Steps) -> int:
+def steps_from_crawl(params: Params, map: Map, path: BodyPath, ahead_lu: int, sway_lu: int, steps: Steps) -> int:
     """Write the crawl's feet into the trot's footholds, level and at rest height; return 0.
 
     A foothold is where the foot is from the crawl's wanted body, turned back by its heading, plus the trot's
     lead and sway (lu, within 32767), which its pose adds again. Feet within 32767 lu.
     Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
-    yaw = state[C_REF + 5] >> LF_BITS
+    yaw = path.wanted[5] >> LF_BITS
     cosine = cos_q15(yaw) + 1 >> 1
     sine = sin_q15(yaw) + 1 >> 1
     for leg in range(LEGS):
         step = steps.legs[leg]
-        x = saturate(state[C_FOOT + leg * 3] - state[C_REF] >> LF_BITS, -32767, 32767)
-        y = saturate(state[C_FOOT + leg * 3 + 1] - state[C_REF + 1] >> LF_BITS, -32767, 32767)
+        x = saturate(map.feet[leg * 3] - path.wanted[0] >> LF_BITS, -32767, 32767)
+        y = saturate(map.feet[leg * 3 + 1] - path.wanted[1] >> LF_BITS, -32767, 32767)
         step.x = (x * cosine + y * sine >> 14) + ahead_lu << LF_BITS
         step.y = (y * cosine - x * sine >> 14) + sway_lu << LF_BITS
         rest_z = params.legs[leg].rest[2]

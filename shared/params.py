@@ -5,7 +5,8 @@
 2^-18 rad. Speeds are per tick of the planner, so a block belongs to one rate.
 """
 
-from .record import field, parts, record, vector
+from .crawl_setup import CrawlSetup
+from .record import field, part, parts, record, vector
 from .runtime import Ints, const
 
 LEGS = const(4)
@@ -35,8 +36,8 @@ class Leg:
     thigh_length: int = field("lu", "thigh")
     calf_length: int = field("lu", "calf")
     knee: int = field("", "-1 knee behind the hip (elbow), +1 in front (knee)")
-    longest: int = field("lu", "floor of the longest hip-foot distance")
-    shortest: int = field("lu", "ceiling of the shortest")
+    longest: int = field("lu", "floor of the longest hip-foot distance within the calf's limits")
+    shortest: int = field("lu", "ceiling of the shortest within them")
     outer_sq: int = field("", "(L2 + L3)^2")
     inner_sq: int = field("", "(L2 - L3)^2")
     half_diff: int = field("", "(L2^2 - L3^2) / 2")
@@ -44,7 +45,7 @@ class Leg:
     highest: Ints = vector(3, "", "highest")
     hip: Ints = vector(3, "", "the hip in the body, lu")
     rest: Ints = vector(3, "", "the foot in the body at rest, lu")
-    clearance: int = field("lu", "the highest a foot is put, from its hip (negative); only in the crawl's limbs")
+    clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
 
 
 
@@ -107,6 +108,7 @@ class Params:
     read_step: int = field("brad", "how far a joint's reading may be from the one before")
     tilt_step: int = field("brad", "how far roll and pitch may be")
     joint_near: int = field("brad / tick that every joint of a leg can turn", "whatever the others do")
+    crawl: CrawlSetup = part(CrawlSetup, "the crawl over obstacles")
 
 
 

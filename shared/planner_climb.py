@@ -7,7 +7,7 @@ from .adaptive import ADVICE_BEHIND, adaptive_start
 from .balance import balance_reset
 from .command import MODE_WALK, Command
 from .crawl import crawl_start, crawl_tick
-from .crawl_layout import C_LEG, C_MARGIN, C_PHASE, C_STANDS, REST
+from .crawl_state import REST
 from .fixed import saturate
 from .gaits import GAIT_ADAPTIVE, GAIT_CLIMB
 from .handover import (
@@ -152,7 +152,8 @@ def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     status = planner.status
     params = planner.params
     m = planner.sensing
-    at = planner.climb.state
+    support = planner.climb.support
+    stage = planner.climb.stage
     if valid.joints == 0 or valid.tilt == 0:
         status.flags |= BLIND
         return 0
@@ -160,23 +161,23 @@ def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     pitch = saturate(tilt[1], -32768, 32767)
     sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
     if status.climb == CLIMB_READY and m.known > params.sent_ticks + 1:
-        crawl_start(planner.climb, planner.sensing, sensed.joints, 0, planner.joints, roll, pitch)
+        crawl_start(planner.climb, planner.sensing, sensed.joints, planner.joints, roll, pitch)
         status.climb = CLIMB_ON
     if status.climb == CLIMB_ON:
         reason = leaves(planner, command)
-        way = command.speed[0]
+        ahead = command.speed[0]
         if reason or command.mode != MODE_WALK or status.fallen:
-            way = 0
-        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed.joints, 0, roll, pitch, way, planner.goal)
+            ahead = 0
+        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed.joints, roll, pitch, ahead, planner.goal)
         status.swinging = 0
-        if at[C_STANDS + at[C_LEG]] == 0:
-            status.swinging = 1 << at[C_LEG]
-        status.margin = at[C_MARGIN]
+        if support.stance[stage.leg] == 0:
+            status.swinging = 1 << stage.leg
+        status.margin = support.margin
         status.state = WALKING
-        if at[C_PHASE] == REST:
+        if stage.stage == REST:
             if reason:
                 hand_to_trot(planner, command, reason)
-            elif way <= 0:
+            elif ahead <= 0:
                 status.state = STANDING
     return 0
 
@@ -199,18 +200,18 @@ def leaves(planner: PlannerState, command: Command) -> int:
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
     status.gait = wanted
-    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.state):
+    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.even):
         return REASON_EVEN
     return REASON_NONE
 
 
 @hot
-def hand_to_trot(planner: PlannerState, command, reason: int) -> int:
+def hand_to_trot(planner: PlannerState, command: Command, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
     status = planner.status
     w = planner.felt
     v = planner.speed
-    steps_from_crawl(planner.params, planner.climb.state, w.ahead, w.sway, planner.steps)
+    steps_from_crawl(planner.params, planner.climb.map, planner.climb.path, w.ahead, w.sway, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):
         v[axis] = 0

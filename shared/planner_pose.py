@@ -48,7 +48,7 @@ def solve_legs(planner: PlannerState, joints) -> int:
     """
     status = planner.status
     hip_feet = planner.hip_feet
-    limbs = planner.climb.limbs
+    params = planner.params
     per_leg = planner.leg_flags
     forces = planner.load
     w = planner.felt
@@ -59,11 +59,11 @@ def solve_legs(planner: PlannerState, joints) -> int:
     for leg in range(LEGS):
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
-        highest = limbs.legs[leg].clearance
+        highest = params.legs[leg].clearance
         if hip_feet[leg * 3 + 2] > highest:
             hip_feet[leg * 3 + 2] = highest
             flags = TOO_NEAR
-        flags |= reach_foot(planner.climb.limbs, leg, planner.hip_feet, planner.reached)
+        flags |= reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
         far = leg_inverse(planner.params, leg, planner.reached, joints)
         if far > farthest:
             farthest = far

@@ -2,13 +2,18 @@
 
 The shell of the leg of paper A (eqs 1-6): its foot is never farther than
 sqrt(L1^2 + (L2 + L3)^2), never nearer than sqrt(L1^2 + (L2 - L3)^2), and never inside the
-cylinder of radius L1 about the hip axis. No public implementation does both: clamp and report.
+cylinder of radius L1 about the hip axis; here the calf's limits make it narrower. No public implementation does
+both: clamp and report.
+
+A foot too far or too near moves along the ray from the hip to the boundary; one inside the hip offset
+moves out along the ray too, unless the ray leaves the shell before it leaves the cylinder:
+then it goes straight out from the hip axis and x is limited, and TOO_FAR is set as well.
+A foot less than 1 lu outside the shell is what rounding makes of one on it: it passes as is, and
+one more than 3 lu outside never does.
 """
 
 from .fixed import isqrt, round_sqrt
-from .params import (
-    Params,
-)
+from .params import Params
 from .runtime import Ints, const, hot
 
 TOO_FAR = const(1)
@@ -31,18 +36,11 @@ def scale_down(value: int, numerator: int, denominator: int) -> int:
 
 @hot
 def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
-    """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why.
+    """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why: 0 or the flags.
 
-    feet, reached: 12 lu, x y z of each leg from its hip in body axes; any 30-bit value.
-    Returns 0, or TOO_FAR, TOO_NEAR, INSIDE_HIP or several. A foot too far or too near moves along
-    the ray from the hip to the boundary, ending within 5 lu of it; one inside the hip offset
-    moves out along the ray too, unless the ray leaves the shell before it leaves the cylinder:
-    then it goes straight out from the hip axis and x is limited, and TOO_FAR is set as well.
-    A foot less than 1 lu outside the shell is what rounding makes of one on it: it passes as is, and
-    one more than 3 lu outside never does.
-    Intermediates: 32767 * 32767 at most, or three quarters of 2^30 in the sum of squares.
+    feet, reached: 12 lu, x y z of each leg from its hip; any 30 bits. Error 5 lu. Intermediates: 3/4 of 2^30 (quarter).
     """
-    base = params.legs[leg]
+    limb = params.legs[leg]
     at = leg * 3
     x = feet[at]
     y = feet[at + 1]
@@ -53,24 +51,24 @@ def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
         y >>= 1
         z >>= 1
         flags = TOO_FAR
-    reach = base.longest
+    far = limb.longest
     ahead_sq = x * x
     aside_sq = y * y
     down_sq = z * z
     quarter = (ahead_sq >> 2) + (aside_sq >> 2) + (down_sq >> 2)
-    if flags or quarter > (reach + 2) * (reach + 2) >> 2:
+    if flags or quarter > (far + 2) * (far + 2) >> 2:
         flags = TOO_FAR
         distance = 2 * isqrt(quarter) + 1
-        x = scale_down(x, reach, distance)
-        y = scale_down(y, reach, distance)
-        z = scale_down(z, reach, distance)
+        x = scale_down(x, far, distance)
+        y = scale_down(y, far, distance)
+        z = scale_down(z, far, distance)
         ahead_sq = x * x
         aside_sq = y * y
         down_sq = z * z
     reached[at] = x
     reached[at + 1] = y
     reached[at + 2] = z
-    radius = base.hip_length
+    radius = limb.hip_length
     if radius < 0:
         radius = -radius
     if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
@@ -78,7 +76,7 @@ def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
         ahead_sq = reached[at] * reached[at]
         aside_sq = reached[at + 1] * reached[at + 1]
         down_sq = reached[at + 2] * reached[at + 2]
-    near = base.shortest
+    near = limb.shortest
     if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
         flags |= leave_centre(near, reached, at)
     return flags

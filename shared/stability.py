@@ -46,7 +46,7 @@ def edge_margin(feet: Ints, one: int, other: int, x: int, y: int) -> int:
 
 
 @hot
-def support_margin(feet, weights: Ints, x: int, y: int) -> int:
+def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
     """Return the margin in lu of the point (x, y) in the polygon of the standing feet; above 0 is inside.
 
     feet: 12 lu in a level frame; weights: 4 values, above 0 for a foot that stands; all within +-32767 lu.

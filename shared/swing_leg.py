@@ -1,70 +1,47 @@
-"""The way of one foot through the air: up, across, hang a moment, down until something is felt.
+"""The path of one foot through the air: up, across, hang a moment, down until something is felt.
 
 The positions are map places in lf, so the path does not depend on what the body does meanwhile.
 Profiles: up with a braked top, a quintic across, down at a steady speed that hind feet, whose
-ground is known, only take up shortly above their print.
+ground is known, only take up shortly above their foothold.
 """
 
-from .crawl_layout import (
-    C_BODY,
-    C_BODY_TICK,
-    C_BODY_TICKS,
-    C_EXPECT,
-    C_LENGTH,
-    C_MOVE_TICKS,
-    C_PHASE,
-    C_POS,
-    C_REF,
-    C_SOURCE,
-    C_SPEED,
-    C_TARGET,
-    C_TICK,
-    C_TOP,
-    C_TRIES,
-    K_A_DOWN,
-    K_A_UP,
-    K_BODY_V,
-    K_BRAKE,
-    K_LIMIT_X,
-    K_MOVE_PACE,
-    K_MOVE_TICKS,
-    K_NEAR,
-    K_NEAR_PRINT,
-    K_REACH_SWING,
-    K_V_FRONT,
-    K_V_REAR,
-    K_V_SLOW,
-    K_V_TARE,
-    K_V_TOP,
-    K_V_UP,
-    LIFT,
-    MOVE,
-)
+from .body import POSE_Z
+from .crawl_map import Map
+from .crawl_pose import BodyPath
 from .filters import fraction, quintic_q15
 from .fixed import hypot, isqrt, saturate
-from .params import LF_BITS, RR
+from .params import LF_BITS, RR, Params
+from .record import field, record, vector
 from .runtime import Ints, const, hot
 
 _PRODUCT_MAX = const(0x3FFFFFFF)
 
 
-@hot
-def enter(state: Ints, phase: int) -> int:
-    """Begin a phase of the swing at rest; return it."""
-    state[C_PHASE] = phase
-    state[C_TICK] = 0
-    state[C_SPEED] = 0
-    return phase
+@record
+class Swing:
+    """The foot in the air."""
+
+    place: Ints = vector(3, "lf", "where the foot is wanted")
+    departure: Ints = vector(2, "lf", "where its way across began, x y")
+    target: Ints = vector(3, "lf", "the foothold aimed at")
+    ground: int = field("lf", "expected height of the ground there")
+    top: int = field("lf", "height up to which it is lifted")
+    speed: int = field("lf / tick", "up or down")
+    way_ticks: int = field("ticks", "of the way across")
+    tries: int = field("", "how often it was lifted once more")
+    risers: int = field("", "how many risers it ran into")
+    dropped: int = field("", "1: it has met a drop")
+    leg_length: int = field("lu", "thigh joint to foot, before any limit")
+    limited: int = field("", "1: a joint was limited in the tick before")
 
 
 @hot
-def try_again(state: Ints, x_lf: int, top_lf: int) -> int:
+def try_again(swing: Swing, x_lf: int, top_lf: int) -> int:
     """Lift once more, to ``top``, aim at ``x`` and come down there; return which try that is."""
-    state[C_TRIES] += 1
-    state[C_TARGET] = x_lf
-    state[C_TOP] = top_lf
-    enter(state, LIFT)
-    return state[C_TRIES]
+    swing.tries += 1
+    swing.target[0] = x_lf
+    swing.top = top_lf
+    return swing.tries
 
 
 @hot
@@ -78,87 +55,82 @@ def brake_speed(brake: int, way_lu: int) -> int:
 
 
 @hot
-def lift_foot(settings: Ints, state: Ints) -> int:
+def lift_foot(params: Params, swing: Swing) -> int:
     """Take one tick upwards; return 1 at the top. A leg that is folded already has its top where it is."""
-    speed = state[C_SPEED] + settings[K_A_UP]
-    top_speed = brake_speed(settings[K_BRAKE], state[C_TOP] - state[C_POS + 2] >> LF_BITS) + settings[K_V_TOP]
+    speed = swing.speed + params.crawl.lift_acceleration
+    way = swing.top - swing.place[2] >> LF_BITS
+    top_speed = brake_speed(params.crawl.lift_brake, way) + params.crawl.top_speed
     if speed > top_speed:
         speed = top_speed
-    if speed > settings[K_V_UP]:
-        speed = settings[K_V_UP]
-    state[C_SPEED] = speed
-    z = state[C_POS + 2] + speed
-    if z > state[C_TOP]:
-        z = state[C_TOP]
-    if state[C_LENGTH] < settings[K_NEAR]:
-        state[C_TOP] = z
-    if state[C_POS + 2] < z:
-        state[C_POS + 2] = z
-    if z < state[C_TOP]:
+    if speed > params.crawl.lift_speed:
+        speed = params.crawl.lift_speed
+    swing.speed = speed
+    z = swing.place[2] + speed
+    if z > swing.top:
+        z = swing.top
+    if swing.leg_length < params.crawl.folded:
+        swing.top = z
+    if swing.place[2] < z:
+        swing.place[2] = z
+    if z < swing.top:
         return 0
     return 1
 
 
 @hot
-def start_move(settings: Ints, state: Ints) -> int:
+def start_swing(params: Params, swing: Swing) -> int:
     """Begin the way across to the target from where the foot is; return its ticks. Ways within +-65535 lu."""
-    state[C_SOURCE] = state[C_POS]
-    state[C_SOURCE + 1] = state[C_POS + 1]
-    way = hypot(state[C_TARGET] - state[C_POS] >> LF_BITS, state[C_TARGET + 1] - state[C_POS + 1] >> LF_BITS)
-    ticks = (way << LF_BITS) // settings[K_MOVE_PACE]
-    if ticks < settings[K_MOVE_TICKS]:
-        ticks = settings[K_MOVE_TICKS]
-    state[C_MOVE_TICKS] = ticks
-    enter(state, MOVE)
+    swing.departure[0] = swing.place[0]
+    swing.departure[1] = swing.place[1]
+    way = hypot(swing.target[0] - swing.place[0] >> LF_BITS, swing.target[1] - swing.place[1] >> LF_BITS)
+    ticks = (way << LF_BITS) // params.crawl.swing_speed
+    if ticks < params.crawl.swing_ticks:
+        ticks = params.crawl.swing_ticks
+    swing.way_ticks = ticks
     return ticks
 
 
 @hot
-def move_foot(state: Ints) -> int:
-    """Take one tick across; return 1 when the foot is there and the body's move has ended too, else 0."""
-    share = quintic_q15(state[C_TICK], state[C_MOVE_TICKS])
-    state[C_POS] = state[C_SOURCE] + fraction(state[C_TARGET] - state[C_SOURCE], share)
-    state[C_POS + 1] = state[C_SOURCE + 1] + fraction(state[C_TARGET + 1] - state[C_SOURCE + 1], share)
-    if state[C_TICK] < state[C_MOVE_TICKS] or state[C_BODY_TICK] < state[C_BODY_TICKS]:
+def swing_foot(swing: Swing, path: BodyPath, tick: int) -> int:
+    """Take tick number ``tick`` across; return 1 when the foot is there and the body's move has ended too, else 0."""
+    share = quintic_q15(tick, swing.way_ticks)
+    for axis in range(2):
+        swing.place[axis] = swing.departure[axis] + fraction(swing.target[axis] - swing.departure[axis], share)
+    if tick < swing.way_ticks or path.move_tick < path.move_ticks:
         return 0
     return 1
 
 
 @hot
-def fall_speed(settings: Ints, state: Ints, leg: int) -> int:
+def lower_speed(params: Params, swing: Swing, leg: int) -> int:
     """Return the speed, lf / tick, at which the foot may come down here.
 
-    Front: steady. Hind: so that it can slow down, at K_A_DOWN, to K_V_SLOW near its print: v^2 = slow^2 + 2 a h.
+    Front: steady. Hind: so that it can slow down in time near its foothold: v^2 = near^2 + 2 a h.
     Intermediates: those of brake_speed and hypot.
     """
     if leg < RR:
-        return settings[K_V_FRONT]
-    above = (state[C_POS + 2] - state[C_EXPECT] >> LF_BITS) - settings[K_NEAR_PRINT]
-    speed = hypot(brake_speed(2 * settings[K_A_DOWN], above), settings[K_V_SLOW])
+        return params.crawl.front_lower_speed
+    above = (swing.place[2] - swing.ground >> LF_BITS) - params.crawl.near_foothold
     if above < 0:
-        speed = settings[K_V_SLOW]
-    if speed > settings[K_V_REAR]:
-        speed = settings[K_V_REAR]
+        speed = params.crawl.near_speed
+    else:
+        speed = hypot(brake_speed(2 * params.crawl.lower_acceleration, above), params.crawl.near_speed)
+    if speed > params.crawl.hind_lower_speed:
+        speed = params.crawl.hind_lower_speed
     return speed
 
 
 @hot
-def lower_foot(settings: Ints, state: Ints, leg: int) -> int:
+def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing, leg: int) -> int:
     """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
-    speed = state[C_SPEED] + settings[K_A_DOWN]
-    most = fall_speed(settings, state, leg)
+    speed = swing.speed + params.crawl.lower_acceleration
+    most = lower_speed(params, swing, leg)
     if speed > most:
         speed = most
-    state[C_SPEED] = speed
-    if state[C_LENGTH] > settings[K_REACH_SWING] and state[C_REF + 2] > state[C_BODY + 2] - settings[K_LIMIT_X]:
-        state[C_REF + 2] -= settings[K_BODY_V]
+    swing.speed = speed
+    lowest = map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
+    if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
+        path.wanted[POSE_Z] -= params.crawl.body_speed
     else:
-        state[C_POS + 2] -= speed
+        swing.place[2] -= speed
     return speed
-
-
-@hot
-def hang_foot(settings: Ints, state: Ints) -> int:
-    """Take one tick of creeping down, while the tare is taken; return the speed, lf / tick."""
-    state[C_POS + 2] -= settings[K_V_TARE]
-    return settings[K_V_TARE]

@@ -5,7 +5,7 @@ import pytest
 from host.drive import Driver
 from host.gait_changes import GaitWatch, change_lines, change_reason, crawl_event, gait_now, notes_json
 from host.robot_file import load_robot
-from shared import crawl_layout as crawl
+from shared import crawl_state as crawl
 from shared import handover
 from shared import planner_layout as core
 
@@ -38,8 +38,8 @@ def test_every_reason_has_a_sentence(driver, reason):
 
 @pytest.mark.parametrize("event", EVENTS)
 def test_every_event_of_the_crawl_has_a_sentence_with_its_leg(driver, event):
-    driver.planner.climb.state[crawl.C_EVENT] = event
-    driver.planner.climb.state[crawl.C_EVENT_LEG] = 3
+    driver.planner.climb.event.code = event
+    driver.planner.climb.event.leg = 3
     assert crawl_event(driver).startswith("RL ")
 
 

@@ -215,6 +215,10 @@ BAD_VALUES = [
     ("\ncrawl = ", '\ngallop = "fast" #', 'gait.not_advised: value "gallop":', "one of paper-trot, trot, crawl"),
     ("\ncrawl = ", '\ncrawl = "two\\nlines" #', 'gait.not_advised.crawl: value "two lines":', "one line"),
     ("\ncrawl = ", '\ncrawl = "\\u001b[31m" #', "gait.not_advised.crawl: value", "one line"),
+    ("\n[imu]", "\n[crawl]\nmargn_m = 0.03\n[imu]", "crawl.margn_m: value 0.03:", "did you mean margin_m?"),
+    ("\n[imu]", "\n[crawl]\nmargin_m = 0.3\n[imu]", "crawl.margin_m: value 0.3:", "0.007 .. 0.056"),
+    ("\n[imu]", "\n[crawl]\nsettle_s = true\n[imu]", "crawl.settle_s: value true:", "a number within"),
+    ("\n[imu]", "\n[crawl]\ngoal_lag_s = 0.07\n[imu]", "crawl.goal_lag_s: value 0.07:", "0.015 .. 0.062"),
     ("climb = 0.008", '"Climb!" = 0.008', 'gait.advised_m_s.Climb!: value "Climb!":', "a gait's name"),
 ]
 

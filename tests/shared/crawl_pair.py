@@ -10,9 +10,11 @@ import pickle
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from shared import crawl_layout as at
-from shared import crawl_map, crawl_steps, footholds
-from shared.crawl import Crawl
+from shared import crawl_state as at
+from shared import crawl_steps, footholds
+from shared.contact import PAST_SIZE
+from shared.crawl import move_origin, rebase
+from shared.crawl_state import Crawl
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
 
@@ -50,7 +52,7 @@ class Pair:
         self.unit_m = self.legs[0].unit_m
         self.fine_m = self.unit_m / 256
         self.size = (self.legs[0].l2 + self.legs[0].l3) / 0.24
-        self.k = crawl_si(params, self.crawl.settings)
+        self.k = crawl_si(params)
         self.bounds = {**BOUNDS, "tare": twin.FORCE_ROUNDING + twin.tare_rounding(self.k)}
         if name not in ROOMY:
             self.bounds.update(CRAMPED)
@@ -60,36 +62,39 @@ class Pair:
 
     def stand(self):
         """Both begin on the ground, the first shift planned."""
-        c = self.crawl.state
+        c = self.crawl
         for leg, shape in enumerate(self.legs):
-            c[at.C_STANDS + leg], c[at.C_SHARE + leg] = 1, 4096
+            c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
             foot = shape.rest[0], shape.rest[1], self.ground(shape.rest[0])
             for axis in range(3):
-                c[at.C_FOOT + leg * 3 + axis] = self.fine(foot[axis])
-        c[at.C_REF + 2] = self.fine(self.k.height)
-        c[at.C_HEAVY] = round(self.trouble.heavy * 4096)
-        footholds.prints_start(self.crawl.limbs, c)
-        crawl_steps.start_machine(self.crawl)
+                c.map.feet[leg * 3 + axis] = self.fine(foot[axis])
+        c.path.wanted[2] = self.fine(self.k.height)
+        c.support.heavy_q12 = round(self.trouble.heavy * 4096)
+        footholds.footholds_start(c.params, c.map, c.footholds)
+        crawl_steps.start_stages(self.crawl)
         pose = [0.0, 0.0, self.k.height, 0.0, 0.0, 0.0]
-        self.twin = twin.Machine(self.k, Doubt(), self.feet(at.C_FOOT), pose, c[at.C_HEAVY] / 4096)
+        self.twin = twin.Machine(self.k, Doubt(), self.feet(self.crawl.map.feet), pose, c.support.heavy_q12 / 4096)
         self.compare_plan()
 
     def fine(self, metres):
         """Return lf."""
         return round(metres / self.fine_m)
 
-    def feet(self, place):
+    def feet(self, values):
         """Return four places of the core's state in m."""
-        return [self.metres(place + leg * 3) for leg in range(4)]
+        return [self.metres(values[leg * 3 : leg * 3 + 3]) for leg in range(4)]
 
-    def metres(self, place, count=3):
+    def prints(self, side, count):
+        """Return the first footholds of a side in m."""
+        return self.feet(self.crawl.footholds.places[side * 12 : side * 12 + 12])[:count]
+
+    def metres(self, values):
         """Return values of the core's state in m."""
-        return [value * self.fine_m for value in self.crawl.state[place : place + count]]
+        return [value * self.fine_m for value in values]
 
-    def pose(self, place):
+    def pose(self, values):
         """Return a pose of the core's state in m and rad."""
-        angles = [value * FINE_RAD for value in self.crawl.state[place + 3 : place + 6]]
-        return self.metres(place) + angles
+        return self.metres(values[:3]) + [value * FINE_RAD for value in values[3:]]
 
     def ground(self, x):
         """Return the height of the ground."""
@@ -101,12 +106,13 @@ class Pair:
 
     def sense(self):
         """Write what is felt in this tick into the core's state, and return it for the twin."""
-        c, dice, trouble = self.crawl.state, self.dice, self.trouble
-        c[at.C_CLIPPED] = int(dice.random() < trouble.clipped)
+        c, dice, trouble = self.crawl, self.dice, self.trouble
+        c.swing.limited = int(dice.random() < trouble.clipped)
         for axis in range(6):
-            c[at.C_BODY + axis] = c[at.C_REF + axis] + round(dice.uniform(-1, 1) * trouble.noise * (300, 800)[axis > 2])
+            off = round(dice.uniform(-1, 1) * trouble.noise * (300, 800)[axis > 2])
+            c.map.body_pose[axis] = c.path.wanted[axis] + off
         for leg in range(4):
-            if c[at.C_STANDS + leg]:
+            if c.support.stance[leg]:
                 self.sense_standing(leg)
             else:
                 self.sense_swing(leg)
@@ -115,51 +121,51 @@ class Pair:
 
     def felt(self, way):
         """Return what is felt, for the twin."""
-        c = self.crawl.state
+        c = self.crawl
         return SimpleNamespace(
-            seen=self.feet(at.C_SEEN),
-            force=[value / 4096 for value in c[at.C_FORCE : at.C_FORCE + 4]],
-            load=[value / 4096 for value in c[at.C_LOAD : at.C_LOAD + 4]],
-            body=self.pose(at.C_BODY),
-            length=c[at.C_LENGTH] * self.unit_m,
-            clipped=c[at.C_CLIPPED],
-            heavy=c[at.C_HEAVY] / 4096,
+            seen=self.feet(c.map.seen),
+            force=[value / 4096 for value in c.support.force_q12[:4]],
+            load=[value / 4096 for value in c.support.load_q12[:4]],
+            body=self.pose(c.map.body_pose),
+            length=c.swing.leg_length * self.unit_m,
+            clipped=c.swing.limited,
+            heavy=c.support.heavy_q12 / 4096,
             way=way * self.fine_m,
         )
 
     def sense_standing(self, leg):
         """A foot that stands carries its share, and what is wrong with the diagonals; a warp takes that away."""
-        c, trouble = self.crawl.state, self.trouble
-        warp = c[at.C_WARP] * self.fine_m / (0.04 * self.size)
-        share = c[at.C_SHARE + leg] / 4096
+        c, trouble = self.crawl, self.trouble
+        warp = c.support.warp * self.fine_m / (0.04 * self.size)
+        share = c.support.share_q12[leg] / 4096
         sign = 1 if leg in (twin.FR, twin.RL) else -1
         load = 0.3 * share
         wrong = trouble.skew - warp + trouble.noise * self.dice.uniform(-0.2, 0.2)
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
-        c[at.C_LOAD + leg], c[at.C_FORCE + leg] = round(load * 4096), round((load + wrong) * 4096)
+        c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
         for axis in range(3):
-            c[at.C_SEEN + leg * 3 + axis] = c[at.C_FOOT + leg * 3 + axis]
+            c.map.seen[leg * 3 + axis] = c.map.feet[leg * 3 + axis]
 
     def sense_swing(self, leg):
         """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
-        c, trouble = self.crawl.state, self.trouble
-        x, y, z = self.metres(at.C_POS)
+        c, trouble = self.crawl, self.trouble
+        x, y, z = self.metres(c.swing.place)
         seen_x = self.stopped(x, z)
         ground = self.ground(seen_x)
         load = max(0.0, ground - z) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
         seen = seen_x, y, max(z, ground)
         for axis in range(3):
-            c[at.C_SEEN + leg * 3 + axis] = self.fine(seen[axis])
-        c[at.C_LOAD + leg], c[at.C_FORCE + leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
-        hip = [self.pose(at.C_REF)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
+            c.map.seen[leg * 3 + axis] = self.fine(seen[axis])
+        c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
+        hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
         plane = sum(way * way for way in away) - self.legs[leg].l1 ** 2
-        c[at.C_LENGTH] = round(math.sqrt(max(0.0, plane)) / self.unit_m)
+        c.swing.leg_length = round(math.sqrt(max(0.0, plane)) / self.unit_m)
         self.push(leg)
 
     def stopped(self, x, z):
         """Return where a foot wanted at (x, z) is stopped by the risers."""
-        if self.crawl.state[at.C_PHASE] not in (at.MOVE, at.LIFT):
+        if self.crawl.stage.stage not in (at.SWING, at.LIFT):
             return x
         for edge, _ in sorted(self.trouble.steps):
             riser = edge * self.size - self.origin[0]
@@ -169,23 +175,23 @@ class Pair:
 
     def push(self, leg):
         """Push the corner of the body over a leg that comes down on its shin, until it lifts."""
-        c = self.crawl.state
-        if c[at.C_PHASE] == at.DOWN and c[at.C_TICK] == 3 and self.dice.random() < self.trouble.shins:
+        c = self.crawl
+        if c.stage.stage == at.LOWER and c.stage.stage_tick == 3 and self.dice.random() < self.trouble.shins:
             self.pushed = self.dice.uniform(0.05, 0.15)
-        elif c[at.C_PHASE] != at.DOWN:
+        elif c.stage.stage != at.LOWER:
             self.pushed = 0.0
-        c[at.C_BODY + 4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+        c.map.body_pose[4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
 
     # --- any point
 
     def jump(self):
         """Put both at some point of a crawl that is drawn, whether a walk comes there or not; feel anything there."""
-        c, dice = self.crawl.state, self.dice
-        c[at.C_TURN] = dice.randrange(4)
-        c[at.C_LEG], c[at.C_PHASE] = twin.ORDER[c[at.C_TURN]], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
+        c, dice = self.crawl, self.dice
+        c.stage.turn = dice.randrange(4)
+        c.stage.leg, c.stage.stage = twin.ORDER[c.stage.turn], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
         self.jump_ground()
         self.jump_body()
-        self.jump_swing(c[at.C_LEG])
+        self.jump_swing(c.stage.leg)
         aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 1.45, -1.45, 2.6, -2.6)
         far = [self.k.rebase * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
         self.carry_off(*[self.fine(value) for value in (*far, -dice.randrange(2) * self.k.height)])
@@ -196,15 +202,9 @@ class Pair:
 
     def carry_off(self, dx, dy, dz):
         """Move everything along the map by lf, as if the walk had begun far away."""
-        c = self.crawl.state
-        for place, count in ((at.C_FOOT, 4), (at.C_SEEN, 4), (at.C_PRINT, 8), (at.C_POS, 1), (at.C_TARGET, 1)):
-            crawl_map.shift_points(c, place, count, -dx, -dy, -dz)
-        for place in (at.C_BODY, at.C_REF, at.C_FROM, at.C_TO):
-            crawl_map.shift_points(c, place, 1, -dx, -dy, -dz)
-        c[at.C_SOURCE], c[at.C_SOURCE + 1] = c[at.C_SOURCE] + dx, c[at.C_SOURCE + 1] + dy
-        c[at.C_EXPECT], c[at.C_TOP] = c[at.C_EXPECT] + dz, c[at.C_TOP] + dz
-        for place in range(at.C_PAST, at.C_PAST + at.PAST_SIZE):
-            c[place] += dx
+        c = self.crawl
+        for axis, by in enumerate((dx, dy, dz)):
+            move_origin(c.map, c.footholds, c.path, c.swing, c.contact, axis, -by)
 
     def spread(self, millimetres):
         """Return a way that is drawn within +-millimetres of a leg of 240 mm, lf."""
@@ -212,98 +212,99 @@ class Pair:
 
     def jump_ground(self):
         """Draw feet, prints, shares and loads."""
-        c, dice, leg = self.crawl.state, self.dice, self.crawl.state[at.C_LEG]
-        along = dice.choice((30, 90)) if c[at.C_PHASE] == at.SHIFT else 30  # no plan is made there
+        c, dice, leg = self.crawl, self.dice, self.crawl.stage.leg
+        along = dice.choice((30, 90)) if c.stage.stage == at.SHIFT else 30  # no plan is made there
         for other, shape in enumerate(self.legs):
             for axis, rest, way in ((0, shape.rest[0], along), (1, shape.rest[1], 10), (2, 0.0, 40)):
-                c[at.C_FOOT + other * 3 + axis] = self.fine(rest) + self.spread(way)
-                c[at.C_SEEN + other * 3 + axis] = c[at.C_FOOT + other * 3 + axis]
-            c[at.C_STANDS + other] = int(other != leg or c[at.C_PHASE] in (at.SHIFT, at.REST))
-            c[at.C_SHARE + other] = dice.choice((0, 100, 2000, 4096))
-            c[at.C_LOAD + other], c[at.C_FORCE + other] = dice.randrange(2000), dice.randrange(-400, 2400)
+                c.map.feet[other * 3 + axis] = self.fine(rest) + self.spread(way)
+                c.map.seen[other * 3 + axis] = c.map.feet[other * 3 + axis]
+            c.support.stance[other] = int(other != leg or c.stage.stage in (at.SHIFT, at.REST))
+            c.support.share_q12[other] = dice.choice((0, 100, 2000, 4096))
+            c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
         for side in range(2):
-            c[at.C_PRINTS + side], c[at.C_ON_PRINT + side] = dice.randrange(5), dice.randrange(2)
+            c.footholds.waiting[side], c.footholds.taken[side] = dice.randrange(5), dice.randrange(2)
             for value in range(12):
-                c[at.C_PRINT + side * 12 + value] = c[at.C_FOOT + 6 + side * 3 + value % 3] + self.spread(60)
-        c[at.C_WARP], c[at.C_STEPS_EVEN] = self.spread(39), dice.randrange(6)
+                c.footholds.places[side * 12 + value] = c.map.feet[6 + side * 3 + value % 3] + self.spread(60)
+        c.support.warp, c.even.even_steps = self.spread(39), dice.randrange(6)
         way, pace = c_way(self.crawl), self.fine(self.k.pace)
-        c[at.C_PACE] = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
-        c[at.C_HEAVY] = dice.choice((0, 4096))
+        c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
+        c.support.heavy_q12 = dice.choice((0, 4096))
         if dice.random() < 0.5:
             self.jump_diagonals(leg)
 
     def jump_diagonals(self, leg):
         """Draw a leg that is free or just not yet, and diagonals that carry nearly what they should, or just not."""
-        c, dice = self.crawl.state, self.dice
-        c[at.C_SHARE + leg] = 0
-        c[at.C_FORCE + leg] = round(2 * twin.NEWTON * 4096) + dice.randint(-40, 400)
-        wrong = [c[at.C_FORCE + other] - c[at.C_LOAD + other] for other in range(4)]
+        c, dice = self.crawl, self.dice
+        c.support.share_q12[leg] = 0
+        c.support.force_q12[leg] = round(2 * twin.NEWTON * 4096) + dice.randint(-40, 400)
+        wrong = [c.support.force_q12[other] - c.support.load_q12[other] for other in range(4)]
         off = dice.choice((-1, 1)) * round(4 * twin.NEWTON * 4096) + dice.randint(-40, 40)
-        c[at.C_LOAD + (leg ^ 1)] += (off - (wrong[0] + wrong[3] - wrong[1] - wrong[2])) * (1 if leg in (0, 3) else -1)
+        off -= wrong[0] + wrong[3] - wrong[1] - wrong[2]
+        c.support.load_q12[leg ^ 1] += off * (1 if leg in (0, 3) else -1)
 
     def jump_body(self):
         """Draw a move of the body, how far it is, and where the body really is."""
-        c, dice = self.crawl.state, self.dice
+        c, dice = self.crawl, self.dice
         for axis in range(6):
             middle, way = (self.fine(self.k.height) if axis == 2 else 0), (self.spread(30), dice.randint(-40000, 40000))
-            for place in (at.C_FROM, at.C_TO, at.C_REF):
-                c[place + axis] = middle + way[axis > 2] // (1 if place == at.C_TO else 2)
-            c[at.C_BODY + axis] = c[at.C_REF + axis] + (self.spread(35), dice.randint(-300000, 300000))[axis > 2]
-        c[at.C_BODY_TICKS] = dice.randrange(12, 60)
-        c[at.C_BODY_TICK] = dice.choice((c[at.C_BODY_TICKS], dice.randrange(1, c[at.C_BODY_TICKS])))
+            c.path.to_pose[axis] = middle + way[axis > 2]
+            c.path.from_pose[axis] = c.path.wanted[axis] = middle + way[axis > 2] // 2
+            c.map.body_pose[axis] = c.path.wanted[axis] + (self.spread(35), dice.randint(-300000, 300000))[axis > 2]
+        c.path.move_ticks = dice.randrange(12, 60)
+        c.path.move_tick = dice.choice((c.path.move_ticks, dice.randrange(1, c.path.move_ticks)))
 
     def jump_swing(self, leg):
         """Draw where a foot in the air is and is to go, what it has met, and what it feels."""
-        c, dice, k, foot = self.crawl.state, self.dice, self.crawl.settings, at.C_FOOT + self.crawl.state[at.C_LEG] * 3
+        c, dice, k, foot = self.crawl, self.dice, self.crawl.params.crawl, self.crawl.stage.leg * 3
         for axis in range(3):
-            c[at.C_TARGET + axis] = c[foot + axis] + self.spread(60)
-            c[at.C_POS + axis] = c[foot + axis] + self.spread(60)
-        c[at.C_SOURCE : at.C_SOURCE + 2] = c[foot : foot + 2]
-        c[at.C_EXPECT] = c[at.C_POS + 2] + self.spread(dice.choice((30, 100)))
-        c[at.C_TOP] = c[at.C_POS + 2] + self.spread(60)
-        c[at.C_SPEED] = dice.randrange(k[at.K_V_REAR])
-        c[at.C_MOVE_TICKS] = dice.randrange(k[at.K_MOVE_TICKS], 4 * k[at.K_MOVE_TICKS])
-        times = (c[at.C_BODY_TICKS] + k[at.K_SETTLE], c[at.C_BODY_TICKS] // 2, c[at.C_MOVE_TICKS], k[at.K_TARE_TICKS])
-        times += (k[at.K_TARE_SKIP], k[at.K_HIT_AFTER], c[at.C_BODY_TICKS] + k[at.K_WARP_TICKS])
-        c[at.C_TICK] = max(0, dice.choice(times) + dice.randint(-2, 2))
-        c[at.C_TRIES], c[at.C_HITS] = dice.randrange(4), dice.randrange(3)
-        c[at.C_DROPPED] = dice.randrange(2) if leg < 2 else 0
-        c[at.C_TARE], c[at.C_TOUCHED] = dice.randrange(-400, 600), dice.choice((0, 0, k[at.K_TOUCH_TICKS] - 1))
-        c[at.C_PEAK], c[at.C_CLIPPED] = dice.randrange(2), int(dice.random() < 0.2)
-        c[at.C_PAST : at.C_PAST + at.PAST_SIZE] = [c[at.C_POS]] * at.PAST_SIZE
-        c[at.C_PAST_AT] = dice.randrange(at.PAST_SIZE)
-        c[at.C_SEEN + leg * 3] = c[at.C_POS] - self.fine(dice.uniform(0.0, 0.03) * self.size)
-        c[at.C_SEEN + leg * 3 + 2] = c[at.C_EXPECT] + self.spread(80)
-        c[at.C_LENGTH] = round(dice.choice((self.k.near, self.k.reach_swing)) / self.unit_m) + dice.randint(-9, 9)
+            c.swing.target[axis] = c.map.feet[foot + axis] + self.spread(60)
+            c.swing.place[axis] = c.map.feet[foot + axis] + self.spread(60)
+        c.swing.departure[:] = c.map.feet[foot : foot + 2]
+        c.swing.ground = c.swing.place[2] + self.spread(dice.choice((30, 100)))
+        c.swing.top = c.swing.place[2] + self.spread(60)
+        c.swing.speed = dice.randrange(k.hind_lower_speed)
+        c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
+        times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
+        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.warp_ticks)
+        c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
+        c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
+        c.swing.dropped = dice.randrange(2) if leg < 2 else 0
+        c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
+        c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
+        c.contact.past[:PAST_SIZE] = [c.swing.place[0]] * PAST_SIZE
+        c.contact.past_at = dice.randrange(PAST_SIZE)
+        c.map.seen[leg * 3] = c.swing.place[0] - self.fine(dice.uniform(0.0, 0.03) * self.size)
+        c.map.seen[leg * 3 + 2] = c.swing.ground + self.spread(80)
+        c.swing.leg_length = round(dice.choice((self.k.near, self.k.reach_swing)) / self.unit_m) + dice.randint(-9, 9)
 
     def adopt(self):
         """Put the twin where the core is."""
-        c, other = self.crawl.state, self.twin
-        other.turn, other.stage, other.ticks = c[at.C_TURN], c[at.C_PHASE], c[at.C_TICK]
-        other.feet, other.stands = self.feet(at.C_FOOT), [bool(s) for s in c[at.C_STANDS : at.C_STANDS + 4]]
-        other.share = [share / 4096 for share in c[at.C_SHARE : at.C_SHARE + 4]]
+        c, other = self.crawl, self.twin
+        other.turn, other.stage, other.ticks = c.stage.turn, c.stage.stage, c.stage.stage_tick
+        other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
+        other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
-            first, count = at.C_PRINT + side * 12, c[at.C_PRINTS + side]
-            other.prints[side] = [self.metres(first + place * 3) for place in range(count)]
-        other.on_print = [bool(value) for value in c[at.C_ON_PRINT : at.C_ON_PRINT + 2]]
-        (other.warp,), (other.pace,) = self.metres(at.C_WARP, 1), self.metres(at.C_PACE, 1)
-        other.steps_even, other.landed = c[at.C_STEPS_EVEN], c[at.C_LANDED]
+            other.prints[side] = self.prints(side, c.footholds.waiting[side])
+        other.on_print = [bool(value) for value in c.footholds.taken[:2]]
+        other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
+        other.steps_even, other.landed = c.even.even_steps, c.even.landed
         body = other.body
-        body.start, body.goal, body.wanted = self.pose(at.C_FROM), self.pose(at.C_TO), self.pose(at.C_REF)
-        body.tick, body.ticks = c[at.C_BODY_TICK], c[at.C_BODY_TICKS]
+        poses = c.path.from_pose, c.path.to_pose, c.path.wanted
+        body.start, body.goal, body.wanted = (self.pose(pose) for pose in poses)
+        body.tick, body.ticks = c.path.move_tick, c.path.move_ticks
         other.swing = None
         if other.stage not in (twin.SHIFT, twin.REST):
             other.swing = self.adopted_swing()
 
     def adopted_swing(self):
         """Return the core's swing as the twin has it."""
-        c = self.crawl.state
-        s = twin.Swing(c[at.C_LEG], self.metres(at.C_POS), at.PAST_SIZE)
-        s.source, s.target = self.metres(at.C_SOURCE, 2), self.metres(at.C_TARGET)
-        (s.expect,), (s.top,), (s.speed,) = (self.metres(place, 1) for place in (at.C_EXPECT, at.C_TOP, at.C_SPEED))
-        s.ticks_across, s.tries, s.hits = c[at.C_MOVE_TICKS], c[at.C_TRIES], c[at.C_HITS]
-        s.dropped, s.peak, s.touched = bool(c[at.C_DROPPED]), bool(c[at.C_PEAK]), c[at.C_TOUCHED]
-        s.tare = c[at.C_TARE] / 4096
+        c = self.crawl
+        s = twin.Swing(c.stage.leg, self.metres(c.swing.place), PAST_SIZE)
+        s.source, s.target = self.metres(c.swing.departure), self.metres(c.swing.target)
+        s.expect, s.top, s.speed = self.metres((c.swing.ground, c.swing.top, c.swing.speed))
+        s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
+        s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
+        s.tare = c.contact.tare_q12 / 4096
         return s
 
     # --- ticks
@@ -316,7 +317,7 @@ class Pair:
     def both(self, felt, way):
         """Let both take a tick with what is felt, and compare."""
         before = pickle.dumps(self.twin)
-        crawl_steps.machine(self.crawl, way)
+        crawl_steps.take_stage(self.crawl, way)
         self.twin.doubt.begin()
         self.twin.tick(felt)
         first, doubts = self.difference(), self.twin.doubt.count
@@ -331,9 +332,9 @@ class Pair:
 
     def move_origin(self):
         """Both keep their maps under the body: what is measured last is where it is."""
-        body = self.metres(at.C_BODY)
+        body = self.metres(self.crawl.map.body_pose[:3])
         way = self.twin.move_origin(body)
-        assert crawl_map.rebase(self.crawl.settings, self.crawl.state) == int(way is not None)
+        assert rebase(self.crawl) == int(way is not None)
         if way:
             self.origin = [a + b for a, b in zip(self.origin, way, strict=True)]
 
@@ -349,26 +350,26 @@ class Pair:
 
     def difference(self):
         """Return what differs first between core and twin after a tick, or nothing."""
-        c, other = self.crawl.state, self.twin
+        c, other = self.crawl, self.twin
         same = {
-            "stage": (c[at.C_PHASE], other.stage),
-            "leg": (c[at.C_LEG], other.leg),
-            "tick": (c[at.C_TICK], other.ticks),
-            "stands": (c[at.C_STANDS : at.C_STANDS + 4], [int(s) for s in other.stands]),
-            "on print": (c[at.C_ON_PRINT : at.C_ON_PRINT + 2], [int(s) for s in other.on_print]),
-            "prints": (c[at.C_PRINTS : at.C_PRINTS + 2], [len(side) for side in other.prints]),
-            "even": (c[at.C_STEPS_EVEN], other.steps_even),
-            "landed": (c[at.C_LANDED], other.landed),
-            "planned": (c[at.C_BODY_TICK] == 0, other.body.planned),
+            "stage": (c.stage.stage, other.stage),
+            "leg": (c.stage.leg, other.leg),
+            "tick": (c.stage.stage_tick, other.ticks),
+            "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
+            "on print": (c.footholds.taken[:2], [int(s) for s in other.on_print]),
+            "prints": (c.footholds.waiting[:2], [len(side) for side in other.prints]),
+            "even": (c.even.even_steps, other.steps_even),
+            "landed": (c.even.landed, other.landed),
+            "planned": (c.path.move_tick == 0, other.body.planned),
         }
         if other.swing:
             s = other.swing
-            same["tries"] = c[at.C_TRIES : at.C_DROPPED + 1], [s.tries, s.hits, int(s.dropped)]
+            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.hits, int(s.dropped)]
             if other.stage in (twin.DOWN, twin.REST):
-                same["touched"] = (c[at.C_TOUCHED], c[at.C_PEAK]), (s.touched, int(s.peak))
+                same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
         if other.events:
             event, leg, _, _ = other.events[-1]
-            same["event"] = c[at.C_EVENT : at.C_EVENT + 2], [event, leg]
+            same["event"] = [c.event.code, c.event.leg], [event, leg]
         for what, (core, exact) in same.items():
             if list_of(core) != list_of(exact):
                 return f"{what}: core {core}, twin {exact}"
@@ -376,31 +377,30 @@ class Pair:
 
     def far_off(self):
         """Return what lies farther apart than its bound, or nothing; keep the largest distances."""
-        c, other = self.crawl.state, self.twin
+        c, other = self.crawl, self.twin
         pairs = [
-            ("feet", self.feet(at.C_FOOT), other.feet),
-            ("shares", [value / 4096 for value in c[at.C_SHARE : at.C_SHARE + 4]], other.share),
-            ("pace", [c[at.C_PACE] * self.fine_m], [other.pace]),
-            ("warp", [c[at.C_WARP] * self.fine_m], [other.warp]),
-            ("body", self.metres(at.C_REF), other.body.wanted[:3]),
-            ("tilt", self.pose(at.C_REF)[3:], other.body.wanted[3:]),
+            ("feet", self.feet(self.crawl.map.feet), other.feet),
+            ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
+            ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
+            ("warp", [c.support.warp * self.fine_m], [other.warp]),
+            ("body", self.metres(c.path.wanted[:3]), other.body.wanted[:3]),
+            ("tilt", self.pose(self.crawl.path.wanted)[3:], other.body.wanted[3:]),
         ]
         for side, prints in enumerate(other.prints):
-            places = [self.metres(at.C_PRINT + side * 12 + place * 3) for place in range(len(prints))]
-            pairs.append(("prints", places, prints))
+            pairs.append(("prints", self.prints(side, len(prints)), prints))
         if other.swing:
             s = other.swing
             pairs += [
-                ("foot", self.metres(at.C_POS), s.place),
-                ("target", self.metres(at.C_TARGET), s.target),
-                ("expected", self.metres(at.C_EXPECT, 1), [s.expect]),
-                ("top", self.metres(at.C_TOP, 1), [s.top]),
-                ("speed", self.metres(at.C_SPEED, 1), [s.speed]),
+                ("foot", self.metres(c.swing.place), s.place),
+                ("target", self.metres(c.swing.target), s.target),
+                ("expected", self.metres([c.swing.ground]), [s.expect]),
+                ("top", self.metres([c.swing.top]), [s.top]),
+                ("speed", self.metres([c.swing.speed]), [s.speed]),
             ]
             if feels(other):
-                pairs.append(("tare", [c[at.C_TARE] / 4096], [s.tare]))
+                pairs.append(("tare", [c.contact.tare_q12 / 4096], [s.tare]))
         if other.events:
-            pairs.append(("event", [v * self.unit_m for v in c[at.C_EVENT_X : at.C_EVENT_Z + 1]], other.events[-1][2:]))
+            pairs.append(("event", [v * self.unit_m for v in (c.event.x, c.event.z)], other.events[-1][2:]))
         for what, core, exact in pairs:
             off = largest(core, exact) / (self.size if what not in ("shares", "tare", "tilt") else 1)
             if off > self.bounds[what]:
@@ -410,7 +410,7 @@ class Pair:
 
     def compare_plan(self):
         """Compare where the body is to go and how long it takes, then let the twin go there too."""
-        move, goal, ticks = self.twin.body, self.pose(at.C_TO), self.crawl.state[at.C_BODY_TICKS]
+        move, goal, ticks = self.twin.body, self.pose(self.crawl.path.to_pose), self.crawl.path.move_ticks
         off = {
             "plan x y": math.dist(goal[:2], move.goal[:2]) / self.size,
             "plan z": abs(goal[2] - move.goal[2]) / self.size,
@@ -427,7 +427,7 @@ class Pair:
 
 def c_way(crawl):
     """Return a commanded way, lf a tick, of 50 mm/s of a leg of 240 mm."""
-    return crawl.settings[at.K_V_SLOW] * 5 // 6
+    return crawl.params.crawl.near_speed * 5 // 6
 
 
 def feels(other):

@@ -9,78 +9,74 @@ from types import SimpleNamespace
 from host.robot_file import find, read_toml
 from host.robot_model import Robot
 from host.scale import BRAD_PER_RAD, core_params
-from shared import crawl_layout
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 
-# The crawl's settings by what the float twin calls them
+# The crawl's numbers by what the float twin calls them
 CRAWL_LENGTHS = {
-    "stride": crawl_layout.K_STRIDE,
-    "height": crawl_layout.K_HEIGHT,
-    "tall": crawl_layout.K_TALL,
-    "reach": crawl_layout.K_REACH,
-    "reach_swing": crawl_layout.K_REACH_SWING,
-    "near": crawl_layout.K_NEAR,
-    "margin": crawl_layout.K_MARGIN,
-    "ahead": crawl_layout.K_AHEAD,
-    "com_x": crawl_layout.K_COM_X,
-    "com_z": crawl_layout.K_COM_Z,
-    "lift_front": crawl_layout.K_LIFT_FRONT,
-    "lift_rear": crawl_layout.K_LIFT_REAR,
-    "near_print": crawl_layout.K_NEAR_PRINT,
-    "deepest": crawl_layout.K_DEEPEST,
-    "hit": crawl_layout.K_HIT,
-    "high": crawl_layout.K_HIGH,
-    "void": crawl_layout.K_VOID,
-    "advance": crawl_layout.K_ADVANCE,
-    "advance_void": crawl_layout.K_ADVANCE_VOID,
-    "back": crawl_layout.K_BACK,
-    "hit_back": crawl_layout.K_HIT_BACK,
-    "shin": crawl_layout.K_SHIN,
-    "shin_raise": crawl_layout.K_SHIN_RAISE,
-    "too_high": crawl_layout.K_TOO_HIGH,
-    "clear": crawl_layout.K_CLEAR,
-    "arm_x": crawl_layout.K_ARM_X,
-    "arm_y": crawl_layout.K_ARM_Y,
-    "raised": crawl_layout.K_RAISE,
+    "stride": "stride",
+    "height": "height",
+    "tall": "heavy_height",
+    "reach": "reach",
+    "reach_swing": "swing_reach",
+    "near": "folded",
+    "margin": "margin",
+    "ahead": "heavy_forward",
+    "com_z": "com_z",
+    "lift_front": "front_lift",
+    "lift_rear": "hind_lift",
+    "near_print": "near_foothold",
+    "deepest": "deepest",
+    "hit": "riser_lag",
+    "high": "edge_height",
+    "void": "drop_depth",
+    "advance": "edge_advance",
+    "advance_void": "drop_advance",
+    "back": "edge_retreat",
+    "hit_back": "riser_retreat",
+    "shin": "shin_lift",
+    "shin_raise": "shin_clear",
+    "too_high": "highest_contact",
+    "clear": "clear_ground",
+    "arm_x": "half_length",
+    "arm_y": "half_width",
+    "raised": "clear_contact",
+    "warp_max": "warp_max",
+    "limit": "position_limit",
 }
 CRAWL_FINE = {
-    "body_v": crawl_layout.K_BODY_V,
-    "v_up": crawl_layout.K_V_UP,
-    "a_up": crawl_layout.K_A_UP,
-    "brake": crawl_layout.K_BRAKE,
-    "v_top": crawl_layout.K_V_TOP,
-    "move_pace": crawl_layout.K_MOVE_PACE,
-    "v_tare": crawl_layout.K_V_TARE,
-    "a_down": crawl_layout.K_A_DOWN,
-    "v_front": crawl_layout.K_V_FRONT,
-    "v_rear": crawl_layout.K_V_REAR,
-    "v_slow": crawl_layout.K_V_SLOW,
-    "v_quick": crawl_layout.K_V_QUICK,
-    "warp": crawl_layout.K_WARP,
-    "warp_v": crawl_layout.K_WARP_V,
-    "warp_max": crawl_layout.K_WARP_MAX,
-    "pace": crawl_layout.K_PACE,
-    "rebase": crawl_layout.K_REBASE,
-    "limit": crawl_layout.K_LIMIT_X,
+    "body_v": "body_speed",
+    "v_up": "lift_speed",
+    "a_up": "lift_acceleration",
+    "brake": "lift_brake",
+    "v_top": "top_speed",
+    "move_pace": "swing_speed",
+    "v_tare": "hang_speed",
+    "a_down": "lower_acceleration",
+    "v_front": "front_lower_speed",
+    "v_rear": "hind_lower_speed",
+    "v_slow": "near_speed",
+    "v_quick": "fast_speed",
+    "warp": "warp_gain",
+    "warp_v": "warp_speed",
 }
 CRAWL_TICKS = {
-    "body_ticks": crawl_layout.K_BODY_TICKS,
-    "settle": crawl_layout.K_SETTLE,
-    "share_ticks": crawl_layout.K_SHARE_TICKS,
-    "move_ticks": crawl_layout.K_MOVE_TICKS,
-    "tare_ticks": crawl_layout.K_TARE_TICKS,
-    "tare_skip": crawl_layout.K_TARE_SKIP,
-    "touch_ticks": crawl_layout.K_TOUCH_TICKS,
-    "hit_after": crawl_layout.K_HIT_AFTER,
-    "hit_lag": crawl_layout.K_HIT_LAG,
-    "late": crawl_layout.K_LATE,
-    "warp_ticks": crawl_layout.K_WARP_TICKS,
+    "body_ticks": "body_ticks",
+    "settle": "settle_ticks",
+    "share_ticks": "share_ticks",
+    "move_ticks": "swing_ticks",
+    "tare_ticks": "hang_ticks",
+    "tare_skip": "hang_skip_ticks",
+    "touch_ticks": "contact_ticks",
+    "hit_after": "riser_skip_ticks",
+    "hit_lag": "swing_lag_ticks",
+    "late": "goal_lag_ticks",
+    "warp_ticks": "warp_ticks",
 }
 CRAWL_GAINS = {
-    "tare_in": crawl_layout.K_TARE_IN,
-    "tare_slow": crawl_layout.K_TARE_SLOW,
-    "tare_fast": crawl_layout.K_TARE_FAST,
+    "tare_in": "tare_in_q15",
+    "tare_slow": "tare_slow_q15",
+    "tare_fast": "tare_fast_q15",
 }
 
 
@@ -110,6 +106,15 @@ NAMES = ("caramelo", "parallel", "long-leg", "unequal", "no-offset")
 def block(name, rate_hz=50, knees="full-elbow"):
     """Return a test robot as the core has it."""
     return core_params(robot(name, knees), rate_hz)
+
+
+def unlimited(params):
+    """Return a robot with the reach of its legs as if the calves bent without limits."""
+    for leg in params.legs:
+        links = leg.thigh_length, leg.calf_length
+        leg.longest = math.isqrt(leg.hip_length**2 + (links[0] + links[1]) ** 2)
+        leg.shortest = math.ceil(math.hypot(leg.hip_length, links[0] - links[1]))
+    return params
 
 
 def leg_si(params, leg):
@@ -166,22 +171,23 @@ def planner_si(params):
     )
 
 
-def crawl_si(params, settings):
+def crawl_si(params):
     """Return what the float crawl needs, in m, rad and ticks, speeds per tick, forces in own weights."""
     unit_m = 2.0 ** -params.length_shift
-    rate = settings[crawl_layout.K_RATE]
-    legs = [leg_si(params, leg) for leg in range(4)]
+    crawl, legs = params.crawl, [leg_si(params, leg) for leg in range(4)]
     values = {}
-    for names, scale in ((CRAWL_LENGTHS, unit_m), (CRAWL_FINE, unit_m / 256), (CRAWL_TICKS, 1)):
+    scales = ((CRAWL_LENGTHS, unit_m), (CRAWL_FINE, unit_m / 256), (CRAWL_TICKS, 1), (CRAWL_GAINS, 1 / 32768))
+    for names, scale in scales:
         for name, place in names.items():
-            values[name] = settings[place] * scale
-    for name, place in CRAWL_GAINS.items():
-        values[name] = settings[place] / 32768
+            values[name] = getattr(crawl, place) * scale
     return SimpleNamespace(
         **values,
-        share=settings[crawl_layout.K_SHARE] / 4096,
-        acceleration=settings[crawl_layout.K_ACC] * unit_m / rate**2,
-        planar=bool(settings[crawl_layout.K_PLANAR]),
+        com_x=params.com_x * unit_m,
+        pace=crawl.stride * unit_m / 4,
+        rebase=params.leg_length * unit_m / 2,
+        share=4096 // crawl.share_ticks / 4096,
+        acceleration=crawl.body_acceleration * unit_m / params.rate_hz**2,
+        planar=params.lateral_q12 == 0,
         hips=[leg.hip for leg in legs],
         sides=[leg.side_l1 for leg in legs],
         line=[legs[2 + side].rest[1] for side in range(2)],

@@ -12,12 +12,13 @@ from host.drive import Driver
 from host.plane import planar_robot
 from host.robot_file import load_robot
 from shared import command as c
-from shared import crawl_layout as at
+from shared import crawl_state as at
 from shared import planner_layout as n
-from shared.crawl import Crawl
-from shared.crawl_map import fit_body, rebase
+from shared.crawl import rebase
+from shared.crawl_map import Map, fit_body
+from shared.crawl_state import Crawl
 from shared.filters import fraction, quintic_q15
-from shared.footholds import MOST_PRINTS, print_add, print_drop
+from shared.footholds import MOST_FOOTHOLDS, Footholds, foothold_add, foothold_drop
 from shared.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
 from shared.sensing import SENSING_SIZE
 from shared.swing_leg import brake_speed
@@ -67,7 +68,7 @@ def test_brake_speed_stops_within_the_way(brake, way):
 def standing(x_lu, y_lu, heading_rad):
     """Return a crawl whose feet stand in a map, and what they look like from a body at (x, y) with a heading."""
     crawl, sensing = Crawl(block("caramelo")), array("i", [0] * SENSING_SIZE)
-    state, dice = crawl.state, random.Random(4)
+    dice = random.Random(4)
     for leg in range(4):
         foot = [
             (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000),
@@ -75,13 +76,13 @@ def standing(x_lu, y_lu, heading_rad):
             dice.randint(-500, 500),
         ]
         for axis in range(3):
-            state[at.C_FOOT + leg * 3 + axis] = foot[axis] << 8
+            crawl.map.feet[leg * 3 + axis] = foot[axis] << 8
         dx, dy = foot[0] - x_lu, foot[1] - y_lu
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
         for axis in range(3):
             sensing.level[leg * 3 + axis] = round(seen[axis])
-        state[at.C_STANDS + leg], state[at.C_SHARE + leg] = 1, 4096
+        crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
     return crawl, sensing
 
 
@@ -90,51 +91,58 @@ def standing(x_lu, y_lu, heading_rad):
 def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
     crawl, sensing = standing(x_lu, y_lu, heading_rad)
     for _ in range(2):
-        fit_body(crawl.settings, sensing, crawl.state)
-    x, y, z, _, _, yaw = crawl.state[at.C_BODY : at.C_BODY + 6]
+        fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    x, y, z, _, _, yaw = crawl.map.body_pose[:6]
     assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
     assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
 
 
 def test_a_foot_in_the_air_does_not_move_the_body():
     crawl, sensing = standing(100, -50, 0.05)
-    fit_body(crawl.settings, sensing, crawl.state)
-    before = list(crawl.state[at.C_BODY : at.C_BODY + 6])
-    crawl.state[at.C_STANDS] = 0
+    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    before = list(crawl.map.body_pose[:6])
+    crawl.support.stance[0] = 0
     for axis in range(3):
         sensing.level[axis] += 3000
-    fit_body(crawl.settings, sensing, crawl.state)
-    moved = [abs(a - b) for a, b in zip(before, crawl.state[at.C_BODY : at.C_BODY + 6], strict=True)]
+    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    moved = [abs(a - b) for a, b in zip(before, crawl.map.body_pose[:6], strict=True)]
     assert max(moved[:3]) <= 8 * 256
+
+
+def places(crawl):
+    """Return the places of a crawl as seen from its body."""
+    body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
+    found = [*crawl.map.feet, *crawl.map.seen, *crawl.footholds.places]
+    found += [*path.wanted[:3], *path.from_pose[:3], *path.to_pose[:3], *swing.place, *swing.target]
+    found = [value - body[at % 3] for at, value in enumerate(found)]
+    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body[2], swing.top - body[2]]
+    return found + [x - body[0] for x in crawl.contact.past]
 
 
 def test_the_map_is_moved_exactly():
     """After it nothing has changed but the origin: every place lies where it did from the body."""
-    crawl, _ = standing(0, 0, 0)
-    state, dice = crawl.state, random.Random(7)
-    places = [*range(at.C_FOOT, at.C_FOOT + 24, 3), *range(at.C_PRINT, at.C_PRINT + 24, 3), at.C_REF, at.C_TO, at.C_POS]
-    for place in places:
-        for axis in range(3):
-            state[place + axis] = dice.randint(-(1 << 22), 1 << 22)
-    state[at.C_BODY] = crawl.settings[at.K_REBASE] + 12345
-    state[at.C_EXPECT] = state[at.C_POS + 2] - 777
-    away = [[state[place + axis] - state[at.C_BODY + axis] for axis in range(3)] for place in places]
-    assert rebase(crawl.settings, state) == 1
-    assert [[state[place + axis] - state[at.C_BODY + axis] for axis in range(3)] for place in places] == away
-    assert state[at.C_BODY] == 0
-    assert state[at.C_EXPECT] == state[at.C_POS + 2] - 777
-    assert rebase(crawl.settings, state) == 0
+    crawl, dice = Crawl(block("caramelo")), random.Random(7)
+    for values in (crawl.map.feet, crawl.map.seen, crawl.footholds.places, crawl.path.wanted, crawl.path.to_pose,
+                   crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past):
+        values[:] = [dice.randint(-(1 << 22), 1 << 22) for _ in values]
+    crawl.map.body_pose[0] = (crawl.params.leg_length << 7) + 12345
+    crawl.swing.ground = crawl.swing.place[2] - 777
+    away = places(crawl)
+    assert rebase(crawl) == 1
+    assert places(crawl) == away
+    assert crawl.map.body_pose[0] == 0
+    assert rebase(crawl) == 0
 
 
-def test_prints_come_out_in_the_order_they_went_in():
-    state = array("i", [0] * at.C_SIZE)
-    for step in range(MOST_PRINTS + 2):
-        state[at.C_FOOT] = step
-        assert print_add(state, 1, at.C_FOOT) == min(step + 1, MOST_PRINTS)
-    for step in range(2, MOST_PRINTS + 2):
-        assert state[at.C_PRINT + 12] == step
-        print_drop(state, 1)
-    assert state[at.C_PRINTS + 1] == 0
+def test_footholds_come_out_in_the_order_they_went_in():
+    map, footholds = Map(), Footholds()
+    for step in range(MOST_FOOTHOLDS + 2):
+        map.feet[3] = step
+        assert foothold_add(map, footholds, 1) == min(step + 1, MOST_FOOTHOLDS)
+    for step in range(2, MOST_FOOTHOLDS + 2):
+        assert footholds.places[12] == step
+        foothold_drop(footholds, 1)
+    assert footholds.waiting[1] == 0
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():
@@ -214,11 +222,11 @@ def test_on_level_ground_the_legs_land_in_order_without_a_second_try():
         legs, seen = (), 0
 
         def tick(self, sensed):
-            goals, state = super().tick(sensed), self.driver.planner.climb.state
-            if state[at.C_EVENTS] != self.seen:
-                self.seen = state[at.C_EVENTS]
-                assert state[at.C_EVENT] == at.EVENT_LANDED
-                self.legs += (state[at.C_EVENT_LEG],)
+            goals, state = super().tick(sensed), self.driver.planner.climb
+            if state.event.number != self.seen:
+                self.seen = state.event.number
+                assert state.event.code == at.EVENT_LANDED
+                self.legs += (state.event.leg,)
             return goals
 
     script = Landings("climb")
@@ -232,7 +240,7 @@ def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
     walked(script, terrain.flat(), 14.0)
     assert script.crawls[100] == n.CLIMB_ON
     assert script.states[440] == n.STANDING
-    assert list(script.driver.planner.climb.state[at.C_STANDS : at.C_STANDS + 4]) == [1, 1, 1, 1]
+    assert list(script.driver.planner.climb.support.stance[:4]) == [1, 1, 1, 1]
     assert (script.states[-1], script.crawls[-1]) == (n.SEATED, n.CLIMB_OFF)
 
 
@@ -257,7 +265,7 @@ def test_a_slope_is_no_obstacle_the_crawl_hands_back_to_the_trot_on_it(angle_deg
     assert REASON_EVEN in script.reasons
     back = script.reasons.index(REASON_EVEN)
     assert script.crawls[back] == n.CLIMB_OFF
-    assert script.driver.planner.climb.state[at.C_LANDED] >= LEGS_EVEN
+    assert script.driver.planner.climb.even.landed >= LEGS_EVEN
     assert n.CLIMB_ON not in script.crawls[back:]
 
 

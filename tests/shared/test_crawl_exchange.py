@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared import command as c
-from shared import crawl_layout as at
+from shared import crawl_state as at
 from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
 from shared import planner_layout as n
 from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
@@ -91,9 +91,9 @@ class Pair:
     def climb(self, robot, command, sensed):
         """Stand in for shared.planner_climb.climb: both take the tick."""
         wanted, known = self.command(command), self.known(sensed)
-        crawl = robot.climb.state
-        before = SimpleNamespace(even=crawl[at.C_STEPS_EVEN])
-        flags, events = self.status.flags, crawl[at.C_LANDED]
+        crawl = robot.climb
+        before = SimpleNamespace(even=crawl.even.even_steps)
+        flags, events = self.status.flags, crawl.even.landed
         self.status.flags = 0
         planner_climb.climb(robot, command, sensed)
         known.known = robot.sensing.known
@@ -102,8 +102,8 @@ class Pair:
         standing, self.twin.walked = known.standing, known.walked
         if self.twin.stage == twin.ON and not self.twin.blind:
             reason = self.twin.why_end(wanted, before if was == twin.ON else SimpleNamespace(even=0))
-            standing = self.twin.end_crawl(wanted, known, reason, crawl[at.C_PHASE] == at.REST)
-            assert reason or crawl[at.C_LANDED] in (events, events + 1, 0)
+            standing = self.twin.end_crawl(wanted, known, reason, crawl.stage.stage == at.REST)
+            assert reason or crawl.even.landed in (events, events + 1, 0)
             assert self.swings(crawl)
             if self.twin.stage == twin.OFF:
                 self.handed_over()
@@ -113,8 +113,8 @@ class Pair:
 
     def swings(self, crawl):
         """Return whether the planner says which leg is in the air."""
-        bits = sum(1 << leg for leg in range(4) if not crawl[at.C_STANDS + leg])
-        return self.status.swinging == bits and self.status.margin == crawl[at.C_MARGIN]
+        bits = sum(1 << leg for leg in range(4) if not crawl.support.stance[leg])
+        return self.status.swinging == bits and self.status.margin == crawl.support.margin
 
     def handed_over(self):
         """The trot begins from rest, with nothing held against it."""
@@ -174,7 +174,7 @@ def trouble(pair, dice):
     if dice.random() < 0.3 and numbers.gait == GAIT_ADAPTIVE:
         numbers.advice = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
     if dice.random() < 0.05 and numbers.climb == n.CLIMB_ON:
-        pair.walker.planner.climb.state[at.C_STEPS_EVEN] = dice.choice((0, 15, 16, 20))
+        pair.walker.planner.climb.even.even_steps = dice.choice((0, 15, 16, 20))
 
 
 def restless(spied, seed):
@@ -254,7 +254,7 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers: Status, cloc
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
 def test_the_crawl_ends_for_the_same_reason_at_any_point(numbers: Status, speed, command, even):
     pair, robot, block = put(numbers, 0, speed, command)
-    robot.climb.state[at.C_STEPS_EVEN] = even
+    robot.climb.even.even_steps = even
     wanted = pair.command(block)
     pair.twin.walked = numbers.gait
     assert planner_climb.leaves(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from shared import crawl_layout as at
 from shared import crawl_steps
 from tests.float_twin import crawl_machine as twin
 
@@ -37,7 +36,7 @@ TROUBLES = st.builds(
 
 def walked(pair, seconds):
     """Take the ticks of some seconds; return the pair."""
-    for _ in range(round(seconds * pair.crawl.settings[at.K_RATE])):
+    for _ in range(round(seconds * pair.crawl.params.rate_hz)):
         pair.tick()
     return pair
 
@@ -74,7 +73,7 @@ def test_a_long_walk_on_level_ground_and_on_a_slope():
             pair.tick()
         x, _, z = pair.twin.feet[pair.twin.leg]
         rise = slope * (pair.twin.swing.target[0] - x)
-        assert pair.crawl.state[at.C_EXPECT] * pair.fine_m - z == pytest.approx(rise, abs=0.1e-3)
+        assert pair.crawl.swing.ground * pair.fine_m - z == pytest.approx(rise, abs=0.1e-3)
 
 
 @pytest.mark.parametrize("robot", [robot for robot in ROBOTS if robot[0] != "long-leg"])
@@ -93,18 +92,17 @@ def test_any_point_of_a_crawl_goes_on_the_same_way(robot):
 
 
 PLANTED = {
-    at.K_TARE_TICKS: 1,  # a tick later
-    at.K_SHARE_TICKS: 1,
-    at.K_TOUCH_TICKS: 1,
-    at.K_SETTLE: 1,
-    at.K_STRIDE: 20,  # 0.15 mm
-    at.K_HIGH: 100,
-    at.K_VOID: 30,
-    at.K_SHIN: 60,
-    at.K_ADVANCE: 60,
-    at.K_LIFT_REAR: 60,
-    at.K_V_FRONT: 1000,
-    at.K_PACE: 100,
+    "hang_ticks": 1,  # a tick later
+    "share_ticks": 1,
+    "contact_ticks": 1,
+    "settle_ticks": 1,
+    "stride": 20,  # 0.15 mm
+    "edge_height": 100,
+    "drop_depth": 30,
+    "shin_lift": 60,
+    "edge_advance": 60,
+    "hind_lift": 60,
+    "front_lower_speed": 1000,
 }
 
 
@@ -117,7 +115,8 @@ def test_a_setting_that_is_a_little_off_in_the_core_is_seen(setting):
             dice = random.Random(seed)
             steps = [(dice.uniform(0.05, 0.3), dice.choice((0.0185, 0.05, -0.03, -0.06)))]
             pair = Pair(Trouble(steps=steps, shins=0.3, pauses=0.1), dice)
-            pair.crawl.settings[setting] += PLANTED[setting]
+            tuned = pair.crawl.params.crawl
+            setattr(tuned, setting, getattr(tuned, setting) + PLANTED[setting])
             walked(pair, 12.0)
 
     with pytest.raises(AssertionError, match="core"):
@@ -126,7 +125,7 @@ def test_a_setting_that_is_a_little_off_in_the_core_is_seen(setting):
 
 def test_a_stage_that_goes_on_a_tick_early_is_seen(monkeypatch):
     """The comparison can fail: a front foot that lands at the first touch, a body that does not wait."""
-    for name, wrong in (("feel_ground", lambda *_: 1), ("move_foot", lambda *_: 1), ("corner_lift", lambda *_: 0)):
+    for name, wrong in (("feel_ground", lambda *_: 1), ("swing_foot", lambda *_: 1), ("corner_lift", lambda *_: 0)):
         with monkeypatch.context() as planted:
             planted.setattr(crawl_steps, name, wrong)
             with pytest.raises(AssertionError, match="core"):

@@ -4,12 +4,12 @@ import math
 
 import pytest
 
-from shared import crawl_setup
-from shared.crawl import Crawl
+from host import crawl_tuning
+from host.scale import brad, core_params
 from shared.record import pack
 from tests.float_twin import crawl_reach as twin
 
-from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si
+from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si, robot
 
 RATES = (20, 50, 333, 500)
 LENGTHS = ("tall", "margin", "ahead", "com_z", "lift_front", "lift_rear", "near_print", "deepest", "hit", "high")
@@ -23,7 +23,7 @@ def settings(name, rate_hz, knees="full-elbow"):
     """Return a robot's crawl in SI, and its unit in m and leg in m."""
     params = block(name, rate_hz, knees)
     unit_m = 2.0 ** -params.length_shift
-    return crawl_si(params, Crawl(params).settings), unit_m, params.leg_length * unit_m
+    return crawl_si(params), unit_m, params.leg_length * unit_m
 
 
 @pytest.mark.parametrize("rate_hz", RATES)
@@ -59,18 +59,46 @@ def test_reach_height_and_stride_follow_from_the_shape(name, knees):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_the_limbs_reach_no_farther_than_the_calves_bend(name):
+def test_legs_reach_no_farther_than_the_calves_bend(name):
     """Hip to foot: the leg in its plane and the hip's offset are the two sides of a right angle."""
     params = block(name)
-    limbs, unit_m = Crawl(params).limbs, 2.0 ** -params.length_shift
+    unit_m = 2.0 ** -params.length_shift
     for leg in range(4):
-        shape, given, limb = leg_si(params, leg), params.legs[leg], limbs.legs[leg]
+        shape, limb = leg_si(params, leg), params.legs[leg]
         far, near = [math.hypot(length, shape.l1) for length in twin.leg_lengths(shape)]
-        far, near = min(far, given.longest * unit_m), max(near, given.shortest * unit_m)
+        far = min(far, math.hypot(shape.l1, shape.l2 + shape.l3))
+        near = max(near, math.hypot(shape.l1, shape.l2 - shape.l3))
         assert limb.longest * unit_m == pytest.approx(far, abs=6 * unit_m)
         assert limb.shortest * unit_m == pytest.approx(near, abs=6 * unit_m)
-    limbs.legs = params.legs
-    assert pack(limbs) == pack(params), "nothing else differs"
+        assert limb.clearance * unit_m == pytest.approx(-(near + shape.l1) / 2, abs=6 * unit_m)
+
+
+GIVEN = {
+    "margin_m": ("margin", 0.02, 1),
+    "com_z_m": ("com_z", -0.012, 1),
+    "lift_speed_m_s": ("lift_speed", 0.2, 256 / 50),
+    "lift_acceleration_m_s2": ("lift_acceleration", 2.5, 256 / 2500),
+    "body_acceleration_m_s2": ("body_acceleration", 0.5, 1),
+}
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+def test_a_robot_file_may_give_the_crawls_numbers_anew(name):
+    """In SI, of its own leg; what it does not name stays as it is."""
+    values = {key: value for key, (_, value, _) in GIVEN.items()}
+    other = {"settle_s": 0.08, "tare_in_s": 0.1, "angle_limit_rad": 0.15, "touch_weights": 0.2, "error": 0.25}
+    changed = core_params(robot(name).model_copy(update={"crawl": values | other}), 50)
+    usual, unit_m = block(name), 2.0**-changed.length_shift
+    for field, value, unit in GIVEN.values():
+        assert getattr(changed.crawl, field) * unit_m == pytest.approx(value * unit, abs=2 * unit_m * (1 + unit)), field
+    assert (changed.crawl.settle_ticks, changed.crawl.angle_limit) == (4, brad(0.15))
+    assert changed.crawl.tare_in_q15 == round(32768 / 0.1 / 50)
+    assert (changed.crawl.touch_q12, changed.crawl.error_q15) == (round(4096 * 0.2), 8192)
+    for field, _, _ in GIVEN.values():
+        setattr(changed.crawl, field, getattr(usual.crawl, field))
+    for field in ("settle_ticks", "angle_limit", "tare_in_q15", "touch_q12", "error_q15"):
+        setattr(changed.crawl, field, getattr(usual.crawl, field))
+    assert pack(changed) == pack(usual)
 
 
 # From docs/gaits.md and the texts of the core, m and s
@@ -91,6 +119,6 @@ def caramelos_are_those_of_the_texts():
 def test_caramelos_settings_are_those_of_the_texts(monkeypatch):
     """And the check can fail: lengths that belong to a leg of 250 mm."""
     caramelos_are_those_of_the_texts()
-    monkeypatch.setattr(crawl_setup, "_LEG_MM", 250)
+    monkeypatch.setattr(crawl_tuning, "_LEG_MM", 250)
     with pytest.raises(AssertionError, match="margin"):
         caramelos_are_those_of_the_texts()

@@ -21,9 +21,8 @@ from shared import (
     swing_leg,
 )
 from shared import crawl as core_crawl
-from shared import crawl_layout as at
 from shared.command import COMMAND_SIZE
-from shared.crawl import Crawl
+from shared.crawl_state import SHIFT, Crawl
 from shared.planner_layout import LIMIT_FLAGS
 from shared.sensing import M_FORCE_Q12, SENSING_SIZE
 from tests.float_twin import crawl as twin
@@ -35,7 +34,8 @@ from .bars import integers, repeatable
 from .robots import block, leg_si, rad
 
 RATE = 50
-PARAMS = block("caramelo", RATE)
+PARAMS, PLANAR = block("caramelo", RATE), block("caramelo", RATE)
+PLANAR.lateral_q12 = 0
 LEGS = [leg_si(PARAMS, leg) for leg in range(4)]
 UNIT_M = LEGS[0].unit_m
 FINE_M = UNIT_M / 256
@@ -49,7 +49,7 @@ def crawl():
 
 def setting(crawl, which):
     """Return a setting in lu as m."""
-    return crawl.settings[which] * UNIT_M
+    return getattr(crawl.params.crawl, which) * UNIT_M
 
 
 def fine(metres):
@@ -71,15 +71,15 @@ def standing(dice, slope=0.0, uneven=0.02):
 
 def put(crawl, feet, body_m=(0.0, 0.0, 0.18), angles=(0.0, 0.0, 0.0)):
     """Write feet, body and an even load into the crawl's state."""
-    c = crawl.state
+    c = crawl
     for leg, foot in enumerate(feet):
-        c[at.C_STANDS + leg], c[at.C_SHARE + leg] = 1, 4096
+        c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
         for axis in range(3):
-            c[at.C_FOOT + leg * 3 + axis] = fine(foot[axis])
+            c.map.feet[leg * 3 + axis] = fine(foot[axis])
     for axis in range(3):
-        for place in (at.C_BODY, at.C_REF, at.C_CMD):
-            c[place + axis] = fine(body_m[axis])
-            c[place + 3 + axis] = bf(angles[axis])
+        for pose in (c.map.body_pose, c.path.wanted, c.path.commanded):
+            pose[axis] = fine(body_m[axis])
+            pose[3 + axis] = bf(angles[axis])
 
 
 # --- map
@@ -95,14 +95,14 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     shares = [dice.choice((1.0, 1.0, 0.5)) for _ in range(4)]
     sensing = array("i", [0] * SENSING_SIZE)
     for leg in range(4):
-        crawl.state[at.C_SHARE + leg] = round(4096 * shares[leg])
+        crawl.support.share_q12[leg] = round(4096 * shares[leg])
         for axis in range(3):
             sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
-    crawl_map.fit_body(crawl.settings, sensing, crawl.state)
+    crawl_map.fit_body(crawl.params, sensing, crawl.support, crawl.map)
     best = twin.heading(seen, feet, shares)
-    assert abs(crawl.state[at.C_BODY + 5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
+    assert abs(crawl.map.body_pose[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
     exact = twin.body_place(seen, feet, shares, best)
-    found = [crawl.state[at.C_BODY + axis] * FINE_M for axis in range(3)]
+    found = [crawl.map.body_pose[axis] * FINE_M for axis in range(3)]
     assert math.dist(found, exact) < 0.15 * MM
 
 
@@ -111,26 +111,26 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
 def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
     crawl = Crawl(PARAMS)
     put(crawl, standing(random.Random(1)), angles=(0.0, 0.0, yaw_rad))
-    before = list(crawl.state[: at.C_FOOT + 12])
+    before = list(crawl.map.feet)
     joints = array("i", [0, round(turned_rad / (2 * math.pi) * 65536), 0] * 4)
-    crawl_map.roll_feet(crawl.settings, joints, crawl.state)
+    crawl_map.roll_feet(crawl.params, joints, crawl.support, crawl.map)
     exact = twin.rolled(PARAMS.foot_radius * UNIT_M, 0.0, rad(joints[1]), yaw_rad)
     for leg in range(4):
-        moved = [(crawl.state[at.C_FOOT + leg * 3 + i] - before[at.C_FOOT + leg * 3 + i]) * FINE_M for i in range(2)]
+        moved = [(crawl.map.feet[leg * 3 + i] - before[leg * 3 + i]) * FINE_M for i in range(2)]
         assert math.dist(moved, exact) < 0.02 * MM
 
 
 def test_only_a_foot_that_carries_is_followed_when_it_slips(crawl):
     put(crawl, standing(random.Random(2)))
-    c = crawl.state
-    c[at.C_FORCE : at.C_FORCE + 4] = array("i", [1000, 0, 1000, 1000])
+    c = crawl
+    c.support.force_q12[:4] = array("i", [1000, 0, 1000, 1000])
     for leg in range(4):
         for axis in range(3):
-            c[at.C_SEEN + leg * 3 + axis] = c[at.C_FOOT + leg * 3 + axis]
-        c[at.C_SEEN + leg * 3 + 2] += fine(0.02)
-    before = [c[at.C_FOOT + leg * 3 + 2] for leg in range(4)]
-    crawl_map.follow_slips(crawl.settings, c)
-    moved = [(c[at.C_FOOT + leg * 3 + 2] - before[leg]) * FINE_M for leg in range(4)]
+            c.map.seen[leg * 3 + axis] = c.map.feet[leg * 3 + axis]
+        c.map.seen[leg * 3 + 2] += fine(0.02)
+    before = [c.map.feet[leg * 3 + 2] for leg in range(4)]
+    crawl_map.follow_slips(crawl.params, c.support, c.map)
+    moved = [(c.map.feet[leg * 3 + 2] - before[leg]) * FINE_M for leg in range(4)]
     assert moved[1] == 0
     assert all(moved[leg] == pytest.approx(0.02 / 0.2 / RATE, rel=0.06) for leg in (0, 2, 3))
 
@@ -144,23 +144,23 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     feet, leg = standing(dice, dice.uniform(-0.2, 0.2), dice.choice((0.0, 0.003, 0.01))), seed % 4
     put(crawl, feet)
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
-    crawl.state[at.C_SOURCE], crawl.state[at.C_TARGET + 2] = fine(came_from[0]), fine(came_from[1])
-    crawl.state[at.C_STEPS_EVEN] = 5
-    count = crawl_even.count_even(crawl.settings, crawl.state, leg)
-    exact, found = twin.uneven(feet, leg, came_from), crawl.state[at.C_EVEN] * UNIT_M
+    crawl.swing.departure[0], crawl.swing.target[2] = fine(came_from[0]), fine(came_from[1])
+    crawl.even.even_steps = 5
+    count = crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
+    exact, found = twin.uneven(feet, leg, came_from), crawl.even.uneven * UNIT_M
     assert abs(found - exact) < 0.15 * MM
-    if abs(exact - setting(crawl, at.K_VOID) / 3) > 0.2 * MM:
-        assert count == (6 if exact < setting(crawl, at.K_VOID) / 3 else 0)
+    if abs(exact - setting(crawl, "drop_depth") / 3) > 0.2 * MM:
+        assert count == (6 if exact < setting(crawl, "drop_depth") / 3 else 0)
 
 
 def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     """Front feet on a step of 40 mm, hind feet below, all on one slope: the last step along it did not rise."""
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
-    crawl.state[at.C_SOURCE], crawl.state[at.C_TARGET + 2] = fine(0.125 - 0.076), fine(0.04)
-    assert crawl_even.count_even(crawl.settings, crawl.state, 0) == 0
-    crawl.state[at.C_TARGET + 2] = fine(0.04 - 0.04 * 76 / 230)
-    assert crawl_even.count_even(crawl.settings, crawl.state, 0) == 1
+    crawl.swing.departure[0], crawl.swing.target[2] = fine(0.125 - 0.076), fine(0.04)
+    assert crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, 0) == 0
+    crawl.swing.target[2] = fine(0.04 - 0.04 * 76 / 230)
+    assert crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, 0) == 1
 
 
 @pytest.mark.parametrize("slope", [-0.2, -0.03, 0.03, 0.2])
@@ -168,11 +168,11 @@ def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
     """4 mm over the step are level: what sag and odometry err."""
     feet = standing(random.Random(6), slope, 0.0)
     put(crawl, feet)
-    rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting(crawl, at.K_STRIDE)) - feet[0][0])
+    rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting(crawl, "stride")) - feet[0][0])
     for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
-        crawl.state[at.C_STEPS_EVEN] = landings
-        footholds.aim(crawl.limbs, crawl.settings, crawl.state, 0)
-        assert crawl.state[at.C_EXPECT] * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
+        crawl.even.even_steps = landings
+        footholds.aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, 0)
+        assert crawl.swing.ground * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
 
 
 # --- pose
@@ -183,8 +183,8 @@ def test_the_body_pitches_with_the_slope_of_the_feet(crawl, seed):
     dice = random.Random(seed)
     feet = standing(dice, dice.uniform(-0.5, 0.5))
     put(crawl, feet)
-    found = rad(crawl_pose.feet_pitch(crawl.settings, crawl.state))
-    assert abs(found - twin.slope_pitch(feet, setting(crawl, at.K_ARM_X) * 2 / 3)) < 0.4e-3
+    found = rad(crawl_pose.feet_pitch(crawl.params, crawl.map))
+    assert abs(found - twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)) < 0.4e-3
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -194,71 +194,70 @@ def test_the_body_goes_over_the_point_as_high_as_its_legs_reach_and_takes_its_ti
     put(crawl, feet)
     wanted = [dice.uniform(-0.04, 0.04), dice.uniform(-0.03, 0.03)]
     crawl.point[0], crawl.point[1] = (round(value / UNIT_M) for value in wanted)
-    ticks = crawl_pose.plan_body(crawl.limbs, crawl.settings, crawl.state, crawl.point, -1, crawl.pose, crawl.rotation,
-                                 crawl.feet, crawl.hip_feet)
-    to = [crawl.state[at.C_TO + axis] for axis in range(6)]
-    pitch = twin.slope_pitch(feet, setting(crawl, at.K_ARM_X) * 2 / 3)
-    com = setting(crawl, at.K_COM_X), setting(crawl, at.K_COM_Z)
+    ticks = crawl_pose.plan_body(crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, -1, crawl.pose,
+                                 crawl.rotation, crawl.feet, crawl.hip_feet)
+    to = [crawl.path.to_pose[axis] for axis in range(6)]
+    pitch = twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)
+    com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
     place = wanted[0] - twin.mass_ahead(com, pitch), wanted[1]
     assert math.dist((to[0] * FINE_M, to[1] * FINE_M), place) < 0.1 * MM
     sides = [leg.side_l1 for leg in LEGS]
-    height = twin.body_height(feet, [leg.hip for leg in LEGS], sides, place, pitch, setting(crawl, at.K_HEIGHT),
-                              setting(crawl, at.K_REACH))
+    height = twin.body_height(feet, [leg.hip for leg in LEGS], sides, place, pitch, setting(crawl, "height"),
+                              setting(crawl, "reach"))
     found = to[2] * FINE_M - twin.middle(feet)[2]
     assert -2.5 * MM < found - height < 0.3 * MM  # the core stops a little lower: it lowers by what the legs miss
     way = math.hypot(*(to[axis] * FINE_M - (0.0, 0.0)[axis] for axis in range(2)))
-    seconds = twin.move_seconds(way, to[2] * FINE_M - 0.18, pitch, setting(crawl, at.K_ARM_X), 0.6, 0.06, 0.25)
+    seconds = twin.move_seconds(way, to[2] * FINE_M - 0.18, pitch, setting(crawl, "half_length"), 0.6, 0.06, 0.25)
     assert abs(ticks / RATE - seconds) <= 1.6 / RATE + 0.02 * seconds
 
 
 @repeatable(400)
 @given(st.integers(0, 1 << 20), st.integers(0, 3), st.floats(-0.06, 0.06), st.booleans())
 def test_the_mass_goes_to_the_nearest_point_inside_the_support(seed, leg, wanted_m, planar):
-    crawl, dice = Crawl(PARAMS), random.Random(seed)
+    crawl, dice = Crawl(PLANAR if planar else PARAMS), random.Random(seed)
     feet = standing(dice)
     put(crawl, feet)
-    crawl.settings[at.K_PLANAR] = int(planar)
     wanted = round(wanted_m / UNIT_M)
-    crawl_pose.mass_target(crawl.settings, crawl.state, leg, wanted, crawl.feet, crawl.weights, crawl.point)
-    exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting(crawl, at.K_MARGIN), planar)
+    crawl_pose.mass_target(crawl.params, crawl.map, leg, wanted, crawl.feet, crawl.weights, crawl.point)
+    exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting(crawl, "margin"), planar)
     assert math.dist([value * UNIT_M for value in crawl.point], exact) < 0.2 * MM
 
 
 def test_a_bodys_move_is_the_quintic(crawl):
     put(crawl, standing(random.Random(3)))
-    c = crawl.state
+    c = crawl
     for axis in range(6):
-        c[at.C_FROM + axis], c[at.C_TO + axis] = 1000 * axis, 200000 - 90000 * axis
-    c[at.C_BODY_TICK], c[at.C_BODY_TICKS] = 0, 40
+        c.path.from_pose[axis], c.path.to_pose[axis] = 1000 * axis, 200000 - 90000 * axis
+    c.path.move_tick, c.path.move_ticks = 0, 40
     for tick in range(1, 41):
-        assert crawl_pose.move_body(c) == 1
+        assert crawl_pose.move_body(c.path) == 1
         for axis in range(6):
             exact = 1000 * axis + twin.quintic(tick / 40) * (200000 - 91000 * axis)
-            assert abs(c[at.C_REF + axis] - exact) <= 0.0025 * 350000
-    assert crawl_pose.move_body(c) == 0
+            assert abs(c.path.wanted[axis] - exact) <= 0.0025 * 350000
+    assert crawl_pose.move_body(c.path) == 0
 
 
 def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
     dice = random.Random(4)
     put(crawl, standing(dice))
-    c, k = crawl.state, crawl.settings
-    c[at.C_WEIGHT] = 4096
+    c, k = crawl, crawl.params.crawl
+    c.support.weight_q12 = 4096
     for axis in range(6):
-        c[at.C_LAGGED + axis] = c[at.C_REF + axis]
-    lag, gain = k[at.K_LAG] / 32768, k[at.K_KI] / 32768
+        c.path.lagged[axis] = c.path.wanted[axis]
+    lag, gain = k.lag_q15 / 32768, k.integral_q15 / 32768
     units = (FINE_M,) * 3 + (2 * math.pi / (1 << 24),) * 3
-    limits = (k[at.K_LIMIT_X],) * 3 + (k[at.K_LIMIT_A],) * 3
-    started = [c[at.C_REF + axis] * units[axis] for axis in range(6)]
+    limits = (k.position_limit << 8,) * 3 + (k.angle_limit << 8,) * 3
+    started = [c.path.wanted[axis] * units[axis] for axis in range(6)]
     loops = [twin.PoseLoop(started[axis], lag, gain, limits[axis] * units[axis]) for axis in range(6)]
     for tick in range(250):
         for axis in range(6):
             swing_of = 0.02 * math.sin(tick / (20 + 7 * axis))
-            c[at.C_REF + axis] = round((0.1 + swing_of) / units[axis])
-            c[at.C_BODY + axis] = round((0.1 + 0.9 * swing_of - 0.004) / units[axis])
-        crawl_pose.hold_pose(k, c)
+            c.path.wanted[axis] = round((0.1 + swing_of) / units[axis])
+            c.map.body_pose[axis] = round((0.1 + 0.9 * swing_of - 0.004) / units[axis])
+        crawl_pose.hold_pose(c.params, c.map, c.support, c.path)
         for axis in range(6):
-            exact = loops[axis].step(c[at.C_REF + axis] * units[axis], c[at.C_BODY + axis] * units[axis])
-            assert abs(c[at.C_CMD + axis] * units[axis] - exact) < 0.05 * MM
+            exact = loops[axis].step(c.path.wanted[axis] * units[axis], c.map.body_pose[axis] * units[axis])
+            assert abs(c.path.commanded[axis] * units[axis] - exact) < 0.05 * MM
 
 
 # --- swing
@@ -268,11 +267,11 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
 def test_the_first_prints_lie_between_hind_and_front_foot(crawl, side):
     feet = standing(random.Random(5 + side))
     put(crawl, feet)
-    footholds.prints_start(crawl.limbs, crawl.state)
+    footholds.footholds_start(crawl.params, crawl.map, crawl.footholds)
     hind, front = feet[2 + side], feet[side]
     for place, exact in enumerate(swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)):
-        print_at = at.C_PRINT + side * 12 + place * 3
-        found = crawl.state[print_at] * FINE_M, crawl.state[print_at + 2] * FINE_M
+        at = side * 12 + place * 3
+        found = crawl.footholds.places[at] * FINE_M, crawl.footholds.places[at + 2] * FINE_M
         assert math.dist(found, exact) < 0.01 * MM
 
 
@@ -281,83 +280,82 @@ def test_a_front_foot_aims_half_a_stride_beyond_the_other(crawl, seed):
     dice = random.Random(seed)
     feet, leg = standing(dice, uneven=0.05), seed % 2
     put(crawl, feet)
-    footholds.aim(crawl.limbs, crawl.settings, crawl.state, leg)
-    own, other, stride = feet[leg], feet[1 - leg], setting(crawl, at.K_STRIDE)
+    footholds.aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
+    own, other, stride = feet[leg], feet[1 - leg], setting(crawl, "stride")
     target = swing.front_target(own[0], other[0], stride)
-    assert abs(crawl.state[at.C_TARGET] * FINE_M - target) < 0.05 * MM
-    assert crawl.state[at.C_EXPECT] == crawl.state[at.C_FOOT + leg * 3 + 2]
-    hit = setting(crawl, at.K_HIT)
+    assert abs(crawl.swing.target[0] * FINE_M - target) < 0.05 * MM
+    assert crawl.swing.ground == crawl.map.feet[leg * 3 + 2]
+    hit = setting(crawl, "riser_lag")
     if abs(other[0] - target - hit * 5 / 3) > 0.1 * MM:
-        top = swing.front_top(own[2], other[2], other[0], target, setting(crawl, at.K_LIFT_FRONT), hit)
-        assert abs(crawl.state[at.C_TOP] * FINE_M - top) < 0.05 * MM
+        top = swing.front_top(own[2], other[2], other[0], target, setting(crawl, "front_lift"), hit)
+        assert abs(crawl.swing.top * FINE_M - top) < 0.05 * MM
 
 
 @repeatable(40)
 @given(st.floats(0.02, 0.07))
 def test_a_foot_goes_up_as_its_twin_and_stops_at_the_top(lift_m):
     crawl = Crawl(PARAMS)
-    c, k = crawl.state, crawl.settings
-    c[at.C_TOP], c[at.C_LENGTH] = fine(lift_m), 32767
+    c, k = crawl, crawl.params.crawl
+    c.swing.top, c.swing.leg_length = fine(lift_m), 32767
     units = FINE_M * RATE
-    exact = swing.rise(0.0, lift_m, k[at.K_V_UP] * units, k[at.K_A_UP] * units * RATE,
-                       k[at.K_BRAKE] * units * RATE / 2, k[at.K_V_TOP] * units, 1 / RATE, 60)
+    exact = swing.rise(0.0, lift_m, k.lift_speed * units, k.lift_acceleration * units * RATE,
+                       k.lift_brake * units * RATE / 2, k.top_speed * units, 1 / RATE, 60)
     there = 0
     for height in exact:
-        there = there or swing_leg.lift_foot(k, c)
-        assert abs(c[at.C_POS + 2] * FINE_M - height) < 0.6 * MM
+        there = there or swing_leg.lift_foot(c.params, c.swing)
+        assert abs(c.swing.place[2] * FINE_M - height) < 0.6 * MM
     assert there == 1
-    assert c[at.C_POS + 2] == c[at.C_TOP]
+    assert c.swing.place[2] == c.swing.top
 
 
 @repeatable(100)
 @given(st.floats(0.0, 0.08))
 def test_a_hind_foot_comes_down_so_that_it_can_slow_down(above_m):
     crawl = Crawl(PARAMS)
-    c, k = crawl.state, crawl.settings
-    c[at.C_POS + 2] = fine(above_m) + (k[at.K_NEAR_PRINT] << 8)
-    found = swing_leg.fall_speed(k, c, 3) * FINE_M * RATE
-    brake = k[at.K_A_DOWN] * FINE_M * RATE * RATE
-    exact = swing.fall_speed(above_m, k[at.K_V_SLOW] * FINE_M * RATE, k[at.K_V_REAR] * FINE_M * RATE, brake)
+    c, k = crawl, crawl.params.crawl
+    c.swing.place[2] = fine(above_m) + (k.near_foothold << 8)
+    found = swing_leg.lower_speed(c.params, c.swing, 3) * FINE_M * RATE
+    brake = k.lower_acceleration * FINE_M * RATE * RATE
+    exact = swing.fall_speed(above_m, k.near_speed * FINE_M * RATE, k.hind_lower_speed * FINE_M * RATE, brake)
     assert abs(found - exact) < 0.003
-    assert swing_leg.fall_speed(k, c, 0) == k[at.K_V_FRONT]
+    assert swing_leg.lower_speed(c.params, c.swing, 0) == k.front_lower_speed
 
 
 @repeatable(100)
 @given(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.integers(0, 3))
 def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     crawl = Crawl(PARAMS)
-    c = crawl.state
-    c[at.C_BODY + body.POSE_PITCH], c[at.C_BODY + body.POSE_ROLL] = bf(-nose_up), bf(left_up)
-    exact = swing.corner_lift(nose_up, left_up, setting(crawl, at.K_ARM_X), setting(crawl, at.K_ARM_Y), leg)
-    assert abs(contact.corner_lift(crawl.settings, c, leg) * UNIT_M - exact) < 0.1 * MM
+    c = crawl
+    c.map.body_pose[body.POSE_PITCH], c.map.body_pose[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
+    exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
+    assert abs(contact.corner_lift(c.params, c.map, c.path, leg) * UNIT_M - exact) < 0.1 * MM
 
 
 @repeatable(100)
 @given(integers(0, 3), st.floats(0.0, 0.06), st.floats(0.03, 0.1))
 def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     crawl = Crawl(PARAMS)
-    c, k = crawl.state, crawl.settings
+    c, k = crawl, crawl.params.crawl
     ticks = 24
-    c[at.C_TICK], c[at.C_MOVE_TICKS], c[at.C_TARGET], c[at.C_SOURCE] = 20, ticks, fine(way_m), 0
-    for place in range(at.PAST_SIZE):
-        c[at.C_PAST + place] = fine(behind_m)
-    late = swing.held_up(behind_m, setting(crawl, at.K_HIT), way_m, (ticks + 1) / RATE, k[at.K_HIT_LAG] / RATE)
-    margin = behind_m - setting(crawl, at.K_HIT) - way_m / ((ticks + 1) / RATE) * k[at.K_HIT_LAG] / RATE
+    c.stage.stage_tick, c.swing.way_ticks, c.swing.target[0], c.swing.departure[0] = 20, ticks, fine(way_m), 0
+    for place in range(contact.PAST_SIZE):
+        c.contact.past[place] = fine(behind_m)
+    late = swing.held_up(behind_m, setting(crawl, "riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
+    margin = behind_m - setting(crawl, "riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
-        assert bool(contact.feel_riser(k, c, leg)) == late
+        assert bool(contact.feel_riser(c.params, c.contact, c.swing, c.map.seen[leg * 3], c.stage.stage_tick)) == late
 
 
 @pytest.mark.parametrize("tare", [-400, 0, 700])
 def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(crawl, tare):
     """In parts of Caramelo's 21.6 N: 3 N are 569, 4 N are 758. What the hanging leg reads does not count."""
-    c, k = crawl.state, crawl.settings
+    c = crawl
 
     def felt(*loads):
-        c[at.C_TARE], c[at.C_TOUCHED], c[at.C_PEAK] = tare, 0, 0
+        c.contact.tare_q12, c.contact.load_ticks, c.contact.peak = tare, 0, 0
         answers = []
         for load in loads:
-            c[at.C_FORCE] = tare + load
-            answers.append(contact.feel_ground(k, c, 0))
+            answers.append(contact.feel_ground(c.params, c.contact, tare + load, 0, 0))
         return answers
 
     assert felt(600, 800, 600) == [0, 0, 1]
@@ -387,19 +385,19 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
 def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
     """Within what rounding leaves of a smoothed force: half a unit over its gain."""
     crawl, dice = Crawl(block("caramelo", rate_hz)), random.Random(seed)
-    c, k, sensing = crawl.state, crawl.settings, array("i", [0] * SENSING_SIZE)
-    c[at.C_WEIGHT_FINE] = 4096 << 8
-    exact = carry.Carried(1.0, k[at.K_FORCE] / 32768, k[at.K_WEIGHT] / 32768)
+    c, k, sensing = crawl, crawl.params.crawl, array("i", [0] * SENSING_SIZE)
+    c.support.weight_q20 = 4096 << 8
+    exact = carry.Carried(1.0, k.force_q15 / 32768, k.weight_q15 / 32768)
     for tick in range(400):
         if tick % 100 == 0:
             heavy, stands = dice.choice((0.1, 0.25, 0.5, 1.2)), [int(leg != tick // 100) for leg in range(4)]
-            c[at.C_STANDS : at.C_STANDS + 4] = stands
+            c.support.stance[:4] = stands
         forces = [round(dice.gauss(heavy, 0.2) * 4096) for _ in range(4)]
         sensing[M_FORCE_Q12 : M_FORCE_Q12 + 4] = array("i", forces)
-        core_crawl.weigh(k, sensing, c)
+        core_crawl.weigh(c.params, sensing, c.support)
         weight, load = exact.step([force / 4096 for force in forces], stands)
-        assert abs(c[at.C_WEIGHT] / 4096 - weight) < 0.004
-        assert abs(c[at.C_HEAVY] / 4096 - load) < 0.008
+        assert abs(c.support.weight_q12 / 4096 - weight) < 0.004
+        assert abs(c.support.heavy_q12 / 4096 - load) < 0.008
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -416,16 +414,16 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
         for axis in range(3):
             sensing.level[leg * 3 + axis] = round(level[leg][axis] / UNIT_M)
     roll, pitch = (round(angle / (2 * math.pi) * 65536) for angle in tilt)
-    core_crawl.crawl_start(crawl, sensing, joints, 0, joints, roll, pitch)
-    c = crawl.state
+    core_crawl.crawl_start(crawl, sensing, joints, joints, roll, pitch)
+    c = crawl
     feet, pose, weight = carry.start(level, felt, tilt[1], tilt[0])
     for leg in range(4):
-        assert math.dist([v * FINE_M for v in c[at.C_FOOT + leg * 3 :][:3]], feet[leg]) < 0.02 * MM
-    for place in (at.C_BODY, at.C_REF, at.C_CMD, at.C_LAGGED, at.C_FROM):
-        assert math.dist([v * FINE_M for v in c[place : place + 3]], pose[:3]) < 0.02 * MM
-        assert math.dist([v / (1 << 24) * 2 * math.pi for v in c[place + 3 : place + 6]], pose[3:]) < 0.2e-3
-    assert abs(c[at.C_WEIGHT] / 4096 - weight) < 1e-3
-    assert (c[at.C_PHASE], c[at.C_LEG], list(c[at.C_STANDS : at.C_STANDS + 4])) == (at.SHIFT, 3, [1, 1, 1, 1])
+        assert math.dist([v * FINE_M for v in c.map.feet[leg * 3 :][:3]], feet[leg]) < 0.02 * MM
+    for found in (c.map.body_pose, c.path.wanted, c.path.commanded, c.path.lagged, c.path.from_pose):
+        assert math.dist([v * FINE_M for v in found[:3]], pose[:3]) < 0.02 * MM
+        assert math.dist([v / (1 << 24) * 2 * math.pi for v in found[3:]], pose[3:]) < 0.2e-3
+    assert abs(c.support.weight_q12 / 4096 - weight) < 1e-3
+    assert (c.stage.stage, c.stage.leg, list(c.support.stance[:4])) == (SHIFT, 3, [1, 1, 1, 1])
     goals = [0] * 12
     assert crawl_goals.legs_goals(crawl, goals) & LIMIT_FLAGS == 0
     assert max(abs(a - b) for a, b in zip(goals, joints, strict=True)) <= 1  # those sent last
@@ -444,23 +442,23 @@ def test_the_planned_loads_are_the_minimum_norm_and_their_margin(crawl, seed):
     shares = [dice.choice((1.0, 1.0, 0.5)) for _ in range(4)]
     if seed % 2:
         shares[dice.randrange(4)] = 0.0
-    c, weight = crawl.state, dice.uniform(0.8, 2.4)
-    c[at.C_WEIGHT] = round(weight * 4096)
+    c, weight = crawl, dice.uniform(0.8, 2.4)
+    c.support.weight_q12 = round(weight * 4096)
     for leg, share in enumerate(shares):
-        c[at.C_STANDS + leg], c[at.C_SHARE + leg] = int(share > 0), round(share * 4096)
-    margin = crawl_goals.share_load(crawl.settings, c, crawl.feet, crawl.weights, crawl.load) * UNIT_M
-    com = setting(crawl, at.K_COM_X), setting(crawl, at.K_COM_Z)
+        c.support.stance[leg], c.support.share_q12[leg] = int(share > 0), round(share * 4096)
+    margin = crawl_goals.plan_loads(c.params, c.map, c.path, c.support, crawl.feet, crawl.weights, crawl.load) * UNIT_M
+    com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
     loads, exact = carry.planned_loads(feet, shares, pose, com, weight)
     assert abs(margin - exact) < 0.15 * MM
     if min(loads) >= 0:
-        found = [value / 4096 for value in c[at.C_LOAD : at.C_LOAD + 4]]
+        found = [value / 4096 for value in c.support.load_q12[:4]]
         assert max(abs(a - b) for a, b in zip(found, loads, strict=True)) < 0.01 * weight + 0.001
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
     """Nothing sags without load. A leg that changes goes on from its last goal; the jump fades tick by tick."""
-    dice, c, leg = random.Random(seed), crawl.state, seed % 4
+    dice, c, leg = random.Random(seed), crawl, seed % 4
     feet, angles = standing(dice), [dice.uniform(-0.1, 0.1) for _ in range(3)]
     place = [dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02), 0.165]
     put(crawl, feet, place, angles)
@@ -469,14 +467,14 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
     low = [dice.uniform(-0.004, 0.004) for _ in range(6)]
     for axis in range(6):
         unit = fine if axis < 3 else bf
-        c[at.C_REF + axis], c[at.C_LOW + axis] = unit(wanted[axis]), unit(low[axis])
+        c.path.wanted[axis], c.path.sag[axis] = unit(wanted[axis]), unit(low[axis])
     air, warp = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
-    c[at.C_POS : at.C_POS + 3] = [fine(value) for value in air]
-    c[at.C_WARP], c[at.C_STANDS + leg], c[at.C_LEG] = fine(warp), 0, leg
+    c.swing.place[:3] = [fine(value) for value in air]
+    c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 0, leg
     stands = [other != leg for other in range(4)]
     exact = carry.goals(feet, stands, air, wanted, low, commanded, warp, LEGS)
     before = [round((angle + 0.03) / (2 * math.pi) * 65536) for angle in exact[leg]]
-    c[at.C_GOAL + leg * 3 : at.C_GOAL + leg * 3 + 3] = before
+    c.goals[leg * 3 : leg * 3 + 3] = before
     crawl_goals.bridge(crawl, leg, 1)
     left, goals = 1.0, [0] * 12
     for _ in range(30):
@@ -487,7 +485,7 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
                 jump = left * 0.03 if other == leg else 0.0
                 assert abs(rad(goals[other * 3 + joint]) - exact[other][joint] - jump) < 2e-3
         assert left < 1.0 or max(abs(a - b) for a, b in zip(goals[leg * 3 :], before, strict=False)) <= 1
-        left *= 1 - crawl.settings[at.K_FADE] / 32768
+        left *= 1 - crawl.params.crawl.jump_q15 / 32768
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -497,7 +495,7 @@ def test_a_leg_puts_its_foot_where_the_map_has_it(crawl, seed):
     feet, angles = standing(dice), [dice.uniform(-0.15, 0.15) for _ in range(3)]
     place = [dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02), 0.165]
     put(crawl, feet, place, angles)
-    crawl_goals.take_pose(crawl.state, 0, crawl.pose, crawl.rotation)
+    crawl_goals.take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
     for leg, shape in enumerate(LEGS):
         if crawl_goals.leg_goal(crawl, leg, 0):
             continue  # out of reach: another function's matter
@@ -513,7 +511,7 @@ def test_the_trot_finds_its_feet_where_the_crawl_left_them(crawl, seed):
     place = [dice.uniform(-0.03, 0.03), dice.uniform(-0.03, 0.03), 0.17]
     put(crawl, feet, place, (0.0, 0.0, yaw))
     steps = array("i", [0] * 200)
-    handover.steps_from_crawl(PARAMS, crawl.state, 600, -300, steps)
+    handover.steps_from_crawl(PARAMS, crawl.map, crawl.path, 600, -300, steps)
     for leg in range(4):
         first = leg * handover.STEP_SIZE
         found = steps[first + handover.STEP_X] * FINE_M, steps[first + handover.STEP_Y] * FINE_M

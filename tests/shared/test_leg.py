@@ -23,9 +23,9 @@ from tests.float_twin import leg as twin
 from tests.float_twin import reach as twin_reach
 
 from .bars import LARGEST, integers, median, repeatable
-from .robots import KNEES, NAMES, block, leg_si, rad
+from .robots import KNEES, NAMES, block, leg_si, rad, unlimited
 
-BLOCKS = {name: block(name) for name in NAMES}
+BLOCKS = {name: unlimited(block(name)) for name in NAMES}
 ANY = integers(-LARGEST - 1, LARGEST)
 LEGS = st.integers(0, 3)
 ROBOTS = st.sampled_from(NAMES)
@@ -80,7 +80,7 @@ def foot_errors_m(params, count, seed=1):
 @pytest.mark.parametrize("knees", KNEES)
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
 def test_foot_error_over_the_reachable_workspace(name, knees):
-    errors = foot_errors_m(block(name, knees=knees), 20000)
+    errors = foot_errors_m(unlimited(block(name, knees=knees)), 20000)
     assert len(errors) == 20000
     assert max(errors) <= 0.05e-3
     assert median(errors) <= 0.02e-3

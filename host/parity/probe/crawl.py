@@ -8,18 +8,18 @@ from shared import (
     crawl_goals,
     crawl_map,
     crawl_pose,
-    crawl_setup,
     crawl_steps,
     footholds,
     handover,
     retreat,
     swing_leg,
 )
-from shared import crawl_layout as at
 from shared.command import Command
+from shared.crawl_state import HANG, LIFT, SWING
 from shared.filters import fraction, quintic_q15
 from shared.handover import Fade
 from shared.params import Params
+from shared.record import copy
 from shared.runtime import zeros
 from shared.sensing import Sensing, keep_sent, sense_legs, sensing_reset
 from shared.steps import Steps
@@ -42,15 +42,22 @@ SOURCES = (
     "crawl_goals",
     "crawl_map",
     "crawl_pose",
-    "crawl_setup",
     "crawl_steps",
 )
 
-CRAWL = crawl.Crawl(PARAMS[0])
-STATE = CRAWL.state
-SET = CRAWL.settings
-LIMBS = Params()
-SETTINGS = zeros(at.K_SIZE)
+OWN = Params()
+copy(PARAMS[0], OWN)
+CRAWL = crawl.Crawl(OWN)
+STAGE = CRAWL.stage
+MAP = CRAWL.map
+SUPPORT = CRAWL.support
+FOOTHOLDS = CRAWL.footholds
+PATH = CRAWL.path
+FOOT = CRAWL.swing
+CONTACT = CRAWL.contact
+EVEN = CRAWL.even
+EVENT = CRAWL.event
+STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, EVEN, EVENT, CRAWL.goals, CRAWL.jumps)
 SENSING = Sensing()
 JOINTS = zeros(12)
 GOALS = zeros(12)
@@ -59,67 +66,122 @@ LU = Range(-32767, 32767)
 HIND = Range(2, 3)
 SIDE = Range(0, 1)
 SWINGS = Range(0, 1)
-WAY = Range(-(1 << 20), 1 << 20)
-TICKS = Range(0, 1 << 20)
+AHEAD = Range(-(1 << 20), 1 << 20)
+TICKS = Range(0, 150)
+FORCE = Range(-16383, 16383)
+SHANK = Range(-98304, 98303)
+TILT = Range(-600, 600)
+SPEED = Range(0, 200000)
+FLAG = Range(0, 1)
+SHARE = Range(0, 4096)
+PREVIOUS = Range(0, 1000)
 
-# What of the state is no place: (first, count, range)
-_PARTS = (
-    (at.C_SHANK, 4, Range(-98304, 98303)),
-    (at.C_BODY + 3, 3, Range(-(1 << 22), (1 << 22) - 1)),
-    (at.C_STANDS, 4, Range(0, 1)),
-    (at.C_SHARE, 4, Range(0, 4096)),
-    (at.C_FORCE, 8, Range(-16383, 16383)),
-    (at.C_PRINTS, 2, Range(0, 4)),
-    (at.C_ON_PRINT, 2, Range(0, 1)),
-    (at.C_BODY_TICK, 2, Range(0, 60)),
-    (at.C_WARP, 1, Range(-1342208, 1342208)),
-    (at.C_WEIGHT, 1, Range(2867, 10240)),
-    (at.C_HEAVY, 1, Range(0, 4096)),
-    (at.C_GOAL, 12, Range(-32768, 32767)),
-    (at.C_CLIPPED, 1, Range(0, 1)),
-    (at.C_PHASE, 1, Range(0, 5)),
-    (at.C_TICK, 1, Range(0, 150)),
-    (at.C_TURN, 2, Range(0, 3)),
-    (at.C_PACE, 1, Range(-600000, 600000)),
-    (at.C_SPEED, 1, Range(0, 200000)),
-    (at.C_MOVE_TICKS, 1, Range(1, 60)),
-    (at.C_TRIES, 2, Range(0, 3)),
-    (at.C_DROPPED, 1, Range(0, 1)),
-    (at.C_LENGTH, 1, Range(0, 32767)),
-    (at.C_TARE, 1, Range(-16383, 16383)),
-    (at.C_TOUCHED, 1, Range(0, 9)),
-    (at.C_PEAK, 1, Range(0, 1)),
-    (at.C_PAST_AT, 1, Range(0, 31)),
-    (at.C_EVENT, 9, Range(0, 1000)),
-    (at.C_WEIGHT_FINE, 1, Range(0, 16383 << 8)),
-)
+
+def _near(dice, bits):
+    """Return a place along an axis, lf."""
+    return (dice.bits(bits) << 1) - (1 << bits)
+
+
+def _soil_map(dice, bits):
+    for at in range(12):
+        MAP.feet[at] = _near(dice, bits)
+        MAP.seen[at] = _near(dice, bits)
+    for axis in range(6):
+        MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
+    for leg in range(4):
+        MAP.shank[leg] = SHANK.any(dice)
+        SUPPORT.stance[leg] = dice.bits(1)
+        SUPPORT.share_q12[leg] = SHARE.any(dice)
+        SUPPORT.force_q12[leg] = FORCE.any(dice)
+        SUPPORT.load_q12[leg] = FORCE.any(dice)
+    SUPPORT.weight_q12 = 2867 + dice.below(10240 - 2867)
+    SUPPORT.weight_q20 = dice.below(16383 << 8)
+    SUPPORT.heavy_q12 = SHARE.any(dice)
+    SUPPORT.warp = dice.below(2 * 1342208) - 1342208
+    SUPPORT.margin = PREVIOUS.any(dice)
+
+
+def _soil_path(dice, bits):
+    for axis in range(6):
+        PATH.wanted[axis] = _near(dice, bits)
+        PATH.from_pose[axis] = _near(dice, bits)
+        PATH.to_pose[axis] = _near(dice, bits)
+        PATH.lagged[axis] = _near(dice, bits)
+        PATH.integral[axis] = _near(dice, bits)
+        PATH.commanded[axis] = _near(dice, bits)
+        PATH.sag[axis] = _near(dice, bits)
+    PATH.move_tick = dice.below(61)
+    PATH.move_ticks = dice.below(61)
+    for at in range(24):
+        FOOTHOLDS.places[at] = _near(dice, bits)
+    for side in range(2):
+        FOOTHOLDS.waiting[side] = dice.below(5)
+        FOOTHOLDS.taken[side] = dice.bits(1)
+
+
+def _soil_swing(dice, bits):
+    for axis in range(3):
+        FOOT.place[axis] = _near(dice, bits)
+        FOOT.target[axis] = _near(dice, bits)
+    FOOT.departure[0] = _near(dice, bits)
+    FOOT.departure[1] = _near(dice, bits)
+    FOOT.ground = _near(dice, bits)
+    FOOT.place[2] = FOOT.ground - dice.bits(22)
+    FOOT.top = _near(dice, bits)
+    FOOT.speed = SPEED.any(dice)
+    FOOT.way_ticks = 1 + dice.below(60)
+    FOOT.tries = dice.bits(2)
+    FOOT.risers = dice.bits(2)
+    FOOT.dropped = dice.bits(1)
+    FOOT.leg_length = dice.bits(15)
+    FOOT.limited = dice.bits(1)
+    CONTACT.tare_q12 = FORCE.any(dice)
+    CONTACT.load_ticks = dice.below(10)
+    CONTACT.peak = dice.bits(1)
+    for at in range(contact.PAST_SIZE):
+        CONTACT.past[at] = _near(dice, bits)
+    CONTACT.past_at = dice.below(contact.PAST_SIZE)
+
+
+def _soil_stage(dice):
+    STAGE.stage = dice.below(6)
+    STAGE.stage_tick = TICKS.any(dice)
+    STAGE.turn = dice.bits(2)
+    STAGE.leg = dice.bits(2)
+    STAGE.ahead = dice.below(1200000) - 600000
+    EVENT.code = dice.bits(3)
+    EVENT.leg = dice.bits(2)
+    EVENT.number = PREVIOUS.any(dice)
+    EVEN.uneven = PREVIOUS.any(dice)
+    EVEN.landed = PREVIOUS.any(dice)
+    EVEN.even_steps = PREVIOUS.any(dice)
 
 
 def _soil(values, dice):
     """Fill the state: near the middle of the map every other time, where edges and drops are what is met."""
     bits = 23 if dice.bits(1) else 16
-    for place in range(at.C_SIZE):
-        STATE[place] = (dice.bits(bits) << 1) - (1 << bits)
-    for first, count, spread in _PARTS:
-        for place in range(first, first + count):
-            STATE[place] = spread.any(dice)
-    STATE[at.C_POS + 2] = STATE[at.C_EXPECT] - dice.bits(22)
-    for place in range(12):
-        SENSING.level[place] = dice.bits(16) - 32768
-        JOINTS[place] = dice.bits(14) - 8192
-        CRAWL.measured[place] = JOINTS[place]
-        CRAWL.pose[place % 6] = dice.bits(14) - 8192
-        CRAWL.feet[place] = dice.bits(15) - 16384
-        CRAWL.hip_feet[place] = dice.bits(15) - 16384
-    for place in range(4):
-        SENSING.force_q12[place] = dice.bits(14) - 8192
+    _soil_map(dice, bits)
+    _soil_path(dice, bits)
+    _soil_swing(dice, bits)
+    _soil_stage(dice)
+    for at in range(12):
+        SENSING.level[at] = dice.bits(16) - 32768
+        JOINTS[at] = dice.bits(14) - 8192
+        CRAWL.measured[at] = JOINTS[at]
+        CRAWL.goals[at] = dice.bits(16) - 32768
+        CRAWL.jumps[at] = _near(dice, bits)
+        CRAWL.pose[at % 6] = dice.bits(14) - 8192
+        CRAWL.feet[at] = dice.bits(15) - 16384
+        CRAWL.hip_feet[at] = dice.bits(15) - 16384
+    for leg in range(4):
+        SENSING.force_q12[leg] = dice.bits(14) - 8192
     CRAWL.point[0] = dice.bits(15) - 16384
     CRAWL.point[1] = dice.bits(15) - 16384
-    SET[at.K_PLANAR] = dice.bits(1)
+    OWN.lateral_q12 = PARAMS[0].lateral_q12 if dice.bits(1) else 0
 
 
 def _stateful(module, name, *arguments):
-    return Probe(name, getattr(module, name), arguments, watch=(STATE,), fit=_soil)
+    return Probe(name, getattr(module, name), arguments, watch=STATE, fit=_soil)
 
 
 class _Walk:
@@ -139,11 +201,11 @@ class _Walk:
         for joint in range(12):
             CRAWL.measured[joint] = JOINTS[joint]
             JOINTS[joint] += (GOALS[joint] - JOINTS[joint]) // 2 + dice.bits(5) - 16
-        SET[at.K_PLANAR] = self.ticks // 400 & 1
-        sense_legs(PARAMS[0], JOINTS, values[4], values[5], SENSING)
+        OWN.lateral_q12 = 0 if self.ticks // 400 & 1 else PARAMS[0].lateral_q12
+        sense_legs(PARAMS[0], JOINTS, values[3], values[4], SENSING)
         for leg in range(4):
             SENSING.force_q12[leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000
-            if leg == STATE[at.C_LEG] and STATE[at.C_PHASE] in (at.LIFT, at.MOVE, at.TARE):
+            if leg == STAGE.leg and STAGE.stage in (LIFT, SWING, HANG):
                 SENSING.force_q12[leg] = dice.bits(6)
         keep_sent(SENSING, GOALS)
 
@@ -155,11 +217,10 @@ class _Walk:
         for joint in range(12):
             GOALS[joint] = JOINTS[joint]
         sense_legs(PARAMS[0], JOINTS, 0, 0, SENSING)
-        crawl.crawl_start(CRAWL, SENSING, JOINTS, 0, GOALS, 0, 0)
+        crawl.crawl_start(CRAWL, SENSING, JOINTS, GOALS, 0, 0)
 
 
 WALK = _Walk()
-TILT = Range(-600, 600)
 STEPS = Steps()
 COMMAND = Command()
 RETREAT = retreat.Retreat()
@@ -167,6 +228,11 @@ RETREAT_ROW = Row(RETREAT)
 TOLD = Command()
 FADE = Fade()
 FADE_ROW = Row(FADE)
+
+
+def _with_foothold(values, dice):
+    _soil(values, dice)
+    FOOTHOLDS.waiting[values[2]] = 1 + dice.bits(1)
 
 
 def _any_speed(values, dice):
@@ -193,50 +259,49 @@ PROBES = (
     Probe("fraction", fraction, (Range(-(1 << 25) + 1, (1 << 25) - 1), Range(0, 32768))),
     Probe("quintic_q15", quintic_q15, (Range(-3, 1 << 29), Range(-3, 1 << 29))),
     Probe("brake_speed", swing_leg.brake_speed, (Range(0, 1 << 29), LU)),
-    Probe("crawl_setup", crawl_setup.crawl_setup, (ROBOT, SETTINGS, LIMBS), watch=(SETTINGS, LIMBS), ticks=False),
-    Probe("bend_limits", crawl_setup.bend_limits, (ROBOT, SETTINGS, LIMBS), watch=(LIMBS,), ticks=False),
-    Probe("accelerations", crawl_setup.accelerations, (SETTINGS, Range(16000, 32767), Range(20, 500)), ticks=False),
-    Probe("body_shape", crawl_setup.body_shape, (ROBOT, SETTINGS, Range(16000, 32767)), ticks=False),
-    Probe("bent_length", crawl_setup.bent_length, (Range(1, 16384), Range(1, 16383), BRAD), ticks=False),
-    _stateful(footholds, "prints_start", ROBOT, STATE),
-    Probe("print_line", footholds.print_line, (ROBOT, SIDE)),
-    _stateful(footholds, "print_add", STATE, SIDE, at.C_FOOT),
-    _stateful(footholds, "print_drop", STATE, SIDE),
-    _stateful(footholds, "aim", ROBOT, SET, STATE, LEG),
-    _stateful(footholds, "aim_front", ROBOT, SET, STATE, SIDE),
-    _stateful(footholds, "aim_hind", ROBOT, SET, STATE, HIND),
-    _stateful(footholds, "steps_down", SET, STATE, LEG),
-    _stateful(contact, "take_tare", SET, STATE, LEG),
-    _stateful(contact, "feel_ground", SET, STATE, LEG),
-    _stateful(contact, "corner_lift", SET, STATE, LEG),
-    _stateful(contact, "keep_past", STATE),
-    _stateful(contact, "feel_riser", SET, STATE, LEG),
-    _stateful(swing_leg, "enter", STATE, Range(0, 5)),
-    _stateful(swing_leg, "try_again", STATE, PLACE, PLACE),
-    _stateful(swing_leg, "lift_foot", SET, STATE),
-    _stateful(swing_leg, "start_move", SET, STATE),
-    _stateful(swing_leg, "move_foot", STATE),
-    _stateful(swing_leg, "fall_speed", SET, STATE, LEG),
-    _stateful(swing_leg, "lower_foot", SET, STATE, LEG),
-    _stateful(swing_leg, "hang_foot", SET, STATE),
-    _stateful(crawl_map, "roll_feet", SET, JOINTS, STATE),
-    _stateful(crawl_map, "foot_weight_q8", STATE, LEG),
-    _stateful(crawl_map, "fit_heading", SENSING, STATE),
-    _stateful(crawl_map, "fit_body", SET, SENSING, STATE),
-    _stateful(crawl_map, "follow_slips", SET, STATE),
-    _stateful(crawl_map, "shift_points", STATE, at.C_FOOT, 4, PLACE, PLACE, PLACE),
-    _stateful(crawl_map, "rebase", SET, STATE),
-    _stateful(crawl_pose, "mean_foot", STATE, Range(0, 2)),
-    _stateful(crawl_pose, "feet_pitch", SET, STATE),
-    _stateful(crawl_pose, "mass_target", SET, STATE, LEG, LU, CRAWL.feet, CRAWL.weights, CRAWL.point),
-    _stateful(crawl_pose, "resting_x", SET, STATE),
+    _stateful(footholds, "footholds_start", ROBOT, MAP, FOOTHOLDS),
+    Probe("foothold_line", footholds.foothold_line, (ROBOT, SIDE)),
+    _stateful(footholds, "foothold_add", MAP, FOOTHOLDS, SIDE),
+    Probe("foothold_keep", footholds.foothold_keep, (MAP, FOOTHOLDS, SIDE), watch=(FOOTHOLDS,), fit=_with_foothold),
+    _stateful(footholds, "follow_front_feet", SUPPORT, MAP, FOOTHOLDS),
+    _stateful(footholds, "foothold_drop", FOOTHOLDS, SIDE),
+    _stateful(footholds, "aim", ROBOT, MAP, FOOTHOLDS, EVEN, FOOT, LEG),
+    _stateful(footholds, "aim_front", ROBOT, MAP, EVEN, FOOT, SIDE),
+    _stateful(footholds, "aim_hind", ROBOT, MAP, FOOTHOLDS, FOOT, HIND),
+    _stateful(footholds, "steps_down", ROBOT, MAP, FOOTHOLDS, LEG),
+    _stateful(footholds, "next_foothold_x", FOOTHOLDS, HIND),
+    _stateful(contact, "take_tare", ROBOT, CONTACT, FORCE, TICKS),
+    _stateful(contact, "start_contact", CONTACT),
+    _stateful(contact, "feel_ground", ROBOT, CONTACT, FORCE, SPEED, LEG),
+    _stateful(contact, "corner_lift", ROBOT, MAP, PATH, LEG),
+    _stateful(contact, "keep_past", CONTACT, PLACE),
+    _stateful(contact, "feel_riser", ROBOT, CONTACT, FOOT, PLACE, TICKS),
+    _stateful(swing_leg, "try_again", FOOT, PLACE, PLACE),
+    _stateful(swing_leg, "lift_foot", ROBOT, FOOT),
+    _stateful(swing_leg, "start_swing", ROBOT, FOOT),
+    _stateful(swing_leg, "swing_foot", FOOT, PATH, TICKS),
+    _stateful(swing_leg, "lower_speed", ROBOT, FOOT, LEG),
+    _stateful(swing_leg, "lower_foot", ROBOT, MAP, PATH, FOOT, LEG),
+    _stateful(crawl_map, "roll_feet", ROBOT, JOINTS, SUPPORT, MAP),
+    _stateful(crawl_map, "foot_weight_q8", SUPPORT, LEG),
+    _stateful(crawl_map, "fit_heading", SENSING, SUPPORT, MAP),
+    _stateful(crawl_map, "turn_feet", SENSING, MAP),
+    _stateful(crawl_map, "fit_body", OWN, SENSING, SUPPORT, MAP),
+    _stateful(crawl_map, "follow_slips", OWN, SUPPORT, MAP),
+    _stateful(crawl_map, "mean_foot", MAP, Range(0, 2)),
+    _stateful(crawl_map, "front_to_hind", MAP, Range(0, 2)),
+    _stateful(crawl_pose, "feet_pitch", ROBOT, MAP),
+    Probe("mass_ahead", crawl_pose.mass_ahead, (ROBOT, BRAD)),
+    _stateful(crawl_pose, "mass_target", OWN, MAP, LEG, LU, CRAWL.feet, CRAWL.weights, CRAWL.point),
+    _stateful(crawl_pose, "resting_x", ROBOT, MAP, SUPPORT),
     _stateful(crawl_pose, "longest_leg", ROBOT, CRAWL.pose, CRAWL.rotation, CRAWL.feet, CRAWL.hip_feet, Range(-1, 3)),
     _stateful(
         crawl_pose,
         "plan_body",
         ROBOT,
-        SET,
-        STATE,
+        MAP,
+        SUPPORT,
+        PATH,
         CRAWL.point,
         Range(-1, 3),
         CRAWL.pose,
@@ -244,42 +309,55 @@ PROBES = (
         CRAWL.feet,
         CRAWL.hip_feet,
     ),
-    _stateful(crawl_pose, "move_ticks", SET, STATE),
-    _stateful(crawl_pose, "move_body", STATE),
-    _stateful(crawl_pose, "hold_pose", SET, STATE),
-    _stateful(crawl_goals, "warped", STATE, LEG),
-    _stateful(crawl_goals, "share_load", SET, STATE, CRAWL.feet, CRAWL.weights, CRAWL.load),
-    _stateful(crawl_goals, "take_pose", STATE, SWINGS, CRAWL.pose, CRAWL.rotation),
-    _stateful(crawl_goals, "foot_in_body", STATE, LEG, SWINGS, CRAWL.pose, CRAWL.feet),
+    _stateful(crawl_pose, "start_body", ROBOT, PATH, CRAWL.pose),
+    _stateful(crawl_pose, "move_ticks", ROBOT, PATH),
+    _stateful(crawl_pose, "move_body", PATH),
+    _stateful(crawl_pose, "hold_pose", OWN, MAP, SUPPORT, PATH),
+    _stateful(crawl_goals, "foot_warp", SUPPORT, LEG),
+    _stateful(crawl_goals, "plan_loads", OWN, MAP, PATH, SUPPORT, CRAWL.feet, CRAWL.weights, CRAWL.load),
+    _stateful(crawl_goals, "take_pose", PATH, SWINGS, CRAWL.pose, CRAWL.rotation),
+    _stateful(crawl_goals, "foot_in_body", CRAWL.pose, PLACE, PLACE, PLACE, LEG, CRAWL.feet),
+    _stateful(crawl_goals, "place_foot", CRAWL, LEG, SWINGS),
     _stateful(crawl_goals, "leg_goal", CRAWL, LEG, SWINGS),
     _stateful(crawl_goals, "bridge", CRAWL, LEG, SWINGS),
+    _stateful(crawl_goals, "solve_legs", CRAWL),
     _stateful(crawl_goals, "legs_goals", CRAWL, GOALS),
-    _stateful(crawl_steps, "tell", STATE, Range(0, 7), PLACE, PLACE),
-    _stateful(crawl_steps, "start_machine", CRAWL),
-    _stateful(crawl_steps, "machine", CRAWL, WAY),
+    _stateful(crawl_steps, "enter", CRAWL, Range(0, 5)),
+    _stateful(crawl_steps, "tell", CRAWL, Range(0, 7), PLACE, PLACE),
+    _stateful(crawl_steps, "start_stages", CRAWL),
+    _stateful(crawl_steps, "take_stage", CRAWL, AHEAD),
+    _stateful(crawl_steps, "swing_stage", CRAWL, LEG),
     _stateful(crawl_steps, "plan_shift", CRAWL),
-    _stateful(crawl_steps, "print_x", STATE, HIND),
     _stateful(crawl_steps, "over_foot", CRAWL, LEG, PLACE),
     _stateful(crawl_steps, "shift_to", CRAWL, LEG, LU, Range(-1, 3)),
     _stateful(crawl_steps, "shift_tick", CRAWL, LEG),
     _stateful(crawl_steps, "match_diagonals", CRAWL, LEG),
-    _stateful(crawl_steps, "leave_ground", CRAWL, LEG),
-    _stateful(crawl_steps, "move_tick", CRAWL, LEG),
-    _stateful(crawl_steps, "down_tick", CRAWL, LEG),
+    _stateful(crawl_steps, "lift_off", CRAWL, LEG),
+    _stateful(crawl_steps, "swing_tick", CRAWL, LEG),
+    _stateful(crawl_steps, "hang_tick", CRAWL, LEG),
+    _stateful(crawl_steps, "lower_tick", CRAWL, LEG),
+    _stateful(crawl_steps, "lift_again", CRAWL, PLACE, PLACE),
     _stateful(crawl_steps, "free_shin", CRAWL, LEG),
     _stateful(crawl_steps, "touch", CRAWL, LEG, PLACE),
+    _stateful(crawl_steps, "find_ground", CRAWL, LEG),
     _stateful(crawl_steps, "drop_front", CRAWL, SIDE),
     _stateful(crawl_steps, "drop_hind", CRAWL, HIND),
     _stateful(crawl_steps, "land", CRAWL, LEG),
-    _stateful(crawl_even, "count_even", SET, STATE, LEG),
-    _stateful(crawl_even, "feet_length", STATE),
-    _stateful(crawl_even, "feet_rise", STATE),
-    _stateful(crawl_even, "expected_rise", SET, STATE, WAY),
+    _stateful(crawl_even, "note_landing", ROBOT, MAP, FOOT, EVEN, LEG),
+    _stateful(crawl_even, "feet_length", MAP),
+    _stateful(crawl_even, "feet_rise", MAP),
+    _stateful(crawl_even, "expected_rise", ROBOT, MAP, EVEN, AHEAD),
     Probe("off_slope", crawl_even.off_slope, (PLACE, PLACE, Range(1, 16383), Range(-16383, 16383))),
-    _stateful(crawl, "measure", CRAWL, JOINTS, 0),
-    _stateful(crawl, "weigh", SET, SENSING, STATE),
-    _stateful(crawl, "estimate", CRAWL, SENSING, JOINTS, 0, TILT, TILT),
-    _stateful(crawl, "crawl_start", CRAWL, SENSING, JOINTS, 0, GOALS, TILT, TILT),
+    _stateful(crawl, "forget", CRAWL),
+    _stateful(crawl, "start_map", CRAWL, SENSING, JOINTS, TILT, TILT),
+    _stateful(crawl, "start_support", SENSING, SUPPORT),
+    _stateful(crawl, "take_tilt", OWN, MAP, TILT, TILT),
+    _stateful(crawl, "measure", CRAWL, JOINTS),
+    _stateful(crawl, "weigh", ROBOT, SENSING, SUPPORT),
+    _stateful(crawl, "rebase", CRAWL),
+    _stateful(crawl, "move_origin", MAP, FOOTHOLDS, PATH, FOOT, CONTACT, Range(0, 2), PLACE),
+    _stateful(crawl, "estimate", CRAWL, SENSING, JOINTS, TILT, TILT),
+    _stateful(crawl, "crawl_start", CRAWL, SENSING, JOINTS, GOALS, TILT, TILT),
     Probe("retreat_start", retreat.retreat_start, (RETREAT,), watch=(RETREAT,), fit=_any_retreat),
     Probe(
         "retreat_step",
@@ -289,15 +367,16 @@ PROBES = (
         fit=_any_retreat,
     ),
     Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
-    _stateful(handover, "ground_even", STATE),
-    Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, STATE, LU, LU, STEPS), watch=(STEPS,), fit=_soil),
+    _stateful(handover, "ground_even", EVEN),
+    Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, MAP, PATH, LU, LU, STEPS), watch=(STEPS,),
+          fit=_soil),
     Probe("fade_start", handover.fade_start, (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
     Probe("fade_out", handover.fade_out, (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
     Probe(
         "crawl_tick",
         crawl.crawl_tick,
-        (CRAWL, SENSING, JOINTS, 0, TILT, TILT, WAY, GOALS),
-        watch=(GOALS, STATE),
+        (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS),
+        watch=(GOALS,) + STATE,
         begin=WALK.begin,
         fit=WALK.step,
         vectors=10,

@@ -188,7 +188,7 @@ def _climbing(values, dice):
     """A crawl that has just begun, with any senses."""
     _live(values, dice)
     robot: Planner = values[0]
-    crawl_start(robot.climb, robot.walk.sensing, robot.joints, 0, robot.joints, 0, 0)
+    crawl_start(robot.climb, robot.walk.sensing, robot.joints, robot.joints, 0, 0)
     robot.status.climb = 1 + dice.bits(1)
 
 

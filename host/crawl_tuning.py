@@ -1,0 +1,117 @@
+"""The crawl's numbers (shared/crawl_setup.py) for one robot at one rate: its table in proportion to the leg, its shape.
+
+A robot file's table ``crawl`` gives single numbers anew, in SI: the keys are the fields with their unit in the file,
+``margin_m``, ``lift_speed_m_s``, ``settle_s``.
+"""
+
+from collections.abc import Iterator, Mapping
+from difflib import get_close_matches
+from math import pi
+
+from shared.crawl_setup import CrawlSetup
+from shared.fixed import cos_q15, hypot, isqrt
+from shared.params import FR, LEGS, LF_BITS, RR, Leg, Params
+
+_LEG_MM = 240  # the leg that the table's lengths belong to
+_STRIDE_MM = 90  # the longest
+_SECOND_US = 1_000_000
+# How a field's name ends, and its key in the file, by the core's unit; what the table gives it in is so many to 1 of SI
+_UNITS = {
+    "lu": ("", "_m", 1000),
+    "lf / tick": ("", "_m_s", 1000),
+    "lf / tick^2": ("", "_m_s2", 1000),
+    "lu / s^2": ("", "_m_s2", 1000),
+    "ticks": ("_ticks", "_s", 1000),
+    "Q15 / tick": ("_q15", "_s", 1000),
+    "brad": ("", "_rad", 1000),
+    "Q15": ("_q15", "", 1000),
+    "own weight": ("_q12", "_weights", 10000),
+}
+_NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
+_KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
+_MOST_LAG_S = 0.062  # goals are kept for 31 ticks, at up to 500 Hz
+
+
+def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple[str, object, str]]:
+    """Yield (key, value, what is allowed) of each number in a table ``crawl`` that can't be used."""
+    for key, value in given.items():
+        if key not in _KEYS:
+            hint = "".join(f"did you mean {close}? " for close in get_close_matches(key, _KEYS, 1))
+            yield f"crawl.{key}", value, f"{hint}the keys are those of shared/crawl_setup.py: {', '.join(_KEYS)}"
+            continue
+        place = _NUMBERS[_KEYS[key]]
+        usual = place.default * _one(place.unit, leg_m)
+        low, high = sorted((usual / 4, usual * 2))
+        if _KEYS[key] == "goal_lag_ticks":
+            high = _MOST_LAG_S
+        if not low <= value <= high:
+            yield f"crawl.{key}", value, f"{low:.4g} .. {high:.4g}, a quarter to twice the usual {usual:.4g}"
+
+
+def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None:
+    """Write the crawl's numbers into parameters that have rate, legs and leg length already."""
+    for name, place in _NUMBERS.items():
+        setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params.leg_length, params.rate_hz))
+    for key, value in given.items():
+        place = _NUMBERS[_KEYS[key]]
+        thousandths = round(1000 * value / _one(place.unit, leg_m))
+        integer = _scaled(thousandths, place.unit, params.leg_length, params.rate_hz)
+        setattr(params.crawl, _KEYS[key], integer)
+    _shape(params)
+
+
+def _one(unit: str, leg_m: float) -> float:
+    """Return what 1 in the table is in SI, for a leg."""
+    return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") else 1)
+
+
+def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
+    """Return what the core takes for a thousandth of a number of the table, for a leg of ``leg`` lu."""
+    if unit in ("brad", "Q15", "own weight"):
+        one = {"brad": 32768 / pi, "Q15": 32768, "own weight": 4096}[unit]
+        return round(value / 1000 / _UNITS[unit][2] * one)
+    if unit == "ticks":
+        return max(1, (value * rate_hz + _SECOND_US // 2) // _SECOND_US)
+    if unit == "Q15 / tick":
+        return min(32768, max(1, (32768 * _SECOND_US // value + rate_hz // 2) // rate_hz))
+    length = leg * value // (_LEG_MM * 1000)
+    if unit in ("lu", "lu / s^2"):
+        return length
+    step = (length << LF_BITS) // rate_hz
+    return max(1, step if unit == "lf / tick" else step // rate_hz)
+
+
+def _shape(params: Params) -> None:
+    """Write what follows from hips and legs: the hips are carried at 0.865 of the straightest leg.
+
+    Caramelo's are at 185 mm of 214: the straighter the knees, the less they carry. A trot's foot is put no higher than
+    half way from the hip's offset to the shortest leg below the hip (clearance): there its leg's direction turns by no
+    more than the foot's way over that depth. What the joints reach above it lies at the ends of thigh and calf.
+    """
+    crawl, front = params.crawl, params.legs[FR]
+    length = front.hip[0] - params.legs[RR].hip[0]
+    crawl.stride = min(length // 3, params.leg_length * _STRIDE_MM // _LEG_MM)
+    crawl.half_length = length // 2
+    crawl.half_width = abs(front.hip[1] + front.hip_length)
+    bends = [_bend(params.legs[leg]) for leg in range(LEGS)]
+    straight = min(32767, *(far for far, _ in bends))
+    crawl.height = straight * 173 // 200
+    crawl.reach = straight - straight // 49
+    crawl.swing_reach = straight - straight // 240
+    crawl.folded = max(near + near // 72 for _, near in bends)
+
+
+def _bend(leg: Leg) -> tuple[int, int]:
+    """Bring a leg's reach in to where the calf's limits end; return its longest and shortest in its plane, lu."""
+    straight, bent = (leg.highest[2], leg.lowest[2]) if leg.knee < 0 else (leg.lowest[2], leg.highest[2])
+    far, near = bent_length(leg, straight), bent_length(leg, bent)
+    leg.longest = min(hypot(far, leg.hip_length), leg.longest)
+    leg.shortest = max(hypot(near, leg.hip_length) + 1, leg.shortest)
+    leg.clearance = -(leg.shortest + abs(leg.hip_length) >> 1)
+    return far, near
+
+
+def bent_length(leg: Leg, calf_brad: int) -> int:
+    """Return thigh joint to foot in lu of a leg bent by ``calf_brad``: L2^2 + L3^2 + 2 L2 L3 cos q3, within 4 lu."""
+    l2, l3 = leg.thigh_length, leg.calf_length
+    return 2 * isqrt((l2 * l2 >> 2) + (l3 * l3 >> 2) + ((l2 * l3 >> 15) * cos_q15(calf_brad) >> 1))
