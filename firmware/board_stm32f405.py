@@ -4,7 +4,10 @@ Everything is done on registers (chip*.py); of MicroPython it uses a timer's int
 the way into the ROM's loader. What stands for the chip is an address there, and a model of it on a computer.
 """
 
-from shared.runtime import bound, const
+from shared.joint.layout import Foc
+from shared.runtime import bound, const, zeros
+from shared.wire.names import REPLY_FIELDS
+from shared.wire.receive import Link
 
 from .chip import (
     CORE,
@@ -42,6 +45,7 @@ from .chip_setup import (
 from .chip_step import bridge_on, interrupt, outputs_off, rotor_angle, write_compares
 from .drv8323 import Drv8323
 from .encoders import READ_ANGLE, angle_of
+from .joint_control import Control
 
 _OF_THE_CHIP = const(256)  # the "register" of the gate driver that stands for one of the microcontroller
 _WAKE_MS = const(2)  # tREADY of the gate driver is at most 1
@@ -118,7 +122,7 @@ class Stm32F405Board:
         self.can_send = bound(send, chip)
         self.ticks_us = bound(clock_us, chip)
 
-    def start(self, control, step=interrupt, *more):
+    def start(self, control: Control, step=interrupt, *more):
         """Do a current step on the control's blocks at each update of the timer, and start the watchdog.
 
         From now on ``millisecond()`` reads sensors, does a motion tick and moves the bridge. ``step``: another
@@ -135,16 +139,17 @@ class Stm32F405Board:
         """Open all six switches."""
         outputs_off(self._chip)
 
-    def listen(self, control, link, frame, out):
+    def listen(self, control: Control, link: Link, frame, out):
         """Return what serves the bus: called without arguments, it returns what chip_joint.serve_bus does."""
         c = control
-        return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, out)
+        reply = zeros(REPLY_FIELDS)
+        return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, reply, out)
 
     def feed_watchdog(self):
         """Put the watchdog off; for the self-test, a joint does it in ``millisecond``."""
         poke(self._chip, IWDG_KR_32, 0xAAAA)
 
-    def pwm_on(self, foc):
+    def pwm_on(self, foc: Foc):
         """Let the bridge follow the compares; for the self-test, a joint does it in ``millisecond``."""
         write_compares(self._chip, foc)
         bridge_on(self._chip)

@@ -11,8 +11,8 @@ from math import exp, pi
 from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import set_offsets
+from shared.joint.layout import Foc, JointConfig, JointIo, JointState
 from shared.joint.sine import fill_sine
-from shared.runtime import zeros
 
 from .errors import UserError
 from .joint_heat import heat_places
@@ -45,8 +45,8 @@ class JointBlocks:
     cfg: list[int]
     curve: list[int]
     units: Units
-    state: list[int] = field(default_factory=lambda: zeros(j.STATE_SIZE))
-    io: list[int] = field(default_factory=lambda: zeros(j.IO_SIZE))
+    state: list[int] = field(default_factory=lambda: JointState())
+    io: list[int] = field(default_factory=lambda: JointIo())
 
 
 def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> JointBlocks:
@@ -58,7 +58,7 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
         raise UserError(f"actuator.thermal.thermistor_25C_ohm {bldc.thermal.thermistor_25C_ohm:g}: use {why}")
     units = choose_units(bldc, board)
     foc = _foc(bldc, board, units)
-    cfg = zeros(j.CFG_SIZE)
+    cfg = JointConfig()
     for part in (_electrical, _mechanics, _wire, _cascade, _protection, heat_places, _states, _calibration):
         for place, value in part(bldc, setup, board, units).items():
             cfg[place] = value
@@ -69,19 +69,19 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
 
 
 def _foc(bldc: Bldc, board: Board, units: Units) -> list[int]:
-    foc = zeros(j.FOC_SIZE)
+    foc = Foc()
     period = round(board.timer_hz / (2 * bldc.drive.pwm_hz))
     if not 500 <= period <= 7000:
         low, high = board.timer_hz / 14000, board.timer_hz / 1000
         raise UserError(f"actuator.drive.pwm_hz {bldc.drive.pwm_hz}: {low:.0f} .. {high:.0f} on this timer")
     fill_sine(foc)
-    foc[j.F_PERIOD] = period
-    foc[j.F_HALF] = period * 8 + 8
-    foc[j.F_PULSE] = round(board.shortest_pulse_s * board.timer_hz / 2)
-    foc[j.F_WINDOW] = round(board.settling_s * board.timer_hz)  # the sample is taken in the middle
-    foc[j.F_SPAN] = (period - 2 * max(foc[j.F_PULSE], foc[j.F_WINDOW]) - 1) * 16
-    foc[j.F_KP], foc[j.F_KI] = step_gains(bldc, units.ampere_per_cu, units.volt_per_vu)
-    foc[j.F_TRIP_SQUARE] = round(trip_A(bldc, board) / units.ampere_per_cu) ** 2
+    foc.period = period
+    foc.half_period = period * 8 + 8
+    foc.pulse = round(board.shortest_pulse_s * board.timer_hz / 2)
+    foc.window = round(board.settling_s * board.timer_hz)  # the sample is taken in the middle
+    foc.span_max = (period - 2 * max(foc.pulse, foc.window) - 1) * 16
+    foc.kp, foc.ki = step_gains(bldc, units.ampere_per_cu, units.volt_per_vu)
+    foc.trip_square = round(trip_A(bldc, board) / units.ampere_per_cu) ** 2
     return foc
 
 
@@ -234,5 +234,5 @@ def _check_ranges(cfg: list[int]) -> None:
     for place, (low, high, name) in _RANGES.items():
         if not low <= cfg[place] <= high:
             raise UserError(f"{name}: gives {cfg[place]} in the joint's integers, {low} .. {high} is allowed")
-    if cfg[j.K_POSITION_MIN] >= cfg[j.K_POSITION_MAX]:
+    if cfg.position_min >= cfg.position_max:
         raise UserError("joint limits: the lower one must be below the upper one")

@@ -44,13 +44,13 @@ def _blocks(bldc: Bldc) -> Any:
     blocks = joint_blocks(bldc, JointSetup(-1.0, 1.9))
     set_commutation(blocks.foc, blocks.cfg)
     feed_bus(blocks.foc, blocks.cfg, round(bldc.drive.bus_voltage_V / blocks.units.volt_per_vu))
-    blocks.foc[j.F_PULSE] = 0
+    blocks.foc.pulse = 0
     return blocks
 
 
 def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
     blocks = _blocks(bldc)
-    foc, period = blocks.foc, blocks.foc[j.F_PERIOD]
+    foc, period = blocks.foc, blocks.foc.period
     bus = 16 * bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     worst, outside = 0.0, 0
     for _ in range(VECTORS):
@@ -65,7 +65,7 @@ def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
 
 def _step_error(bldc: Bldc, draw: random.Random) -> float:
     blocks = _blocks(bldc)
-    foc, period, worst = blocks.foc, blocks.foc[j.F_PERIOD], 0.0
+    foc, period, worst = blocks.foc, blocks.foc.period, 0.0
     for _ in range(VECTORS):
         rotor = draw.randrange(16384)
         _draw_state(bldc, blocks, draw, rotor)
@@ -86,13 +86,13 @@ def _draw_state(bldc: Bldc, blocks: Any, draw: random.Random, rotor: int) -> Non
     length = counts * draw.random()
     for place, shift in ((j.F_RAW_A, 0.0), (j.F_RAW_B, tau / 3), (j.F_RAW_C, 2 * tau / 3)):
         foc[place] = round(2048 + length * cos(angle - shift))
-    foc[j.F_ROTOR] = rotor
-    foc[j.F_MASKED] = foc[j.F_TRIPPED] = foc[j.F_D_REF] = 0
-    foc[j.F_Q_REF] = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
+    foc.rotor = rotor
+    foc.masked = foc.tripped = foc.reference_d = 0
+    foc.reference_q = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
     for place in (j.F_INTEGRAL_D, j.F_INTEGRAL_Q):
-        foc[place] = round(draw.uniform(-0.3, 0.3) * foc[j.F_LIMIT] * 8192)
-    foc[j.F_FEED_D] = round(draw.uniform(-0.1, 0.1) * foc[j.F_LIMIT])
-    foc[j.F_FEED_Q] = round(draw.uniform(-0.6, 0.6) * foc[j.F_LIMIT])
+        foc[place] = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
+    foc.feed_d = round(draw.uniform(-0.1, 0.1) * foc.voltage_limit)
+    foc.feed_q = round(draw.uniform(-0.6, 0.6) * foc.voltage_limit)
 
 
 def _reference(bldc: Bldc, blocks: Any, rotor: int) -> tuple[float, float, float]:
@@ -102,11 +102,11 @@ def _reference(bldc: Bldc, blocks: Any, rotor: int) -> tuple[float, float, float
     alpha, beta = 2.0 * (2 * a - b - c), 2 * sqrt(3) * (b - c)
     angle = bldc.motor.pole_pairs * rotor / 16384 * 2 * pi
     cosine, sine = cos(angle), sin(angle)
-    e_d = foc[j.F_D_REF] - (cosine * alpha + sine * beta)
-    e_q = foc[j.F_Q_REF] - (cosine * beta - sine * alpha)
-    kp, ki = foc[j.F_KP] / 8192, foc[j.F_KI] / 8192
-    v_d = e_d * (kp + ki) + foc[j.F_INTEGRAL_D] / 8192 + foc[j.F_FEED_D]
-    v_q = e_q * (kp + ki) + foc[j.F_INTEGRAL_Q] / 8192 + foc[j.F_FEED_Q]
+    e_d = foc.reference_d - (cosine * alpha + sine * beta)
+    e_q = foc.reference_q - (cosine * beta - sine * alpha)
+    kp, ki = foc.kp / 8192, foc.ki / 8192
+    v_d = e_d * (kp + ki) + foc.integral_d / 8192 + foc.feed_d
+    v_q = e_q * (kp + ki) + foc.integral_q / 8192 + foc.feed_q
     bus = bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     most = bus / sqrt(3)
     v_d = max(-most, min(most, v_d))

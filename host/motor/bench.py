@@ -13,12 +13,7 @@ from firmware.joint import Joint
 from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.wire import names as w
-from shared.wire.codec import (
-    decode_service_response,
-    encode_group,
-    encode_service_request,
-    encode_sync,
-)
+from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 
 from ..errors import UserError
 from ..joint_gains import JointBlocks, joint_blocks
@@ -103,8 +98,8 @@ class Bench:
         control.cfg[:] = blocks.cfg
         control.curve[:] = blocks.curve
         if calibrated:
-            control.cfg[j.K_CALIBRATED] = 1
-            control.cfg[j.K_ELEC_OFFSET] = round(elec_offset_rad / tau * 65536) & 0xFFFF
+            control.cfg.calibrated = 1
+            control.cfg.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
 
     @property
     def state(self) -> array:
@@ -128,7 +123,7 @@ class Bench:
                 self.motor.supply_V = self.wrong.supply_V
             self.motor.warm(STEP_S * STEPS_PER_MS)
             self.sensors.read_slow(self.motor, self.board)
-            self.rejected += self.joint.control.foc[j.F_GLITCHES]
+            self.rejected += self.joint.control.foc.glitches
             self.joint.poll()
             self._ms += 1
             self._record()
@@ -137,7 +132,7 @@ class Bench:
         board, motor = self.board, self.motor
         board.now_us += round(STEP_S * 1e6)
         self._steps += 1
-        compare, period = board.compare, self.blocks.foc[j.F_PERIOD]
+        compare, period = board.compare, self.blocks.foc.period
         duties = (compare[0] / period, compare[1] / period, compare[2] / period)  # the update event takes them over
         if board.handler is not None and not (self.late_every and self._steps % self.late_every == 0):
             self.sensors.read_fast(motor, board)
@@ -162,9 +157,9 @@ class Bench:
         t.peak_A.append(self.peak_A)
         t.torque_Nm.append(m.gear_Nm)
         t.winding_C.append(m.winding_C)
-        t.limit_A.append(self.state[j.S_CURRENT_LIMIT] * self.units.ampere_per_cu)
+        t.limit_A.append(self.state.current_limit * self.units.ampere_per_cu)
         t.bus_V.append(m.bus_V)
-        t.state.append(self.state[j.S_DRIVE])
+        t.state.append(self.state.drive_state)
 
     def send_setpoint(self) -> None:
         """Send ``goal`` (rad, rad/s or A as ``mode`` says), the speed fed forward if there is one, and SYNC."""
@@ -214,5 +209,5 @@ class Bench:
         self.run(20)
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
-        if result != w.RESULT_OK or self.state[j.S_DRIVE] != w.STATE_OPERATION_ENABLED:
+        if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
             raise UserError(f"the simulated joint refuses to be armed: result {result}")

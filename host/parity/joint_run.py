@@ -211,7 +211,7 @@ def registers_at_rest() -> dict[int, int]:
 
 def _blocks():  # type: ignore[no-untyped-def]
     blocks = joint_blocks(load_robot(ROBOT).actuator, JointSetup(-1.0, 1.9))  # type: ignore[arg-type]
-    blocks.cfg[j.K_CALIBRATED], blocks.cfg[j.K_ELEC_OFFSET] = 1, 7000
+    blocks.cfg.calibrated, blocks.cfg.elec_offset = 1, 7000
     return blocks
 
 
@@ -227,6 +227,6 @@ def _position() -> int:
     """Return where the encoders say that the joint is, as on the wire."""
     blocks = _blocks()
     joint_reset(blocks.foc, blocks.cfg, blocks.state, ROTOR)
-    blocks.io[j.IO_JOINT_RAW], blocks.io[j.IO_JOINT_VALID] = JOINT, 1
+    blocks.io.joint_raw, blocks.io.joint_valid = JOINT, 1
     home_by_encoder(blocks.cfg, blocks.state, blocks.io)
     return report_position(blocks.cfg, blocks.state)

@@ -4,17 +4,8 @@ A duty is the time the high side is on, in compare counts 0 .. F_PERIOD. The cur
 same for the common case; this is the full form, with the shortest pulses and the sampling windows.
 """
 
-from ..runtime import Ints, hot
-from .layout import (
-    F_DUTY_A,
-    F_GAIN_ALPHA,
-    F_GAIN_BETA,
-    F_HALF,
-    F_MASKED,
-    F_PERIOD,
-    F_PULSE,
-    F_WINDOW,
-)
+from ..runtime import hot
+from .layout import Foc
 
 
 @hot
@@ -37,7 +28,7 @@ def shape_pulse(duty: int, pulse: int, period: int) -> int:
 
 
 @hot
-def svpwm(foc: Ints, alpha: int, beta: int) -> int:
+def svpwm(foc: Foc, alpha: int, beta: int) -> int:
     """Write the three duties for the voltage (alpha, beta) in 1/16 vu; return F_MASKED.
 
     Range: a vector no longer than 16 F_LIMIT; a longer one, up to twice that, is cut phase by phase
@@ -46,8 +37,8 @@ def svpwm(foc: Ints, alpha: int, beta: int) -> int:
     count plus F_PULSE / 2 near the ends. Intermediates: the host chooses F_GAIN_ALPHA = 2^14
     F_PERIOD / bus, so the products stay below 2^14 * 16 F_PERIOD / sqrt 3 < 2^30 up to F_PERIOD 7000.
     """
-    a = alpha * foc[F_GAIN_ALPHA] >> 14
-    b = beta * foc[F_GAIN_BETA] >> 14
+    a = alpha * foc.gain_alpha >> 14
+    b = beta * foc.gain_beta >> 14
     c = -b - (a >> 1)
     b -= a >> 1
     high = b
@@ -59,16 +50,16 @@ def svpwm(foc: Ints, alpha: int, beta: int) -> int:
         high = a
     elif a < low:
         low = a
-    middle = foc[F_HALF] - ((high + low) >> 1)
-    period = foc[F_PERIOD]
-    pulse = foc[F_PULSE]
-    foc[F_DUTY_A] = shape_pulse((a + middle) >> 4, pulse, period)
-    foc[F_DUTY_A + 1] = shape_pulse((b + middle) >> 4, pulse, period)
-    foc[F_DUTY_A + 2] = shape_pulse((c + middle) >> 4, pulse, period)
-    period -= foc[F_WINDOW]
+    middle = foc.half_period - ((high + low) >> 1)
+    period = foc.period
+    pulse = foc.pulse
+    foc.duty[0] = shape_pulse((a + middle) >> 4, pulse, period)
+    foc.duty[1] = shape_pulse((b + middle) >> 4, pulse, period)
+    foc.duty[2] = shape_pulse((c + middle) >> 4, pulse, period)
+    period -= foc.window
     masked = 0
     for phase in range(3):
-        if foc[F_DUTY_A + phase] > period:
+        if foc.duty[phase] > period:
             masked |= 1 << phase
-    foc[F_MASKED] = masked
+    foc.masked = masked
     return masked

@@ -80,6 +80,20 @@ def read_slot(frame, slot: int) -> int:
 
 
 @hot
+def sync_counter(frame) -> int:
+    """Return the counter of a SYNC frame, 0 .. 255. Exact."""
+    words = ptr16(frame)
+    return words[0] & 0xFF
+
+
+@hot
+def sync_session(frame) -> int:
+    """Return the session of a SYNC frame, 0 .. 255. Exact."""
+    words = ptr16(frame)
+    return words[0] >> 8
+
+
+@hot
 def joint_filters(pairs, node: int) -> int:
     """Write the hardware filters of one joint, (identifier, mask) pairs; return how many there are.
 

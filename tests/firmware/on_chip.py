@@ -58,8 +58,8 @@ class OnChip:
         for place in STEP_PLACES:
             c.foc[place] = BLOCKS.foc[place]
         c.cfg[:], c.curve[:] = BLOCKS.cfg, BLOCKS.curve
-        c.cfg[j.K_CALIBRATED] = 1
-        c.cfg[j.K_ELEC_OFFSET] = 7000
+        c.cfg.calibrated = 1
+        c.cfg.elec_offset = 7000
 
     def begin(self, ms=READY_MS):
         """Start the application, and go on until the offsets are measured."""
@@ -132,11 +132,11 @@ class OnChip:
 
     @property
     def state(self):
-        return self.control.state[j.S_DRIVE]
+        return self.control.state.drive_state
 
     @property
     def fault(self):
-        return self.control.state[j.S_FAULT_CODE], self.control.state[j.S_FAULT_VALUE]
+        return self.control.state.fault_code, self.control.state.fault_value
 
     @property
     def complaints(self):

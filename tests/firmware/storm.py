@@ -9,7 +9,6 @@ from array import array
 
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
-from firmware.joint_run import RUN_FAILED
 from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.joint.faults import FAULT_EXCEPTION
@@ -41,7 +40,7 @@ class Storm:
             control.cfg[place] = cfg[place]
         for place in range(len(curve)):
             control.curve[place] = curve[place]
-        control.cfg[j.K_CALIBRATED] = 1
+        control.cfg.calibrated = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
         self.sync = array("i", [0, SESSION])
         self.goal = array("i", [400, w.NO_CHANGE, w.NO_CHANGE, w.NO_CHANGE])
@@ -99,14 +98,14 @@ class Storm:
         for place in range(j.STATE_SIZE):
             self.note(state[place])
         for phase in range(3):
-            self.note(control.foc[j.F_DUTY_A + phase])
-        drive = state[j.S_DRIVE]
-        driving = state[j.S_TORQUE] == j.TORQUE_DRIVE and drive != w.STATE_OPERATION_ENABLED
+            self.note(control.foc.duty[phase])
+        drive = state.drive_state
+        driving = state.torque == j.TORQUE_DRIVE and drive != w.STATE_OPERATION_ENABLED
         if driving or (self.board.bridge and drive not in TORQUE_STATES):
             self.wrong_torque += 1
         self.enabled += drive == w.STATE_OPERATION_ENABLED
         self.faults += drive == w.STATE_FAULT
-        self.exceptions += state[j.S_FAULT_CODE] == FAULT_EXCEPTION or control.run[RUN_FAILED] != 0
+        self.exceptions += state.fault_code == FAULT_EXCEPTION or control.run.failed_part != 0
         if self.board.resets:
             self.power_cycle()
 

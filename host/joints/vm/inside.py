@@ -10,19 +10,7 @@ from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.joint_store import MISSING
 from firmware.settings import Memory
-from shared.joint.layout import (
-    F_HALF,
-    F_KI,
-    F_KP,
-    F_PERIOD,
-    F_PULSE,
-    F_Q_REF,
-    F_SPAN,
-    F_TRIP_SQUARE,
-    F_WINDOW,
-    K_CALIBRATED,
-    K_ELEC_OFFSET,
-)
+from shared.joint.layout import F_HALF, F_KI, F_KP, F_PERIOD, F_PULSE, F_SPAN, F_TRIP_SQUARE, F_WINDOW
 
 STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_SQUARE)
 
@@ -82,8 +70,8 @@ class Inside:
             control.cfg[i] = value
         for i, value in enumerate(curve):
             control.curve[i] = value
-        control.cfg[K_CALIBRATED] = 1
-        control.cfg[K_ELEC_OFFSET] = 0
+        control.cfg.calibrated = 1
+        control.cfg.elec_offset = 0
 
     def _set_sensors(self, sensors):  # type: ignore[no-untyped-def]
         """Take the readings of bus voltage, thermistor and microcontroller."""
@@ -91,7 +79,7 @@ class Inside:
 
     def _note(self) -> None:
         control = self.joint.control
-        self.bridge, self.q_ref = self.board.bridge, control.foc[F_Q_REF]
+        self.bridge, self.q_ref = self.board.bridge, control.foc.reference_q
         self.resets, self.pairs = self.board.resets, self.board.pairs
 
     def frame(self, identifier, data, room):  # type: ignore[no-untyped-def]

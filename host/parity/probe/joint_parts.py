@@ -72,18 +72,16 @@ def _near_enough(values, dice):
 
 def _profile(values, dice):
     """A trajectory somewhere, faster than allowed or not; the target's own rate within the limit."""
-    from shared.joint.layout import S_PROFILE, S_PROFILE_RATE
 
-    STATE[S_PROFILE] = dice.bits(29) - (1 << 28) if dice.bits(1) else values[1] + dice.bits(12) - 2048
-    STATE[S_PROFILE_RATE] = dice.bits(18) - (1 << 17)
+    STATE.profile = dice.bits(29) - (1 << 28) if dice.bits(1) else values[1] + dice.bits(12) - 2048
+    STATE.profile_rate = dice.bits(18) - (1 << 17)
     if values[2] > values[4] or values[2] < -values[4]:
         values[2] = values[4]
 
 
 def _slewing(values, dice):
-    from shared.joint.layout import S_PROFILE_RATE
 
-    STATE[S_PROFILE_RATE] = dice.bits(19) - (1 << 18)
+    STATE.profile_rate = dice.bits(19) - (1 << 18)
 
 
 def _probe(source, name, *arguments, watch=(), fit=None):

@@ -48,7 +48,7 @@ def _traffic(values, dice):
     if dice.below(30) == 0:
         receive.link_reset(LINK, dice.below(5))
     if dice.below(30) == 0:
-        LINK[receive.LINK_LOST] = (1 << 30) - 2
+        LINK.lost_syncs = (1 << 30) - 2
     if dice.below(30) == 0:
         receive.start_session(LINK, 1 + dice.below(255))
 

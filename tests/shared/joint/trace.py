@@ -30,9 +30,9 @@ class Trace:
 
     def healthy(self):
         b = self.io
-        b[j.IO_HASH_OK] = b[j.IO_SESSION] = b[j.IO_HARDWARE_READY] = 1
-        b[j.IO_E_STOP] = b[j.IO_HARDWARE_FAULT] = 0
-        b[j.IO_BUS_RAW], b[j.IO_THERMISTOR_RAW], b[j.IO_MCU_RAW] = 2291, 2048, 980
+        b.hash_ok = b.session = b.hardware_ready = 1
+        b.e_stop = b.hardware_fault = 0
+        b.bus_raw, b.thermistor_raw, b.mcu_raw = 2291, 2048, 980
 
     def take(self, block):
         digest = self.digest
@@ -44,7 +44,7 @@ class Trace:
         for _ in range(count):
             self.rotor = (self.rotor + self.draw(160) - 80) & 16383
             for k in range(3):
-                self.foc[j.F_RAW_A + k] = 1948 + self.draw(200)
+                self.foc.raw[k] = 1948 + self.draw(200)
             bad = 1 if self.draw(97) == 0 else 0
             code = current_step(self.rotor, bad, self.foc)
             if code:
@@ -54,24 +54,24 @@ class Trace:
     def tick(self, number):
         b = self.io
         if number % 5 == 0:
-            b[j.IO_SEQUENCE] += 1
-            b[j.IO_MODE] = 1 + (number // 250) % 4
+            b.sequence += 1
+            b.mode = 1 + (number // 250) % 4
             for place in range(j.IO_DAMPING + 1):
                 b[place] = self.draw(8000) - (4000 if place < j.IO_STIFFNESS else 0)
         if number % 400 == 100:
             self.healthy()
             drive_clear(self.state)
         if number % 400 == 150:
-            home_at(self.cfg, self.state, self.state[j.S_POSITION])
+            home_at(self.cfg, self.state, self.state.position)
             begin_calibration(self.state, self.cal, 1 + number // 400 % 3)
-            b[j.IO_POSITION] = 0
+            b.position = 0
             drive_arm(self.cfg, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
         if number % 1300 == 1200:
-            b[j.IO_E_STOP] = 1
+            b.e_stop = 1
         self.steps(3)
         motion_tick(self.foc, self.cfg, self.state, b, self.cal)
         if number % 100 == 0:
-            b[j.IO_THERMISTOR_RAW] = 400 + self.draw(2000)
+            b.thermistor_raw = 400 + self.draw(2000)
             slow_tick(self.cfg, self.state, b, self.curve)
         for block in (self.fields, self.state, self.cfg, self.cal):
             self.take(block)
