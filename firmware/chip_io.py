@@ -121,7 +121,7 @@ def sample(chip, channel: int) -> int:
 
 @hot
 def sense(chip, io: JointIo) -> int:
-    """Write bus voltage and joint encoder to IO_*; return the gate driver's fault, 0 if none, -1 without an ADC.
+    """Write bus voltage and joint encoder to ``io``; return the gate driver's fault, 0 if none, -1 without an ADC.
 
     The bus voltage is the one converted since the last call.
     """

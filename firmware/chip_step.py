@@ -77,7 +77,7 @@ def rotor_angle(chip) -> int:
 
 @hot
 def take_samples(chip, foc: Foc, run: BoardRun) -> int:
-    """Write the shunts' samples to F_RAW_*; return 0 after too many steps in a row without new ones, else 1."""
+    """Write the shunts' samples to foc.raw; return 0 after too many steps in a row without new ones, else 1."""
     c = reg32(chip)
     run.stale_steps += 1
     for _ in range(_SAMPLE_POLLS):

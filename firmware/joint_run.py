@@ -69,7 +69,7 @@ _E_STOP_MS = const(20)  # an emergency stop lasts that long after its last frame
 
 @hot
 def take_step(foc: Foc, run: BoardRun, now_us: int, rotor: int) -> int:
-    """Do a current step on F_RAW_* and the rotor's angle (-1: none) and return what becomes of the bridge.
+    """Do a current step on foc.raw and the rotor's angle (-1: none) and return what becomes of the bridge.
 
     The samples were taken where the duties of the last step began to act and those of the step before ended: what
     either left no time for is not used.
@@ -122,7 +122,7 @@ def note_stop(run: BoardRun, io: JointIo) -> int:
 
 @hot
 def take_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun, driver: int) -> int:
-    """Do a motion tick on what IO_* holds; return what becomes of the bridge. driver: its fault registers, 0 none."""
+    """Do a motion tick on what ``io`` holds; return what becomes of the bridge. driver: its fault registers, 0 none."""
     _watch_joint_encoder(foc, cfg, state, io, run)
     if driver:
         note_fault(run, io, FAULT_DRIVER, driver)
@@ -140,7 +140,7 @@ def take_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal:
 
 @hot
 def _watch_joint_encoder(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, run: BoardRun) -> int:
-    """Count what the joint's encoder left unanswered, get ready once offsets are measured; return IO_HARDWARE_READY."""
+    """Count what the joint's encoder left unanswered, get ready once offsets are measured; return hardware_ready."""
     run.invalid_ms += 1
     if io.joint_valid:
         run.invalid_ms = 0

@@ -97,7 +97,7 @@ _POLE_PAIRS_MOST = const(40)
 
 @hot
 def set_commutation(foc: Foc, cfg: JointConfig) -> int:
-    """Hand the stored direction, pole pairs and offset to the current step; return F_ELEC_GAIN."""
+    """Hand the stored direction, pole pairs and offset to the current step; return electrical_gain."""
     foc.electrical_offset = cfg.elec_offset + TABLE_HALF_STEP
     foc.electrical_gain = 4 * cfg.pole_pairs * cfg.direction
     return foc.electrical_gain
@@ -152,7 +152,7 @@ def calibration_needs_bridge(cal: Calibration) -> int:
 
 @hot
 def calibration_step(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
-    """Do one tick; return C_PHASE, PHASE_IDLE when over. Then C_REASON is 0 or says what stood against it.
+    """Do one tick; return cal.phase, PHASE_IDLE when over. Then cal.reason is 0 or says what stood against it.
 
     About 18 s for a full one, 5 s for a small one.
     """
@@ -244,7 +244,7 @@ def _check_rest(cfg: JointConfig, state: JointState, cal: Calibration) -> int:
 
 @hot
 def _force(foc: Foc, cal: Calibration, current: int) -> int:
-    """Point the field at C_ANGLE with ``current`` on d, whatever the encoder says."""
+    """Point the field at cal.angle with ``current`` on d, whatever the encoder says."""
     foc.electrical_gain = 0
     foc.electrical_offset = (cal.angle & 0xFFFF) + TABLE_HALF_STEP
     foc.feed_d = 0
@@ -407,7 +407,7 @@ def _finish(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
 
 @hot
 def set_zeros(cfg: JointConfig, cal: Calibration) -> int:
-    """Set both encoders' zeros from the pose C_POSE at which they read C_REST_ROTOR and C_REST_JOINT; return K_ZERO.
+    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint; return cfg.zero.
 
     The joint encoder's zero is rounded to its count: the rotor's is exact.
     """

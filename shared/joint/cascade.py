@@ -1,7 +1,7 @@
 """The cascade: position -> velocity -> current, entered at the level of the mode; impedance; damping without set-point.
 
-Once a millisecond. The result is S_CURRENT_REF, joint-signed; write_current hands it to the current
-step. Every limit that acts sets its LIMIT_* bit in S_LIMITS.
+Once a millisecond. The result is current_reference, joint-signed; write_current hands it to the current
+step. Every limit that acts sets its LIMIT_* bit in state.limits.
 """
 
 from ..fixed import saturate
@@ -39,13 +39,13 @@ def position_from_wire(position_brad: int, gear_q8: int) -> int:
 
 @hot
 def rate_from_wire(velocity: int, rate_q8: int) -> int:
-    """Return rate units for 1/4096 turn/s, +-32768, and K_RATE_Q8 0 .. 32767. Error at most 1/2 unit."""
+    """Return rate units for 1/4096 turn/s, +-32768, and rate_q8 0 .. 32767. Error at most 1/2 unit."""
     return (velocity * rate_q8 + 128) >> 8
 
 
 @hot
 def current_from_wire(current: int, current_q14: int) -> int:
-    """Return cu for 1/4096 A, +-32768, and K_CURRENT_Q14 0 .. 32767, within +-12288. Error at most 1/2 cu."""
+    """Return cu for 1/4096 A, +-32768, and current_q14 0 .. 32767, within +-12288. Error at most 1/2 cu."""
     return saturate((current * current_q14 + 8192) >> 14, -_CURRENT_MOST, _CURRENT_MOST)
 
 
@@ -71,7 +71,7 @@ def cascade_reset(cfg: JointConfig, state: JointState) -> int:
 
 @hot
 def cascade_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Do one tick in S_MODE and return S_CURRENT_REF in cu, joint-signed, within +-S_CURRENT_LIMIT.
+    """Do one tick in state.mode and return current_reference in cu, joint-signed, within +-current_limit.
 
     Modes without a set-point of their own (off, damping, calibrating) give 0.
     """
@@ -97,9 +97,9 @@ def cascade_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 @hot
 def follow_position(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Move the trajectory towards the position set-point and return S_RATE_REF from the position loop.
+    """Move the trajectory towards the position set-point and return rate_reference from the position loop.
 
-    Position error limited to +-(2^18 - 1) rc, K_POSITION_P 0 .. 4095: products below 2^30.
+    Position error limited to +-(2^18 - 1) rc, position_p 0 .. 4095: products below 2^30.
     """
     rate = _move_target(cfg, state, io)
     change = profile_step(state, state.target, rate, cfg.accel, cfg.rate_max)
@@ -113,11 +113,11 @@ def follow_position(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 @hot
 def glide(state: JointState, feed: int) -> int:
-    """Move S_TARGET one tick towards S_GOAL, which moves at ``feed``; return the move, rc/256 a tick.
+    """Move state.target one tick towards state.goal, which moves at ``feed``; return the move, rc/256 a tick.
 
-    In S_TARGET_LEFT ticks it is there and as fast: its rate goes there in equal steps, and what is still missing is
+    In target_ticks_left ticks it is there and as fast: its rate goes there in equal steps, and what is still missing is
     shared out evenly. So a smooth motion sent 200 times a second stays smooth, as if its acceleration were sent too.
-    feed and S_TARGET_RATE within +-2^18, goal and target at most 2^21 rc/256 apart, at most 16 ticks left: below 2^23.
+    feed and target_rate within +-2^18, goal and target at most 2^21 rc/256 apart, at most 16 ticks left: below 2^23.
     Meets the goal exactly; on the way within 2 rc/256 a tick of exact arithmetic.
     """
     left = state.target_ticks_left
@@ -137,7 +137,7 @@ def glide(state: JointState, feed: int) -> int:
 
 @hot
 def follow_velocity(cfg: JointConfig, state: JointState, wanted: int) -> int:
-    """Slew S_RATE_REF towards ``wanted``, slowing down in time before a position limit; return S_RATE_REF.
+    """Slew rate_reference towards ``wanted``, slowing down in time before a position limit; return rate_reference.
 
     wanted: rate units within +-2^24. The trajectory starts anew wherever the joint is.
     """
@@ -162,9 +162,9 @@ def follow_velocity(cfg: JointConfig, state: JointState, wanted: int) -> int:
 
 @hot
 def feed_acceleration(cfg: JointConfig, state: JointState, change: int) -> int:
-    """Return S_CURRENT_REF: the current that the trajectory's ``change`` of rate needs, smoothed over some four ticks.
+    """Return current_reference: the current that the trajectory's ``change`` of rate needs, smoothed over some four ticks.
 
-    change within +-65535 rate units a tick, K_INERTIA 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory is
+    change within +-65535 rate units a tick, cfg.inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory is
     a blow of up to the acceleration limit. Error 1 cu. Below 2^28.
     """
     fed = state.acceleration_feed
@@ -176,9 +176,9 @@ def feed_acceleration(cfg: JointConfig, state: JointState, change: int) -> int:
 
 @hot
 def velocity_loop(cfg: JointConfig, state: JointState, feed_cu: int) -> int:
-    """Return S_CURRENT_REF: PI on the rate, plus the feed-forward and the acceleration's share already there.
+    """Return current_reference: PI on the rate, plus the feed-forward and the acceleration's share already there.
 
-    Rate error limited to +-(2^17 - 1), K_VELOCITY_P 0 .. 8191 (Q12), K_VELOCITY_I 0 .. 8191 (Q16). The
+    Rate error limited to +-(2^17 - 1), velocity_p 0 .. 8191 (Q12), velocity_i 0 .. 8191 (Q16). The
     integral does not grow while the current is limited on the same side, and stays within the largest
     current. Error at most 2 cu plus the gains'. Products below 2^30.
     """
@@ -225,10 +225,10 @@ def guard_position(cfg: JointConfig, state: JointState, current_cu: int) -> int:
 
 @hot
 def limit_current(cfg: JointConfig, state: JointState, wanted_cu: int) -> int:
-    """Return S_CURRENT_REF: ``wanted_cu``, within +-2^21, limited to S_CURRENT_LIMIT and to what the bus bears.
+    """Return current_reference: ``wanted_cu``, within +-2^21, limited to current_limit and to what the bus bears.
 
-    Driving current falls linearly to 0 from K_UNDER_START down to K_UNDER, braking current (which
-    feeds the bus) from K_OVER_START up to K_OVER. Exact but for 1 cu.
+    Driving current falls linearly to 0 from under_start down to cfg.under, braking current (which
+    feeds the bus) from over_start up to cfg.over. Exact but for 1 cu.
     """
     limit = state.current_limit
     flag = LIMIT_CURRENT
@@ -268,7 +268,7 @@ def fall_q15(value: int, start: int, end: int) -> int:
 
 @hot
 def damping_current(cfg: JointConfig, state: JointState) -> int:
-    """Return S_CURRENT_REF that only brakes: K_DAMP x rate against the motion, within K_DAMP_CURRENT. No set-point."""
+    """Return current_reference that only brakes: cfg.damp x rate against the motion, within damp_current. No set-point."""
     rate = saturate(state.velocity, -_RATE_ERROR_MOST, _RATE_ERROR_MOST)
     top = cfg.damp_current
     return limit_current(cfg, state, saturate(-(rate * cfg.damp >> 12), -top, top))
@@ -276,7 +276,7 @@ def damping_current(cfg: JointConfig, state: JointState) -> int:
 
 @hot
 def write_current(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Hand S_CURRENT_REF to the current step, with the signs of the joint and the commutation; d stays 0."""
+    """Hand current_reference to the current step, with the signs of the joint and the commutation; d stays 0."""
     current = state.current_reference * cfg.joint_sign
     if foc.electrical_gain < 0:
         current = -current
@@ -287,9 +287,9 @@ def write_current(foc: Foc, cfg: JointConfig, state: JointState) -> int:
 
 @hot
 def _move_target(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Take a new set-point or go on at its velocity; move S_TARGET and return its rate.
+    """Take a new set-point or go on at its velocity; move state.target and return its rate.
 
-    Between set-points the goal moves on at the velocity feed-forward, for K_EXTRAPOLATE_TICKS at most, and stays there;
+    Between set-points the goal moves on at the velocity feed-forward, for extrapolate_ticks at most, and stays there;
     until the first set-point it is where the joint was.
     """
     top = cfg.rate_max

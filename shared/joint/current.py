@@ -32,13 +32,13 @@ _RAD_Q22 = const(402)  # rad per brad
 def current_step(d: int, q: int, foc: Foc) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
-    Reads F_RAW_*, F_D_REF and F_Q_REF, writes F_DUTY_*, F_I_*, F_V_*. Returns STEP_DONE, or what
-    current_repair has to finish.
+    Reads raw, reference_d and _q, writes duty, current_d and _q, voltage_d and _q of ``foc``. Returns STEP_DONE, or
+    what current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
     than 13800, the sums of Park stay below 13800 * 32769 < 2^29, the currents within 27600 and their
-    squares below 2^30. The host chooses vu and checks that (F_KP e + F_INTEGRAL) stays below 2^30 for
+    squares below 2^30. The host chooses vu and checks that (foc.kp e + integral) stays below 2^30 for
     currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
     """
     if (d - foc.rotor + _JUMP) & _JUMP_OUTSIDE | foc.masked | q:
@@ -100,7 +100,7 @@ def current_repair(code: int, rotor: int, invalid: int, foc: Foc) -> int:
     A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
     one and counted. A phase that had no time to be sampled is the negative sum of the others; if
     two had none, the voltage of the last step is turned on with the rotor. A voltage vector that is
-    too long is cut, d first. After a trip all duties are equal, and F_TRIPPED tells the motion tick.
+    too long is cut, d first. After a trip all duties are equal, and foc.tripped tells the motion tick.
     """
     if code == STEP_INPUT:
         if (rotor - foc.rotor + _JUMP) & _JUMP_OUTSIDE | invalid:
@@ -125,7 +125,7 @@ def current_repair(code: int, rotor: int, invalid: int, foc: Foc) -> int:
 
 @hot
 def turn_voltage(foc: Foc) -> int:
-    """Write the duties for F_V_D, F_V_Q (no longer than F_LIMIT) at the angle of F_ROTOR; return STEP_DONE."""
+    """Write the duties for voltage_d and _q (no longer than voltage_limit) at the rotor's angle; return STEP_DONE."""
     angle = foc.rotor * foc.electrical_gain + foc.electrical_offset
     rest = ((angle & 63) - 32) * _RAD_Q22
     index = angle >> 6 & 1023
@@ -141,7 +141,7 @@ def turn_voltage(foc: Foc) -> int:
 
 @hot
 def limit_voltage(foc: Foc) -> int:
-    """Cut F_V_D, F_V_Q to the length F_LIMIT, d first; return F_LIMITED.
+    """Cut voltage_d, voltage_q to the length voltage_limit, d first; return limited_steps.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
@@ -242,7 +242,7 @@ def _equal_duties(foc: Foc) -> int:
 
 @hot
 def _complete_currents(foc: Foc) -> int:
-    """Rebuild the one phase that F_MASKED names from the others and clear the mask; 0 if it names more."""
+    """Rebuild the one phase that foc.masked names from the others and clear the mask; 0 if it names more."""
     masked = foc.masked
     foc.masked = 0
     if masked == 0:

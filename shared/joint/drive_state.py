@@ -76,8 +76,8 @@ def drive_arm(cfg: JointConfig, state: JointState, io: JointIo, purpose: int) ->
 
     purpose: MODE_OFF to follow set-points, MODE_CALIBRATING or MODE_HOMING. Needs switch-on disabled, no
     cause of a fault, the protocol's hash and a session; to follow set-points also a calibrated and
-    homed joint and a set-point not older than K_FRESH_TICKS, which in position and impedance mode
-    lies within K_NEAR of the joint.
+    homed joint and a set-point not older than fresh_ticks, which in position and impedance mode
+    lies within cfg.near of the joint.
     """
     if state.drive_state == STATE_FAULT or state.drive_state == STATE_FAULT_REACTION or state.cause:
         return RESULT_FAULT_PRESENT
@@ -128,7 +128,7 @@ def drive_clear(state: JointState) -> int:
 
 @hot
 def drive_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Do one tick of the states after the protections have set S_CAUSE; return S_TORQUE."""
+    """Do one tick of the states after the protections have set state.cause; return state.torque."""
     _age_setpoint(state, io)
     _watch_setpoints(cfg, state)
     if state.drive_state == STATE_OPERATION_ENABLED and io.hardware_ready == 0:
@@ -177,7 +177,7 @@ def _purpose_result(cfg: JointConfig, state: JointState, io: JointIo, purpose: i
 
 @hot
 def _age_setpoint(state: JointState, io: JointIo) -> int:
-    """Count ticks since IO_SEQUENCE changed; nothing else feeds the watchdog."""
+    """Count ticks since io.sequence changed; nothing else feeds the watchdog."""
     if io.sequence != state.sequence:
         state.sequence = io.sequence
         state.setpoint_age = 0

@@ -1,7 +1,7 @@
 """The encoders of a joint: turns counted without loss, speed by a tracking loop, the rotor's turn, disagreement.
 
 The rotor angle is kept as whole turns and a fraction, so nothing is lost in any number of turns up
-to +-(2^30 - 2). S_POSITION is the same, joint-signed, from the joint's zero, within +-2^29 rc.
+to +-(2^30 - 2). state.position is the same, joint-signed, from the joint's zero, within +-2^29 rc.
 """
 
 from ..fixed import saturate
@@ -38,7 +38,7 @@ def position_of(turns: int, fraction: int, zero: int, sign: int) -> int:
 
 @hot
 def encoder_reset(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Start at the rotor's angle F_ROTOR in turn 0, at rest and not homed; return S_POSITION."""
+    """Start at the rotor's angle foc.rotor in turn 0, at rest and not homed; return state.position."""
     state.turns = 0
     state.fraction = foc.rotor
     state.lag = 0
@@ -70,10 +70,10 @@ def encoder_resync(foc: Foc, state: JointState) -> int:
 
 @hot
 def encoder_step(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Take F_ROTOR over once a millisecond: S_TURNS, S_FRACTION, S_POSITION, S_RATE, S_VELOCITY; return S_POSITION.
+    """Take foc.rotor over once a millisecond: state.turns, state.fraction, state.position, state.rate, state.velocity; return state.position.
 
-    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range S_TURNS
-    stops at +-(2^30 - 2); S_SHIFTED is 1 from the moment S_POSITION cannot follow any more.
+    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns
+    stops at +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
     """
     moved = wrap_count(foc.rotor - state.fraction)
     fraction = state.fraction + moved
@@ -89,10 +89,10 @@ def encoder_step(foc: Foc, cfg: JointConfig, state: JointState) -> int:
 
 @hot
 def track_rate(cfg: JointConfig, state: JointState, moved: int) -> int:
-    """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return S_RATE in rc/256 per tick.
+    """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return state.rate in rc/256 per tick.
 
-    A second-order loop with both poles at the same place: the predicted position lags by S_LAG; K_TRACK_1
-    of the lag corrects the position, K_TRACK_2 the rate (Q12, 0 .. 4095). No error at constant rate
+    A second-order loop with both poles at the same place: the predicted position lags by state.lag; track_1
+    of the lag corrects the position, track_2 the rate (Q12, 0 .. 4095). No error at constant rate
     but the encoder's rounding. The lag is limited to +-(2^18 - 1), so products stay below 2^30.
     """
     lag = saturate(state.lag + state.rate - (moved << 8), -_LAG_MOST, _LAG_MOST)
@@ -106,7 +106,7 @@ def joint_count(cfg: JointConfig, raw: int) -> int:
     """Return the joint encoder's angle as rc of the rotor, joint-signed, from ``raw`` 0 .. 16383.
 
     Within half a joint turn of zero. Error at most 1/2 rc plus the gear's. Intermediates: 8192 *
-    K_GEAR_Q8 below 2^30 for gears up to 500:1.
+    gear_q8 below 2^30 for gears up to 500:1.
     """
     angle = wrap_count(raw - cfg.joint_encoder_zero) * cfg.joint_encoder_sign
     return (angle * cfg.gear_q8 + 128) >> 8
@@ -114,10 +114,10 @@ def joint_count(cfg: JointConfig, raw: int) -> int:
 
 @hot
 def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Compare both encoders; return for how many ticks they have disagreed by more than K_DISAGREE.
+    """Compare both encoders; return for how many ticks they have disagreed by more than cfg.disagree.
 
     The difference is taken within half a joint turn, so any number of joint turns may have passed.
-    K_DISAGREE is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
+    cfg.disagree is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
     """
     full = cfg.gear_q8 << 6
     if cfg.has_joint_encoder == 0 or io.joint_valid == 0 or state.homed == 0 or full <= 0:
@@ -135,7 +135,7 @@ def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 @hot
 def choose_turn(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
-    """Set S_TURNS so that S_POSITION is nearest to ``expected_rc``; return what is left, expected minus position.
+    """Set state.turns so that state.position is nearest to ``expected_rc``; return what is left, expected minus position.
 
     expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the
     expectation was less than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.
@@ -151,8 +151,8 @@ def choose_turn(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
 def home_at(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
     """Home on a known position (stop, stored pose, joint encoder); return 1, or 0 if it is ambiguous.
 
-    Ambiguous: the nearest position the rotor's angle allows is more than K_HOME_TOLERANCE away from
-    the expected one, so that a neighbouring turn could be meant. Then S_HOMED becomes 0.
+    Ambiguous: the nearest position the rotor's angle allows is more than home_tolerance away from
+    the expected one, so that a neighbouring turn could be meant. Then state.homed becomes 0.
     """
     left = choose_turn(cfg, state, expected_rc)
     state.homed = 0

@@ -26,8 +26,8 @@ def bus_voltage(raw: int, gain_q12: int) -> int:
 def feed_bus(foc: Foc, cfg: JointConfig, bus_vu: int) -> int:
     """Set the modulator's gains and the longest vector for a bus of ``bus_vu``; return the bus used.
 
-    bus_vu: any; below K_BUS_LEAST (at least 64) that is used, so nothing is divided by 0. F_PERIOD below 2^15.
-    Errors: F_LIMIT 1/2 vu, gains half of their unit. Intermediates below 2^30.
+    bus_vu: any; below bus_least (at least 64) that is used, so nothing is divided by 0. foc.period below 2^15.
+    Errors: voltage_limit 1/2 vu, gains half of their unit. Intermediates below 2^30.
     """
     least = cfg.bus_least
     if least < 64:
@@ -59,9 +59,9 @@ def dead_time_voltage(current_cu: int, dead_vu: int, zone_cu: int) -> int:
 
 @hot
 def lead_angle(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Set F_ELEC_OFFSET so that the last reading of the rotor gives the angle at the samples; return it in brad.
+    """Set electrical_offset so that the last reading of the rotor gives the angle at the samples; return it in brad.
 
-    An answer of the encoder is one step old (K_AGE 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
+    An answer of the encoder is one step old (cfg.age 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
     what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
     """
     lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * cfg.age >> 16
@@ -73,10 +73,10 @@ def lead_angle(foc: Foc, cfg: JointConfig, state: JointState) -> int:
 
 @hot
 def feed_voltages(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Write F_FEED_D and F_FEED_Q from the rotor's rate, the bus and the wanted current; return F_FEED_Q.
+    """Write feed_d and feed_q from the rotor's rate, the bus and the wanted current; return feed_q.
 
-    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, K_BEMF, K_OMEGA_L 0 .. 16383,
-    K_ADVANCE 0 .. 2047. Result within +-F_LIMIT on each axis. Error at most 1/4096 of each part
+    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, cfg.bemf, omega_l 0 .. 16383,
+    cfg.advance 0 .. 2047. Result within +-voltage_limit on each axis. Error at most 1/4096 of each part
     plus 4 vu. Intermediates: 2^16 * 16383, 2^16 * 12288 and 2^19 * 2047 are below 2^30.
     """
     rate = saturate(state.rate, -_RATE_MOST, _RATE_MOST)

@@ -29,10 +29,10 @@ def homing_stop(state: JointState) -> int:
 
 @hot
 def homing_step(cfg: JointConfig, state: JointState) -> int:
-    """Watch for the stop before each tick of the cascade; return S_HOME_RATE, the rate to ask for, 0 when over.
+    """Watch for the stop before each tick of the cascade; return home_rate, the rate to ask for, 0 when over.
 
-    At the stop: slower than K_STALL_RATE with 3/4 of K_HOME_CURRENT for K_HOME_TICKS. Then
-    S_HOME_RESULT is HOME_DONE or HOME_AMBIGUOUS; without a stop in K_HOME_LIMIT_TICKS it is HOME_NO_STOP.
+    At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then
+    home_result is HOME_DONE or HOME_AMBIGUOUS; without a stop in home_limit_ticks it is HOME_NO_STOP.
     """
     state.home_rate = 0
     if state.home_result != HOME_SEEKING:

@@ -49,12 +49,12 @@ def profile_reset(state: JointState, position_rc: int, rate: int) -> int:
 
 @hot
 def profile_step(state: JointState, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
-    """Advance S_PROFILE and S_PROFILE_RATE one tick towards the target; return the change of rate.
+    """Advance state.profile and profile_rate one tick towards the target; return the change of rate.
 
     target_rc256 within +-2^29 rc/256, where the target will be after this tick, target_rate its own
     rate within +-rate_max; accel, rate_max as braking_rate. The result is the acceleration used, within
     +-accel. The target is met exactly when it can be reached by this tick's move and held by the
-    next, each a change of at most ``accel``; S_PROFILE_RATE is then already the target's.
+    next, each a change of at most ``accel``; profile_rate is then already the target's.
     """
     rate = state.profile_rate
     left = target_rc256 - state.profile
@@ -79,7 +79,7 @@ def profile_step(state: JointState, target_rc256: int, target_rate: int, accel: 
 
 @hot
 def slew_rate(state: JointState, wanted: int, accel: int) -> int:
-    """Move S_PROFILE_RATE towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
+    """Move profile_rate towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
     change = saturate(wanted - state.profile_rate, 0 - accel, accel)
     state.profile_rate += change
     return change

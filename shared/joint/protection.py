@@ -1,4 +1,4 @@
-"""What ends the torque: supply, current, speed, position, stall, encoders, temperatures. First found is S_CAUSE.
+"""What ends the torque: supply, current, speed, position, stall, encoders, temperatures. First found is state.cause.
 
 Each check runs in every state, so that a cause that is still there also refuses clearing and arming.
 Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
@@ -59,10 +59,10 @@ def report_cause(state: JointState, code: int, value: int) -> int:
 
 @hot
 def protect_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Look for causes once a millisecond, the most dangerous first; return S_CAUSE.
+    """Look for causes once a millisecond, the most dangerous first; return state.cause.
 
-    Times: over-current and emergency stop 1 tick, voltages K_BUS_TICKS, a lost encoder K_BAD_TICKS,
-    disagreement K_DISAGREE_TICKS, current sum K_SUM_TICKS, stall K_STALL_TICKS.
+    Times: over-current and emergency stop 1 tick, voltages bus_ticks, a lost encoder bad_ticks,
+    disagreement disagree_ticks, current sum sum_ticks, stall stall_ticks.
     """
     state.cause = FAULT_NONE
     state.cause_value = 0
@@ -105,7 +105,7 @@ def gather_heat(foc: Foc, state: JointState) -> int:
 
 @hot
 def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
-    """Read both temperatures, advance the models and set S_DERATE, S_SLOW_LIMITS, S_SLOW_CAUSE; return S_DERATE (Q15).
+    """Read both temperatures, advance the models and set state.derate, slow_limits, slow_cause; return state.derate (Q15).
 
     Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
     the cut, winding and MCU alike; at the cut it is also a fault. An open or shorted sensor is a fault.
@@ -137,7 +137,7 @@ def _slow_cause(state: JointState, code: int, value: int) -> int:
 
 @hot
 def _read_winding(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
-    """Set S_WINDING from the thermistor; return 0 if it is open or shorted."""
+    """Set state.winding from the thermistor; return 0 if it is open or shorted."""
     raw = io.thermistor_raw
     if raw >= cfg.open_raw:
         _slow_cause(state, FAULT_THERMISTOR_OPEN, raw)

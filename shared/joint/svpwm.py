@@ -1,6 +1,6 @@
 """Space-vector modulation by min-max injection: duty = 1/2 + (v - (max + min) / 2) / V_bus, linear to V_bus / sqrt 3.
 
-A duty is the time the high side is on, in compare counts 0 .. F_PERIOD. The current step does the
+A duty is the time the high side is on, in compare counts 0 .. foc.period. The current step does the
 same for the common case; this is the full form, with the shortest pulses and the sampling windows.
 """
 
@@ -29,13 +29,13 @@ def shape_pulse(duty: int, pulse: int, period: int) -> int:
 
 @hot
 def svpwm(foc: Foc, alpha: int, beta: int) -> int:
-    """Write the three duties for the voltage (alpha, beta) in 1/16 vu; return F_MASKED.
+    """Write the three duties for the voltage (alpha, beta) in 1/16 vu; return foc.masked.
 
-    Range: a vector no longer than 16 F_LIMIT; a longer one, up to twice that, is cut phase by phase
-    and never leaves 0 .. F_PERIOD. F_MASKED gets a bit for each phase whose low side is on for less
-    than F_WINDOW, so that its next current sample is not valid. Error at most 1/2 + 1/8 compare
-    count plus F_PULSE / 2 near the ends. Intermediates: the host chooses F_GAIN_ALPHA = 2^14
-    F_PERIOD / bus, so the products stay below 2^14 * 16 F_PERIOD / sqrt 3 < 2^30 up to F_PERIOD 7000.
+    Range: a vector no longer than 16 voltage_limit; a longer one, up to twice that, is cut phase by phase
+    and never leaves 0 .. foc.period. foc.masked gets a bit for each phase whose low side is on for less
+    than foc.window, so that its next current sample is not valid. Error at most 1/2 + 1/8 compare
+    count plus foc.pulse / 2 near the ends. Intermediates: the host chooses gain_alpha = 2^14
+    foc.period / bus, so the products stay below 2^14 * 16 foc.period / sqrt 3 < 2^30 up to foc.period 7000.
     """
     a = alpha * foc.gain_alpha >> 14
     b = beta * foc.gain_beta >> 14

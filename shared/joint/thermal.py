@@ -66,8 +66,8 @@ def model_reset(state: JointState, air_t16: int) -> int:
 def model_step(cfg: JointConfig, state: JointState, square: int) -> int:
     """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
 
-    Ranges: K_HEAT 0 .. 2047 with K_HEAT_SHIFT 0 .. 24, the leaks 0 .. 16383 with K_LEAK_SHIFT 13 .. 30. Both
-    nodes stay within 0 .. 256 degrees above the air, S_AIR within +-2^13. Error of the end temperature below 1 K.
+    Ranges: cfg.heat 0 .. 2047 with heat_shift 0 .. 24, the leaks 0 .. 16383 with leak_shift 13 .. 30. Both
+    nodes stay within 0 .. 256 degrees above the air, state.air within +-2^13. Error of the end temperature below 1 K.
     Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
     if square > _SQUARE_MOST:
@@ -107,10 +107,10 @@ def scaled(value: int, factor: int, shift: int) -> int:
 
 @hot
 def i2t_step(cfg: JointConfig, state: JointState, square: int) -> int:
-    """Add i^2 minus the lasting current's to S_I2T; return the share in Q15 of the excess current still allowed.
+    """Add i^2 minus the lasting current's to state.i2t; return the share in Q15 of the excess current still allowed.
 
-    square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of K_I2T_MAX, then linearly to 0 at K_I2T_MAX
-    (2 .. 2^29), where only K_I2T_CURRENT is left. Error 2^-14.
+    square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of i2t_max, then linearly to 0 at i2t_max
+    (2 .. 2^29), where only i2t_current is left. Error 2^-14.
     """
     current = cfg.i2t_current
     total = state.i2t + square - (current * current >> 8)

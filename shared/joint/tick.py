@@ -52,7 +52,7 @@ def joint_reset(foc: Foc, cfg: JointConfig, state: JointState, rotor: int) -> in
 
 @hot
 def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
-    """Do one millisecond; return S_TORQUE: TORQUE_OFF means that the bridge must be off."""
+    """Do one millisecond; return state.torque: TORQUE_OFF means that the bridge must be off."""
     state.tick = (state.tick + 1) & 0x3FFFFFFF
     state.limits = state.slow_limits
     _sense(foc, cfg, state, io)
@@ -67,7 +67,7 @@ def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal:
 
 @hot
 def slow_tick(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
-    """Do what is due every 100 ms: temperatures, models, derating; return S_DERATE (Q15)."""
+    """Do what is due every 100 ms: temperatures, models, derating; return state.derate (Q15)."""
     return protect_slow(cfg, state, io, curve)
 
 

@@ -151,8 +151,20 @@ def skip_ahead(dice):
     CAL.joint_last = IO.joint_raw
     CAL.rest_rotor = FOC.rotor
     if dice.below(3) == 0:
-        wrong = (calibration.C_FORWARD, calibration.C_MOVED, calibration.C_JOINT_FORWARD, calibration.C_RAW_SUM)
-        CAL[wrong[dice.below(4)]] = dice.bits(16) - 32768
+        value = dice.bits(16) - 32768
+        go_wrong(dice.below(4), value)
+
+
+def go_wrong(where, value):
+    """One of what calibration has measured is anything."""
+    if where == 0:
+        CAL.moved_forward = value
+    elif where == 1:
+        CAL.moved = value
+    elif where == 2:
+        CAL.joint_moved_forward = value
+    else:
+        CAL.raw_sum[0] = value
 
 
 def follow_field(dice):

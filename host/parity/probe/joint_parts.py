@@ -14,7 +14,7 @@ from shared.joint import (
     thermal,
     transforms,
 )
-from shared.runtime import zeros
+from shared.joint.layout import JointState
 
 from .draw import Range
 from .draws import INT30
@@ -47,7 +47,7 @@ ADC = Range(0, 4095)
 ACCEL = Range(0, 65535)
 RATE_MAX = Range(1, (1 << 18) - 1)
 DISTANCE = Range(0, (1 << 29) - 1)
-STATE = zeros(64)
+STATE = JointState()
 
 
 def _on_circle(values, dice):

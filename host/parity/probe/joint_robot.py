@@ -1,13 +1,13 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
 
-from shared.joint import layout as j
 from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
-from shared.joint.layout import Foc, JointConfig, JointIo, JointState
+from shared.joint.layout import SINE_SIZE, Foc, JointConfig, JointIo, JointState
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.record import copy
 from shared.wire.names import MODE_CALIBRATING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
 from .draw import Range
@@ -15,11 +15,12 @@ from .probe import Head, Pick
 from .robots import JOINTS
 
 FOC = Foc()
-FIELDS = Head(FOC, j.F_SINE)  # without the sine table, which nothing changes
+FIELDS = Head(FOC, SINE_SIZE)  # without the sine table, which nothing changes
 CFG = JointConfig()
 STATE = JointState()
 IO = JointIo()
 CAL = Calibration()
+FRESH = ((JointState(), STATE), (JointIo(), IO), (Calibration(), CAL))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
@@ -50,13 +51,10 @@ def begin():
 def settings(which):
     """Load a joint's blocks: calibrated, hardware ready, a host there."""
     foc, cfg, _ = JOINTS[which]
-    for at in range(j.F_SINE):
-        FOC[at] = foc[at]
-    for at in range(j.CFG_SIZE):
-        CFG[at] = cfg[at]
-    for block in (STATE, IO, CAL):
-        for at in range(len(block)):
-            block[at] = 0
+    copy(foc, FOC)
+    copy(cfg, CFG)
+    for fresh, block in FRESH:
+        copy(fresh, block)
     CFG.calibrated = 1
     MOTION.rotor = MOTION.speed = 0
     MOTION.quiet = 60
@@ -89,8 +87,9 @@ def wish(dice):
     if dice.below(8):
         IO.sequence = (IO.sequence + 1) & 0xFFFF
     if dice.below(12) == 0:
-        for at in range(j.IO_POSITION, j.IO_STIFFNESS):
-            IO[at] = _WORD.any(dice)
+        IO.position = _WORD.any(dice)
+        IO.velocity = _WORD.any(dice)
+        IO.current = _WORD.any(dice)
         IO.position >>= dice.below(12)
         IO.stiffness = dice.bits(15)
         IO.damping = dice.bits(15)
@@ -110,12 +109,26 @@ def trouble(dice):
     if MOTION.quiet > 0:
         MOTION.quiet -= 1
         if MOTION.quiet == 0:
-            at = (j.IO_E_STOP, j.IO_HARDWARE_FAULT, j.IO_BUS_RAW, j.IO_THERMISTOR_RAW, j.IO_MCU_RAW)[dice.below(5)]
-            IO[at] = (1, 40, dice.bits(12), dice.bits(12), dice.bits(12))[dice.below(5)]
+            where = dice.below(5)
+            something_fails(where, (1, 40, dice.bits(12), dice.bits(12), dice.bits(12))[dice.below(5)])
         return
     if dice.below(12) == 0:
         calm_inputs()
         MOTION.quiet = 40 + dice.bits(6 + dice.below(3))
+
+
+def something_fails(where, value):
+    """One of the inputs says what it should not."""
+    if where == 0:
+        IO.e_stop = value
+    elif where == 1:
+        IO.hardware_fault = value
+    elif where == 2:
+        IO.bus_raw = value
+    elif where == 3:
+        IO.thermistor_raw = value
+    else:
+        IO.mcu_raw = value
 
 
 def one_millisecond(dice):
