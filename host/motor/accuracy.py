@@ -4,7 +4,6 @@ import random
 from math import cos, pi, sin, sqrt, tau
 from typing import Any
 
-from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
@@ -57,9 +56,9 @@ def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
         length, angle = bus / sqrt(3) * sqrt(draw.random()), draw.uniform(0, tau)
         alpha, beta = round(length * cos(angle)), round(length * sin(angle))
         svpwm(foc, alpha, beta)
-        for place, want in zip((j.F_DUTY_A, j.F_DUTY_B, j.F_DUTY_C), closed_form(alpha / bus, beta / bus), strict=True):
-            worst = max(worst, abs(foc[place] / period - want))
-            outside += not 0 <= foc[place] <= period
+        for duty, want in zip(foc.duty, closed_form(alpha / bus, beta / bus), strict=True):
+            worst = max(worst, abs(duty / period - want))
+            outside += not 0 <= duty <= period
     return worst, outside
 
 
@@ -73,8 +72,8 @@ def _step_error(bldc: Bldc, draw: random.Random) -> float:
         code = current_step(rotor, 0, foc)
         if code:
             current_repair(code, rotor, 0, foc)
-        for place, duty in zip((j.F_DUTY_A, j.F_DUTY_B, j.F_DUTY_C), want, strict=True):
-            worst = max(worst, abs(foc[place] / period - duty))
+        for found, duty in zip(foc.duty, want, strict=True):
+            worst = max(worst, abs(found / period - duty))
     return worst
 
 
@@ -84,13 +83,13 @@ def _draw_state(bldc: Bldc, blocks: Any, draw: random.Random, rotor: int) -> Non
     counts = 1.2 * limit / blocks.units.ampere_per_cu / 6
     angle = draw.uniform(0, tau)
     length = counts * draw.random()
-    for place, shift in ((j.F_RAW_A, 0.0), (j.F_RAW_B, tau / 3), (j.F_RAW_C, 2 * tau / 3)):
-        foc[place] = round(2048 + length * cos(angle - shift))
+    for phase in range(3):
+        foc.raw[phase] = round(2048 + length * cos(angle - phase * tau / 3))
     foc.rotor = rotor
     foc.masked = foc.tripped = foc.reference_d = 0
     foc.reference_q = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
-    for place in (j.F_INTEGRAL_D, j.F_INTEGRAL_Q):
-        foc[place] = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
+    foc.integral_d = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
+    foc.integral_q = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
     foc.feed_d = round(draw.uniform(-0.1, 0.1) * foc.voltage_limit)
     foc.feed_q = round(draw.uniform(-0.6, 0.6) * foc.voltage_limit)
 
@@ -98,7 +97,7 @@ def _draw_state(bldc: Bldc, blocks: Any, draw: random.Random, rotor: int) -> Non
 def _reference(bldc: Bldc, blocks: Any, rotor: int) -> tuple[float, float, float]:
     """The same step in floats: Clarke, Park, PI, limit with d first, inverse Park, min-max injection."""
     foc = blocks.foc
-    a, b, c = (foc[place] - 2048 for place in (j.F_RAW_A, j.F_RAW_B, j.F_RAW_C))
+    a, b, c = (raw - 2048 for raw in foc.raw)
     alpha, beta = 2.0 * (2 * a - b - c), 2 * sqrt(3) * (b - c)
     angle = bldc.motor.pole_pairs * rotor / 16384 * 2 * pi
     cosine, sine = cos(angle), sin(angle)

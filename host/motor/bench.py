@@ -11,7 +11,7 @@ from math import tau
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.settings import Memory
-from shared.joint import layout as j
+from shared.joint.layout import JointState
 from shared.wire import names as w
 from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 
@@ -90,20 +90,15 @@ class Bench:
 
     def _configure(self, calibrated: bool, elec_offset_rad: float) -> None:
         """Hand the host's integers to the joint, as writing its parameters does."""
-        control, blocks = self.joint.control, self.blocks
-        for place in (
-            j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE,
-        ):  # fmt: skip
-            control.foc[place] = blocks.foc[place]
-        control.cfg[:] = blocks.cfg
-        control.curve[:] = blocks.curve
+        control = self.joint.control
+        self.joint.parameters.take(self.blocks.stored())
         if calibrated:
             control.cfg.calibrated = 1
             control.cfg.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
 
     @property
-    def state(self) -> array:
-        """The joint's state block."""
+    def state(self) -> JointState:
+        """What the joint remembers."""
         return self.joint.control.state
 
     @property

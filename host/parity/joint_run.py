@@ -17,9 +17,10 @@ from typing import Any
 
 from firmware import chip as c
 from firmware.encoders import parity
-from firmware.joint_run import RUN_LATE_US
-from shared.joint import layout as j
+from firmware.joint_bus import Told
+from firmware.joint_run import BoardRun
 from shared.joint.encoder import home_by_encoder
+from shared.joint.layout import JointState
 from shared.joint.report import report_position
 from shared.joint.tick import joint_reset
 from shared.wire import names as w
@@ -38,13 +39,12 @@ BEYOND_BRAD = 300  # the set-point of what is measured, so that there is a curre
 NODE, SESSION, RANDOM = 1, 17, 4711
 SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
 NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
-STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 
 SET_UP = """
 import json
 from firmware.joint import Joint
 from firmware.settings import Memory
-FOC, CFG, CURVE = {blocks}
+STORED = {stored}
 class Run:
     def __init__(self, board):
         self.board = board
@@ -53,12 +53,7 @@ class Run:
         joint.set_node({node})
         gc.collect()
         self.free = gc.mem_free()
-        for place, value in FOC:
-            control.foc[place] = value
-        for place, value in CFG:
-            control.cfg[place] = value
-        for place, value in CURVE:
-            control.curve[place] = value
+        joint.parameters.take(STORED)
         control.run[{late}] = 1 << 29
         joint.start()
         self.handler = timer.handler
@@ -105,7 +100,7 @@ for _ in range(200):
     run.settle()
     run.due()
     run.steps(1)
-    slow, tell = run.control._slow_ticks == 99, run.joint._told[2] == 199
+    slow, tell = run.control._slow_ticks == 99, run.joint._told[{status_ms}] == 199
     if slow or tell:
         cost("slow" if slow else "tell", poll)
     else:
@@ -125,7 +120,7 @@ for number in range(60):
     run.settle()
     run.due()
     run.steps(1)
-    if run.control._slow_ticks == 99 or run.joint._told[2] == 199:
+    if run.control._slow_ticks == 99 or run.joint._told[{status_ms}] == 199:
         poll()
     else:
         cost("motion", poll)
@@ -156,9 +151,9 @@ def joint_script(board: str) -> str:
 def filled_in(script: str) -> str:
     """Return a script with what this file knows in the place of {names}."""
     filled = {
-        "blocks": _settings(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "clear": CLEAR, "drive": j.S_DRIVE, "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
-        "late": RUN_LATE_US, "nothing": NOTHING,
+        "stored": _blocks().stored(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
+        "clear": CLEAR, "drive": _place(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
+        "late": _place(BoardRun, "late_after_us"), "status_ms": _place(Told, "status_ms"), "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
@@ -215,12 +210,14 @@ def _blocks():  # type: ignore[no-untyped-def]
     return blocks
 
 
-def _settings() -> tuple[list[tuple[int, int]], ...]:
-    """Return (place, value) of what is not 0 in each block of the joint."""
-    blocks = _blocks()
-    foc = [(place, blocks.foc[place]) for place in STEP_PLACES]
-    rest = [[(place, value) for place, value in enumerate(block) if value] for block in (blocks.cfg, blocks.curve)]
-    return foc, *rest
+def _place(declared: Any, name: str) -> int:
+    """Return where a field lies in what the build makes of a record without parts."""
+    at = 0
+    for known, field in declared.FIELDS:
+        if known == name:
+            return at
+        at += field.count or 1
+    raise KeyError(name)
 
 
 def _position() -> int:

@@ -10,13 +10,11 @@ from host.chip.joint_board import JointBoard
 from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
-from shared.joint import layout as j
 from shared.wire import names as w
 from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 
 PARALLEL = load_robot("parallel").actuator
 BLOCKS = joint_blocks(PARALLEL, JointSetup(-1.0, 1.9))
-STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 SESSION = 17
 CALL_CYCLES = 200  # of bytecode round a call, so that polling the clock for milliseconds is not 10^5 reads
 STEP_CYCLES = 16_800  # 100 us
@@ -55,9 +53,7 @@ class OnChip:
     def _configure(self):
         """Hand the host's integers over, as writing the parameters does; the joint counts as calibrated."""
         c = self.control
-        for place in STEP_PLACES:
-            c.foc[place] = BLOCKS.foc[place]
-        c.cfg[:], c.curve[:] = BLOCKS.cfg, BLOCKS.curve
+        self.joint.parameters.take(BLOCKS.stored())
         c.cfg.calibrated = 1
         c.cfg.elec_offset = 7000
 

@@ -12,6 +12,7 @@ from firmware.joint import Joint
 from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.joint.faults import FAULT_EXCEPTION
+from shared.record import pack
 from shared.wire import codec
 from shared.wire import names as w
 
@@ -27,19 +28,14 @@ TORQUE_STATES = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_F
 class Storm:
     """``lock`` and ``unlock`` are micropython's, or do nothing."""
 
-    def __init__(self, foc, cfg, curve, lock, unlock):
+    def __init__(self, stored, lock, unlock):
         self.lock, self.unlock = lock, unlock
         self.seed, self.digest, self.ms, self.sequence, self.requested = 4711, 0, 0, 0, 0
         self.enabled = self.locked = self.exceptions = self.wrong_torque = self.faults = self.resets = 0
         self.board = board = SimBoard()
         self.joint = Joint(board, Memory())
         control = self.joint.control
-        for place in (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE):
-            control.foc[place] = foc[place]
-        for place in range(j.CFG_SIZE):
-            control.cfg[place] = cfg[place]
-        for place in range(len(curve)):
-            control.curve[place] = curve[place]
+        self.joint.parameters.take(stored)
         control.cfg.calibrated = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
         self.sync = array("i", [0, SESSION])
@@ -95,8 +91,8 @@ class Storm:
         """Look at what must never be, and put the state into the digest."""
         control = self.joint.control
         state = control.state
-        for place in range(j.STATE_SIZE):
-            self.note(state[place])
+        for value in pack(state):
+            self.note(value)
         for phase in range(3):
             self.note(control.foc.duty[phase])
         drive = state.drive_state
