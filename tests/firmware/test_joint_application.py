@@ -359,7 +359,7 @@ def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, cod
         bench.board.driver = value
     else:
         sense = bench.board._sense
-        monkeypatch.setattr(bench.board, "_sense", lambda io: (sense(io), io.__setitem__(j.IO_BUS_RAW, value)))
+        monkeypatch.setattr(bench.board, "_sense", lambda io: (sense(io), setattr(io, "bus_raw", value)))
     bench.run(10)
     assert (bench.board.bridge, bench.state.fault_code) == (0, code)
 

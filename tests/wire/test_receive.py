@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host.protocol import frames
+from shared.record import pack, unpack
 from shared.wire import framing, names, receive
 from shared.wire import receive as r
 
@@ -14,7 +15,8 @@ ALL = frames.kinds()
 
 
 def fresh(node=1):
-    link = array("i", [7] * r.LINK_SIZE)
+    link = r.Link()
+    unpack(link, [7] * len(pack(link)))
     r.link_reset(link, node)
     return link
 
@@ -178,7 +180,7 @@ def test_random_frames_never_make_a_set_point_up(node, session, received):
     if session:
         r.start_session(link, session)
     for identifier, data in received:
-        before = list(link[r.LINK_LATCHED :])
+        before = list(link.latched)
         found = take_bytes(link, identifier, data)
         if found == r.FRAME_SETPOINT:
             slot = 2 * framing.node_slot(node)
@@ -188,11 +190,11 @@ def test_random_frames_never_make_a_set_point_up(node, session, received):
                 allowed = {wanted[kind]} if kind in wanted else {before[kind], 0}
                 assert latched(link, kind) in allowed
         else:
-            assert list(link[r.LINK_LATCHED :]) == before
+            assert list(link.latched) == before
         if found in (r.FRAME_SYNC, r.FRAME_SYNC_SETPOINT, r.FRAME_OTHER_SESSION):
             assert (found == r.FRAME_SYNC_SETPOINT) == (min(wanted, default=9) < 4 and found != r.FRAME_OTHER_SESSION)
             wanted.clear()
-        assert all(-(1 << 30) <= value < 1 << 30 for value in link)
+        assert all(-(1 << 30) <= value < 1 << 30 for value in pack(link))
 
 
 def test_kinds_of_set_points_stand_as_in_the_dbc():

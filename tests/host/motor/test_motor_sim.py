@@ -15,7 +15,6 @@ from host.motor.model import Load, Motor
 from host.motor.plots import draw
 from host.robot_file import load_robot
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.wire import names as w
 
 BLDC = load_robot("parallel").actuator
@@ -96,7 +95,7 @@ def test_a_scenario_can_fail(monkeypatch):
     slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
     assert not scenarios.run_scenario(slow, "step").ok
     monkeypatch.setitem(
-        faults.FAULTS, "bus-sag", faults.FaultCase(j.K_BUS_TICKS, 10, faults.FAULTS["bus-sag"].begin)
+        faults.FAULTS, "bus-sag", faults.FaultCase(99, 10, faults.FAULTS["bus-sag"].begin)
     )
     assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
 

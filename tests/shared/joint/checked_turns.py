@@ -5,7 +5,6 @@ Prints what is wrong first, if anything is, and how many turn counts were tried.
 """
 
 from host.parity import checked
-from shared.joint.layout import JointConfig, JointState
 
 MOST = (1 << 30) - 2  # turns
 IN_POSITION = 32766
@@ -20,7 +19,7 @@ def wanted(turns, fraction, sign):
     return turns, fraction, sign * (turns * 16384 + fraction - ZERO)
 
 
-def step(encoder, j, blocks, turns, sign, moved):
+def step(encoder, blocks, turns, sign, moved):
     """One tick from ``turns`` turns and a fraction near the end that ``moved`` crosses."""
     foc, cfg, state = blocks
     fraction = 16000 if moved > 0 else 300
@@ -32,7 +31,7 @@ def step(encoder, j, blocks, turns, sign, moved):
     assert found == expected, f"{turns} turns, {moved} on: {found} instead of {expected}"
 
 
-def choose(encoder, j, blocks, turns, sign):
+def choose(encoder, blocks, turns, sign):
     """Choose the turn for an expected position in turn ``turns``."""
     _, cfg, state = blocks
     state.fraction, cfg.joint_sign = 900, sign
@@ -45,21 +44,20 @@ def choose(encoder, j, blocks, turns, sign):
 def main():
     checked.install()
     from shared.joint import encoder
-    from shared.joint import layout as j
-    from shared.runtime import zeros
+    from shared.joint.layout import Foc, JointConfig, JointState
 
-    blocks = zeros(j.F_SINE), JointConfig(), JointState()
+    blocks = Foc(), JointConfig(), JointState()
     blocks[1].zero = ZERO
     seams = checked.seams("shared.joint.encoder", -MOST, MOST)
     for turns in seams:
         for sign, moved in ((1, 700), (-1, 700), (1, -700), (-1, -700)):
-            step(encoder, j, blocks, turns, sign, moved)
+            step(encoder, blocks, turns, sign, moved)
             if abs(turns) < 1 << 14:
-                choose(encoder, j, blocks, turns, sign)
+                choose(encoder, blocks, turns, sign)
     for turns in range(-IN_POSITION - 4, IN_POSITION + 5):
-        step(encoder, j, blocks, turns, *((1, 700) if turns & 1 else (-1, -700)))
+        step(encoder, blocks, turns, *((1, 700) if turns & 1 else (-1, -700)))
         if abs(turns) < 1 << 14:
-            choose(encoder, j, blocks, turns, 1 if turns & 1 else -1)
+            choose(encoder, blocks, turns, 1 if turns & 1 else -1)
     print(f"{len(seams) + 2 * IN_POSITION + 9} turn counts")
 
 

@@ -4,13 +4,12 @@ As on the board, the rotor's reading is one step old and duties act one step lat
 """
 
 import math
-from array import array
 
 from host.joint_gains import JointBlocks, joint_blocks
 from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
 from shared.joint import layout as j
-from shared.joint.calibration import CAL_SIZE
+from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
 
@@ -25,7 +24,7 @@ class Plant:
         self.setup = JointSetup(lower_rad=-1.0, upper_rad=1.9, inertia_kg_m2=inertia_kg_m2, **setup)
         self.board = Board()
         self.blocks: JointBlocks = joint_blocks(self.bldc, self.setup, self.board)
-        self.cal = array("i", [0] * CAL_SIZE)
+        self.cal = Calibration()
         self.foc, self.cfg, self.state, self.io = self.blocks.foc, self.blocks.cfg, self.blocks.state, self.blocks.io
         self.units = self.blocks.units
         motor = self.bldc.motor

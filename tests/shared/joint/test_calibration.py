@@ -7,7 +7,6 @@ import pytest
 
 from shared.joint import calibration as c
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.tick import begin_calibration
@@ -40,7 +39,7 @@ def offset_error(p, true):
 @pytest.mark.parametrize(("offset", "direction", "sign"), [(12345, -1, 1), (50000, 1, -1)])
 def test_full_calibration_finds_everything(offset, direction, sign):
     p = calibrate(
-        c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_POLE_PAIRS, 0),
+        c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 0),
         elec_offset_brad=offset, direction=direction, calibrated=False, sign=sign,
     )  # fmt: skip
     assert p.state.fault_code == 0
@@ -88,13 +87,13 @@ def test_the_pose_sets_both_zeros():
     ("kind", "arrange", "code"),
     [
         (c.CAL_FULL, lambda p: setattr(p, "offsets", [2400, 2048, 2048]), f.FAULT_CAL_OFFSET),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_CAL_BUS_LEAST, 7000), f.FAULT_CAL_BUS),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_CAL_CURRENT, 0), f.FAULT_CAL_NOT_FREE),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_bus_least", 7000), f.FAULT_CAL_BUS),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_current", 0), f.FAULT_CAL_NOT_FREE),
         (c.CAL_FULL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
         (c.CAL_SMALL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_POLE_PAIRS, 11), f.FAULT_CAL_POLE_PAIRS),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 11), f.FAULT_CAL_POLE_PAIRS),
         (c.CAL_VERIFY, lambda p: setattr(p, "swapped", True), f.FAULT_CAL_PHASE_ORDER),
-        (c.CAL_VERIFY, lambda p: p.cfg.__setitem__(j.K_ELEC_OFFSET, 9000), f.FAULT_CAL_OFFSET_CHANGED),
+        (c.CAL_VERIFY, lambda p: setattr(p.cfg, "elec_offset", 9000), f.FAULT_CAL_OFFSET_CHANGED),
         (c.CAL_SMALL, lambda p: setattr(p, "r", 30.0), f.FAULT_CAL_NO_CURRENT),
     ],
 )
@@ -130,9 +129,9 @@ def nothing(*_):
     ("prepare", "each", "reason", "value"),
     [
         (nothing, lambda p, t: p.foc.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
-        (nothing, lambda p, t: p.foc.__setitem__(j.F_ROTOR, 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
-        (lambda p: p.state.__setitem__(j.S_RATE, 9000), nothing, f.FAULT_CAL_MOVING, 9000),
-        (lambda p: p.state.__setitem__(j.S_BUS, 100), nothing, f.FAULT_CAL_BUS, 100),
+        (nothing, lambda p, t: setattr(p.foc, "rotor", 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
+        (lambda p: setattr(p.state, "rate", 9000), nothing, f.FAULT_CAL_MOVING, 9000),
+        (lambda p: setattr(p.state, "bus", 100), nothing, f.FAULT_CAL_BUS, 100),
     ],
 )
 def test_checks_at_rest(prepare, each, reason, value):

@@ -2,7 +2,6 @@
 
 import math
 import random
-from array import array
 
 import pytest
 from hypothesis import given
@@ -12,8 +11,6 @@ from host.joint_gains import joint_blocks
 from host.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
 from host.robot_file import load_robot
 from shared.fixed import cos_q15, sin_q15
-from shared.joint import layout as j
-from shared.joint import transforms
 from shared.joint.current import (
     STEP_DONE,
     STEP_INPUT,
@@ -28,7 +25,9 @@ from shared.joint.current import (
     set_offsets,
 )
 from shared.joint.feed import feed_bus, lead_angle
+from shared.joint.layout import SINE_SIZE, Foc
 from shared.joint.sine import fill_sine
+from shared.record import pack
 from tests.float_twin import joint_current as twin
 
 from .plant import Plant
@@ -99,34 +98,16 @@ def test_duties_within_a_thousandth_over_full_speed_and_current(blocks):
     assert worst < 0.001
 
 
-def test_the_step_is_its_parts(blocks):
-    """The sums it spells out are those of transforms.py."""
-    foc, units = blocks.foc, blocks.units
-    rng = random.Random(4)
-    for _ in range(500):
-        rotor = rng.randrange(16384)
-        foc.rotor = rotor
-        set_currents(blocks, rng.uniform(-2, 2), rng.uniform(-2, 2), rotor)
-        step(foc, rotor)
-        a, b, c = ((foc.raw[k] - 2048) * 6 for k in range(3))
-        angle = rotor * 28
-        alpha, beta = transforms.clarke_alpha(a, b, c), transforms.clarke_beta(b, c)
-        s, k = sin_q15(angle), cos_q15(angle)
-        assert abs(foc.current_d - transforms.park_d(alpha, beta, s, k)) <= 2
-        assert abs(foc.current_q - transforms.park_q(alpha, beta, s, k)) <= 2
-    assert units.ampere_per_cu == pytest.approx(3.3 / 4096 / 0.005 / 40 / 6)
-
-
 def test_sine_table_is_the_sine_and_a_quarter_turn_on_the_cosine():
-    foc = array("i", [0] * j.FOC_SIZE)
+    foc = Foc()
     assert fill_sine(foc) == 0
-    assert list(foc[: j.F_SINE]) == [0] * j.F_SINE
+    assert not any(pack(foc)[:-SINE_SIZE])
     assert all(foc.sine[i] == sin_q15(i * 64) and foc.sine[i + 256] == cos_q15(i * 64) for i in range(1024))
 
 
 @given(st.integers(-20000, 20000), st.integers(-20000, 20000), st.integers(64, 14000))
 def test_limit_voltage_cuts_d_first(d, q, limit):
-    foc = array("i", [0] * j.FOC_SIZE)
+    foc = Foc()
     foc.voltage_d, foc.voltage_q, foc.voltage_limit, foc.limit_square = d, q, limit, limit * limit
     limit_voltage(foc)
     expected_d, expected_q = twin.limit_voltage(d, q, limit)

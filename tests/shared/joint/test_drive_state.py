@@ -1,7 +1,6 @@
 """States, arming, watchdog and faults: by example, and with random frames, resets and sensor faults."""
 
 import random
-from array import array
 
 import pytest
 
@@ -10,7 +9,7 @@ from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint import faults
 from shared.joint import layout as j
-from shared.joint.calibration import CAL_FULL, CAL_SIZE, CAL_SMALL, CAL_VERIFY
+from shared.joint.calibration import CAL_FULL, CAL_SMALL, CAL_VERIFY, Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
@@ -28,7 +27,7 @@ class Joint:
         self.foc, self.cfg, self.state, self.io, self.curve = (
             blocks.foc, blocks.cfg, blocks.state, blocks.io, blocks.curve,
         )  # fmt: skip
-        self.cal = array("i", [0] * CAL_SIZE)
+        self.cal = Calibration()
         self.units = blocks.units
         self.cfg.calibrated = int(calibrated)
         joint_reset(self.foc, self.cfg, self.state, 100)
@@ -81,11 +80,11 @@ def test_arming_climbs_one_state_a_tick():
 @pytest.mark.parametrize(
     ("place", "value", "result"),
     [
-        (j.IO_HASH_OK, 0, w.RESULT_WRONG_HASH),
-        (j.IO_SESSION, 0, w.RESULT_NO_SESSION),
-        (j.IO_MODE, w.MODE_HOMING, w.RESULT_NO_SETPOINT),
-        (j.IO_POSITION, 3000, w.RESULT_FAR_FROM_SETPOINT),
-        (j.IO_POSITION, -3000, w.RESULT_FAR_FROM_SETPOINT),
+        ("hash_ok", 0, w.RESULT_WRONG_HASH),
+        ("session", 0, w.RESULT_NO_SESSION),
+        ("mode", w.MODE_HOMING, w.RESULT_NO_SETPOINT),
+        ("position", 3000, w.RESULT_FAR_FROM_SETPOINT),
+        ("position", -3000, w.RESULT_FAR_FROM_SETPOINT),
     ],
 )
 def test_arming_is_refused_with_a_reason(place, value, result):
@@ -94,7 +93,7 @@ def test_arming_is_refused_with_a_reason(place, value, result):
     home_at(joint.cfg, joint.state, 100)
     joint.setpoint()
     joint.tick()
-    joint.io[place] = value
+    setattr(joint.io, place, value)
     assert joint.arm() == result
     assert joint.tick(4) == w.STATE_SWITCH_ON_DISABLED
 
@@ -222,9 +221,9 @@ def test_which_faults_damp_first(code, expected):
 
 
 SENSOR_FAULTS = (
-    (j.IO_BUS_RAW, 0), (j.IO_BUS_RAW, 4095), (j.IO_THERMISTOR_RAW, 4095), (j.IO_THERMISTOR_RAW, 0),
-    (j.IO_MCU_RAW, 4095), (j.IO_MCU_RAW, 0), (j.IO_HARDWARE_FAULT, 39), (j.IO_HARDWARE_FAULT, 9),
-    (j.IO_HARDWARE_READY, 0), (j.IO_E_STOP, 1), (j.IO_HASH_OK, 0), (j.IO_SESSION, 0), (j.IO_SESSION, 7),
+    ("bus_raw", 0), ("bus_raw", 4095), ("thermistor_raw", 4095), ("thermistor_raw", 0),
+    ("mcu_raw", 4095), ("mcu_raw", 0), ("hardware_fault", 39), ("hardware_fault", 9),
+    ("hardware_ready", 0), ("e_stop", 1), ("hash_ok", 0), ("session", 0), ("session", 7),
 )  # fmt: skip
 
 
@@ -233,8 +232,8 @@ def disturb(joint, rng):
     choice = rng.randrange(17)
     if choice < 5:
         joint.setpoint(rng.choice((1, 2, 3, 4, rng.randint(0, 7))), rng.choice((0, 1, rng.randint(-32768, 32767))))
-        for place in range(j.IO_VELOCITY, j.IO_DAMPING + 1):
-            joint.io[place] = rng.randint(0, 32767) if place >= j.IO_STIFFNESS else rng.randint(-32768, 32767)
+        joint.io.velocity, joint.io.current = rng.randint(-32768, 32767), rng.randint(-32768, 32767)
+        joint.io.stiffness, joint.io.damping = rng.randint(0, 32767), rng.randint(0, 32767)
     elif choice < 8:
         drive_arm(joint.cfg, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_CALIBRATING)))
     elif choice == 8:
@@ -244,7 +243,7 @@ def disturb(joint, rng):
         drive_clear(joint.state)
     elif choice == 11:
         place, value = rng.choice(SENSOR_FAULTS)
-        joint.io[place] = value
+        setattr(joint.io, place, value)
     elif choice == 12:
         joint.foc.raw[rng.randrange(3)] = rng.randint(0, 4095)
     elif choice == 13:

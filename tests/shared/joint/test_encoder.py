@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
-from shared.joint import coupling, encoder
-from shared.joint import layout as j
+from shared.joint import encoder
+from shared.record import pack
 from tests.float_twin import joint_motion as twin
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -224,27 +224,6 @@ def test_long_rotation_back_and_forth_ends_where_it_began(joint):
     assert joint.state.position == 0
 
 
-@given(st.integers(-30000, 30000), st.integers(-30000, 30000))
-def test_the_calfs_rod(thigh, calf):
-    """Angles add, torques are the transpose: the power is the same on both sides."""
-    motor = coupling.calf_motor(thigh, calf)
-    assert coupling.calf_joint(thigh, motor) == calf
-    torque_thigh, torque_calf = 70, -30
-    motor_thigh = coupling.thigh_motor_torque(torque_thigh, torque_calf)
-    assert motor_thigh * thigh + torque_calf * motor == torque_thigh * thigh + torque_calf * calf
-    assert coupling.thigh_joint_torque(motor_thigh, torque_calf) == torque_thigh
-
-
-def test_blocks_have_the_stated_sizes(joint):
-    sizes = (joint.foc, j.FOC_SIZE), (joint.cfg, j.CFG_SIZE), (joint.state, j.STATE_SIZE), (joint.io, j.IO_SIZE)
-    for block, size in sizes:
-        assert list(array("i", block)) == block  # every number fits a board's word
-        assert len(block) == size
-
-
-@pytest.mark.parametrize("prefix", ["F_", "K_", "S_", "IO_"])
-def test_no_two_names_share_a_place(prefix):
-    size = {"F_": j.F_SINE + 1, "K_": j.CFG_SIZE, "S_": j.STATE_SIZE, "IO_": j.IO_SIZE}[prefix]
-    names = [name for name in dir(j) if name.startswith(prefix) and not name.endswith(("_SIZE", "F_COSINE"))]
-    places = [getattr(j, name) for name in names]
-    assert sorted(places) == list(range(size))
+def test_every_number_fits_a_boards_word(joint):
+    for block in (joint.foc, joint.cfg, joint.state, joint.io):
+        assert list(array("i", pack(block))) == pack(block)

@@ -37,14 +37,14 @@ def disagree(joint):
 
 
 CASES = {
-    "under-voltage": (lambda x: x.io.__setitem__(j.IO_BUS_RAW, 1700), f.FAULT_UNDER_VOLTAGE, 5, 4558),
-    "over-voltage": (lambda x: x.io.__setitem__(j.IO_BUS_RAW, 2900), f.FAULT_OVER_VOLTAGE, 5, 7775),
-    "trip": (lambda x: x.foc.__setitem__(j.F_TRIPPED, 1), f.FAULT_OVER_CURRENT, 1, 0),
-    "current sum": (lambda x: x.foc.__setitem__(j.F_RAW_A, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
+    "under-voltage": (lambda x: setattr(x.io, "bus_raw", 1700), f.FAULT_UNDER_VOLTAGE, 5, 4558),
+    "over-voltage": (lambda x: setattr(x.io, "bus_raw", 2900), f.FAULT_OVER_VOLTAGE, 5, 7775),
+    "trip": (lambda x: setattr(x.foc, "tripped", 1), f.FAULT_OVER_CURRENT, 1, 0),
+    "current sum": (lambda x: x.foc.raw.__setitem__(0, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
     "disagreement": (disagree, f.FAULT_ENCODER_DISAGREE, 5, None),
-    "over-speed": (lambda x: x.cfg.__setitem__(j.K_RATE_TRIP, -1), f.FAULT_OVER_SPEED, 1, 0),
-    "raised": (lambda x: x.state.__setitem__(j.S_RAISED, f.FAULT_HOME_NO_STOP), f.FAULT_HOME_NO_STOP, 1, 0),
-    "range": (lambda x: x.state.__setitem__(j.S_SHIFTED, 1), f.FAULT_POSITION_RANGE, 1, 0),
+    "over-speed": (lambda x: setattr(x.cfg, "rate_trip", -1), f.FAULT_OVER_SPEED, 1, 0),
+    "raised": (lambda x: setattr(x.state, "raised", f.FAULT_HOME_NO_STOP), f.FAULT_HOME_NO_STOP, 1, 0),
+    "range": (lambda x: setattr(x.state, "range_exceeded", 1), f.FAULT_POSITION_RANGE, 1, 0),
 }
 
 
@@ -137,17 +137,17 @@ def test_swapped_phases_do_not_run_away():
 @pytest.mark.parametrize(
     ("place", "raw", "code"),
     [
-        (j.IO_THERMISTOR_RAW, 4095, f.FAULT_THERMISTOR_OPEN),
-        (j.IO_THERMISTOR_RAW, 0, f.FAULT_THERMISTOR_SHORT),
-        (j.IO_THERMISTOR_RAW, 280, f.FAULT_WINDING_HOT),
-        (j.IO_MCU_RAW, 1190, f.FAULT_MCU_HOT),
-        (j.IO_MCU_RAW, 0, f.FAULT_MCU_SENSOR),
-        (j.IO_MCU_RAW, 4095, f.FAULT_MCU_SENSOR),
+        ("thermistor_raw", 4095, f.FAULT_THERMISTOR_OPEN),
+        ("thermistor_raw", 0, f.FAULT_THERMISTOR_SHORT),
+        ("thermistor_raw", 280, f.FAULT_WINDING_HOT),
+        ("mcu_raw", 1190, f.FAULT_MCU_HOT),
+        ("mcu_raw", 0, f.FAULT_MCU_SENSOR),
+        ("mcu_raw", 4095, f.FAULT_MCU_SENSOR),
     ],
 )
 def test_temperature_faults(place, raw, code):
     joint = Joint().run()
-    joint.io[place] = raw
+    setattr(joint.io, place, raw)
     slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
     assert until_fault(joint, 2) == 1
     assert joint.state.fault_code == code
@@ -156,17 +156,17 @@ def test_temperature_faults(place, raw, code):
 
 @pytest.mark.parametrize(
     ("place", "raw", "flag"),
-    [(j.IO_THERMISTOR_RAW, 560, w.LIMIT_WINDING_TEMPERATURE), (j.IO_MCU_RAW, 1110, w.LIMIT_MCU_TEMPERATURE)],
+    [("thermistor_raw", 560, w.LIMIT_WINDING_TEMPERATURE), ("mcu_raw", 1110, w.LIMIT_MCU_TEMPERATURE)],
 )
 def test_heat_takes_the_current_back_linearly(place, raw, flag):
     joint = Joint().run()
-    joint.io[place] = raw
+    setattr(joint.io, place, raw)
     share = slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
     joint.tick()
     assert 0 < share < 0x8000
     assert joint.state.current_limit == joint.cfg.current_max * share >> 15
     assert joint.state.limits & flag
-    if place == j.IO_THERMISTOR_RAW:
+    if place == "thermistor_raw":
         span = joint.cfg.winding_cut - joint.cfg.winding_derate
         expected = (joint.cfg.winding_cut - joint.state.winding) / span
         assert share / 32768 == pytest.approx(expected, abs=1e-3)

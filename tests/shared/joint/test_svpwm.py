@@ -2,13 +2,12 @@
 
 import math
 import random
-from array import array
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.joint import layout as j
 from shared.joint.feed import feed_bus
+from shared.joint.layout import Foc, JointConfig
 from shared.joint.svpwm import shape_pulse, svpwm
 from tests.float_twin import joint_current as twin
 
@@ -16,8 +15,8 @@ PERIOD = 4200
 
 
 def block(bus, period=PERIOD, pulse=0, window=0):
-    foc = array("i", [0] * j.FOC_SIZE)
-    cfg = array("i", [0] * j.CFG_SIZE)
+    foc = Foc()
+    cfg = JointConfig()
     cfg.bus_least = 512
     foc.period, foc.half_period = period, period * 8 + 8
     foc.pulse, foc.window = pulse, window

@@ -2,27 +2,41 @@
 
 from array import array
 
-from shared.joint import layout as j
-from shared.joint.calibration import CAL_SIZE
-from shared.joint.current import current_repair, current_step
+from shared.joint.calibration import Calibration, set_commutation
+from shared.joint.current import current_repair, current_step, set_loop, set_offsets
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
+from shared.joint.feed import feed_bus
+from shared.joint.layout import Foc, JointConfig, JointIo, JointState, LoopSettings
+from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.record import pack, unpack
 
 MASK = 0x3FFFFFF
 
 
 class Trace:
-    """Blocks are given as lists, so that the host's gains can be carried into a virtual machine."""
+    """Settings are given as lists of integers, so that the host's can be carried into a virtual machine."""
 
-    def __init__(self, foc, cfg, curve):
-        self.foc, self.cfg, self.curve = array("i", foc), array("i", cfg), array("i", curve)
-        self.fields = memoryview(self.foc)[: j.F_SINE]
-        self.state, self.io = array("i", [0] * j.STATE_SIZE), array("i", [0] * j.IO_SIZE)
-        self.cal = array("i", [0] * CAL_SIZE)
+    def __init__(self, loop, cfg, curve):
+        self.foc, self.cfg, self.curve = Foc(), JointConfig(), array("i", curve)
+        self.state, self.io, self.cal = JointState(), JointIo(), Calibration()
+        settings = LoopSettings()
+        unpack(settings, loop)
+        unpack(self.cfg, cfg)
+        fill_sine(self.foc)
+        set_loop(self.foc, settings)
+        set_offsets(self.foc, 2048 << 4, 2048 << 4, 2048 << 4)
+        set_commutation(self.foc, self.cfg)
+        feed_bus(self.foc, self.cfg, 6144)
         self.seed, self.digest, self.rotor, self.codes = 12345, 0, 100, 0
         joint_reset(self.foc, self.cfg, self.state, 100)
         self.healthy()
+
+    def at_rest(self):
+        """Return what the current step works on, with the rotor at 0."""
+        self.foc.rotor = 0
+        return self.foc
 
     def draw(self, count):
         self.seed = (self.seed * 25 + 13849) & 0xFFFF
@@ -56,8 +70,8 @@ class Trace:
         if number % 5 == 0:
             b.sequence += 1
             b.mode = 1 + (number // 250) % 4
-            for place in range(j.IO_DAMPING + 1):
-                b[place] = self.draw(8000) - (4000 if place < j.IO_STIFFNESS else 0)
+            b.position, b.velocity, b.current = self.draw(8000) - 4000, self.draw(8000) - 4000, self.draw(8000) - 4000
+            b.stiffness, b.damping = self.draw(8000), self.draw(8000)
         if number % 400 == 100:
             self.healthy()
             drive_clear(self.state)
@@ -73,8 +87,8 @@ class Trace:
         if number % 100 == 0:
             b.thermistor_raw = 400 + self.draw(2000)
             slow_tick(self.cfg, self.state, b, self.curve)
-        for block in (self.fields, self.state, self.cfg, self.cal):
-            self.take(block)
+        for block in (self.foc, self.state, self.cfg, self.cal):
+            self.take(pack(block)[:200])  # without the sine table, which nothing changes
 
     def run(self, ticks):
         """Return the digest over ``ticks`` ticks."""
