@@ -182,7 +182,7 @@ class Joint:
         h[HEARTBEAT_FIRMWARE_MAJOR] = self._version[0]
         h[HEARTBEAT_FIRMWARE_MINOR] = self._version[1]
         h[HEARTBEAT_FIRMWARE_PATCH] = self._version[2]
-        encode_heartbeat(self._out, h, 0)
+        encode_heartbeat(self._out, h)
         self._send(HEARTBEAT_ID + self.parameters.node, self._out, HEARTBEAT_LENGTH)
 
     def _send_slow_status(self):
@@ -194,7 +194,7 @@ class Joint:
         s[SLOW_STATUS_LIMITS] = state.limits
         s[SLOW_STATUS_LOST_SYNC] = self.link.lost_syncs & 0xFF
         s[SLOW_STATUS_OVERRUNS] = self.control.run.late_steps & 0xFF
-        encode_slow_status(self._out, s, 0)
+        encode_slow_status(self._out, s)
         self._send(SLOW_STATUS_ID + self.parameters.node, self._out, SLOW_STATUS_LENGTH)
 
     def _send_fault(self):
@@ -202,7 +202,7 @@ class Joint:
         self._fault[FAULT_CODE] = state.fault_code
         self._fault[FAULT_VALUE] = state.fault_value
         self._fault[FAULT_TICK] = state.fault_tick
-        encode_fault(self._out, self._fault, 0)
+        encode_fault(self._out, self._fault)
         self._send(FAULT_ID + self.parameters.node, self._out, FAULT_LENGTH)
 
     def _send(self, identifier, frame, length):

@@ -107,7 +107,7 @@ def write_reply(link: Link, foc: Foc, cfg: JointConfig, state: JointState, reply
         reply[REPLY_POSITION] = report_position(cfg, state)
     reply[REPLY_VELOCITY] = report_velocity(cfg, state)
     reply[REPLY_CURRENT] = report_current(foc, cfg)
-    encode_reply(out, reply, 0)
+    encode_reply(out, reply)
     return REPLY_ID + link.node
 
 

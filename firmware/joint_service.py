@@ -131,7 +131,7 @@ class Service:
     def take(self, frame, to_all):
         """Do what a request frame says; return SILENT, ANSWER or ANSWER_LATER."""
         r = self._request
-        if decode_service_request(frame, r, 0):
+        if decode_service_request(frame, r):
             return SILENT
         command = r[SERVICE_REQUEST_COMMAND]
         if to_all and not self._is_for_all(command):
@@ -164,7 +164,7 @@ class Service:
         response[SERVICE_RESPONSE_COMMAND] = command
         response[SERVICE_RESPONSE_SEQUENCE] = self._request[SERVICE_REQUEST_SEQUENCE]
         response[SERVICE_RESPONSE_RESULT] = result
-        encode_service_response(self.frame, response, 0)
+        encode_service_response(self.frame, response)
 
     def _do(self, command):
         """Do one request; return RESULT_*. The answer's index and value are the request's unless set here."""

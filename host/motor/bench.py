@@ -162,13 +162,13 @@ class Bench:
         self._group(w.SETPOINT_POSITION_ID + self.mode - 1, round(self.goal * scale))
         if self.mode == w.MODE_POSITION and self.goal_speed:
             self._group(w.FEEDFORWARD_VELOCITY_ID, round(self.goal_speed * 4096 / tau))
-        encode_sync(self._frame, array("i", [self._sync, SESSION]), 0)
+        encode_sync(self._frame, array("i", [self._sync, SESSION]))
         self.board.deliver(w.SYNC_ID, self._frame, w.SYNC_LENGTH)
         self._sync = (self._sync + 1) & 0xFF
 
     def _group(self, identifier: int, value: int) -> None:
         self._values[0] = value
-        encode_group(self._frame, self._values, 0)
+        encode_group(self._frame, self._values)
         self.board.deliver(identifier, self._frame, 8)
 
     def request(self, command: int, index: int = 0, value: int = 0) -> int:
@@ -181,7 +181,7 @@ class Bench:
         """Send a service request as it is, let it be answered, and return RESULT_*."""
         self._sequence = (self._sequence + 1) & 0xFF
         fields = array("i", [command, self._sequence, SESSION, index, value])
-        encode_service_request(self._frame, fields, 0)
+        encode_service_request(self._frame, fields)
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self._frame, 8)
         self._drop_sent()
         self.run(1)
@@ -190,7 +190,7 @@ class Bench:
             identifier = self.board.sent.take(frame)
             if identifier < 0:
                 raise UserError(f"the simulated joint does not answer request {command}")
-            if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer, 0) == 0:
+            if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer) == 0:
                 return answer[w.SERVICE_RESPONSE_RESULT]
 
     def _drop_sent(self) -> None:

@@ -89,12 +89,12 @@ class OnChip:
     def send_setpoint(self):
         frame = array("H", [0] * 4)
         self.values[0] = round(self.goal * 4096)
-        encode_group(frame, self.values, 0)
+        encode_group(frame, self.values)
         self.send(w.SETPOINT_POSITION_ID + w.MODE_CURRENT - 1, data(frame))
 
     def send_sync(self):
         frame = array("H", [0] * 4)
-        encode_sync(frame, array("i", [self.sync, SESSION]), 0)
+        encode_sync(frame, array("i", [self.sync, SESSION]))
         self.send(w.SYNC_ID, data(frame, w.SYNC_LENGTH))
         self.sync = (self.sync + 1) & 0xFF
 
@@ -102,13 +102,13 @@ class OnChip:
         """Send a request; return its result, None without an answer."""
         self.sequence = (self.sequence + 1) & 0xFF
         frame = array("H", [0] * 4)
-        encode_service_request(frame, array("i", [command, self.sequence, SESSION, index, value]), 0)
+        encode_service_request(frame, array("i", [command, self.sequence, SESSION, index, value]))
         self.heard.clear()
         self.send(w.SERVICE_REQUEST_ID + NODE, data(frame))
         self.run(ms)
         answer = array("i", [0] * 5)
         for frame in self.from_joint(w.SERVICE_RESPONSE_ID + NODE):
-            if decode_service_response(array("H", frame.data), answer, 0) == 0:
+            if decode_service_response(array("H", frame.data), answer) == 0:
                 return answer[w.SERVICE_RESPONSE_RESULT]
         return None
 

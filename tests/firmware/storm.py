@@ -152,11 +152,11 @@ class Storm:
         board.rotor, board.thermistor, board.bus, board.joint, board.driver = 1200, 2048, 2291, 54, 0
         for _ in range(milliseconds):
             if self.ms % 5 == 0:
-                codec.encode_group(self.frame, self.goal, 0)
+                codec.encode_group(self.frame, self.goal)
                 board.deliver(w.SETPOINT_CURRENT_ID, self.frame, 8)
                 self.sequence = (self.sequence + 1) & 0xFF
                 self.sync[0] = self.sequence
-                codec.encode_sync(self.frame, self.sync, 0)
+                codec.encode_sync(self.frame, self.sync)
                 board.deliver(w.SYNC_ID, self.frame, w.SYNC_LENGTH)
             self.watched_millisecond()
 
@@ -164,7 +164,7 @@ class Storm:
         self.requested = (self.requested + 1) & 0xFF
         for place, part in enumerate((command, self.requested, SESSION, index, value)):
             self.ask[place] = part
-        codec.encode_service_request(self.frame, self.ask, 0)
+        codec.encode_service_request(self.frame, self.ask)
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self.frame, 8)
 
     def figures(self):

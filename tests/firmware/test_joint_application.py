@@ -137,7 +137,7 @@ def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
     service = bench.joint.service
     request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, PARAMETER_POSITION_P, 700])
     frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, request, 0)
+    codec.encode_service_request(frame, request)
     frames(bench.board)
     for _ in range(2):
         bench.board.deliver(w.SERVICE_REQUEST_ID + 1, frame, 8)
@@ -190,7 +190,7 @@ def test_another_host_moves_nothing(bench):
     bench.mode = 0
     deliver(bench, w.SETPOINT_POSITION_ID, (4000, 0, 0, 0))
     frame = array("H", [0] * 4)
-    codec.encode_sync(frame, array("i", [3, SESSION + 1]), 0)
+    codec.encode_sync(frame, array("i", [3, SESSION + 1]))
     bench.board.deliver(w.SYNC_ID, frame, 2)
     bench.run(2)
     assert bench.joint.control.io.sequence == sequence
@@ -204,7 +204,7 @@ def test_its_own_heartbeat_from_the_bus_means_a_twin(bench):
 
 def test_discovery_answers_after_its_delay_and_only_once(bench):
     frame, board = array("H", [0] * 4), bench.joint.service.board
-    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]), 0)
+    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]))
     frames(bench.board)
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
@@ -213,7 +213,7 @@ def test_discovery_answers_after_its_delay_and_only_once(bench):
     found = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
     assert len(found) == 1
     values = array("i", [0] * 5)
-    codec.decode_service_response(found[0], values, 0)
+    codec.decode_service_response(found[0], values)
     assert list(values) == [w.COMMAND_DISCOVER, 200, w.RESULT_OK, 1, board]
 
 
@@ -222,7 +222,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
     assert ask(bench, w.COMMAND_SET_ID, 4, board ^ 1)[0] == w.RESULT_WRONG_KEY
     assert ask(bench, w.COMMAND_SET_ID, 13, board)[0] == w.RESULT_OUT_OF_RANGE
     frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]), 0)
+    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]))
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
     assert bench.joint.parameters.node == 4
@@ -231,7 +231,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
 def test_commands_to_all_move_nobody_else(bench):
     frame = array("H", [0] * 4)
     for command in (w.COMMAND_REBOOT, w.COMMAND_ARM, w.COMMAND_SAVE_PARAMETERS, w.COMMAND_DISARM):
-        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]), 0)
+        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]))
         frames(bench.board)
         bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
         bench.run(1)

@@ -10,6 +10,7 @@ from shared.joint import faults as f
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.tick import begin_calibration
+from shared.record import pack
 from shared.wire import names as w
 
 from .plant import Plant
@@ -100,10 +101,10 @@ def test_the_pose_sets_both_zeros():
 def test_refusals_have_a_reason_and_change_nothing(kind, arrange, code):
     p = Plant()
     arrange(p)
-    before = list(p.cfg)
+    before = pack(p.cfg)
     p = calibrate(kind, arrange)
     assert p.state.fault_code == code
-    assert list(p.cfg) == before
+    assert pack(p.cfg) == before
     assert (p.foc.reference_d, p.foc.reference_q) == (0, 0)
     assert p.foc.electrical_gain == 4 * p.cfg.pole_pairs * p.cfg.direction
 
@@ -128,7 +129,7 @@ def nothing(*_):
 @pytest.mark.parametrize(
     ("prepare", "each", "reason", "value"),
     [
-        (nothing, lambda p, t: p.foc.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
+        (nothing, lambda p, t: p.foc.raw.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
         (nothing, lambda p, t: setattr(p.foc, "rotor", 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
         (lambda p: setattr(p.state, "rate", 9000), nothing, f.FAULT_CAL_MOVING, 9000),
         (lambda p: setattr(p.state, "bus", 100), nothing, f.FAULT_CAL_BUS, 100),
@@ -179,9 +180,9 @@ def test_a_wide_spread_is_refused():
 def test_disarming_in_the_middle_restores_the_commutation():
     p = calibrate(c.CAL_SMALL, ticks=1500)
     assert p.foc.electrical_gain == 0
-    before = list(p.cfg)
+    before = pack(p.cfg)
     drive_disarm(p.state)
     p.tick(setpoint=False)
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
     assert (p.foc.electrical_gain, p.foc.reference_d, p.cal.phase) == (28, 0, c.PHASE_IDLE)
-    assert list(p.cfg) == before
+    assert pack(p.cfg) == before

@@ -14,6 +14,7 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.record import pack
 from shared.wire import names as w
 
 BLDC = load_robot("parallel").actuator
@@ -117,7 +118,7 @@ def test_arming_needs_calibration_homing_and_a_fresh_set_point():
 
 def test_the_watchdog_damps_then_coasts_and_latches():
     joint = Joint().run()
-    before = list(joint.io)
+    before = pack(joint.io)
     states = [joint.tick() for _ in range(800)]
     first = states.index(w.STATE_FAULT_REACTION)
     assert first <= 101
@@ -125,7 +126,7 @@ def test_the_watchdog_damps_then_coasts_and_latches():
     assert states[first + 501 :] == [w.STATE_FAULT] * (800 - first - 501)
     s = joint.state
     assert (s.fault_code, s.fault_value) == (faults.FAULT_WATCHDOG, 101)
-    assert list(joint.io) == before
+    assert pack(joint.io) == before
     assert joint.arm() == w.RESULT_FAULT_PRESENT
     assert drive_clear(s) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED
@@ -290,9 +291,9 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_where_there_mu
             if code:
                 current_repair(code, reading, 0, joint.foc)
             fault, drive = joint.state.fault_code, joint.state.drive_state
-            told = list(joint.io)
+            told = pack(joint.io)
             joint.tick()
-            assert list(joint.io) == told
+            assert pack(joint.io) == told
             check(joint, fault, drive)
             seen.add(joint.state.drive_state)
     assert seen >= {1, 2, 3, 4, 5, 6, 7}

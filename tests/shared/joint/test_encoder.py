@@ -103,7 +103,7 @@ def test_no_turn_count_leaves_the_integers_or_gives_another_position():
 
 
 SUM = "return ((turns << 14) + fraction - zero) * sign"
-STOP = "turns = saturate(s[S_TURNS] + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)"
+STOP = "turns = saturate(state.turns + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)"
 PLANTED = [
     ("a branch", SUM, "if turns == 12345:\n        turns = turns << 20 >> 20\n    " + SUM),
     ("a comparison", SUM, "return ((turns << 14) + ((turns == 31999) << 30) + fraction - zero) * sign"),

@@ -19,8 +19,12 @@ class Trace:
     """Settings are given as lists of integers, so that the host's can be carried into a virtual machine."""
 
     def __init__(self, loop, cfg, curve):
-        self.foc, self.cfg, self.curve = Foc(), JointConfig(), array("i", curve)
-        self.state, self.io, self.cal = JointState(), JointIo(), Calibration()
+        self.foc = Foc()
+        self.cfg = JointConfig()
+        self.curve = array("i", curve)
+        self.state = JointState()
+        self.io = JointIo()
+        self.cal = Calibration()
         settings = LoopSettings()
         unpack(settings, loop)
         unpack(self.cfg, cfg)
