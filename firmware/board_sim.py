@@ -7,7 +7,7 @@ The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``com
 from array import array
 
 from shared.joint.layout import Foc, JointIo
-from shared.runtime import Ints, zeros
+from shared.runtime import zeros
 from shared.wire.names import REPLY_FIELDS, REPLY_LENGTH
 from shared.wire.receive import Link
 
@@ -46,6 +46,7 @@ class SimBoard:
         self.resets = 0
         self.to_loader = False
         self.filters = 0
+        self._reply = zeros(REPLY_FIELDS)
         self._in = Frames()
         self.sent = Frames()
 
@@ -153,10 +154,9 @@ class SimBoard:
 
     def listen(self, control: Control, link: Link, frame, out):
         """Return what serves the bus: called without arguments, it does what chip_joint.serve_bus does."""
-        reply = zeros(REPLY_FIELDS)
-        return lambda: self._serve(control, link, frame, reply, out)
+        return lambda: self._serve(control, link, frame, out)
 
-    def _serve(self, c: Control, link: Link, frame, reply: Ints, out):
+    def _serve(self, c: Control, link: Link, frame, out):
         for _ in range(FRAMES_MOST):
             came = self.can_receive(frame)
             if came < 0:
@@ -165,7 +165,7 @@ class SimBoard:
             if left >= 0:
                 return left
             if left == WANTS_REPLY:
-                identifier = write_reply(link, c.foc, c.cfg, c.state, reply, out)
+                identifier = write_reply(link, c.foc, c.cfg, c.state, self._reply, out)
                 if identifier and self.can_send(identifier, out, REPLY_LENGTH) == 0:
                     c.run.unsent_frames = (c.run.unsent_frames + 1) & 0x3FFFFFFF
         return -1

@@ -91,7 +91,7 @@ class Storm:
         """Look at what must never be, and put the state into the digest."""
         control = self.joint.control
         state = control.state
-        for value in pack(state):
+        for value in pack(state) if hasattr(state, "FIELDS") else state:  # an array in the VMs: nothing is taken
             self.note(value)
         for phase in range(3):
             self.note(control.foc.duty[phase])

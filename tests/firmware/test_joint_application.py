@@ -46,7 +46,7 @@ def decoded(found, identifier, decode, count):
     values = array("i", [0] * count)
     for known, frame in found:
         if known == identifier:
-            assert decode(frame, values, 0) == 0
+            assert decode(frame, values) == 0
             return list(values)
     return None
 

@@ -63,7 +63,7 @@ def f(holder, robot, feet, leg: int) -> int:
     mine = ptr32(holder.robot)
     out = ptr32(holder.feet)
     limb = 1 + leg * 4
-    _robot[limb] += _robot[10 + leg + 1] * _robot[17]
+    _robot[limb] += _robot[leg + 11] * _robot[17]
     out[leg] = _feet[leg] + mine[0] + _robot[limb + 3]
     return f(holder, holder.robot, feet, leg)
 """
@@ -92,6 +92,14 @@ def test_ordinary_functions_read_the_same_places(tmp_path):
     text = "\n\ndef g(holder: Holder):\n    leg = holder.robot.legs[3]\n    leg.length = 7\n    return leg.rest[1]\n"
     made = lower(modules(tmp_path, HOT + text))["shared.one"].text.decode()
     assert made.endswith("    leg = 13\n    holder.robot[leg] = 7\n    return holder.robot[leg + 2]\n")
+
+
+@pytest.mark.parametrize(
+    ("index", "place"), [("leg & 1", "10 + (leg & 1)"), ("leg << 1", "10 + (leg << 1)"), ("(leg & 1) + LEGS", "(leg & 1) + 14")]
+)
+def test_an_index_stays_one_number(tmp_path, index, place):
+    text = HOT.replace("rest[leg + 1]", f"rest[{index}]")
+    assert f"_robot[{place}] * _robot[17]" in lower(modules(tmp_path, text))["shared.one"].text.decode()
 
 
 def test_mypyc_gets_a_class(tmp_path):
