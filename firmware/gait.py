@@ -32,15 +32,14 @@ from shared.planner_layout import (
     S_ROLL,
     SENSED_SIZE,
 )
+from shared.record import field, record
 from shared.runtime import Ints, const, hot, ptr8
 
 from .link import (
     COMMAND,
     PAYLOAD,
-    R_BROKEN,
     READ,
     READER_BYTES,
-    READER_SIZE,
     READING,
     READY,
     RESET,
@@ -48,6 +47,7 @@ from .link import (
     SETPOINTS,
     STOP,
     TAKEN,
+    Reader,
     close_frame,
     int_block,
     next_frame,
@@ -65,20 +65,23 @@ STOPPED = const(0x40000)
 ALIGNING_NOW = const(0x80000)
 _FAULT_SHIFT = const(20)
 
-# The board's own numbers, one block
-B_AGE = const(0)  # ticks since the last command, up to B_STALE
-B_STALE = const(1)  # the age from which on a command is stale
-B_TICKS = const(2)
-B_FLAGS = const(3)  # of the last tick: the planner's and the application's
-B_STOPPED = const(4)  # 1: from STOP until RESET
-B_QUESTION = const(5)  # number of the last READ
-BOARD_SIZE = const(6)
-
 SETPOINTS_BYTES = const(40)  # whole frames: link.OVERHEAD and what link.py says is in them
 READING_BYTES = const(20)
 READY_BYTES = const(9)
 _COUNTS = const(6)
 _MASK = const(0x3FFFFFFF)
+
+
+@record
+class BoardStatus:
+    """What the board knows of its commands and ticks."""
+
+    command_age: int = field("ticks", "since the last command, up to stale_age")
+    stale_age: int = field("ticks", "the age from which on a command is stale")
+    ticks: int = field("", "planned, modulo 2^30")
+    flags: int = field("", "of the last tick: the planner's and the application's")
+    stopped: int = field("", "1: from STOP until RESET")
+    question: int = field("", "number of the last READ")
 
 
 class GaitBoard:
@@ -94,14 +97,14 @@ class GaitBoard:
         self.sensed = int_block(SENSED_SIZE)
         self.counts = int_block(_COUNTS)
         self.asked = int_block(_COUNTS)  # what the host gets to read, apart from what the board itself plans with
-        self.reader = int_block(READER_SIZE)
+        self.reader = Reader()
         self.frame = bytearray(READER_BYTES)  # as received
         self.setpoints = bytearray(SETPOINTS_BYTES)
         self.reading = bytearray(READING_BYTES)
         self.ready = bytearray(READY_BYTES)
         self.rate_hz = params.rate_hz
-        self.numbers = int_block(BOARD_SIZE)
-        self.numbers[B_STALE] = self.numbers[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
+        self.status = BoardStatus()
+        self.status.stale_age = self.status.command_age = max(1, STALE_MS * self.rate_hz // 1000)
         at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)
         close_frame(self.ready, READY, at)
         self.attitude = attitude
@@ -109,20 +112,20 @@ class GaitBoard:
 
     def take(self, data, count):
         """Take data[:count] of the stream: see take_frames."""
-        return take_frames(self.reader, self.frame, self.numbers, self.command, self.sensed, data, count)
+        return take_frames(self.reader, self.frame, self.status, self.command, self.sensed, data, count)
 
     def answer(self):
         """Read the sensor for the host into the frame ``reading``."""
-        write_reading(self.reading, self.numbers, self.sensor.read(self.asked), self.asked)
+        write_reading(self.reading, self.status, self.sensor.read(self.asked), self.asked)
 
     def tick(self):
         """Read the sensor and plan one tick into the frame ``setpoints``; return the flags."""
         fault = self.sensor.read(self.counts)
-        return tick(self, self.planner, self.numbers, self.command, self.obeyed, self.sensed, fault)
+        return tick(self, self.planner, self.status, self.command, self.obeyed, self.sensed, fault)
 
 
 @hot
-def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int) -> int:
+def take_frames(reader: Reader, frame, status: BoardStatus, command, sensed, data, count: int) -> int:
     """Take data[:count] and do what complete frames say; return the kind of one that is left to the caller, else 0.
 
     After a kind that is not 0, call again with the same data: it goes on behind that frame (link.next_frame).
@@ -131,34 +134,34 @@ def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int)
     kind = next_frame(reader, frame, data, count)
     while kind:
         if kind == COMMAND:
-            take_command(reader, frame, numbers, command)
+            take_command(reader, frame, status, command)
         elif kind == SENSED:
             take_joints(reader, frame, sensed)
         elif kind == STOP:
-            numbers[B_STOPPED] = 1
+            status.stopped = 1
         elif kind == RESET:
-            reset(numbers, command)
+            reset(status, command)
         else:
             if kind == READ:
-                numbers[B_QUESTION] = f[TAKEN]
+                status.question = f[TAKEN]
             return kind
         kind = next_frame(reader, frame, data, count)
     return 0
 
 
 @hot
-def take_command(reader, frame, numbers: Ints, command: Ints) -> int:
+def take_command(reader: Reader, frame, status: BoardStatus, command: Ints) -> int:
     """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
         return 0
     for i in range(COMMAND_SIZE):
         command[i] = read_int30(frame, TAKEN + 4 * i)
-    numbers[B_AGE] = 0
+    status.command_age = 0
     return 1
 
 
 @hot
-def take_joints(reader, frame, sensed: Ints) -> int:
+def take_joints(reader: Reader, frame, sensed: Ints) -> int:
     """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 2 * JOINTS) == 0:
         return 0
@@ -168,34 +171,34 @@ def take_joints(reader, frame, sensed: Ints) -> int:
 
 
 @hot
-def is_length(reader: Ints, frame, length: int) -> int:
+def is_length(reader: Reader, frame, length: int) -> int:
     """Return 1 if the frame's payload has this length; else count it as broken and return 0."""
     f = ptr8(frame)
     if f[1] == length:
         return 1
-    reader[R_BROKEN] = (reader[R_BROKEN] + 1) & _MASK
+    reader.broken = (reader.broken + 1) & _MASK
     return 0
 
 
 @hot
-def reset(numbers: Ints, command: Ints) -> int:
+def reset(status: BoardStatus, command: Ints) -> int:
     """Drive again; what was commanded before is not obeyed after it. Return 0."""
-    numbers[B_STOPPED] = 0
+    status.stopped = 0
     command[C_MODE] = MODE_LIMP
     return 0
 
 
 @hot
-def tick(board, planner, numbers: Ints, command, obeyed, sensed, fault: int) -> int:
+def tick(board, planner, status: BoardStatus, command, obeyed, sensed, fault: int) -> int:
     """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
     sense(board.attitude, board.counts, sensed, fault)
-    obey(numbers, command, obeyed, fault)
+    obey(status, command, obeyed, fault)
     flags = plan(planner, obeyed, sensed)
-    numbers[B_FLAGS] = flags | own_flags(numbers, sensed, fault)
-    numbers[B_TICKS] = (numbers[B_TICKS] + 1) & _MASK
-    if numbers[B_AGE] < numbers[B_STALE]:
-        numbers[B_AGE] += 1
-    return write_setpoints(board.setpoints, numbers, planner.numbers, planner.joints)
+    status.flags = flags | own_flags(status, sensed, fault)
+    status.ticks = (status.ticks + 1) & _MASK
+    if status.command_age < status.stale_age:
+        status.command_age += 1
+    return write_setpoints(board.setpoints, status, planner.numbers, planner.joints)
 
 
 @hot
@@ -213,13 +216,13 @@ def sense(attitude: Ints, counts, sensed: Ints, fault: int) -> int:
 
 
 @hot
-def obey(numbers: Ints, command: Ints, obeyed: Ints, fault: int) -> int:
+def obey(status: BoardStatus, command: Ints, obeyed: Ints, fault: int) -> int:
     """Turn the command as received into what the planner may do now; return its mode."""
     for i in range(COMMAND_SIZE):
         obeyed[i] = command[i]
-    if numbers[B_STOPPED]:
+    if status.stopped:
         obeyed[C_MODE] = MODE_LIMP
-    elif numbers[B_AGE] >= numbers[B_STALE] and obeyed[C_MODE] == MODE_WALK:
+    elif status.command_age >= status.stale_age and obeyed[C_MODE] == MODE_WALK:
         obeyed[C_MODE] = MODE_STAND
     if fault:
         obeyed[C_BALANCE] = 0
@@ -229,34 +232,34 @@ def obey(numbers: Ints, command: Ints, obeyed: Ints, fault: int) -> int:
 
 
 @hot
-def own_flags(numbers: Ints, sensed: Ints, fault: int) -> int:
+def own_flags(status: BoardStatus, sensed: Ints, fault: int) -> int:
     """Return the application's flags."""
     flags = fault << _FAULT_SHIFT
     if fault:
         flags |= SENSOR_FAULT
     elif sensed[S_ATTITUDE_OK] == 0:
         flags |= ALIGNING_NOW
-    if numbers[B_AGE] >= numbers[B_STALE]:
+    if status.command_age >= status.stale_age:
         flags |= COMMAND_STALE
-    if numbers[B_STOPPED]:
+    if status.stopped:
         flags |= STOPPED
     return flags
 
 
 @hot
-def write_setpoints(frame, numbers: Ints, planned: Ints, joints) -> int:
+def write_setpoints(frame, status: BoardStatus, planned: Ints, joints) -> int:
     """Write the SETPOINTS frame; return the flags in it."""
-    at = put(frame, PAYLOAD, numbers[B_TICKS], 4)
-    at = put(frame, at, numbers[B_FLAGS], 4)
+    at = put(frame, PAYLOAD, status.ticks, 4)
+    at = put(frame, at, status.flags, 4)
     at = put(frame, at, planned[N_STATE], 1)
     at = put(frame, at, planned[N_GAIT], 1)
     close_frame(frame, SETPOINTS, put_each(frame, at, joints, JOINTS, 2))
-    return numbers[B_FLAGS]
+    return status.flags
 
 
 @hot
-def write_reading(frame, numbers: Ints, fault: int, counts) -> int:
+def write_reading(frame, status: BoardStatus, fault: int, counts) -> int:
     """Write the READING frame; return its length."""
-    at = put(frame, PAYLOAD, numbers[B_QUESTION], 1)
+    at = put(frame, PAYLOAD, status.question, 1)
     at = put(frame, at, fault, 1)
     return close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))

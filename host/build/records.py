@@ -2,6 +2,7 @@
 
 import ast
 from dataclasses import dataclass, field
+from typing import Any
 
 from .source import Module, constant_value, resolve
 
@@ -104,6 +105,16 @@ def records_of(tree: ast.Module) -> list[ast.ClassDef]:
     """Return the classes of a module marked ``@record``."""
     return [node for node in tree.body if isinstance(node, ast.ClassDef) and any(
         isinstance(mark, ast.Name) and mark.id == "record" for mark in node.decorator_list)]
+
+
+def place_of(declared: Any, name: str) -> int:
+    """Return where a field of a record's class begins in the array that the build makes of it; not behind records."""
+    at = 0
+    for known, declaration in declared.FIELDS:
+        if known == name:
+            return at
+        at += declaration.count or 1
+    raise KeyError(name)
 
 
 def _number(module: Module, node: ast.expr) -> int:

@@ -26,6 +26,7 @@ from shared.joint.tick import joint_reset
 from shared.wire import names as w
 from shared.wire.codec import encode_group, encode_service_request, encode_sync
 
+from ..build.records import place_of
 from ..joint_gains import joint_blocks
 from ..joint_units import JointSetup
 from ..robot_file import load_robot
@@ -152,8 +153,8 @@ def filled_in(script: str) -> str:
     """Return a script with what this file knows in the place of {names}."""
     filled = {
         "stored": _blocks().stored(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "clear": CLEAR, "drive": _place(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
-        "late": _place(BoardRun, "late_after_us"), "status_ms": _place(Told, "status_ms"), "nothing": NOTHING,
+        "clear": CLEAR, "drive": place_of(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
+        "late": place_of(BoardRun, "late_after_us"), "status_ms": place_of(Told, "status_ms"), "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
@@ -208,16 +209,6 @@ def _blocks():  # type: ignore[no-untyped-def]
     blocks = joint_blocks(load_robot(ROBOT).actuator, JointSetup(-1.0, 1.9))  # type: ignore[arg-type]
     blocks.cfg.calibrated, blocks.cfg.elec_offset = 1, 7000
     return blocks
-
-
-def _place(declared: Any, name: str) -> int:
-    """Return where a field lies in what the build makes of a record without parts."""
-    at = 0
-    for known, field in declared.FIELDS:
-        if known == name:
-            return at
-        at += field.count or 1
-    raise KeyError(name)
 
 
 def _position() -> int:

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from firmware import link
-from firmware.gait import B_FLAGS
+from firmware.gait import BoardStatus
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES
 from shared.planner_layout import CLIMB_ON, N_CLIMB, N_GAIT, N_STATE, WALKING
 
+from ..build.records import place_of
 from ..robot_file import load_robot
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.cortex_m import FILES_AT, Machine
@@ -166,7 +167,7 @@ for number in range(GAITS):
     for _ in range(TICKS):
         cycle()
     gc.collect()
-    states.append([board.planner.numbers[i] for i in {watched}] + [board.numbers[{flags}] >> 16])
+    states.append([board.planner.numbers[i] for i in {watched}] + [board.status[{flags}] >> 16])
 order(2, 1)
 gc.collect()
 for _ in range(10):
@@ -275,7 +276,8 @@ def gait_script(extent: Extent) -> str:
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
-        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB), "flags": B_FLAGS,
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "watched": (N_STATE, N_GAIT, N_CLIMB),
+        "flags": place_of(BoardStatus, "flags"),
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
         "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
