@@ -17,7 +17,9 @@ _MASK = const(0x3FFFFFFF)
 
 
 @hot
-def millisecond(chip, foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun) -> int:
+def millisecond(
+    chip, foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun
+) -> int:
     """Read the sensors, do a motion tick, do to the bridge what it says, feed the watchdog while current steps happen.
 
     Return the gate driver's fault registers, 0 if it reports none. A silent ADC counts as a failed part.
@@ -43,7 +45,9 @@ def millisecond(chip, foc: Foc, cfg: JointConfig, state: JointState, io: JointIo
 
 
 @hot
-def serve_bus(chip, frame, link: Link, io: JointIo, foc: Foc, cfg: JointConfig, state: JointState, run: BoardRun, reply: Ints, out) -> int:
+def serve_bus(
+    chip, frame, link: Link, io: JointIo, foc: Foc, cfg: JointConfig, state: JointState, run: BoardRun, reply: Ints, out
+) -> int:
     """Take at most FRAMES_MOST frames that have come; SYNC is answered. Return what take_frame leaves, or -1."""
     for _ in range(FRAMES_MOST):
         came = receive(chip, frame)

@@ -78,7 +78,7 @@ class BoardStatus:
 
     command_age: int = field("ticks", "since the last command, up to stale_age")
     stale_age: int = field("ticks", "the age from which on a command is stale")
-    ticks: int = field("", "planned, modulo 2^30")
+    tick_count: int = field("", "ticks planned, modulo 2^30")
     flags: int = field("", "of the last tick: the planner's and the application's")
     stopped: int = field("", "1: from STOP until RESET")
     question: int = field("", "number of the last READ")
@@ -195,7 +195,7 @@ def tick(board, planner, status: BoardStatus, command, obeyed, sensed, fault: in
     obey(status, command, obeyed, fault)
     flags = plan(planner, obeyed, sensed)
     status.flags = flags | own_flags(status, sensed, fault)
-    status.ticks = (status.ticks + 1) & _MASK
+    status.tick_count = (status.tick_count + 1) & _MASK
     if status.command_age < status.stale_age:
         status.command_age += 1
     return write_setpoints(board.setpoints, status, planner.numbers, planner.joints)
@@ -249,7 +249,7 @@ def own_flags(status: BoardStatus, sensed: Ints, fault: int) -> int:
 @hot
 def write_setpoints(frame, status: BoardStatus, planned: Ints, joints) -> int:
     """Write the SETPOINTS frame; return the flags in it."""
-    at = put(frame, PAYLOAD, status.ticks, 4)
+    at = put(frame, PAYLOAD, status.tick_count, 4)
     at = put(frame, at, status.flags, 4)
     at = put(frame, at, planned[N_STATE], 1)
     at = put(frame, at, planned[N_GAIT], 1)

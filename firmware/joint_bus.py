@@ -99,7 +99,10 @@ def use_setpoint(link: Link, io: JointIo) -> int:
 
 @hot
 def write_reply(link: Link, foc: Foc, cfg: JointConfig, state: JointState, reply: Ints, out) -> int:
-    """Write the reply to SYNC, whose fields go through ``reply``, into the frame ``out``; return its identifier, 0 for a joint without a node."""
+    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node.
+
+    ``reply``: REPLY_FIELDS numbers to work on.
+    """
     if link.node == 0:
         return 0
     reply[REPLY_POSITION] = NOT_AVAILABLE

@@ -121,7 +121,9 @@ def note_stop(run: BoardRun, io: JointIo) -> int:
 
 
 @hot
-def take_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun, driver: int) -> int:
+def take_motion(
+    foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun, driver: int
+) -> int:
     """Do a motion tick on what ``io`` holds; return what becomes of the bridge. driver: its fault registers, 0 none."""
     _watch_joint_encoder(foc, cfg, state, io, run)
     if driver:

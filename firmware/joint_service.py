@@ -307,7 +307,7 @@ class Service:
         if parameter == PARAMETER_FAULT_TICK:
             return state.fault_tick
         if parameter == PARAMETER_UPTIME:
-            return state.tick
+            return state.time_ms
         return self._count(parameter)
 
     def _count(self, parameter):

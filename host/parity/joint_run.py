@@ -153,8 +153,9 @@ def filled_in(script: str) -> str:
     """Return a script with what this file knows in the place of {names}."""
     filled = {
         "stored": _blocks().stored(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "clear": CLEAR, "drive": place_of(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
-        "late": place_of(BoardRun, "late_after_us"), "status_ms": place_of(Told, "status_ms"), "nothing": NOTHING,
+        "clear": CLEAR, "drive": place_of(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED,
+        "fault": w.STATE_FAULT, "late": place_of(BoardRun, "late_after_us"), "status_ms": place_of(Told, "status_ms"),
+        "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))

@@ -45,7 +45,7 @@ class Calibration:
 
     kind: int = field("", "CAL_*, 0 while none is running")
     phase: int = field("", "PHASE_*")
-    ticks: int = field("ticks", "in this phase")
+    phase_ticks: int = field("ticks", "since this phase began")
     reason: int = field("", "FAULT_CAL_* of the last one, 0 if it succeeded")
     reason_value: int = field("", "in the unit of that fault")
     angle: int = field("brad", "angle of the field, not wrapped")
@@ -159,7 +159,7 @@ def calibration_step(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo,
     phase = cal.phase
     if phase == PHASE_IDLE:
         return PHASE_IDLE
-    cal.ticks += 1
+    cal.phase_ticks += 1
     if phase == PHASE_REST:
         _rest(foc, cfg, state, io, cal)
     elif phase == PHASE_RAMP:
@@ -186,7 +186,7 @@ def _refuse(cal: Calibration, reason: int, value: int) -> int:
 @hot
 def _next(cal: Calibration, phase: int) -> int:
     cal.phase = phase
-    cal.ticks = 0
+    cal.phase_ticks = 0
     return phase
 
 
@@ -203,7 +203,7 @@ def _extremes(cal: Calibration, place: int, value: int) -> int:
 @hot
 def _rest(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
     """Collect 256 readings with the bridge off, then check them and set the current offsets."""
-    if cal.ticks == 1:
+    if cal.phase_ticks == 1:
         cal.rest_rotor = foc.rotor
         cal.rest_joint = io.joint_raw
     for phase in range(3):
@@ -211,7 +211,7 @@ def _rest(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calib
         cal.raw_sum[phase] = cal.raw_sum[phase] + raw
         _extremes(cal, phase, raw)
     _extremes(cal, _ROTOR, wrap_count(foc.rotor - cal.rest_rotor))
-    if cal.ticks >> _REST_SHIFT == 0:
+    if cal.phase_ticks >> _REST_SHIFT == 0:
         return PHASE_REST
     _check_rest(cfg, state, cal)
     if cal.phase == PHASE_IDLE:
@@ -257,9 +257,9 @@ def _force(foc: Foc, cal: Calibration, current: int) -> int:
 @hot
 def _ramp(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
     """Let the current grow while the field comes from a quarter turn back: no rotor stands exactly against both."""
-    cal.angle = (cal.ticks << 6) - 16384
-    _force(foc, cal, cfg.cal_current * cal.ticks >> _RAMP_SHIFT)
-    if cal.ticks >> _RAMP_SHIFT:
+    cal.angle = (cal.phase_ticks << 6) - 16384
+    _force(foc, cal, cfg.cal_current * cal.phase_ticks >> _RAMP_SHIFT)
+    if cal.phase_ticks >> _RAMP_SHIFT:
         _next(cal, PHASE_SETTLE)
     return cal.phase
 
@@ -268,7 +268,7 @@ def _ramp(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
 def _settle(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     """Wait until the rotor has found the field, then check the current and start to turn."""
     wanted = _force(foc, cal, cfg.cal_current)
-    if cal.ticks < _SETTLE_TICKS:
+    if cal.phase_ticks < _SETTLE_TICKS:
         return PHASE_SETTLE
     missing = wanted - foc.current_d
     if missing > wanted >> 2 or missing < -(wanted >> 2):

@@ -56,7 +56,7 @@ def cascade_reset(cfg: JointConfig, state: JointState) -> int:
     position = saturate(state.position, -_POSITION_MOST, _POSITION_MOST)
     profile_reset(state, position, rate)
     state.target = position << 8
-    state.goal = position << 8
+    state.goal_position = position << 8
     state.target_rate = 0
     state.target_ticks_left = 0
     state.home_rate = 0
@@ -113,7 +113,7 @@ def follow_position(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 @hot
 def glide(state: JointState, feed: int) -> int:
-    """Move state.target one tick towards state.goal, which moves at ``feed``; return the move, rc/256 a tick.
+    """Move state.target one tick towards state.goal_position, which moves at ``feed``; return the move, rc/256 a tick.
 
     In target_ticks_left ticks it is there and as fast: its rate goes there in equal steps, and what is still missing is
     shared out evenly. So a smooth motion sent 200 times a second stays smooth, as if its acceleration were sent too.
@@ -124,10 +124,10 @@ def glide(state: JointState, feed: int) -> int:
     if left <= 1:
         state.target_ticks_left = 0
         state.target_rate = feed
-        state.target = state.goal
+        state.target = state.goal_position
         return feed
     rate = state.target_rate + (feed - state.target_rate) // left
-    missing = state.goal + feed * (left - 1) - state.target - (left * (rate + feed) >> 1)
+    missing = state.goal_position + feed * (left - 1) - state.target - (left * (rate + feed) >> 1)
     move = rate + missing // left
     state.target_ticks_left = left - 1
     state.target_rate = rate
@@ -162,10 +162,10 @@ def follow_velocity(cfg: JointConfig, state: JointState, wanted: int) -> int:
 
 @hot
 def feed_acceleration(cfg: JointConfig, state: JointState, change: int) -> int:
-    """Return current_reference: the current that the trajectory's ``change`` of rate needs, smoothed over some four ticks.
+    """Return current_reference: the current for the trajectory's ``change`` of rate, smoothed over some four ticks.
 
-    change within +-65535 rate units a tick, cfg.inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory is
-    a blow of up to the acceleration limit. Error 1 cu. Below 2^28.
+    change within +-65535 rate units a tick, cfg.inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory
+    is a blow of up to the acceleration limit. Error 1 cu. Below 2^28.
     """
     fed = state.acceleration_feed
     fed += (change * cfg.inertia >> 4) - fed >> 2
@@ -268,7 +268,7 @@ def fall_q15(value: int, start: int, end: int) -> int:
 
 @hot
 def damping_current(cfg: JointConfig, state: JointState) -> int:
-    """Return current_reference that only brakes: cfg.damp x rate against the motion, within damp_current. No set-point."""
+    """Return current_reference that only brakes: damp x rate against the motion, within damp_current. No set-point."""
     rate = saturate(state.velocity, -_RATE_ERROR_MOST, _RATE_ERROR_MOST)
     top = cfg.damp_current
     return limit_current(cfg, state, saturate(-(rate * cfg.damp >> 12), -top, top))
@@ -299,12 +299,12 @@ def _move_target(cfg: JointConfig, state: JointState, io: JointIo) -> int:
         _take_goal(state, position_from_wire(io.position, cfg.gear_q8))
     elif state.target_age < cfg.extrapolate_ticks:
         state.target_age += 1
-        state.goal += feed
+        state.goal_position += feed
     else:
         feed = 0
-    goal = saturate(state.goal, cfg.position_min << 8, cfg.position_max << 8)
-    if goal != state.goal:
-        state.goal = goal
+    goal = saturate(state.goal_position, cfg.position_min << 8, cfg.position_max << 8)
+    if goal != state.goal_position:
+        state.goal_position = goal
         state.target_ticks_left = 0
         state.limits = state.limits | LIMIT_POSITION
         feed = 0
@@ -325,7 +325,7 @@ def _take_goal(state: JointState, goal_rc: int) -> int:
     state.target_ticks_left = saturate(state.target_age + 1 << 1, 1, _GLIDE_MOST)
     if apart > _GLIDE_APART or apart < -_GLIDE_APART:
         state.target_ticks_left = 0
-    state.goal = goal_rc << 8
+    state.goal_position = goal_rc << 8
     state.target_age = 0
     return apart
 

@@ -223,7 +223,7 @@ def _enter_fault(cfg: JointConfig, state: JointState) -> int:
     if drive != STATE_FAULT_REACTION:
         state.fault_code = state.cause
         state.fault_value = state.cause_value
-        state.fault_tick = state.tick
+        state.fault_tick = state.time_ms
         state.reaction_ticks = 0
     can_damp = damps_first(state.cause)
     if drive != STATE_OPERATION_ENABLED and drive != STATE_QUICK_STOP_ACTIVE and drive != STATE_FAULT_REACTION:

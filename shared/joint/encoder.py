@@ -70,7 +70,7 @@ def encoder_resync(foc: Foc, state: JointState) -> int:
 
 @hot
 def encoder_step(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Take foc.rotor over once a millisecond: state.turns, state.fraction, state.position, state.rate, state.velocity; return state.position.
+    """Take the rotor over once a millisecond: turns, fraction, position, rate, velocity; return state.position.
 
     Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns
     stops at +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
@@ -135,7 +135,7 @@ def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 @hot
 def choose_turn(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
-    """Set state.turns so that state.position is nearest to ``expected_rc``; return what is left, expected minus position.
+    """Set state.turns so that the position is nearest to ``expected_rc``; return what is left, expected minus position.
 
     expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the
     expectation was less than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.

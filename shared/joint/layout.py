@@ -213,7 +213,7 @@ class JointState:
     disagree_ticks: int = field("ticks", "that the encoders have disagreed")
     joint_error: int = field("rc", "joint encoder minus rotor")
     # cascade
-    target: int = field("rc/256", "what the trajectory follows: glides to goal")
+    target: int = field("rc/256", "what the trajectory follows: glides to goal_position")
     target_age: int = field("ticks", "since it came")
     profile: int = field("rc/256", "position of the limited trajectory")
     profile_rate: int = field("rate", "speed of the limited trajectory")
@@ -248,12 +248,12 @@ class JointState:
     torque: int = field("", "TORQUE_*")
     request: int = field("", "REQUEST_*")
     purpose: int = field("", "MODE_* asked for with arm")
-    tick: int = field("ms", "0 .. 2^30 - 1, then again 0")
+    time_ms: int = field("ms", "since the start, 0 .. 2^30 - 1, then again 0")
     cause: int = field("", "FAULT_* present in this tick, the first found")
     cause_value: int = field("", "in the unit of that fault")
     fault_code: int = field("", "latched first cause")
     fault_value: int = field("", "its value")
-    fault_tick: int = field("ms", "tick in which it was latched")
+    fault_tick: int = field("ms", "time at which it was latched")
     setpoint_age: int = field("ticks", "since the last set-point")
     sequence: int = field("", "of the last set-point seen")
     reaction_ticks: int = field("ticks", "in fault reaction or quick stop")
@@ -267,9 +267,9 @@ class JointState:
     raised_value: int = field("", "in the unit of that fault")
     # more of the cascade
     acceleration_feed: int = field("cu", "the acceleration's smoothed share of the current, Q4")
-    goal: int = field("rc/256", "where the last set-point and its velocity say that the joint should be by now")
+    goal_position: int = field("rc/256", "where the last set-point and its velocity say that the joint should be by now")
     target_rate: int = field("rate", "of target, on its way to the set-point's velocity")
-    target_ticks_left: int = field("ticks", "until target is goal")
+    target_ticks_left: int = field("ticks", "until target is goal_position")
 
 
 TORQUE_OFF = const(0)  # bridge off, the joint coasts

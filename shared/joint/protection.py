@@ -105,7 +105,7 @@ def gather_heat(foc: Foc, state: JointState) -> int:
 
 @hot
 def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
-    """Read both temperatures, advance the models and set state.derate, slow_limits, slow_cause; return state.derate (Q15).
+    """Read both temperatures, advance the models, set derate, slow_limits, slow_cause; return state.derate (Q15).
 
     Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
     the cut, winding and MCU alike; at the cut it is also a fault. An open or shorted sensor is a fault.

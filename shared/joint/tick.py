@@ -53,7 +53,7 @@ def joint_reset(foc: Foc, cfg: JointConfig, state: JointState, rotor: int) -> in
 @hot
 def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
     """Do one millisecond; return state.torque: TORQUE_OFF means that the bridge must be off."""
-    state.tick = (state.tick + 1) & 0x3FFFFFFF
+    state.time_ms = (state.time_ms + 1) & 0x3FFFFFFF
     state.limits = state.slow_limits
     _sense(foc, cfg, state, io)
     protect_motion(foc, cfg, state, io)

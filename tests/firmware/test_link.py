@@ -133,13 +133,13 @@ def test_the_boards_frames_are_the_firsts():
     numbers = gait.BoardStatus()
     for _ in range(200):
         joints = [NOISE.randrange(-32768, 32768) for _ in range(12)]
-        numbers.ticks, numbers.flags = NOISE.randrange(1 << 30), NOISE.randrange(1 << 24)
+        numbers.tick_count, numbers.flags = NOISE.randrange(1 << 30), NOISE.randrange(1 << 24)
         numbers.question = NOISE.randrange(256)
         planned = [NOISE.randrange(256) for _ in range(14)]
         setpoints, reading = bytearray(gait.SETPOINTS_BYTES), bytearray(gait.READING_BYTES)
         gait.write_setpoints(setpoints, numbers, planned, joints)
         writer = FirstWriter(link.SETPOINTS)
-        writer.put(numbers.ticks, 4)
+        writer.put(numbers.tick_count, 4)
         writer.put(numbers.flags, 4)
         writer.put(planned[0], 1)
         writer.put(planned[1], 1)

@@ -95,7 +95,8 @@ def test_ordinary_functions_read_the_same_places(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("index", "place"), [("leg & 1", "10 + (leg & 1)"), ("leg << 1", "10 + (leg << 1)"), ("(leg & 1) + LEGS", "(leg & 1) + 14")]
+    ("index", "place"),
+    [("leg & 1", "10 + (leg & 1)"), ("leg << 1", "10 + (leg << 1)"), ("(leg & 1) + LEGS", "(leg & 1) + 14")],
 )
 def test_an_index_stays_one_number(tmp_path, index, place):
     text = HOT.replace("rest[leg + 1]", f"rest[{index}]")

@@ -8,20 +8,20 @@ from .inside import Inside
 from .messages import BOOT, FRAME, FRAME_BODY, HEAD, TICK, TICK_BODY, TICK_SIZE, pack_answer
 
 
-def _boot(inside: Inside, body):  # type: ignore[no-untyped-def]
+def _boot(inside, body):  # type: ignore[no-untyped-def]
     order = json.loads(body)
     inside = inside or Inside(bytes(order["unique_id"]))
     inside.boot(*order["arguments"])
     return inside
 
 
-def _tick(inside: Inside, body):  # type: ignore[no-untyped-def]
+def _tick(inside, body):  # type: ignore[no-untyped-def]
     now_us, bus, thermistor, mcu, joint, a, b, c, room, count = struct.unpack_from(TICK_BODY, body, 0)
     rotors = [body[TICK_SIZE + 2 * i] | body[TICK_SIZE + 2 * i + 1] << 8 for i in range(count)]
     inside.tick(now_us, (bus, thermistor, mcu), rotors, joint, (a, b, c), room)
 
 
-def _do(inside: Inside, kind, body):  # type: ignore[no-untyped-def]
+def _do(inside, kind, body):  # type: ignore[no-untyped-def]
     if kind == BOOT:
         return _boot(inside, body)
     if kind == FRAME:

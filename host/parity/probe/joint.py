@@ -106,7 +106,7 @@ def _gliding(values, dice):
     live(values, dice)
     STATE.target_rate = dice.bits(19) - (1 << 18)
     STATE.target_ticks_left = dice.below(17)
-    STATE.goal = max(-(1 << 29), min((1 << 29) - 1, STATE.target + dice.bits(21) - (1 << 20)))
+    STATE.goal_position = max(-(1 << 29), min((1 << 29) - 1, STATE.target + dice.bits(21) - (1 << 20)))
 
 
 def _posed(values, dice):
@@ -137,7 +137,7 @@ def skip_ahead(dice):
     phase = 1 + dice.below(calibration.PHASE_RETURN)
     back = phase == calibration.PHASE_BACK or phase == calibration.PHASE_RETURN
     CAL.phase = phase
-    CAL.ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
+    CAL.phase_ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
     CAL.angle = 1280 if back else travel - 1280
     CAL.moved = CAL.angle // (4 * pairs)
     CAL.direction = 1

@@ -145,7 +145,7 @@ def test_checks_at_rest(prepare, each, reason, value):
 
 def test_a_wrong_sum_under_current_is_refused():
     p = Plant()
-    p.cal.phase, p.cal.kind, p.cal.ticks = c.PHASE_SETTLE, c.CAL_FULL, 511
+    p.cal.phase, p.cal.kind, p.cal.phase_ticks = c.PHASE_SETTLE, c.CAL_FULL, 511
     for k, raw in enumerate((2400, 2100, 2100)):
         p.foc.raw[k] = raw
     p.foc.current_d = p.cfg.cal_current

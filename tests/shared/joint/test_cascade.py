@@ -236,11 +236,11 @@ def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(ch
 )
 def test_the_target_glides_to_its_goal_and_meets_it_exactly(apart, rate, feed, left):
     state = make().state
-    state.target, state.target_rate, state.goal, state.target_ticks_left = 0, rate, apart, left
+    state.target, state.target_rate, state.goal_position, state.target_ticks_left = 0, rate, apart, left
     target, speed, last = 0.0, float(rate), 0
     for tick in range(max(1, left)):
         target, speed = twin.glide(target, speed, apart + feed * tick, feed, left - tick)
-        state.goal = apart + feed * tick
+        state.goal_position = apart + feed * tick
         last = cascade.glide(state, feed)
         assert abs(state.target - target) <= 2 * left + 1
     assert state.target == apart + feed * (max(1, left) - 1)

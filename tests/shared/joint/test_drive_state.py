@@ -137,7 +137,7 @@ def test_only_set_points_feed_the_watchdog():
     joint = Joint().run()
     for _ in range(300):
         joint.io.session += 1  # other traffic
-        joint.io.position = joint.state.tick & 7
+        joint.io.position = joint.state.time_ms & 7
         joint.tick()
     assert joint.state.fault_code == faults.FAULT_WATCHDOG
     joint = Joint().run()
@@ -187,7 +187,7 @@ def test_the_first_cause_stays():
     joint = Joint().run()
     joint.io.hardware_fault, joint.io.hardware_value = faults.FAULT_DRIVER, 0x421
     joint.tick()
-    tick = joint.state.tick
+    tick = joint.state.time_ms
     joint.io.hardware_fault = 0
     joint.io.bus_raw = 0
     joint.tick(50)
