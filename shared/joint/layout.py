@@ -267,7 +267,7 @@ class JointState:
     raised_value: int = field("", "in the unit of that fault")
     # more of the cascade
     acceleration_feed: int = field("cu", "the acceleration's smoothed share of the current, Q4")
-    goal_position: int = field("rc/256", "where the last set-point and its velocity say that the joint should be by now")
+    goal_position: int = field("rc/256", "where the last set-point and its velocity say that the joint should be")
     target_rate: int = field("rate", "of target, on its way to the set-point's velocity")
     target_ticks_left: int = field("ticks", "until target is goal_position")
 

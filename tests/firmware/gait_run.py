@@ -63,5 +63,5 @@ def run(params, attitude, blocks, lock, unlock):
         states |= 1 << board.planner.numbers[N_STATE]
         faults |= 1 << (board.status.flags >> 20)
         unlock()
-    ends = values_of(board.status), values_of(board.reader), list(board.command)
-    return [stream.sent, stream.digest, states, faults, *ends]
+    status, reader = values_of(board.status), values_of(board.reader)
+    return [stream.sent, stream.digest, states, faults, status, reader, list(board.command)]
