@@ -5,7 +5,7 @@ Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
 from ..fixed import isqrt
-from ..runtime import const, hot
+from ..runtime import Ints, const, hot
 from ..wire.names import (
     LIMIT_I2T,
     LIMIT_MCU_TEMPERATURE,
@@ -104,7 +104,7 @@ def gather_heat(foc: Foc, state: JointState) -> int:
 
 
 @hot
-def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
+def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
     """Read both temperatures, advance the models, set derate, slow_limits, slow_cause; return state.derate (Q15).
 
     Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
@@ -136,7 +136,7 @@ def _slow_cause(state: JointState, code: int, value: int) -> int:
 
 
 @hot
-def _read_winding(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
+def _read_winding(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
     """Set state.winding from the thermistor; return 0 if it is open or shorted."""
     raw = io.thermistor_raw
     if raw >= cfg.open_raw:

@@ -3,7 +3,7 @@
 The fourth, the current step, is current.py. motion_tick may be interrupted by it at any place.
 """
 
-from ..runtime import hot
+from ..runtime import Ints, hot
 from ..wire.names import MODE_CALIBRATING, MODE_HOMING
 from .calibration import (
     Calibration,
@@ -66,7 +66,7 @@ def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal:
 
 
 @hot
-def slow_tick(cfg: JointConfig, state: JointState, io: JointIo, curve) -> int:
+def slow_tick(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
     """Do what is due every 100 ms: temperatures, models, derating; return state.derate (Q15)."""
     return protect_slow(cfg, state, io, curve)
 

@@ -128,7 +128,7 @@ def _bad_frame(link: Link) -> int:
 
 
 @hot
-def _accept_setpoint(link: Link, identifier: int, frame) -> int:
+def _accept_setpoint(link: Link, identifier: int, frame: Ints) -> int:
     """Keep this joint's slot of a set-point frame; FRAME_NOT_MINE for another group or "no change"."""
     node = link.node
     if setpoint_group(identifier) != node_group(node) or node_group(node) < 0:
@@ -176,7 +176,7 @@ def _latch(link: Link) -> int:
 
 
 @hot
-def _accept_sync(link: Link, frame) -> int:
+def _accept_sync(link: Link, frame: Ints) -> int:
     """Count, then latch; SYNC of a host with another session changes nothing."""
     if link.session and sync_session(frame) != link.session:
         return FRAME_OTHER_SESSION
@@ -185,7 +185,7 @@ def _accept_sync(link: Link, frame) -> int:
 
 
 @hot
-def accept_frame(link: Link, identifier: int, frame, length: int) -> int:
+def accept_frame(link: Link, identifier: int, frame: Ints, length: int) -> int:
     """Take one received frame of ``length`` bytes; return FRAME_*.
 
     ``frame`` is an array('H') of four words. An e-stop counts whatever its length. Of a request only
