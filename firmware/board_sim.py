@@ -6,22 +6,14 @@ The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``com
 
 from array import array
 
-from shared.joint.layout import (
-    F_DUTY_A,
-    F_DUTY_B,
-    F_DUTY_C,
-    F_RAW_A,
-    F_RAW_B,
-    F_RAW_C,
-    IO_BUS_RAW,
-    IO_JOINT_RAW,
-    IO_JOINT_VALID,
-)
-from shared.wire.names import REPLY_LENGTH
+from shared.joint.layout import Foc, JointIo
+from shared.runtime import zeros
+from shared.wire.names import REPLY_FIELDS, REPLY_LENGTH
+from shared.wire.receive import Link
 
 from .joint_bus import FRAMES_MOST, WANTS_REPLY, take_frame, write_reply
 from .joint_control import Control
-from .joint_run import BRIDGE_OFF, BRIDGE_ON, RUN_STEPS, RUN_STEPS_FED, RUN_UNSENT, take_motion, take_step
+from .joint_run import BRIDGE_OFF, BRIDGE_ON, take_motion, take_step
 
 _QUEUE = 64  # frames
 _MASK = 0x3FFFFFFF
@@ -54,6 +46,7 @@ class SimBoard:
         self.resets = 0
         self.to_loader = False
         self.filters = 0
+        self._reply = zeros(REPLY_FIELDS)
         self._in = Frames()
         self.sent = Frames()
 
@@ -64,20 +57,21 @@ class SimBoard:
 
     def _step(self):
         """Do what the chip's interrupt does: samples, rotor, control, compares."""
-        foc = self._control.foc
-        foc[F_RAW_A] = self.raw[0]
-        foc[F_RAW_B] = self.raw[1]
-        foc[F_RAW_C] = self.raw[2]
-        wanted = take_step(foc, self._control.run, self.now_us & 0x3FFFFFFF, self.rotor)
+        c: Control = self._control
+        foc = c.foc
+        foc.raw[0] = self.raw[0]
+        foc.raw[1] = self.raw[1]
+        foc.raw[2] = self.raw[2]
+        wanted = take_step(foc, c.run, self.now_us & 0x3FFFFFFF, self.rotor)
         if wanted == BRIDGE_OFF:
             self.bridge = 0
         elif wanted == BRIDGE_ON:
             self._write_compares(foc)
 
-    def _write_compares(self, foc):
-        self.compare[0] = foc[F_DUTY_A]
-        self.compare[1] = foc[F_DUTY_B]
-        self.compare[2] = foc[F_DUTY_C]
+    def _write_compares(self, foc: Foc):
+        self.compare[0] = foc.duty[0]
+        self.compare[1] = foc.duty[1]
+        self.compare[2] = foc.duty[2]
 
     def pwm_off(self):
         """Open all six switches."""
@@ -85,7 +79,7 @@ class SimBoard:
 
     def millisecond(self):
         """Do what the chip does: sensors, a motion tick, the bridge, the watchdog; return the gate driver's fault."""
-        c = self._control
+        c: Control = self._control
         self._sense(c.io)
         wanted = take_motion(c.foc, c.cfg, c.state, c.io, c.cal, c.run, self.driver)
         if wanted == BRIDGE_ON:
@@ -93,17 +87,17 @@ class SimBoard:
             self.bridge = 1
         elif wanted == BRIDGE_OFF:
             self.bridge = 0
-        if c.run[RUN_STEPS] != c.run[RUN_STEPS_FED]:
-            c.run[RUN_STEPS_FED] = c.run[RUN_STEPS]
+        if c.run.steps != c.run.steps_fed:
+            c.run.steps_fed = c.run.steps
             self.fed = (self.fed + 1) & 0x3FFFFFFF
         return self.driver
 
-    def _sense(self, io):
-        io[IO_BUS_RAW] = self.bus
-        io[IO_JOINT_VALID] = 0
+    def _sense(self, io: JointIo):
+        io.bus_raw = self.bus
+        io.joint_valid = 0
         if self.joint >= 0:
-            io[IO_JOINT_RAW] = self.joint
-            io[IO_JOINT_VALID] = 1
+            io.joint_raw = self.joint
+            io.joint_valid = 1
 
     def read_rotor(self):
         """Return the rotor encoder's angle, 0 .. 16383, or -1 if the reading failed its check."""
@@ -158,11 +152,11 @@ class SimBoard:
         """Set the hardware filters; a simulated bus hands over every frame."""
         self.filters = count
 
-    def listen(self, control: Control, link, frame, out):
+    def listen(self, control: Control, link: Link, frame, out):
         """Return what serves the bus: called without arguments, it does what chip_joint.serve_bus does."""
         return lambda: self._serve(control, link, frame, out)
 
-    def _serve(self, c: Control, link, frame, out):
+    def _serve(self, c: Control, link: Link, frame, out):
         for _ in range(FRAMES_MOST):
             came = self.can_receive(frame)
             if came < 0:
@@ -171,9 +165,9 @@ class SimBoard:
             if left >= 0:
                 return left
             if left == WANTS_REPLY:
-                identifier = write_reply(link, c.foc, c.cfg, c.state, c.run, out)
+                identifier = write_reply(link, c.foc, c.cfg, c.state, self._reply, out)
                 if identifier and self.can_send(identifier, out, REPLY_LENGTH) == 0:
-                    c.run[RUN_UNSENT] = (c.run[RUN_UNSENT] + 1) & 0x3FFFFFFF
+                    c.run.unsent_frames = (c.run.unsent_frames + 1) & 0x3FFFFFFF
         return -1
 
     def can_receive(self, frame):

@@ -4,7 +4,10 @@ Everything is done on registers (chip*.py); of MicroPython it uses a timer's int
 the way into the ROM's loader. What stands for the chip is an address there, and a model of it on a computer.
 """
 
-from shared.runtime import bound, const
+from shared.joint.layout import Foc
+from shared.runtime import bound, const, zeros
+from shared.wire.names import REPLY_FIELDS
+from shared.wire.receive import Link
 
 from .chip import (
     CORE,
@@ -136,16 +139,17 @@ class Stm32F405Board:
         """Open all six switches."""
         outputs_off(self._chip)
 
-    def listen(self, control: Control, link, frame, out):
+    def listen(self, control: Control, link: Link, frame, out):
         """Return what serves the bus: called without arguments, it returns what chip_joint.serve_bus does."""
         c = control
-        return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, out)
+        reply = zeros(REPLY_FIELDS)
+        return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, reply, out)
 
     def feed_watchdog(self):
         """Put the watchdog off; for the self-test, a joint does it in ``millisecond``."""
         poke(self._chip, IWDG_KR_32, 0xAAAA)
 
-    def pwm_on(self, foc):
+    def pwm_on(self, foc: Foc):
         """Let the bridge follow the compares; for the self-test, a joint does it in ``millisecond``."""
         write_compares(self._chip, foc)
         bridge_on(self._chip)

@@ -3,8 +3,8 @@
 Each wait has an end: what does not come is told by -1.
 """
 
-from shared.joint.layout import IO_BUS_RAW, IO_JOINT_RAW, IO_JOINT_VALID
-from shared.runtime import Ints, const, hot, ptr16, reg16, reg32
+from shared.joint.layout import JointIo
+from shared.runtime import const, hot, ptr16, reg16, reg32
 
 from .chip import (
     ADC1_CR2_32,
@@ -120,8 +120,8 @@ def sample(chip, channel: int) -> int:
 
 
 @hot
-def sense(chip, io: Ints) -> int:
-    """Write bus voltage and joint encoder to IO_*; return the gate driver's fault, 0 if none, -1 without an ADC.
+def sense(chip, io: JointIo) -> int:
+    """Write bus voltage and joint encoder to ``io``; return the gate driver's fault, 0 if none, -1 without an ADC.
 
     The bus voltage is the one converted since the last call.
     """
@@ -129,13 +129,13 @@ def sense(chip, io: Ints) -> int:
     bus = end_sample(chip)
     if bus < 0:
         return -1
-    io[IO_BUS_RAW] = bus
+    io.bus_raw = bus
     begin_sample(chip, BUS_CHANNEL)
     angle = angle_of(selected_word(chip, GPIOD_SET_16, JOINT_BIT, READ_ANGLE))
-    io[IO_JOINT_VALID] = 0
+    io.joint_valid = 0
     if angle >= 0:
-        io[IO_JOINT_RAW] = angle
-        io[IO_JOINT_VALID] = 1
+        io.joint_raw = angle
+        io.joint_valid = 1
     if c[GPIOB_IDR_32] & _FAULT_BIT:
         return 0
     return driver_faults(chip)

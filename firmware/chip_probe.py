@@ -3,22 +3,29 @@
 Timer 1 itself is the clock, at 168 MHz: it stood at the top when the interrupt was asked for.
 """
 
-from shared.joint.layout import F_RAW_A
+from shared.joint.layout import Foc
+from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot, reg32
 
 from .chip import TIM1_CNT_32, TIM1_CR1_32
 from .chip_setup import PERIOD
 from .chip_step import interrupt
-from .joint_run import RUN_LAST_US, RUN_STALE
+from .joint_run import BoardRun
 
-SEEN_GAP_LEAST = const(0)  # us between two steps
-SEEN_GAP_MOST = const(1)
-SEEN_ENTRY_MOST = const(2)  # ticks of 1/168 us from the update to the first instruction here
-SEEN_END_MOST = const(3)  # and to the end
-SEEN_STALE = const(4)  # steps without new samples
-SEEN_RAW_LOW = const(5)  # of three shunts, counts
-SEEN_RAW_HIGH = const(8)
-SEEN_SIZE = const(11)
+
+@record
+class Seen:
+    """What the steps were like."""
+
+    gap_least_us: int = field("us", "shortest time between two steps")
+    gap_most_us: int = field("us", "longest time between two steps")
+    entry_most: int = field("1/168 us", "longest time from the update to the first instruction here")
+    end_most: int = field("1/168 us", "and to the end")
+    stale_samples: int = field("", "steps without new samples")
+    raw_low: Ints = vector(3, "count", "least reading of the shunts a, b, c")
+    raw_high: Ints = vector(3, "count", "largest reading of the shunts a, b, c")
+
+
 _DOWN = const(0x10)  # CR1: DIR
 _MASK = const(0x3FFFFFFF)
 
@@ -34,29 +41,29 @@ def since_update(chip) -> int:
 
 
 @hot
-def probed(chip, foc: Ints, run: Ints, seen: Ints, timer) -> int:
+def probed(chip, foc: Foc, run: BoardRun, seen: Seen, timer) -> int:
     """Do what the interrupt does, and note it; return what became of the bridge."""
     entry = since_update(chip)
-    before = run[RUN_LAST_US]
+    before = run.last_us
     bridge = interrupt(chip, foc, run, timer)
-    if run[RUN_STALE]:
-        seen[SEEN_STALE] += 1
+    if run.stale_steps:
+        seen.stale_samples += 1
     for phase in range(3):
-        raw = foc[F_RAW_A + phase]
-        if raw < seen[SEEN_RAW_LOW + phase]:
-            seen[SEEN_RAW_LOW + phase] = raw
-        if raw > seen[SEEN_RAW_HIGH + phase]:
-            seen[SEEN_RAW_HIGH + phase] = raw
-    if entry > seen[SEEN_ENTRY_MOST]:
-        seen[SEEN_ENTRY_MOST] = entry
+        raw = foc.raw[phase]
+        if raw < seen.raw_low[phase]:
+            seen.raw_low[phase] = raw
+        if raw > seen.raw_high[phase]:
+            seen.raw_high[phase] = raw
+    if entry > seen.entry_most:
+        seen.entry_most = entry
     end = since_update(chip)
-    if end > seen[SEEN_END_MOST]:
-        seen[SEEN_END_MOST] = end
+    if end > seen.end_most:
+        seen.end_most = end
     if before < 0:
         return bridge
-    gap = (run[RUN_LAST_US] - before) & _MASK
-    if gap < seen[SEEN_GAP_LEAST]:
-        seen[SEEN_GAP_LEAST] = gap
-    if gap > seen[SEEN_GAP_MOST]:
-        seen[SEEN_GAP_MOST] = gap
+    gap = (run.last_us - before) & _MASK
+    if gap < seen.gap_least_us:
+        seen.gap_least_us = gap
+    if gap > seen.gap_most_us:
+        seen.gap_most_us = gap
     return bridge

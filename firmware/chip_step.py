@@ -5,8 +5,8 @@ Timer 1 counts up and down at 20 kHz; its update event comes at the top of each 
 the rest is got ready.
 """
 
-from shared.joint.layout import F_DUTY_A, F_DUTY_B, F_DUTY_C, F_RAW_A, F_RAW_B, F_RAW_C
-from shared.runtime import Ints, const, hot, reg16, reg32
+from shared.joint.layout import Foc
+from shared.runtime import const, hot, reg16, reg32
 
 from .chip import (
     ADC1_JDR1_32,
@@ -30,7 +30,7 @@ from .chip import (
 from .chip_io import settle, spi_end, spi_word
 from .chip_setup import PERIOD
 from .encoders import READ_ANGLE, angle_of
-from .joint_run import BRIDGE_OFF, BRIDGE_ON, PART_STEP, RUN_BRIDGE, RUN_FAILED, RUN_STALE, STALE_MOST, take_step
+from .joint_run import BRIDGE_OFF, BRIDGE_ON, PART_STEP, STALE_MOST, BoardRun, take_step
 
 _ROTOR_BIT = const(0x40)  # PC6
 _SAMPLE_POLLS = const(60)  # a sample takes 27 ADC clocks, 1.3 us; a poll three reads
@@ -39,7 +39,7 @@ _MASK = const(0x3FFFFFFF)
 
 
 @hot
-def interrupt(chip, foc, run, timer) -> int:
+def interrupt(chip, foc: Foc, run: BoardRun, timer) -> int:
     """Do one current step; return what became of the bridge. ``timer`` is what calls, and not needed."""
     c = reg32(chip)
     h = reg16(chip)
@@ -76,33 +76,33 @@ def rotor_angle(chip) -> int:
 
 
 @hot
-def take_samples(chip, foc: Ints, run: Ints) -> int:
-    """Write the shunts' samples to F_RAW_*; return 0 after too many steps in a row without new ones, else 1."""
+def take_samples(chip, foc: Foc, run: BoardRun) -> int:
+    """Write the shunts' samples to foc.raw; return 0 after too many steps in a row without new ones, else 1."""
     c = reg32(chip)
-    run[RUN_STALE] += 1
+    run.stale_steps += 1
     for _ in range(_SAMPLE_POLLS):
         if c[ADC1_SR_32] & c[ADC2_SR_32] & c[ADC3_SR_32] & JEOC:
             c[ADC1_SR_32] = _ALL_BUT_JEOC
             c[ADC2_SR_32] = _ALL_BUT_JEOC
             c[ADC3_SR_32] = _ALL_BUT_JEOC
-            run[RUN_STALE] = 0
+            run.stale_steps = 0
             break
-    foc[F_RAW_A] = c[ADC1_JDR1_32] & 0xFFF
-    foc[F_RAW_B] = c[ADC2_JDR1_32] & 0xFFF
-    foc[F_RAW_C] = c[ADC3_JDR1_32] & 0xFFF
-    if run[RUN_STALE] > STALE_MOST:
-        run[RUN_FAILED] = PART_STEP
+    foc.raw[0] = c[ADC1_JDR1_32] & 0xFFF
+    foc.raw[1] = c[ADC2_JDR1_32] & 0xFFF
+    foc.raw[2] = c[ADC3_JDR1_32] & 0xFFF
+    if run.stale_steps > STALE_MOST:
+        run.failed_part = PART_STEP
         return 0
     return 1
 
 
 @hot
-def write_compares(chip, foc: Ints) -> int:
+def write_compares(chip, foc: Foc) -> int:
     """Set the compares; they act from the next update event on, all at once. Return 0."""
     c = reg32(chip)
-    c[TIM1_CCR1_32] = foc[F_DUTY_A]
-    c[TIM1_CCR2_32] = foc[F_DUTY_B]
-    c[TIM1_CCR3_32] = foc[F_DUTY_C]
+    c[TIM1_CCR1_32] = foc.duty[0]
+    c[TIM1_CCR2_32] = foc.duty[1]
+    c[TIM1_CCR3_32] = foc.duty[2]
     return 0
 
 
@@ -115,9 +115,9 @@ def bridge_on(chip) -> int:
 
 
 @hot
-def bridge_off(chip, run: Ints) -> int:
+def bridge_off(chip, run: BoardRun) -> int:
     """Switch all six gates off; return BRIDGE_OFF."""
-    run[RUN_BRIDGE] = 0
+    run.bridge = 0
     return outputs_off(chip)
 
 

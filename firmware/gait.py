@@ -24,17 +24,16 @@ from shared.params import JOINTS, Params
 from shared.planner import Planner, plan
 from shared.planner_layout import Status
 from shared.planner_state import PlannerState
-from shared.runtime import Ints, const, hot, ptr8
+from shared.record import field, record
+from shared.runtime import const, hot, ptr8
 from shared.sensed import Sensed
 from shared.steps import SPEED_SIZE
 
 from .link import (
     COMMAND,
     PAYLOAD,
-    R_BROKEN,
     READ,
     READER_BYTES,
-    READER_SIZE,
     READING,
     READY,
     RESET,
@@ -42,6 +41,7 @@ from .link import (
     SETPOINTS,
     STOP,
     TAKEN,
+    Reader,
     close_frame,
     int_block,
     next_frame,
@@ -59,20 +59,23 @@ STOPPED = const(0x40000)
 ALIGNING_NOW = const(0x80000)
 _FAULT_SHIFT = const(20)
 
-# The board's own numbers, one block
-B_AGE = const(0)  # ticks since the last command, up to B_STALE
-B_STALE = const(1)  # the age from which on a command is stale
-B_TICKS = const(2)
-B_FLAGS = const(3)  # of the last tick: the planner's and the application's
-B_STOPPED = const(4)  # 1: from STOP until RESET
-B_QUESTION = const(5)  # number of the last READ
-BOARD_SIZE = const(6)
-
 SETPOINTS_BYTES = const(40)  # whole frames: link.OVERHEAD and what link.py says is in them
 READING_BYTES = const(20)
 READY_BYTES = const(9)
 _COUNTS = const(6)
 _MASK = const(0x3FFFFFFF)
+
+
+@record
+class BoardStatus:
+    """What the board knows of its commands and ticks."""
+
+    command_age: int = field("ticks", "since the last command, up to stale_age")
+    stale_age: int = field("ticks", "the age from which on a command is stale")
+    tick_count: int = field("", "ticks planned, modulo 2^30")
+    flags: int = field("", "of the last tick: the planner's and the application's")
+    stopped: int = field("", "1: from STOP until RESET")
+    question: int = field("", "number of the last READ")
 
 
 class GaitBoard:
@@ -88,14 +91,14 @@ class GaitBoard:
         self.sensed = Sensed()
         self.counts = int_block(_COUNTS)
         self.asked = int_block(_COUNTS)  # what the host gets to read, apart from what the board itself plans with
-        self.reader = int_block(READER_SIZE)
+        self.reader = Reader()
         self.frame = bytearray(READER_BYTES)  # as received
         self.setpoints = bytearray(SETPOINTS_BYTES)
         self.reading = bytearray(READING_BYTES)
         self.ready = bytearray(READY_BYTES)
         self.rate_hz = params.rate_hz
-        self.status = int_block(BOARD_SIZE)
-        self.status[B_STALE] = self.status[B_AGE] = max(1, STALE_MS * self.rate_hz // 1000)
+        self.status = BoardStatus()
+        self.status.stale_age = self.status.command_age = max(1, STALE_MS * self.rate_hz // 1000)
         at = put(self.ready, put(self.ready, PAYLOAD, self.rate_hz, 2), len(GAIT_NAMES), 1)
         close_frame(self.ready, READY, at)
         self.attitude = attitude
@@ -116,7 +119,7 @@ class GaitBoard:
 
 
 @hot
-def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int) -> int:
+def take_frames(reader: Reader, frame, status: BoardStatus, command, sensed, data, count: int) -> int:
     """Take data[:count] and do what complete frames say; return the kind of one that is left to the caller, else 0.
 
     After a kind that is not 0, call again with the same data: it goes on behind that frame (link.next_frame).
@@ -125,23 +128,23 @@ def take_frames(reader, frame, numbers: Ints, command, sensed, data, count: int)
     kind = next_frame(reader, frame, data, count)
     while kind:
         if kind == COMMAND:
-            take_command(reader, frame, numbers, command)
+            take_command(reader, frame, status, command)
         elif kind == SENSED:
             take_joints(reader, frame, sensed)
         elif kind == STOP:
-            numbers[B_STOPPED] = 1
+            status.stopped = 1
         elif kind == RESET:
-            reset(numbers, command)
+            reset(status, command)
         else:
             if kind == READ:
-                numbers[B_QUESTION] = f[TAKEN]
+                status.question = f[TAKEN]
             return kind
         kind = next_frame(reader, frame, data, count)
     return 0
 
 
 @hot
-def take_command(reader, frame, numbers: Ints, command: Command) -> int:
+def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -> int:
     """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
         return 0
@@ -156,12 +159,12 @@ def take_command(reader, frame, numbers: Ints, command: Command) -> int:
         at += 4
     command.balance = read_int30(frame, at)
     command.height = read_int30(frame, at + 4)
-    numbers[B_AGE] = 0
+    status.command_age = 0
     return 1
 
 
 @hot
-def take_joints(reader, frame, sensed: Sensed) -> int:
+def take_joints(reader: Reader, frame, sensed: Sensed) -> int:
     """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 2 * JOINTS) == 0:
         return 0
@@ -172,36 +175,36 @@ def take_joints(reader, frame, sensed: Sensed) -> int:
 
 
 @hot
-def is_length(reader: Ints, frame, length: int) -> int:
+def is_length(reader: Reader, frame, length: int) -> int:
     """Return 1 if the frame's payload has this length; else count it as broken and return 0."""
     f = ptr8(frame)
     if f[1] == length:
         return 1
-    reader[R_BROKEN] = (reader[R_BROKEN] + 1) & _MASK
+    reader.broken = (reader.broken + 1) & _MASK
     return 0
 
 
 @hot
-def reset(numbers: Ints, command: Command) -> int:
+def reset(status: BoardStatus, command: Command) -> int:
     """Drive again; what was commanded before is not obeyed after it. Return 0."""
-    numbers[B_STOPPED] = 0
+    status.stopped = 0
     command.mode = MODE_LIMP
     return 0
 
 
 @hot
 def tick(
-    board, planner: PlannerState, numbers: Ints, command, obeyed, sensed, fault: int
+    board, planner: PlannerState, status: BoardStatus, command, obeyed, sensed, fault: int
 ) -> int:
     """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
     sense(board.attitude, board.counts, sensed, fault)
-    obey(numbers, command, obeyed, fault)
+    obey(status, command, obeyed, fault)
     flags = plan(planner, obeyed, sensed)
-    numbers[B_FLAGS] = flags | own_flags(numbers, sensed, fault)
-    numbers[B_TICKS] = (numbers[B_TICKS] + 1) & _MASK
-    if numbers[B_AGE] < numbers[B_STALE]:
-        numbers[B_AGE] += 1
-    return write_setpoints(board.setpoints, numbers, planner.status, planner.joints)
+    status.flags = flags | own_flags(status, sensed, fault)
+    status.tick_count = (status.tick_count + 1) & _MASK
+    if status.command_age < status.stale_age:
+        status.command_age += 1
+    return write_setpoints(board.setpoints, status, planner.status, planner.joints)
 
 
 @hot
@@ -221,12 +224,12 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
 
 
 @hot
-def obey(numbers: Ints, command: Command, obeyed: Command, fault: int) -> int:
+def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> int:
     """Turn the command as received into what the planner may do now; return its mode."""
     repeat_command(command, obeyed)
-    if numbers[B_STOPPED]:
+    if status.stopped:
         obeyed.mode = MODE_LIMP
-    elif numbers[B_AGE] >= numbers[B_STALE] and obeyed.mode == MODE_WALK:
+    elif status.command_age >= status.stale_age and obeyed.mode == MODE_WALK:
         obeyed.mode = MODE_STAND
     if fault:
         obeyed.balance = 0
@@ -236,7 +239,7 @@ def obey(numbers: Ints, command: Command, obeyed: Command, fault: int) -> int:
 
 
 @hot
-def own_flags(numbers: Ints, sensed: Sensed, fault: int) -> int:
+def own_flags(status: BoardStatus, sensed: Sensed, fault: int) -> int:
     """Return the application's flags."""
     valid = sensed.valid
     flags = fault << _FAULT_SHIFT
@@ -244,27 +247,27 @@ def own_flags(numbers: Ints, sensed: Sensed, fault: int) -> int:
         flags |= SENSOR_FAULT
     elif valid.tilt == 0:
         flags |= ALIGNING_NOW
-    if numbers[B_AGE] >= numbers[B_STALE]:
+    if status.command_age >= status.stale_age:
         flags |= COMMAND_STALE
-    if numbers[B_STOPPED]:
+    if status.stopped:
         flags |= STOPPED
     return flags
 
 
 @hot
-def write_setpoints(frame, numbers: Ints, planned: Status, joints) -> int:
+def write_setpoints(frame, status: BoardStatus, planned: Status, joints) -> int:
     """Write the SETPOINTS frame; return the flags in it."""
-    at = put(frame, PAYLOAD, numbers[B_TICKS], 4)
-    at = put(frame, at, numbers[B_FLAGS], 4)
+    at = put(frame, PAYLOAD, status.tick_count, 4)
+    at = put(frame, at, status.flags, 4)
     at = put(frame, at, planned.state, 1)
     at = put(frame, at, planned.gait, 1)
     close_frame(frame, SETPOINTS, put_each(frame, at, joints, JOINTS, 2))
-    return numbers[B_FLAGS]
+    return status.flags
 
 
 @hot
-def write_reading(frame, numbers: Ints, fault: int, counts) -> int:
+def write_reading(frame, status: BoardStatus, fault: int, counts) -> int:
     """Write the READING frame; return its length."""
-    at = put(frame, PAYLOAD, numbers[B_QUESTION], 1)
+    at = put(frame, PAYLOAD, status.question, 1)
     at = put(frame, at, fault, 1)
     return close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))

@@ -8,17 +8,6 @@ while disarmed (saving parameters).
 from array import array
 
 from shared.joint.faults import FAULT_DUPLICATE_ID, FAULT_STORAGE
-from shared.joint.layout import (
-    IO_SESSION,
-    S_DRIVE,
-    S_FAULT_CODE,
-    S_FAULT_TICK,
-    S_FAULT_VALUE,
-    S_LIMITS,
-    S_MCU,
-    S_MODE,
-    S_WINDING,
-)
 from shared.joint.report import report_bus, report_temperature
 from shared.runtime import const
 from shared.wire.codec import encode_fault, encode_heartbeat, encode_slow_status
@@ -56,14 +45,7 @@ from shared.wire.names import (
     SLOW_STATUS_OVERRUNS,
     SLOW_STATUS_WINDING_TEMPERATURE,
 )
-from shared.wire.receive import (
-    FRAME_E_STOP,
-    FRAME_REQUEST,
-    FRAME_TWIN,
-    LINK_LOST,
-    LINK_SIZE,
-    link_reset,
-)
+from shared.wire.receive import FRAME_E_STOP, FRAME_REQUEST, FRAME_TWIN, Link, link_reset
 
 from .joint_bus import (
     FOUND_SHIFT,
@@ -72,13 +54,11 @@ from .joint_bus import (
     TELL_FAULT,
     TELL_HEARTBEAT,
     TELL_STATUS,
-    TOLD_SIZE,
-    TOLD_STATE,
-    TOLD_STATUS_MS,
+    Told,
     what_to_tell,
 )
 from .joint_control import Control
-from .joint_run import PART_BUS, RUN_LATE, RUN_UNSENT
+from .joint_run import PART_BUS
 from .joint_service import ANSWER, ANSWER_LATER, Service
 from .joint_store import BROKEN, Parameters
 
@@ -97,8 +77,8 @@ class Joint:
         self.control = Control(board)
         self.parameters = Parameters(self.control, settings)
         self.loaded = self.parameters.load()
-        self.link = array("i", [0] * LINK_SIZE)
-        self.service = Service(self, self.control, self.parameters, board.unique_id())
+        self.link = Link()
+        self.service = Service(self, self.link, self.control, self.parameters, board.unique_id())
         self._frame = array("H", [0] * 4)
         self._out = array("H", [0] * 4)
         self._filters = array("H", [0] * (2 * FILTERS))
@@ -107,8 +87,8 @@ class Joint:
         self._fault = array("i", [0] * FAULT_FIELDS)
         self._version = array("i", VERSION)
         self._due_us = 0
-        self._told = array("i", [0] * TOLD_SIZE)
-        self._told[TOLD_STATE] = -1
+        self._told = Told()
+        self._told.drive_state = -1
         self._bus = board.listen(self.control, self.link, self._frame, self._out)
         self._discover_ms = -1
         self.set_node(self.parameters.node)
@@ -126,7 +106,7 @@ class Joint:
         self.parameters.node = node
         link_reset(self.link, node)
         self.board.can_filters(self._filters, joint_filters(self._filters, node))
-        self._told[TOLD_STATUS_MS] = node * 16
+        self._told.status_ms = node * 16
 
     def poll(self):
         """Do what is due; return 1 if a motion tick was done."""
@@ -194,37 +174,37 @@ class Joint:
     def _send_heartbeat(self):
         h = self._heartbeat
         state = self.control.state
-        h[HEARTBEAT_STATE] = state[S_DRIVE]
-        h[HEARTBEAT_MODE] = state[S_MODE]
-        h[HEARTBEAT_FAULT] = state[S_FAULT_CODE]
+        h[HEARTBEAT_STATE] = state.drive_state
+        h[HEARTBEAT_MODE] = state.mode
+        h[HEARTBEAT_FAULT] = state.fault_code
         h[HEARTBEAT_PROTOCOL_HASH] = PROTOCOL_HASH
-        h[HEARTBEAT_SESSION] = self.control.io[IO_SESSION]
+        h[HEARTBEAT_SESSION] = self.control.io.session
         h[HEARTBEAT_FIRMWARE_MAJOR] = self._version[0]
         h[HEARTBEAT_FIRMWARE_MINOR] = self._version[1]
         h[HEARTBEAT_FIRMWARE_PATCH] = self._version[2]
-        encode_heartbeat(self._out, h, 0)
+        encode_heartbeat(self._out, h)
         self._send(HEARTBEAT_ID + self.parameters.node, self._out, HEARTBEAT_LENGTH)
 
     def _send_slow_status(self):
         s = self._status
         state = self.control.state
-        s[SLOW_STATUS_WINDING_TEMPERATURE] = report_temperature(state[S_WINDING])
-        s[SLOW_STATUS_MCU_TEMPERATURE] = report_temperature(state[S_MCU])
+        s[SLOW_STATUS_WINDING_TEMPERATURE] = report_temperature(state.winding)
+        s[SLOW_STATUS_MCU_TEMPERATURE] = report_temperature(state.mcu)
         s[SLOW_STATUS_BUS_VOLTAGE] = report_bus(self.control.cfg, state)
-        s[SLOW_STATUS_LIMITS] = state[S_LIMITS]
-        s[SLOW_STATUS_LOST_SYNC] = self.link[LINK_LOST] & 0xFF
-        s[SLOW_STATUS_OVERRUNS] = self.control.run[RUN_LATE] & 0xFF
-        encode_slow_status(self._out, s, 0)
+        s[SLOW_STATUS_LIMITS] = state.limits
+        s[SLOW_STATUS_LOST_SYNC] = self.link.lost_syncs & 0xFF
+        s[SLOW_STATUS_OVERRUNS] = self.control.run.late_steps & 0xFF
+        encode_slow_status(self._out, s)
         self._send(SLOW_STATUS_ID + self.parameters.node, self._out, SLOW_STATUS_LENGTH)
 
     def _send_fault(self):
         state = self.control.state
-        self._fault[FAULT_CODE] = state[S_FAULT_CODE]
-        self._fault[FAULT_VALUE] = state[S_FAULT_VALUE]
-        self._fault[FAULT_TICK] = state[S_FAULT_TICK]
-        encode_fault(self._out, self._fault, 0)
+        self._fault[FAULT_CODE] = state.fault_code
+        self._fault[FAULT_VALUE] = state.fault_value
+        self._fault[FAULT_TICK] = state.fault_tick
+        encode_fault(self._out, self._fault)
         self._send(FAULT_ID + self.parameters.node, self._out, FAULT_LENGTH)
 
     def _send(self, identifier, frame, length):
         if self.board.can_send(identifier, frame, length) == 0:
-            self.control.run[RUN_UNSENT] = (self.control.run[RUN_UNSENT] + 1) & _MASK
+            self.control.run.unsent_frames = (self.control.run.unsent_frames + 1) & _MASK

@@ -1,22 +1,8 @@
 """What a frame does to a joint, and what is due to be told, hot and hardware-free; requests are served elsewhere."""
 
-from shared.joint.layout import (
-    IO_CURRENT,
-    IO_DAMPING,
-    IO_HASH_OK,
-    IO_MODE,
-    IO_POSITION,
-    IO_SEQUENCE,
-    IO_SESSION,
-    IO_STIFFNESS,
-    IO_VELOCITY,
-    REQUEST_ARM,
-    S_DRIVE,
-    S_FAULT_CODE,
-    S_HOMED,
-    S_REQUEST,
-)
+from shared.joint.layout import REQUEST_ARM, Foc, JointConfig, JointIo, JointState
 from shared.joint.report import report_current, report_position, report_velocity
+from shared.record import field, record
 from shared.runtime import Ints, const, hot
 from shared.wire.codec import encode_reply
 from shared.wire.names import (
@@ -42,20 +28,21 @@ from shared.wire.receive import (
     KIND_STIFFNESS,
     KIND_VELOCITY,
     KIND_VELOCITY_FEEDFORWARD,
-    LINK_LATCHED,
-    LINK_MODE,
-    LINK_NODE,
+    Link,
     accept_frame,
     end_session,
 )
 
-from .joint_run import RUN_REPLY
 
-TOLD_STATE = const(0)  # what the host was told last, and how long ago
-TOLD_FAULT = const(1)
-TOLD_STATUS_MS = const(2)
-TOLD_FAULT_MS = const(3)
-TOLD_SIZE = const(4)
+@record
+class Told:
+    """What the host was told last, and how long ago."""
+
+    drive_state: int = field("", "STATE_* told last, -1 none")
+    fault_code: int = field("", "latched in the millisecond before, 0 none")
+    status_ms: int = field("ms", "since heartbeat and slow status")
+    fault_ms: int = field("ms", "since a latched fault")
+
 
 TELL_HEARTBEAT = const(1)  # what is due
 TELL_STATUS = const(2)
@@ -74,7 +61,7 @@ _MASK = const(0x3FFFFFFF)
 
 
 @hot
-def take_frame(link, io, came: int, frame) -> int:
+def take_frame(link: Link, io: JointIo, came: int, frame) -> int:
     """Do what a frame says; ``came``: identifier + length << 11. Set-points made valid go to io.
 
     Return WANTS_REPLY after a SYNC, ``came`` with FRAME_* above it if it is left to the application, else -1.
@@ -91,80 +78,83 @@ def take_frame(link, io, came: int, frame) -> int:
 
 
 @hot
-def use_setpoint(link: Ints, io: Ints) -> int:
+def use_setpoint(link: Link, io: JointIo) -> int:
     """Copy the latched set-point to where the control reads it; only this feeds the watchdog. Return its mode."""
-    mode = link[LINK_MODE]
+    mode = link.mode
     velocity = KIND_VELOCITY_FEEDFORWARD
     if mode == KIND_VELOCITY + 1:
         velocity = KIND_VELOCITY
     current = KIND_CURRENT_FEEDFORWARD
     if mode == KIND_CURRENT + 1:
         current = KIND_CURRENT
-    io[IO_MODE] = mode
-    io[IO_POSITION] = link[LINK_LATCHED + mode - 1]
-    io[IO_VELOCITY] = link[LINK_LATCHED + velocity]
-    io[IO_CURRENT] = link[LINK_LATCHED + current]
-    io[IO_STIFFNESS] = link[LINK_LATCHED + KIND_STIFFNESS]
-    io[IO_DAMPING] = link[LINK_LATCHED + KIND_DAMPING]
-    io[IO_SEQUENCE] = (io[IO_SEQUENCE] + 1) & _MASK
+    io.mode = mode
+    io.position = link.latched[mode - 1]
+    io.velocity = link.latched[velocity]
+    io.current = link.latched[current]
+    io.stiffness = link.latched[KIND_STIFFNESS]
+    io.damping = link.latched[KIND_DAMPING]
+    io.sequence = (io.sequence + 1) & _MASK
     return mode
 
 
 @hot
-def write_reply(link: Ints, foc, cfg, state: Ints, run: Ints, out) -> int:
-    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node."""
-    if link[LINK_NODE] == 0:
+def write_reply(link: Link, foc: Foc, cfg: JointConfig, state: JointState, reply: Ints, out) -> int:
+    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node.
+
+    ``reply``: REPLY_FIELDS numbers to work on.
+    """
+    if link.node == 0:
         return 0
-    run[RUN_REPLY + REPLY_POSITION] = NOT_AVAILABLE
-    if state[S_HOMED]:
-        run[RUN_REPLY + REPLY_POSITION] = report_position(cfg, state)
-    run[RUN_REPLY + REPLY_VELOCITY] = report_velocity(cfg, state)
-    run[RUN_REPLY + REPLY_CURRENT] = report_current(foc, cfg)
-    encode_reply(out, run, RUN_REPLY)
-    return REPLY_ID + link[LINK_NODE]
+    reply[REPLY_POSITION] = NOT_AVAILABLE
+    if state.homed:
+        reply[REPLY_POSITION] = report_position(cfg, state)
+    reply[REPLY_VELOCITY] = report_velocity(cfg, state)
+    reply[REPLY_CURRENT] = report_current(foc, cfg)
+    encode_reply(out, reply)
+    return REPLY_ID + link.node
 
 
 @hot
-def is_armed(state: Ints) -> int:
+def is_armed(state: JointState) -> int:
     """Return 1 from the moment arming was accepted until the torque is gone, else 0."""
-    if state[S_REQUEST] == REQUEST_ARM:
+    if state.request == REQUEST_ARM:
         return 1
-    if state[S_DRIVE] >= STATE_READY and state[S_DRIVE] <= STATE_FAULT_REACTION:
+    if state.drive_state >= STATE_READY and state.drive_state <= STATE_FAULT_REACTION:
         return 1
     return 0
 
 
 @hot
-def leave_session(link, state: Ints, io: Ints) -> int:
+def leave_session(link: Link, state: JointState, io: JointIo) -> int:
     """A session lasts from arming to the end of torque; then every set-point is forgotten. Return 1 if it ended now."""
-    if io[IO_SESSION] == 0 or is_armed(state):
+    if io.session == 0 or is_armed(state):
         return 0
-    if state[S_DRIVE] != STATE_FAULT and state[S_DRIVE] != STATE_SWITCH_ON_DISABLED:
+    if state.drive_state != STATE_FAULT and state.drive_state != STATE_SWITCH_ON_DISABLED:
         return 0
     end_session(link)
-    io[IO_SESSION] = 0
-    io[IO_HASH_OK] = 0
-    io[IO_MODE] = 0
+    io.session = 0
+    io.hash_ok = 0
+    io.mode = 0
     return 1
 
 
 @hot
-def what_to_tell(told: Ints, link, state: Ints, io) -> int:
+def what_to_tell(told: Told, link: Link, state: JointState, io: JointIo) -> int:
     """Once a millisecond: end a session that is over; return TELL_* bits of what the host is to be told now."""
     tell = 0
     if leave_session(link, state, io):
         tell = SESSION_OVER
-    told[TOLD_STATUS_MS] += 1
-    told[TOLD_FAULT_MS] += 1
-    if told[TOLD_STATUS_MS] >= _STATUS_MS:
-        told[TOLD_STATUS_MS] = 0
+    told.status_ms += 1
+    told.fault_ms += 1
+    if told.status_ms >= _STATUS_MS:
+        told.status_ms = 0
         tell = tell | TELL_HEARTBEAT | TELL_STATUS
-    if state[S_DRIVE] != told[TOLD_STATE]:
-        told[TOLD_STATE] = state[S_DRIVE]
+    if state.drive_state != told.drive_state:
+        told.drive_state = state.drive_state
         tell = tell | TELL_HEARTBEAT
-    code = state[S_FAULT_CODE]
-    if code and (code != told[TOLD_FAULT] or told[TOLD_FAULT_MS] >= _FAULT_MS):
-        told[TOLD_FAULT_MS] = 0
+    code = state.fault_code
+    if code and (code != told.fault_code or told.fault_ms >= _FAULT_MS):
+        told.fault_ms = 0
         tell = tell | TELL_FAULT
-    told[TOLD_FAULT] = code
+    told.fault_code = code
     return tell

@@ -4,41 +4,16 @@ Knows no register: ``board`` is firmware/board_stm32f405.py or firmware/board_si
 is switched off first and looked into afterwards. After ``start`` nothing here allocates.
 """
 
-from shared.joint.calibration import CAL_SIZE
+from shared.joint.calibration import Calibration
 from shared.joint.faults import FAULT_DRIVER_SETUP
-from shared.joint.layout import (
-    CFG_SIZE,
-    FOC_SIZE,
-    IO_MCU_RAW,
-    IO_SIZE,
-    IO_THERMISTOR_RAW,
-    K_MCU_CAL1,
-    K_MCU_CAL2,
-    S_TORQUE,
-    STATE_SIZE,
-    TORQUE_OFF,
-)
+from shared.joint.layout import TORQUE_OFF, Foc, JointConfig, JointIo, JointState, LoopSettings
 from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE
 from shared.joint.tick import joint_reset, slow_tick
 from shared.runtime import const, zeros
 
 from .joint_bus import is_armed
-from .joint_run import (
-    OFFSET_STEPS,
-    PART_MOTION,
-    PART_SLOW,
-    RUN_BRIDGE,
-    RUN_FAILED,
-    RUN_LAST_US,
-    RUN_LATE,
-    RUN_LATE_SEEN,
-    RUN_LATE_US,
-    RUN_OFFSET_STEPS,
-    RUN_SIZE,
-    note_fault,
-    note_stop,
-)
+from .joint_run import OFFSET_STEPS, PART_MOTION, PART_SLOW, BoardRun, note_fault, note_stop
 
 _SLOW_TICKS = const(100)
 _LATE_SHARE = const(3)  # a step is late when it comes after 3/2 of its period
@@ -49,26 +24,27 @@ class Control:
 
     def __init__(self, board):
         self.board = board
-        self.foc = zeros(FOC_SIZE)
+        self.foc = Foc()
         fill_sine(self.foc)
-        self.cfg = zeros(CFG_SIZE)
+        self.loop = LoopSettings()
+        self.cfg = JointConfig()
         self.curve = zeros(CURVE_SIZE)
-        self.state = zeros(STATE_SIZE)
-        self.io = zeros(IO_SIZE)
-        self.cal = zeros(CAL_SIZE)
-        self.run = zeros(RUN_SIZE)
-        self.run[RUN_LATE_US] = board.STEP_US * _LATE_SHARE // 2
-        self.run[RUN_LAST_US] = -1
+        self.state = JointState()
+        self.io = JointIo()
+        self.cal = Calibration()
+        self.run = BoardRun()
+        self.run.late_after_us = board.STEP_US * _LATE_SHARE // 2
+        self.run.last_us = -1
         self._slow_ticks = 0
 
     def start(self):
         """Set the driver up and let the interrupt begin, which first measures the current offsets."""
-        self.cfg[K_MCU_CAL1] = self.board.MCU_CAL1
-        self.cfg[K_MCU_CAL2] = self.board.MCU_CAL2
+        self.cfg.mcu_cal1 = self.board.MCU_CAL1
+        self.cfg.mcu_cal2 = self.board.MCU_CAL2
         wrong = self.board.driver_setup()
         rotor = self.board.read_rotor()
         joint_reset(self.foc, self.cfg, self.state, rotor if rotor >= 0 else 0)
-        self.run[RUN_OFFSET_STEPS] = OFFSET_STEPS if wrong < 0 else -1
+        self.run.offset_steps = OFFSET_STEPS if wrong < 0 else -1
         if wrong >= 0:
             self.raise_fault(FAULT_DRIVER_SETUP, wrong)
         try:
@@ -94,8 +70,8 @@ class Control:
     def stop(self, part):
         """Switch the bridge off after an exception in ``part``; the next motion tick latches it."""
         self.board.pwm_off()
-        self.run[RUN_BRIDGE] = 0
-        self.run[RUN_FAILED] = part
+        self.run.bridge = 0
+        self.run.failed_part = part
 
     def raise_fault(self, code, value):
         """Report a fault of the hardware; the first stands until it has not been raised for 20 ms."""
@@ -111,15 +87,15 @@ class Control:
         return is_armed(self.state)
 
     def _temperatures(self):
-        self.io[IO_THERMISTOR_RAW] = self.board.read_thermistor()
-        self.io[IO_MCU_RAW] = self.board.read_mcu()
+        self.io.thermistor_raw = self.board.read_thermistor()
+        self.io.mcu_raw = self.board.read_mcu()
         slow_tick(self.cfg, self.state, self.io, self.curve)
 
     def _slow(self):
         self._temperatures()
         run = self.run
-        run[RUN_LATE_SEEN] = run[RUN_LATE]
-        if run[RUN_BRIDGE] == 0 and self.state[S_TORQUE] == TORQUE_OFF and run[RUN_OFFSET_STEPS] == 0:
+        run.late_steps_seen = run.late_steps
+        if run.bridge == 0 and self.state.torque == TORQUE_OFF and run.offset_steps == 0:
             wrong = self.board.driver_check()
             if wrong >= 0:
                 self.raise_fault(FAULT_DRIVER_SETUP, wrong)

@@ -5,26 +5,14 @@ also switch with half the period for as long again: no current flows into a moto
 switching does to them.
 """
 
-from array import array
 
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_reset, current_step
-from shared.joint.layout import F_GLITCHES, F_ROTOR, F_TRIP_SQUARE
+from shared.joint.layout import Foc
 from shared.runtime import const
 
-from .chip_probe import (
-    SEEN_END_MOST,
-    SEEN_ENTRY_MOST,
-    SEEN_GAP_LEAST,
-    SEEN_GAP_MOST,
-    SEEN_RAW_HIGH,
-    SEEN_RAW_LOW,
-    SEEN_SIZE,
-    SEEN_STALE,
-    probed,
-)
+from .chip_probe import Seen, probed
 from .joint_control import Control
-from .joint_run import RUN_FAILED, RUN_SINCE_MOTION, RUN_STEPS
 from .joint_store import Parameters
 from .settings import Memory
 
@@ -45,9 +33,9 @@ def measure(board, bridge=False):
     Parameters(control, Memory()).defaults()
     set_commutation(control.foc, control.cfg)
     current_reset(control.foc, max(angle, 0))
-    control.foc[F_TRIP_SQUARE] = _NEVER  # offsets are not measured here
-    seen = array("i", [0] * SEEN_SIZE)
-    seen[SEEN_GAP_LEAST] = _LARGE
+    control.foc.trip_square = _NEVER  # offsets are not measured here
+    seen = Seen()
+    seen.gap_least_us = _LARGE
     _forget_samples(seen)
     board.start(control, probed, seen)
     took = _wait(board, control, STEPS)
@@ -56,15 +44,15 @@ def measure(board, bridge=False):
         found.update(_switched(board, control, seen, driver))
     board.pwm_off()
     found.update({
-        "steps": control.run[RUN_STEPS],
-        "failed": control.run[RUN_FAILED],
-        "stale": seen[SEEN_STALE],
-        "bad_rotor": control.foc[F_GLITCHES],
+        "steps": control.run.steps,
+        "failed": control.run.failed_part,
+        "stale": seen.stale_samples,
+        "bad_rotor": control.foc.glitches,
         "driver_fault": board.millisecond(),  # a motion tick, which takes note of failures and clears them
-        "gap_least_us": seen[SEEN_GAP_LEAST],
-        "gap_most_us": seen[SEEN_GAP_MOST],
-        "entry_most_ns": seen[SEEN_ENTRY_MOST] * 1000 // 168,
-        "end_most_ns": seen[SEEN_END_MOST] * 1000 // 168,
+        "gap_least_us": seen.gap_least_us,
+        "gap_most_us": seen.gap_most_us,
+        "entry_most_ns": seen.entry_most * 1000 // 168,
+        "end_most_ns": seen.end_most * 1000 // 168,
         "bus": _counts(board.read_bus),
         "thermistor": _counts(board.read_thermistor),
         "mcu": _counts(board.read_mcu),
@@ -74,7 +62,7 @@ def measure(board, bridge=False):
     return found
 
 
-def _switched(board, control, seen, driver):
+def _switched(board, control: Control, seen: Seen, driver):
     """Return what the samples are while the bridge switches; nothing if the gate driver is not set up."""
     if driver != -1:
         return {"bridge_on": 0}
@@ -84,18 +72,18 @@ def _switched(board, control, seen, driver):
     return {"bridge_on": board.pwm_is_on(), "on_low": _low(seen), "on_high": _high(seen)}
 
 
-def _forget_samples(seen):
+def _forget_samples(seen: Seen):
     for phase in range(3):
-        seen[SEEN_RAW_LOW + phase] = 4095
-        seen[SEEN_RAW_HIGH + phase] = 0
+        seen.raw_low[phase] = 4095
+        seen.raw_high[phase] = 0
 
 
-def _low(seen):
-    return list(seen[SEEN_RAW_LOW : SEEN_RAW_LOW + 3])
+def _low(seen: Seen):
+    return [seen.raw_low[phase] for phase in range(3)]
 
 
-def _high(seen):
-    return list(seen[SEEN_RAW_HIGH : SEEN_RAW_HIGH + 3])
+def _high(seen: Seen):
+    return [seen.raw_high[phase] for phase in range(3)]
 
 
 def _counts(read):
@@ -106,23 +94,23 @@ def _counts(read):
         return -1
 
 
-def _wait(board, control, steps):
+def _wait(board, control: Control, steps):
     """Wait until so many steps are done, or for two seconds; return how long. Feeds what the main loop feeds."""
     run = control.run
     began = board.ticks_us()
     took = 0
-    while run[RUN_STEPS] < steps and took < _TIMEOUT_US:
+    while run.steps < steps and took < _TIMEOUT_US:
         board.feed_watchdog()
-        run[RUN_SINCE_MOTION] = 0  # no motion ticks here
+        run.steps_since_motion = 0  # no motion ticks here
         took = (board.ticks_us() - began) & _MASK
     return took
 
 
-def _step_ns(board, foc):
+def _step_ns(board, foc: Foc):
     """Return the mean time of one current step alone, interrupts included."""
     start = board.ticks_us()
     for _ in range(CALLS):
-        current_step(foc[F_ROTOR], 0, foc)
+        current_step(foc.rotor, 0, foc)
     return ((board.ticks_us() - start) & _MASK) * 1000 // CALLS
 
 

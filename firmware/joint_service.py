@@ -8,20 +8,10 @@ again do none of it.
 
 from array import array
 
-from shared.joint.calibration import C_POSE, C_POSE_GIVEN, CAL_FULL, CAL_VERIFY
+from shared.joint.calibration import CAL_FULL, CAL_VERIFY
 from shared.joint.cascade import position_from_wire
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at, home_by_encoder
-from shared.joint.layout import (
-    IO_HASH_OK,
-    IO_SESSION,
-    K_CALIBRATED,
-    K_GEAR_Q8,
-    S_FAULT_CODE,
-    S_FAULT_TICK,
-    S_FAULT_VALUE,
-    S_TICK,
-)
 from shared.joint.tick import begin_calibration
 from shared.runtime import const
 from shared.wire.access import is_stored, may_read, may_write
@@ -87,10 +77,10 @@ from shared.wire.parameters import (
     PARAMETER_UNIQUE_ID_3,
     PARAMETER_UPTIME,
 )
-from shared.wire.receive import LINK_BAD, LINK_LOST, start_session
+from shared.wire.receive import Link, start_session
 
 from .joint_control import Control
-from .joint_run import RUN_LATE, RUN_UNSENT
+from .joint_store import Parameters
 
 # Value of arm, calibrate and home: the challenge above 16 bits of their own
 _CHALLENGE_SHIFT = const(16)
@@ -114,8 +104,9 @@ BUILD_ID = const(1)
 class Service:
     """Answers requests; ``frame`` holds the answer. ``joint`` is firmware/joint.py."""
 
-    def __init__(self, joint, control: Control, parameters, unique_id):
+    def __init__(self, joint, link: Link, control: Control, parameters: Parameters, unique_id):
         self._joint = joint
+        self._link = link
         self._control = control
         self._parameters = parameters
         self.board = board_id(unique_id)
@@ -140,7 +131,7 @@ class Service:
     def take(self, frame, to_all):
         """Do what a request frame says; return SILENT, ANSWER or ANSWER_LATER."""
         r = self._request
-        if decode_service_request(frame, r, 0):
+        if decode_service_request(frame, r):
             return SILENT
         command = r[SERVICE_REQUEST_COMMAND]
         if to_all and not self._is_for_all(command):
@@ -173,7 +164,7 @@ class Service:
         response[SERVICE_RESPONSE_COMMAND] = command
         response[SERVICE_RESPONSE_SEQUENCE] = self._request[SERVICE_REQUEST_SEQUENCE]
         response[SERVICE_RESPONSE_RESULT] = result
-        encode_service_response(self.frame, response, 0)
+        encode_service_response(self.frame, response)
 
     def _do(self, command):
         """Do one request; return RESULT_*. The answer's index and value are the request's unless set here."""
@@ -239,16 +230,16 @@ class Service:
         session = self._request[SERVICE_REQUEST_SESSION]
         if self._control.armed():
             return RESULT_WRONG_STATE
-        io[IO_HASH_OK] = 1 if found_hash == PROTOCOL_HASH else 0
-        io[IO_SESSION] = session
+        io.hash_ok = 1 if found_hash == PROTOCOL_HASH else 0
+        io.session = session
         result = drive_arm(self._control.cfg, self._control.state, io, purpose)
         if result == RESULT_OK:
-            start_session(self._joint.link, session)
+            start_session(self._link, session)
             self.renew_challenge()
         else:
-            io[IO_HASH_OK] = 0
-            io[IO_SESSION] = 0
-            self._response[SERVICE_RESPONSE_VALUE] = self._control.state[S_FAULT_CODE]
+            io.hash_ok = 0
+            io.session = 0
+            self._response[SERVICE_RESPONSE_VALUE] = self._control.state.fault_code
         return result
 
     def _calibrate(self, index, low):
@@ -259,18 +250,18 @@ class Service:
         cal = self._control.cal
         if begin_calibration(self._control.state, cal, kind) == 0:
             return RESULT_WRONG_STATE
-        cal[C_POSE_GIVEN] = 0
+        cal.pose_given = 0
         if index & CALIBRATE_AT_POSE:
             pose = _signed(low)
             if pose == NOT_AVAILABLE:
                 return RESULT_OUT_OF_RANGE
-            cal[C_POSE_GIVEN] = 1
-            cal[C_POSE] = position_from_wire(pose, self._control.cfg[K_GEAR_Q8])
+            cal.pose_given = 1
+            cal.pose = position_from_wire(pose, self._control.cfg.gear_q8)
         return self._arm(MODE_CALIBRATING, PROTOCOL_HASH)
 
     def _home(self, index, low):
         c = self._control
-        if c.cfg[K_CALIBRATED] == 0:
+        if c.cfg.calibrated == 0:
             return RESULT_NOT_CALIBRATED
         if index == HOME_STOP:
             return self._arm(MODE_HOMING, low)
@@ -279,7 +270,7 @@ class Service:
         pose = _signed(low)
         if index != HOME_POSE or pose == NOT_AVAILABLE:
             return RESULT_OUT_OF_RANGE
-        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(pose, c.cfg[K_GEAR_Q8])) else RESULT_NOT_HOMED
+        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(pose, c.cfg.gear_q8)) else RESULT_NOT_HOMED
 
     def _set_id(self, index, value):
         if value != self.board:
@@ -310,30 +301,30 @@ class Service:
         if parameter == PARAMETER_BUILD_ID:
             return BUILD_ID
         if parameter == PARAMETER_FAULT_CODE:
-            return state[S_FAULT_CODE]
+            return state.fault_code
         if parameter == PARAMETER_FAULT_VALUE:
-            return state[S_FAULT_VALUE]
+            return state.fault_value
         if parameter == PARAMETER_FAULT_TICK:
-            return state[S_FAULT_TICK]
+            return state.fault_tick
         if parameter == PARAMETER_UPTIME:
-            return state[S_TICK]
+            return state.time_ms
         return self._count(parameter)
 
     def _count(self, parameter):
         if parameter == PARAMETER_RESET_CAUSE:
             return self._control.board.RESET_CAUSE
         if parameter == PARAMETER_LOST_SYNC:
-            return self._joint.link[LINK_LOST]
+            return self._link.lost_syncs
         if parameter == PARAMETER_BAD_FRAMES:
-            return self._joint.link[LINK_BAD]
+            return self._link.bad_frames
         if parameter == PARAMETER_SEND_FAILURES:
-            return self._control.run[RUN_UNSENT]
+            return self._control.run.unsent_frames
         if parameter == PARAMETER_CHALLENGE:
             return self.challenge
         if parameter == PARAMETER_BUS_OFF:
             return self._control.board.bus_off()
         if parameter == PARAMETER_OVERRUNS:
-            return self._control.run[RUN_LATE]
+            return self._control.run.late_steps
         return 0
 
 

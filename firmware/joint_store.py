@@ -7,17 +7,9 @@ import binascii
 import struct
 
 from shared.joint.calibration import set_commutation
-from shared.joint.layout import (
-    F_HALF,
-    F_KI,
-    F_KP,
-    F_PERIOD,
-    F_PULSE,
-    F_SPAN,
-    F_TRIP_SQUARE,
-    F_WINDOW,
-)
+from shared.joint.current import set_loop
 from shared.joint.thermal import CURVE_SIZE
+from shared.record import set_at, value_at
 from shared.runtime import const
 from shared.wire.access import is_stored
 from shared.wire.names import PROTOCOL_HASH
@@ -42,8 +34,6 @@ KEY = "joint"
 _MAGIC = const(0x4A50)
 _HEAD = "<HHH"
 _RECORD = "<Hi"
-# Places in foc of the parameters current_kp .. trip_square, in their order
-_STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_SQUARE)
 
 
 class Parameters:
@@ -59,28 +49,34 @@ class Parameters:
         if parameter == PARAMETER_NODE_ID:
             return self.node
         if parameter < PARAMETER_THERMISTOR_RAW:
-            return self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]]
+            return value_at(self._control.loop, parameter - PARAMETER_CURRENT_KP)
         if parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
             return self._control.curve[parameter - PARAMETER_THERMISTOR_RAW]
-        return self._control.cfg[parameter - PARAMETER_POLE_PAIRS]
+        return value_at(self._control.cfg, parameter - PARAMETER_POLE_PAIRS)
 
     def put(self, parameter, value):
         """Set one stored parameter; its limits are the caller's to check."""
+        control = self._control
         if parameter == PARAMETER_NODE_ID:
             self.node = value
         elif parameter < PARAMETER_THERMISTOR_RAW:
-            self._control.foc[_STEP_PLACES[parameter - PARAMETER_CURRENT_KP]] = value
+            set_at(control.loop, parameter - PARAMETER_CURRENT_KP, value)
+            set_loop(control.foc, control.loop)
         elif parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
-            self._control.curve[parameter - PARAMETER_THERMISTOR_RAW] = value
+            control.curve[parameter - PARAMETER_THERMISTOR_RAW] = value
         else:
-            self._control.cfg[parameter - PARAMETER_POLE_PAIRS] = value
-            if self._control.armed() == 0:
-                set_commutation(self._control.foc, self._control.cfg)
+            set_at(control.cfg, parameter - PARAMETER_POLE_PAIRS, value)
+            if control.armed() == 0:
+                set_commutation(control.foc, control.cfg)
+
+    def take(self, values):
+        """Set every stored parameter but the node, ``values`` by id from current_kp on; limits are the caller's."""
+        for at, value in enumerate(values):
+            self.put(PARAMETER_CURRENT_KP + at, value)
 
     def defaults(self):
         """Set every stored parameter but the node to that of a fresh board."""
-        for parameter in range(PARAMETER_CURRENT_KP, PARAMETERS):
-            self.put(parameter, PARAMETER_DEFAULT[parameter])
+        self.take(PARAMETER_DEFAULT[PARAMETER_CURRENT_KP:])
 
     def load(self):
         """Read what is kept over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""

@@ -9,6 +9,7 @@ built in its own bytes (``put`` ... ``close_frame``).
 
 from array import array
 
+from shared.record import field, record
 from shared.runtime import Ints, const, hot, ptr8
 
 SYNC_0 = const(0xCA)
@@ -30,15 +31,19 @@ SETPOINTS = const(0x81)  # uint32 tick, uint32 flags, uint8 state, uint8 gait, 1
 READY = const(0x82)  # uint16 planner rate, uint8 number of gaits: sent once at the start
 READING = const(0x83)  # uint8 number of the question, uint8 sensor fault, 6 int16 counts as in COUNTS
 
-# A reader: this block and READER_BYTES bytes, which hold kind, length, payload and CRC of the frame being read
-R_AT = const(0)  # bytes of the frame that are there, counted from its second sync byte: 0, 1 wait for the sync
-R_NEXT = const(1)  # where next_frame goes on in the bytes it was given
-R_BROKEN = const(2)  # frames dropped
-READER_SIZE = const(3)
-READER_BYTES = const(LARGEST + 4)
+READER_BYTES = const(LARGEST + 4)  # kind, length, payload and CRC of the frame being read
 TAKEN = const(2)  # where the payload of a frame read begins
 
 _MASK = const(0x3FFFFFFF)
+
+
+@record
+class Reader:
+    """How far a stream is read; the frame being read lies in READER_BYTES bytes beside it."""
+
+    there: int = field("bytes", "of the frame, counted from its second sync byte: 0, 1 wait for the sync")
+    next: int = field("bytes", "where next_frame goes on in what it was given")
+    broken: int = field("", "frames dropped")
 
 
 @hot
@@ -54,16 +59,16 @@ def crc16(data, start: int, end: int) -> int:
 
 
 @hot
-def next_frame(reader: Ints, frame, data, count: int) -> int:
-    """Take data[reader[R_NEXT]:count] up to the end of the first whole frame; return its kind.
+def next_frame(reader: Reader, frame, data, count: int) -> int:
+    """Take data[reader.next:count] up to the end of the first whole frame; return its kind.
 
     frame[TAKEN:TAKEN + frame[1]] is then its payload, and the next call goes on behind it. Return 0 when all is taken;
     then the next call begins with the first byte of its data. How a stream is split into data does not matter.
     """
     f = ptr8(frame)
     d = ptr8(data)
-    at = reader[R_AT]
-    i = reader[R_NEXT]
+    at = reader.there
+    i = reader.next
     kind = 0
     while i < count and kind == 0:
         byte = d[i]
@@ -78,10 +83,10 @@ def next_frame(reader: Ints, frame, data, count: int) -> int:
             elif at >= 4 and at == f[1] + OVERHEAD:
                 at = 0
                 kind = _checked(reader, frame)
-    reader[R_AT] = at
-    reader[R_NEXT] = i
+    reader.there = at
+    reader.next = i
     if kind == 0:
-        reader[R_NEXT] = 0
+        reader.next = 0
     return kind
 
 
@@ -96,7 +101,7 @@ def _sync(at: int, byte: int) -> int:
 
 
 @hot
-def _checked(reader, frame) -> int:
+def _checked(reader: Reader, frame) -> int:
     """Return the kind of a frame whose last byte has come; 0 if its CRC is wrong."""
     f = ptr8(frame)
     end = f[1] + TAKEN
@@ -106,9 +111,9 @@ def _checked(reader, frame) -> int:
 
 
 @hot
-def _drop(reader: Ints) -> int:
+def _drop(reader: Reader) -> int:
     """Count a broken frame; return 0."""
-    reader[R_BROKEN] = (reader[R_BROKEN] + 1) & _MASK
+    reader.broken = (reader.broken + 1) & _MASK
     return 0
 
 

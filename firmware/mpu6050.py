@@ -13,8 +13,8 @@ The gyro's bias is not this file's: shared/attitude.py averages it while the rob
 """
 
 import time
-from array import array
 
+from shared.record import field, record
 from shared.runtime import Ints, const, hot, ptr8
 
 OK = const(0)
@@ -41,9 +41,13 @@ _RAW_BYTES = const(14)  # accelerometer, temperature, gyro
 _TEMPERATURE = const(6)  # where its two bytes lie
 _GYRO = const(8)
 
-_SAME = const(0)  # readings in a row, up to now: alike; with a number at the end of its range
-_FULL = const(1)
-_RUNS_SIZE = const(2)
+
+@record
+class Runs:
+    """Readings in a row, up to now."""
+
+    alike: int = field("", "0 .. STUCK_READS")
+    at_end: int = field("", "with a number at the end of its range, 0 .. SATURATED_READS")
 
 
 class Mpu6050:
@@ -55,7 +59,7 @@ class Mpu6050:
         self._sleep_ms = sleep_ms or getattr(time, "sleep_ms", None)
         self._raw = bytearray(_RAW_BYTES)
         self._last = bytearray(_RAW_BYTES)
-        self._runs = array("i", [0] * _RUNS_SIZE)
+        self._runs = Runs()
         self.fault = OK
         self.self_test_percent = [0] * 6
         self.start()
@@ -137,7 +141,7 @@ def factory_trims(registers):
 
 
 @hot
-def judge(raw, last, runs, counts: Ints, fault: int) -> int:
+def judge(raw, last, runs: Runs, counts: Ints, fault: int) -> int:
     """Return what is wrong with a reading, OK if nothing is; then the six counts, gyro first, are in ``counts``.
 
     ``last``, ``runs``: the reading before and the runs up to it, kept here. ``fault``: the one before this reading;
@@ -154,14 +158,14 @@ def judge(raw, last, runs, counts: Ints, fault: int) -> int:
 
 
 @hot
-def _runs_of(raw, last, runs: Ints) -> int:
+def _runs_of(raw, last, runs: Runs) -> int:
     """Continue or end the runs with a reading, and keep it; return STUCK, SATURATED or OK. Temperature is left out."""
     r = ptr8(raw)
     before = ptr8(last)
-    same = runs[_SAME]
+    same = runs.alike
     if same < STUCK_READS:
         same += 1
-    longer = runs[_FULL]
+    longer = runs.at_end
     if longer < SATURATED_READS:
         longer += 1
     full = 0
@@ -174,8 +178,8 @@ def _runs_of(raw, last, runs: Ints) -> int:
                 full = longer
         before[i] = r[i]
         before[i + 1] = r[i + 1]
-    runs[_SAME] = same
-    runs[_FULL] = full
+    runs.alike = same
+    runs.at_end = full
     if same == STUCK_READS:
         return STUCK
     if full == SATURATED_READS:

@@ -1,6 +1,5 @@
 """Frames to and from a gait board (firmware/link.py), for a computer: whole frames made, and found in what has come."""
 
-from array import array
 from collections.abc import Sequence
 
 from firmware import link
@@ -18,13 +17,13 @@ class FrameReader:
     """Finds frames in a stream that comes in pieces; ``broken`` counts those dropped."""
 
     def __init__(self) -> None:
-        self._reader = array("i", [0] * link.READER_SIZE)
+        self._reader = link.Reader()
         self._frame = bytearray(link.READER_BYTES)
 
     @property
     def broken(self) -> int:
         """Frames dropped: a wrong CRC, a length that cannot be."""
-        return self._reader[link.R_BROKEN]
+        return self._reader.broken
 
     def frames(self, data: bytes) -> list[tuple[int, bytes]]:
         """Return (kind, payload) of each frame that ends in ``data``."""

@@ -1,7 +1,5 @@
 """A joint's heat in integers: the two-node model of winding and housing, the derating."""
 
-from shared.joint import layout as j
-
 from .joint_units import Board, JointSetup, Units
 from .robot_actuators import Bldc
 from .thermistor import OPEN_RAW, SHORT_RAW
@@ -10,7 +8,7 @@ SLOW_HZ = 10  # slow_tick
 COPPER_PER_K = 0.00393  # resistance of copper; shared/joint/thermal.py has the same
 
 
-def heat_places(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[int, int]:
+def heat_places(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[str, int]:
     """Return the thermal places of cfg: limits, heating and leaks of the model, I2t."""
     t, watt = bldc.thermal, 1.5 * bldc.motor.resistance_ohm * units.ampere_per_cu**2 * 256
     heat, heat_shift = _with_shift(watt / t.winding_J_K / SLOW_HZ * 16 * 16384, 2047, 24)
@@ -24,22 +22,22 @@ def heat_places(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> di
     lasting = min(setup.continuous_A or limit, limit)
     most, least = limit / units.ampere_per_cu, lasting / units.ampere_per_cu
     return {
-        j.K_OPEN_RAW: OPEN_RAW,
-        j.K_SHORT_RAW: SHORT_RAW,
-        j.K_MCU_CAL1: board.mcu_cal1,
-        j.K_MCU_CAL2: board.mcu_cal2,
-        j.K_WINDING_DERATE: round(t.winding_derate_C * 16),
-        j.K_WINDING_CUT: round(t.winding_cutoff_C * 16),
-        j.K_MCU_DERATE: round(t.board_derate_C * 16),
-        j.K_MCU_CUT: round(t.board_cutoff_C * 16),
-        j.K_HEAT: heat,
-        j.K_HEAT_SHIFT: heat_shift,
-        j.K_WINDING_LEAK: round(leaks[0] * 2**shift),
-        j.K_HOUSING_GAIN: round(leaks[1] * 2**shift),
-        j.K_HOUSING_LEAK: round(leaks[2] * 2**shift),
-        j.K_LEAK_SHIFT: shift,
-        j.K_I2T_CURRENT: round(least),
-        j.K_I2T_MAX: min(1 << 29, max(2, round((most**2 - least**2) / 256 * SLOW_HZ * setup.peak_s))),
+        "open_raw": OPEN_RAW,
+        "short_raw": SHORT_RAW,
+        "mcu_cal1": board.mcu_cal1,
+        "mcu_cal2": board.mcu_cal2,
+        "winding_derate": round(t.winding_derate_C * 16),
+        "winding_cut": round(t.winding_cutoff_C * 16),
+        "mcu_derate": round(t.board_derate_C * 16),
+        "mcu_cut": round(t.board_cutoff_C * 16),
+        "heat": heat,
+        "heat_shift": heat_shift,
+        "winding_leak": round(leaks[0] * 2**shift),
+        "housing_gain": round(leaks[1] * 2**shift),
+        "housing_leak": round(leaks[2] * 2**shift),
+        "leak_shift": shift,
+        "i2t_current": round(least),
+        "i2t_max": min(1 << 29, max(2, round((most**2 - least**2) / 256 * SLOW_HZ * setup.peak_s))),
     }
 
 

@@ -115,6 +115,21 @@ def copy(values, into):
                 copy(value[at], getattr(into, name)[at])
 
 
+def value_at(values, place):
+    """Return one integer of a record, counted in the order of its declaration, or of an array. Not for ticks."""
+    return values[place] if getattr(values, "FIELDS", None) is None else pack(values)[place]
+
+
+def set_at(values, place, value):
+    """Write one integer of a record, counted in the order of its declaration, or of an array. Not for ticks."""
+    if getattr(values, "FIELDS", None) is None:
+        values[place] = value
+        return
+    integers = pack(values)
+    integers[place] = value
+    unpack(values, integers)
+
+
 def unpack(values, integers):
     """Write integers into a record, or an array, in the order of its declaration; ValueError if too few or many."""
     left = list(integers)

@@ -246,7 +246,9 @@ class Lowering:
         if value is not None:
             return str(value * size)
         text = self._text(index)
-        if not isinstance(index, ast.Name | ast.BinOp) or (size != 1 and not isinstance(index, ast.Name)):
+        if isinstance(index, ast.BinOp) and isinstance(index.op, ast.Add) and size == 1:
+            return _with_number(text, index.right, constant_value(index.right, self.module.constants))
+        if not isinstance(index, ast.Name):
             text = f"({text})"
         return text if size == 1 else f"{text} * {size}"
 
@@ -329,4 +331,13 @@ def _sum(left: str, right: str) -> str:
     head, _, tail = left.rpartition(" + ")
     if head and tail.isdigit() and right.isdigit():
         return f"{head} + {int(tail) + int(right)}"
+    head, _, tail = right.rpartition(" + ")
+    if head and tail.isdigit() and left.isdigit():
+        return f"{head} + {int(tail) + int(left)}"
     return f"{left} + {right}"
+
+
+def _with_number(text: str, right: ast.expr, value: int | None) -> str:
+    """Return a sum with the number in the place of the constant at its end, if there is one."""
+    name = ast.unparse(right)
+    return f"{text.removesuffix(name)}{value}" if value is not None and text.endswith(f" {name}") else text

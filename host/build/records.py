@@ -4,8 +4,6 @@ import ast
 from dataclasses import dataclass, field
 from typing import Any
 
-from shared.record import pack
-
 from .source import Module, constant_value, resolve
 
 _KINDS = ("field", "vector", "part", "parts")
@@ -112,13 +110,13 @@ def records_of(tree: ast.Module) -> list[ast.ClassDef]:
         isinstance(mark, ast.Name) and mark.id == "record" for mark in node.decorator_list)]
 
 
-def place_of(record: Any, name: str) -> int:
-    """Return where a field of a record lies in the array that the build makes of it. KeyError if it has none."""
+def place_of(declared: Any, name: str) -> int:
+    """Return where a field of a record's class begins in the array that the build makes of it; not behind records."""
     at = 0
-    for known, declared in record.FIELDS:
+    for known, declaration in declared.FIELDS:
         if known == name:
             return at
-        at += (len(pack(declared.of())) if declared.of else 1) * (1 if declared.count is None else declared.count)
+        at += declaration.count or 1
     raise KeyError(name)
 
 

@@ -16,7 +16,6 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 from math import inf, tau
 
-from shared.joint.layout import K_CURRENT_MAX
 from shared.wire import names as w
 from shared.wire.parameters import PARAMETER_CURRENT_MAX
 
@@ -92,7 +91,7 @@ class CanJoints(Bus):
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
-        self._full_current = [block.cfg[K_CURRENT_MAX] for block in self._blocks]
+        self._full_current = [block.cfg.current_max for block in self._blocks]
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from math import tau
 from statistics import median
 
-from shared.joint.layout import IO_POSITION, IO_SEQUENCE
 from shared.wire import names as w
 
 from ..busload import busload, default_schedule
@@ -158,8 +157,8 @@ class Direct(SimWalk):
     def _put(self, goals_rad: Sequence[float]) -> None:
         for joint, goal in zip(self.sim.joints, goals_rad, strict=True):
             io = joint.inside.joint.control.io  # type: ignore[union-attr]
-            io[IO_POSITION] = round(goal * 65536 / tau)
-            io[IO_SEQUENCE] += 1
+            io.position = round(goal * 65536 / tau)
+            io.sequence += 1
 
 
 def speed_m_s(walk: SimWalk, distance_m: float) -> float:

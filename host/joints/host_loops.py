@@ -12,7 +12,6 @@ cycles, which a loop in the joint does not have. Therefore
 
 from collections.abc import Mapping, Sequence
 
-from shared.joint import layout as j
 from shared.joint.cascade import cascade_reset, follow_position, position_from_wire, rate_from_wire, velocity_loop
 from shared.wire import names as w
 
@@ -71,32 +70,32 @@ class HostLoops:
     def _setpoint(self, i: int, goal_brad: int, step_brad: float, reply: Sequence[int]) -> int:
         block = self._blocks[i]
         state, cfg, io = block.state, block.cfg, block.io
-        rate = rate_from_wire(reply[w.REPLY_VELOCITY], cfg[j.K_RATE_Q8])
-        state[j.S_VELOCITY] = rate
-        state[j.S_POSITION] = position_from_wire(reply[w.REPLY_POSITION], cfg[j.K_GEAR_Q8])
+        rate = rate_from_wire(reply[w.REPLY_VELOCITY], cfg.rate_q8)
+        state.velocity = rate
+        state.position = position_from_wire(reply[w.REPLY_POSITION], cfg.gear_q8)
         if not self._started[i]:
             cascade_reset(cfg, state)
             self._started[i] = True
-        state[j.S_POSITION] += rate * MOTION_HZ // (256 * self._rate_hz)
-        io[j.IO_POSITION] = goal_brad
-        io[j.IO_VELOCITY] = round(step_brad * self._rate_hz / 16)  # brad a cycle to 1/4096 turn/s
-        state[j.S_SEQUENCE] = (state[j.S_SEQUENCE] + 1) & 0x3FFFFFFF
-        before = state[j.S_PROFILE_RATE]
+        state.position += rate * MOTION_HZ // (256 * self._rate_hz)
+        io.position = goal_brad
+        io.velocity = round(step_brad * self._rate_hz / 16)  # brad a cycle to 1/4096 turn/s
+        state.sequence = (state.sequence + 1) & 0x3FFFFFFF
+        before = state.profile_rate
         for _ in range(self._ticks):
             wanted = follow_position(cfg, state, io)
         if not self._current:
-            return (wanted >> 2) * cfg[j.K_WIRE_RATE_Q16] >> 14
-        change = (state[j.S_PROFILE_RATE] - before) // max(1, self._ticks)
-        state[j.S_CURRENT_REF] = change * cfg[j.K_INERTIA] >> 8
-        return velocity_loop(cfg, state, 0) * cfg[j.K_WIRE_CURRENT_Q12] >> 12
+            return (wanted >> 2) * cfg.wire_rate_q16 >> 14
+        change = (state.profile_rate - before) // max(1, self._ticks)
+        state.current_reference = change * cfg.inertia >> 8
+        return velocity_loop(cfg, state, 0) * cfg.wire_current_q12 >> 12
 
 
 def _slow_down(block: JointBlocks, position: float, velocity: float, cycle_ms: float) -> None:
     """Lower the gains by shares 0 .. 1; the integral is added up once a cycle."""
     cfg, state = block.cfg, block.state
-    cfg[j.K_POSITION_P] = round(cfg[j.K_POSITION_P] * position)
-    cfg[j.K_VELOCITY_P] = round(cfg[j.K_VELOCITY_P] * velocity)
-    cfg[j.K_VELOCITY_I] = round(cfg[j.K_VELOCITY_I] * velocity * velocity * cycle_ms)  # kp w / 4: host/joint_gains.py
+    cfg.position_p = round(cfg.position_p * position)
+    cfg.velocity_p = round(cfg.velocity_p * velocity)
+    cfg.velocity_i = round(cfg.velocity_i * velocity * velocity * cycle_ms)  # kp w / 4: host/joint_gains.py
     # The joint itself knows its supply and its heat, and limits what it is told.
-    state[j.S_CURRENT_LIMIT] = cfg[j.K_CURRENT_MAX]
-    state[j.S_BUS] = (cfg[j.K_UNDER_START] + cfg[j.K_OVER_START]) // 2
+    state.current_limit = cfg.current_max
+    state.bus = (cfg.under_start + cfg.over_start) // 2

@@ -120,7 +120,7 @@ class JointLink:
             self._sequence = (self._sequence + 1) & 0xFF
         for place, part in enumerate((command, self._sequence, self.session, index, value)):
             self._request[place] = part
-        self.clipped += encode_service_request(self._out.words, self._request, 0)
+        self.clipped += encode_service_request(self._out.words, self._request)
         self.port.send(w.SERVICE_REQUEST_ID + node, self._out.data.tobytes())
         return self._sequence
 
@@ -130,7 +130,7 @@ class JointLink:
             for slot in range(4):
                 node = 4 * group + slot + 1
                 self._slots[slot] = values[node - 1] if node in self.nodes else w.NO_CHANGE
-            self.clipped += encode_group(self._out.words, self._slots, 0)
+            self.clipped += encode_group(self._out.words, self._slots)
             self.port.send(identifier + 8 * group, self._out.data.tobytes())
 
     def sync(self) -> None:
@@ -140,7 +140,7 @@ class JointLink:
             if not view.answered:
                 view.lost += 1
         self._sync[0] = self.syncs & 0xFF
-        encode_sync(self._out.words, self._sync, 0)
+        encode_sync(self._out.words, self._sync)
         self._counting = self.port.send(w.SYNC_ID, self._out.data[: w.SYNC_LENGTH].tobytes())
         self.syncs += 1
         for node in self.nodes:
@@ -178,7 +178,7 @@ class JointLink:
             self._take_response(node, len(data))
 
     def _take_reply(self, view: JointView, time_s: float, length: int) -> None:
-        if length < w.REPLY_LENGTH or decode_reply(self._in.words, view.reply, 0):
+        if length < w.REPLY_LENGTH or decode_reply(self._in.words, view.reply):
             view.bad += 1
             return
         view.heard_s = view.reply_s = time_s
@@ -191,7 +191,7 @@ class JointLink:
     def _take_state(self, view: JointView, block: int, time_s: float, length: int) -> None:
         needed, decode = _BLOCKS[block]
         target = {w.SLOW_STATUS_ID: view.status, w.HEARTBEAT_ID: view.heartbeat, w.FAULT_ID: view.fault}[block]
-        if length < needed or decode(self._in.words, target, 0):
+        if length < needed or decode(self._in.words, target):
             view.bad += 1
             return
         view.heard_s = time_s
@@ -202,5 +202,5 @@ class JointLink:
             view.heartbeat_changes += 1
 
     def _take_response(self, node: int, length: int) -> None:
-        if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer, 0):
+        if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer):
             self.responses.append(Response(node, *self._answer))

@@ -15,7 +15,7 @@ from ..joint_gains import joint_blocks
 from ..joint_units import Board, JointSetup
 from ..robot_actuators import Bldc
 from ..thermistor import part_of
-from .vm.inside import STEP_PLACES, Inside
+from .vm.inside import Inside
 from .vm_joint import VmInside
 
 ROOM_C = 25.0
@@ -65,9 +65,7 @@ class SimJoint:
 
     def _boot(self) -> None:
         rotor, joint = self._encoders()
-        foc = [int(self.blocks.foc[place]) for place in STEP_PLACES]
-        cfg, curve = list(map(int, self.blocks.cfg)), list(map(int, self.blocks.curve))
-        self.inside.boot(self.now_us, self._read, rotor, joint, self.node, foc, cfg, curve)
+        self.inside.boot(self.now_us, self._read, rotor, joint, self.node, self.blocks.stored())
         self._hand_over()
 
     def _hand_over(self) -> None:

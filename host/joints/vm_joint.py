@@ -9,7 +9,6 @@ import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from shutil import copytree, ignore_patterns
 from typing import Any
 
 from ..child import end_child
@@ -18,7 +17,7 @@ from .vm import messages as m
 
 ANSWER_S = 30.0  # a loaded machine takes long to start a VM; after it there is one millisecond's work at a time
 END_S = 5.0
-PACKAGE = "joint_vm"
+PACKAGE = "host/joints/vm"  # beside the firmware in what the VM runs
 EMITTER, ARCH = "viper", "x64"
 
 
@@ -33,7 +32,7 @@ class VmInside:
         self._process: subprocess.Popen[bytes] | None = None
 
     def _start(self) -> subprocess.Popen[bytes]:
-        script = f"from {PACKAGE}.serve import serve; serve()"
+        script = f"from {PACKAGE.replace('/', '.')}.serve import serve; serve()"
         command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-c", script]
         # A session of its own: Ctrl-C in the terminal ends the simulation, not its joints one by one.
         return subprocess.Popen(
@@ -116,9 +115,7 @@ def _built() -> tempfile.TemporaryDirectory[str]:
     from ..build.tree import compile_tree, write_tree
 
     folder = tempfile.TemporaryDirectory(prefix="caramelo-vm-")
-    write_tree(compile_tree(ROOT, EMITTER, ARCH, PACKAGES), Path(folder.name) / "tree")
-    source = Path(__file__).with_name("vm")
-    copytree(source, Path(folder.name) / "tree" / PACKAGE, ignore=ignore_patterns("__pycache__"))
+    write_tree(compile_tree(ROOT, EMITTER, ARCH, (*PACKAGES, PACKAGE)), Path(folder.name) / "tree")
     return folder
 
 

@@ -4,7 +4,6 @@ import random
 from math import cos, pi, sin, sqrt, tau
 from typing import Any
 
-from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
@@ -44,28 +43,28 @@ def _blocks(bldc: Bldc) -> Any:
     blocks = joint_blocks(bldc, JointSetup(-1.0, 1.9))
     set_commutation(blocks.foc, blocks.cfg)
     feed_bus(blocks.foc, blocks.cfg, round(bldc.drive.bus_voltage_V / blocks.units.volt_per_vu))
-    blocks.foc[j.F_PULSE] = 0
+    blocks.foc.pulse = 0
     return blocks
 
 
 def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
     blocks = _blocks(bldc)
-    foc, period = blocks.foc, blocks.foc[j.F_PERIOD]
+    foc, period = blocks.foc, blocks.foc.period
     bus = 16 * bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     worst, outside = 0.0, 0
     for _ in range(VECTORS):
         length, angle = bus / sqrt(3) * sqrt(draw.random()), draw.uniform(0, tau)
         alpha, beta = round(length * cos(angle)), round(length * sin(angle))
         svpwm(foc, alpha, beta)
-        for place, want in zip((j.F_DUTY_A, j.F_DUTY_B, j.F_DUTY_C), closed_form(alpha / bus, beta / bus), strict=True):
-            worst = max(worst, abs(foc[place] / period - want))
-            outside += not 0 <= foc[place] <= period
+        for duty, want in zip(foc.duty, closed_form(alpha / bus, beta / bus), strict=True):
+            worst = max(worst, abs(duty / period - want))
+            outside += not 0 <= duty <= period
     return worst, outside
 
 
 def _step_error(bldc: Bldc, draw: random.Random) -> float:
     blocks = _blocks(bldc)
-    foc, period, worst = blocks.foc, blocks.foc[j.F_PERIOD], 0.0
+    foc, period, worst = blocks.foc, blocks.foc.period, 0.0
     for _ in range(VECTORS):
         rotor = draw.randrange(16384)
         _draw_state(bldc, blocks, draw, rotor)
@@ -73,8 +72,8 @@ def _step_error(bldc: Bldc, draw: random.Random) -> float:
         code = current_step(rotor, 0, foc)
         if code:
             current_repair(code, rotor, 0, foc)
-        for place, duty in zip((j.F_DUTY_A, j.F_DUTY_B, j.F_DUTY_C), want, strict=True):
-            worst = max(worst, abs(foc[place] / period - duty))
+        for found, duty in zip(foc.duty, want, strict=True):
+            worst = max(worst, abs(found / period - duty))
     return worst
 
 
@@ -84,29 +83,29 @@ def _draw_state(bldc: Bldc, blocks: Any, draw: random.Random, rotor: int) -> Non
     counts = 1.2 * limit / blocks.units.ampere_per_cu / 6
     angle = draw.uniform(0, tau)
     length = counts * draw.random()
-    for place, shift in ((j.F_RAW_A, 0.0), (j.F_RAW_B, tau / 3), (j.F_RAW_C, 2 * tau / 3)):
-        foc[place] = round(2048 + length * cos(angle - shift))
-    foc[j.F_ROTOR] = rotor
-    foc[j.F_MASKED] = foc[j.F_TRIPPED] = foc[j.F_D_REF] = 0
-    foc[j.F_Q_REF] = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
-    for place in (j.F_INTEGRAL_D, j.F_INTEGRAL_Q):
-        foc[place] = round(draw.uniform(-0.3, 0.3) * foc[j.F_LIMIT] * 8192)
-    foc[j.F_FEED_D] = round(draw.uniform(-0.1, 0.1) * foc[j.F_LIMIT])
-    foc[j.F_FEED_Q] = round(draw.uniform(-0.6, 0.6) * foc[j.F_LIMIT])
+    for phase in range(3):
+        foc.raw[phase] = round(2048 + length * cos(angle - phase * tau / 3))
+    foc.rotor = rotor
+    foc.masked = foc.tripped = foc.reference_d = 0
+    foc.reference_q = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
+    foc.integral_d = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
+    foc.integral_q = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
+    foc.feed_d = round(draw.uniform(-0.1, 0.1) * foc.voltage_limit)
+    foc.feed_q = round(draw.uniform(-0.6, 0.6) * foc.voltage_limit)
 
 
 def _reference(bldc: Bldc, blocks: Any, rotor: int) -> tuple[float, float, float]:
     """The same step in floats: Clarke, Park, PI, limit with d first, inverse Park, min-max injection."""
     foc = blocks.foc
-    a, b, c = (foc[place] - 2048 for place in (j.F_RAW_A, j.F_RAW_B, j.F_RAW_C))
+    a, b, c = (raw - 2048 for raw in foc.raw)
     alpha, beta = 2.0 * (2 * a - b - c), 2 * sqrt(3) * (b - c)
     angle = bldc.motor.pole_pairs * rotor / 16384 * 2 * pi
     cosine, sine = cos(angle), sin(angle)
-    e_d = foc[j.F_D_REF] - (cosine * alpha + sine * beta)
-    e_q = foc[j.F_Q_REF] - (cosine * beta - sine * alpha)
-    kp, ki = foc[j.F_KP] / 8192, foc[j.F_KI] / 8192
-    v_d = e_d * (kp + ki) + foc[j.F_INTEGRAL_D] / 8192 + foc[j.F_FEED_D]
-    v_q = e_q * (kp + ki) + foc[j.F_INTEGRAL_Q] / 8192 + foc[j.F_FEED_Q]
+    e_d = foc.reference_d - (cosine * alpha + sine * beta)
+    e_q = foc.reference_q - (cosine * beta - sine * alpha)
+    kp, ki = foc.kp / 8192, foc.ki / 8192
+    v_d = e_d * (kp + ki) + foc.integral_d / 8192 + foc.feed_d
+    v_q = e_q * (kp + ki) + foc.integral_q / 8192 + foc.feed_q
     bus = bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     most = bus / sqrt(3)
     v_d = max(-most, min(most, v_d))

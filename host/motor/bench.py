@@ -11,14 +11,9 @@ from math import tau
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.settings import Memory
-from shared.joint import layout as j
+from shared.joint.layout import JointState
 from shared.wire import names as w
-from shared.wire.codec import (
-    decode_service_response,
-    encode_group,
-    encode_service_request,
-    encode_sync,
-)
+from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 
 from ..errors import UserError
 from ..joint_gains import JointBlocks, joint_blocks
@@ -95,20 +90,15 @@ class Bench:
 
     def _configure(self, calibrated: bool, elec_offset_rad: float) -> None:
         """Hand the host's integers to the joint, as writing its parameters does."""
-        control, blocks = self.joint.control, self.blocks
-        for place in (
-            j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE,
-        ):  # fmt: skip
-            control.foc[place] = blocks.foc[place]
-        control.cfg[:] = blocks.cfg
-        control.curve[:] = blocks.curve
+        control = self.joint.control
+        self.joint.parameters.take(self.blocks.stored())
         if calibrated:
-            control.cfg[j.K_CALIBRATED] = 1
-            control.cfg[j.K_ELEC_OFFSET] = round(elec_offset_rad / tau * 65536) & 0xFFFF
+            control.cfg.calibrated = 1
+            control.cfg.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
 
     @property
-    def state(self) -> array:
-        """The joint's state block."""
+    def state(self) -> JointState:
+        """What the joint remembers."""
         return self.joint.control.state
 
     @property
@@ -128,7 +118,7 @@ class Bench:
                 self.motor.supply_V = self.wrong.supply_V
             self.motor.warm(STEP_S * STEPS_PER_MS)
             self.sensors.read_slow(self.motor, self.board)
-            self.rejected += self.joint.control.foc[j.F_GLITCHES]
+            self.rejected += self.joint.control.foc.glitches
             self.joint.poll()
             self._ms += 1
             self._record()
@@ -137,7 +127,7 @@ class Bench:
         board, motor = self.board, self.motor
         board.now_us += round(STEP_S * 1e6)
         self._steps += 1
-        compare, period = board.compare, self.blocks.foc[j.F_PERIOD]
+        compare, period = board.compare, self.blocks.foc.period
         duties = (compare[0] / period, compare[1] / period, compare[2] / period)  # the update event takes them over
         if board.handler is not None and not (self.late_every and self._steps % self.late_every == 0):
             self.sensors.read_fast(motor, board)
@@ -162,9 +152,9 @@ class Bench:
         t.peak_A.append(self.peak_A)
         t.torque_Nm.append(m.gear_Nm)
         t.winding_C.append(m.winding_C)
-        t.limit_A.append(self.state[j.S_CURRENT_LIMIT] * self.units.ampere_per_cu)
+        t.limit_A.append(self.state.current_limit * self.units.ampere_per_cu)
         t.bus_V.append(m.bus_V)
-        t.state.append(self.state[j.S_DRIVE])
+        t.state.append(self.state.drive_state)
 
     def send_setpoint(self) -> None:
         """Send ``goal`` (rad, rad/s or A as ``mode`` says), the speed fed forward if there is one, and SYNC."""
@@ -172,13 +162,13 @@ class Bench:
         self._group(w.SETPOINT_POSITION_ID + self.mode - 1, round(self.goal * scale))
         if self.mode == w.MODE_POSITION and self.goal_speed:
             self._group(w.FEEDFORWARD_VELOCITY_ID, round(self.goal_speed * 4096 / tau))
-        encode_sync(self._frame, array("i", [self._sync, SESSION]), 0)
+        encode_sync(self._frame, array("i", [self._sync, SESSION]))
         self.board.deliver(w.SYNC_ID, self._frame, w.SYNC_LENGTH)
         self._sync = (self._sync + 1) & 0xFF
 
     def _group(self, identifier: int, value: int) -> None:
         self._values[0] = value
-        encode_group(self._frame, self._values, 0)
+        encode_group(self._frame, self._values)
         self.board.deliver(identifier, self._frame, 8)
 
     def request(self, command: int, index: int = 0, value: int = 0) -> int:
@@ -191,7 +181,7 @@ class Bench:
         """Send a service request as it is, let it be answered, and return RESULT_*."""
         self._sequence = (self._sequence + 1) & 0xFF
         fields = array("i", [command, self._sequence, SESSION, index, value])
-        encode_service_request(self._frame, fields, 0)
+        encode_service_request(self._frame, fields)
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self._frame, 8)
         self._drop_sent()
         self.run(1)
@@ -200,7 +190,7 @@ class Bench:
             identifier = self.board.sent.take(frame)
             if identifier < 0:
                 raise UserError(f"the simulated joint does not answer request {command}")
-            if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer, 0) == 0:
+            if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer) == 0:
                 return answer[w.SERVICE_RESPONSE_RESULT]
 
     def _drop_sent(self) -> None:
@@ -214,5 +204,5 @@ class Bench:
         self.run(20)
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
-        if result != w.RESULT_OK or self.state[j.S_DRIVE] != w.STATE_OPERATION_ENABLED:
+        if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
             raise UserError(f"the simulated joint refuses to be armed: result {result}")

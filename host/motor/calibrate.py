@@ -2,8 +2,7 @@
 
 from math import tau
 
-from shared.joint import layout as j
-from shared.joint.calibration import C_REASON, C_VALUE, CAL_FULL
+from shared.joint.calibration import CAL_FULL
 from shared.wire import names as w
 
 from ..joint_faults import fault_sentence
@@ -19,17 +18,17 @@ def calibrate(bldc: Bldc) -> Result:
     result = bench.request(w.COMMAND_CALIBRATE, CAL_FULL)
     for _ in range(200):
         bench.run(100)
-        if bench.state[j.S_DRIVE] in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
+        if bench.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
             break
     cfg, cal = bench.joint.control.cfg, bench.joint.control.cal
-    error = (cfg[j.K_ELEC_OFFSET] - true_rad / tau * 65536 + 32768) % 65536 - 32768
-    found = bool(cfg[j.K_CALIBRATED] and not cal[C_REASON] and result == w.RESULT_OK)
+    error = (cfg.elec_offset - true_rad / tau * 65536 + 32768) % 65536 - 32768
+    found = bool(cfg.calibrated and not cal.reason and result == w.RESULT_OK)
     figures = {
-        "ok": found and abs(error) * 360 / 65536 < 5 and cfg[j.K_POLE_PAIRS] == bldc.motor.pole_pairs,
-        "pole_pairs": cfg[j.K_POLE_PAIRS],
-        "direction": cfg[j.K_DIRECTION],
+        "ok": found and abs(error) * 360 / 65536 < 5 and cfg.pole_pairs == bldc.motor.pole_pairs,
+        "pole_pairs": cfg.pole_pairs,
+        "direction": cfg.direction,
         "offset_error_elec_deg": round(error * 360 / 65536, 3),
         "duration_s": round(bench.time_s, 2),
-        "reason": "" if found else fault_sentence(cal[C_REASON], cal[C_VALUE], bench.units),
+        "reason": "" if found else fault_sentence(cal.reason, cal.reason_value, bench.units),
     }
     return Result("calibrate", figures, bench)

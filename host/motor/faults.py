@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from math import radians
 
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.wire import names as w
 
 from ..errors import UserError
@@ -91,7 +90,7 @@ def fault(bldc: Bldc, name: str) -> Result:
     if case.moving:
         bench.goal += 0.3
         bench.run(40)
-    if bench.state[j.S_FAULT_CODE]:
+    if bench.state.fault_code:
         raise UserError(f"fault-{name}: the joint was at fault before: {_sentence(bench)}")
     case.begin(bench)
     found = _wait(bench, case.run_ms)
@@ -111,7 +110,7 @@ def _swapped(bldc: Bldc, case: FaultCase) -> Result:
 def _wait(bench: Bench, milliseconds: int) -> int | None:
     for passed in range(1, milliseconds + 1):
         bench.run(1)
-        if bench.state[j.S_FAULT_CODE]:
+        if bench.state.fault_code:
             return passed
     return None
 
@@ -120,10 +119,10 @@ def _judged(name: str, case: FaultCase, bench: Bench, found: int | None) -> Resu
     state = bench.state
     torque = max(abs(x) for x in bench.trace.current_A[-20:]) * bench.units.newton_metre_per_cu
     torque /= bench.units.ampere_per_cu
-    latched = state[j.S_FAULT_CODE] == case.code and state[j.S_DRIVE] == w.STATE_FAULT and not bench.board.bridge
+    latched = state.fault_code == case.code and state.drive_state == w.STATE_FAULT and not bench.board.bridge
     figures = {
         "ok": bool(found is not None and found <= case.within_ms and latched and torque < 0.01),
-        "fault": fault_name(state[j.S_FAULT_CODE]),
+        "fault": fault_name(state.fault_code),
         "message": _sentence(bench),
         "detected_after_ms": found,
         "torque_after_Nm": round(torque, 4),
@@ -133,4 +132,4 @@ def _judged(name: str, case: FaultCase, bench: Bench, found: int | None) -> Resu
 
 
 def _sentence(bench: Bench) -> str:
-    return fault_sentence(bench.state[j.S_FAULT_CODE], bench.state[j.S_FAULT_VALUE], bench.units)
+    return fault_sentence(bench.state.fault_code, bench.state.fault_value, bench.units)

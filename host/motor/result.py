@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from shared.joint import layout as j
 from shared.wire import names as w
 
 from .bench import Bench
@@ -25,4 +24,4 @@ class Result:
 
 def enabled(bench: Bench) -> bool:
     """Return whether the joint still does what it is told."""
-    return int(bench.state[j.S_DRIVE]) == w.STATE_OPERATION_ENABLED
+    return int(bench.state.drive_state) == w.STATE_OPERATION_ENABLED

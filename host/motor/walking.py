@@ -9,7 +9,6 @@ from collections.abc import MutableSequence, Sequence
 from math import tau
 from typing import Any
 
-from shared.joint import layout as j
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_POSITION
 from sim2d.actuator import CoupledDrives, Drives
@@ -37,8 +36,8 @@ class JointMotor:
         self.blocks = joint_blocks(bldc, JointSetup(-WIDE_RAD, WIDE_RAD, inertia_kg_m2=inertia_kg_m2))
         self.bldc, u = bldc, self.blocks.units
         state, io = self.blocks.state, self.blocks.io
-        state[j.S_MODE] = io[j.IO_MODE] = MODE_POSITION
-        state[j.S_BUS] = round(bldc.drive.bus_voltage_V / u.volt_per_vu)
+        state.mode = io.mode = MODE_POSITION
+        state.bus = round(bldc.drive.bus_voltage_V / u.volt_per_vu)
         self.winding_C = self.housing_C = 25.0
         self.motor_Nm = self.largest_Nm = self.hottest_C = 0.0
         self.drawn_J = self.returned_J = 0.0
@@ -52,9 +51,9 @@ class JointMotor:
         """Return the torque at the joint for the next ``dt_s``, a millisecond, after one tick of the cascade."""
         blocks = self.blocks
         state = blocks.state
-        state[j.S_POSITION] = round(position_rad * self._per_rad)
-        state[j.S_VELOCITY] = round(speed_rad_s * self._per_rad_s)
-        state[j.S_CURRENT_LIMIT] = round(blocks.cfg[j.K_CURRENT_MAX] * self._share())
+        state.position = round(position_rad * self._per_rad)
+        state.velocity = round(speed_rad_s * self._per_rad_s)
+        state.current_limit = round(blocks.cfg.current_max * self._share())
         if goal_rad != self._goal_rad:
             self._take_goal(goal_rad)
         if self._cycle_ms % SETPOINT_MS == 0 and self._cycle_ms <= CYCLE_MS:
@@ -83,9 +82,9 @@ class JointMotor:
         """Hand over the angle on the way and its velocity, 0 once the goal is reached."""
         blocks = self.blocks
         speed = self._slope_rad_s if self._cycle_ms < CYCLE_MS else 0.0
-        blocks.io[j.IO_POSITION] = round(self._sent_rad() / tau * 65536)
-        blocks.io[j.IO_VELOCITY] = max(-32767, min(32767, round(speed / tau * 4096)))
-        blocks.state[j.S_SEQUENCE] = (blocks.state[j.S_SEQUENCE] + 1) & 0xFFFF
+        blocks.io.position = round(self._sent_rad() / tau * 65536)
+        blocks.io.velocity = max(-32767, min(32767, round(speed / tau * 4096)))
+        blocks.state.sequence = (blocks.state.sequence + 1) & 0xFFFF
 
     def _share(self) -> float:
         """Return the share of the current that the winding's temperature leaves."""

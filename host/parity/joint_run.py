@@ -17,14 +17,16 @@ from typing import Any
 
 from firmware import chip as c
 from firmware.encoders import parity
-from firmware.joint_run import RUN_LATE_US
-from shared.joint import layout as j
+from firmware.joint_bus import Told
+from firmware.joint_run import BoardRun
 from shared.joint.encoder import home_by_encoder
+from shared.joint.layout import JointState
 from shared.joint.report import report_position
 from shared.joint.tick import joint_reset
 from shared.wire import names as w
 from shared.wire.codec import encode_group, encode_service_request, encode_sync
 
+from ..build.records import place_of
 from ..joint_gains import joint_blocks
 from ..joint_units import JointSetup
 from ..robot_file import load_robot
@@ -38,13 +40,12 @@ BEYOND_BRAD = 300  # the set-point of what is measured, so that there is a curre
 NODE, SESSION, RANDOM = 1, 17, 4711
 SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
 NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
-STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 
 SET_UP = """
 import json
 from firmware.joint import Joint
 from firmware.settings import Memory
-FOC, CFG, CURVE = {blocks}
+STORED = {stored}
 class Run:
     def __init__(self, board):
         self.board = board
@@ -53,12 +54,7 @@ class Run:
         joint.set_node({node})
         gc.collect()
         self.free = gc.mem_free()
-        for place, value in FOC:
-            control.foc[place] = value
-        for place, value in CFG:
-            control.cfg[place] = value
-        for place, value in CURVE:
-            control.curve[place] = value
+        joint.parameters.take(STORED)
         control.run[{late}] = 1 << 29
         joint.start()
         self.handler = timer.handler
@@ -105,7 +101,7 @@ for _ in range(200):
     run.settle()
     run.due()
     run.steps(1)
-    slow, tell = run.control._slow_ticks == 99, run.joint._told[2] == 199
+    slow, tell = run.control._slow_ticks == 99, run.joint._told[{status_ms}] == 199
     if slow or tell:
         cost("slow" if slow else "tell", poll)
     else:
@@ -125,7 +121,7 @@ for number in range(60):
     run.settle()
     run.due()
     run.steps(1)
-    if run.control._slow_ticks == 99 or run.joint._told[2] == 199:
+    if run.control._slow_ticks == 99 or run.joint._told[{status_ms}] == 199:
         poll()
     else:
         cost("motion", poll)
@@ -156,9 +152,10 @@ def joint_script(board: str) -> str:
 def filled_in(script: str) -> str:
     """Return a script with what this file knows in the place of {names}."""
     filled = {
-        "blocks": _settings(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
-        "clear": CLEAR, "drive": j.S_DRIVE, "enabled": w.STATE_OPERATION_ENABLED, "fault": w.STATE_FAULT,
-        "late": RUN_LATE_US, "nothing": NOTHING,
+        "stored": _blocks().stored(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
+        "clear": CLEAR, "drive": place_of(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED,
+        "fault": w.STATE_FAULT, "late": place_of(BoardRun, "late_after_us"), "status_ms": place_of(Told, "status_ms"),
+        "nothing": NOTHING,
     }  # fmt: skip
     for name, value in filled.items():
         script = script.replace(f"{{{name}}}", repr(value))
@@ -175,14 +172,14 @@ def frames(beyond_brad: int) -> dict[int, tuple[int, bytes]]:
     """Return identifier and data of each frame by its number; the set-point lies so far from where the joint is."""
     frame = array("H", [0] * 4)
     made = {STOP: (w.E_STOP_ID, b"")}
-    encode_sync(frame, array("i", [0, SESSION]), 0)
+    encode_sync(frame, array("i", [0, SESSION]))
     made[SYNC] = w.SYNC_ID, frame.tobytes()[: w.SYNC_LENGTH]
-    encode_group(frame, array("i", [_position() + beyond_brad] + [w.NO_CHANGE] * 3), 0)
+    encode_group(frame, array("i", [_position() + beyond_brad] + [w.NO_CHANGE] * 3))
     made[SETPOINT] = w.SETPOINT_POSITION_ID, frame.tobytes()
     request = [w.COMMAND_ARM, 1, SESSION, 0, (RANDOM & 0x3FFF) << 16 | w.PROTOCOL_HASH]
-    encode_service_request(frame, array("i", request), 0)
+    encode_service_request(frame, array("i", request))
     made[ARM] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
-    encode_service_request(frame, array("i", [w.COMMAND_CLEAR_FAULT, 2, SESSION, 0, 0]), 0)
+    encode_service_request(frame, array("i", [w.COMMAND_CLEAR_FAULT, 2, SESSION, 0, 0]))
     made[CLEAR] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
     return made
 
@@ -211,22 +208,14 @@ def registers_at_rest() -> dict[int, int]:
 
 def _blocks():  # type: ignore[no-untyped-def]
     blocks = joint_blocks(load_robot(ROBOT).actuator, JointSetup(-1.0, 1.9))  # type: ignore[arg-type]
-    blocks.cfg[j.K_CALIBRATED], blocks.cfg[j.K_ELEC_OFFSET] = 1, 7000
+    blocks.cfg.calibrated, blocks.cfg.elec_offset = 1, 7000
     return blocks
-
-
-def _settings() -> tuple[list[tuple[int, int]], ...]:
-    """Return (place, value) of what is not 0 in each block of the joint."""
-    blocks = _blocks()
-    foc = [(place, blocks.foc[place]) for place in STEP_PLACES]
-    rest = [[(place, value) for place, value in enumerate(block) if value] for block in (blocks.cfg, blocks.curve)]
-    return foc, *rest
 
 
 def _position() -> int:
     """Return where the encoders say that the joint is, as on the wire."""
     blocks = _blocks()
     joint_reset(blocks.foc, blocks.cfg, blocks.state, ROTOR)
-    blocks.io[j.IO_JOINT_RAW], blocks.io[j.IO_JOINT_VALID] = JOINT, 1
+    blocks.io.joint_raw, blocks.io.joint_valid = JOINT, 1
     home_by_encoder(blocks.cfg, blocks.state, blocks.io)
     return report_position(blocks.cfg, blocks.state)

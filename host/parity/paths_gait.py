@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from firmware import link
-from firmware.gait import B_FLAGS
+from firmware.gait import BoardStatus
 from shared.gaits import GAIT_CLIMB, GAIT_NAMES
 from shared.planner_layout import CLIMB_ON, WALKING, Status
 
@@ -167,7 +167,7 @@ for number in range(GAITS):
     for _ in range(TICKS):
         cycle()
     gc.collect()
-    states.append([board.planner.status[i] for i in {watched}] + [board.numbers[{flags}] >> 16])
+    states.append([board.planner.status[i] for i in {watched}] + [board.status[{flags}] >> 16])
 order(2, 1)
 gc.collect()
 for _ in range(10):
@@ -279,7 +279,7 @@ def gait_script(extent: Extent) -> str:
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.climb_ticks),
-        "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": B_FLAGS,
+        "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": place_of(BoardStatus, "flags"),
         "watched": [place_of(Status, name) for name in WATCHED],
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,

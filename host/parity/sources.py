@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from shared.joint import layout as j
+from shared.joint.layout import SINE_SIZE
 from shared.record import pack
 
 from ..build.source import ROOT
@@ -54,6 +54,8 @@ def robot_blocks() -> str:
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
         "from shared.attitude import Attitude\n"
+        "from shared.joint.layout import SINE_SIZE, Foc, JointConfig\n"
+        "from shared.joint.sine import fill_sine\n"
         "from shared.params import Params\n"
         "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"
@@ -70,18 +72,28 @@ def robot_blocks() -> str:
         "    for at in range(len(values)):\n"
         "        made[at] = values[at]\n"
         "    return made\n\n\n"
+        "def _foc(values) -> Foc:\n"
+        "    made = Foc()\n"
+        "    unpack(made, list(values) + [0] * SINE_SIZE)\n"
+        "    fill_sine(made)\n"
+        "    return made\n\n\n"
+        "def _config(values) -> JointConfig:\n"
+        "    made = JointConfig()\n"
+        "    unpack(made, values)\n"
+        "    return made\n\n\n"
         f"PARAMS = {_listing([pack(one) for one in params], '_params')}\n"
         f"ATTITUDES = {_listing([pack(one) for one in attitudes], '_attitude')}\n"
-        f"JOINTS = ({''.join(_listing(blocks) + ', ' for blocks in joints)})\n"
+        f"JOINTS = ({''.join(joints)})\n"
     )
 
 
-def _joint_blocks(**setup: Any) -> list[Any]:
-    """Return foc, cfg and the thermistor curve of a joint of the robot that has brushless ones."""
+def _joint_blocks(**setup: Any) -> str:
+    """Return the text of foc, cfg and the thermistor curve of a joint of the robot that has brushless ones."""
     actuator = load_robot("parallel").actuator
     assert isinstance(actuator, Bldc)
     blocks = joint_blocks(actuator, JointSetup(lower_rad=-1.0, upper_rad=1.9, **setup))
-    return [blocks.foc[: j.F_SINE], blocks.cfg, blocks.curve]
+    foc, cfg, curve = (tuple(pack(block)) for block in (blocks.foc, blocks.cfg, blocks.curve))
+    return f"(_foc({foc[:-SINE_SIZE]}), _config({cfg}), _block({curve})), "
 
 
 def _with_legs(robot: Robot, **legs: Any) -> Robot:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from array import array
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import NamedTuple
 
 from host.protocol import dbc
@@ -28,8 +28,8 @@ class Kind(NamedTuple):
 
     message: Message
     instance: int
-    encode: Callable[[array[int], array[int], int], int] | None
-    decode: Callable[[array[int], array[int], int], int] | None
+    encode: Callable[[array[int], array[int]], int]
+    decode: Callable[[array[int], array[int]], int]
 
 
 def new_frame() -> Frame:
@@ -44,10 +44,32 @@ def kinds() -> dict[int, Kind]:
     found = {}
     for message in dbc.load():
         name = message.codec or message.name
-        encode, decode = getattr(codec, f"encode_{name}", None), getattr(codec, f"decode_{name}", None)
+        encode = getattr(codec, f"encode_{name}", partial(_pack, message.signals))
+        decode = getattr(codec, f"decode_{name}", partial(_unpack, message.signals))
         for instance, identifier in enumerate(message.identifiers, message.first):
             found[identifier] = Kind(message, instance, encode, decode)
     return found
+
+
+def _pack(signals: tuple[Signal, ...], words: array[int], values: array[int]) -> int:
+    """Do what the codec's encode does, for a frame that the core has none for."""
+    whole = clipped = 0
+    for signal, raw in zip(signals, values, strict=True):
+        limited = raw if raw == signal.special else max(signal.low, min(signal.high, raw))
+        clipped += limited != raw
+        whole |= (limited & (1 << signal.length) - 1) << signal.start
+    words[:] = array("H", (whole >> 16 * place & 0xFFFF for place in range(4)))
+    return clipped
+
+
+def _unpack(signals: tuple[Signal, ...], words: array[int], values: array[int]) -> int:
+    """Do what the codec's decode does, for a frame that the core has none for."""
+    whole, outside = sum(word << 16 * place for place, word in enumerate(words)), 0
+    for place, signal in enumerate(signals):
+        raw = whole >> signal.start & (1 << signal.length) - 1
+        values[place] = raw - (1 << signal.length) if signal.signed and raw >> signal.length - 1 else raw
+        outside += values[place] != signal.special and not signal.low <= values[place] <= signal.high
+    return outside
 
 
 def encode(identifier: int, values: list[int]) -> tuple[bytes, int]:
@@ -56,7 +78,7 @@ def encode(identifier: int, values: list[int]) -> tuple[bytes, int]:
     For tools and tests; loops keep their own Frame and call the codec.
     """
     kind, frame = kinds()[identifier], new_frame()
-    clipped = kind.encode(frame.words, array("i", values), 0) if kind.encode else 0
+    clipped = kind.encode(frame.words, array("i", values))
     return bytes(frame.data[: kind.message.length]), clipped
 
 
@@ -65,11 +87,9 @@ def decode(identifier: int, data: bytes) -> tuple[list[int], int] | None:
     kind = kinds().get(identifier)
     if kind is None or len(data) < kind.message.length:
         return None
-    if kind.decode is None:
-        return [], 0
     frame, values = new_frame(), array("i", [0] * len(kind.message.signals))
     frame.data[: kind.message.length] = data[: kind.message.length]
-    outside = kind.decode(frame.words, values, 0)
+    outside = kind.decode(frame.words, values)
     return list(values), outside
 
 

@@ -11,6 +11,7 @@ Kinds: full turns the field four electrical turns; small, for an assembled leg, 
 pole pairs known (1.2 deg at a 22:1 joint with 7); verify is small, changes nothing and compares.
 """
 
+from ..record import field, record, vector
 from ..runtime import Ints, const, hot
 from .current import current_relax, current_sum, set_offsets
 from .encoder import wrap_count
@@ -30,75 +31,46 @@ from .faults import (
     FAULT_CAL_SUM,
     FAULT_NONE,
 )
-from .layout import (
-    F_D_REF,
-    F_ELEC_GAIN,
-    F_ELEC_OFFSET,
-    F_FEED_D,
-    F_FEED_Q,
-    F_I_D,
-    F_Q_REF,
-    F_RAW_A,
-    F_ROTOR,
-    IO_JOINT_RAW,
-    IO_JOINT_VALID,
-    K_CAL_BUS_LEAST,
-    K_CAL_BUS_MOST,
-    K_CAL_CURRENT,
-    K_CALIBRATED,
-    K_DIRECTION,
-    K_ELEC_OFFSET,
-    K_GEAR_Q8,
-    K_HAS_JOINT_ENCODER,
-    K_JOINT_ENCODER_SIGN,
-    K_JOINT_ENCODER_ZERO,
-    K_JOINT_SIGN,
-    K_OFFSET_SPREAD,
-    K_POLE_PAIRS,
-    K_STALL_RATE,
-    K_SUM_LIMIT,
-    K_VERIFY,
-    K_ZERO,
-    S_BUS,
-    S_RATE,
-)
+from .layout import Foc, JointConfig, JointIo, JointState
 from .sine import TABLE_HALF_STEP
 
 CAL_FULL = const(1)
 CAL_SMALL = const(2)
 CAL_VERIFY = const(3)
 
-# Places in the calibration block
-C_KIND = const(0)  # CAL_*, 0 while none is running
-C_PHASE = const(1)  # PHASE_*
-C_TICKS = const(2)  # in this phase
-C_REASON = const(3)  # FAULT_CAL_* of the last one, 0 if it succeeded
-C_VALUE = const(4)
-C_ANGLE = const(5)  # brad, angle of the field, not wrapped
-C_MOVED = const(6)  # rc since the settled position
-C_LAST = const(7)  # rc, rotor in the tick before
-C_JOINT_MOVED = const(8)  # 1/16384 joint turn
-C_JOINT_LAST = const(9)
-C_FORWARD = const(10)  # rc moved on the first way forward
-C_JOINT_FORWARD = const(11)
-C_DIRECTION = const(12)  # found
-C_POLE_PAIRS = const(13)
-C_REFERENCE = const(14)  # brad, first offset seen
-C_SUM = const(15)  # brad, of the offsets relative to it
-C_COUNT = const(16)
-C_LOW = const(17)
-C_HIGH = const(18)
-C_RAW_SUM = const(19)  # 3 values
-C_RAW_LOW = const(22)  # 3 values, before the encoder's
-C_ROTOR_LOW = const(25)
-C_RAW_HIGH = const(26)  # 3 values, before the encoder's
-C_ROTOR_HIGH = const(29)
-C_POSE_GIVEN = const(30)  # 1: the joint stands at C_POSE when calibration starts
-C_POSE = const(31)  # rc, joint-signed
-C_REST_ROTOR = const(32)
-C_REST_JOINT = const(33)
-C_OFFSET = const(34)  # brad, electrical offset found
-CAL_SIZE = const(35)
+
+@record
+class Calibration:
+    """A calibration under way and what it found, or the reason of the last one."""
+
+    kind: int = field("", "CAL_*, 0 while none is running")
+    phase: int = field("", "PHASE_*")
+    phase_ticks: int = field("ticks", "since this phase began")
+    reason: int = field("", "FAULT_CAL_* of the last one, 0 if it succeeded")
+    reason_value: int = field("", "in the unit of that fault")
+    angle: int = field("brad", "angle of the field, not wrapped")
+    moved: int = field("rc", "rotor since the settled position")
+    rotor_last: int = field("rc", "rotor in the tick before")
+    joint_moved: int = field("1/16384 joint turn", "joint since the settled position")
+    joint_last: int = field("1/16384 joint turn", "joint encoder in the tick before")
+    moved_forward: int = field("rc", "rotor on the first way forward")
+    joint_moved_forward: int = field("1/16384 joint turn", "joint on the first way forward")
+    direction: int = field("", "found: +-1")
+    pole_pairs: int = field("", "found")
+    offset_reference: int = field("brad", "first electrical offset seen")
+    offset_sum: int = field("brad", "of the offsets relative to it")
+    offset_count: int = field("", "how many these are")
+    offset_low: int = field("brad", "least of them")
+    offset_high: int = field("brad", "largest of them")
+    raw_sum: Ints = vector(3, "count", "phases a, b, c at rest, summed")
+    lowest: Ints = vector(4, "", "at rest, of phases a, b, c in counts and of the rotor in rc")
+    highest: Ints = vector(4, "", "likewise")
+    pose_given: int = field("", "1: the joint stands at pose when calibration starts")
+    pose: int = field("rc", "joint-signed")
+    rest_rotor: int = field("rc", "rotor when calibration started")
+    rest_joint: int = field("1/16384 joint turn", "joint encoder when calibration started")
+    offset_found: int = field("brad", "electrical offset found")
+
 
 PHASE_IDLE = const(0)
 PHASE_REST = const(1)
@@ -109,6 +81,7 @@ PHASE_BACK = const(5)
 PHASE_AGAIN = const(6)
 PHASE_RETURN = const(7)
 
+_ROTOR = const(3)  # its place in lowest and highest, behind the phases
 _REST_SHIFT = const(8)  # 256 ticks at rest
 _RAMP_SHIFT = const(8)
 _SETTLE_TICKS = const(512)
@@ -123,55 +96,70 @@ _POLE_PAIRS_MOST = const(40)
 
 
 @hot
-def set_commutation(foc: Ints, cfg: Ints) -> int:
-    """Hand the stored direction, pole pairs and offset to the current step; return F_ELEC_GAIN."""
-    foc[F_ELEC_OFFSET] = cfg[K_ELEC_OFFSET] + TABLE_HALF_STEP
-    foc[F_ELEC_GAIN] = 4 * cfg[K_POLE_PAIRS] * cfg[K_DIRECTION]
-    return foc[F_ELEC_GAIN]
+def set_commutation(foc: Foc, cfg: JointConfig) -> int:
+    """Hand the stored direction, pole pairs and offset to the current step; return electrical_gain."""
+    foc.electrical_offset = cfg.elec_offset + TABLE_HALF_STEP
+    foc.electrical_gain = 4 * cfg.pole_pairs * cfg.direction
+    return foc.electrical_gain
 
 
 @hot
-def calibration_start(cal: Ints, kind: int) -> int:
-    """Begin a calibration of ``kind`` with the next tick; return PHASE_REST. C_POSE_GIVEN, C_POSE are the caller's."""
-    for i in range(C_TICKS, C_POSE_GIVEN):
-        cal[i] = 0
-    for i in range(4):
-        cal[C_RAW_LOW + i] = 0xFFFF
-        cal[C_RAW_HIGH + i] = -0xFFFF
-    cal[C_KIND] = kind
-    cal[C_PHASE] = PHASE_REST
-    return PHASE_REST
+def calibration_start(cal: Calibration, kind: int) -> int:
+    """Begin a calibration of ``kind`` with the next tick; return PHASE_REST. pose_given and pose are the caller's."""
+    cal.kind = kind
+    cal.reason = FAULT_NONE
+    cal.reason_value = 0
+    cal.angle = 0
+    cal.moved = 0
+    cal.rotor_last = 0
+    cal.joint_moved = 0
+    cal.joint_last = 0
+    cal.moved_forward = 0
+    cal.joint_moved_forward = 0
+    cal.direction = 0
+    cal.pole_pairs = 0
+    cal.offset_reference = 0
+    cal.offset_sum = 0
+    cal.offset_count = 0
+    cal.offset_low = 0
+    cal.offset_high = 0
+    for phase in range(3):
+        cal.raw_sum[phase] = 0
+    for at in range(4):
+        cal.lowest[at] = 0xFFFF
+        cal.highest[at] = -0xFFFF
+    return _next(cal, PHASE_REST)
 
 
 @hot
-def calibration_abort(foc: Ints, cfg, cal: Ints) -> int:
+def calibration_abort(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
     """End a calibration without a result, restore the commutation and the references; return PHASE_IDLE."""
-    cal[C_PHASE] = PHASE_IDLE
-    cal[C_KIND] = 0
-    foc[F_D_REF] = 0
-    foc[F_Q_REF] = 0
+    cal.phase = PHASE_IDLE
+    cal.kind = 0
+    foc.reference_d = 0
+    foc.reference_q = 0
     set_commutation(foc, cfg)
     return PHASE_IDLE
 
 
 @hot
-def calibration_needs_bridge(cal: Ints) -> int:
+def calibration_needs_bridge(cal: Calibration) -> int:
     """Return 1 while the field is on, 0 at rest and when idle: the bridge is off then."""
-    if cal[C_PHASE] > PHASE_REST:
+    if cal.phase > PHASE_REST:
         return 1
     return 0
 
 
 @hot
-def calibration_step(foc, cfg, state, io, cal: Ints) -> int:
-    """Do one tick; return C_PHASE, PHASE_IDLE when over. Then C_REASON is 0 or says what stood against it.
+def calibration_step(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+    """Do one tick; return cal.phase, PHASE_IDLE when over. Then cal.reason is 0 or says what stood against it.
 
     About 18 s for a full one, 5 s for a small one.
     """
-    phase = cal[C_PHASE]
+    phase = cal.phase
     if phase == PHASE_IDLE:
         return PHASE_IDLE
-    cal[C_TICKS] += 1
+    cal.phase_ticks += 1
     if phase == PHASE_REST:
         _rest(foc, cfg, state, io, cal)
     elif phase == PHASE_RAMP:
@@ -180,151 +168,151 @@ def calibration_step(foc, cfg, state, io, cal: Ints) -> int:
         _settle(foc, cfg, io, cal)
     else:
         _turn(foc, cfg, io, cal)
-    if cal[C_PHASE] == PHASE_IDLE:
+    if cal.phase == PHASE_IDLE:
         calibration_abort(foc, cfg, cal)
-    return cal[C_PHASE]
+    return cal.phase
 
 
 @hot
-def _refuse(cal: Ints, reason: int, value: int) -> int:
+def _refuse(cal: Calibration, reason: int, value: int) -> int:
     """End with a reason, unless there is one already."""
-    if cal[C_REASON] == FAULT_NONE:
-        cal[C_REASON] = reason
-        cal[C_VALUE] = value
-    cal[C_PHASE] = PHASE_IDLE
+    if cal.reason == FAULT_NONE:
+        cal.reason = reason
+        cal.reason_value = value
+    cal.phase = PHASE_IDLE
     return reason
 
 
 @hot
-def _next(cal: Ints, phase: int) -> int:
-    cal[C_PHASE] = phase
-    cal[C_TICKS] = 0
+def _next(cal: Calibration, phase: int) -> int:
+    cal.phase = phase
+    cal.phase_ticks = 0
     return phase
 
 
 @hot
-def _extremes(cal: Ints, place: int, value: int) -> int:
+def _extremes(cal: Calibration, place: int, value: int) -> int:
     """Take in a value of the lowest and highest at ``place``; return how far apart these are."""
-    if value < cal[C_RAW_LOW + place]:
-        cal[C_RAW_LOW + place] = value
-    if value > cal[C_RAW_HIGH + place]:
-        cal[C_RAW_HIGH + place] = value
-    return cal[C_RAW_HIGH + place] - cal[C_RAW_LOW + place]
+    if value < cal.lowest[place]:
+        cal.lowest[place] = value
+    if value > cal.highest[place]:
+        cal.highest[place] = value
+    return cal.highest[place] - cal.lowest[place]
 
 
 @hot
-def _rest(foc: Ints, cfg, state, io: Ints, cal: Ints) -> int:
+def _rest(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
     """Collect 256 readings with the bridge off, then check them and set the current offsets."""
-    if cal[C_TICKS] == 1:
-        cal[C_REST_ROTOR] = foc[F_ROTOR]
-        cal[C_REST_JOINT] = io[IO_JOINT_RAW]
+    if cal.phase_ticks == 1:
+        cal.rest_rotor = foc.rotor
+        cal.rest_joint = io.joint_raw
     for phase in range(3):
-        raw = foc[F_RAW_A + phase]
-        cal[C_RAW_SUM + phase] = cal[C_RAW_SUM + phase] + raw
+        raw = foc.raw[phase]
+        cal.raw_sum[phase] = cal.raw_sum[phase] + raw
         _extremes(cal, phase, raw)
-    _extremes(cal, 3, wrap_count(foc[F_ROTOR] - cal[C_REST_ROTOR]))
-    if cal[C_TICKS] >> _REST_SHIFT == 0:
+    _extremes(cal, _ROTOR, wrap_count(foc.rotor - cal.rest_rotor))
+    if cal.phase_ticks >> _REST_SHIFT == 0:
         return PHASE_REST
     _check_rest(cfg, state, cal)
-    if cal[C_PHASE] == PHASE_IDLE:
+    if cal.phase == PHASE_IDLE:
         return PHASE_IDLE
     shift = _REST_SHIFT - 4
-    set_offsets(foc, cal[C_RAW_SUM] >> shift, cal[C_RAW_SUM + 1] >> shift, cal[C_RAW_SUM + 2] >> shift)
+    set_offsets(foc, cal.raw_sum[0] >> shift, cal.raw_sum[1] >> shift, cal.raw_sum[2] >> shift)
     current_relax(foc)
     return _next(cal, PHASE_RAMP)
 
 
 @hot
-def _check_rest(cfg: Ints, state: Ints, cal: Ints) -> int:
+def _check_rest(cfg: JointConfig, state: JointState, cal: Calibration) -> int:
     """Return FAULT_NONE if the currents, the supply and the rotor at rest are fit, else the first fault."""
     for phase in range(3):
-        offset = cal[C_RAW_SUM + phase] >> _REST_SHIFT
-        if offset > 2048 + cfg[K_OFFSET_SPREAD] or offset < 2048 - cfg[K_OFFSET_SPREAD]:
+        offset = cal.raw_sum[phase] >> _REST_SHIFT
+        if offset > 2048 + cfg.offset_spread or offset < 2048 - cfg.offset_spread:
             return _refuse(cal, FAULT_CAL_OFFSET, offset)
-        noise = cal[C_RAW_HIGH + phase] - cal[C_RAW_LOW + phase]
+        noise = cal.highest[phase] - cal.lowest[phase]
         if noise > _NOISE_MOST:
             return _refuse(cal, FAULT_CAL_NOISE, noise)
-    if state[S_BUS] < cfg[K_CAL_BUS_LEAST] or state[S_BUS] > cfg[K_CAL_BUS_MOST]:
-        return _refuse(cal, FAULT_CAL_BUS, state[S_BUS])
-    if state[S_RATE] > cfg[K_STALL_RATE] or state[S_RATE] < -cfg[K_STALL_RATE]:
-        return _refuse(cal, FAULT_CAL_MOVING, state[S_RATE])
-    noise = cal[C_ROTOR_HIGH] - cal[C_ROTOR_LOW]
+    if state.bus < cfg.cal_bus_least or state.bus > cfg.cal_bus_most:
+        return _refuse(cal, FAULT_CAL_BUS, state.bus)
+    if state.rate > cfg.stall_rate or state.rate < -cfg.stall_rate:
+        return _refuse(cal, FAULT_CAL_MOVING, state.rate)
+    noise = cal.highest[_ROTOR] - cal.lowest[_ROTOR]
     if noise > _ENCODER_NOISE_MOST:
         return _refuse(cal, FAULT_CAL_ENCODER, noise)
     return FAULT_NONE
 
 
 @hot
-def _force(foc: Ints, cal: Ints, current: int) -> int:
-    """Point the field at C_ANGLE with ``current`` on d, whatever the encoder says."""
-    foc[F_ELEC_GAIN] = 0
-    foc[F_ELEC_OFFSET] = (cal[C_ANGLE] & 0xFFFF) + TABLE_HALF_STEP
-    foc[F_FEED_D] = 0
-    foc[F_FEED_Q] = 0
-    foc[F_Q_REF] = 0
-    foc[F_D_REF] = current
+def _force(foc: Foc, cal: Calibration, current: int) -> int:
+    """Point the field at cal.angle with ``current`` on d, whatever the encoder says."""
+    foc.electrical_gain = 0
+    foc.electrical_offset = (cal.angle & 0xFFFF) + TABLE_HALF_STEP
+    foc.feed_d = 0
+    foc.feed_q = 0
+    foc.reference_q = 0
+    foc.reference_d = current
     return current
 
 
 @hot
-def _ramp(foc, cfg: Ints, cal: Ints) -> int:
+def _ramp(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
     """Let the current grow while the field comes from a quarter turn back: no rotor stands exactly against both."""
-    cal[C_ANGLE] = (cal[C_TICKS] << 6) - 16384
-    _force(foc, cal, cfg[K_CAL_CURRENT] * cal[C_TICKS] >> _RAMP_SHIFT)
-    if cal[C_TICKS] >> _RAMP_SHIFT:
+    cal.angle = (cal.phase_ticks << 6) - 16384
+    _force(foc, cal, cfg.cal_current * cal.phase_ticks >> _RAMP_SHIFT)
+    if cal.phase_ticks >> _RAMP_SHIFT:
         _next(cal, PHASE_SETTLE)
-    return cal[C_PHASE]
+    return cal.phase
 
 
 @hot
-def _settle(foc: Ints, cfg: Ints, io: Ints, cal: Ints) -> int:
+def _settle(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     """Wait until the rotor has found the field, then check the current and start to turn."""
-    wanted = _force(foc, cal, cfg[K_CAL_CURRENT])
-    if cal[C_TICKS] < _SETTLE_TICKS:
+    wanted = _force(foc, cal, cfg.cal_current)
+    if cal.phase_ticks < _SETTLE_TICKS:
         return PHASE_SETTLE
-    missing = wanted - foc[F_I_D]
+    missing = wanted - foc.current_d
     if missing > wanted >> 2 or missing < -(wanted >> 2):
-        return _refuse(cal, FAULT_CAL_NO_CURRENT, foc[F_I_D])
+        return _refuse(cal, FAULT_CAL_NO_CURRENT, foc.current_d)
     wrong = current_sum(foc)
-    if wrong > cfg[K_SUM_LIMIT] or wrong < -cfg[K_SUM_LIMIT]:
+    if wrong > cfg.sum_limit or wrong < -cfg.sum_limit:
         return _refuse(cal, FAULT_CAL_SUM, wrong)
-    cal[C_LAST] = foc[F_ROTOR]
-    cal[C_JOINT_LAST] = io[IO_JOINT_RAW]
+    cal.rotor_last = foc.rotor
+    cal.joint_last = io.joint_raw
     return _next(cal, PHASE_FORWARD)
 
 
 @hot
-def _turn(foc: Ints, cfg: Ints, io: Ints, cal: Ints) -> int:
+def _turn(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     """Turn the field by one step, follow the encoders, and close the way when its end is reached."""
-    cal[C_MOVED] += wrap_count(foc[F_ROTOR] - cal[C_LAST])
-    cal[C_LAST] = foc[F_ROTOR]
-    cal[C_JOINT_MOVED] += wrap_count(io[IO_JOINT_RAW] - cal[C_JOINT_LAST])
-    cal[C_JOINT_LAST] = io[IO_JOINT_RAW]
-    if cal[C_PHASE] >= PHASE_AGAIN:
+    cal.moved += wrap_count(foc.rotor - cal.rotor_last)
+    cal.rotor_last = foc.rotor
+    cal.joint_moved += wrap_count(io.joint_raw - cal.joint_last)
+    cal.joint_last = io.joint_raw
+    if cal.phase >= PHASE_AGAIN:
         _sample_offset(foc, cal)
     travel = _SMALL_TRAVEL
     step = _SMALL_STEP
-    if cal[C_KIND] == CAL_FULL:
+    if cal.kind == CAL_FULL:
         travel = _FULL_TRAVEL
         step = _FULL_STEP
-    if cal[C_PHASE] == PHASE_BACK or cal[C_PHASE] == PHASE_RETURN:
+    if cal.phase == PHASE_BACK or cal.phase == PHASE_RETURN:
         step = -step
-    if cal[C_ANGLE] + step < 0 or cal[C_ANGLE] + step > travel:
+    if cal.angle + step < 0 or cal.angle + step > travel:
         return _end_way(foc, cfg, io, cal, travel)
-    cal[C_ANGLE] += step
-    return _force(foc, cal, cfg[K_CAL_CURRENT])
+    cal.angle += step
+    return _force(foc, cal, cfg.cal_current)
 
 
 @hot
-def _end_way(foc, cfg, io, cal: Ints, travel: int) -> int:
-    phase = cal[C_PHASE]
+def _end_way(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration, travel: int) -> int:
+    phase = cal.phase
     if phase == PHASE_FORWARD:
-        cal[C_FORWARD] = cal[C_MOVED]
-        cal[C_JOINT_FORWARD] = cal[C_JOINT_MOVED]
+        cal.moved_forward = cal.moved
+        cal.joint_moved_forward = cal.joint_moved
     if phase == PHASE_BACK:
         _find_direction(cfg, cal, travel)
         _check_joint_encoder(cfg, io, cal)
-        if cal[C_PHASE] == PHASE_IDLE:
+        if cal.phase == PHASE_IDLE:
             return PHASE_IDLE
     if phase == PHASE_RETURN:
         return _finish(foc, cfg, io, cal)
@@ -332,100 +320,100 @@ def _end_way(foc, cfg, io, cal: Ints, travel: int) -> int:
 
 
 @hot
-def _find_direction(cfg: Ints, cal: Ints, travel: int) -> int:
+def _find_direction(cfg: JointConfig, cal: Calibration, travel: int) -> int:
     """Direction and pole pairs from the first way, which must have come back to where it began."""
-    moved = cal[C_FORWARD]
-    cal[C_DIRECTION] = 1
+    moved = cal.moved_forward
+    cal.direction = 1
     if moved < 0:
-        cal[C_DIRECTION] = -1
+        cal.direction = -1
         moved = -moved
-    left = cal[C_MOVED]
+    left = cal.moved
     if moved < 64 or left > moved >> 2 or left < -(moved >> 2):
-        return _refuse(cal, FAULT_CAL_NOT_FREE, cal[C_FORWARD])
+        return _refuse(cal, FAULT_CAL_NOT_FREE, cal.moved_forward)
     pairs = (travel + moved + moved) // (moved << 2)
-    if cal[C_KIND] == CAL_FULL:
+    if cal.kind == CAL_FULL:
         rest = travel - 4 * pairs * moved
         if rest > moved or rest < -moved or pairs < 1 or pairs > _POLE_PAIRS_MOST:
             return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
-        if cfg[K_POLE_PAIRS] != 0 and cfg[K_POLE_PAIRS] != pairs:
+        if cfg.pole_pairs != 0 and cfg.pole_pairs != pairs:
             return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
     else:
-        pairs = cfg[K_POLE_PAIRS]
+        pairs = cfg.pole_pairs
         rest = travel - 4 * pairs * moved
         if rest > travel >> 2 or rest < -(travel >> 2):
-            return _refuse(cal, FAULT_CAL_NOT_FREE, cal[C_FORWARD])
-    cal[C_POLE_PAIRS] = pairs
-    if cal[C_KIND] == CAL_VERIFY and cal[C_DIRECTION] != cfg[K_DIRECTION]:
-        return _refuse(cal, FAULT_CAL_PHASE_ORDER, cal[C_DIRECTION])
+            return _refuse(cal, FAULT_CAL_NOT_FREE, cal.moved_forward)
+    cal.pole_pairs = pairs
+    if cal.kind == CAL_VERIFY and cal.direction != cfg.direction:
+        return _refuse(cal, FAULT_CAL_PHASE_ORDER, cal.direction)
     return FAULT_NONE
 
 
 @hot
-def _check_joint_encoder(cfg: Ints, io: Ints, cal: Ints) -> int:
+def _check_joint_encoder(cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     """The joint must have moved by the rotor's way through the gear, within a quarter and 8 counts."""
-    if cfg[K_HAS_JOINT_ENCODER] == 0 or cfg[K_GEAR_Q8] < 1:
+    if cfg.has_joint_encoder == 0 or cfg.gear_q8 < 1:
         return 0
-    moved = cal[C_JOINT_FORWARD]
+    moved = cal.joint_moved_forward
     if moved < 0:
         moved = -moved
-    expected = (cal[C_FORWARD] * cal[C_DIRECTION] << 8) // cfg[K_GEAR_Q8]
+    expected = (cal.moved_forward * cal.direction << 8) // cfg.gear_q8
     error = moved - expected
-    if io[IO_JOINT_VALID] == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
-        return _refuse(cal, FAULT_CAL_JOINT_ENCODER, cal[C_JOINT_FORWARD])
+    if io.joint_valid == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
+        return _refuse(cal, FAULT_CAL_JOINT_ENCODER, cal.joint_moved_forward)
     return 0
 
 
 @hot
-def _sample_offset(foc: Ints, cal: Ints) -> int:
+def _sample_offset(foc: Foc, cal: Calibration) -> int:
     """Add one sample of field angle minus rotor angle, relative to the first."""
-    offset = cal[C_ANGLE] - 4 * cal[C_POLE_PAIRS] * cal[C_DIRECTION] * foc[F_ROTOR]
-    if cal[C_COUNT] == 0:
-        cal[C_REFERENCE] = offset & 0xFFFF
-    offset = ((offset - cal[C_REFERENCE] + 0x8000) & 0xFFFF) - 0x8000
-    cal[C_SUM] += offset
-    cal[C_COUNT] += 1
-    if offset < cal[C_LOW]:
-        cal[C_LOW] = offset
-    if offset > cal[C_HIGH]:
-        cal[C_HIGH] = offset
+    offset = cal.angle - 4 * cal.pole_pairs * cal.direction * foc.rotor
+    if cal.offset_count == 0:
+        cal.offset_reference = offset & 0xFFFF
+    offset = ((offset - cal.offset_reference + 0x8000) & 0xFFFF) - 0x8000
+    cal.offset_sum += offset
+    cal.offset_count += 1
+    if offset < cal.offset_low:
+        cal.offset_low = offset
+    if offset > cal.offset_high:
+        cal.offset_high = offset
     return offset
 
 
 @hot
-def _finish(foc, cfg: Ints, io, cal: Ints) -> int:
+def _finish(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     """Check the offsets' spread, then write everything found, or compare it."""
-    spread = cal[C_HIGH] - cal[C_LOW]
-    if spread > _SPREAD_MOST or cal[C_COUNT] < 1:
+    spread = cal.offset_high - cal.offset_low
+    if spread > _SPREAD_MOST or cal.offset_count < 1:
         return _refuse(cal, FAULT_CAL_SPREAD, spread)
-    cal[C_OFFSET] = (cal[C_REFERENCE] + cal[C_SUM] // cal[C_COUNT]) & 0xFFFF
-    if cal[C_KIND] == CAL_VERIFY:
-        change = ((cal[C_OFFSET] - cfg[K_ELEC_OFFSET] + 0x8000) & 0xFFFF) - 0x8000
-        if change > cfg[K_VERIFY] or change < -cfg[K_VERIFY]:
+    cal.offset_found = (cal.offset_reference + cal.offset_sum // cal.offset_count) & 0xFFFF
+    if cal.kind == CAL_VERIFY:
+        change = ((cal.offset_found - cfg.elec_offset + 0x8000) & 0xFFFF) - 0x8000
+        if change > cfg.verify or change < -cfg.verify:
             return _refuse(cal, FAULT_CAL_OFFSET_CHANGED, change)
         return _next(cal, PHASE_IDLE)
-    cfg[K_ELEC_OFFSET] = cal[C_OFFSET]
-    cfg[K_DIRECTION] = cal[C_DIRECTION]
-    cfg[K_POLE_PAIRS] = cal[C_POLE_PAIRS]
-    cfg[K_CALIBRATED] = 1
-    if cfg[K_HAS_JOINT_ENCODER]:
-        same = cal[C_FORWARD] ^ cal[C_JOINT_FORWARD]
-        cfg[K_JOINT_ENCODER_SIGN] = cfg[K_JOINT_SIGN]
+    cfg.elec_offset = cal.offset_found
+    cfg.direction = cal.direction
+    cfg.pole_pairs = cal.pole_pairs
+    cfg.calibrated = 1
+    if cfg.has_joint_encoder:
+        same = cal.moved_forward ^ cal.joint_moved_forward
+        cfg.joint_encoder_sign = cfg.joint_sign
         if same < 0:
-            cfg[K_JOINT_ENCODER_SIGN] = -cfg[K_JOINT_SIGN]
-    if cal[C_POSE_GIVEN]:
+            cfg.joint_encoder_sign = -cfg.joint_sign
+    if cal.pose_given:
         set_zeros(cfg, cal)
     return _next(cal, PHASE_IDLE)
 
 
 @hot
-def set_zeros(cfg: Ints, cal: Ints) -> int:
-    """Set both encoders' zeros from the pose C_POSE at which they read C_REST_ROTOR and C_REST_JOINT; return K_ZERO.
+def set_zeros(cfg: JointConfig, cal: Calibration) -> int:
+    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint; return cfg.zero.
 
     The joint encoder's zero is rounded to its count: the rotor's is exact.
     """
-    cfg[K_ZERO] = (cal[C_REST_ROTOR] - cal[C_POSE] * cfg[K_JOINT_SIGN]) & 16383
-    if cfg[K_HAS_JOINT_ENCODER] and cfg[K_GEAR_Q8] > 0:
-        half = cfg[K_GEAR_Q8] >> 1
-        angle = ((cal[C_POSE] << 8) + half) // cfg[K_GEAR_Q8]
-        cfg[K_JOINT_ENCODER_ZERO] = (cal[C_REST_JOINT] - angle * cfg[K_JOINT_ENCODER_SIGN]) & 16383
-    return cfg[K_ZERO]
+    cfg.zero = (cal.rest_rotor - cal.pose * cfg.joint_sign) & 16383
+    if cfg.has_joint_encoder and cfg.gear_q8 > 0:
+        half = cfg.gear_q8 >> 1
+        angle = ((cal.pose << 8) + half) // cfg.gear_q8
+        cfg.joint_encoder_zero = (cal.rest_joint - angle * cfg.joint_encoder_sign) & 16383
+    return cfg.zero

@@ -12,50 +12,8 @@ step says so by its result:
 """
 
 from ..fixed import round_sqrt
-from ..runtime import Ints, const, hot
-from .layout import (
-    F_COSINE,
-    F_D_REF,
-    F_DUTY_A,
-    F_DUTY_B,
-    F_DUTY_C,
-    F_ELEC_GAIN,
-    F_ELEC_OFFSET,
-    F_FEED_D,
-    F_FEED_Q,
-    F_GAIN_ALPHA,
-    F_GAIN_BETA,
-    F_GLITCHES,
-    F_HALF,
-    F_I_D,
-    F_I_Q,
-    F_INTEGRAL_D,
-    F_INTEGRAL_Q,
-    F_KI,
-    F_KP,
-    F_LIMIT,
-    F_LIMIT_SQUARE,
-    F_LIMITED,
-    F_MASKED,
-    F_OFFSET_A,
-    F_OFFSET_ALPHA,
-    F_OFFSET_B,
-    F_OFFSET_BETA,
-    F_OFFSET_C,
-    F_PERIOD,
-    F_Q_REF,
-    F_RAW_A,
-    F_RAW_B,
-    F_RAW_C,
-    F_ROTOR,
-    F_ROTOR_SEEN,
-    F_SINE,
-    F_SPAN,
-    F_TRIP_SQUARE,
-    F_TRIPPED,
-    F_V_D,
-    F_V_Q,
-)
+from ..runtime import const, hot
+from .layout import COSINE_AT, Foc, LoopSettings
 from .svpwm import svpwm
 
 STEP_DONE = const(0)
@@ -71,48 +29,48 @@ _RAD_Q22 = const(402)  # rad per brad
 
 
 @hot
-def current_step(d: int, q: int, foc: Ints) -> int:
+def current_step(d: int, q: int, foc: Foc) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
-    Reads F_RAW_*, F_D_REF and F_Q_REF, writes F_DUTY_*, F_I_*, F_V_*. Returns STEP_DONE, or what
-    current_repair has to finish.
+    Reads raw, reference_d and _q, writes duty, current_d and _q, voltage_d and _q of ``foc``. Returns STEP_DONE, or
+    what current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
     than 13800, the sums of Park stay below 13800 * 32769 < 2^29, the currents within 27600 and their
-    squares below 2^30. The host chooses vu and checks that (F_KP e + F_INTEGRAL) stays below 2^30 for
+    squares below 2^30. The host chooses vu and checks that (foc.kp e + integral) stays below 2^30 for
     currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
     """
-    if (d - foc[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | foc[F_MASKED] | q:
+    if (d - foc.rotor + _JUMP) & _JUMP_OUTSIDE | foc.masked | q:
         return STEP_INPUT
-    foc[F_ROTOR] = d
-    d = d * foc[F_ELEC_GAIN] + foc[F_ELEC_OFFSET]
+    foc.rotor = d
+    d = d * foc.electrical_gain + foc.electrical_offset
     q = ((d & 63) - 32) * _RAD_Q22
     c = d >> 6 & 1023
-    s = foc[F_SINE + c]
-    y = foc[F_COSINE + c]
+    s = foc.sine[c]
+    y = foc.sine[c + COSINE_AT]
     c = y - (s * q >> 22)
     s += y * q >> 22
-    x = (foc[F_RAW_A] << 1) - foc[F_RAW_B] - foc[F_RAW_C] - foc[F_OFFSET_ALPHA]
-    y = ((foc[F_RAW_B] - foc[F_RAW_C]) * _SQRT3_Q14 - foc[F_OFFSET_BETA]) >> 14
+    x = (foc.raw[0] << 1) - foc.raw[1] - foc.raw[2] - foc.offset_alpha
+    y = ((foc.raw[1] - foc.raw[2]) * _SQRT3_Q14 - foc.offset_beta) >> 14
     d = (c * x + s * y + 8192) >> 14
     q = (c * y - s * x + 8192) >> 14
-    foc[F_I_D] = d
-    foc[F_I_Q] = q
-    if d * d + q * q > foc[F_TRIP_SQUARE]:
+    foc.current_d = d
+    foc.current_q = q
+    if d * d + q * q > foc.trip_square:
         return STEP_TRIP
-    d = foc[F_D_REF] - d
-    foc[F_INTEGRAL_D] = d * foc[F_KI] + foc[F_INTEGRAL_D]
-    d = ((d * foc[F_KP] + foc[F_INTEGRAL_D] + 4096) >> 13) + foc[F_FEED_D]
-    q = foc[F_Q_REF] - q
-    foc[F_INTEGRAL_Q] = q * foc[F_KI] + foc[F_INTEGRAL_Q]
-    q = ((q * foc[F_KP] + foc[F_INTEGRAL_Q] + 4096) >> 13) + foc[F_FEED_Q]
-    foc[F_V_D] = d
-    foc[F_V_Q] = q
-    if d * d + q * q > foc[F_LIMIT_SQUARE]:
+    d = foc.reference_d - d
+    foc.integral_d = d * foc.ki + foc.integral_d
+    d = ((d * foc.kp + foc.integral_d + 4096) >> 13) + foc.feed_d
+    q = foc.reference_q - q
+    foc.integral_q = q * foc.ki + foc.integral_q
+    q = ((q * foc.kp + foc.integral_q + 4096) >> 13) + foc.feed_q
+    foc.voltage_d = d
+    foc.voltage_q = q
+    if d * d + q * q > foc.limit_square:
         return STEP_LIMIT
-    y = ((c * d - s * q) >> 11) * foc[F_GAIN_ALPHA] >> 14
-    q = ((c * q + s * d) >> 11) * foc[F_GAIN_BETA] >> 14
+    y = ((c * d - s * q) >> 11) * foc.gain_alpha >> 14
+    q = ((c * q + s * d) >> 11) * foc.gain_beta >> 14
     d = y >> 1
     c = 0 - q - d
     s = q - d
@@ -126,32 +84,32 @@ def current_step(d: int, q: int, foc: Ints) -> int:
         d = y
     elif y < q:
         q = y
-    if d - q > foc[F_SPAN]:
+    if d - q > foc.span_max:
         return STEP_SHAPE
-    d = foc[F_HALF] - ((d + q) >> 1)
-    foc[F_DUTY_A] = (y + d) >> 4
-    foc[F_DUTY_B] = (s + d) >> 4
-    foc[F_DUTY_C] = (c + d) >> 4
+    d = foc.half_period - ((d + q) >> 1)
+    foc.duty[0] = (y + d) >> 4
+    foc.duty[1] = (s + d) >> 4
+    foc.duty[2] = (c + d) >> 4
     return STEP_DONE
 
 
 @hot
-def current_repair(code: int, rotor: int, invalid: int, foc: Ints) -> int:
+def current_repair(code: int, rotor: int, invalid: int, foc: Foc) -> int:
     """Finish what ``current_step`` left with the same arguments; return STEP_DONE or STEP_TRIP.
 
     A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
     one and counted. A phase that had no time to be sampled is the negative sum of the others; if
     two had none, the voltage of the last step is turned on with the rotor. A voltage vector that is
-    too long is cut, d first. After a trip all duties are equal, and F_TRIPPED tells the motion tick.
+    too long is cut, d first. After a trip all duties are equal, and foc.tripped tells the motion tick.
     """
     if code == STEP_INPUT:
-        if (rotor - foc[F_ROTOR] + _JUMP) & _JUMP_OUTSIDE | invalid:
-            foc[F_GLITCHES] += 1
+        if (rotor - foc.rotor + _JUMP) & _JUMP_OUTSIDE | invalid:
+            foc.glitches += 1
             if invalid == 0:
-                foc[F_ROTOR_SEEN] = rotor
-            rotor = foc[F_ROTOR]
+                foc.rotor_rejected = rotor
+            rotor = foc.rotor
         if _complete_currents(foc) == 0:
-            foc[F_ROTOR] = rotor
+            foc.rotor = rotor
             return turn_voltage(foc)
         code = current_step(rotor, 0, foc)
     if code == STEP_LIMIT:
@@ -160,124 +118,138 @@ def current_repair(code: int, rotor: int, invalid: int, foc: Ints) -> int:
     if code == STEP_SHAPE:
         return turn_voltage(foc)
     if code == STEP_TRIP:
-        foc[F_TRIPPED] = 1
+        foc.tripped = 1
         _equal_duties(foc)
     return code
 
 
 @hot
-def turn_voltage(foc: Ints) -> int:
-    """Write the duties for F_V_D, F_V_Q (no longer than F_LIMIT) at the angle of F_ROTOR; return STEP_DONE."""
-    angle = foc[F_ROTOR] * foc[F_ELEC_GAIN] + foc[F_ELEC_OFFSET]
+def turn_voltage(foc: Foc) -> int:
+    """Write the duties for voltage_d and _q (no longer than voltage_limit) at the rotor's angle; return STEP_DONE."""
+    angle = foc.rotor * foc.electrical_gain + foc.electrical_offset
     rest = ((angle & 63) - 32) * _RAD_Q22
     index = angle >> 6 & 1023
-    sine0 = foc[F_SINE + index]
-    cosine0 = foc[F_COSINE + index]
+    sine0 = foc.sine[index]
+    cosine0 = foc.sine[index + COSINE_AT]
     c = cosine0 - (sine0 * rest >> 22)
     s = sine0 + (cosine0 * rest >> 22)
-    d = foc[F_V_D]
-    q = foc[F_V_Q]
+    d = foc.voltage_d
+    q = foc.voltage_q
     svpwm(foc, (c * d - s * q) >> 11, (c * q + s * d) >> 11)
     return STEP_DONE
 
 
 @hot
-def limit_voltage(foc: Ints) -> int:
-    """Cut F_V_D, F_V_Q to the length F_LIMIT, d first; return F_LIMITED.
+def limit_voltage(foc: Foc) -> int:
+    """Cut voltage_d, voltage_q to the length voltage_limit, d first; return limited_steps.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
     """
-    limit = foc[F_LIMIT]
-    foc[F_LIMITED] += 1
-    error = foc[F_D_REF] - foc[F_I_D]
-    v = foc[F_V_D]
+    limit = foc.voltage_limit
+    foc.limited_steps += 1
+    error = foc.reference_d - foc.current_d
+    v = foc.voltage_d
     if v > limit or v < 0 - limit:  # not -limit: viper on x64 would negate the local itself
         if (v ^ error) >= 0:
-            foc[F_INTEGRAL_D] -= error * foc[F_KI]
+            foc.integral_d -= error * foc.ki
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        foc[F_V_D] = v
-    limit = round_sqrt(foc[F_LIMIT_SQUARE] - v * v)
-    error = foc[F_Q_REF] - foc[F_I_Q]
-    v = foc[F_V_Q]
+        foc.voltage_d = v
+    limit = round_sqrt(foc.limit_square - v * v)
+    error = foc.reference_q - foc.current_q
+    v = foc.voltage_q
     if v > limit or v < 0 - limit:
         if (v ^ error) >= 0:
-            foc[F_INTEGRAL_Q] -= error * foc[F_KI]
+            foc.integral_q -= error * foc.ki
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        foc[F_V_Q] = v
-    return foc[F_LIMITED]
+        foc.voltage_q = v
+    return foc.limited_steps
 
 
 @hot
-def current_reset(foc: Ints, rotor: int) -> int:
+def current_reset(foc: Foc, rotor: int) -> int:
     """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties. Return 0."""
-    foc[F_ROTOR] = rotor
-    foc[F_ROTOR_SEEN] = -1
-    foc[F_MASKED] = 0
-    foc[F_GLITCHES] = 0
-    foc[F_LIMITED] = 0
-    foc[F_TRIPPED] = 0
-    foc[F_I_D] = 0
-    foc[F_I_Q] = 0
-    foc[F_D_REF] = 0
-    foc[F_Q_REF] = 0
-    foc[F_FEED_D] = 0
-    foc[F_FEED_Q] = 0
+    foc.rotor = rotor
+    foc.rotor_rejected = -1
+    foc.masked = 0
+    foc.glitches = 0
+    foc.limited_steps = 0
+    foc.tripped = 0
+    foc.current_d = 0
+    foc.current_q = 0
+    foc.reference_d = 0
+    foc.reference_q = 0
+    foc.feed_d = 0
+    foc.feed_q = 0
     return current_relax(foc)
 
 
 @hot
-def current_relax(foc: Ints) -> int:
+def current_relax(foc: Foc) -> int:
     """Forget integrals and voltage and write equal duties: for a bridge that is off. Return 0."""
-    foc[F_INTEGRAL_D] = 0
-    foc[F_INTEGRAL_Q] = 0
-    foc[F_V_D] = 0
-    foc[F_V_Q] = 0
+    foc.integral_d = 0
+    foc.integral_q = 0
+    foc.voltage_d = 0
+    foc.voltage_q = 0
     return _equal_duties(foc)
 
 
 @hot
-def set_offsets(foc: Ints, a_q4: int, b_q4: int, c_q4: int) -> int:
+def set_loop(foc: Foc, loop: LoopSettings) -> int:
+    """Hand the stored settings to the current step; return 0."""
+    foc.kp = loop.current_kp
+    foc.ki = loop.current_ki
+    foc.period = loop.pwm_period
+    foc.half_period = loop.pwm_half
+    foc.span_max = loop.pwm_span
+    foc.pulse = loop.pwm_pulse
+    foc.window = loop.pwm_window
+    foc.trip_square = loop.trip_square
+    return 0
+
+
+@hot
+def set_offsets(foc: Foc, a_q4: int, b_q4: int, c_q4: int) -> int:
     """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
-    foc[F_OFFSET_A] = a_q4
-    foc[F_OFFSET_B] = b_q4
-    foc[F_OFFSET_C] = c_q4
-    foc[F_OFFSET_ALPHA] = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
-    foc[F_OFFSET_BETA] = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
+    foc.offset_q4[0] = a_q4
+    foc.offset_q4[1] = b_q4
+    foc.offset_q4[2] = c_q4
+    foc.offset_alpha = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
+    foc.offset_beta = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
     return 0
 
 
 @hot
-def current_sum(foc: Ints) -> int:
+def current_sum(foc: Foc) -> int:
     """Return a + b + c of the last sample in counts; 0 within noise if the sensing is sound. Error 1/2 count."""
-    offsets = foc[F_OFFSET_A] + foc[F_OFFSET_B] + foc[F_OFFSET_C]
-    return foc[F_RAW_A] + foc[F_RAW_B] + foc[F_RAW_C] - ((offsets + 8) >> 4)
+    offsets = foc.offset_q4[0] + foc.offset_q4[1] + foc.offset_q4[2]
+    return foc.raw[0] + foc.raw[1] + foc.raw[2] - ((offsets + 8) >> 4)
 
 
 @hot
-def _equal_duties(foc: Ints) -> int:
-    half = foc[F_PERIOD] >> 1
+def _equal_duties(foc: Foc) -> int:
+    half = foc.period >> 1
     for phase in range(3):
-        foc[F_DUTY_A + phase] = half
+        foc.duty[phase] = half
     return 0
 
 
 @hot
-def _complete_currents(foc: Ints) -> int:
-    """Rebuild the one phase that F_MASKED names from the others and clear the mask; 0 if it names more."""
-    masked = foc[F_MASKED]
-    foc[F_MASKED] = 0
+def _complete_currents(foc: Foc) -> int:
+    """Rebuild the one phase that foc.masked names from the others and clear the mask; 0 if it names more."""
+    masked = foc.masked
+    foc.masked = 0
     if masked == 0:
         return 1
     if masked & (masked - 1):
         return 0
     wrong = current_sum(foc)
     phase = masked >> 1
-    foc[F_RAW_A + phase] = foc[F_RAW_A + phase] - wrong
+    foc.raw[phase] = foc.raw[phase] - wrong
     return 1

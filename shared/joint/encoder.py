@@ -1,37 +1,12 @@
 """The encoders of a joint: turns counted without loss, speed by a tracking loop, the rotor's turn, disagreement.
 
 The rotor angle is kept as whole turns and a fraction, so nothing is lost in any number of turns up
-to +-(2^30 - 2). S_POSITION is the same, joint-signed, from the joint's zero, within +-2^29 rc.
+to +-(2^30 - 2). state.position is the same, joint-signed, from the joint's zero, within +-2^29 rc.
 """
 
 from ..fixed import saturate
-from ..runtime import Ints, const, hot
-from .layout import (
-    F_ROTOR,
-    F_ROTOR_SEEN,
-    IO_JOINT_RAW,
-    IO_JOINT_VALID,
-    K_DISAGREE,
-    K_GEAR_Q8,
-    K_HAS_JOINT_ENCODER,
-    K_HOME_TOLERANCE,
-    K_JOINT_ENCODER_SIGN,
-    K_JOINT_ENCODER_ZERO,
-    K_JOINT_SIGN,
-    K_TRACK_1,
-    K_TRACK_2,
-    K_ZERO,
-    S_DISAGREE_TICKS,
-    S_FRACTION,
-    S_HOMED,
-    S_JOINT_ERROR,
-    S_LAG,
-    S_POSITION,
-    S_RATE,
-    S_SHIFTED,
-    S_TURNS,
-    S_VELOCITY,
-)
+from ..runtime import const, hot
+from .layout import Foc, JointConfig, JointIo, JointState
 
 _TURN = const(16384)
 _TURNS_MOST = const(0x3FFFFFFE)
@@ -62,133 +37,133 @@ def position_of(turns: int, fraction: int, zero: int, sign: int) -> int:
 
 
 @hot
-def encoder_reset(foc: Ints, cfg: Ints, state: Ints) -> int:
-    """Start at the rotor's angle F_ROTOR in turn 0, at rest and not homed; return S_POSITION."""
-    state[S_TURNS] = 0
-    state[S_FRACTION] = foc[F_ROTOR]
-    state[S_LAG] = 0
-    state[S_RATE] = 0
-    state[S_VELOCITY] = 0
-    state[S_HOMED] = 0
-    state[S_SHIFTED] = 0
-    state[S_DISAGREE_TICKS] = 0
-    state[S_POSITION] = position_of(0, foc[F_ROTOR], cfg[K_ZERO], cfg[K_JOINT_SIGN])
-    return state[S_POSITION]
+def encoder_reset(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+    """Start at the rotor's angle foc.rotor in turn 0, at rest and not homed; return state.position."""
+    state.turns = 0
+    state.fraction = foc.rotor
+    state.lag = 0
+    state.rate = 0
+    state.velocity = 0
+    state.homed = 0
+    state.range_exceeded = 0
+    state.disagree_ticks = 0
+    state.position = position_of(0, foc.rotor, cfg.zero, cfg.joint_sign)
+    return state.position
 
 
 @hot
-def encoder_resync(foc: Ints, state: Ints) -> int:
+def encoder_resync(foc: Foc, state: JointState) -> int:
     """Follow the last rejected reading after the encoder was lost, with the bridge off; return 1 if there was one.
 
     Turns may have been missed: the joint is no longer homed.
     """
-    if foc[F_ROTOR_SEEN] < 0:
+    if foc.rotor_rejected < 0:
         return 0
-    foc[F_ROTOR] = foc[F_ROTOR_SEEN]
-    foc[F_ROTOR_SEEN] = -1
-    state[S_FRACTION] = foc[F_ROTOR]
-    state[S_LAG] = 0
-    state[S_RATE] = 0
-    state[S_HOMED] = 0
+    foc.rotor = foc.rotor_rejected
+    foc.rotor_rejected = -1
+    state.fraction = foc.rotor
+    state.lag = 0
+    state.rate = 0
+    state.homed = 0
     return 1
 
 
 @hot
-def encoder_step(foc: Ints, cfg: Ints, state: Ints) -> int:
-    """Take F_ROTOR over once a millisecond: S_TURNS, S_FRACTION, S_POSITION, S_RATE, S_VELOCITY; return S_POSITION.
+def encoder_step(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+    """Take the rotor over once a millisecond: turns, fraction, position, rate, velocity; return state.position.
 
-    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range S_TURNS
-    stops at +-(2^30 - 2); S_SHIFTED is 1 from the moment S_POSITION cannot follow any more.
+    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns
+    stops at +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
     """
-    moved = wrap_count(foc[F_ROTOR] - state[S_FRACTION])
-    fraction = state[S_FRACTION] + moved
-    turns = saturate(state[S_TURNS] + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)
-    state[S_TURNS] = turns
-    state[S_FRACTION] = fraction & 16383
+    moved = wrap_count(foc.rotor - state.fraction)
+    fraction = state.fraction + moved
+    turns = saturate(state.turns + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)
+    state.turns = turns
+    state.fraction = fraction & 16383
     if turns > _TURNS_IN_POSITION or turns < -_TURNS_IN_POSITION:
-        state[S_SHIFTED] = 1
-    state[S_POSITION] = position_of(turns, fraction & 16383, cfg[K_ZERO], cfg[K_JOINT_SIGN])
-    state[S_VELOCITY] = track_rate(cfg, state, moved) * cfg[K_JOINT_SIGN]
-    return state[S_POSITION]
+        state.range_exceeded = 1
+    state.position = position_of(turns, fraction & 16383, cfg.zero, cfg.joint_sign)
+    state.velocity = track_rate(cfg, state, moved) * cfg.joint_sign
+    return state.position
 
 
 @hot
-def track_rate(cfg: Ints, state: Ints, moved: int) -> int:
-    """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return S_RATE in rc/256 per tick.
+def track_rate(cfg: JointConfig, state: JointState, moved: int) -> int:
+    """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return state.rate in rc/256 per tick.
 
-    A second-order loop with both poles at the same place: the predicted position lags by S_LAG; K_TRACK_1
-    of the lag corrects the position, K_TRACK_2 the rate (Q12, 0 .. 4095). No error at constant rate
+    A second-order loop with both poles at the same place: the predicted position lags by state.lag; track_1
+    of the lag corrects the position, track_2 the rate (Q12, 0 .. 4095). No error at constant rate
     but the encoder's rounding. The lag is limited to +-(2^18 - 1), so products stay below 2^30.
     """
-    lag = saturate(state[S_LAG] + state[S_RATE] - (moved << 8), -_LAG_MOST, _LAG_MOST)
-    state[S_RATE] = saturate(state[S_RATE] - ((lag * cfg[K_TRACK_2] + 2048) >> 12), -_RATE_MOST, _RATE_MOST)
-    state[S_LAG] = lag - ((lag * cfg[K_TRACK_1] + 2048) >> 12)
-    return state[S_RATE]
+    lag = saturate(state.lag + state.rate - (moved << 8), -_LAG_MOST, _LAG_MOST)
+    state.rate = saturate(state.rate - ((lag * cfg.track_2 + 2048) >> 12), -_RATE_MOST, _RATE_MOST)
+    state.lag = lag - ((lag * cfg.track_1 + 2048) >> 12)
+    return state.rate
 
 
 @hot
-def joint_count(cfg: Ints, raw: int) -> int:
+def joint_count(cfg: JointConfig, raw: int) -> int:
     """Return the joint encoder's angle as rc of the rotor, joint-signed, from ``raw`` 0 .. 16383.
 
     Within half a joint turn of zero. Error at most 1/2 rc plus the gear's. Intermediates: 8192 *
-    K_GEAR_Q8 below 2^30 for gears up to 500:1.
+    gear_q8 below 2^30 for gears up to 500:1.
     """
-    angle = wrap_count(raw - cfg[K_JOINT_ENCODER_ZERO]) * cfg[K_JOINT_ENCODER_SIGN]
-    return (angle * cfg[K_GEAR_Q8] + 128) >> 8
+    angle = wrap_count(raw - cfg.joint_encoder_zero) * cfg.joint_encoder_sign
+    return (angle * cfg.gear_q8 + 128) >> 8
 
 
 @hot
-def watch_encoders(cfg: Ints, state: Ints, io: Ints) -> int:
-    """Compare both encoders; return for how many ticks they have disagreed by more than K_DISAGREE.
+def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+    """Compare both encoders; return for how many ticks they have disagreed by more than cfg.disagree.
 
     The difference is taken within half a joint turn, so any number of joint turns may have passed.
-    K_DISAGREE is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
+    cfg.disagree is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
     """
-    full = cfg[K_GEAR_Q8] << 6
-    if cfg[K_HAS_JOINT_ENCODER] == 0 or io[IO_JOINT_VALID] == 0 or state[S_HOMED] == 0 or full <= 0:
-        state[S_DISAGREE_TICKS] = 0
+    full = cfg.gear_q8 << 6
+    if cfg.has_joint_encoder == 0 or io.joint_valid == 0 or state.homed == 0 or full <= 0:
+        state.disagree_ticks = 0
         return 0
-    error = joint_count(cfg, io[IO_JOINT_RAW]) - state[S_POSITION]
+    error = joint_count(cfg, io.joint_raw) - state.position
     error = (error + (full >> 1)) % full - (full >> 1)
-    state[S_JOINT_ERROR] = error
-    if error > cfg[K_DISAGREE] or error < -cfg[K_DISAGREE]:
-        state[S_DISAGREE_TICKS] += 1
+    state.joint_error = error
+    if error > cfg.disagree or error < -cfg.disagree:
+        state.disagree_ticks += 1
     else:
-        state[S_DISAGREE_TICKS] = 0
-    return state[S_DISAGREE_TICKS]
+        state.disagree_ticks = 0
+    return state.disagree_ticks
 
 
 @hot
-def choose_turn(cfg: Ints, state: Ints, expected_rc: int) -> int:
-    """Set S_TURNS so that S_POSITION is nearest to ``expected_rc``; return what is left, expected minus position.
+def choose_turn(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
+    """Set state.turns so that the position is nearest to ``expected_rc``; return what is left, expected minus position.
 
     expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the
     expectation was less than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.
     """
-    wanted = expected_rc * cfg[K_JOINT_SIGN] + cfg[K_ZERO] - state[S_FRACTION]
-    state[S_TURNS] = (wanted + 8192) >> 14
-    state[S_POSITION] = position_of(state[S_TURNS], state[S_FRACTION], cfg[K_ZERO], cfg[K_JOINT_SIGN])
-    state[S_SHIFTED] = 0
-    return expected_rc - state[S_POSITION]
+    wanted = expected_rc * cfg.joint_sign + cfg.zero - state.fraction
+    state.turns = (wanted + 8192) >> 14
+    state.position = position_of(state.turns, state.fraction, cfg.zero, cfg.joint_sign)
+    state.range_exceeded = 0
+    return expected_rc - state.position
 
 
 @hot
-def home_at(cfg: Ints, state: Ints, expected_rc: int) -> int:
+def home_at(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
     """Home on a known position (stop, stored pose, joint encoder); return 1, or 0 if it is ambiguous.
 
-    Ambiguous: the nearest position the rotor's angle allows is more than K_HOME_TOLERANCE away from
-    the expected one, so that a neighbouring turn could be meant. Then S_HOMED becomes 0.
+    Ambiguous: the nearest position the rotor's angle allows is more than home_tolerance away from
+    the expected one, so that a neighbouring turn could be meant. Then state.homed becomes 0.
     """
     left = choose_turn(cfg, state, expected_rc)
-    state[S_HOMED] = 0
-    if left <= cfg[K_HOME_TOLERANCE] and left >= -cfg[K_HOME_TOLERANCE]:
-        state[S_HOMED] = 1
-    return state[S_HOMED]
+    state.homed = 0
+    if left <= cfg.home_tolerance and left >= -cfg.home_tolerance:
+        state.homed = 1
+    return state.homed
 
 
 @hot
-def home_by_encoder(cfg: Ints, state, io: Ints) -> int:
+def home_by_encoder(cfg: JointConfig, state: JointState, io: JointIo) -> int:
     """Home by the joint encoder; return 1, or 0 if there is none, it is not valid, or it is ambiguous."""
-    if cfg[K_HAS_JOINT_ENCODER] == 0 or io[IO_JOINT_VALID] == 0:
+    if cfg.has_joint_encoder == 0 or io.joint_valid == 0:
         return 0
-    return home_at(cfg, state, joint_count(cfg, io[IO_JOINT_RAW]))
+    return home_at(cfg, state, joint_count(cfg, io.joint_raw))

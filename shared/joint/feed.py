@@ -6,29 +6,8 @@ The rotor's angle itself is led here by the age of its reading, so that the curr
 """
 
 from ..fixed import cos_q15, mul_q15, saturate, sin_q15
-from ..runtime import Ints, const, hot
-from .layout import (
-    F_ELEC_GAIN,
-    F_ELEC_OFFSET,
-    F_FEED_D,
-    F_FEED_Q,
-    F_GAIN_ALPHA,
-    F_GAIN_BETA,
-    F_LIMIT,
-    F_LIMIT_SQUARE,
-    F_PERIOD,
-    F_Q_REF,
-    K_ADVANCE,
-    K_AGE,
-    K_BEMF,
-    K_BUS_LEAST,
-    K_DEAD,
-    K_DEAD_ZONE,
-    K_ELEC_OFFSET,
-    K_OMEGA_L,
-    S_BUS,
-    S_RATE,
-)
+from ..runtime import const, hot
+from .layout import Foc, JointConfig, JointState
 from .sine import TABLE_HALF_STEP
 
 _INV_SQRT3_Q15 = const(18919)
@@ -44,23 +23,23 @@ def bus_voltage(raw: int, gain_q12: int) -> int:
 
 
 @hot
-def feed_bus(foc: Ints, cfg: Ints, bus_vu: int) -> int:
+def feed_bus(foc: Foc, cfg: JointConfig, bus_vu: int) -> int:
     """Set the modulator's gains and the longest vector for a bus of ``bus_vu``; return the bus used.
 
-    bus_vu: any; below K_BUS_LEAST (at least 64) that is used, so nothing is divided by 0. F_PERIOD below 2^15.
-    Errors: F_LIMIT 1/2 vu, gains half of their unit. Intermediates below 2^30.
+    bus_vu: any; below bus_least (at least 64) that is used, so nothing is divided by 0. foc.period below 2^15.
+    Errors: voltage_limit 1/2 vu, gains half of their unit. Intermediates below 2^30.
     """
-    least = cfg[K_BUS_LEAST]
+    least = cfg.bus_least
     if least < 64:
         least = 64
     if bus_vu < least:
         bus_vu = least
     half = bus_vu >> 1
     limit = bus_vu * _INV_SQRT3_Q15 + 0x4000 >> 15
-    foc[F_GAIN_ALPHA] = ((foc[F_PERIOD] << 14) + half) // bus_vu
-    foc[F_GAIN_BETA] = ((foc[F_PERIOD] * _HALF_SQRT3_Q15 >> 1) + half) // bus_vu
-    foc[F_LIMIT] = limit
-    foc[F_LIMIT_SQUARE] = limit * limit
+    foc.gain_alpha = ((foc.period << 14) + half) // bus_vu
+    foc.gain_beta = ((foc.period * _HALF_SQRT3_Q15 >> 1) + half) // bus_vu
+    foc.voltage_limit = limit
+    foc.limit_square = limit * limit
     return bus_vu
 
 
@@ -79,42 +58,42 @@ def dead_time_voltage(current_cu: int, dead_vu: int, zone_cu: int) -> int:
 
 
 @hot
-def lead_angle(foc: Ints, cfg: Ints, state: Ints) -> int:
-    """Set F_ELEC_OFFSET so that the last reading of the rotor gives the angle at the samples; return it in brad.
+def lead_angle(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+    """Set electrical_offset so that the last reading of the rotor gives the angle at the samples; return it in brad.
 
-    An answer of the encoder is one step old (K_AGE 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
+    An answer of the encoder is one step old (cfg.age 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
     what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
     """
-    lead = saturate(state[S_RATE], -_RATE_MOST, _RATE_MOST) * cfg[K_AGE] >> 16
-    if foc[F_ELEC_GAIN] < 0:
+    lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * cfg.age >> 16
+    if foc.electrical_gain < 0:
         lead = 0 - lead
-    foc[F_ELEC_OFFSET] = cfg[K_ELEC_OFFSET] + TABLE_HALF_STEP + lead
-    return foc[F_ELEC_OFFSET]
+    foc.electrical_offset = cfg.elec_offset + TABLE_HALF_STEP + lead
+    return foc.electrical_offset
 
 
 @hot
-def feed_voltages(foc: Ints, cfg: Ints, state: Ints) -> int:
-    """Write F_FEED_D and F_FEED_Q from the rotor's rate, the bus and the wanted current; return F_FEED_Q.
+def feed_voltages(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+    """Write feed_d and feed_q from the rotor's rate, the bus and the wanted current; return feed_q.
 
-    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, K_BEMF, K_OMEGA_L 0 .. 16383,
-    K_ADVANCE 0 .. 2047. Result within +-F_LIMIT on each axis. Error at most 1/4096 of each part
+    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, cfg.bemf, omega_l 0 .. 16383,
+    cfg.advance 0 .. 2047. Result within +-voltage_limit on each axis. Error at most 1/4096 of each part
     plus 4 vu. Intermediates: 2^16 * 16383, 2^16 * 12288 and 2^19 * 2047 are below 2^30.
     """
-    rate = saturate(state[S_RATE], -_RATE_MOST, _RATE_MOST)
-    current = saturate(foc[F_Q_REF], -12288, 12288)
+    rate = saturate(state.rate, -_RATE_MOST, _RATE_MOST)
+    current = saturate(foc.reference_q, -12288, 12288)
     sign = 1
-    if foc[F_ELEC_GAIN] < 0:
+    if foc.electrical_gain < 0:
         sign = -1
-    omega_l = saturate((rate >> 3) * cfg[K_OMEGA_L] >> 12, -_OMEGA_L_MOST, _OMEGA_L_MOST) * sign
+    omega_l = saturate((rate >> 3) * cfg.omega_l >> 12, -_OMEGA_L_MOST, _OMEGA_L_MOST) * sign
     d = -(omega_l * current >> 16)
-    q = ((rate >> 3) * cfg[K_BEMF] >> 16) * sign
-    q += dead_time_voltage(current, mul_q15(state[S_BUS], cfg[K_DEAD]), cfg[K_DEAD_ZONE])
-    ahead = (rate * cfg[K_ADVANCE] >> 16) * sign
-    limit = foc[F_LIMIT]
+    q = ((rate >> 3) * cfg.bemf >> 16) * sign
+    q += dead_time_voltage(current, mul_q15(state.bus, cfg.dead), cfg.dead_zone)
+    ahead = (rate * cfg.advance >> 16) * sign
+    limit = foc.voltage_limit
     d = saturate(d, -limit, limit)
     q = saturate(q, -limit, limit)
     sine = sin_q15(ahead)
     cosine = cos_q15(ahead)
-    foc[F_FEED_D] = saturate((d * cosine - q * sine) >> 15, -limit, limit)
-    foc[F_FEED_Q] = saturate((d * sine + q * cosine) >> 15, -limit, limit)
-    return foc[F_FEED_Q]
+    foc.feed_d = saturate((d * cosine - q * sine) >> 15, -limit, limit)
+    foc.feed_q = saturate((d * sine + q * cosine) >> 15, -limit, limit)
+    return foc.feed_q

@@ -5,8 +5,8 @@ left, sqrt(2 a d), no more than the limit; the speed goes there by at most the a
 """
 
 from ..fixed import isqrt, saturate
-from ..runtime import Ints, const, hot
-from .layout import S_PROFILE, S_PROFILE_RATE
+from ..runtime import const, hot
+from .layout import JointState
 
 _DISTANCE_MOST = const(0x1FFFFFFF)  # rc/256
 
@@ -40,30 +40,30 @@ def braking_rate(distance_rc256: int, accel: int, rate_max: int) -> int:
 
 
 @hot
-def profile_reset(state: Ints, position_rc: int, rate: int) -> int:
+def profile_reset(state: JointState, position_rc: int, rate: int) -> int:
     """Start at a position within +-2^21 rc with a rate; return 0."""
-    state[S_PROFILE] = position_rc << 8
-    state[S_PROFILE_RATE] = rate
+    state.profile = position_rc << 8
+    state.profile_rate = rate
     return 0
 
 
 @hot
-def profile_step(state: Ints, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
-    """Advance S_PROFILE and S_PROFILE_RATE one tick towards the target; return the change of rate.
+def profile_step(state: JointState, target_rc256: int, target_rate: int, accel: int, rate_max: int) -> int:
+    """Advance state.profile and profile_rate one tick towards the target; return the change of rate.
 
     target_rc256 within +-2^29 rc/256, where the target will be after this tick, target_rate its own
     rate within +-rate_max; accel, rate_max as braking_rate. The result is the acceleration used, within
     +-accel. The target is met exactly when it can be reached by this tick's move and held by the
-    next, each a change of at most ``accel``; S_PROFILE_RATE is then already the target's.
+    next, each a change of at most ``accel``; profile_rate is then already the target's.
     """
-    rate = state[S_PROFILE_RATE]
-    left = target_rc256 - state[S_PROFILE]
+    rate = state.profile_rate
+    left = target_rc256 - state.profile
     change = left - rate
     follow = target_rate - left
     near = saturate(left, -rate_max, rate_max) == left
     if near and change <= accel and change >= -accel and follow <= accel and follow >= -accel:
-        state[S_PROFILE] = target_rc256
-        state[S_PROFILE_RATE] = target_rate
+        state.profile = target_rc256
+        state.profile_rate = target_rate
         return saturate(target_rate - rate, -accel, accel)
     ahead = left - target_rate
     if ahead >= 0:
@@ -72,14 +72,14 @@ def profile_step(state: Ints, target_rc256: int, target_rate: int, accel: int, r
         wanted = target_rate - braking_rate(saturate(-ahead, 0, _DISTANCE_MOST), accel, rate_max)
     wanted = saturate(wanted, -rate_max, rate_max)
     change = saturate(wanted - rate, -accel, accel)
-    state[S_PROFILE_RATE] = rate + change
-    state[S_PROFILE] += rate + change
+    state.profile_rate = rate + change
+    state.profile += rate + change
     return change
 
 
 @hot
-def slew_rate(state: Ints, wanted: int, accel: int) -> int:
-    """Move S_PROFILE_RATE towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
-    change = saturate(wanted - state[S_PROFILE_RATE], 0 - accel, accel)
-    state[S_PROFILE_RATE] += change
+def slew_rate(state: JointState, wanted: int, accel: int) -> int:
+    """Move profile_rate towards ``wanted`` by at most ``accel``; return the change. All within +-2^19."""
+    change = saturate(wanted - state.profile_rate, 0 - accel, accel)
+    state.profile_rate += change
     return change

@@ -1,19 +1,8 @@
 """What the joint reports, in the wire's units (docs/can-protocol.md), saturated, never wrapped."""
 
 from ..fixed import saturate
-from ..runtime import Ints, const, hot
-from .layout import (
-    F_ELEC_GAIN,
-    F_I_Q,
-    K_GEAR_Q8,
-    K_JOINT_SIGN,
-    K_WIRE_BUS_Q12,
-    K_WIRE_CURRENT_Q12,
-    K_WIRE_RATE_Q16,
-    S_BUS,
-    S_POSITION,
-    S_VELOCITY,
-)
+from ..runtime import const, hot
+from .layout import Foc, JointConfig, JointState
 
 _INT16 = const(32767)
 _INT13 = const(4095)
@@ -36,24 +25,24 @@ def position_to_wire(position_rc: int, gear_q8: int) -> int:
 
 
 @hot
-def report_position(cfg: Ints, state: Ints) -> int:
+def report_position(cfg: JointConfig, state: JointState) -> int:
     """Return the joint's position in brad."""
-    return position_to_wire(state[S_POSITION], cfg[K_GEAR_Q8])
+    return position_to_wire(state.position, cfg.gear_q8)
 
 
 @hot
-def report_velocity(cfg: Ints, state: Ints) -> int:
+def report_velocity(cfg: JointConfig, state: JointState) -> int:
     """Return the joint's velocity in 1/4096 turn/s. Error below 1 plus 4 rate units."""
-    return saturate((state[S_VELOCITY] >> 2) * cfg[K_WIRE_RATE_Q16] >> 14, -_INT16, _INT16)
+    return saturate((state.velocity >> 2) * cfg.wire_rate_q16 >> 14, -_INT16, _INT16)
 
 
 @hot
-def report_current(foc: Ints, cfg: Ints) -> int:
+def report_current(foc: Foc, cfg: JointConfig) -> int:
     """Return the measured q current in 1/4096 A, positive when it drives the joint forward. Error below 1."""
-    current = foc[F_I_Q] * cfg[K_JOINT_SIGN]
-    if foc[F_ELEC_GAIN] < 0:
+    current = foc.current_q * cfg.joint_sign
+    if foc.electrical_gain < 0:
         current = 0 - current
-    return saturate(current * cfg[K_WIRE_CURRENT_Q12] >> 12, -_INT16, _INT16)
+    return saturate(current * cfg.wire_current_q12 >> 12, -_INT16, _INT16)
 
 
 @hot
@@ -63,6 +52,6 @@ def report_temperature(value_t16: int) -> int:
 
 
 @hot
-def report_bus(cfg: Ints, state: Ints) -> int:
+def report_bus(cfg: JointConfig, state: JointState) -> int:
     """Return the bus voltage in 1/16 V, 0 .. 1023. Rounds down."""
-    return saturate(state[S_BUS] * cfg[K_WIRE_BUS_Q12] >> 12, 0, _UINT10)
+    return saturate(state.bus * cfg.wire_bus_q12 >> 12, 0, _UINT10)

@@ -6,16 +6,16 @@ array handed to a viper function costs it some 110 instructions a call.
 """
 
 from ..fixed import sin_q15
-from ..runtime import Ints, const, hot
-from .layout import F_SINE, FOC_SIZE
+from ..runtime import const, hot
+from .layout import SINE_SIZE, Foc
 
 TABLE_HALF_STEP = const(32)  # brad, added to an angle so that its nearest entry is taken
 _STEP_SHIFT = const(6)  # brad between entries: 64
 
 
 @hot
-def fill_sine(foc: Ints) -> int:
-    """Write the table, in Q15, to F_SINE and behind; return 0. Error 1 of Q15, from sin_q15."""
-    for place in range(F_SINE, FOC_SIZE):
-        foc[place] = sin_q15(place - F_SINE << _STEP_SHIFT)
+def fill_sine(foc: Foc) -> int:
+    """Write the table, in Q15, to ``foc``; return 0. Error 1 of Q15, from sin_q15."""
+    for at in range(SINE_SIZE):
+        foc.sine[at] = sin_q15(at << _STEP_SHIFT)
     return 0

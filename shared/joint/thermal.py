@@ -8,20 +8,7 @@ between the windings lags behind the copper, so the hotter of sensor and model c
 from ..fixed import saturate
 from ..runtime import Ints, const, hot
 from .cascade import fall_q15
-from .layout import (
-    K_HEAT,
-    K_HEAT_SHIFT,
-    K_HOUSING_GAIN,
-    K_HOUSING_LEAK,
-    K_I2T_CURRENT,
-    K_I2T_MAX,
-    K_LEAK_SHIFT,
-    K_WINDING_LEAK,
-    S_AIR,
-    S_I2T,
-    S_MODEL_HOUSING,
-    S_MODEL_WINDING,
-)
+from .layout import JointConfig, JointState
 
 CURVE_POINTS = const(32)  # a power of two: a point is found by halving
 CURVE_SIZE = const(64)  # the points' ADC counts, growing, then their temperatures in t16
@@ -67,37 +54,37 @@ def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
 
 
 @hot
-def model_reset(state: Ints, air_t16: int) -> int:
+def model_reset(state: JointState, air_t16: int) -> int:
     """Start the model with everything at ``air_t16``; return it."""
-    state[S_AIR] = air_t16
-    state[S_MODEL_WINDING] = 0
-    state[S_MODEL_HOUSING] = 0
+    state.air = air_t16
+    state.model_winding = 0
+    state.model_housing = 0
     return air_t16
 
 
 @hot
-def model_step(cfg: Ints, state: Ints, square: int) -> int:
+def model_step(cfg: JointConfig, state: JointState, square: int) -> int:
     """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
 
-    Ranges: K_HEAT 0 .. 2047 with K_HEAT_SHIFT 0 .. 24, the leaks 0 .. 16383 with K_LEAK_SHIFT 13 .. 30. Both
-    nodes stay within 0 .. 256 degrees above the air, S_AIR within +-2^13. Error of the end temperature below 1 K.
+    Ranges: cfg.heat 0 .. 2047 with heat_shift 0 .. 24, the leaks 0 .. 16383 with leak_shift 13 .. 30. Both
+    nodes stay within 0 .. 256 degrees above the air, state.air within +-2^13. Error of the end temperature below 1 K.
     Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
     if square > _SQUARE_MOST:
         square = _SQUARE_MOST
-    winding = state[S_MODEL_WINDING]
-    housing = state[S_MODEL_HOUSING]
+    winding = state.model_winding
+    housing = state.model_housing
     flow = winding - housing
-    shift = cfg[K_LEAK_SHIFT]
-    heat = square * cfg[K_HEAT] >> cfg[K_HEAT_SHIFT]
+    shift = cfg.leak_shift
+    heat = square * cfg.heat >> cfg.heat_shift
     if heat > _NODE_MOST:
         heat = _NODE_MOST
-    heat += scaled(heat, copper_share(state[S_AIR] + (winding >> 14)), 14)
-    winding += heat - scaled(flow, cfg[K_WINDING_LEAK], shift)
-    housing += scaled(flow, cfg[K_HOUSING_GAIN], shift) - scaled(housing, cfg[K_HOUSING_LEAK], shift)
-    state[S_MODEL_WINDING] = _node(winding)
-    state[S_MODEL_HOUSING] = _node(housing)
-    return state[S_AIR] + (state[S_MODEL_WINDING] >> 14)
+    heat += scaled(heat, copper_share(state.air + (winding >> 14)), 14)
+    winding += heat - scaled(flow, cfg.winding_leak, shift)
+    housing += scaled(flow, cfg.housing_gain, shift) - scaled(housing, cfg.housing_leak, shift)
+    state.model_winding = _node(winding)
+    state.model_housing = _node(housing)
+    return state.air + (state.model_winding >> 14)
 
 
 @hot
@@ -119,20 +106,20 @@ def scaled(value: int, factor: int, shift: int) -> int:
 
 
 @hot
-def i2t_step(cfg: Ints, state: Ints, square: int) -> int:
-    """Add i^2 minus the lasting current's to S_I2T; return the share in Q15 of the excess current still allowed.
+def i2t_step(cfg: JointConfig, state: JointState, square: int) -> int:
+    """Add i^2 minus the lasting current's to state.i2t; return the share in Q15 of the excess current still allowed.
 
-    square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of K_I2T_MAX, then linearly to 0 at K_I2T_MAX
-    (2 .. 2^29), where only K_I2T_CURRENT is left. Error 2^-14.
+    square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of i2t_max, then linearly to 0 at i2t_max
+    (2 .. 2^29), where only i2t_current is left. Error 2^-14.
     """
-    current = cfg[K_I2T_CURRENT]
-    total = state[S_I2T] + square - (current * current >> 8)
+    current = cfg.i2t_current
+    total = state.i2t + square - (current * current >> 8)
     if total < 0:
         total = 0
-    top = cfg[K_I2T_MAX]
+    top = cfg.i2t_max
     if total > top:
         total = top
-    state[S_I2T] = total
+    state.i2t = total
     shift = 0
     while (top >> shift) > 32767:
         shift += 1

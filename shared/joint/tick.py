@@ -6,9 +6,7 @@ The fourth, the current step, is current.py. motion_tick may be interrupted by i
 from ..runtime import Ints, hot
 from ..wire.names import MODE_CALIBRATING, MODE_HOMING
 from .calibration import (
-    C_KIND,
-    C_REASON,
-    C_VALUE,
+    Calibration,
     calibration_abort,
     calibration_needs_bridge,
     calibration_start,
@@ -26,32 +24,19 @@ from .layout import (
     HOME_AMBIGUOUS,
     HOME_NO_STOP,
     HOME_SEEKING,
-    IO_BUS_RAW,
-    K_BUS_GAIN,
-    K_CURRENT_MAX,
-    S_BUS,
-    S_CURRENT_LIMIT,
-    S_CURRENT_REF,
-    S_DERATE,
-    S_HOME_RESULT,
-    S_HOME_TICKS,
-    S_LIMITS,
-    S_MODE,
-    S_POSITION,
-    S_RAISED,
-    S_RAISED_VALUE,
-    S_SLOW_LIMITS,
-    S_TICK,
-    S_TORQUE,
     TORQUE_DAMP,
     TORQUE_DRIVE,
     TORQUE_OFF,
+    Foc,
+    JointConfig,
+    JointIo,
+    JointState,
 )
 from .protection import gather_heat, protect_motion, protect_slow
 
 
 @hot
-def joint_reset(foc, cfg, state: Ints, rotor: int) -> int:
+def joint_reset(foc: Foc, cfg: JointConfig, state: JointState, rotor: int) -> int:
     """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
 
     ``state`` is zeros, fill_sine has filled its part of ``foc``.
@@ -61,78 +46,78 @@ def joint_reset(foc, cfg, state: Ints, rotor: int) -> int:
     encoder_reset(foc, cfg, state)
     drive_reset(state)
     cascade_reset(cfg, state)
-    state[S_DERATE] = 0x8000
+    state.derate = 0x8000
     return 0
 
 
 @hot
-def motion_tick(foc, cfg, state: Ints, io, cal) -> int:
-    """Do one millisecond; return S_TORQUE: TORQUE_OFF means that the bridge must be off."""
-    state[S_TICK] = (state[S_TICK] + 1) & 0x3FFFFFFF
-    state[S_LIMITS] = state[S_SLOW_LIMITS]
+def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+    """Do one millisecond; return state.torque: TORQUE_OFF means that the bridge must be off."""
+    state.time_ms = (state.time_ms + 1) & 0x3FFFFFFF
+    state.limits = state.slow_limits
     _sense(foc, cfg, state, io)
     protect_motion(foc, cfg, state, io)
-    before = state[S_MODE]
+    before = state.mode
     drive_step(cfg, state, io)
-    if state[S_MODE] != before:
+    if state.mode != before:
         _change_mode(foc, cfg, state, cal, before)
     _act(foc, cfg, state, io, cal)
-    return state[S_TORQUE]
+    return state.torque
 
 
 @hot
-def slow_tick(cfg, state, io, curve) -> int:
-    """Do what is due every 100 ms: temperatures, models, derating; return S_DERATE (Q15)."""
+def slow_tick(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
+    """Do what is due every 100 ms: temperatures, models, derating; return state.derate (Q15)."""
     return protect_slow(cfg, state, io, curve)
 
 
 @hot
-def begin_calibration(state: Ints, cal, kind: int) -> int:
+def begin_calibration(state: JointState, cal: Calibration, kind: int) -> int:
     """Choose the calibration that arming for MODE_CALIBRATING will run; return its kind, 0 if one is running."""
-    if state[S_MODE] == MODE_CALIBRATING:
+    if state.mode == MODE_CALIBRATING:
         return 0
     calibration_start(cal, kind)
     return kind
 
 
 @hot
-def _sense(foc, cfg: Ints, state: Ints, io: Ints) -> int:
+def _sense(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo) -> int:
     encoder_step(foc, cfg, state)
     watch_encoders(cfg, state, io)
-    state[S_BUS] = bus_voltage(io[IO_BUS_RAW], cfg[K_BUS_GAIN])
-    feed_bus(foc, cfg, state[S_BUS])
+    state.bus = bus_voltage(io.bus_raw, cfg.bus_gain)
+    feed_bus(foc, cfg, state.bus)
     gather_heat(foc, state)
-    limit = cfg[K_CURRENT_MAX] * state[S_DERATE] >> 15
-    state[S_CURRENT_LIMIT] = limit
+    limit = cfg.current_max * state.derate >> 15
+    state.current_limit = limit
     return limit
 
 
 @hot
-def _change_mode(foc, cfg, state: Ints, cal, before: int) -> int:
+def _change_mode(foc: Foc, cfg: JointConfig, state: JointState, cal: Calibration, before: int) -> int:
     """Leave the old mode cleanly and start the new one bumpless."""
     if before == MODE_CALIBRATING:
         calibration_abort(foc, cfg, cal)
     if before == MODE_HOMING:
         homing_stop(state)
     cascade_reset(cfg, state)
-    if state[S_MODE] == MODE_HOMING:
+    if state.mode == MODE_HOMING:
         homing_start(state)
-    return state[S_MODE]
+    return state.mode
 
 
 @hot
-def _act(foc, cfg, state: Ints, io, cal) -> int:
+def _act(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
     """Do what the mode wants: calibrate, home, follow the set-points or brake; return what feed_voltages does."""
-    if state[S_TORQUE] == TORQUE_DRIVE and state[S_MODE] == MODE_CALIBRATING:
+    if state.torque == TORQUE_DRIVE and state.mode == MODE_CALIBRATING:
         return _calibrate(foc, cfg, state, io, cal)
-    if state[S_TORQUE] == TORQUE_DRIVE:
-        if state[S_MODE] == MODE_HOMING:
+    if state.torque == TORQUE_DRIVE:
+        if state.mode == MODE_HOMING:
             _home(cfg, state)
         cascade_step(cfg, state, io)
-    elif state[S_TORQUE] == TORQUE_DAMP:
+    elif state.torque == TORQUE_DAMP:
         damping_current(cfg, state)
     else:
-        state[S_CURRENT_REF] = 0
+        state.current_reference = 0
         current_relax(foc)
     write_current(foc, cfg, state)
     lead_angle(foc, cfg, state)
@@ -140,33 +125,33 @@ def _act(foc, cfg, state: Ints, io, cal) -> int:
 
 
 @hot
-def _calibrate(foc, cfg, state: Ints, io, cal: Ints) -> int:
+def _calibrate(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
     """One tick of calibration; when it is over, stand down, or raise its reason."""
-    state[S_CURRENT_REF] = 0
-    kind = cal[C_KIND]
+    state.current_reference = 0
+    kind = cal.kind
     running = calibration_step(foc, cfg, state, io, cal)
     if calibration_needs_bridge(cal) == 0:
-        state[S_TORQUE] = TORQUE_OFF
+        state.torque = TORQUE_OFF
         current_relax(foc)
     if running == 0:
-        if kind != 0 and cal[C_REASON] != 0:
-            state[S_RAISED] = cal[C_REASON]
-            state[S_RAISED_VALUE] = cal[C_VALUE]
+        if kind != 0 and cal.reason != 0:
+            state.raised = cal.reason
+            state.raised_value = cal.reason_value
         drive_disarm(state)
     return running
 
 
 @hot
-def _home(cfg, state: Ints) -> int:
+def _home(cfg: JointConfig, state: JointState) -> int:
     """One tick of homing; when it is over, stand down, or raise the reason."""
     homing_step(cfg, state)
-    result = state[S_HOME_RESULT]
+    result = state.home_result
     if result == HOME_NO_STOP:
-        state[S_RAISED] = FAULT_HOME_NO_STOP
-        state[S_RAISED_VALUE] = state[S_HOME_TICKS]
+        state.raised = FAULT_HOME_NO_STOP
+        state.raised_value = state.home_ticks
     if result == HOME_AMBIGUOUS:
-        state[S_RAISED] = FAULT_HOME_AMBIGUOUS
-        state[S_RAISED_VALUE] = state[S_POSITION]
+        state.raised = FAULT_HOME_AMBIGUOUS
+        state.raised_value = state.position
     if result != HOME_SEEKING:
         drive_disarm(state)
     return result

@@ -4,7 +4,7 @@ Identifier = block * 128 + rest. A block holds one kind of frame; the rest is th
 1 .. 12 = 1 + 3 * leg + joint), or for set-points 8 * group + kind. Nodes 1..4 are group 0, slots 0..3, and so on.
 """
 
-from ..runtime import const, hot, ptr16
+from ..runtime import Ints, const, hot, ptr16
 from .names import (
     E_STOP_ID,
     HEARTBEAT_ID,
@@ -73,14 +73,28 @@ def node_slot(node: int) -> int:
 
 
 @hot
-def read_slot(frame, slot: int) -> int:
+def read_slot(frame: Ints, slot: int) -> int:
     """Return the value of slot 0 .. 3 of a set-point frame, NO_CHANGE included. Exact."""
     words = ptr16(frame)
     return (words[slot & 3] ^ 0x8000) - 0x8000
 
 
 @hot
-def joint_filters(pairs, node: int) -> int:
+def sync_counter(frame: Ints) -> int:
+    """Return the counter of a SYNC frame, 0 .. 255. Exact."""
+    words = ptr16(frame)
+    return words[0] & 0xFF
+
+
+@hot
+def sync_session(frame: Ints) -> int:
+    """Return the session of a SYNC frame, 0 .. 255. Exact."""
+    words = ptr16(frame)
+    return words[0] >> 8
+
+
+@hot
+def joint_filters(pairs: Ints, node: int) -> int:
     """Write the hardware filters of one joint, (identifier, mask) pairs; return how many there are.
 
     ``pairs`` is an array('H') of 2 * FILTERS. E-stop, SYNC, the set-points of its group, requests to it

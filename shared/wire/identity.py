@@ -12,7 +12,7 @@ _LOW_BITS = const(0x1FFFFFFF)
 DISCOVER_SLOTS = const(64)
 
 
-def board_id(unique_id):
+def board_id(unique_id: bytes) -> int:
     """Return the board's number, 0 .. 2^30 - 1, from the bytes of the chip's unique id (12 on an STM32F405).
 
     Exact CRC-30/CDMA. Intermediates below 2^30: the top bit is taken away before the shift.
@@ -28,7 +28,7 @@ def board_id(unique_id):
     return crc ^ _ALL_BITS
 
 
-def discover_delay_ms(board, sequence):
+def discover_delay_ms(board: int, sequence: int) -> int:
     """Return how long a board waits, 0 .. 63 ms, before it answers a request sent to all.
 
     Two nodes that answer at once under one identifier destroy each other's frames, so the time depends on

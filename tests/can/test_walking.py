@@ -6,7 +6,7 @@ from host.busload import busload, default_schedule
 from host.errors import UserError
 from host.joints.sim_robot import power_off
 from shared.joint.faults import FAULT_EMERGENCY_STOP, FAULT_WATCHDOG
-from shared.joint.layout import S_DRIVE, S_FAULT_CODE, S_TORQUE, TORQUE_DAMP, TORQUE_OFF
+from shared.joint.layout import TORQUE_DAMP, TORQUE_OFF
 from shared.wire import names as w
 
 from .robot import Walker
@@ -21,8 +21,8 @@ def standing():
     walker.close()
 
 
-def states(walker, place):
-    return [joint.inside.joint.control.state[place] for joint in walker.sim.joints]
+def states(walker, name):
+    return [getattr(joint.inside.joint.control.state, name) for joint in walker.sim.joints]
 
 
 def walk_with_loss(seconds):
@@ -61,13 +61,13 @@ def test_a_host_that_dies_mid_stride_leaves_joints_that_damp_then_coast_and_stay
     standing.go(2.0)
     sim = standing.sim
     sim.advance_ms(120)  # nobody sends any more
-    assert states(standing, S_TORQUE) == [TORQUE_DAMP] * 12
+    assert states(standing, "torque") == [TORQUE_DAMP] * 12
     sim.advance_ms(600)
-    assert states(standing, S_TORQUE) == [TORQUE_OFF] * 12
-    assert states(standing, S_FAULT_CODE) == [FAULT_WATCHDOG] * 12
+    assert states(standing, "torque") == [TORQUE_OFF] * 12
+    assert states(standing, "fault_code") == [FAULT_WATCHDOG] * 12
     standing.bus.cycle.run_until(standing.bus.now() + 0.3)  # it is back, and its set-points are not obeyed
     assert sim.torque_free
-    assert states(standing, S_DRIVE) == [w.STATE_FAULT] * 12
+    assert states(standing, "drive_state") == [w.STATE_FAULT] * 12
 
 
 def stop_by(walker, sender):
@@ -94,7 +94,7 @@ def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing,
         standing.bus.cycle.link.send_setpoints(w.SETPOINT_POSITION_ID, [0] * 12)
         standing.bus.run_for(0.005)
     assert sim.torque_free
-    assert set(states(standing, S_FAULT_CODE)) == {FAULT_EMERGENCY_STOP}
+    assert set(states(standing, "fault_code")) == {FAULT_EMERGENCY_STOP}
     with pytest.raises(UserError, match="emergency"):
         standing.bus.torque(True)
 
@@ -114,7 +114,7 @@ def test_a_joint_that_is_power_cycled_while_walking_is_named_and_all_damp(standi
     standing.go(0.8)
     assert standing.bus.cycle.reaction == "damp"
     assert any("FL thigh (node 5)" in notice.sentence for notice in standing.notices)
-    assert set(states(standing, S_TORQUE)) <= {TORQUE_DAMP, TORQUE_OFF}
+    assert set(states(standing, "torque")) <= {TORQUE_DAMP, TORQUE_OFF}
 
 
 def test_a_joint_that_falls_silent_makes_all_damp(standing):

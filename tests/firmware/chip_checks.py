@@ -12,7 +12,6 @@ from host.chip.can_wire import Frame
 from host.chip.drv8323 import FAULT1
 from host.chip.joint_board import HALF_BRIDGES, SHUNT_CHANNELS, Restart
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.wire import names as w
 
 from .on_chip import NODE, STEP_CYCLES, OnChip
@@ -44,7 +43,7 @@ def started_without_complaint():
     joint.begin()
     clean(joint)
     assert (joint.state, joint.fault) == (w.STATE_SWITCH_ON_DISABLED, (0, 0))
-    assert [joint.control.foc[j.F_OFFSET_A + n] >> 4 for n in range(3)] == [2040, 2051, 2063]
+    assert [joint.control.foc.offset_q4[n] >> 4 for n in range(3)] == [2040, 2051, 2063]
     joint.run(110)  # the slow tick, with the driver's registers, is in it
     clean(joint)
     assert joint.fault == (0, 0)
@@ -145,7 +144,7 @@ def duties_are_at_the_pins():
             assert ons == [n * PERIOD - value + DEAD_CYCLES for n in (1, 3)]
             assert offs == [n * PERIOD + value for n in (1, 3)]
     assert len(set(seen)) > 20
-    assert [foc[j.F_DUTY_A + n] for n in range(3)] == [joint.model.tim1.value[f"CCR{n}"] for n in (1, 2, 3)]
+    assert [foc.duty[n] for n in range(3)] == [joint.model.tim1.value[f"CCR{n}"] for n in (1, 2, 3)]
 
 
 def samples_lie_in_the_low_sides(turns=(0, 20, 45), amps=1.5):
@@ -160,12 +159,12 @@ def samples_lie_in_the_low_sides(turns=(0, 20, 45), amps=1.5):
 def _samples_at(turn, amps):
     joint = armed()
     joint.goal = amps
-    joint.control.cfg[j.K_HAS_JOINT_ENCODER] = 0  # it does not turn with the rotor here
+    joint.control.cfg.has_joint_encoder = 0  # it does not turn with the rotor here
     used = {}
     real = joint_run.current_step
 
     def noted(rotor, invalid, foc):
-        used.setdefault(joint.board.entries[-1] - joint.board.entry_cycles, foc[j.F_MASKED])
+        used.setdefault(joint.board.entries[-1] - joint.board.entry_cycles, foc.masked)
         return real(rotor, invalid, foc)
 
     begun, start = joint.model.now, joint.board.rotor_angle
@@ -196,12 +195,12 @@ def sensors_are_read():
     assert (joint.driver.read_rotor(), joint.driver.read_joint()) == (9001, 5003)  # the first words already
     joint.begin(4)
     io = joint.control.io
-    assert (joint.control.foc[j.F_ROTOR], io[j.IO_JOINT_RAW], io[j.IO_JOINT_VALID]) == (9001, 5003, 1)
-    assert (io[j.IO_BUS_RAW], io[j.IO_THERMISTOR_RAW], io[j.IO_MCU_RAW]) == (2207, 1809, 977)
-    assert joint.control.foc[j.F_GLITCHES] == 0
+    assert (joint.control.foc.rotor, io.joint_raw, io.joint_valid) == (9001, 5003, 1)
+    assert (io.bus_raw, io.thermistor_raw, io.mcu_raw) == (2207, 1809, 977)
+    assert joint.control.foc.glitches == 0
     board.rotor_angle, board.bus = 9011, 2210
     joint.run(3)
-    assert (joint.control.foc[j.F_ROTOR], io[j.IO_BUS_RAW]) == (9011, 2210)
+    assert (joint.control.foc.rotor, io.bus_raw) == (9011, 2210)
     clean(joint)
 
 
@@ -233,7 +232,7 @@ def an_adc_that_is_silent_from_the_start_keeps_it_from_ready():
     real = adc._trigger
     adc._trigger = lambda group: real(group) if group == "injected" else None
     joint.begin(60)
-    assert joint.control.io[j.IO_HARDWARE_FAULT] == f.FAULT_EXCEPTION
+    assert joint.control.io.hardware_fault == f.FAULT_EXCEPTION
     assert joint.from_joint(w.HEARTBEAT_ID + NODE)
     assert joint.arm() != w.RESULT_OK
     assert (joint.state, joint.fault[0]) == (w.STATE_FAULT, f.FAULT_EXCEPTION)
@@ -282,7 +281,7 @@ def a_trip_while_the_bridge_goes_on_wins():
         real(chip, foc)
         if not joint.board.handling and not tripped:
             joint.board.shunts = [4000, 100, 2048]
-            while not foc[j.F_TRIPPED]:
+            while not foc.tripped:
                 joint.board.work(100)
             tripped.append(joint.model.now)
 
@@ -319,7 +318,7 @@ def registers_of_the_driver_are_read_back():
         )
         joint.begin(5)
         io = joint.control.io
-        assert (io[j.IO_HARDWARE_FAULT], io[j.IO_HARDWARE_VALUE]) == (f.FAULT_DRIVER_SETUP, stuck)
+        assert (io.hardware_fault, io.hardware_value) == (f.FAULT_DRIVER_SETUP, stuck)
         joint.run(30)
         assert (joint.state, joint.fault) == (w.STATE_FAULT, (f.FAULT_DRIVER_SETUP, stuck))
         assert joint.from_joint(w.FAULT_ID + NODE)
@@ -386,9 +385,9 @@ def setpoints_keep_their_order_with_sync():
         joint.goal = None
         joint.board.run(0.8)  # both in before the main loop looks
         joint.run(1)
-        assert joint.control.io[j.IO_MODE] == w.MODE_CURRENT
-        assert joint.control.io[j.IO_CURRENT] == wanted
-        assert joint.control.io[j.IO_SEQUENCE] == number + 1
+        assert joint.control.io.mode == w.MODE_CURRENT
+        assert joint.control.io.current == wanted
+        assert joint.control.io.sequence == number + 1
 
 
 def mailboxes_run_full_and_empty():

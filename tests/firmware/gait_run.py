@@ -1,6 +1,6 @@
 """A gait board fed with blocks of a stream while the heap is locked; runs on CPython and in MicroPython alike."""
 
-from firmware.gait import B_FLAGS, GaitBoard
+from firmware.gait import GaitBoard
 from firmware.gait_main import BLOCK_BYTES, take_block
 from firmware.link import crc16
 from firmware.mpu6050 import Mpu6050
@@ -44,6 +44,11 @@ class Stream:
         self.digest = (self.digest * 31 + crc16(frame, 0, len(frame))) & 0xFFFF
 
 
+def values_of(block):
+    """Return a record's integers; in the VMs it is an array."""
+    return pack(block) if hasattr(block, "FIELDS") else list(block)
+
+
 def run(params, attitude, blocks, lock, unlock):
     """Take each block and plan a tick after it; return what was sent and how the board ended."""
     board = GaitBoard(params, attitude, Mpu6050(I2c(), sleep_ms=lambda ms: None))
@@ -55,6 +60,7 @@ def run(params, attitude, blocks, lock, unlock):
         board.tick()
         stream.write(board.setpoints)
         states |= 1 << board.planner.status.state
-        faults |= 1 << (board.status[B_FLAGS] >> 20)
+        faults |= 1 << (board.status.flags >> 20)
         unlock()
-    return [stream.sent, stream.digest, states, faults, list(board.status), list(board.reader), pack(board.command)]
+    status, reader = values_of(board.status), values_of(board.reader)
+    return [stream.sent, stream.digest, states, faults, status, reader, pack(board.command)]

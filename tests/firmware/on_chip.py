@@ -10,13 +10,11 @@ from host.chip.joint_board import JointBoard
 from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
-from shared.joint import layout as j
 from shared.wire import names as w
 from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 
 PARALLEL = load_robot("parallel").actuator
 BLOCKS = joint_blocks(PARALLEL, JointSetup(-1.0, 1.9))
-STEP_PLACES = (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE)
 SESSION = 17
 CALL_CYCLES = 200  # of bytecode round a call, so that polling the clock for milliseconds is not 10^5 reads
 STEP_CYCLES = 16_800  # 100 us
@@ -55,11 +53,9 @@ class OnChip:
     def _configure(self):
         """Hand the host's integers over, as writing the parameters does; the joint counts as calibrated."""
         c = self.control
-        for place in STEP_PLACES:
-            c.foc[place] = BLOCKS.foc[place]
-        c.cfg[:], c.curve[:] = BLOCKS.cfg, BLOCKS.curve
-        c.cfg[j.K_CALIBRATED] = 1
-        c.cfg[j.K_ELEC_OFFSET] = 7000
+        self.joint.parameters.take(BLOCKS.stored())
+        c.cfg.calibrated = 1
+        c.cfg.elec_offset = 7000
 
     def begin(self, ms=READY_MS):
         """Start the application, and go on until the offsets are measured."""
@@ -93,12 +89,12 @@ class OnChip:
     def send_setpoint(self):
         frame = array("H", [0] * 4)
         self.values[0] = round(self.goal * 4096)
-        encode_group(frame, self.values, 0)
+        encode_group(frame, self.values)
         self.send(w.SETPOINT_POSITION_ID + w.MODE_CURRENT - 1, data(frame))
 
     def send_sync(self):
         frame = array("H", [0] * 4)
-        encode_sync(frame, array("i", [self.sync, SESSION]), 0)
+        encode_sync(frame, array("i", [self.sync, SESSION]))
         self.send(w.SYNC_ID, data(frame, w.SYNC_LENGTH))
         self.sync = (self.sync + 1) & 0xFF
 
@@ -106,13 +102,13 @@ class OnChip:
         """Send a request; return its result, None without an answer."""
         self.sequence = (self.sequence + 1) & 0xFF
         frame = array("H", [0] * 4)
-        encode_service_request(frame, array("i", [command, self.sequence, SESSION, index, value]), 0)
+        encode_service_request(frame, array("i", [command, self.sequence, SESSION, index, value]))
         self.heard.clear()
         self.send(w.SERVICE_REQUEST_ID + NODE, data(frame))
         self.run(ms)
         answer = array("i", [0] * 5)
         for frame in self.from_joint(w.SERVICE_RESPONSE_ID + NODE):
-            if decode_service_response(array("H", frame.data), answer, 0) == 0:
+            if decode_service_response(array("H", frame.data), answer) == 0:
                 return answer[w.SERVICE_RESPONSE_RESULT]
         return None
 
@@ -132,11 +128,11 @@ class OnChip:
 
     @property
     def state(self):
-        return self.control.state[j.S_DRIVE]
+        return self.control.state.drive_state
 
     @property
     def fault(self):
-        return self.control.state[j.S_FAULT_CODE], self.control.state[j.S_FAULT_VALUE]
+        return self.control.state.fault_code, self.control.state.fault_value
 
     @property
     def complaints(self):

@@ -9,10 +9,10 @@ from array import array
 
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
-from firmware.joint_run import RUN_FAILED
 from firmware.settings import Memory
 from shared.joint import layout as j
 from shared.joint.faults import FAULT_EXCEPTION
+from shared.record import pack
 from shared.wire import codec
 from shared.wire import names as w
 
@@ -28,20 +28,15 @@ TORQUE_STATES = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_F
 class Storm:
     """``lock`` and ``unlock`` are micropython's, or do nothing."""
 
-    def __init__(self, foc, cfg, curve, lock, unlock):
+    def __init__(self, stored, lock, unlock):
         self.lock, self.unlock = lock, unlock
         self.seed, self.digest, self.ms, self.sequence, self.requested = 4711, 0, 0, 0, 0
         self.enabled = self.locked = self.exceptions = self.wrong_torque = self.faults = self.resets = 0
         self.board = board = SimBoard()
         self.joint = Joint(board, Memory())
         control = self.joint.control
-        for place in (j.F_KP, j.F_KI, j.F_PERIOD, j.F_HALF, j.F_SPAN, j.F_PULSE, j.F_WINDOW, j.F_TRIP_SQUARE):
-            control.foc[place] = foc[place]
-        for place in range(j.CFG_SIZE):
-            control.cfg[place] = cfg[place]
-        for place in range(len(curve)):
-            control.curve[place] = curve[place]
-        control.cfg[j.K_CALIBRATED] = 1
+        self.joint.parameters.take(stored)
+        control.cfg.calibrated = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
         self.sync = array("i", [0, SESSION])
         self.goal = array("i", [400, w.NO_CHANGE, w.NO_CHANGE, w.NO_CHANGE])
@@ -96,17 +91,17 @@ class Storm:
         """Look at what must never be, and put the state into the digest."""
         control = self.joint.control
         state = control.state
-        for place in range(j.STATE_SIZE):
-            self.note(state[place])
+        for value in pack(state) if hasattr(state, "FIELDS") else state:  # an array in the VMs: nothing is taken
+            self.note(value)
         for phase in range(3):
-            self.note(control.foc[j.F_DUTY_A + phase])
-        drive = state[j.S_DRIVE]
-        driving = state[j.S_TORQUE] == j.TORQUE_DRIVE and drive != w.STATE_OPERATION_ENABLED
+            self.note(control.foc.duty[phase])
+        drive = state.drive_state
+        driving = state.torque == j.TORQUE_DRIVE and drive != w.STATE_OPERATION_ENABLED
         if driving or (self.board.bridge and drive not in TORQUE_STATES):
             self.wrong_torque += 1
         self.enabled += drive == w.STATE_OPERATION_ENABLED
         self.faults += drive == w.STATE_FAULT
-        self.exceptions += state[j.S_FAULT_CODE] == FAULT_EXCEPTION or control.run[RUN_FAILED] != 0
+        self.exceptions += state.fault_code == FAULT_EXCEPTION or control.run.failed_part != 0
         if self.board.resets:
             self.power_cycle()
 
@@ -157,11 +152,11 @@ class Storm:
         board.rotor, board.thermistor, board.bus, board.joint, board.driver = 1200, 2048, 2291, 54, 0
         for _ in range(milliseconds):
             if self.ms % 5 == 0:
-                codec.encode_group(self.frame, self.goal, 0)
+                codec.encode_group(self.frame, self.goal)
                 board.deliver(w.SETPOINT_CURRENT_ID, self.frame, 8)
                 self.sequence = (self.sequence + 1) & 0xFF
                 self.sync[0] = self.sequence
-                codec.encode_sync(self.frame, self.sync, 0)
+                codec.encode_sync(self.frame, self.sync)
                 board.deliver(w.SYNC_ID, self.frame, w.SYNC_LENGTH)
             self.watched_millisecond()
 
@@ -169,7 +164,7 @@ class Storm:
         self.requested = (self.requested + 1) & 0xFF
         for place, part in enumerate((command, self.requested, SESSION, index, value)):
             self.ask[place] = part
-        codec.encode_service_request(self.frame, self.ask, 0)
+        codec.encode_service_request(self.frame, self.ask)
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self.frame, 8)
 
     def figures(self):

@@ -119,7 +119,7 @@ def until_rxne(chip, spi):
 
 
 def without_the_step_before(foc, run, now_us, rotor, real=joint_run.take_step):
-    run[joint_run.RUN_MASKED] = 0
+    run.masked_before = 0
     return real(foc, run, now_us, rotor)
 
 

@@ -129,10 +129,10 @@ def test_broken_frames_are_counted_and_not_obeyed(loop):
         broken[at] ^= 0x10
         loop.write(broken)
         loop.write(bytes(80))  # whatever it waits for ends
-    assert loop.board.reader[link.R_BROKEN] > 0
-    assert not loop.board.status[application.B_STOPPED]
+    assert loop.board.reader.broken > 0
+    assert not loop.board.status.stopped
     loop.write(stop)
-    assert loop.board.status[application.B_STOPPED]
+    assert loop.board.status.stopped
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_a_payload_of_another_length_is_not_taken(loop, kind, values, size):
     before = pack(loop.board.command), loop.board.sensed.pack()
     loop.write(frame(kind, values, size))
     assert (pack(loop.board.command), loop.board.sensed.pack()) == before
-    assert loop.board.reader[link.R_BROKEN] == 1
+    assert loop.board.reader.broken == 1
 
 
 class VirtualBoard:

@@ -8,7 +8,6 @@ import pytest
 from firmware import joint_store
 from firmware.board_sim import SimBoard
 from firmware.joint import Joint
-from firmware.joint_run import RUN_FAILED, RUN_READY
 from firmware.joint_service import HOME_POSE
 from firmware.settings import Memory
 from host.motor.bench import SESSION, Bench
@@ -47,7 +46,7 @@ def decoded(found, identifier, decode, count):
     values = array("i", [0] * count)
     for known, frame in found:
         if known == identifier:
-            assert decode(frame, values, 0) == 0
+            assert decode(frame, values) == 0
             return list(values)
     return None
 
@@ -70,8 +69,8 @@ def test_it_arms_follows_and_disarms(bench):
     assert abs(bench.motor.joint_rad - bench.goal) < 0.004
     assert bench.request(w.COMMAND_DISARM) == w.RESULT_OK
     bench.run(3)
-    assert (bench.state[j.S_DRIVE], bench.board.bridge) == (w.STATE_SWITCH_ON_DISABLED, 0)
-    assert bench.joint.control.io[j.IO_SESSION] == 0
+    assert (bench.state.drive_state, bench.board.bridge) == (w.STATE_SWITCH_ON_DISABLED, 0)
+    assert bench.joint.control.io.session == 0
 
 
 def test_a_reply_and_status_say_what_is(bench):
@@ -102,9 +101,9 @@ def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch
         bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
         bench.run(20)
     assert bench.request(w.COMMAND_ARM, value=value) == result
-    assert bench.joint.control.io[j.IO_SESSION] == 0
+    assert bench.joint.control.io.session == 0
     bench.run(10)
-    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
 @pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME])
@@ -124,7 +123,7 @@ def test_without_the_challenge_of_now_nothing_is_armed_calibrated_or_homed(bench
         assert bench.ask(command, 0, value) == w.RESULT_WRONG_CHALLENGE
         assert bench.ask(command, 0, value - (1 << 30)) == w.RESULT_WRONG_CHALLENGE
     bench.run(10)
-    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
     assert bench.board.bridge == 0
 
 
@@ -138,7 +137,7 @@ def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
     service = bench.joint.service
     request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, PARAMETER_POSITION_P, 700])
     frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, request, 0)
+    codec.encode_service_request(frame, request)
     frames(bench.board)
     for _ in range(2):
         bench.board.deliver(w.SERVICE_REQUEST_ID + 1, frame, 8)
@@ -155,14 +154,14 @@ def test_without_set_points_it_damps_coasts_and_latches(bench):
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     bench.mode = 0
     bench.run(120)
-    assert (bench.state[j.S_DRIVE], bench.state[j.S_FAULT_CODE]) == (w.STATE_FAULT_REACTION, f.FAULT_WATCHDOG)
+    assert (bench.state.drive_state, bench.state.fault_code) == (w.STATE_FAULT_REACTION, f.FAULT_WATCHDOG)
     bench.run(600)
-    assert (bench.state[j.S_DRIVE], bench.board.bridge) == (w.STATE_FAULT, 0)
+    assert (bench.state.drive_state, bench.board.bridge) == (w.STATE_FAULT, 0)
     record = decoded(frames(bench.board), w.FAULT_ID + 1, codec.decode_fault, 3)
     assert record[0] == f.FAULT_WATCHDOG
     assert bench.request(w.COMMAND_CLEAR_FAULT) == w.RESULT_OK
     bench.run(5)
-    assert bench.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
 def test_polling_requests_do_not_feed_the_watchdog(bench):
@@ -171,7 +170,7 @@ def test_polling_requests_do_not_feed_the_watchdog(bench):
     for _ in range(60):
         ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_UPTIME)
         bench.run(2)
-    assert bench.state[j.S_FAULT_CODE] == f.FAULT_WATCHDOG
+    assert bench.state.fault_code == f.FAULT_WATCHDOG
 
 
 @pytest.mark.parametrize("length", [0, 3, 8])
@@ -179,33 +178,33 @@ def test_an_emergency_stop_ends_the_torque_at_once(bench, length):
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     deliver(bench, w.E_STOP_ID, length=length)
     bench.run(1)
-    assert (bench.board.bridge, bench.state[j.S_DRIVE]) == (0, w.STATE_FAULT)
-    assert bench.state[j.S_FAULT_CODE] == f.FAULT_EMERGENCY_STOP
+    assert (bench.board.bridge, bench.state.drive_state) == (0, w.STATE_FAULT)
+    assert bench.state.fault_code == f.FAULT_EMERGENCY_STOP
     bench.run(30)
     assert bench.request(w.COMMAND_CLEAR_FAULT) == w.RESULT_OK
 
 
 def test_another_host_moves_nothing(bench):
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
-    sequence = bench.joint.control.io[j.IO_SEQUENCE]
+    sequence = bench.joint.control.io.sequence
     bench.mode = 0
     deliver(bench, w.SETPOINT_POSITION_ID, (4000, 0, 0, 0))
     frame = array("H", [0] * 4)
-    codec.encode_sync(frame, array("i", [3, SESSION + 1]), 0)
+    codec.encode_sync(frame, array("i", [3, SESSION + 1]))
     bench.board.deliver(w.SYNC_ID, frame, 2)
     bench.run(2)
-    assert bench.joint.control.io[j.IO_SEQUENCE] == sequence
+    assert bench.joint.control.io.sequence == sequence
 
 
 def test_its_own_heartbeat_from_the_bus_means_a_twin(bench):
     deliver(bench, w.HEARTBEAT_ID + 1)
     bench.run(2)
-    assert (bench.state[j.S_FAULT_CODE], bench.state[j.S_FAULT_VALUE]) == (f.FAULT_DUPLICATE_ID, 1)
+    assert (bench.state.fault_code, bench.state.fault_value) == (f.FAULT_DUPLICATE_ID, 1)
 
 
 def test_discovery_answers_after_its_delay_and_only_once(bench):
     frame, board = array("H", [0] * 4), bench.joint.service.board
-    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]), 0)
+    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]))
     frames(bench.board)
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
@@ -214,7 +213,7 @@ def test_discovery_answers_after_its_delay_and_only_once(bench):
     found = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
     assert len(found) == 1
     values = array("i", [0] * 5)
-    codec.decode_service_response(found[0], values, 0)
+    codec.decode_service_response(found[0], values)
     assert list(values) == [w.COMMAND_DISCOVER, 200, w.RESULT_OK, 1, board]
 
 
@@ -223,7 +222,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
     assert ask(bench, w.COMMAND_SET_ID, 4, board ^ 1)[0] == w.RESULT_WRONG_KEY
     assert ask(bench, w.COMMAND_SET_ID, 13, board)[0] == w.RESULT_OUT_OF_RANGE
     frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]), 0)
+    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]))
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
     assert bench.joint.parameters.node == 4
@@ -232,7 +231,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
 def test_commands_to_all_move_nobody_else(bench):
     frame = array("H", [0] * 4)
     for command in (w.COMMAND_REBOOT, w.COMMAND_ARM, w.COMMAND_SAVE_PARAMETERS, w.COMMAND_DISARM):
-        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]), 0)
+        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]))
         frames(bench.board)
         bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
         bench.run(1)
@@ -297,7 +296,7 @@ def test_every_broken_byte_is_noticed():
     settings.put(joint_store.KEY, whole[:17])
     joint = Joint(SimBoard(), settings)
     joint.start()
-    assert joint.control.io[j.IO_HARDWARE_FAULT] == f.FAULT_STORAGE
+    assert joint.control.io.hardware_fault == f.FAULT_STORAGE
 
 
 def test_saving_that_fails_is_told(monkeypatch):
@@ -334,7 +333,7 @@ def test_any_exception_switches_the_bridge_off_first(bench, monkeypatch, part, m
     assert bench.board.bridge == 0
     monkeypatch.undo()
     bench.run(3)
-    assert (bench.state[j.S_FAULT_CODE], bench.state[j.S_FAULT_VALUE]) == (f.FAULT_EXCEPTION, value)
+    assert (bench.state.fault_code, bench.state.fault_value) == (f.FAULT_EXCEPTION, value)
 
 
 def test_a_main_loop_that_stops_loses_the_bridge(bench):
@@ -348,7 +347,7 @@ def test_an_interrupt_that_stops_is_a_fault(bench):
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     bench.late_every = 1
     bench.run(6)
-    assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, f.FAULT_INTERRUPT_STOPPED)
+    assert (bench.board.bridge, bench.state.fault_code) == (0, f.FAULT_INTERRUPT_STOPPED)
 
 
 @pytest.mark.parametrize(
@@ -360,9 +359,9 @@ def test_what_the_board_reports_is_latched(bench, monkeypatch, field, value, cod
         bench.board.driver = value
     else:
         sense = bench.board._sense
-        monkeypatch.setattr(bench.board, "_sense", lambda io: (sense(io), io.__setitem__(j.IO_BUS_RAW, value)))
+        monkeypatch.setattr(bench.board, "_sense", lambda io: (sense(io), setattr(io, "bus_raw", value)))
     bench.run(10)
-    assert (bench.board.bridge, bench.state[j.S_FAULT_CODE]) == (0, code)
+    assert (bench.board.bridge, bench.state.fault_code) == (0, code)
 
 
 def test_a_driver_that_does_not_read_back_never_gets_ready_and_is_told():
@@ -377,7 +376,7 @@ def test_a_driver_that_does_not_read_back_never_gets_ready_and_is_told():
             board.handler()
         joint.poll()
     state = joint.control.state
-    assert (state[j.S_DRIVE], state[j.S_FAULT_CODE], state[j.S_FAULT_VALUE]) == (
+    assert (state.drive_state, state.fault_code, state.fault_value) == (
         w.STATE_FAULT, f.FAULT_DRIVER_SETUP, 3,
     )  # fmt: skip
     assert w.FAULT_ID in {identifier & ~0xF for identifier, _ in frames(board)}
@@ -388,7 +387,7 @@ def test_parameters_that_are_broken_are_told_though_the_joint_was_not_ready_yet(
     bench.joint.control.start()
     bench.joint.control.raise_fault(f.FAULT_STORAGE, 0)
     bench.run(60)
-    assert (bench.state[j.S_DRIVE], bench.state[j.S_FAULT_CODE]) == (w.STATE_FAULT, f.FAULT_STORAGE)
+    assert (bench.state.drive_state, bench.state.fault_code) == (w.STATE_FAULT, f.FAULT_STORAGE)
 
 
 def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operation_enabled():
@@ -400,11 +399,11 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operat
         given += 1
         if number % 4 == 0:
             bench.run(1)
-            assert not bench.board.bridge or bench.state[j.S_DRIVE] in torque_states
-            driving = bench.state[j.S_TORQUE] == j.TORQUE_DRIVE
-            assert not driving or bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
-            assert control.run[RUN_FAILED] == 0
-            enabled += bench.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
+            assert not bench.board.bridge or bench.state.drive_state in torque_states
+            driving = bench.state.torque == j.TORQUE_DRIVE
+            assert not driving or bench.state.drive_state == w.STATE_OPERATION_ENABLED
+            assert control.run.failed_part == 0
+            enabled += bench.state.drive_state == w.STATE_OPERATION_ENABLED
             frames(bench.board)
     assert given == 10_000
     assert enabled > 100  # it was armed often enough for the check to mean something
@@ -417,7 +416,7 @@ def _disturb(bench, chance, number):
     bench.wrong.thermistor = "open" if kind == 1 else ""
     if number % 1500 == 700:
         bench.joint.control.start()
-        bench.joint.control.run[RUN_READY] = 1
+        bench.joint.control.run.ready = 1
     if number % 200 == 0:
         bench.run(30)
         bench.request(w.COMMAND_CLEAR_FAULT)

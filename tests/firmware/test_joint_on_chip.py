@@ -11,7 +11,6 @@ from firmware import chip_joint, chip_step, joint
 from firmware.board_sim import SimBoard
 from firmware.board_stm32f405 import Stm32F405Board
 from firmware.encoders import angle_of, parity
-from firmware.joint_run import RUN_FAILED
 from host.chip.joint_board import JointBoard, Restart
 from shared.joint import faults as f
 from shared.wire import names as w
@@ -48,7 +47,7 @@ def test_it_runs_however_late_the_interrupt_is_entered(entry_cycles):
     running.run(3)
     clean(running)
     assert running.state == w.STATE_OPERATION_ENABLED
-    assert running.joint.control.run[RUN_FAILED] == 0
+    assert running.joint.control.run.failed_part == 0
 
 
 @pytest.mark.parametrize("loop_cycles", [37, 911, 7001])

@@ -21,10 +21,10 @@ FRAMES = 10_000
 STARTS = ("firmware.joint", "firmware.board_sim", "firmware.settings")
 SCRIPT = """
 import json, micropython
-from data import FOC, CFG, CURVE
+from data import STORED
 from storm.storm import Storm
 
-storm = Storm(FOC, CFG, CURVE, micropython.heap_lock, micropython.heap_unlock)
+storm = Storm(STORED, micropython.heap_lock, micropython.heap_unlock)
 %s
 storm.run(%d)
 print("@@" + json.dumps({"figures": storm.figures()}))
@@ -39,8 +39,7 @@ storm.joint._after_motion = bad
 
 
 def settings():
-    blocks = Bench(load_robot("parallel").actuator).blocks
-    return list(blocks.foc), list(blocks.cfg), list(blocks.curve)
+    return Bench(load_robot("parallel").actuator).blocks.stored()
 
 
 def nothing():
@@ -49,7 +48,7 @@ def nothing():
 
 @pytest.fixture(scope="module")
 def reference():
-    storm = Storm(*settings(), nothing, nothing)
+    storm = Storm(settings(), nothing, nothing)
     storm.run(FRAMES)
     return storm
 
@@ -66,9 +65,8 @@ def sources(tmp_path_factory):
     (folder / "storm").mkdir()
     shutil.copy(Path(__file__).with_name("storm.py"), folder / "storm" / "storm.py")
     (folder / "storm" / "__init__.py").write_text("")
-    foc, cfg, curve = settings()
     (folder / "data").mkdir()
-    (folder / "data" / "__init__.py").write_text(f"FOC = {foc}\nCFG = {cfg}\nCURVE = {curve}\n")
+    (folder / "data" / "__init__.py").write_text(f"STORED = {settings()}\n")
     return folder
 
 

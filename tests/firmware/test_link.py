@@ -132,18 +132,18 @@ def test_a_frame_made_is_the_firsts(size, data):
 
 
 def test_the_boards_frames_are_the_firsts():
-    numbers = [0] * gait.BOARD_SIZE
+    numbers = gait.BoardStatus()
     for _ in range(200):
         joints = [NOISE.randrange(-32768, 32768) for _ in range(12)]
-        numbers[gait.B_TICKS], numbers[gait.B_FLAGS] = NOISE.randrange(1 << 30), NOISE.randrange(1 << 24)
-        numbers[gait.B_QUESTION] = NOISE.randrange(256)
+        numbers.tick_count, numbers.flags = NOISE.randrange(1 << 30), NOISE.randrange(1 << 24)
+        numbers.question = NOISE.randrange(256)
         planned = Status()
         unpack(planned, [NOISE.randrange(256) for _ in pack(planned)])
         setpoints, reading = bytearray(gait.SETPOINTS_BYTES), bytearray(gait.READING_BYTES)
         gait.write_setpoints(setpoints, numbers, planned, joints)
         writer = FirstWriter(link.SETPOINTS)
-        writer.put(numbers[gait.B_TICKS], 4)
-        writer.put(numbers[gait.B_FLAGS], 4)
+        writer.put(numbers.tick_count, 4)
+        writer.put(numbers.flags, 4)
         writer.put(planned.state, 1)
         writer.put(planned.gait, 1)
         for angle in joints:
@@ -152,7 +152,7 @@ def test_the_boards_frames_are_the_firsts():
         fault = NOISE.randrange(5)
         gait.write_reading(reading, numbers, fault, joints[:6])
         writer = FirstWriter(link.READING)
-        writer.put(numbers[gait.B_QUESTION], 1)
+        writer.put(numbers.question, 1)
         writer.put(fault, 1)
         for count in joints[:6]:
             writer.put(count, 2)

@@ -5,7 +5,7 @@ import random
 import pytest
 
 from firmware import mpu6050
-from firmware.mpu6050 import MISSING, OK, SATURATED, SELF_TEST, STUCK, Mpu6050, factory_trims, judge
+from firmware.mpu6050 import MISSING, OK, SATURATED, SELF_TEST, STUCK, Mpu6050, Runs, factory_trims, judge
 
 CODES = (0b10101, 0b01110, 0b10011, 0b01101, 0b10010, 0b11001)  # accelerometer x y z, gyro x y z
 
@@ -139,7 +139,7 @@ class FirstJudge:
 @pytest.mark.parametrize("start", [OK, SELF_TEST, MISSING])
 def test_readings_are_judged_as_they_were(start):
     noise = random.Random(5)
-    first, last, runs, fault = FirstJudge(), bytearray(14), [0, 0], start
+    first, last, runs, fault = FirstJudge(), bytearray(14), Runs(), start
     first.fault = start
     counts, expected, seen = [9] * 6, [9] * 6, set()
     raw = bytes(14)

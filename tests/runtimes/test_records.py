@@ -64,7 +64,7 @@ def f(holder, robot, feet, leg: int) -> int:
     mine = ptr32(holder.robot)
     out = ptr32(holder.feet)
     limb = 1 + leg * 4
-    _robot[limb] += _robot[10 + leg + 1] * _robot[17]
+    _robot[limb] += _robot[leg + 11] * _robot[17]
     out[leg] = _feet[leg] + mine[0] + _robot[limb + 3]
     return f(holder, holder.robot, feet, leg)
 """
@@ -127,6 +127,15 @@ def test_what_becomes_of_a_function(tmp_path, text, made):
     found = lower(modules(tmp_path, text))["shared.one"].text.decode()
     assert found.endswith("\n\n" + made)
     assert found.count("\n") == (HEAD + text).count("\n")
+
+
+@pytest.mark.parametrize(
+    ("index", "place"),
+    [("leg & 1", "10 + (leg & 1)"), ("leg << 1", "10 + (leg << 1)"), ("(leg & 1) + LEGS", "(leg & 1) + 14")],
+)
+def test_an_index_stays_one_number(tmp_path, index, place):
+    text = HOT.replace("rest[leg + 1]", f"rest[{index}]")
+    assert f"_robot[{place}] * _robot[17]" in lower(modules(tmp_path, text))["shared.one"].text.decode()
 
 
 def test_mypyc_gets_a_class(tmp_path):

@@ -1,7 +1,6 @@
 """The integer codec against cantools, which reads the same DBC by its own parser; both ways, every kind of frame."""
 
 import random
-from array import array
 
 import cantools
 import pytest
@@ -109,16 +108,6 @@ def test_nothing_wraps_into_no_change(raw):
     assert values == [saturated(MESSAGES[2].signals[0], v) for v in (raw, -raw - 1, 0, -32768)]
     assert (values[0] == -32768) == (raw == -32768)
     assert (clipped == 0) == (values[:2] == [raw, -raw - 1])
-
-
-def test_blocks_are_used_at_their_offset_only():
-    frame, block = frames.new_frame(), array("i", range(100, 116))
-    kind = frames.kinds()[0x110]
-    assert kind.encode(frame.words, block, 8) == 0
-    assert list(frame.words) == [108, 109, 110, 111]
-    frame.data[:] = b"\xff" * 8
-    kind.decode(frame.words, block, 4)
-    assert list(block) == [*range(100, 104), -1, -1, -1, -1, *range(108, 116)]
 
 
 @given(st.lists(st.none() | st.floats(-400, 400), min_size=4, max_size=4))

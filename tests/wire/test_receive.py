@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host.protocol import frames
+from shared.record import pack, unpack
 from shared.wire import framing, names, receive
 from shared.wire import receive as r
 
@@ -14,7 +15,8 @@ ALL = frames.kinds()
 
 
 def fresh(node=1):
-    link = array("i", [7] * r.LINK_SIZE)
+    link = r.Link()
+    unpack(link, [7] * len(pack(link)))
     r.link_reset(link, node)
     return link
 
@@ -35,7 +37,7 @@ def sync(link, counter, session=9):
 
 
 def latched(link, kind):
-    return link[r.LINK_LATCHED + kind]
+    return link.latched[kind]
 
 
 def test_every_identifier_has_one_address():
@@ -71,9 +73,9 @@ def test_filters_pass_exactly_what_the_joint_takes(node):
 def test_set_points_wait_for_sync_and_change_together():
     link = fresh(node=6)  # group 1, slot 1
     assert take(link, 0x108, [10, 20, 30, 40]) == r.FRAME_SETPOINT
-    assert link[r.LINK_MODE] == 0
+    assert link.mode == 0
     assert sync(link, 0) == r.FRAME_SYNC_SETPOINT
-    assert (link[r.LINK_MODE], latched(link, r.KIND_POSITION)) == (names.MODE_POSITION, 20)
+    assert (link.mode, latched(link, r.KIND_POSITION)) == (names.MODE_POSITION, 20)
     assert take(link, 0x100, [1, 2, 3, 4]) == r.FRAME_NOT_MINE
     assert take(link, 0x108, [0, names.NO_CHANGE, 0, 0]) == r.FRAME_NOT_MINE
     assert sync(link, 1) == r.FRAME_SYNC
@@ -86,7 +88,7 @@ def test_feed_forward_lasts_one_set_point_and_gains_stay():
     take(link, names.FEEDFORWARD_CURRENT_ID, [-50, 0, 0, 0])
     take(link, names.IMPEDANCE_STIFFNESS_ID, [600, 0, 0, 0])
     assert sync(link, 0) == r.FRAME_SYNC_SETPOINT
-    assert link[r.LINK_MODE] == names.MODE_IMPEDANCE
+    assert link.mode == names.MODE_IMPEDANCE
     assert (latched(link, r.KIND_CURRENT_FEEDFORWARD), latched(link, r.KIND_STIFFNESS)) == (-50, 600)
     assert sync(link, 1) == r.FRAME_SYNC
     assert latched(link, r.KIND_CURRENT_FEEDFORWARD) == -50
@@ -100,7 +102,7 @@ def test_feed_forward_and_gains_alone_are_no_set_point():
     for base in (names.FEEDFORWARD_VELOCITY_ID, names.FEEDFORWARD_CURRENT_ID, names.IMPEDANCE_DAMPING_ID):
         assert take(link, base, [5, 5, 5, 5]) == r.FRAME_SETPOINT
         assert sync(link, 0) == r.FRAME_SYNC
-    assert link[r.LINK_MODE] == 0
+    assert link.mode == 0
 
 
 def test_last_mode_of_a_cycle_wins():
@@ -109,17 +111,17 @@ def test_last_mode_of_a_cycle_wins():
         take(link, 0x100 + kind, [3, 0, 0, 0])
         take(link, 0x100 + (kind + 1) % 3, [names.NO_CHANGE, 0, 0, 0])
         assert sync(link, 0) == r.FRAME_SYNC_SETPOINT
-        assert link[r.LINK_MODE] == mode
+        assert link.mode == mode
 
 
 def test_lost_syncs_are_counted_over_the_wrap_and_stay_at_the_top():
     link = fresh()
     for counter in (254, 255, 0, 1, 5):
         sync(link, counter)
-    assert link[r.LINK_LOST] == 3
-    link[r.LINK_LOST] = (1 << 30) - 2
+    assert link.lost_syncs == 3
+    link.lost_syncs = (1 << 30) - 2
     sync(link, 10)
-    assert link[r.LINK_LOST] == (1 << 30) - 1
+    assert link.lost_syncs == (1 << 30) - 1
 
 
 def test_another_session_latches_nothing_and_takes_nothing_away():
@@ -133,9 +135,9 @@ def test_another_session_latches_nothing_and_takes_nothing_away():
     for counter in range(100):
         assert sync(link, counter, session=8) == r.FRAME_OTHER_SESSION
     assert sync(link, 4, session=9) == r.FRAME_SYNC_SETPOINT
-    assert (latched(link, 0), link[r.LINK_LOST]) == (99, 0)
+    assert (latched(link, 0), link.lost_syncs) == (99, 0)
     r.end_session(link)
-    assert (link[r.LINK_SESSION], link[r.LINK_MODE], latched(link, 0)) == (0, 0, 0)
+    assert (link.session, link.mode, latched(link, 0)) == (0, 0, 0)
     assert sync(link, 5, session=8) == r.FRAME_SYNC
 
 
@@ -150,8 +152,8 @@ def test_short_and_forbidden_frames_are_dropped_and_counted():
     for identifier, data in ((0x100, bytes(7)), (names.SYNC_ID, b"\x00"), (names.SERVICE_REQUEST_ID + 1, bytes(4))):
         assert take_bytes(link, identifier, data) == r.FRAME_BAD
     assert take_bytes(link, names.IMPEDANCE_STIFFNESS_ID, b"\xff\xff" + bytes(6)) == r.FRAME_BAD
-    assert link[r.LINK_BAD] == 4
-    assert link[r.LINK_PENDING_SET] == 0
+    assert link.bad_frames == 4
+    assert link.pending_set == 0
 
 
 def test_requests_and_twins():
@@ -178,7 +180,7 @@ def test_random_frames_never_make_a_set_point_up(node, session, received):
     if session:
         r.start_session(link, session)
     for identifier, data in received:
-        before = list(link[r.LINK_LATCHED :])
+        before = list(link.latched)
         found = take_bytes(link, identifier, data)
         if found == r.FRAME_SETPOINT:
             slot = 2 * framing.node_slot(node)
@@ -188,11 +190,11 @@ def test_random_frames_never_make_a_set_point_up(node, session, received):
                 allowed = {wanted[kind]} if kind in wanted else {before[kind], 0}
                 assert latched(link, kind) in allowed
         else:
-            assert list(link[r.LINK_LATCHED :]) == before
+            assert list(link.latched) == before
         if found in (r.FRAME_SYNC, r.FRAME_SYNC_SETPOINT, r.FRAME_OTHER_SESSION):
             assert (found == r.FRAME_SYNC_SETPOINT) == (min(wanted, default=9) < 4 and found != r.FRAME_OTHER_SESSION)
             wanted.clear()
-        assert all(-(1 << 30) <= value < 1 << 30 for value in link)
+        assert all(-(1 << 30) <= value < 1 << 30 for value in pack(link))
 
 
 def test_kinds_of_set_points_stand_as_in_the_dbc():

@@ -12,7 +12,8 @@ from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.protocol import dbc, parameters
 from host.robot_file import load_robot
-from shared.joint import faults, layout
+from shared.joint import faults
+from shared.joint.layout import JointConfig, LoopSettings
 from shared.joint.thermal import CURVE_POINTS, CURVE_SIZE
 from shared.wire import access, names
 from shared.wire import parameters as table
@@ -185,24 +186,19 @@ def test_parameter_writes_are_refused_not_bent():
         assert access.is_stored(unknown) == 0
 
 
-CURRENT_STEP = {"current_kp": "KP", "current_ki": "KI", "pwm_period": "PERIOD", "pwm_half": "HALF", "pwm_span": "SPAN",
-                "pwm_pulse": "PULSE", "pwm_window": "WINDOW", "trip_square": "TRIP_SQUARE"}  # fmt: skip
-
-
-def test_configuration_follows_the_joints_layout():
-    """pole_pairs + k is K_*'s place k: the application copies one block, and nothing of it is missing."""
-    by_id = parameters.load()
-    places = {value: name for name, value in vars(layout).items() if name.startswith("K_")}
-    first = table.PARAMETER_POLE_PAIRS
-    assert [p.name for p in by_id[first:]] == [places[k].removeprefix("K_").lower() for k in range(layout.CFG_SIZE)]
+def test_the_parameters_follow_the_joints_records():
+    """Ids from current_kp and from pole_pairs on are the fields of two records: the application hands on a place."""
+    names = [p.name for p in parameters.load()]
+    assert names[table.PARAMETER_POLE_PAIRS :] == [name for name, _ in JointConfig.FIELDS]
+    assert names[table.PARAMETER_CURRENT_KP : table.PARAMETER_THERMISTOR_RAW] == [n for n, _ in LoopSettings.FIELDS]
 
 
 def test_defaults_are_the_robots_own_values():
     """But for what is measured on each joint: a fresh board is not calibrated."""
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-math.pi / 4, math.pi / 4))
-    own = {n.removeprefix("K_").lower(): blocks.cfg[k] for n, k in vars(layout).items() if n.startswith("K_")}
-    own |= {name: blocks.foc[getattr(layout, f"F_{place}")] for name, place in CURRENT_STEP.items()}
-    assert {p.name: p.default for p in parameters.load() if p.name in own} == own
+    wanted = {name: getattr(block, name) for block in (blocks.loop, blocks.cfg) for name, _ in type(block).FIELDS}
+    assert {p.name: p.default for p in parameters.load() if p.name in wanted} == wanted
+    assert len(blocks.stored()) == table.PARAMETERS - table.PARAMETER_CURRENT_KP
 
 
 def test_the_thermistors_points_are_one_block_as_the_application_keeps_them():
@@ -216,8 +212,7 @@ def test_the_robots_own_values_are_within_the_limits():
     joints = [(kind, pair) for leg in range(4) for kind, pair in enumerate(robot.joint_limits_rad(leg))]
     for kind, (low, high) in joints:
         blocks = joint_blocks(robot.actuator, JointSetup(low, high, has_joint_encoder=kind != 1))
-        values = {n.removeprefix("K_").lower(): blocks.cfg[k] for n, k in vars(layout).items() if n.startswith("K_")}
-        values |= {name: blocks.foc[getattr(layout, f"F_{place}")] for name, place in CURRENT_STEP.items()}
+        values = {n: getattr(block, n) for block in (blocks.loop, blocks.cfg) for n, _ in type(block).FIELDS}
         values |= {f"thermistor_raw_{i}": raw for i, raw in enumerate(blocks.curve[:CURVE_POINTS])}
         values |= {f"thermistor_at_{i}": raw for i, raw in enumerate(blocks.curve[CURVE_POINTS:])}
         for name, raw in values.items():

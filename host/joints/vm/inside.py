@@ -10,21 +10,6 @@ from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.joint_store import MISSING
 from firmware.settings import Memory
-from shared.joint.layout import (
-    F_HALF,
-    F_KI,
-    F_KP,
-    F_PERIOD,
-    F_PULSE,
-    F_Q_REF,
-    F_SPAN,
-    F_TRIP_SQUARE,
-    F_WINDOW,
-    K_CALIBRATED,
-    K_ELEC_OFFSET,
-)
-
-STEP_PLACES = (F_KP, F_KI, F_PERIOD, F_HALF, F_SPAN, F_PULSE, F_WINDOW, F_TRIP_SQUARE)
 
 
 class JointBoard(SimBoard):
@@ -61,29 +46,24 @@ class Inside:
         self.bridge = self.q_ref = self.resets = 0
         self.pairs: list[tuple[int, int]] = []
 
-    def boot(self, now_us, sensors, rotor, joint, node, foc, cfg, curve):  # type: ignore[no-untyped-def]
-        """Start anew; a board on which nothing was saved yet gets these blocks and this node."""
+    def boot(self, now_us, sensors, rotor, joint, node, stored):  # type: ignore[no-untyped-def]
+        """Start anew; a board on which nothing was saved yet gets this node and these parameters."""
         self.board = JointBoard(self._unique_id)
         self.board.now_us = now_us
         self._set_sensors(sensors)
         self.board.rotor, self.board.joint = rotor & 16383, joint
         self.joint = Joint(self.board, self._settings)
         if self.joint.loaded == MISSING:
-            self._configure(foc, cfg, curve)
+            self._configure(stored)
             self.joint.set_node(node)
         self.joint.start()
         self._note()
 
-    def _configure(self, foc, cfg, curve):  # type: ignore[no-untyped-def]
+    def _configure(self, stored):  # type: ignore[no-untyped-def]
         control = self.joint.control
-        for i, place in enumerate(STEP_PLACES):
-            control.foc[place] = foc[i]
-        for i, value in enumerate(cfg):
-            control.cfg[i] = value
-        for i, value in enumerate(curve):
-            control.curve[i] = value
-        control.cfg[K_CALIBRATED] = 1
-        control.cfg[K_ELEC_OFFSET] = 0
+        self.joint.parameters.take(stored)
+        control.cfg.calibrated = 1
+        control.cfg.elec_offset = 0
 
     def _set_sensors(self, sensors):  # type: ignore[no-untyped-def]
         """Take the readings of bus voltage, thermistor and microcontroller."""
@@ -91,7 +71,7 @@ class Inside:
 
     def _note(self) -> None:
         control = self.joint.control
-        self.bridge, self.q_ref = self.board.bridge, control.foc[F_Q_REF]
+        self.bridge, self.q_ref = self.board.bridge, control.foc.reference_q
         self.resets, self.pairs = self.board.resets, self.board.pairs
 
     def frame(self, identifier, data, room):  # type: ignore[no-untyped-def]

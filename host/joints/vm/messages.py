@@ -5,6 +5,8 @@ A request is a kind, its length, and its body; every request gets one answer. ``
 
 import struct
 
+from .inside import Inside
+
 HEAD = "<BH"  # kind, length of the body
 BOOT, FRAME, TICK = 1, 2, 3
 FRAME_BODY = "<HBB8s"  # identifier, length, room, data
@@ -20,7 +22,7 @@ SENT_SIZE = struct.calcsize(SENT)
 TICK_SIZE = struct.calcsize(TICK_BODY)
 
 
-def pack_answer(inside, known) -> bytes:  # type: ignore[no-untyped-def]
+def pack_answer(inside: Inside, known) -> bytes:  # type: ignore[no-untyped-def]
     """Return the answer after a request; ``known`` are the filters told last."""
     frames = inside.sent()
     changed = inside.pairs is not known

@@ -15,7 +15,6 @@ from shared.joint import (
     thermal,
     tick,
 )
-from shared.joint import layout as j
 
 from .draw import Range
 from .joint_robot import (
@@ -71,7 +70,7 @@ def _stepping(values, dice):
         values[0] = (MOTION.rotor + MOTION.speed) & 16383
     values[1] = 1 if dice.below(20) == 0 else 0
     if dice.below(10) == 0:
-        FOC[j.F_MASKED] = dice.bits(3)
+        FOC.masked = dice.bits(3)
 
 
 def _repairing(values, dice):
@@ -87,42 +86,42 @@ def _repairing(values, dice):
 
 def _lost(values, dice):
     live(values, dice)
-    FOC[j.F_ROTOR_SEEN] = dice.bits(14) if dice.bits(1) else -1
+    FOC.rotor_rejected = dice.bits(14) if dice.bits(1) else -1
 
 
 def _turned(values, dice):
     """After any number of turns."""
     live(values, dice)
-    STATE[j.S_TURNS] = TURNS.any(dice)
+    STATE.turns = TURNS.any(dice)
 
 
 def _long_vector(values, dice):
     live(values, dice)
-    limit = FOC[j.F_LIMIT]
+    limit = FOC.voltage_limit
     values[1] = (dice.below(2 * limit + 1) - limit) << 4
     values[2] = (dice.below(2 * limit + 1) - limit) << 3
 
 
 def _gliding(values, dice):
     live(values, dice)
-    STATE[j.S_TARGET_RATE] = dice.bits(19) - (1 << 18)
-    STATE[j.S_TARGET_LEFT] = dice.below(17)
-    STATE[j.S_GOAL] = max(-(1 << 29), min((1 << 29) - 1, STATE[j.S_TARGET] + dice.bits(21) - (1 << 20)))
+    STATE.target_rate = dice.bits(19) - (1 << 18)
+    STATE.target_ticks_left = dice.below(17)
+    STATE.goal_position = max(-(1 << 29), min((1 << 29) - 1, STATE.target + dice.bits(21) - (1 << 20)))
 
 
 def _posed(values, dice):
     live(values, dice)
-    CAL[calibration.C_POSE] = dice.bits(18) - (1 << 17)
-    CAL[calibration.C_REST_ROTOR] = dice.bits(14)
-    CAL[calibration.C_REST_JOINT] = dice.bits(14)
+    CAL.pose = dice.bits(18) - (1 << 17)
+    CAL.rest_rotor = dice.bits(14)
+    CAL.rest_joint = dice.bits(14)
 
 
 def _calibrating(values, dice):
     """In the middle of a calibration: as many ticks of one as come up, then the probed one."""
-    if dice.below(30) == 0 or CAL[calibration.C_PHASE] == calibration.PHASE_IDLE:
+    if dice.below(30) == 0 or CAL.phase == calibration.PHASE_IDLE:
         begin()
         calibration.calibration_start(CAL, 1 + dice.below(3))
-        CAL[calibration.C_POSE_GIVEN] = dice.bits(1)
+        CAL.pose_given = dice.bits(1)
     if dice.bits(1):
         skip_ahead(dice)
     for _ in range(dice.below(30)):
@@ -133,40 +132,52 @@ def _calibrating(values, dice):
 
 def skip_ahead(dice):
     """To near the end of any phase, as if all had gone well until then, or nearly all."""
-    travel = 262144 if CAL[calibration.C_KIND] == calibration.CAL_FULL else 32768
-    pairs = CFG[j.K_POLE_PAIRS]
+    travel = 262144 if CAL.kind == calibration.CAL_FULL else 32768
+    pairs = CFG.pole_pairs
     phase = 1 + dice.below(calibration.PHASE_RETURN)
     back = phase == calibration.PHASE_BACK or phase == calibration.PHASE_RETURN
-    CAL[calibration.C_PHASE] = phase
-    CAL[calibration.C_TICKS] = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
-    CAL[calibration.C_ANGLE] = 1280 if back else travel - 1280
-    CAL[calibration.C_MOVED] = CAL[calibration.C_ANGLE] // (4 * pairs)
-    CAL[calibration.C_DIRECTION] = 1
-    CAL[calibration.C_POLE_PAIRS] = pairs
-    CAL[calibration.C_FORWARD] = travel // (4 * pairs)
-    CAL[calibration.C_JOINT_FORWARD] = CAL[calibration.C_FORWARD] * 256 // CFG[j.K_GEAR_Q8]
+    CAL.phase = phase
+    CAL.phase_ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
+    CAL.angle = 1280 if back else travel - 1280
+    CAL.moved = CAL.angle // (4 * pairs)
+    CAL.direction = 1
+    CAL.pole_pairs = pairs
+    CAL.moved_forward = travel // (4 * pairs)
+    CAL.joint_moved_forward = CAL.moved_forward * 256 // CFG.gear_q8
     for axis in range(3):
-        CAL[calibration.C_RAW_SUM + axis] = 2048 * 250
+        CAL.raw_sum[axis] = 2048 * 250
     follow_field(dice)
-    CAL[calibration.C_LAST] = FOC[j.F_ROTOR]
-    CAL[calibration.C_JOINT_LAST] = IO[j.IO_JOINT_RAW]
-    CAL[calibration.C_REST_ROTOR] = FOC[j.F_ROTOR]
+    CAL.rotor_last = FOC.rotor
+    CAL.joint_last = IO.joint_raw
+    CAL.rest_rotor = FOC.rotor
     if dice.below(3) == 0:
-        wrong = (calibration.C_FORWARD, calibration.C_MOVED, calibration.C_JOINT_FORWARD, calibration.C_RAW_SUM)
-        CAL[wrong[dice.below(4)]] = dice.bits(16) - 32768
+        value = dice.bits(16) - 32768
+        go_wrong(dice.below(4), value)
+
+
+def go_wrong(where, value):
+    """One of what calibration has measured is anything."""
+    if where == 0:
+        CAL.moved_forward = value
+    elif where == 1:
+        CAL.moved = value
+    elif where == 2:
+        CAL.joint_moved_forward = value
+    else:
+        CAL.raw_sum[0] = value
 
 
 def follow_field(dice):
     """The rotor goes where the field points, as a free one does, with the current that is asked for."""
-    pairs = CFG[j.K_POLE_PAIRS]
-    turned = CAL[calibration.C_ANGLE] // (4 * pairs) if pairs else 0
-    FOC[j.F_ROTOR] = (turned + 100 + dice.bits(1)) & 16383
-    FOC[j.F_I_D] = FOC[j.F_D_REF] + dice.bits(3) - 4
-    IO[j.IO_JOINT_RAW] = (turned * 256 // CFG[j.K_GEAR_Q8]) & 16383
-    STATE[j.S_RATE] = 0
-    STATE[j.S_BUS] = (CFG[j.K_CAL_BUS_LEAST] + CFG[j.K_CAL_BUS_MOST]) >> 1
+    pairs = CFG.pole_pairs
+    turned = CAL.angle // (4 * pairs) if pairs else 0
+    FOC.rotor = (turned + 100 + dice.bits(1)) & 16383
+    FOC.current_d = FOC.reference_d + dice.bits(3) - 4
+    IO.joint_raw = (turned * 256 // CFG.gear_q8) & 16383
+    STATE.rate = 0
+    STATE.bus = (CFG.cal_bus_least + CFG.cal_bus_most) >> 1
     for phase in range(3):
-        FOC[j.F_RAW_A + phase] = 2048 + dice.bits(2)
+        FOC.raw[phase] = 2048 + dice.bits(2)
 
 
 def _probe(source, name, *arguments, fit=live, vectors=1):

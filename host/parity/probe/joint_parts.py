@@ -3,7 +3,6 @@
 
 from shared.joint import (
     cascade,
-    coupling,
     encoder,
     faults,
     feed,
@@ -12,9 +11,8 @@ from shared.joint import (
     report,
     svpwm,
     thermal,
-    transforms,
 )
-from shared.runtime import zeros
+from shared.joint.layout import JointState
 
 from .draw import Range
 from .draws import INT30
@@ -23,7 +21,6 @@ from .probe import Probe
 
 SOURCES = (
     "joint.cascade",
-    "joint.coupling",
     "joint.encoder",
     "joint.faults",
     "joint.feed",
@@ -32,31 +29,18 @@ SOURCES = (
     "joint.report",
     "joint.svpwm",
     "joint.thermal",
-    "joint.transforms",
 )
 
-PHASE = Range(-16383, 16383)
-VECTOR = Range(-22600, 22600)
 UNIT = Range(-32767, 32767)
 INT16 = Range(-32768, 32767)
 GAIN15 = Range(0, 32767)
 GAIN14 = Range(0, 16383)
-TORQUE = Range(-(1 << 28), 1 << 28)
 HALF30 = Range(-(1 << 29), 1 << 29)
 ADC = Range(0, 4095)
 ACCEL = Range(0, 65535)
 RATE_MAX = Range(1, (1 << 18) - 1)
 DISTANCE = Range(0, (1 << 29) - 1)
-STATE = zeros(64)
-
-
-def _on_circle(values, dice):
-    """Sine and cosine belong to one angle: their squares add up to 1."""
-    from shared.fixed import cos_q15, sin_q15
-
-    angle = dice.bits(16)
-    values[2] = sin_q15(angle)
-    values[3] = cos_q15(angle)
+STATE = JointState()
 
 
 def _order(values, dice):
@@ -72,39 +56,23 @@ def _near_enough(values, dice):
 
 def _profile(values, dice):
     """A trajectory somewhere, faster than allowed or not; the target's own rate within the limit."""
-    from shared.joint.layout import S_PROFILE, S_PROFILE_RATE
 
-    STATE[S_PROFILE] = dice.bits(29) - (1 << 28) if dice.bits(1) else values[1] + dice.bits(12) - 2048
-    STATE[S_PROFILE_RATE] = dice.bits(18) - (1 << 17)
+    STATE.profile = dice.bits(29) - (1 << 28) if dice.bits(1) else values[1] + dice.bits(12) - 2048
+    STATE.profile_rate = dice.bits(18) - (1 << 17)
     if values[2] > values[4] or values[2] < -values[4]:
         values[2] = values[4]
 
 
 def _slewing(values, dice):
-    from shared.joint.layout import S_PROFILE_RATE
 
-    STATE[S_PROFILE_RATE] = dice.bits(19) - (1 << 18)
+    STATE.profile_rate = dice.bits(19) - (1 << 18)
 
 
 def _probe(source, name, *arguments, watch=(), fit=None):
     return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit)
 
 
-def _transform(name):
-    return _probe(transforms, name, VECTOR, VECTOR, UNIT, UNIT, fit=_on_circle)
-
-
 PROBES = (
-    _probe(transforms, "clarke_alpha", PHASE, PHASE, PHASE),
-    _probe(transforms, "clarke_beta", PHASE, PHASE),
-    _transform("park_d"),
-    _transform("park_q"),
-    _transform("unpark_alpha"),
-    _transform("unpark_beta"),
-    _probe(coupling, "calf_motor", TORQUE, TORQUE),
-    _probe(coupling, "calf_joint", TORQUE, TORQUE),
-    _probe(coupling, "thigh_motor_torque", TORQUE, TORQUE),
-    _probe(coupling, "thigh_joint_torque", TORQUE, TORQUE),
     _probe(svpwm, "shape_pulse", Range(1 - (1 << 29), (1 << 29) - 1), Range(0, 300), Range(600, 16800), fit=_order),
     _probe(faults, "damps_first", INT30),
     _probe(feed, "bus_voltage", ADC, Range(0, 1 << 17)),

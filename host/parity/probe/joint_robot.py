@@ -1,25 +1,26 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
 
-from shared.joint import layout as j
-from shared.joint.calibration import CAL_SIZE
+from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
+from shared.joint.layout import SINE_SIZE, Foc, JointConfig, JointIo, JointState
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
-from shared.runtime import zeros
+from shared.record import copy
 from shared.wire.names import MODE_CALIBRATING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
 from .draw import Range
 from .probe import Head, Pick
 from .robots import JOINTS
 
-FOC = zeros(j.FOC_SIZE)
-FIELDS = Head(FOC, j.F_SINE)  # without the sine table, which nothing changes
-CFG = zeros(j.CFG_SIZE)
-STATE = zeros(j.STATE_SIZE)
-IO = zeros(j.IO_SIZE)
-CAL = zeros(CAL_SIZE)
+FOC = Foc()
+FIELDS = Head(FOC, SINE_SIZE)  # without the sine table, which nothing changes
+CFG = JointConfig()
+STATE = JointState()
+IO = JointIo()
+CAL = Calibration()
+FRESH = ((JointState(), STATE), (JointIo(), IO), (Calibration(), CAL))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
@@ -50,14 +51,11 @@ def begin():
 def settings(which):
     """Load a joint's blocks: calibrated, hardware ready, a host there."""
     foc, cfg, _ = JOINTS[which]
-    for at in range(j.F_SINE):
-        FOC[at] = foc[at]
-    for at in range(j.CFG_SIZE):
-        CFG[at] = cfg[at]
-    for block in (STATE, IO, CAL):
-        for at in range(len(block)):
-            block[at] = 0
-    CFG[j.K_CALIBRATED] = 1
+    copy(foc, FOC)
+    copy(cfg, CFG)
+    for fresh, block in FRESH:
+        copy(fresh, block)
+    CFG.calibrated = 1
     MOTION.rotor = MOTION.speed = 0
     MOTION.quiet = 60
     calm_inputs()
@@ -67,11 +65,11 @@ def settings(which):
 
 def calm_inputs():
     """Sensors and host as they should be."""
-    IO[j.IO_HASH_OK] = IO[j.IO_SESSION] = IO[j.IO_HARDWARE_READY] = IO[j.IO_JOINT_VALID] = 1
-    IO[j.IO_E_STOP] = IO[j.IO_HARDWARE_FAULT] = 0
-    IO[j.IO_BUS_RAW] = (CFG[j.K_UNDER_START] + CFG[j.K_OVER_START]) * 2048 // CFG[j.K_BUS_GAIN]
-    IO[j.IO_THERMISTOR_RAW] = 2048
-    IO[j.IO_MCU_RAW] = 980
+    IO.hash_ok = IO.session = IO.hardware_ready = IO.joint_valid = 1
+    IO.e_stop = IO.hardware_fault = 0
+    IO.bus_raw = (CFG.under_start + CFG.over_start) * 2048 // CFG.bus_gain
+    IO.thermistor_raw = 2048
+    IO.mcu_raw = 980
 
 
 def live(values, dice):
@@ -87,19 +85,20 @@ def live(values, dice):
 def wish(dice):
     """What a host does: set-points most of the time, arming, clearing, other modes now and then."""
     if dice.below(8):
-        IO[j.IO_SEQUENCE] = (IO[j.IO_SEQUENCE] + 1) & 0xFFFF
+        IO.sequence = (IO.sequence + 1) & 0xFFFF
     if dice.below(12) == 0:
-        for at in range(j.IO_POSITION, j.IO_STIFFNESS):
-            IO[at] = _WORD.any(dice)
-        IO[j.IO_POSITION] >>= dice.below(12)
-        IO[j.IO_STIFFNESS] = dice.bits(15)
-        IO[j.IO_DAMPING] = dice.bits(15)
+        IO.position = _WORD.any(dice)
+        IO.velocity = _WORD.any(dice)
+        IO.current = _WORD.any(dice)
+        IO.position >>= dice.below(12)
+        IO.stiffness = dice.bits(15)
+        IO.damping = dice.bits(15)
     if dice.below(40) == 0:
-        IO[j.IO_MODE] = dice.below(6)
-    if STATE[j.S_DRIVE] == STATE_FAULT:
+        IO.mode = dice.below(6)
+    if STATE.drive_state == STATE_FAULT:
         drive_clear(STATE)
-    elif STATE[j.S_DRIVE] == STATE_SWITCH_ON_DISABLED:
-        STATE[j.S_HOMED] = 1
+    elif STATE.drive_state == STATE_SWITCH_ON_DISABLED:
+        STATE.homed = 1
         purpose = _PURPOSES[dice.below(len(_PURPOSES))]
         if drive_arm(CFG, STATE, IO, purpose) == 0 and purpose == MODE_CALIBRATING:
             begin_calibration(STATE, CAL, 1 + dice.below(3))
@@ -110,17 +109,31 @@ def trouble(dice):
     if MOTION.quiet > 0:
         MOTION.quiet -= 1
         if MOTION.quiet == 0:
-            at = (j.IO_E_STOP, j.IO_HARDWARE_FAULT, j.IO_BUS_RAW, j.IO_THERMISTOR_RAW, j.IO_MCU_RAW)[dice.below(5)]
-            IO[at] = (1, 40, dice.bits(12), dice.bits(12), dice.bits(12))[dice.below(5)]
+            where = dice.below(5)
+            something_fails(where, (1, 40, dice.bits(12), dice.bits(12), dice.bits(12))[dice.below(5)])
         return
     if dice.below(12) == 0:
         calm_inputs()
         MOTION.quiet = 40 + dice.bits(6 + dice.below(3))
 
 
+def something_fails(where, value):
+    """One of the inputs says what it should not."""
+    if where == 0:
+        IO.e_stop = value
+    elif where == 1:
+        IO.hardware_fault = value
+    elif where == 2:
+        IO.bus_raw = value
+    elif where == 3:
+        IO.thermistor_raw = value
+    else:
+        IO.mcu_raw = value
+
+
 def one_millisecond(dice):
     """Two current steps with currents about as wanted, then the motion tick; the slow one now and then."""
-    push = FOC[j.F_V_Q] >> 7
+    push = FOC.voltage_q >> 7
     MOTION.speed += push + dice.bits(3) - 4 - (MOTION.speed >> 4)
     MOTION.speed = max(-400, min(400, MOTION.speed))
     for _ in range(2):
@@ -130,7 +143,7 @@ def one_millisecond(dice):
         code = current_step(MOTION.rotor, invalid, FOC)
         if code:
             current_repair(code, MOTION.rotor, invalid, FOC)
-    IO[j.IO_JOINT_RAW] = (MOTION.rotor * 256 // CFG[j.K_GEAR_Q8] + dice.bits(1)) & 16383
+    IO.joint_raw = (MOTION.rotor * 256 // CFG.gear_q8 + dice.bits(1)) & 16383
     motion_tick(FOC, CFG, STATE, IO, CAL)
     if dice.below(50) == 0:
         slow_tick(CFG, STATE, IO, CURVE)
@@ -142,6 +155,6 @@ def read_currents(dice):
     half = 1 << (span - 1)
     a = dice.bits(span) - half
     b = dice.bits(span) - half
-    FOC[j.F_RAW_A] = 2048 + a
-    FOC[j.F_RAW_B] = 2048 + b
-    FOC[j.F_RAW_C] = max(0, min(4095, 2048 - a - b))
+    FOC.raw[0] = 2048 + a
+    FOC.raw[1] = 2048 + b
+    FOC.raw[2] = max(0, min(4095, 2048 - a - b))

@@ -30,11 +30,18 @@ class Pick:
 
 
 class Head:
-    """The first ``size`` numbers of an array, to be watched where the rest never changes."""
+    """A record without its last field, ``size`` numbers that never change: to be watched without them."""
 
-    def __init__(self, array, size: int) -> None:
-        self.array = array
-        self.size = size
+    def __init__(self, values, size: int) -> None:
+        self.values = values
+        fields = getattr(values, "FIELDS", None)
+        if fields is None:  # the build has made an array of it
+            self.size = len(values) - size
+        else:
+            self.FIELDS = fields[:-1]
+
+    def __getattr__(self, name: str):
+        return getattr(self.values, name)
 
     def __len__(self) -> int:
         return self.size
@@ -42,10 +49,7 @@ class Head:
     def __getitem__(self, at: int) -> int:
         if at >= self.size:  # ends a loop over it
             raise IndexError
-        return int(self.array[at])
-
-    def __setitem__(self, at: int, value: int) -> None:
-        self.array[at] = value
+        return int(self.values[at])
 
 
 class Probe:

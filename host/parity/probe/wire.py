@@ -17,7 +17,7 @@ IDENTIFIER = Range(-2, 0x801)
 NODE = Range(0, 12)
 FRAME = Block(array("H", [0] * 4), (4, Range(0, 65535)))
 PAIRS = array("H", [0] * (2 * framing.FILTERS))
-LINK = array("i", [0] * receive.LINK_SIZE)
+LINK = receive.Link()
 UNIQUE = Block(array("H", [0] * 12), (12, Range(0, 255)))
 COMMON = (
     SYNC_ID,
@@ -36,8 +36,16 @@ def _begin():
 
 
 def _soil(values, dice):
-    for at in range(1, receive.LINK_SIZE):
-        LINK[at] = dice.bits(12)
+    LINK.session = dice.bits(12)
+    LINK.counter = dice.bits(12)
+    LINK.lost_syncs = dice.bits(12)
+    LINK.bad_frames = dice.bits(12)
+    LINK.pending_set = dice.bits(12)
+    LINK.pending_mode = dice.bits(12)
+    LINK.mode = dice.bits(12)
+    for kind in range(framing.SETPOINT_KINDS):
+        LINK.pending[kind] = dice.bits(12)
+        LINK.latched[kind] = dice.bits(12)
 
 
 def _traffic(values, dice):
@@ -48,7 +56,7 @@ def _traffic(values, dice):
     if dice.below(30) == 0:
         receive.link_reset(LINK, dice.below(5))
     if dice.below(30) == 0:
-        LINK[receive.LINK_LOST] = (1 << 30) - 2
+        LINK.lost_syncs = (1 << 30) - 2
     if dice.below(30) == 0:
         receive.start_session(LINK, 1 + dice.below(255))
 
@@ -69,6 +77,8 @@ PROBES = (
     _probe(framing, "node_group", (Range(-1, 14),)),
     _probe(framing, "node_slot", (Range(1, 12),)),
     _probe(framing, "read_slot", (FRAME, Range(0, 3))),
+    _probe(framing, "sync_counter", (FRAME,)),
+    _probe(framing, "sync_session", (FRAME,)),
     _probe(framing, "joint_filters", (PAIRS, NODE), watch=(PAIRS,)),
     _probe(identity, "board_id", (UNIQUE,), ticks=False),
     _probe(identity, "discover_delay_ms", (Range(0, (1 << 30) - 1), Range(0, 255)), ticks=False),

@@ -13,12 +13,11 @@ SOURCES = ("wire.codec",)
 FIELDS = 10
 WORD = Range(0, 65535)
 FRAME = Block(array("H", [0] * 4), (4, WORD))
-VALUES = Block(array("i", [0] * (FIELDS + 2)), (FIELDS + 2, INT30))
-START = Range(0, 2)
+VALUES = Block(array("i", [0] * FIELDS), (FIELDS, INT30))
 
 
 def _codec(name):
-    arguments = (FRAME, VALUES, START)
+    arguments = (FRAME, VALUES)
     return Probe(name, getattr(codec, name), arguments, watch=(FRAME.array, VALUES.array))
 
 

@@ -15,7 +15,6 @@ from host.motor.model import Load, Motor
 from host.motor.plots import draw
 from host.robot_file import load_robot
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.wire import names as w
 
 BLDC = load_robot("parallel").actuator
@@ -96,7 +95,7 @@ def test_a_scenario_can_fail(monkeypatch):
     slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
     assert not scenarios.run_scenario(slow, "step").ok
     monkeypatch.setitem(
-        faults.FAULTS, "bus-sag", faults.FaultCase(j.K_BUS_TICKS, 10, faults.FAULTS["bus-sag"].begin)
+        faults.FAULTS, "bus-sag", faults.FaultCase(99, 10, faults.FAULTS["bus-sag"].begin)
     )
     assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
 
@@ -108,10 +107,10 @@ def test_a_magnet_that_creeps_is_found_before_the_rotor_turn_could_be_mistaken()
     for _ in range(100):
         bench.wrong.joint_turned_rad += math.radians(0.1)
         bench.run(1)
-        if bench.state[j.S_FAULT_CODE]:
+        if bench.state.fault_code:
             break
-    assert bench.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_DISAGREE
-    assert 6.0 <= abs(bench.state[j.S_FAULT_VALUE]) / 16384 * 360 / BLDC.gear.ratio < 7.0
+    assert bench.state.fault_code == f.FAULT_ENCODER_DISAGREE
+    assert 6.0 <= abs(bench.state.fault_value) / 16384 * 360 / BLDC.gear.ratio < 7.0
     assert math.degrees(bench.wrong.joint_turned_rad) < 8.18
 
 
@@ -123,14 +122,14 @@ def test_readings_that_cannot_be_are_left_out_and_many_of_them_are_a_fault():
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     bench.wrong.glitch_share = 0.95
     bench.run(20)
-    assert bench.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST
+    assert bench.state.fault_code == f.FAULT_ENCODER_LOST
 
 
 def d_error_percent(age):
     """The mean d current at nearly full speed under load, in percent of the rated current."""
     bench = Bench(BLDC, Load(torque_Nm=1.0), JointSetup(-3.1, 3.1))
     if age is not None:
-        bench.joint.control.cfg[j.K_AGE] = age
+        bench.joint.control.cfg.age = age
     bench.arm(w.MODE_VELOCITY, 0.0)
     bench.goal = 0.9 * BLDC.drive.speed_limit_rad_s
     bench.run(150)
@@ -146,7 +145,7 @@ def test_duties_act_for_the_whole_of_the_next_step():
     """The board's handler runs at the samples; what it writes is in the next step's voltage, no part of it in this."""
     bench = Bench(BLDC, Load(locked=True))
     bench.board.bridge, bench.fast = 1, []
-    compare, half = bench.board.compare, bench.blocks.foc[j.F_PERIOD] // 2
+    compare, half = bench.board.compare, bench.blocks.foc.period // 2
 
     def write(a):
         compare[0], compare[1], compare[2] = a, half, half

@@ -10,7 +10,6 @@ from host.motor.model import Load
 from host.motor.walking import JointMotor, joint_motors, transport
 from host.robot_file import load_robot
 from host.walk import WalkSpec, run_walk
-from shared.joint import layout as j
 from shared.wire import names as w
 
 ROBOT = load_robot("parallel")
@@ -54,7 +53,7 @@ def reduced(load_Nm):
         speed += 1e-3 * (given + load_Nm - friction) / inertia
         position += 1e-3 * speed
         way.append(position)
-        current.append(motor.blocks.state[j.S_CURRENT_REF] * motor.blocks.units.ampere_per_cu)
+        current.append(motor.blocks.state.current_reference * motor.blocks.units.ampere_per_cu)
     return way, current
 
 

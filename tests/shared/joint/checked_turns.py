@@ -19,46 +19,45 @@ def wanted(turns, fraction, sign):
     return turns, fraction, sign * (turns * 16384 + fraction - ZERO)
 
 
-def step(encoder, j, blocks, turns, sign, moved):
+def step(encoder, blocks, turns, sign, moved):
     """One tick from ``turns`` turns and a fraction near the end that ``moved`` crosses."""
     foc, cfg, state = blocks
     fraction = 16000 if moved > 0 else 300
-    state[j.S_TURNS], state[j.S_FRACTION], cfg[j.K_JOINT_SIGN] = turns, fraction, sign
-    foc[j.F_ROTOR] = (fraction + moved) & 16383
+    state.turns, state.fraction, cfg.joint_sign = turns, fraction, sign
+    foc.rotor = (fraction + moved) & 16383
     position = encoder.encoder_step(foc, cfg, state)
-    found = state[j.S_TURNS], state[j.S_FRACTION], position
+    found = state.turns, state.fraction, position
     expected = wanted(turns + (fraction + moved >> 14), (fraction + moved) & 16383, sign)
     assert found == expected, f"{turns} turns, {moved} on: {found} instead of {expected}"
 
 
-def choose(encoder, j, blocks, turns, sign):
+def choose(encoder, blocks, turns, sign):
     """Choose the turn for an expected position in turn ``turns``."""
     _, cfg, state = blocks
-    state[j.S_FRACTION], cfg[j.K_JOINT_SIGN] = 900, sign
+    state.fraction, cfg.joint_sign = 900, sign
     expected = sign * (turns * 16384 + 900 - ZERO)
     left = encoder.choose_turn(cfg, state, checked.check(expected))
-    found = left, state[j.S_TURNS], state[j.S_POSITION]
+    found = left, state.turns, state.position
     assert found == (0, turns, expected), f"choosing {turns} turns: {found}"
 
 
 def main():
     checked.install()
     from shared.joint import encoder
-    from shared.joint import layout as j
-    from shared.runtime import zeros
+    from shared.joint.layout import Foc, JointConfig, JointState
 
-    blocks = zeros(j.F_SINE), zeros(j.CFG_SIZE), zeros(j.STATE_SIZE)
-    blocks[1][j.K_ZERO] = ZERO
+    blocks = Foc(), JointConfig(), JointState()
+    blocks[1].zero = ZERO
     seams = checked.seams("shared.joint.encoder", -MOST, MOST)
     for turns in seams:
         for sign, moved in ((1, 700), (-1, 700), (1, -700), (-1, -700)):
-            step(encoder, j, blocks, turns, sign, moved)
+            step(encoder, blocks, turns, sign, moved)
             if abs(turns) < 1 << 14:
-                choose(encoder, j, blocks, turns, sign)
+                choose(encoder, blocks, turns, sign)
     for turns in range(-IN_POSITION - 4, IN_POSITION + 5):
-        step(encoder, j, blocks, turns, *((1, 700) if turns & 1 else (-1, -700)))
+        step(encoder, blocks, turns, *((1, 700) if turns & 1 else (-1, -700)))
         if abs(turns) < 1 << 14:
-            choose(encoder, j, blocks, turns, 1 if turns & 1 else -1)
+            choose(encoder, blocks, turns, 1 if turns & 1 else -1)
     print(f"{len(seams) + 2 * IN_POSITION + 9} turn counts")
 
 

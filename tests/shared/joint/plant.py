@@ -4,13 +4,12 @@ As on the board, the rotor's reading is one step old and duties act one step lat
 """
 
 import math
-from array import array
 
 from host.joint_gains import JointBlocks, joint_blocks
 from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
 from shared.joint import layout as j
-from shared.joint.calibration import CAL_SIZE
+from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
 
@@ -25,7 +24,7 @@ class Plant:
         self.setup = JointSetup(lower_rad=-1.0, upper_rad=1.9, inertia_kg_m2=inertia_kg_m2, **setup)
         self.board = Board()
         self.blocks: JointBlocks = joint_blocks(self.bldc, self.setup, self.board)
-        self.cal = array("i", [0] * CAL_SIZE)
+        self.cal = Calibration()
         self.foc, self.cfg, self.state, self.io = self.blocks.foc, self.blocks.cfg, self.blocks.state, self.blocks.io
         self.units = self.blocks.units
         motor = self.bldc.motor
@@ -46,14 +45,14 @@ class Plant:
         self.trips = 0
         self.ticks = 0
         if calibrated:
-            self.cfg[j.K_CALIBRATED] = 1
-            self.cfg[j.K_DIRECTION] = direction
-            self.cfg[j.K_ELEC_OFFSET] = elec_offset_brad
+            self.cfg.calibrated = 1
+            self.cfg.direction = direction
+            self.cfg.elec_offset = elec_offset_brad
         self.answer = self.rotor()  # of the encoder to the next read
         self.acting = [0.5, 0.5, 0.5]  # duties
         self.read_slow()
         joint_reset(self.foc, self.cfg, self.state, self.rotor())
-        self.io[j.IO_HARDWARE_READY] = self.io[j.IO_HASH_OK] = self.io[j.IO_SESSION] = 1
+        self.io.hardware_ready = self.io.hash_ok = self.io.session = 1
         slow_tick(self.cfg, self.state, self.io, self.blocks.curve)
 
     def rotor(self):
@@ -66,11 +65,11 @@ class Plant:
         return self.direction * self.pp * self.angle + self.true_offset
 
     def read_slow(self):
-        self.io[j.IO_BUS_RAW] = round(self.bus / (self.board.adc_volt * self.board.bus_divider) * 4096)
-        self.io[j.IO_THERMISTOR_RAW] = 2048
-        self.io[j.IO_MCU_RAW] = 980
-        self.io[j.IO_JOINT_RAW] = int(self.joint_rad() / math.tau * 16384) & 16383
-        self.io[j.IO_JOINT_VALID] = 1
+        self.io.bus_raw = round(self.bus / (self.board.adc_volt * self.board.bus_divider) * 4096)
+        self.io.thermistor_raw = 2048
+        self.io.mcu_raw = 980
+        self.io.joint_raw = int(self.joint_rad() / math.tau * 16384) & 16383
+        self.io.joint_valid = 1
 
     def read_currents(self):
         e = self.electrical()
@@ -82,7 +81,7 @@ class Plant:
             phases[1], phases[2] = phases[2], phases[1]
         scale = self.units.ampere_per_cu * 6
         for k in range(3):
-            self.foc[j.F_RAW_A + k] = max(0, min(4095, round(phases[k] / scale + self.offsets[k])))
+            self.foc.raw[k] = max(0, min(4095, round(phases[k] / scale + self.offsets[k])))
 
     def voltages(self):
         duties = [duty * self.bus for duty in self.acting]
@@ -92,7 +91,7 @@ class Plant:
         return (2 * a - b - c) / 3, (b - c) / math.sqrt(3)
 
     def current_step(self):
-        self.acting = [self.foc[j.F_DUTY_A + k] / self.foc[j.F_PERIOD] for k in range(3)]
+        self.acting = [self.foc.duty[k] / self.foc.period for k in range(3)]
         self.read_currents()
         rotor, self.answer = self.answer, self.rotor()
         code = current_step(rotor, 0, self.foc)
@@ -133,14 +132,14 @@ class Plant:
             self.current_step()
         self.read_slow()
         if setpoint and self.ticks % 5 == 0:
-            self.io[j.IO_SEQUENCE] = (self.io[j.IO_SEQUENCE] + 1) & 0xFFFF
+            self.io.sequence = (self.io.sequence + 1) & 0xFFFF
         self.bridge = motion_tick(self.foc, self.cfg, self.state, self.io, self.cal) != j.TORQUE_OFF
         if self.ticks % 100 == 99:
             slow_tick(self.cfg, self.state, self.io, self.blocks.curve)
         self.ticks += 1
 
     def current_A(self):
-        return self.state[j.S_CURRENT_REF] * self.units.ampere_per_cu
+        return self.state.current_reference * self.units.ampere_per_cu
 
     def wire_position(self, rad):
         return round(rad / math.tau * 65536)

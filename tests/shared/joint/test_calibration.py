@@ -7,10 +7,10 @@ import pytest
 
 from shared.joint import calibration as c
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.tick import begin_calibration
+from shared.record import pack
 from shared.wire import names as w
 
 from .plant import Plant
@@ -24,31 +24,31 @@ def calibrate(kind, arrange=None, pose_rad=None, ticks=12000, **plant):
         p.tick(setpoint=False)
     begin_calibration(p.state, p.cal, kind)
     if pose_rad is not None:
-        p.cal[c.C_POSE_GIVEN], p.cal[c.C_POSE] = 1, round(pose_rad / p.units.rad_per_rc)
+        p.cal.pose_given, p.cal.pose = 1, round(pose_rad / p.units.rad_per_rc)
     assert drive_arm(p.cfg, p.state, p.io, w.MODE_CALIBRATING) == w.RESULT_OK
     for tick in range(ticks):
         p.tick(setpoint=False)
-        if tick > 10 and p.state[j.S_DRIVE] in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
+        if tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
             break
     return p
 
 
 def offset_error(p, true):
-    return ((p.cfg[j.K_ELEC_OFFSET] - true + 32768) & 65535) - 32768
+    return ((p.cfg.elec_offset - true + 32768) & 65535) - 32768
 
 
 @pytest.mark.parametrize(("offset", "direction", "sign"), [(12345, -1, 1), (50000, 1, -1)])
 def test_full_calibration_finds_everything(offset, direction, sign):
     p = calibrate(
-        c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_POLE_PAIRS, 0),
+        c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 0),
         elec_offset_brad=offset, direction=direction, calibrated=False, sign=sign,
     )  # fmt: skip
-    assert p.state[j.S_FAULT_CODE] == 0
-    assert (p.cfg[j.K_CALIBRATED], p.cfg[j.K_DIRECTION], p.cfg[j.K_POLE_PAIRS]) == (1, direction, 7)
+    assert p.state.fault_code == 0
+    assert (p.cfg.calibrated, p.cfg.direction, p.cfg.pole_pairs) == (1, direction, 7)
     assert abs(offset_error(p, offset)) < 364  # 2 electrical degrees
-    assert p.cfg[j.K_JOINT_ENCODER_SIGN] == sign  # it turns with the rotor here
-    assert p.foc[j.F_ELEC_GAIN] == 28 * direction
-    assert p.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert p.cfg.joint_encoder_sign == sign  # it turns with the rotor here
+    assert p.foc.electrical_gain == 28 * direction
+    assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -65,12 +65,12 @@ def test_small_calibration_moves_the_joint_by_little_more_than_a_degree_to_eithe
     for _ in range(6000):
         p.tick(setpoint=False)
         far = max(far, abs(p.joint_rad() - start))
-    assert p.state[j.S_FAULT_CODE] == 0
+    assert p.state.fault_code == 0
     assert abs(offset_error(p, offset)) < 364
-    assert p.cfg[j.K_DIRECTION] == direction
+    assert p.cfg.direction == direction
     assert math.degrees(far) < 360 / 7 / 22 * 1.1
     for k in range(3):
-        assert abs(p.foc[j.F_OFFSET_A + k] / 16 - p.offsets[k]) < 1
+        assert abs(p.foc.offset_q4[k] / 16 - p.offsets[k]) < 1
 
 
 def test_the_pose_sets_both_zeros():
@@ -79,34 +79,34 @@ def test_the_pose_sets_both_zeros():
     zero_rad = 0.3 / 22 - pose  # the plant starts at 0.3 rad of the rotor
     p.angle = (zero_rad + 0.4) * 22
     p.read_slow()
-    p.state[j.S_FRACTION] = p.rotor()
+    p.state.fraction = p.rotor()
     assert home_by_encoder(p.cfg, p.state, p.io) == 1
-    assert p.state[j.S_POSITION] * p.units.rad_per_rc == pytest.approx(0.4, abs=2e-4)
+    assert p.state.position * p.units.rad_per_rc == pytest.approx(0.4, abs=2e-4)
 
 
 @pytest.mark.parametrize(
     ("kind", "arrange", "code"),
     [
         (c.CAL_FULL, lambda p: setattr(p, "offsets", [2400, 2048, 2048]), f.FAULT_CAL_OFFSET),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_CAL_BUS_LEAST, 7000), f.FAULT_CAL_BUS),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_CAL_CURRENT, 0), f.FAULT_CAL_NOT_FREE),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_bus_least", 7000), f.FAULT_CAL_BUS),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_current", 0), f.FAULT_CAL_NOT_FREE),
         (c.CAL_FULL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
         (c.CAL_SMALL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
-        (c.CAL_FULL, lambda p: p.cfg.__setitem__(j.K_POLE_PAIRS, 11), f.FAULT_CAL_POLE_PAIRS),
+        (c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 11), f.FAULT_CAL_POLE_PAIRS),
         (c.CAL_VERIFY, lambda p: setattr(p, "swapped", True), f.FAULT_CAL_PHASE_ORDER),
-        (c.CAL_VERIFY, lambda p: p.cfg.__setitem__(j.K_ELEC_OFFSET, 9000), f.FAULT_CAL_OFFSET_CHANGED),
+        (c.CAL_VERIFY, lambda p: setattr(p.cfg, "elec_offset", 9000), f.FAULT_CAL_OFFSET_CHANGED),
         (c.CAL_SMALL, lambda p: setattr(p, "r", 30.0), f.FAULT_CAL_NO_CURRENT),
     ],
 )
 def test_refusals_have_a_reason_and_change_nothing(kind, arrange, code):
     p = Plant()
     arrange(p)
-    before = list(p.cfg)
+    before = pack(p.cfg)
     p = calibrate(kind, arrange)
-    assert p.state[j.S_FAULT_CODE] == code
-    assert list(p.cfg) == before
-    assert (p.foc[j.F_D_REF], p.foc[j.F_Q_REF]) == (0, 0)
-    assert p.foc[j.F_ELEC_GAIN] == 4 * p.cfg[j.K_POLE_PAIRS] * p.cfg[j.K_DIRECTION]
+    assert p.state.fault_code == code
+    assert pack(p.cfg) == before
+    assert (p.foc.reference_d, p.foc.reference_q) == (0, 0)
+    assert p.foc.electrical_gain == 4 * p.cfg.pole_pairs * p.cfg.direction
 
 
 def refused(prepare, each):
@@ -116,10 +116,10 @@ def refused(prepare, each):
     prepare(p)
     for tick in range(260):
         for k in range(3):
-            p.foc[j.F_RAW_A + k] = 2048
+            p.foc.raw[k] = 2048
         each(p, tick)
         c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal)
-    return p.cal[c.C_REASON], p.cal[c.C_VALUE]
+    return p.cal.reason, p.cal.reason_value
 
 
 def nothing(*_):
@@ -129,15 +129,15 @@ def nothing(*_):
 @pytest.mark.parametrize(
     ("prepare", "each", "reason", "value"),
     [
-        (nothing, lambda p, t: p.foc.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
-        (nothing, lambda p, t: p.foc.__setitem__(j.F_ROTOR, 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
-        (lambda p: p.state.__setitem__(j.S_RATE, 9000), nothing, f.FAULT_CAL_MOVING, 9000),
-        (lambda p: p.state.__setitem__(j.S_BUS, 100), nothing, f.FAULT_CAL_BUS, 100),
+        (nothing, lambda p, t: p.foc.raw.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
+        (nothing, lambda p, t: setattr(p.foc, "rotor", 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
+        (lambda p: setattr(p.state, "rate", 9000), nothing, f.FAULT_CAL_MOVING, 9000),
+        (lambda p: setattr(p.state, "bus", 100), nothing, f.FAULT_CAL_BUS, 100),
     ],
 )
 def test_checks_at_rest(prepare, each, reason, value):
     def with_bus(p):
-        p.state[j.S_BUS] = 6144
+        p.state.bus = 6144
         prepare(p)
 
     assert refused(with_bus, each) == (reason, value)
@@ -145,19 +145,19 @@ def test_checks_at_rest(prepare, each, reason, value):
 
 def test_a_wrong_sum_under_current_is_refused():
     p = Plant()
-    p.cal[c.C_PHASE], p.cal[c.C_KIND], p.cal[c.C_TICKS] = c.PHASE_SETTLE, c.CAL_FULL, 511
+    p.cal.phase, p.cal.kind, p.cal.phase_ticks = c.PHASE_SETTLE, c.CAL_FULL, 511
     for k, raw in enumerate((2400, 2100, 2100)):
-        p.foc[j.F_RAW_A + k] = raw
-    p.foc[j.F_I_D] = p.cfg[j.K_CAL_CURRENT]
+        p.foc.raw[k] = raw
+    p.foc.current_d = p.cfg.cal_current
     assert c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal) == c.PHASE_IDLE
-    assert (p.cal[c.C_REASON], p.cal[c.C_VALUE]) == (f.FAULT_CAL_SUM, 456)
+    assert (p.cal.reason, p.cal.reason_value) == (f.FAULT_CAL_SUM, 456)
 
 
 def test_a_joint_encoder_that_does_not_follow_is_refused():
     class Stuck(Plant):
         def read_slow(self):
             super().read_slow()
-            self.io[j.IO_JOINT_RAW] = 77
+            self.io.joint_raw = 77
 
     p = Stuck()
     for _ in range(5):
@@ -166,23 +166,23 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
     drive_arm(p.cfg, p.state, p.io, w.MODE_CALIBRATING)
     for _ in range(4000):
         p.tick(setpoint=False)
-    assert p.state[j.S_FAULT_CODE] == f.FAULT_CAL_JOINT_ENCODER
+    assert p.state.fault_code == f.FAULT_CAL_JOINT_ENCODER
 
 
 def test_a_wide_spread_is_refused():
     p = Plant()
-    p.cal[c.C_KIND], p.cal[c.C_PHASE], p.cal[c.C_COUNT], p.cal[c.C_HIGH] = c.CAL_SMALL, c.PHASE_RETURN, 9, 20000
-    p.cal[c.C_LAST], p.cal[c.C_POLE_PAIRS], p.cal[c.C_DIRECTION] = p.rotor(), 7, 1
+    p.cal.kind, p.cal.phase, p.cal.offset_count, p.cal.offset_high = c.CAL_SMALL, c.PHASE_RETURN, 9, 20000
+    p.cal.rotor_last, p.cal.pole_pairs, p.cal.direction = p.rotor(), 7, 1
     assert c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal) == c.PHASE_IDLE
-    assert p.cal[c.C_REASON] == f.FAULT_CAL_SPREAD
+    assert p.cal.reason == f.FAULT_CAL_SPREAD
 
 
 def test_disarming_in_the_middle_restores_the_commutation():
     p = calibrate(c.CAL_SMALL, ticks=1500)
-    assert p.foc[j.F_ELEC_GAIN] == 0
-    before = list(p.cfg)
+    assert p.foc.electrical_gain == 0
+    before = pack(p.cfg)
     drive_disarm(p.state)
     p.tick(setpoint=False)
-    assert p.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
-    assert (p.foc[j.F_ELEC_GAIN], p.foc[j.F_D_REF], p.cal[c.C_PHASE]) == (28, 0, c.PHASE_IDLE)
-    assert list(p.cfg) == before
+    assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
+    assert (p.foc.electrical_gain, p.foc.reference_d, p.cal.phase) == (28, 0, c.PHASE_IDLE)
+    assert pack(p.cfg) == before

@@ -11,7 +11,6 @@ from host.joint_gains import joint_blocks
 from host.joint_units import RATE_PER_RAD_S, JointSetup
 from host.robot_file import load_robot
 from shared.joint import cascade, feed, profile, report
-from shared.joint import layout as j
 from shared.joint.calibration import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
@@ -41,8 +40,8 @@ RATE = st.integers(-(1 << 19) + 1, (1 << 19) - 1)
 
 def make(**setup):
     blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
-    blocks.state[j.S_BUS] = 6144
-    blocks.state[j.S_CURRENT_LIMIT] = blocks.cfg[j.K_CURRENT_MAX]
+    blocks.state.bus = 6144
+    blocks.state.current_limit = blocks.cfg.current_max
     return blocks
 
 
@@ -52,11 +51,11 @@ MADE = make()
 @given(st.integers(-65536, 65536), INT16, INT16)
 def test_wire_units(position, velocity, current):
     k, units = MADE.cfg, MADE.units
-    rc = cascade.position_from_wire(position, k[j.K_GEAR_Q8])
+    rc = cascade.position_from_wire(position, k.gear_q8)
     assert abs(rc * units.rad_per_rc - position / 65536 * math.tau) <= units.rad_per_rc
-    rate = cascade.rate_from_wire(velocity, k[j.K_RATE_Q8])
+    rate = cascade.rate_from_wire(velocity, k.rate_q8)
     assert rate * units.rad_s_per_rate == pytest.approx(velocity / 4096 * math.tau, rel=1e-4, abs=units.rad_s_per_rate)
-    ampere = cascade.current_from_wire(current, k[j.K_CURRENT_Q14]) * units.ampere_per_cu
+    ampere = cascade.current_from_wire(current, k.current_q14) * units.ampere_per_cu
     assert ampere == pytest.approx(current / 4096, rel=2e-4, abs=units.ampere_per_cu)
 
 
@@ -64,7 +63,7 @@ def test_wire_units(position, velocity, current):
 def test_reports_are_the_measured_values_in_the_wires_units(position, rate, current, bus):
     blocks = make(sign=-1)
     foc, k, s, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
-    s[j.S_POSITION], s[j.S_VELOCITY], foc[j.F_I_Q], s[j.S_BUS] = position, rate, current, bus
+    s.position, s.velocity, foc.current_q, s.bus = position, rate, current, bus
     angle = position * units.rad_per_rc / math.tau * 65536
     assert abs(report.report_position(k, s) - max(-32767, min(32767, angle))) <= 1
     turns = rate * units.rad_s_per_rate / math.tau * 4096
@@ -95,11 +94,11 @@ def test_braking_rate(distance, accel, rate_max):
 def test_the_trajectory_reaches_its_target_in_nearly_the_least_time(target, accel):
     s, rate_max, ticks = make().state, 146000, 0
     profile.profile_reset(s, 0, 0)
-    while (s[j.S_PROFILE] != target << 8 or s[j.S_PROFILE_RATE]) and ticks < 20000:
-        before = s[j.S_PROFILE]
+    while (s.profile != target << 8 or s.profile_rate) and ticks < 20000:
+        before = s.profile
         assert abs(profile.profile_step(s, target << 8, 0, accel, rate_max)) <= accel
-        assert abs(s[j.S_PROFILE] - before) <= rate_max
-        assert abs(s[j.S_PROFILE]) <= (abs(target) << 8) + 4 * accel
+        assert abs(s.profile - before) <= rate_max
+        assert abs(s.profile) <= (abs(target) << 8) + 4 * accel
         ticks += 1
     distance = abs(target) << 8
     least = 2 * math.sqrt(distance / accel)
@@ -115,10 +114,10 @@ def test_the_trajectory_follows_its_twin(targets):
     for target, rate in targets:
         for tick in range(5):
             wanted = (target << 8) + rate * tick
-            position, speed = twin.profile(s[j.S_PROFILE], s[j.S_PROFILE_RATE], wanted, rate, accel, rate_max)
+            position, speed = twin.profile(s.profile, s.profile_rate, wanted, rate, accel, rate_max)
             profile.profile_step(s, wanted, rate, accel, rate_max)
-            assert abs(s[j.S_PROFILE] - position) <= 50
-            assert abs(s[j.S_PROFILE_RATE] - speed) <= 50
+            assert abs(s.profile - position) <= 50
+            assert abs(s.profile_rate - speed) <= 50
 
 
 def test_a_moving_target_is_met_and_kept():
@@ -127,16 +126,16 @@ def test_a_moving_target_is_met_and_kept():
     for tick in range(400):
         target = 100000 + 5000 * tick
         profile.profile_step(s, target, 5000, 1685, 146000)
-    assert (s[j.S_PROFILE], s[j.S_PROFILE_RATE]) == (target, 5000)
+    assert (s.profile, s.profile_rate) == (target, 5000)
 
 
 @given(RATE, st.integers(-3000, 3000))
 def test_feed_forward_voltages(rate, current):
     blocks = make()
     foc, cfg, state, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
-    cfg[j.K_DEAD] = 800
+    cfg.dead = 800
     feed.feed_bus(foc, cfg, 6144)
-    foc[j.F_Q_REF], state[j.S_RATE] = current, rate
+    foc.reference_q, state.rate = current, rate
     feed.feed_voltages(foc, cfg, state)
     rad_s, motor = rate / RATE_PER_RAD_S, BLDC.motor
     d, q = twin.feed_voltages(
@@ -145,51 +144,51 @@ def test_feed_forward_voltages(rate, current):
         motor.torque_constant_Nm_A / 1.5,
         rad_s * motor.pole_pairs * motor.inductance_H * units.ampere_per_cu,
         24 * 800 / 32768,
-        cfg[j.K_DEAD_ZONE],
+        cfg.dead_zone,
         rad_s * motor.pole_pairs * 1.5e-4,
     )
-    limit = foc[j.F_LIMIT]
-    assert max(abs(foc[j.F_FEED_D]), abs(foc[j.F_FEED_Q])) <= limit
+    limit = foc.voltage_limit
+    assert max(abs(foc.feed_d), abs(foc.feed_q)) <= limit
     if math.hypot(d, q) / units.volt_per_vu < 0.99 * limit:
-        assert abs(foc[j.F_FEED_D] - d / units.volt_per_vu) < 10
-        assert abs(foc[j.F_FEED_Q] - q / units.volt_per_vu) < 10
+        assert abs(foc.feed_d - d / units.volt_per_vu) < 10
+        assert abs(foc.feed_q - q / units.volt_per_vu) < 10
 
 
 @given(RATE, st.integers(0, 65535), st.sampled_from((-1, 1)))
 def test_the_angle_is_led_by_the_age_of_its_reading(rate, offset, direction):
     blocks = make()
     foc, cfg, state = blocks.foc, blocks.cfg, blocks.state
-    cfg[j.K_ELEC_OFFSET], cfg[j.K_DIRECTION], state[j.S_RATE] = offset, direction, rate
+    cfg.elec_offset, cfg.direction, state.rate = offset, direction, rate
     set_commutation(foc, cfg)
-    still = foc[j.F_ELEC_OFFSET]
+    still = foc.electrical_offset
     brad_per_rate = BLDC.motor.pole_pairs * 1e-4 / RATE_PER_RAD_S / math.tau * 65536
     expected = twin.lead_angle(still, rate, brad_per_rate, direction)
-    assert feed.lead_angle(foc, cfg, state) == foc[j.F_ELEC_OFFSET]
-    assert abs(foc[j.F_ELEC_OFFSET] - expected) <= 1 + abs(rate) / 131072  # K_AGE is rounded
+    assert feed.lead_angle(foc, cfg, state) == foc.electrical_offset
+    assert abs(foc.electrical_offset - expected) <= 1 + abs(rate) / 131072  # K_AGE is rounded
 
 
 @given(st.integers(-(1 << 17), 1 << 17), st.integers(-2000, 2000), st.integers(-40000000, 40000000))
 def test_velocity_loop(error, direct, integral):
     blocks = make()
     s, k = blocks.state, blocks.cfg
-    s[j.S_RATE_REF], s[j.S_V_INTEGRAL] = error, integral
+    s.rate_reference, s.velocity_integral = error, integral
     given_cu = cascade.velocity_loop(k, s, direct)
-    kp, ki = k[j.K_VELOCITY_P] / 4096, k[j.K_VELOCITY_I] / 65536
-    expected, grown = twin.velocity_loop(error, integral / 4096, kp, ki, direct, s[j.S_CURRENT_LIMIT])
+    kp, ki = k.velocity_p / 4096, k.velocity_i / 65536
+    expected, grown = twin.velocity_loop(error, integral / 4096, kp, ki, direct, s.current_limit)
     assert abs(given_cu - expected) <= 3
-    if abs(given_cu) < s[j.S_CURRENT_LIMIT] - 3:
-        assert abs(s[j.S_V_INTEGRAL] / 4096 - grown) <= 1
+    if abs(given_cu) < s.current_limit - 3:
+        assert abs(s.velocity_integral / 4096 - grown) <= 1
 
 
 @given(INT16, st.integers(0, 32767), st.integers(0, 32767), INT16, INT16, st.integers(-60000, 110000), RATE)
 def test_impedance(position, stiffness, damping, velocity, current, at, rate):
     blocks = make()
     b, s, units = blocks.io, blocks.state, blocks.units
-    b[j.IO_POSITION], b[j.IO_STIFFNESS], b[j.IO_DAMPING] = position, stiffness, damping
-    b[j.IO_VELOCITY], b[j.IO_CURRENT] = velocity, current
-    s[j.S_POSITION], s[j.S_VELOCITY] = at, rate
+    b.position, b.stiffness, b.damping = position, stiffness, damping
+    b.velocity, b.current = velocity, current
+    s.position, s.velocity = at, rate
     turn = math.tau / units.rad_per_rc
-    wanted = max(blocks.cfg[j.K_POSITION_MIN] / turn, min(blocks.cfg[j.K_POSITION_MAX] / turn, position / 65536))
+    wanted = max(blocks.cfg.position_min / turn, min(blocks.cfg.position_max / turn, position / 65536))
     error = max(-0.125, min(0.125, wanted - at / turn))
     slip = velocity / 4096 - rate * units.rad_s_per_rate / math.tau
     damped = max(-8.0, min(8.0, slip))
@@ -203,30 +202,30 @@ def test_impedance(position, stiffness, damping, velocity, current, at, rate):
 def test_limit_current_falls_with_the_bus_and_says_why():
     blocks = make()
     s, k = blocks.state, blocks.cfg
-    top = s[j.S_CURRENT_LIMIT]
+    top = s.current_limit
     assert cascade.limit_current(k, s, 5000) == top
-    assert s[j.S_LIMITS] == LIMIT_CURRENT
-    s[j.S_LIMITS], s[j.S_VELOCITY] = 0, 1000
-    s[j.S_BUS] = (k[j.K_UNDER] + k[j.K_UNDER_START]) // 2
+    assert s.limits == LIMIT_CURRENT
+    s.limits, s.velocity = 0, 1000
+    s.bus = (k.under + k.under_start) // 2
     assert abs(cascade.limit_current(k, s, 5000) - top / 2) <= 1
     assert cascade.limit_current(k, s, -5000) == -top
-    assert s[j.S_LIMITS] == LIMIT_UNDER_VOLTAGE | LIMIT_CURRENT
-    s[j.S_LIMITS], s[j.S_BUS] = 0, k[j.K_OVER]
+    assert s.limits == LIMIT_UNDER_VOLTAGE | LIMIT_CURRENT
+    s.limits, s.bus = 0, k.over
     assert cascade.limit_current(k, s, -5000) == 0
     assert cascade.limit_current(k, s, 5000) == top
-    assert s[j.S_LIMITS] & LIMIT_OVER_VOLTAGE
+    assert s.limits & LIMIT_OVER_VOLTAGE
 
 
 @given(st.lists(st.integers(-65535, 65535), min_size=1, max_size=40))
 def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(changes):
     blocks = make()
-    inertia, fed = blocks.cfg[j.K_INERTIA] / 256, 0.0
+    inertia, fed = blocks.cfg.inertia / 256, 0.0
     for change in changes:
         fed = twin.smooth(fed, change * inertia)
         assert abs(cascade.feed_acceleration(blocks.cfg, blocks.state, change) - fed) <= 1
     for _ in range(100):
         cascade.feed_acceleration(blocks.cfg, blocks.state, 0)
-    assert blocks.state[j.S_CURRENT_REF] == 0
+    assert blocks.state.current_reference == 0
 
 
 @given(
@@ -237,15 +236,15 @@ def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(ch
 )
 def test_the_target_glides_to_its_goal_and_meets_it_exactly(apart, rate, feed, left):
     state = make().state
-    state[j.S_TARGET], state[j.S_TARGET_RATE], state[j.S_GOAL], state[j.S_TARGET_LEFT] = 0, rate, apart, left
+    state.target, state.target_rate, state.goal_position, state.target_ticks_left = 0, rate, apart, left
     target, speed, last = 0.0, float(rate), 0
     for tick in range(max(1, left)):
         target, speed = twin.glide(target, speed, apart + feed * tick, feed, left - tick)
-        state[j.S_GOAL] = apart + feed * tick
+        state.goal_position = apart + feed * tick
         last = cascade.glide(state, feed)
-        assert abs(state[j.S_TARGET] - target) <= 2 * left + 1
-    assert state[j.S_TARGET] == apart + feed * (max(1, left) - 1)
-    assert (state[j.S_TARGET_RATE], state[j.S_TARGET_LEFT]) == (feed, 0)
+        assert abs(state.target - target) <= 2 * left + 1
+    assert state.target == apart + feed * (max(1, left) - 1)
+    assert (state.target_rate, state.target_ticks_left) == (feed, 0)
     assert last == feed or left > 1
 
 
@@ -253,16 +252,16 @@ def test_a_motion_of_even_acceleration_sent_at_200_hz_has_even_acceleration():
     """Set-points every 5 ms, each with its velocity: unsmoothed every one would be a jump of 5 ms' worth."""
     blocks, rates = make(), []
     accel = 500.0  # rate units a tick, half of what the trajectory may do
-    blocks.state[j.S_HOMED] = 1
+    blocks.state.homed = 1
     cascade.cascade_reset(blocks.cfg, blocks.state)
-    gear = blocks.cfg[j.K_GEAR_Q8]
+    gear = blocks.cfg.gear_q8
     for tick in range(150):
         if tick % 5 == 0:
-            blocks.io[j.IO_POSITION] = round(accel * tick * tick / 2 / 256 * 1024 / gear)
-            blocks.io[j.IO_VELOCITY] = round(accel * tick * 256 / blocks.cfg[j.K_RATE_Q8])
-            blocks.state[j.S_SEQUENCE] += 1
+            blocks.io.position = round(accel * tick * tick / 2 / 256 * 1024 / gear)
+            blocks.io.velocity = round(accel * tick * 256 / blocks.cfg.rate_q8)
+            blocks.state.sequence += 1
         cascade.follow_position(blocks.cfg, blocks.state, blocks.io)
-        rates.append(blocks.state[j.S_PROFILE_RATE])
+        rates.append(blocks.state.profile_rate)
     changes = [b - a for a, b in pairwise(rates[20:])]
     assert max(abs(change - accel) for change in changes) < 0.8 * accel  # the wire's steps: 281
     assert sum(abs(change - accel) for change in changes) / len(changes) < 0.25 * accel
@@ -271,18 +270,18 @@ def test_a_motion_of_even_acceleration_sent_at_200_hz_has_even_acceleration():
 @given(RATE)
 def test_damping_only_brakes(rate):
     blocks = make()
-    blocks.state[j.S_VELOCITY] = rate
+    blocks.state.velocity = rate
     current = cascade.damping_current(blocks.cfg, blocks.state)
     assert current * rate <= 0
-    assert abs(current) <= blocks.cfg[j.K_DAMP_CURRENT]
+    assert abs(current) <= blocks.cfg.damp_current
 
 
 @pytest.mark.parametrize(("position", "current", "given_cu"), [(-60000, -500, 0), (-60000, 500, 500), (120000, 500, 0)])
 def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
     blocks = make()
-    blocks.state[j.S_POSITION] = position
+    blocks.state.position = position
     assert cascade.guard_position(blocks.cfg, blocks.state, current) == given_cu
-    assert bool(blocks.state[j.S_LIMITS] & LIMIT_POSITION) == (given_cu == 0)
+    assert bool(blocks.state.limits & LIMIT_POSITION) == (given_cu == 0)
 
 
 def armed(mode=MODE_POSITION, **plant):
@@ -290,13 +289,13 @@ def armed(mode=MODE_POSITION, **plant):
     for _ in range(3):
         p.tick()
     assert home_by_encoder(p.cfg, p.state, p.io)
-    p.io[j.IO_MODE] = mode
-    p.io[j.IO_POSITION] = p.wire_position(p.joint_rad())
+    p.io.mode = mode
+    p.io.position = p.wire_position(p.joint_rad())
     p.tick()
     assert drive_arm(p.cfg, p.state, p.io, MODE_OFF) == RESULT_OK
     for _ in range(5):
         p.tick()
-    assert p.state[j.S_DRIVE] == STATE_OPERATION_ENABLED
+    assert p.state.drive_state == STATE_OPERATION_ENABLED
     return p
 
 
@@ -304,18 +303,18 @@ def armed(mode=MODE_POSITION, **plant):
 def test_position_step_settles_without_overshoot_within_the_current_limit(inertia):
     p = armed(inertia_kg_m2=inertia)
     start = p.joint_rad()
-    p.io[j.IO_POSITION] = p.wire_position(start + 0.5)
+    p.io.position = p.wire_position(start + 0.5)
     highest, current, seen = 0.0, 0.0, 0
     for _ in range(600):
         p.tick()
         highest = max(highest, p.joint_rad() - start)
         current = max(current, abs(p.i_q))
-        seen |= p.state[j.S_LIMITS]
+        seen |= p.state.limits
     assert abs(p.joint_rad() - start - 0.5) < math.radians(0.2)
     assert highest < 0.5 * 1.05
     assert current < 2.0 * 1.05
     assert seen & LIMIT_ACCELERATION
-    assert p.state[j.S_FAULT_CODE] == 0
+    assert p.state.fault_code == 0
 
 
 def test_sine_of_two_hertz_is_tracked_within_a_degree():
@@ -324,8 +323,8 @@ def test_sine_of_two_hertz_is_tracked_within_a_degree():
     for i in range(1200):
         phase = 2 * math.tau * i / 1000
         if p.ticks % 5 == 0:
-            p.io[j.IO_POSITION] = p.wire_position(base + 0.3 * math.sin(phase))
-            p.io[j.IO_VELOCITY] = p.wire_velocity(0.6 * math.tau * math.cos(phase))
+            p.io.position = p.wire_position(base + 0.3 * math.sin(phase))
+            p.io.velocity = p.wire_velocity(0.6 * math.tau * math.cos(phase))
         p.tick()
         if i >= 700:
             total += (p.joint_rad() - base - 0.3 * math.sin(phase)) ** 2
@@ -334,38 +333,38 @@ def test_sine_of_two_hertz_is_tracked_within_a_degree():
 
 def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
     p = armed(MODE_VELOCITY)
-    p.io[j.IO_VELOCITY] = p.wire_velocity(3.0)
+    p.io.velocity = p.wire_velocity(3.0)
     speeds, seen = [], 0
     for _ in range(900):
         p.tick()
         speeds.append(p.speed / 22)
-        seen |= p.state[j.S_LIMITS]
+        seen |= p.state.limits
     assert speeds[300] == pytest.approx(3.0, rel=0.02)
     assert seen & LIMIT_POSITION
     assert p.joint_rad() < p.setup.upper_rad + math.radians(1)
     assert abs(speeds[-1]) < 0.05
-    p.io[j.IO_VELOCITY] = p.wire_velocity(-40.0)
+    p.io.velocity = p.wire_velocity(-40.0)
     p.tick()
-    assert p.state[j.S_LIMITS] & LIMIT_VELOCITY
+    assert p.state.limits & LIMIT_VELOCITY
 
 
 def test_stall_torque_in_current_mode_is_that_of_two_ampere():
     p = armed(MODE_CURRENT)
     p.blocked = True
-    p.io[j.IO_CURRENT] = 3 * 4096
+    p.io.current = 3 * 4096
     for _ in range(200):
         p.tick()
     torque = 1.5 * p.pp * p.psi * p.i_q * p.direction * 22
     assert torque == pytest.approx(3.0, rel=0.03)
-    assert p.state[j.S_LIMITS] & LIMIT_CURRENT
-    assert p.state[j.S_FAULT_CODE] == 0
+    assert p.state.limits & LIMIT_CURRENT
+    assert p.state.fault_code == 0
 
 
 def test_impedance_mode_is_a_spring():
     p = armed(MODE_IMPEDANCE)
     stiffness = 20.0  # N m/rad
     per_turn = stiffness / (p.bldc.motor.torque_constant_Nm_A * 22) * math.tau
-    p.io[j.IO_STIFFNESS], p.io[j.IO_DAMPING] = round(per_turn * 16), round(0.03 * per_turn * 256)
+    p.io.stiffness, p.io.damping = round(per_turn * 16), round(0.03 * per_turn * 256)
     p.friction = 0.0
     start = p.joint_rad()
     p.load_Nm = 1.0 / 22  # 1 N m at the joint
@@ -377,12 +376,12 @@ def test_impedance_mode_is_a_spring():
 def test_between_set_points_the_target_moves_on_only_for_a_while():
     p = armed()
     start = p.joint_rad()
-    p.io[j.IO_POSITION] = p.wire_position(start)
-    p.io[j.IO_VELOCITY] = p.wire_velocity(2.0)
+    p.io.position = p.wire_position(start)
+    p.io.velocity = p.wire_velocity(2.0)
     p.ticks = 0
     p.tick()
     for _ in range(90):
         p.tick(setpoint=False)
-    moved = (p.state[j.S_TARGET] >> 8) * p.units.rad_per_rc - start
+    moved = (p.state.target >> 8) * p.units.rad_per_rc - start
     assert moved == pytest.approx(2.0 * 0.010, abs=0.001)
     assert p.joint_rad() - start == pytest.approx(moved, abs=0.002)

@@ -14,8 +14,7 @@ from host.build.source import closure
 from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
-from shared.joint.calibration import set_commutation
-from shared.joint.feed import feed_bus
+from shared.record import pack
 
 from .trace import Trace
 
@@ -26,7 +25,7 @@ TICKS = 4800
 SCRIPT = """
 import gc, json, micropython, time
 from array import array
-from data import FOC, CFG, CURVE, TICKS
+from data import LOOP, CFG, CURVE, TICKS
 from shared.joint.current import current_step
 from shared.joint.tick import motion_tick, slow_tick
 from trace import Trace
@@ -40,13 +39,14 @@ def best_us(call, count):
         best = min(best, time.ticks_diff(time.ticks_us(), start))
     return best
 
-trace = Trace(FOC, CFG, CURVE)
+trace = Trace(LOOP, CFG, CURVE)
 digest = trace.run(TICKS)
-foc = array("i", FOC)
+other = Trace(LOOP, CFG, CURVE)
+foc = other.at_rest()
 loop = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
 
 def integer(count):
-    foc[3] = 0
+    other.at_rest()
     for rotor in range(count):
         current_step(rotor & 16383, 0, foc)
 
@@ -64,7 +64,7 @@ def allocated(trace):
     return micropython.mem_total() - before
 
 allocated(trace)
-foc[3] = 0
+other.at_rest()
 print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(trace),
                   "integer_us": best_us(integer, 5000), "float_us": best_us(floating, 5000)}))
 """
@@ -72,10 +72,8 @@ print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(tra
 
 def block_values():
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-    blocks.cfg[3] = 1  # calibrated
-    set_commutation(blocks.foc, blocks.cfg)
-    feed_bus(blocks.foc, blocks.cfg, 6144)
-    return list(blocks.foc), list(blocks.cfg), list(blocks.curve)
+    blocks.cfg.calibrated = 1
+    return pack(blocks.loop), pack(blocks.cfg), blocks.curve
 
 
 @pytest.fixture(scope="module")
@@ -83,16 +81,19 @@ def answer(tmp_path_factory):
     if not VM.exists():
         pytest.skip("no MicroPython unix VM beside this python")
     folder = tmp_path_factory.mktemp("joint")
-    modules = lowered_modules(ROOT, ("shared",))
-    for name in closure(modules, [name for name in modules if name.startswith("shared.joint")]):
+    sources = tmp_path_factory.mktemp("sources")
+    shutil.copytree(ROOT / "shared", sources / "shared")
+    (sources / "trace").mkdir()
+    shutil.copy(Path(__file__).with_name("trace.py"), sources / "trace" / "__init__.py")
+    modules = lowered_modules(sources, ("shared", "trace"))
+    for name in closure(modules, ["trace"]):
         module = modules[name]
         target = folder / module.path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(rewrite(module, modules, "viper", "x64"))
     shutil.copy(ROOT / "tests/float_twin/joint_current.py", folder / "twin.py")
-    shutil.copy(Path(__file__).with_name("trace.py"), folder / "trace.py")
-    foc, cfg, curve = block_values()
-    (folder / "data.py").write_text(f"FOC = {foc}\nCFG = {cfg}\nCURVE = {curve}\nTICKS = {TICKS}\n")
+    loop, cfg, curve = block_values()
+    (folder / "data.py").write_text(f"LOOP = {loop}\nCFG = {cfg}\nCURVE = {curve}\nTICKS = {TICKS}\n")
     (folder / "main.py").write_text(SCRIPT)
     ran = subprocess.run([VM, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
     assert ran.returncode == 0, ran.stdout + ran.stderr

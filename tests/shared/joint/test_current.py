@@ -2,7 +2,6 @@
 
 import math
 import random
-from array import array
 
 import pytest
 from hypothesis import given
@@ -12,8 +11,6 @@ from host.joint_gains import joint_blocks
 from host.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
 from host.robot_file import load_robot
 from shared.fixed import cos_q15, sin_q15
-from shared.joint import layout as j
-from shared.joint import transforms
 from shared.joint.current import (
     STEP_DONE,
     STEP_INPUT,
@@ -28,7 +25,9 @@ from shared.joint.current import (
     set_offsets,
 )
 from shared.joint.feed import feed_bus, lead_angle
+from shared.joint.layout import SINE_SIZE, Foc
 from shared.joint.sine import fill_sine
+from shared.record import pack
 from tests.float_twin import joint_current as twin
 
 from .plant import Plant
@@ -41,10 +40,10 @@ SQRT3 = math.sqrt(3)
 def blocks():
     made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
     current_reset(made.foc, 0)
-    made.foc[j.F_PULSE] = 0
+    made.foc.pulse = 0
     feed_bus(made.foc, made.cfg, round(24 / made.units.volt_per_vu))
     for phase in range(3):
-        made.foc[j.F_RAW_A + phase] = 2048
+        made.foc.raw[phase] = 2048
     return made
 
 
@@ -61,8 +60,8 @@ def set_currents(blocks, i_d, i_q, rotor):
     count = blocks.units.ampere_per_cu * 6
     phases = (alpha, SQRT3 / 2 * beta - alpha / 2, -SQRT3 / 2 * beta - alpha / 2)
     for k, ampere in enumerate(phases):
-        blocks.foc[j.F_RAW_A + k] = round(ampere / count) + 2048
-    return [(blocks.foc[j.F_RAW_A + k] - 2048) * count for k in range(3)]
+        blocks.foc.raw[k] = round(ampere / count) + 2048
+    return [(blocks.foc.raw[k] - 2048) * count for k in range(3)]
 
 
 def test_duties_within_a_thousandth_over_full_speed_and_current(blocks):
@@ -77,71 +76,53 @@ def test_duties_within_a_thousandth_over_full_speed_and_current(blocks):
         loop = twin.CurrentLoop(kp, ki / BLDC.drive.current_loop_hz, bus * units.volt_per_vu, 7, 0.0)
         i_q, w = rng.uniform(-2.2, 2.2), rng.uniform(-264, 264)
         i_ref = max(-2.0, min(2.0, i_q + rng.choice((0, 0.05, 0.3, 2)) * rng.uniform(-1, 1)))
-        limit = foc[j.F_LIMIT]
+        limit = foc.voltage_limit
         volts = w * BLDC.motor.torque_constant_Nm_A / 1.5 + 1.2 * i_q
-        foc[j.F_FEED_Q] = max(-limit, min(limit, round(volts / units.volt_per_vu)))
-        foc[j.F_FEED_D] = max(-limit, min(limit, round(-w * 7 * 0.6e-3 * i_q / units.volt_per_vu)))
-        foc[j.F_Q_REF] = round(i_ref / units.ampere_per_cu)
-        foc[j.F_INTEGRAL_D], foc[j.F_INTEGRAL_Q] = rng.randint(-2000000, 2000000), rng.randint(-2000000, 2000000)
-        foc[j.F_ROTOR], foc[j.F_MASKED] = rotor, 0
-        loop.feed_d, loop.feed_q = foc[j.F_FEED_D] * units.volt_per_vu, foc[j.F_FEED_Q] * units.volt_per_vu
-        loop.q_ref = foc[j.F_Q_REF] * units.ampere_per_cu
-        loop.integral_d = foc[j.F_INTEGRAL_D] / 8192 * units.volt_per_vu
-        loop.integral_q = foc[j.F_INTEGRAL_Q] / 8192 * units.volt_per_vu
+        foc.feed_q = max(-limit, min(limit, round(volts / units.volt_per_vu)))
+        foc.feed_d = max(-limit, min(limit, round(-w * 7 * 0.6e-3 * i_q / units.volt_per_vu)))
+        foc.reference_q = round(i_ref / units.ampere_per_cu)
+        foc.integral_d, foc.integral_q = rng.randint(-2000000, 2000000), rng.randint(-2000000, 2000000)
+        foc.rotor, foc.masked = rotor, 0
+        loop.feed_d, loop.feed_q = foc.feed_d * units.volt_per_vu, foc.feed_q * units.volt_per_vu
+        loop.q_ref = foc.reference_q * units.ampere_per_cu
+        loop.integral_d = foc.integral_d / 8192 * units.volt_per_vu
+        loop.integral_q = foc.integral_q / 8192 * units.volt_per_vu
         phases = set_currents(blocks, 0.0, i_q, rotor)
         first, last = step(foc, rotor)
         assert last == STEP_DONE
         seen.add(first)
         loop.step(rotor / 16384 * math.tau, *phases)
         for k, expected in enumerate((loop.duty_a, loop.duty_b, loop.duty_c)):
-            worst = max(worst, abs(foc[j.F_DUTY_A + k] / foc[j.F_PERIOD] - expected))
+            worst = max(worst, abs(foc.duty[k] / foc.period - expected))
     assert seen == {STEP_DONE, STEP_LIMIT, STEP_SHAPE}
     assert worst < 0.001
 
 
-def test_the_step_is_its_parts(blocks):
-    """The sums it spells out are those of transforms.py."""
-    foc, units = blocks.foc, blocks.units
-    rng = random.Random(4)
-    for _ in range(500):
-        rotor = rng.randrange(16384)
-        foc[j.F_ROTOR] = rotor
-        set_currents(blocks, rng.uniform(-2, 2), rng.uniform(-2, 2), rotor)
-        step(foc, rotor)
-        a, b, c = ((foc[j.F_RAW_A + k] - 2048) * 6 for k in range(3))
-        angle = rotor * 28
-        alpha, beta = transforms.clarke_alpha(a, b, c), transforms.clarke_beta(b, c)
-        s, k = sin_q15(angle), cos_q15(angle)
-        assert abs(foc[j.F_I_D] - transforms.park_d(alpha, beta, s, k)) <= 2
-        assert abs(foc[j.F_I_Q] - transforms.park_q(alpha, beta, s, k)) <= 2
-    assert units.ampere_per_cu == pytest.approx(3.3 / 4096 / 0.005 / 40 / 6)
-
-
 def test_sine_table_is_the_sine_and_a_quarter_turn_on_the_cosine():
-    foc = array("i", [0] * j.FOC_SIZE)
+    foc = Foc()
     assert fill_sine(foc) == 0
-    assert list(foc[: j.F_SINE]) == [0] * j.F_SINE
-    assert all(foc[j.F_SINE + i] == sin_q15(i * 64) and foc[j.F_COSINE + i] == cos_q15(i * 64) for i in range(1024))
+    assert not any(pack(foc)[:-SINE_SIZE])
+    assert all(foc.sine[i] == sin_q15(i * 64) and foc.sine[i + 256] == cos_q15(i * 64) for i in range(1024))
 
 
 @given(st.integers(-20000, 20000), st.integers(-20000, 20000), st.integers(64, 14000))
 def test_limit_voltage_cuts_d_first(d, q, limit):
-    foc = array("i", [0] * j.FOC_SIZE)
-    foc[j.F_V_D], foc[j.F_V_Q], foc[j.F_LIMIT], foc[j.F_LIMIT_SQUARE] = d, q, limit, limit * limit
+    foc = Foc()
+    foc.voltage_d, foc.voltage_q, foc.voltage_limit, foc.limit_square = d, q, limit, limit * limit
     limit_voltage(foc)
     expected_d, expected_q = twin.limit_voltage(d, q, limit)
-    assert foc[j.F_V_D] == expected_d
-    assert abs(foc[j.F_V_Q] - expected_q) <= 0.5
+    assert foc.voltage_d == expected_d
+    assert abs(foc.voltage_q - expected_q) <= 0.5
 
 
 def test_integral_does_not_wind_up_behind_the_voltage_limit(blocks):
     foc = blocks.foc
-    foc[j.F_Q_REF] = 2979
-    foc[j.F_FEED_Q] = foc[j.F_LIMIT]
+    foc.reference_q = 2979
+    foc.feed_q = foc.voltage_limit
     for _ in range(2000):
         assert step(foc, 0)[1] == STEP_DONE
-    assert abs(foc[j.F_INTEGRAL_Q]) <= 8192
-    assert foc[j.F_LIMITED] == 2000
+    assert abs(foc.integral_q) <= 8192
+    assert foc.limited_steps == 2000
 
 
 @given(st.lists(st.integers(0, 4095), min_size=3, max_size=3), st.integers(0, 16383), st.integers(-12288, 12288))
@@ -150,22 +131,22 @@ def test_any_reading_gives_duties_within_the_period(raw, rotor, wanted):
     foc = made.foc
     current_reset(foc, rotor)
     feed_bus(foc, made.cfg, 6144)
-    foc[j.F_Q_REF] = wanted
+    foc.reference_q = wanted
     for _ in range(4):
         for k in range(3):
-            foc[j.F_RAW_A + k] = raw[k]
+            foc.raw[k] = raw[k]
         _, last = step(foc, rotor)
         assert last in (STEP_DONE, STEP_TRIP)
-        assert all(0 <= foc[j.F_DUTY_A + k] <= foc[j.F_PERIOD] for k in range(3))
-        assert math.hypot(foc[j.F_I_D], foc[j.F_I_Q]) <= 27600
+        assert all(0 <= foc.duty[k] <= foc.period for k in range(3))
+        assert math.hypot(foc.current_d, foc.current_q) <= 27600
 
 
 def test_trips_on_over_current_and_writes_equal_duties(blocks):
     foc = blocks.foc
     set_currents(blocks, 0.0, 5.2, 0)
     assert step(foc, 0) == (STEP_TRIP, STEP_TRIP)
-    assert foc[j.F_TRIPPED] == 1
-    assert len({foc[j.F_DUTY_A + k] for k in range(3)}) == 1
+    assert foc.tripped == 1
+    assert len({foc.duty[k] for k in range(3)}) == 1
     set_currents(blocks, 0.0, 4.8, 0)
     assert step(foc, 0)[1] == STEP_DONE
 
@@ -175,11 +156,11 @@ def test_a_rotor_glitch_is_replaced_and_counted(blocks, jump):
     foc = blocks.foc
     assert step(foc, 100) == (STEP_DONE, STEP_DONE)
     assert step(foc, (100 + jump) & 16383) == (STEP_INPUT, STEP_DONE)
-    assert (foc[j.F_ROTOR], foc[j.F_GLITCHES]) == (100, 1)
+    assert (foc.rotor, foc.glitches) == (100, 1)
     assert step(foc, 120, invalid=1) == (STEP_INPUT, STEP_DONE)
-    assert (foc[j.F_ROTOR], foc[j.F_GLITCHES]) == (100, 2)
+    assert (foc.rotor, foc.glitches) == (100, 2)
     assert step(foc, 16000) == (STEP_DONE, STEP_DONE)  # through zero is no jump
-    assert foc[j.F_ROTOR] == 16000
+    assert foc.rotor == 16000
 
 
 @pytest.mark.parametrize("phase", [0, 1, 2])
@@ -188,25 +169,25 @@ def test_a_phase_without_a_sample_is_rebuilt(blocks, phase):
     set_offsets(foc, 2050 << 4, 2040 << 4, 2047 << 4)
     true = (2150, 1990, 1997)
     for k in range(3):
-        foc[j.F_RAW_A + k] = true[k]
+        foc.raw[k] = true[k]
     assert current_sum(foc) == 0
-    foc[j.F_RAW_A + phase] = 17
-    foc[j.F_MASKED] = 1 << phase
+    foc.raw[phase] = 17
+    foc.masked = 1 << phase
     assert step(foc, 0)[1] == STEP_DONE
-    assert foc[j.F_RAW_A + phase] == true[phase]
+    assert foc.raw[phase] == true[phase]
 
 
 def test_without_two_samples_the_voltage_turns_with_the_rotor(blocks):
     foc = blocks.foc
-    foc[j.F_V_D], foc[j.F_V_Q], foc[j.F_MASKED] = 0, 3000, 0b110
-    foc[j.F_RAW_A + 1] = 4095
-    integral = foc[j.F_INTEGRAL_Q]
+    foc.voltage_d, foc.voltage_q, foc.masked = 0, 3000, 0b110
+    foc.raw[1] = 4095
+    integral = foc.integral_q
     assert step(foc, 300) == (STEP_INPUT, STEP_DONE)
-    assert (foc[j.F_INTEGRAL_Q], foc[j.F_V_Q], foc[j.F_ROTOR]) == (integral, 3000, 300)
+    assert (foc.integral_q, foc.voltage_q, foc.rotor) == (integral, 3000, 300)
     angle = 7 * 300 / 16384 * math.tau
     expected = twin.svpwm(-3000 * math.sin(angle), 3000 * math.cos(angle), 6144)
     for k in range(3):
-        assert abs(foc[j.F_DUTY_A + k] / foc[j.F_PERIOD] - expected[k]) < 0.001
+        assert abs(foc.duty[k] / foc.period - expected[k]) < 0.001
 
 
 @given(st.lists(st.integers(1800 << 4, 2298 << 4), min_size=3, max_size=3))
@@ -217,10 +198,10 @@ def test_offsets_are_taken_out(offsets):
     feed_bus(foc, made.cfg, 6144)
     set_offsets(foc, *offsets)
     for k in range(3):
-        foc[j.F_RAW_A + k] = (offsets[k] + 8) >> 4
+        foc.raw[k] = (offsets[k] + 8) >> 4
     step(foc, 0)
-    assert abs(foc[j.F_I_D]) <= 7
-    assert abs(foc[j.F_I_Q]) <= 7
+    assert abs(foc.current_d) <= 7
+    assert abs(foc.current_q) <= 7
     assert abs(current_sum(foc)) <= 2
 
 
@@ -228,7 +209,7 @@ def locked_rotor_step(q_ref_A=2.0, steps=200):
     plant = Plant(elec_offset_brad=7000)
     plant.blocked = plant.bridge = True
     feed_bus(plant.foc, plant.cfg, 6144)
-    plant.foc[j.F_Q_REF] = round(q_ref_A / plant.units.ampere_per_cu)
+    plant.foc.reference_q = round(q_ref_A / plant.units.ampere_per_cu)
     seen = []
     for _ in range(steps):
         plant.current_step()
@@ -267,9 +248,9 @@ def held_speed(speed, direction, led):
     plant.inertia = 1e9
     plant.speed = speed
     feed_bus(plant.foc, plant.cfg, 6144)
-    plant.foc[j.F_Q_REF] = round(math.copysign(1.0, speed) * direction / plant.units.ampere_per_cu)
+    plant.foc.reference_q = round(math.copysign(1.0, speed) * direction / plant.units.ampere_per_cu)
     if led:
-        plant.state[j.S_RATE] = round(speed * RATE_PER_RAD_S)
+        plant.state.rate = round(speed * RATE_PER_RAD_S)
         lead_angle(plant.foc, plant.cfg, plant.state)
     for _ in range(400):
         plant.current_step()
@@ -279,4 +260,4 @@ def held_speed(speed, direction, led):
         mean_d += plant.i_d / 200
         mean_q += plant.i_q / 200
     assert plant.trips == 0
-    return mean_d, mean_q - plant.foc[j.F_Q_REF] * plant.units.ampere_per_cu
+    return mean_d, mean_q - plant.foc.reference_q * plant.units.ampere_per_cu

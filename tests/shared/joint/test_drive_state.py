@@ -1,7 +1,6 @@
 """States, arming, watchdog and faults: by example, and with random frames, resets and sensor faults."""
 
 import random
-from array import array
 
 import pytest
 
@@ -10,11 +9,12 @@ from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint import faults
 from shared.joint import layout as j
-from shared.joint.calibration import CAL_FULL, CAL_SIZE, CAL_SMALL, CAL_VERIFY
+from shared.joint.calibration import CAL_FULL, CAL_SMALL, CAL_VERIFY, Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.record import pack
 from shared.wire import names as w
 
 BLDC = load_robot("parallel").actuator
@@ -28,29 +28,29 @@ class Joint:
         self.foc, self.cfg, self.state, self.io, self.curve = (
             blocks.foc, blocks.cfg, blocks.state, blocks.io, blocks.curve,
         )  # fmt: skip
-        self.cal = array("i", [0] * CAL_SIZE)
+        self.cal = Calibration()
         self.units = blocks.units
-        self.cfg[j.K_CALIBRATED] = int(calibrated)
+        self.cfg.calibrated = int(calibrated)
         joint_reset(self.foc, self.cfg, self.state, 100)
         self.healthy()
         slow_tick(self.cfg, self.state, self.io, self.curve)
 
     def healthy(self):
         b = self.io
-        b[j.IO_HASH_OK] = b[j.IO_SESSION] = b[j.IO_HARDWARE_READY] = 1
-        b[j.IO_E_STOP] = b[j.IO_HARDWARE_FAULT] = 0
-        b[j.IO_BUS_RAW], b[j.IO_THERMISTOR_RAW], b[j.IO_MCU_RAW] = 2291, 2048, 980
+        b.hash_ok = b.session = b.hardware_ready = 1
+        b.e_stop = b.hardware_fault = 0
+        b.bus_raw, b.thermistor_raw, b.mcu_raw = 2291, 2048, 980
         for k in range(3):
-            self.foc[j.F_RAW_A + k] = 2048
+            self.foc.raw[k] = 2048
 
     def tick(self, count=1):
         for _ in range(count):
             motion_tick(self.foc, self.cfg, self.state, self.io, self.cal)
-        return self.state[j.S_DRIVE]
+        return self.state.drive_state
 
     def setpoint(self, mode=w.MODE_POSITION, position=0):
-        self.io[j.IO_MODE], self.io[j.IO_POSITION] = mode, position
-        self.io[j.IO_SEQUENCE] = (self.io[j.IO_SEQUENCE] + 1) & 0xFFFF
+        self.io.mode, self.io.position = mode, position
+        self.io.sequence = (self.io.sequence + 1) & 0xFFFF
 
     def arm(self, purpose=w.MODE_OFF):
         return drive_arm(self.cfg, self.state, self.io, purpose)
@@ -67,7 +67,7 @@ class Joint:
 
 def test_arming_climbs_one_state_a_tick():
     joint = Joint()
-    assert joint.state[j.S_DRIVE] == w.STATE_NOT_READY
+    assert joint.state.drive_state == w.STATE_NOT_READY
     assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED
     home_at(joint.cfg, joint.state, 100)
     joint.setpoint()
@@ -75,17 +75,17 @@ def test_arming_climbs_one_state_a_tick():
     assert joint.arm() == w.RESULT_OK
     seen = [joint.tick() for _ in range(4)]
     assert seen == [w.STATE_READY, w.STATE_SWITCHED_ON, w.STATE_OPERATION_ENABLED, w.STATE_OPERATION_ENABLED]
-    assert joint.state[j.S_TORQUE] == j.TORQUE_DRIVE
+    assert joint.state.torque == j.TORQUE_DRIVE
 
 
 @pytest.mark.parametrize(
     ("place", "value", "result"),
     [
-        (j.IO_HASH_OK, 0, w.RESULT_WRONG_HASH),
-        (j.IO_SESSION, 0, w.RESULT_NO_SESSION),
-        (j.IO_MODE, w.MODE_HOMING, w.RESULT_NO_SETPOINT),
-        (j.IO_POSITION, 3000, w.RESULT_FAR_FROM_SETPOINT),
-        (j.IO_POSITION, -3000, w.RESULT_FAR_FROM_SETPOINT),
+        ("hash_ok", 0, w.RESULT_WRONG_HASH),
+        ("session", 0, w.RESULT_NO_SESSION),
+        ("mode", w.MODE_HOMING, w.RESULT_NO_SETPOINT),
+        ("position", 3000, w.RESULT_FAR_FROM_SETPOINT),
+        ("position", -3000, w.RESULT_FAR_FROM_SETPOINT),
     ],
 )
 def test_arming_is_refused_with_a_reason(place, value, result):
@@ -94,7 +94,7 @@ def test_arming_is_refused_with_a_reason(place, value, result):
     home_at(joint.cfg, joint.state, 100)
     joint.setpoint()
     joint.tick()
-    joint.io[place] = value
+    setattr(joint.io, place, value)
     assert joint.arm() == result
     assert joint.tick(4) == w.STATE_SWITCH_ON_DISABLED
 
@@ -104,7 +104,7 @@ def test_arming_needs_calibration_homing_and_a_fresh_set_point():
     assert joint.arm() == w.RESULT_WRONG_STATE
     joint.tick(2)
     assert joint.arm() == w.RESULT_NOT_CALIBRATED
-    joint.cfg[j.K_CALIBRATED] = 1
+    joint.cfg.calibrated = 1
     assert joint.arm() == w.RESULT_NOT_HOMED
     home_at(joint.cfg, joint.state, 100)
     assert joint.arm() == w.RESULT_NO_SETPOINT
@@ -118,15 +118,15 @@ def test_arming_needs_calibration_homing_and_a_fresh_set_point():
 
 def test_the_watchdog_damps_then_coasts_and_latches():
     joint = Joint().run()
-    before = list(joint.io)
+    before = pack(joint.io)
     states = [joint.tick() for _ in range(800)]
     first = states.index(w.STATE_FAULT_REACTION)
     assert first <= 101
     assert states[first : first + 500] == [w.STATE_FAULT_REACTION] * 500
     assert states[first + 501 :] == [w.STATE_FAULT] * (800 - first - 501)
     s = joint.state
-    assert (s[j.S_FAULT_CODE], s[j.S_FAULT_VALUE]) == (faults.FAULT_WATCHDOG, 101)
-    assert list(joint.io) == before
+    assert (s.fault_code, s.fault_value) == (faults.FAULT_WATCHDOG, 101)
+    assert pack(joint.io) == before
     assert joint.arm() == w.RESULT_FAULT_PRESENT
     assert drive_clear(s) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED
@@ -136,29 +136,29 @@ def test_the_watchdog_damps_then_coasts_and_latches():
 def test_only_set_points_feed_the_watchdog():
     joint = Joint().run()
     for _ in range(300):
-        joint.io[j.IO_SESSION] += 1  # other traffic
-        joint.io[j.IO_POSITION] = joint.state[j.S_TICK] & 7
+        joint.io.session += 1  # other traffic
+        joint.io.position = joint.state.time_ms & 7
         joint.tick()
-    assert joint.state[j.S_FAULT_CODE] == faults.FAULT_WATCHDOG
+    assert joint.state.fault_code == faults.FAULT_WATCHDOG
     joint = Joint().run()
     for _ in range(300):
         joint.setpoint()
         joint.tick()
-    assert joint.state[j.S_DRIVE] == w.STATE_OPERATION_ENABLED
+    assert joint.state.drive_state == w.STATE_OPERATION_ENABLED
 
 
 @pytest.mark.parametrize("state", range(8))
 def test_emergency_stop_from_every_state(state):
     joint = Joint().run()
-    joint.state[j.S_DRIVE] = state
-    joint.io[j.IO_E_STOP] = 1
+    joint.state.drive_state = state
+    joint.io.e_stop = 1
     assert joint.tick() == w.STATE_FAULT
-    assert joint.state[j.S_TORQUE] == j.TORQUE_OFF
+    assert joint.state.torque == j.TORQUE_OFF
     assert drive_clear(joint.state) == w.RESULT_FAULT_PRESENT
-    joint.io[j.IO_E_STOP] = 0
+    joint.io.e_stop = 0
     joint.setpoint()
     joint.tick()
-    assert joint.state[j.S_DRIVE] == w.STATE_FAULT
+    assert joint.state.drive_state == w.STATE_FAULT
     assert drive_clear(joint.state) == w.RESULT_OK
     joint.setpoint()
     assert joint.tick(3) == w.STATE_SWITCH_ON_DISABLED
@@ -166,12 +166,12 @@ def test_emergency_stop_from_every_state(state):
 
 def test_quick_stop_damps_until_the_joint_stands():
     joint = Joint().run()
-    joint.state[j.S_VELOCITY] = joint.state[j.S_RATE] = 60000
+    joint.state.velocity = joint.state.rate = 60000
     assert drive_quick_stop(joint.state) == w.RESULT_OK
-    joint.foc[j.F_ROTOR] = 340
+    joint.foc.rotor = 340
     assert joint.tick() == w.STATE_QUICK_STOP_ACTIVE
-    assert joint.state[j.S_TORQUE] == j.TORQUE_DAMP
-    assert joint.state[j.S_CURRENT_REF] < 0
+    assert joint.state.torque == j.TORQUE_DAMP
+    assert joint.state.current_reference < 0
     assert joint.tick(60) == w.STATE_SWITCH_ON_DISABLED
     assert drive_quick_stop(joint.state) == w.RESULT_WRONG_STATE
 
@@ -180,19 +180,19 @@ def test_disarming_ends_the_torque_in_the_next_tick():
     joint = Joint().run()
     assert drive_disarm(joint.state) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED
-    assert (joint.state[j.S_TORQUE], joint.foc[j.F_Q_REF]) == (j.TORQUE_OFF, 0)
+    assert (joint.state.torque, joint.foc.reference_q) == (j.TORQUE_OFF, 0)
 
 
 def test_the_first_cause_stays():
     joint = Joint().run()
-    joint.io[j.IO_HARDWARE_FAULT], joint.io[j.IO_HARDWARE_VALUE] = faults.FAULT_DRIVER, 0x421
+    joint.io.hardware_fault, joint.io.hardware_value = faults.FAULT_DRIVER, 0x421
     joint.tick()
-    tick = joint.state[j.S_TICK]
-    joint.io[j.IO_HARDWARE_FAULT] = 0
-    joint.io[j.IO_BUS_RAW] = 0
+    tick = joint.state.time_ms
+    joint.io.hardware_fault = 0
+    joint.io.bus_raw = 0
     joint.tick(50)
     s = joint.state
-    latched = s[j.S_FAULT_CODE], s[j.S_FAULT_VALUE], s[j.S_FAULT_TICK]
+    latched = s.fault_code, s.fault_value, s.fault_tick
     assert latched == (faults.FAULT_DRIVER, 0x421, tick)
     assert drive_clear(s) == w.RESULT_FAULT_PRESENT  # the bus is still missing
     joint.healthy()
@@ -202,18 +202,18 @@ def test_the_first_cause_stays():
 
 def test_before_the_hardware_is_ready_only_an_emergency_stop_latches():
     joint = Joint()
-    joint.io[j.IO_HARDWARE_READY] = joint.io[j.IO_BUS_RAW] = 0
+    joint.io.hardware_ready = joint.io.bus_raw = 0
     assert joint.tick(50) == w.STATE_NOT_READY
-    assert joint.state[j.S_FAULT_CODE] == 0
-    joint.io[j.IO_E_STOP] = 1
+    assert joint.state.fault_code == 0
+    joint.io.e_stop = 1
     assert joint.tick() == w.STATE_FAULT
 
 
 def test_losing_the_hardware_ends_operation():
     joint = Joint().run()
-    joint.io[j.IO_HARDWARE_READY] = 0
+    joint.io.hardware_ready = 0
     assert joint.tick() == w.STATE_FAULT
-    assert joint.state[j.S_FAULT_CODE] == faults.FAULT_DRIVER_SETUP
+    assert joint.state.fault_code == faults.FAULT_DRIVER_SETUP
 
 
 @pytest.mark.parametrize(("code", "expected"), [(0, 0), (1, 1), (11, 1), (31, 1), (32, 0), (33, 0), (78, 0), (-5, 0)])
@@ -222,9 +222,9 @@ def test_which_faults_damp_first(code, expected):
 
 
 SENSOR_FAULTS = (
-    (j.IO_BUS_RAW, 0), (j.IO_BUS_RAW, 4095), (j.IO_THERMISTOR_RAW, 4095), (j.IO_THERMISTOR_RAW, 0),
-    (j.IO_MCU_RAW, 4095), (j.IO_MCU_RAW, 0), (j.IO_HARDWARE_FAULT, 39), (j.IO_HARDWARE_FAULT, 9),
-    (j.IO_HARDWARE_READY, 0), (j.IO_E_STOP, 1), (j.IO_HASH_OK, 0), (j.IO_SESSION, 0), (j.IO_SESSION, 7),
+    ("bus_raw", 0), ("bus_raw", 4095), ("thermistor_raw", 4095), ("thermistor_raw", 0),
+    ("mcu_raw", 4095), ("mcu_raw", 0), ("hardware_fault", 39), ("hardware_fault", 9),
+    ("hardware_ready", 0), ("e_stop", 1), ("hash_ok", 0), ("session", 0), ("session", 7),
 )  # fmt: skip
 
 
@@ -233,8 +233,8 @@ def disturb(joint, rng):
     choice = rng.randrange(17)
     if choice < 5:
         joint.setpoint(rng.choice((1, 2, 3, 4, rng.randint(0, 7))), rng.choice((0, 1, rng.randint(-32768, 32767))))
-        for place in range(j.IO_VELOCITY, j.IO_DAMPING + 1):
-            joint.io[place] = rng.randint(0, 32767) if place >= j.IO_STIFFNESS else rng.randint(-32768, 32767)
+        joint.io.velocity, joint.io.current = rng.randint(-32768, 32767), rng.randint(-32768, 32767)
+        joint.io.stiffness, joint.io.damping = rng.randint(0, 32767), rng.randint(0, 32767)
     elif choice < 8:
         drive_arm(joint.cfg, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_CALIBRATING)))
     elif choice == 8:
@@ -244,11 +244,11 @@ def disturb(joint, rng):
         drive_clear(joint.state)
     elif choice == 11:
         place, value = rng.choice(SENSOR_FAULTS)
-        joint.io[place] = value
+        setattr(joint.io, place, value)
     elif choice == 12:
-        joint.foc[j.F_RAW_A + rng.randrange(3)] = rng.randint(0, 4095)
+        joint.foc.raw[rng.randrange(3)] = rng.randint(0, 4095)
     elif choice == 13:
-        home_at(joint.cfg, joint.state, joint.state[j.S_POSITION] + rng.choice((0, 0, 6000)))
+        home_at(joint.cfg, joint.state, joint.state.position + rng.choice((0, 0, 6000)))
     elif choice == 14:
         begin_calibration(joint.state, joint.cal, rng.choice((CAL_FULL, CAL_SMALL, CAL_VERIFY)))
     elif choice == 15 and rng.random() < 0.2:
@@ -259,22 +259,22 @@ def disturb(joint, rng):
 
 def check(joint, fault_before, drive_before):
     s, foc = joint.state, joint.foc
-    drive, torque = s[j.S_DRIVE], s[j.S_TORQUE]
+    drive, torque = s.drive_state, s.torque
     if torque == j.TORQUE_DRIVE:
         assert drive == w.STATE_OPERATION_ENABLED
     elif torque == j.TORQUE_DAMP:
         assert drive in (w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
-        assert s[j.S_CURRENT_REF] * s[j.S_VELOCITY] <= 0
-        assert abs(s[j.S_CURRENT_REF]) <= joint.cfg[j.K_DAMP_CURRENT]
+        assert s.current_reference * s.velocity <= 0
+        assert abs(s.current_reference) <= joint.cfg.damp_current
     else:
-        assert (foc[j.F_Q_REF], foc[j.F_D_REF]) == (0, 0)
-    assert abs(foc[j.F_Q_REF]) <= joint.cfg[j.K_CURRENT_MAX]
-    assert 0 <= foc[j.F_D_REF] <= joint.cfg[j.K_CAL_CURRENT]
-    if joint.io[j.IO_E_STOP]:
+        assert (foc.reference_q, foc.reference_d) == (0, 0)
+    assert abs(foc.reference_q) <= joint.cfg.current_max
+    assert 0 <= foc.reference_d <= joint.cfg.cal_current
+    if joint.io.e_stop:
         assert drive == w.STATE_FAULT
     if drive_before == w.STATE_FAULT and drive == w.STATE_FAULT:
-        assert s[j.S_FAULT_CODE] == fault_before
-    assert (s[j.S_FAULT_CODE] != 0) == (drive in (w.STATE_FAULT, w.STATE_FAULT_REACTION))
+        assert s.fault_code == fault_before
+    assert (s.fault_code != 0) == (drive in (w.STATE_FAULT, w.STATE_FAULT_REACTION))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -290,35 +290,35 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_where_there_mu
             code = current_step(reading, 0, joint.foc)
             if code:
                 current_repair(code, reading, 0, joint.foc)
-            fault, drive = joint.state[j.S_FAULT_CODE], joint.state[j.S_DRIVE]
-            told = list(joint.io)
+            fault, drive = joint.state.fault_code, joint.state.drive_state
+            told = pack(joint.io)
             joint.tick()
-            assert list(joint.io) == told
+            assert pack(joint.io) == told
             check(joint, fault, drive)
-            seen.add(joint.state[j.S_DRIVE])
+            seen.add(joint.state.drive_state)
     assert seen >= {1, 2, 3, 4, 5, 6, 7}
 
 
 @pytest.mark.parametrize("code", [faults.FAULT_DRIVER_SETUP, faults.FAULT_CURRENT_SENSE, faults.FAULT_STORAGE])
 def test_what_is_wrong_with_the_hardware_latches_before_it_is_ready(code):
     joint = Joint()
-    joint.io[j.IO_HARDWARE_READY] = 0
-    joint.io[j.IO_BUS_RAW] = 0  # the supply still rises
-    joint.io[j.IO_HARDWARE_FAULT], joint.io[j.IO_HARDWARE_VALUE] = code, 7
+    joint.io.hardware_ready = 0
+    joint.io.bus_raw = 0  # the supply still rises
+    joint.io.hardware_fault, joint.io.hardware_value = code, 7
     assert joint.tick(50) == w.STATE_FAULT
-    assert (joint.state[j.S_FAULT_CODE], joint.state[j.S_FAULT_VALUE], joint.state[j.S_FAULT_TICK]) == (code, 7, 1)
+    assert (joint.state.fault_code, joint.state.fault_value, joint.state.fault_tick) == (code, 7, 1)
     joint.healthy()
-    joint.io[j.IO_HARDWARE_READY] = 0
+    joint.io.hardware_ready = 0
     joint.tick()
     assert drive_clear(joint.state) == w.RESULT_OK
     assert joint.tick(2) == w.STATE_NOT_READY
-    assert joint.state[j.S_FAULT_CODE] == faults.FAULT_NONE
+    assert joint.state.fault_code == faults.FAULT_NONE
 
 
 def test_a_supply_that_still_rises_is_no_fault_nor_is_the_gate_driver_without_it():
     joint = Joint()
-    joint.io[j.IO_HARDWARE_READY] = 0
-    joint.io[j.IO_BUS_RAW], joint.io[j.IO_HARDWARE_FAULT] = 0, faults.FAULT_DRIVER
+    joint.io.hardware_ready = 0
+    joint.io.bus_raw, joint.io.hardware_fault = 0, faults.FAULT_DRIVER
     assert joint.tick(50) == w.STATE_NOT_READY
     joint.healthy()
     assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED

@@ -11,7 +11,6 @@ from host.joint_gains import joint_blocks
 from host.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
 from host.robot_file import load_robot
 from shared.joint import faults
-from shared.joint import layout as j
 
 BLDC = load_robot("parallel").actuator
 SETUP = JointSetup(-1.0, 1.9)
@@ -29,8 +28,8 @@ def test_gains_are_those_of_the_bandwidth():
     assert (kp, ki) == (pytest.approx(0.6e-3 * w), pytest.approx(1.2 * w))
     blocks = joint_blocks(BLDC, SETUP)
     scale = blocks.units.ampere_per_cu / blocks.units.volt_per_vu * 8192
-    assert blocks.foc[j.F_KP] == pytest.approx(kp * scale, abs=0.5)
-    assert blocks.foc[j.F_KI] == pytest.approx(ki / 10000 * scale, abs=0.5)
+    assert blocks.foc.kp == pytest.approx(kp * scale, abs=0.5)
+    assert blocks.foc.ki == pytest.approx(ki / 10000 * scale, abs=0.5)
 
 
 @pytest.mark.parametrize("limit_A", [0.5, 2.0, 4.0])
@@ -45,10 +44,10 @@ def test_the_current_step_cannot_overflow_with_what_is_accepted(limit_A, bandwid
     foc, units = blocks.foc, blocks.units
     error = (trip_A(bldc, Board()) + limit_A) / units.ampere_per_cu
     longest = Board().adc_volt * Board().bus_divider / math.sqrt(3) / units.volt_per_vu
-    total = (foc[j.F_KP] + foc[j.F_KI]) * error + 2 * longest * 8192
+    total = (foc.kp + foc.ki) * error + 2 * longest * 8192
     assert total < WORD
     assert total / 8192 + longest < AXIS_MOST_VU
-    assert foc[j.F_KI] > 8
+    assert foc.ki > 8
 
 
 @pytest.mark.parametrize(

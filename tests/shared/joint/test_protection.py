@@ -20,7 +20,7 @@ def until_fault(joint, ticks):
     for tick in range(1, ticks + 1):
         joint.setpoint(position=18)
         joint.tick()
-        if joint.state[j.S_FAULT_CODE]:
+        if joint.state.fault_code:
             return tick
     return None
 
@@ -28,23 +28,23 @@ def until_fault(joint, ticks):
 def test_healthy_operation_has_no_fault_and_no_limit():
     joint = Joint().run()
     assert until_fault(joint, 500) is None
-    assert joint.state[j.S_LIMITS] == 0
+    assert joint.state.limits == 0
 
 
 def disagree(joint):
-    joint.cfg[j.K_HAS_JOINT_ENCODER] = joint.io[j.IO_JOINT_VALID] = 1
-    joint.io[j.IO_JOINT_RAW] = 8192
+    joint.cfg.has_joint_encoder = joint.io.joint_valid = 1
+    joint.io.joint_raw = 8192
 
 
 CASES = {
-    "under-voltage": (lambda x: x.io.__setitem__(j.IO_BUS_RAW, 1700), f.FAULT_UNDER_VOLTAGE, 5, 4558),
-    "over-voltage": (lambda x: x.io.__setitem__(j.IO_BUS_RAW, 2900), f.FAULT_OVER_VOLTAGE, 5, 7775),
-    "trip": (lambda x: x.foc.__setitem__(j.F_TRIPPED, 1), f.FAULT_OVER_CURRENT, 1, 0),
-    "current sum": (lambda x: x.foc.__setitem__(j.F_RAW_A, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
+    "under-voltage": (lambda x: setattr(x.io, "bus_raw", 1700), f.FAULT_UNDER_VOLTAGE, 5, 4558),
+    "over-voltage": (lambda x: setattr(x.io, "bus_raw", 2900), f.FAULT_OVER_VOLTAGE, 5, 7775),
+    "trip": (lambda x: setattr(x.foc, "tripped", 1), f.FAULT_OVER_CURRENT, 1, 0),
+    "current sum": (lambda x: x.foc.raw.__setitem__(0, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
     "disagreement": (disagree, f.FAULT_ENCODER_DISAGREE, 5, None),
-    "over-speed": (lambda x: x.cfg.__setitem__(j.K_RATE_TRIP, -1), f.FAULT_OVER_SPEED, 1, 0),
-    "raised": (lambda x: x.state.__setitem__(j.S_RAISED, f.FAULT_HOME_NO_STOP), f.FAULT_HOME_NO_STOP, 1, 0),
-    "range": (lambda x: x.state.__setitem__(j.S_SHIFTED, 1), f.FAULT_POSITION_RANGE, 1, 0),
+    "over-speed": (lambda x: setattr(x.cfg, "rate_trip", -1), f.FAULT_OVER_SPEED, 1, 0),
+    "raised": (lambda x: setattr(x.state, "raised", f.FAULT_HOME_NO_STOP), f.FAULT_HOME_NO_STOP, 1, 0),
+    "range": (lambda x: setattr(x.state, "range_exceeded", 1), f.FAULT_POSITION_RANGE, 1, 0),
 }
 
 
@@ -54,19 +54,19 @@ def test_a_fault_is_found_in_its_time_with_its_value(name):
     joint = Joint().run()
     disturb(joint)
     assert until_fault(joint, 100) == ticks
-    assert joint.state[j.S_FAULT_CODE] == code
-    assert value is None or joint.state[j.S_FAULT_VALUE] == value
-    assert joint.state[j.S_TORQUE] != j.TORQUE_DRIVE
+    assert joint.state.fault_code == code
+    assert value is None or joint.state.fault_value == value
+    assert joint.state.torque != j.TORQUE_DRIVE
 
 
 @pytest.mark.parametrize(("every", "fault"), [(1, True), (9, False)])
 def test_a_lost_encoder_is_a_fault_and_single_glitches_are_not(every, fault):
     joint = Joint().run()
     for tick in range(60):
-        joint.foc[j.F_GLITCHES] = 8 if tick % every == 0 else 1
+        joint.foc.glitches = 8 if tick % every == 0 else 1
         joint.setpoint()
         joint.tick()
-    assert (joint.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST) == fault
+    assert (joint.state.fault_code == f.FAULT_ENCODER_LOST) == fault
 
 
 def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
@@ -76,8 +76,8 @@ def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
         for reading in lost:
             current_repair(current_step(reading, 0, joint.foc), reading, 0, joint.foc)
         joint.tick()
-    assert joint.state[j.S_FAULT_CODE] == f.FAULT_ENCODER_LOST
-    assert (joint.state[j.S_HOMED], joint.foc[j.F_ROTOR]) == (0, 12000)
+    assert joint.state.fault_code == f.FAULT_ENCODER_LOST
+    assert (joint.state.homed, joint.foc.rotor) == (0, 12000)
     for _ in range(4):
         assert [current_step(12000, 0, joint.foc) for _ in range(10)] == [0] * 10
         joint.tick()
@@ -90,34 +90,34 @@ def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
 
 def test_beyond_the_position_limit_is_a_fault_only_on_the_way_out():
     joint = Joint().run()
-    top = joint.cfg[j.K_POSITION_MAX] + joint.cfg[j.K_POSITION_MARGIN]
+    top = joint.cfg.position_max + joint.cfg.position_margin
     home_at(joint.cfg, joint.state, top + 16384)
-    joint.state[j.S_RATE] = -50000
-    joint.foc[j.F_ROTOR] = 16300
+    joint.state.rate = -50000
+    joint.foc.rotor = 16300
     joint.tick()
-    assert joint.state[j.S_FAULT_CODE] == 0
-    joint.state[j.S_RATE] = 50000
-    joint.foc[j.F_ROTOR] = 200
+    assert joint.state.fault_code == 0
+    joint.state.rate = 50000
+    joint.foc.rotor = 200
     joint.tick()
-    assert joint.state[j.S_FAULT_CODE] == f.FAULT_POSITION_LIMIT
+    assert joint.state.fault_code == f.FAULT_POSITION_LIMIT
 
 
 def test_stall_is_a_fault_after_its_time_and_holding_a_load_is_not():
     p = armed()
     p.blocked = True
-    p.io[j.IO_POSITION] += 3000
+    p.io.position += 3000
     ticks = 0
-    while not p.state[j.S_FAULT_CODE] and ticks < 3000:
+    while not p.state.fault_code and ticks < 3000:
         p.tick()
         ticks += 1
-    assert p.state[j.S_FAULT_CODE] == f.FAULT_STALL
+    assert p.state.fault_code == f.FAULT_STALL
     assert 1000 <= ticks < 1200
-    assert abs(p.state[j.S_FAULT_VALUE]) == p.cfg[j.K_CURRENT_MAX]
+    assert abs(p.state.fault_value) == p.cfg.current_max
     p = armed()
     p.load_Nm = 0.12  # 1.75 A
     for _ in range(1500):
         p.tick()
-    assert p.state[j.S_FAULT_CODE] == 0
+    assert p.state.fault_code == 0
     assert abs(p.current_A()) > 1.6
 
 
@@ -125,79 +125,79 @@ def test_swapped_phases_do_not_run_away():
     """Phases exchanged after calibration: the joint cannot move as asked, stalls, and stops with a fault."""
     p = armed()
     p.swapped = True
-    p.io[j.IO_POSITION] += 5000
+    p.io.position += 5000
     start, ticks = p.joint_rad(), 0
-    while not p.state[j.S_FAULT_CODE] and ticks < 3000:
+    while not p.state.fault_code and ticks < 3000:
         p.tick()
         ticks += 1
-    assert p.state[j.S_FAULT_CODE] in (f.FAULT_STALL, f.FAULT_OVER_CURRENT)
+    assert p.state.fault_code in (f.FAULT_STALL, f.FAULT_OVER_CURRENT)
     assert abs(p.joint_rad() - start) < 0.1
 
 
 @pytest.mark.parametrize(
     ("place", "raw", "code"),
     [
-        (j.IO_THERMISTOR_RAW, 4095, f.FAULT_THERMISTOR_OPEN),
-        (j.IO_THERMISTOR_RAW, 0, f.FAULT_THERMISTOR_SHORT),
-        (j.IO_THERMISTOR_RAW, 280, f.FAULT_WINDING_HOT),
-        (j.IO_MCU_RAW, 1190, f.FAULT_MCU_HOT),
-        (j.IO_MCU_RAW, 0, f.FAULT_MCU_SENSOR),
-        (j.IO_MCU_RAW, 4095, f.FAULT_MCU_SENSOR),
+        ("thermistor_raw", 4095, f.FAULT_THERMISTOR_OPEN),
+        ("thermistor_raw", 0, f.FAULT_THERMISTOR_SHORT),
+        ("thermistor_raw", 280, f.FAULT_WINDING_HOT),
+        ("mcu_raw", 1190, f.FAULT_MCU_HOT),
+        ("mcu_raw", 0, f.FAULT_MCU_SENSOR),
+        ("mcu_raw", 4095, f.FAULT_MCU_SENSOR),
     ],
 )
 def test_temperature_faults(place, raw, code):
     joint = Joint().run()
-    joint.io[place] = raw
+    setattr(joint.io, place, raw)
     slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
     assert until_fault(joint, 2) == 1
-    assert joint.state[j.S_FAULT_CODE] == code
-    assert joint.state[j.S_DRIVE] == w.STATE_FAULT_REACTION
+    assert joint.state.fault_code == code
+    assert joint.state.drive_state == w.STATE_FAULT_REACTION
 
 
 @pytest.mark.parametrize(
     ("place", "raw", "flag"),
-    [(j.IO_THERMISTOR_RAW, 560, w.LIMIT_WINDING_TEMPERATURE), (j.IO_MCU_RAW, 1110, w.LIMIT_MCU_TEMPERATURE)],
+    [("thermistor_raw", 560, w.LIMIT_WINDING_TEMPERATURE), ("mcu_raw", 1110, w.LIMIT_MCU_TEMPERATURE)],
 )
 def test_heat_takes_the_current_back_linearly(place, raw, flag):
     joint = Joint().run()
-    joint.io[place] = raw
+    setattr(joint.io, place, raw)
     share = slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
     joint.tick()
     assert 0 < share < 0x8000
-    assert joint.state[j.S_CURRENT_LIMIT] == joint.cfg[j.K_CURRENT_MAX] * share >> 15
-    assert joint.state[j.S_LIMITS] & flag
-    if place == j.IO_THERMISTOR_RAW:
-        span = joint.cfg[j.K_WINDING_CUT] - joint.cfg[j.K_WINDING_DERATE]
-        expected = (joint.cfg[j.K_WINDING_CUT] - joint.state[j.S_WINDING]) / span
+    assert joint.state.current_limit == joint.cfg.current_max * share >> 15
+    assert joint.state.limits & flag
+    if place == "thermistor_raw":
+        span = joint.cfg.winding_cut - joint.cfg.winding_derate
+        expected = (joint.cfg.winding_cut - joint.state.winding) / span
         assert share / 32768 == pytest.approx(expected, abs=1e-3)
 
 
 def test_a_limited_voltage_is_told_in_its_tick():
     joint = Joint().run()
-    joint.foc[j.F_LIMITED] = 3
+    joint.foc.limited_steps = 3
     joint.tick()
-    assert joint.state[j.S_LIMITS] & w.LIMIT_VOLTAGE
+    assert joint.state.limits & w.LIMIT_VOLTAGE
     joint.tick()
-    assert not joint.state[j.S_LIMITS] & w.LIMIT_VOLTAGE
+    assert not joint.state.limits & w.LIMIT_VOLTAGE
 
 
 def test_an_open_thermistor_is_never_cold():
     joint = Joint()
-    joint.io[j.IO_THERMISTOR_RAW] = 4095
+    joint.io.thermistor_raw = 4095
     slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
-    assert joint.state[j.S_WINDING] >= 0
-    assert joint.state[j.S_SLOW_CAUSE] == f.FAULT_THERMISTOR_OPEN
+    assert joint.state.winding >= 0
+    assert joint.state.slow_cause == f.FAULT_THERMISTOR_OPEN
 
 
 def test_the_model_derates_when_the_sensor_lags():
     """Three ampere for minutes at a sensor that stays cold: the model's winding counts."""
     joint = Joint()
-    s, cold = joint.state, joint.state[j.S_WINDING]
+    s, cold = joint.state, joint.state.winding
     shares = []
     for _ in range(4000):
-        s[j.S_HEAT_SUM], s[j.S_HEAT_TICKS] = 78000 * 2, 2
+        s.heat_sum, s.heat_ticks = 78000 * 2, 2
         shares.append(slow_tick(joint.cfg, s, joint.io, joint.curve))
-    assert s[j.S_WINDING] > max(cold, joint.cfg[j.K_WINDING_DERATE])
+    assert s.winding > max(cold, joint.cfg.winding_derate)
     assert shares[0] == 0x8000
     assert shares == sorted(shares, reverse=True)
     assert 0 < shares[-1] < 0x8000
@@ -212,7 +212,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
     """A thigh without a joint encoder is sent against a stop at ``stop_at`` rad."""
     p = Plant(elec_offset_brad=3000, has_joint_encoder=False, stop_rad=stop_rad, stop_towards=-1)
     p.angle = start_rad * 22
-    p.foc[j.F_ROTOR] = p.rotor()
+    p.foc.rotor = p.rotor()
     encoder_reset(p.foc, p.cfg, p.state)
     for _ in range(3):
         p.tick()
@@ -222,7 +222,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
         p.tick(setpoint=False)
         if stop_at is not None and p.joint_rad() <= stop_at:
             p.angle, p.speed = stop_at * 22, max(p.speed, 0.0)
-        if p.state[j.S_HOME_RESULT] not in (j.HOME_IDLE, j.HOME_SEEKING):
+        if p.state.home_result not in (j.HOME_IDLE, j.HOME_SEEKING):
             break
     p.tick(setpoint=False)
     return p
@@ -231,31 +231,31 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
 @pytest.mark.parametrize("start", [0.0, 0.7])
 def test_homing_against_the_stop(start):
     p = homing(-0.5, start, stop_at=-0.5)
-    assert p.state[j.S_HOME_RESULT] == j.HOME_DONE
-    assert p.state[j.S_HOMED] == 1
-    assert p.state[j.S_POSITION] * p.units.rad_per_rc == pytest.approx(p.joint_rad(), abs=1e-3)
-    assert p.state[j.S_DRIVE] == w.STATE_SWITCH_ON_DISABLED
+    assert p.state.home_result == j.HOME_DONE
+    assert p.state.homed == 1
+    assert p.state.position * p.units.rad_per_rc == pytest.approx(p.joint_rad(), abs=1e-3)
+    assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
 def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
     p = homing(-0.5, stop_at=-0.40)  # 5.7 deg off: the nearest turn is not sure any more
-    assert p.state[j.S_HOME_RESULT] == j.HOME_AMBIGUOUS
-    assert (p.state[j.S_HOMED], p.state[j.S_FAULT_CODE]) == (0, f.FAULT_HOME_AMBIGUOUS)
+    assert p.state.home_result == j.HOME_AMBIGUOUS
+    assert (p.state.homed, p.state.fault_code) == (0, f.FAULT_HOME_AMBIGUOUS)
 
 
 def test_homing_gives_up_without_a_stop():
     p = Plant(has_joint_encoder=False)
-    p.cfg[j.K_HOME_LIMIT_TICKS] = 300
+    p.cfg.home_limit_ticks = 300
     for _ in range(3):
         p.tick()
     drive_arm(p.cfg, p.state, p.io, w.MODE_HOMING)
     for _ in range(400):
         p.tick()
-    assert p.state[j.S_FAULT_CODE] == f.FAULT_HOME_NO_STOP
+    assert p.state.fault_code == f.FAULT_HOME_NO_STOP
 
 
 def test_calibration_runs_one_at_a_time():
     joint = Joint()
     assert begin_calibration(joint.state, joint.cal, 2) == 2
-    joint.state[j.S_MODE] = w.MODE_CALIBRATING
+    joint.state.mode = w.MODE_CALIBRATING
     assert begin_calibration(joint.state, joint.cal, 1) == 0

@@ -2,13 +2,12 @@
 
 import math
 import random
-from array import array
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.joint import layout as j
 from shared.joint.feed import feed_bus
+from shared.joint.layout import Foc, JointConfig
 from shared.joint.svpwm import shape_pulse, svpwm
 from tests.float_twin import joint_current as twin
 
@@ -16,17 +15,17 @@ PERIOD = 4200
 
 
 def block(bus, period=PERIOD, pulse=0, window=0):
-    foc = array("i", [0] * j.FOC_SIZE)
-    cfg = array("i", [0] * j.CFG_SIZE)
-    cfg[j.K_BUS_LEAST] = 512
-    foc[j.F_PERIOD], foc[j.F_HALF] = period, period * 8 + 8
-    foc[j.F_PULSE], foc[j.F_WINDOW] = pulse, window
+    foc = Foc()
+    cfg = JointConfig()
+    cfg.bus_least = 512
+    foc.period, foc.half_period = period, period * 8 + 8
+    foc.pulse, foc.window = pulse, window
     feed_bus(foc, cfg, bus)
     return foc
 
 
 def duties(foc):
-    return [foc[j.F_DUTY_A + k] / foc[j.F_PERIOD] for k in range(3)]
+    return [foc.duty[k] / foc.period for k in range(3)]
 
 
 def test_ten_thousand_vectors_up_to_the_linear_range():
@@ -35,7 +34,7 @@ def test_ten_thousand_vectors_up_to_the_linear_range():
     for _ in range(10_000):
         bus = rng.randint(2000, 11000)
         foc = block(bus)
-        length = foc[j.F_LIMIT] * 16 * math.sqrt(rng.random()) if rng.random() < 0.8 else foc[j.F_LIMIT] * 16
+        length = foc.voltage_limit * 16 * math.sqrt(rng.random()) if rng.random() < 0.8 else foc.voltage_limit * 16
         turn = rng.random() * math.tau
         alpha, beta = int(length * math.cos(turn)), int(length * math.sin(turn))
         svpwm(foc, alpha, beta)
@@ -48,10 +47,10 @@ def test_ten_thousand_vectors_up_to_the_linear_range():
 @given(st.integers(2000, 11000), st.integers(0, 200), st.floats(0, math.tau), st.integers(0, 400))
 def test_never_outside_even_for_twice_the_vector(bus, percent, turn, pulse):
     foc = block(bus, pulse=pulse)
-    length = foc[j.F_LIMIT] * 16 * percent / 100
+    length = foc.voltage_limit * 16 * percent / 100
     svpwm(foc, int(length * math.cos(turn)), int(length * math.sin(turn)))
     for k in range(3):
-        duty = foc[j.F_DUTY_A + k]
+        duty = foc.duty[k]
         assert duty in (0, PERIOD) or pulse <= duty <= PERIOD - pulse
 
 
@@ -66,5 +65,5 @@ def test_shape_pulse_is_the_nearest_that_can_be_made(duty, pulse, period):
 def test_masks_the_phases_without_time_for_a_sample():
     foc = block(6144, window=420)
     assert svpwm(foc, 0, 0) == 0
-    assert svpwm(foc, foc[j.F_LIMIT] * 16, 0) == 0b001
-    assert svpwm(foc, -foc[j.F_LIMIT] * 16, 0) == 0b110
+    assert svpwm(foc, foc.voltage_limit * 16, 0) == 0b001
+    assert svpwm(foc, -foc.voltage_limit * 16, 0) == 0b110

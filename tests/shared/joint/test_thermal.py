@@ -13,7 +13,6 @@ from host.joint_heat import COPPER_PER_K, SLOW_HZ
 from host.joint_units import Board, JointSetup
 from host.robot_file import load_robot
 from host.thermistor import part_of
-from shared.joint import layout as j
 from shared.joint import thermal
 from tests.float_twin import joint_motion as twin
 
@@ -58,7 +57,7 @@ def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, d
         ohm = twin.silicon_ohm(celsius, ohm25) if kind == "ptc" else twin.ntc_ohm(celsius, ohm25, beta)
         raw = round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
         if blocks is not None:
-            assert blocks.cfg[j.K_SHORT_RAW] < raw < blocks.cfg[j.K_OPEN_RAW]
+            assert blocks.cfg.short_raw < raw < blocks.cfg.open_raw
             assert abs(thermal.thermistor_t16(blocks.curve, raw) / 16 - celsius) <= 1.1  # checked at whole degrees
 
 

@@ -2,27 +2,45 @@
 
 from array import array
 
-from shared.joint import layout as j
-from shared.joint.calibration import CAL_SIZE
-from shared.joint.current import current_repair, current_step
+from shared.joint.calibration import Calibration, set_commutation
+from shared.joint.current import current_repair, current_step, set_loop, set_offsets
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
+from shared.joint.feed import feed_bus
+from shared.joint.layout import Foc, JointConfig, JointIo, JointState, LoopSettings
+from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.record import pack, unpack
 
 MASK = 0x3FFFFFF
 
 
 class Trace:
-    """Blocks are given as lists, so that the host's gains can be carried into a virtual machine."""
+    """Settings are given as lists of integers, so that the host's can be carried into a virtual machine."""
 
-    def __init__(self, foc, cfg, curve):
-        self.foc, self.cfg, self.curve = array("i", foc), array("i", cfg), array("i", curve)
-        self.fields = memoryview(self.foc)[: j.F_SINE]
-        self.state, self.io = array("i", [0] * j.STATE_SIZE), array("i", [0] * j.IO_SIZE)
-        self.cal = array("i", [0] * CAL_SIZE)
+    def __init__(self, loop, cfg, curve):
+        self.foc = Foc()
+        self.cfg = JointConfig()
+        self.curve = array("i", curve)
+        self.state = JointState()
+        self.io = JointIo()
+        self.cal = Calibration()
+        settings = LoopSettings()
+        unpack(settings, loop)
+        unpack(self.cfg, cfg)
+        fill_sine(self.foc)
+        set_loop(self.foc, settings)
+        set_offsets(self.foc, 2048 << 4, 2048 << 4, 2048 << 4)
+        set_commutation(self.foc, self.cfg)
+        feed_bus(self.foc, self.cfg, 6144)
         self.seed, self.digest, self.rotor, self.codes = 12345, 0, 100, 0
         joint_reset(self.foc, self.cfg, self.state, 100)
         self.healthy()
+
+    def at_rest(self):
+        """Return what the current step works on, with the rotor at 0."""
+        self.foc.rotor = 0
+        return self.foc
 
     def draw(self, count):
         self.seed = (self.seed * 25 + 13849) & 0xFFFF
@@ -30,9 +48,9 @@ class Trace:
 
     def healthy(self):
         b = self.io
-        b[j.IO_HASH_OK] = b[j.IO_SESSION] = b[j.IO_HARDWARE_READY] = 1
-        b[j.IO_E_STOP] = b[j.IO_HARDWARE_FAULT] = 0
-        b[j.IO_BUS_RAW], b[j.IO_THERMISTOR_RAW], b[j.IO_MCU_RAW] = 2291, 2048, 980
+        b.hash_ok = b.session = b.hardware_ready = 1
+        b.e_stop = b.hardware_fault = 0
+        b.bus_raw, b.thermistor_raw, b.mcu_raw = 2291, 2048, 980
 
     def take(self, block):
         digest = self.digest
@@ -44,7 +62,7 @@ class Trace:
         for _ in range(count):
             self.rotor = (self.rotor + self.draw(160) - 80) & 16383
             for k in range(3):
-                self.foc[j.F_RAW_A + k] = 1948 + self.draw(200)
+                self.foc.raw[k] = 1948 + self.draw(200)
             bad = 1 if self.draw(97) == 0 else 0
             code = current_step(self.rotor, bad, self.foc)
             if code:
@@ -54,27 +72,27 @@ class Trace:
     def tick(self, number):
         b = self.io
         if number % 5 == 0:
-            b[j.IO_SEQUENCE] += 1
-            b[j.IO_MODE] = 1 + (number // 250) % 4
-            for place in range(j.IO_DAMPING + 1):
-                b[place] = self.draw(8000) - (4000 if place < j.IO_STIFFNESS else 0)
+            b.sequence += 1
+            b.mode = 1 + (number // 250) % 4
+            b.position, b.velocity, b.current = self.draw(8000) - 4000, self.draw(8000) - 4000, self.draw(8000) - 4000
+            b.stiffness, b.damping = self.draw(8000), self.draw(8000)
         if number % 400 == 100:
             self.healthy()
             drive_clear(self.state)
         if number % 400 == 150:
-            home_at(self.cfg, self.state, self.state[j.S_POSITION])
+            home_at(self.cfg, self.state, self.state.position)
             begin_calibration(self.state, self.cal, 1 + number // 400 % 3)
-            b[j.IO_POSITION] = 0
+            b.position = 0
             drive_arm(self.cfg, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
         if number % 1300 == 1200:
-            b[j.IO_E_STOP] = 1
+            b.e_stop = 1
         self.steps(3)
         motion_tick(self.foc, self.cfg, self.state, b, self.cal)
         if number % 100 == 0:
-            b[j.IO_THERMISTOR_RAW] = 400 + self.draw(2000)
+            b.thermistor_raw = 400 + self.draw(2000)
             slow_tick(self.cfg, self.state, b, self.curve)
-        for block in (self.fields, self.state, self.cfg, self.cal):
-            self.take(block)
+        for block in (self.foc, self.state, self.cfg, self.cal):
+            self.take(pack(block)[:200])  # without the sine table, which nothing changes
 
     def run(self, ticks):
         """Return the digest over ``ticks`` ticks."""
