@@ -9,25 +9,18 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 * STOP from anywhere: it drives nothing until RESET.
 """
 
-from shared.attitude import ALIGNING, Attitude, attitude_step
-from shared.body import POSE_SIZE
-from shared.command import (
-    COMMAND_SIZE,
-    MODE_LIMP,
-    MODE_STAND,
-    MODE_WALK,
-    Command,
-    repeat_command,
-)
-from shared.gaits import GAIT_NAMES
-from shared.params import JOINTS, Params
-from shared.planner import Planner, plan
-from shared.planner_layout import Status
-from shared.planner_state import PlannerState
+from shared.body.params import JOINTS, Params
+from shared.body.pose import POSE_SIZE
+from shared.gait.gaits import GAIT_NAMES
+from shared.gait.steps import SPEED_SIZE
+from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, repeat_command
+from shared.planner.planner import Planner, plan
+from shared.planner.state import PlannerState
+from shared.planner.status import Status
 from shared.record import field, record
 from shared.runtime import const, hot, ptr8
-from shared.sensed import Sensed
-from shared.steps import SPEED_SIZE
+from shared.sense.attitude import ALIGNING, Attitude, attitude_step
+from shared.sense.sensed import Sensed
 
 from .link import (
     COMMAND,
@@ -79,7 +72,7 @@ class BoardStatus:
 
 
 class GaitBoard:
-    """The application. ``attitude`` is an attitude block (shared/attitude.py), ``sensor`` anything with read().
+    """The application. ``attitude`` is an attitude block (shared/sense/attitude.py), ``sensor`` anything with read().
 
     The frames it answers with lie in ``ready``, ``setpoints`` and ``reading``, each as many bytes as are to be sent.
     """

@@ -19,7 +19,7 @@ OVERHEAD = const(6)  # bytes of a frame beside its payload
 PAYLOAD = const(4)  # where the payload of a frame to be sent begins
 
 # To the board
-COMMAND = const(1)  # COMMAND_SIZE int32: shared/command.py
+COMMAND = const(1)  # COMMAND_SIZE int32: shared/planner/command.py
 SENSED = const(2)  # 12 int16 joint angles in brad, as measured
 COUNTS = const(3)  # 6 int16 gyro and accelerometer counts: for a board without its own sensor
 TICK = const(4)  # plan one tick now: for a board that is paced from outside

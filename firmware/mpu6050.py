@@ -9,7 +9,7 @@ counts without allocating. A reading that can't be trusted returns a fault inste
     SATURATED  a number at the end of its range SATURATED_READS times in a row
     SELF_TEST  the self-test differed from the factory's trim by more than 14 %
 
-The gyro's bias is not this file's: shared/attitude.py averages it while the robot stands still.
+The gyro's bias is not this file's: shared/sense/attitude.py averages it while the robot stands still.
 """
 
 import time

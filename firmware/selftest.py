@@ -1,6 +1,6 @@
 """Self-test of a firmware after its start: the core's arithmetic on this processor against known answers."""
 
-from shared.fixed import atan2_brad, cos_q15, isqrt, mul_q15, sin_q15
+from shared.num.fixed import atan2_brad, cos_q15, isqrt, mul_q15, sin_q15
 
 
 def self_test():

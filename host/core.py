@@ -67,7 +67,7 @@ def use_core() -> bool:
     _forget()
     sys.path.insert(0, str(core))
     try:
-        importlib.import_module("shared.fixed")
+        importlib.import_module("shared.num.fixed")
     except ImportError as error:
         _forget()
         sys.path.remove(str(core))

@@ -7,13 +7,13 @@ twelve angles back. Everything between those two conversions is the core's integ
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared import command as core
-from shared.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
-from shared.gaits import GAIT_NAMES
-from shared.planner import Planner
-from shared.planner_layout import STATE_NAMES
+from shared.gait.gaits import GAIT_NAMES
+from shared.planner import command as core
+from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
+from shared.planner.planner import Planner
+from shared.planner.status import STATE_NAMES
 from shared.record import pack
-from shared.sensed import Sensed
+from shared.sense.sensed import Sensed
 
 from .errors import UserError
 from .robot_model import Robot
@@ -59,12 +59,12 @@ class Driver:
 
     @property
     def command_integers(self) -> list[int]:
-        """The core's command of the last tick (shared/command.py); a record keeps it."""
+        """The core's command of the last tick (shared/planner/command.py); a record keeps it."""
         return list(pack(self._command))
 
     @property
     def sensed_integers(self) -> list[int]:
-        """What the core was told to be sensed in the last tick (shared/sensed.py)."""
+        """What the core was told to be sensed in the last tick (shared/sense/sensed.py)."""
         return list(self._sensed.pack())
 
     @property

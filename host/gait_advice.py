@@ -4,7 +4,7 @@ The robot file has what was tried (docs/robot-files.md); here is the one place t
 not name has not been tried.
 """
 
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 
 from .robot_model import Robot
 

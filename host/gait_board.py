@@ -8,9 +8,9 @@ from typing import Protocol
 from firmware import gait as application
 from firmware import link
 from firmware.mpu6050 import FAULT_NAMES
-from shared.command import Command
-from shared.params import JOINTS
-from shared.planner_layout import STATE_NAMES
+from shared.body.params import JOINTS
+from shared.planner.command import Command
+from shared.planner.status import STATE_NAMES
 from shared.record import pack
 
 from .errors import UserError

@@ -1,17 +1,18 @@
 """What the planner says of its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
 
-The core keeps codes (shared/handover.py, shared/crawl_state.py); here they get their words, for the walk's report,
+The core keeps codes (planner/handover.py, crawl/state.py); here they get their words, for the walk's report,
 the pages and the records.
 """
 
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from shared import adaptive, handover
-from shared import crawl_state as crawl
-from shared import planner_layout as core
-from shared.adaptive import BEHIND_STEP
-from shared.gaits import GAIT_NAMES
+from shared.crawl import state as crawl
+from shared.gait.gaits import GAIT_NAMES
+from shared.planner import handover
+from shared.planner import status as core
+from shared.trot import trot as adaptive
+from shared.trot.trot import BEHIND_STEP
 from sim2d.notes import Note
 
 from .drive import Driver

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from shared.gait import compile_gait
-from shared.gaits import GAIT_NAMES, GAITS
+from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.gait.table import compile_gait
 
 from .errors import UserError
 from .joint_gains import joint_blocks
@@ -29,7 +29,7 @@ def _planner(robot: Robot) -> None:
         try:
             compile_gait(table, params)
         except ValueError as error:
-            raise UserError(f"gait {name} (shared/gaits.py): {error}") from error
+            raise UserError(f"gait {name} (shared/gait/gaits.py): {error}") from error
 
 
 def _joints(robot: Robot) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import degrees
 
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 from sim2d.model import least_inertia_kgm2
 
 from .crawl_tuning import crawl_complaints

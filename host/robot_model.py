@@ -175,7 +175,7 @@ class Balance(Table):
 
 
 class Gait(Table):
-    """The gait after start-up, which gaits suit the robot, and what all share; the gaits are in shared/gaits.py.
+    """The gait after start-up, which gaits suit the robot, and what all share; the gaits are in shared/gait/gaits.py.
 
     Ask host/gait_advice.py which gaits are advised: it knows those that are named nowhere here, too.
     """

@@ -8,11 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, degrees, floor, isqrt, pi, sqrt
 
-from shared.attitude import (
-    Attitude,
-    attitude_reset,
-)
-from shared.params import LEGS, LF_BITS, Gains, Params
+from shared.body.params import LEGS, LF_BITS, Gains, Params
+from shared.sense.attitude import Attitude, attitude_reset
 
 from .crawl_tuning import fill_crawl
 from .errors import UserError
@@ -23,7 +20,7 @@ from .robot_model import JOINT_NAMES, Adaptive, Balance, Robot
 BRAD_PER_RAD = 65536 / (2 * pi)
 Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
 YAW18 = 1 << 18
-# Limits of the core's fields, from the docstrings of shared/steps.py and shared/pid.py.
+# Limits of the core's fields, from the docstrings of shared/gait/steps.py and shared/num/pid.py.
 LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
 GRAVITY_M_S2 = 9.81
@@ -88,7 +85,7 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
 
 
 def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
-    """Return the robot as the core's integers (shared/params.py); ``planar``: it may not sway sideways.
+    """Return the robot as the core's integers (shared/body/params.py); ``planar``: it may not sway sideways.
 
     Raises UserError, naming the key, where a value of the file can't be had at this rate.
     """
@@ -143,7 +140,7 @@ def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
 
 
 def _gains(given: Gains, table: str, gains: Balance | Adaptive, rate_hz: int) -> None:
-    """Write kp, ki and kd of a table of the file as the three gains of shared/pid.py."""
+    """Write kp, ki and kd of a table of the file as the three gains of shared/num/pid.py."""
     values = (
         ("kp", "kp_q12", gains.kp * Q12),
         ("ki_1_s", "ki_q16", gains.ki_1_s / rate_hz * Q16),
@@ -275,7 +272,7 @@ def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
 
 
 def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
-    """Return a fresh attitude filter (shared/attitude.py) with the robot's IMU scales."""
+    """Return a fresh attitude filter (shared/sense/attitude.py) with the robot's IMU scales."""
     rate = robot.control.rate_hz if rate_hz is None else rate_hz
     imu = robot.imu
     block = Attitude()

@@ -56,6 +56,46 @@ def test_imports_run_one_way():
     assert forbidden_imports(ROOT) == []
 
 
+# The packages of the core, in the order of their imports: each imports itself and those above it.
+CORE = ("runtime", "record", "num", "body", "sense", "gait", "trot", "crawl", "planner", "joint", "wire")
+BESIDE = {"joint": ("gait", "trot", "crawl", "planner", "sense", "body"), "trot": ("crawl",), "crawl": ("trot",)}
+
+
+def core_order(root: Path) -> list[str]:
+    """Return ``file: import`` for every import in the core that runs against the order of its packages."""
+    wrong = []
+    for path in sorted((root / "shared").rglob("*.py")):
+        own = path.relative_to(root / "shared").parts[0].removesuffix(".py")
+        if own == "__init__":
+            continue
+        for name in imports(path, root):
+            parts = name.split(".")
+            if parts[0] != "shared" or parts[1] == own:
+                continue
+            if parts[1] not in CORE[: CORE.index(own)] or parts[1] in BESIDE.get(own, ()):
+                wrong.append(f"{path.relative_to(root)}: {name}")
+    return wrong
+
+
+def test_the_packages_of_the_core_import_in_one_direction():
+    assert core_order(ROOT) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("shared/num/fixed.py", "from ..body.leg import leg_inverse"),
+        ("shared/trot/sway.py", "from ..crawl.map import Map"),
+        ("shared/crawl/map.py", "def f():\n    from shared.planner import planner"),
+        ("shared/record.py", "from .num import fixed"),
+    ],
+)
+def test_an_import_against_the_order_is_found(tmp_path, file, line):
+    (tmp_path / file).parent.mkdir(parents=True)
+    (tmp_path / file).write_text(line)
+    assert len(core_order(tmp_path)) == 1
+
+
 def test_all_folders_are_looked_at():
     for folder in FOLDERS:
         assert list((ROOT / folder).rglob("*.py")), folder
@@ -64,11 +104,11 @@ def test_all_folders_are_looked_at():
 @pytest.mark.parametrize(
     ("file", "line", "name"),
     [
-        ("shared/leg.py", "import math", "math"),
-        ("shared/leg.py", "def f():\n    import time", "time"),
-        ("shared/leg.py", "from host.scale import brad", "host.scale.brad"),
+        ("shared/body/leg.py", "import math", "math"),
+        ("shared/body/leg.py", "def f():\n    import time", "time"),
+        ("shared/body/leg.py", "from host.scale import brad", "host.scale.brad"),
         ("shared/joint/svpwm.py", "from ... import host", "host"),
-        ("shared/leg.py", "m = __import__('math')", "?"),
+        ("shared/body/leg.py", "m = __import__('math')", "?"),
         ("firmware/main.py", "import numpy", "numpy"),
         ("firmware/main.py", "from host import cli", "host.cli"),
         ("firmware/boards/real.py", "from ...sim2d.world import World", "sim2d.world.World"),
@@ -87,11 +127,11 @@ def test_an_import_the_wrong_way_is_found(tmp_path, file, line, name):
 @pytest.mark.parametrize(
     ("file", "line"),
     [
-        ("shared/leg.py", "from array import array\nfrom .fixed import isqrt"),
+        ("shared/body/leg.py", "from array import array\nfrom .fixed import isqrt"),
         ("shared/joint/svpwm.py", "from ..fixed import isqrt"),
-        ("firmware/main.py", "import machine\nfrom shared.fixed import isqrt"),
-        ("sim2d/run.py", "import pymunk\nfrom shared.fixed import isqrt\nfrom .world import World"),
-        ("host/cli.py", "import numpy\nfrom sim2d import run\nfrom firmware import joint\nfrom shared import leg"),
+        ("firmware/main.py", "import machine\nfrom shared.num.fixed import isqrt"),
+        ("sim2d/run.py", "import pymunk\nfrom shared.num.fixed import isqrt\nfrom .world import World"),
+        ("host/cli.py", "import numpy\nfrom sim2d import run\nfrom firmware import joint\nfrom shared.body import leg"),
         ("tests/test_x.py", "import host.cli\nimport hypothesis"),
     ],
 )

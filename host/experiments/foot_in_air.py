@@ -2,7 +2,7 @@
 
 The plane has no hips: there the foot goes forward and up only.
 
-The path is the core's own cycloid (shared/swing.py), sampled evenly, sent every tick over the late bus; the foot
+The path is the core's own cycloid (shared/gait/swing.py), sampled evenly, sent every tick over the late bus; the foot
 is where the encoders put it. Its time ends when the foot comes within ARRIVED_M of where it stays.
 """
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from shared.swing import cycloid_q15, lift_q15, swing_phase_q16
+from shared.gait.swing import cycloid_q15, lift_q15, swing_phase_q16
 from sim2d import terrain
 from sim2d.world import World
 

@@ -6,7 +6,8 @@ and last there is no attitude, so the planner walks without balance; a sensor th
 
 from collections.abc import Sequence
 
-from shared.attitude import (
+from shared.runtime import zeros
+from shared.sense.attitude import (
     ACCEL_REJECTED,
     ALIGNING,
     MOVED_WHILE_ALIGNING,
@@ -14,7 +15,6 @@ from shared.attitude import (
     attitude_step,
     rate_q18,
 )
-from shared.runtime import zeros
 
 from ..robot_model import Robot
 from ..scale import attitude_block, rad

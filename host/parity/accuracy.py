@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from shared import body, fixed, leg
-from shared.params import Params
+from shared.body import leg
+from shared.body import pose as body
+from shared.body.params import Params
+from shared.num import fixed
 from shared.runtime import zeros
 
 from ..kinematics_si import Vector, leg_forward

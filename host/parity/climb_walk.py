@@ -10,8 +10,8 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.link import PAYLOAD
 from firmware.mpu6050 import Mpu6050
-from shared.command import MODE_STAND, MODE_WALK, Command
-from shared.gaits import GAIT_CLIMB
+from shared.gait.gaits import GAIT_CLIMB
+from shared.planner.command import MODE_STAND, MODE_WALK, Command
 from shared.record import pack
 from sim2d import terrain
 from sim2d.run import Sensed, simulate

@@ -33,7 +33,7 @@ class Allocation:
 class Promise:
     """What the registry says: the bound on intermediates; whether the function belongs to a tick.
 
-    ``name`` is the function's, as in "leg.leg_inverse" for shared/leg.py.
+    ``name`` is the function's, as in "leg.leg_inverse" for shared/body/leg.py.
     """
 
     name: str
@@ -77,7 +77,7 @@ def unregistered(sources: Path, work: Path) -> list[str]:
     missing = []
     for path in sorted((sources / "shared").rglob("*.py")):
         source = path.relative_to(sources / "shared").as_posix().removesuffix(".py").replace("/", ".")
-        if source not in ("runtime", "record", "sensed"):
+        if source not in ("runtime", "record", "sense.sensed"):
             missing += [f"{source}.{name}" for name in public_functions(sources, source)]
     return [name for name in missing if name not in known]
 

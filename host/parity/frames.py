@@ -16,7 +16,7 @@ from ..runtimes.process import run_command
 
 LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
 
-Frames = dict[str, int]  # "shared/fixed.py:sin_q15" -> words
+Frames = dict[str, int]  # "shared/num/fixed.py:sin_q15" -> words
 
 
 def own_frames(root: Path, work: Path) -> Frames:

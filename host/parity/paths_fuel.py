@@ -10,7 +10,7 @@ from firmware import chip as c
 from firmware.chip_io import BUS_CHANNEL
 from firmware.chip_setup import MCU_CHANNEL, THERMISTOR_CHANNEL
 from firmware.encoders import READ_ANGLE
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 
 from ..build.frozen import select
 from ..build.generated import generated_modules

@@ -12,8 +12,8 @@ from typing import Any
 
 from firmware import link
 from firmware.gait import BoardStatus
-from shared.gaits import GAIT_CLIMB, GAIT_NAMES
-from shared.planner_layout import CLIMB_ON, WALKING, Status
+from shared.gait.gaits import GAIT_CLIMB, GAIT_NAMES
+from shared.planner.status import CLIMB_ON, WALKING, Status
 
 from ..build.records import place_of
 from ..robot_file import load_robot

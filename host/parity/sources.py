@@ -53,10 +53,10 @@ def robot_blocks() -> str:
     joints = [_joint_blocks(**setup) for setup in JOINT_SETUPS]
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
-        "from shared.attitude import Attitude\n"
+        "from shared.sense.attitude import Attitude\n"
         "from shared.joint.layout import SINE_SIZE, Foc, JointConfig\n"
         "from shared.joint.sine import fill_sine\n"
-        "from shared.params import Params\n"
+        "from shared.body.params import Params\n"
         "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"
         "def _params(values) -> Params:\n"

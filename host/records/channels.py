@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from shared.command import COMMAND_SIZE
+from shared.planner.command import COMMAND_SIZE
 
 NUMBER: dict[str, Any] = {"type": "number"}
 WHOLE: dict[str, Any] = {"type": "integer"}

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shared.command import Command
-from shared.params import Params
-from shared.planner import Planner
+from shared.body.params import Params
+from shared.planner.command import Command
+from shared.planner.planner import Planner
 from shared.record import pack, unpack
-from shared.sensed import Sensed
+from shared.sense.sensed import Sensed
 
 from ..errors import UserError
 from .channels import CHANNELS

@@ -8,7 +8,7 @@ import os
 import re
 from dataclasses import dataclass, field
 
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 
 from ..robot_model import Robot
 from .arbiter import Client

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 
 LONGEST = 512
 POSTURES = ("stand", "sit", "rest")

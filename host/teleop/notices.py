@@ -1,6 +1,6 @@
 """What the planner notices in a tick, in words for whoever drives."""
 
-from shared import planner_layout as core
+from shared.planner import status as core
 
 TOLD_S = 3.0  # an odd reading is a matter of one tick, too short to be seen (chosen)
 WORDS = {

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from shared import planner_layout as core
+from shared.planner import status as core
 
 from ..buses.base import Bus, Measured
 from ..drive import Driver

@@ -1,6 +1,6 @@
 """What the page draws: joints, feet, support polygon and centre of mass, in m, level with the ground.
 
-Origin in the middle of the hips; x forward, y left, z up, turned by roll and pitch as shared/attitude.py has them.
+Origin in the middle of the hips; x forward, y left, z up, turned by roll and pitch as in shared/sense/attitude.py.
 Masses sit on the lines between the joints; the few mm beside them are left out.
 """
 

@@ -4,7 +4,7 @@ Once a millisecond. The result is current_reference, joint-signed; write_current
 step. Every limit that acts sets its LIMIT_* bit in state.limits.
 """
 
-from ..fixed import saturate
+from ..num.fixed import saturate
 from ..runtime import const, hot
 from ..wire.names import (
     LIMIT_ACCELERATION,

@@ -11,7 +11,7 @@ step says so by its result:
     if code: switch the bridge off
 """
 
-from ..fixed import round_sqrt
+from ..num.fixed import round_sqrt
 from ..runtime import const, hot
 from .layout import COSINE_AT, Foc, LoopSettings
 from .svpwm import svpwm

@@ -4,7 +4,7 @@ The rotor angle is kept as whole turns and a fraction, so nothing is lost in any
 to +-(2^30 - 2). state.position is the same, joint-signed, from the joint's zero, within +-2^29 rc.
 """
 
-from ..fixed import saturate
+from ..num.fixed import saturate
 from ..runtime import const, hot
 from .layout import Foc, JointConfig, JointIo, JointState
 

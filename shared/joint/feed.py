@@ -5,7 +5,7 @@ the current, all turned ahead by the angle the rotor goes from the samples until
 The rotor's angle itself is led here by the age of its reading, so that the current step has nothing to add.
 """
 
-from ..fixed import cos_q15, mul_q15, saturate, sin_q15
+from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
 from .layout import Foc, JointConfig, JointState
 from .sine import TABLE_HALF_STEP

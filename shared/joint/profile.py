@@ -4,7 +4,7 @@ Each tick the wanted speed is the target's own plus what can still be braked awa
 left, sqrt(2 a d), no more than the limit; the speed goes there by at most the acceleration.
 """
 
-from ..fixed import isqrt, saturate
+from ..num.fixed import isqrt, saturate
 from ..runtime import const, hot
 from .layout import JointState
 

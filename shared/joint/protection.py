@@ -4,7 +4,7 @@ Each check runs in every state, so that a cause that is still there also refuses
 Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
-from ..fixed import isqrt
+from ..num.fixed import isqrt
 from ..runtime import Ints, const, hot
 from ..wire.names import (
     LIMIT_I2T,

@@ -1,6 +1,6 @@
 """What the joint reports, in the wire's units (docs/can-protocol.md), saturated, never wrapped."""
 
-from ..fixed import saturate
+from ..num.fixed import saturate
 from ..runtime import const, hot
 from .layout import Foc, JointConfig, JointState
 

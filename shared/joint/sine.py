@@ -5,7 +5,7 @@ brad, with s + c r and c - s r: error r^2 / 2 < 5e-6. It lies behind the places 
 array handed to a viper function costs it some 110 instructions a call.
 """
 
-from ..fixed import sin_q15
+from ..num.fixed import sin_q15
 from ..runtime import const, hot
 from .layout import SINE_SIZE, Foc
 

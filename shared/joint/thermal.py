@@ -5,7 +5,7 @@ copper at the winding's temperature, and leaks to the housing, the housing to th
 between the windings lags behind the copper, so the hotter of sensor and model counts.
 """
 
-from ..fixed import saturate
+from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from .cascade import fall_q15
 from .layout import JointConfig, JointState

@@ -1,13 +1,7 @@
 """Whether a parameter may be read or written: the refusals behind RESULT_*; a value is never bent into range."""
 
 from ..runtime import const, hot, ptr16, ptr32
-from .names import (
-    RESULT_NEEDS_DISARMED,
-    RESULT_OK,
-    RESULT_OUT_OF_RANGE,
-    RESULT_READ_ONLY,
-    RESULT_UNKNOWN_PARAMETER,
-)
+from .names import RESULT_NEEDS_DISARMED, RESULT_OK, RESULT_OUT_OF_RANGE, RESULT_READ_ONLY, RESULT_UNKNOWN_PARAMETER
 from .parameters import PARAMETER_FLAGS, PARAMETER_HIGH, PARAMETER_LOW, PARAMETERS
 
 _ACCESS_MASK = const(3)

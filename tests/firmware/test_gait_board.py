@@ -15,11 +15,11 @@ from host.gait_frames import frame
 from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
-from shared.attitude import ALIGNING, attitude_step
-from shared.command import COMMAND_SIZE, MODE_WALK, Command
-from shared.planner import Planner
+from shared.planner.command import COMMAND_SIZE, MODE_WALK, Command
+from shared.planner.planner import Planner
 from shared.record import pack
-from shared.sensed import Sensed
+from shared.sense.attitude import ALIGNING, attitude_step
+from shared.sense.sensed import Sensed
 from sim2d import terrain
 from sim2d.run import simulate
 

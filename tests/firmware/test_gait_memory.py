@@ -13,7 +13,7 @@ from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.runtimes import Unix, Wasi
 from host.scale import attitude_block, brad, core_params
-from shared.planner_layout import LIMP, STANDING, WALKING
+from shared.planner.status import LIMP, STANDING, WALKING
 from shared.record import pack
 
 from ..marks import skip_without
@@ -27,8 +27,8 @@ SCRIPT = """
 import json, micropython
 from data import ATTITUDE, BLOCKS, PARAMS
 from gait_run import gait_run
-from shared.attitude import Attitude
-from shared.params import Params
+from shared.sense.attitude import Attitude
+from shared.body.params import Params
 from shared.record import unpack
 %s
 params, attitude = Params(), Attitude()

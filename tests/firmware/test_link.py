@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from firmware import gait, link
 from host.gait_frames import FrameReader, frame
-from shared.planner_layout import Status
+from shared.planner.status import Status
 from shared.record import pack, unpack
 
 NOISE = random.Random(7)

@@ -53,7 +53,7 @@ def frame():
     """Return, read once, the modules that start a board, quick to start, without those that tests replace."""
     known = read_modules(ROOT)
     names = [name for name in closure(known, list(RUNTIME)) if name not in ("firmware.selftest", "firmware.chip_flash")]
-    files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.fixed")}
+    files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.num.fixed")}
     files["main.py"] = files.pop("firmware/main.py")
     startup = files["firmware/startup.py"]
     files["firmware/startup.py"] = startup.replace("_START_DELAY_MS = 500", "_START_DELAY_MS = 5")

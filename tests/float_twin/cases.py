@@ -8,7 +8,7 @@ import math
 
 from probe.robots import ATTITUDES, PARAMS
 
-from shared.gaits import GAIT_NAMES, GAITS
+from shared.gait.gaits import GAIT_NAMES, GAITS
 
 from . import body, fixed, leg, planner, reach, swing
 from .attitude import Attitude

@@ -1,4 +1,4 @@
-"""The primitives as real numbers: what shared/fixed.py rounds. Plain math; runs on MicroPython too."""
+"""The primitives as real numbers: what shared/num/fixed.py rounds. Plain math; runs on MicroPython too."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""A gait table in floats: how long, which legs, how far the body goes in each tick. Table layout: shared/gaits.py."""
+"""A gait table in floats: how long, which legs, how far the body goes in each tick. Layout: shared/gait/gaits.py."""
 
 from .swing import advance, instants
 

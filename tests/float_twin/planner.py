@@ -1,6 +1,6 @@
 """The whole planner in floats and metres, on a map: the body walks over it, feet stand on points of it.
 
-Where shared/planner.py moves footholds under a body that stays where it is, this one moves the body and leaves
+Where shared/planner/planner.py moves footholds under a body that stays where it is, this one moves the body and leaves
 the footholds alone. Commands come as an object with mode, gait, speed (vx, vy, wz), pose (6), balance, height_m;
 senses with roll, pitch, attitude_ok, joints (12), joints_ok, none of them odd. All in SI.
 """

@@ -2,7 +2,7 @@
 
 import math
 
-from shared.gaits import GAITS
+from shared.gait.gaits import GAITS
 
 from . import attitude, leg, planner, reach, swing
 from .gait import Gait

@@ -7,7 +7,7 @@ import pytest
 
 from host.gait_advice import UNTRIED, gait_advice, why_not_advised
 from host.robot_file import load_robot, robot_names
-from shared.gaits import GAIT_NAMES
+from shared.gait.gaits import GAIT_NAMES
 
 DOCS = Path(__file__).resolve().parents[2] / "docs" / "gaits.md"
 

@@ -5,9 +5,9 @@ import pytest
 from host.drive import Driver
 from host.gait_changes import GaitWatch, change_lines, change_reason, crawl_event, gait_now, notes_json
 from host.robot_file import load_robot
-from shared import crawl_state as crawl
-from shared import handover
-from shared import planner_layout as core
+from shared.crawl import state as crawl
+from shared.planner import handover
+from shared.planner import status as core
 
 REASONS = [value for name, value in vars(handover).items() if name.startswith("REASON_") and name != "REASON_NONE"]
 EVENTS = [value for name, value in vars(crawl).items() if name.startswith("EVENT_") and name != "EVENT_NONE"]

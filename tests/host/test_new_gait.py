@@ -1,4 +1,4 @@
-"""A gait is one entry in shared/gaits.py: with that alone the command walks it, and says that nobody has tried it."""
+"""A gait is one entry in shared/gait/gaits.py: with that the command walks it, and says that nobody has tried it."""
 
 import json
 import subprocess
@@ -16,13 +16,13 @@ LAST = '    ("climb", CRAWL),\n'
 # Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
 PACE = '    ("pace", ((30, 100, 100, 0), ((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1)))),\n'
 NO_TIME = '    ("pace", ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'
-# Runs the command with another text of shared/gaits.py.
+# Runs the command with another text of shared/gait/gaits.py.
 WITH_GAITS = """
 import sys, types
-import shared
-gaits = types.ModuleType("shared.gaits")
-gaits.__package__ = "shared"
-sys.modules["shared.gaits"] = shared.gaits = gaits
+import shared.gait
+gaits = types.ModuleType("shared.gait.gaits")
+gaits.__package__ = "shared.gait"
+sys.modules["shared.gait.gaits"] = shared.gait.gaits = gaits
 exec(sys.stdin.read(), gaits.__dict__)
 from host.cli import main
 sys.exit(main(sys.argv[1:]))
@@ -31,7 +31,7 @@ sys.exit(main(sys.argv[1:]))
 
 def with_entry(entry, *arguments):
     """Run the command of a core that has one entry more; return exit code, stdout and stderr."""
-    text = (ROOT / "shared" / "gaits.py").read_text()
+    text = (ROOT / "shared" / "gait" / "gaits.py").read_text()
     assert text.count(LAST) == 1
     done = subprocess.run(
         [sys.executable, "-c", WITH_GAITS, *arguments], input=text.replace(LAST, LAST + entry),
@@ -56,4 +56,4 @@ def test_an_entry_without_a_duration_is_told_in_one_line():
         code, out, err = with_entry(NO_TIME, *command)
         assert (code, out) == (2, "")
         assert err.count("\n") == 1
-        assert "gait pace (shared/gaits.py): segment 0: duration >= 1 ms" in err
+        assert "gait pace (shared/gait/gaits.py): segment 0: duration >= 1 ms" in err

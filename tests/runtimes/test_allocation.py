@@ -58,7 +58,7 @@ def test_2000_ticks_in_a_row_run_while_the_heap_is_locked(sources, tmp_path, gai
 )
 def test_a_planted_allocation_is_found(sources, tmp_path, wrong):
     right = "        return high\n    return value\n"
-    copy = plant(sources, tmp_path, "shared/fixed.py", right, right.replace("value", wrong))
+    copy = plant(sources, tmp_path, "shared/num/fixed.py", right, right.replace("value", wrong))
     runtime = Wasi("source")
     tree = runtime.prepare(copy, tmp_path)
     rows = runtime.ask(tree, "from probe import measure\nmeasure.allocation('fixed', 24)\n")["rows"]

@@ -173,8 +173,8 @@ def test_a_role_brings_along_all_it_imports(role):
     modules = read_modules(ROOT)
     names = select(modules, role)
     assert names == closure(modules, names)
-    assert "shared.fixed" in names
-    assert ("shared.planner" in names) == (role == "gait")
+    assert "shared.num.fixed" in names
+    assert ("shared.planner.planner" in names) == (role == "gait")
     assert ("shared.joint.current" in names) == (role == "joint")
 
 

@@ -56,9 +56,10 @@ def test_a_wrong_machine_code_is_found_with_its_vector(sources, tmp_path, monkey
     probe = sources / "probe" / "__init__.py"
     one = probe.read_text() + "\nMODULES = ('fixed',)\n"
     few = plant(sources, tmp_path, "probe/__init__.py", probe.read_text(), one)
-    wrong = plant(few, tmp_path / "wrong", "shared/fixed.py", "    return value\n\n\n@hot\ndef cos_q15(",
+    wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    return value\n\n\n@hot\ndef cos_q15(",
                   "    return value - (value >> 14)\n\n\n@hot\ndef cos_q15(")
-    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in ("shared.fixed", "shared.swing"))
+    few = ("shared.num.fixed", "shared.gait.swing")
+    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in few)
     monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
     reference, other = Report(CPython()), Report(Compiled())
     (tmp_path / "a").mkdir()
@@ -104,14 +105,14 @@ def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
 
 
 def test_another_source_is_another_core(sources, tmp_path):
-    changed = plant(sources, tmp_path, "shared/pid.py", "@hot\ndef pid_step(", "\n@hot\ndef pid_step(")
+    changed = plant(sources, tmp_path, "shared/num/pid.py", "@hot\ndef pid_step(", "\n@hot\ndef pid_step(")
     assert core.sources_id(changed) != core.sources_id(sources) == core.sources_id()
 
 
 def test_it_is_not_mixed_with_sources_that_run_already(compiled_home, monkeypatch):
     monkeypatch.setenv(core.SWITCH, str(compiled_home))
     before = list(sys.path)
-    assert "shared.leg" in sys.modules or __import__("shared.leg")
+    assert "shared.body.leg" in sys.modules or __import__("shared.body.leg")
     assert core.use_core() is False
     assert sys.path == before
 
@@ -162,7 +163,7 @@ def test_a_compiler_that_fails_leaves_nothing_behind(tmp_path, monkeypatch):
     compiler.write_text("#!/bin/sh\necho 'error: on purpose' >&2\nexit 1\n")
     compiler.chmod(0o755)
     monkeypatch.setenv("CC", str(compiler))
-    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name == "shared.fixed")
+    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name == "shared.num.fixed")
     with pytest.raises(UserError, match=r"compiling the core failed: .*error"):
         native_core.build_core(tmp_path / "home" / "core")
     assert list((tmp_path / "home").iterdir()) == []

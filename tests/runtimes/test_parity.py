@@ -21,7 +21,7 @@ def test_every_public_function_has_vectors(sources, tmp_path):
 
 def test_a_function_without_vectors_is_named(sources, tmp_path):
     new = "def quite_new(a):\n    return a\n\n\n@hot\ndef pid_step("
-    copy = plant(sources, tmp_path, "shared/pid.py", "@hot\ndef pid_step(", new)
+    copy = plant(sources, tmp_path, "shared/num/pid.py", "@hot\ndef pid_step(", new)
     work = tmp_path / "work"
     work.mkdir()
     assert "pid.quite_new" in unregistered(copy, work)
@@ -45,7 +45,7 @@ def test_every_emitter_agrees(sources, tmp_path):
 
 
 def planted_report(runtime: Runtime, sources: Path, work: Path) -> Report:
-    """Return a report on shared/fixed.py alone, which is quick."""
+    """Return a report on shared/num/fixed.py alone, which is quick."""
     probe = sources / "probe" / "__init__.py"
     few = plant(sources, work, "probe/__init__.py", probe.read_text(), probe.read_text() + "\nMODULES = ('fixed',)\n")
     report = Report(runtime)
@@ -56,7 +56,7 @@ def planted_report(runtime: Runtime, sources: Path, work: Path) -> Report:
 def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
     reference = planted_report(CPython(), sources, tmp_path / "reference")
     end = "    return value\n\n\n@hot\ndef cos_q15("
-    copy = plant(sources, tmp_path, "shared/fixed.py", end, "    if value > 32000:\n        return 32767\n" + end)
+    copy = plant(sources, tmp_path, "shared/num/fixed.py", end, "    if value > 32000:\n        return 32767\n" + end)
     other = planted_report(Wasi("source"), copy, tmp_path / "other")
     assert other.failure is None
     difference = first_difference(reference, other)
@@ -72,7 +72,7 @@ def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
 
 
 def test_a_module_that_does_not_even_load_is_a_failure_not_a_pass(sources, tmp_path):
-    copy = plant(sources, tmp_path, "shared/fixed.py", "def saturate(", "def saturate(value, *, low")
+    copy = plant(sources, tmp_path, "shared/num/fixed.py", "def saturate(", "def saturate(value, *, low")
     report = planted_report(Wasi("source"), copy, tmp_path / "other")
     assert report.failure is not None
     assert report.digests == {}

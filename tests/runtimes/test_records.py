@@ -9,10 +9,10 @@ from host.build.lower import lower
 from host.build.rewrite import rewrite
 from host.build.source import ROOT, BuildError, read_modules
 from host.build.typed import typed_modules
-from shared.params import LEGS, Params
-from shared.pid import Pid
+from shared.body.params import LEGS, Params
+from shared.num.pid import Pid
 from shared.record import copy, pack, unpack
-from shared.sensed import Sensed
+from shared.sense.sensed import Sensed
 
 HEAD = '''"""One."""
 

@@ -18,11 +18,11 @@ def word(dice):
 
 def drive_planner(params, ticks, dice):
     """Any words in command and senses, with modes that lead through all states."""
-    from shared.command import Command
-    from shared.params import Params
-    from shared.planner import Planner
+    from shared.body.params import Params
+    from shared.planner.command import Command
+    from shared.planner.planner import Planner
     from shared.record import pack, unpack
-    from shared.sensed import Sensed
+    from shared.sense.sensed import Sensed
 
     robot = Params()
     unpack(robot, params)
@@ -38,8 +38,8 @@ def drive_planner(params, ticks, dice):
 
 def drive_attitude(array, block, ticks, dice):
     """Any readings, half of them at the ends of int16; every trust and tolerance."""
-    from shared.attitude import Attitude, attitude_step
     from shared.record import unpack
+    from shared.sense.attitude import Attitude, attitude_step
 
     ends = (-32768, -32767, -1, 0, 1, 16384, 32767)
     for trust in (0, 700, 32767):
@@ -59,7 +59,7 @@ def drive_attitude(array, block, ticks, dice):
 
 def drive_pid(ticks, dice):
     """The largest gains and limits, any angles."""
-    from shared.pid import Pid, pid_step
+    from shared.num.pid import Pid, pid_step
     from shared.record import unpack
 
     made = Pid()

@@ -10,11 +10,12 @@ import pickle
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 
-from shared import crawl_state as at
-from shared import crawl_steps, footholds
-from shared.contact import PAST_SIZE
-from shared.crawl import move_origin, rebase
-from shared.crawl_state import Crawl
+from shared.crawl import footholds
+from shared.crawl import state as at
+from shared.crawl import steps as crawl_steps
+from shared.crawl.contact import PAST_SIZE
+from shared.crawl.crawl import move_origin, rebase
+from shared.crawl.state import Crawl
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
 

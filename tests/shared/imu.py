@@ -5,7 +5,7 @@ from array import array
 
 from host.robot_file import load_robot
 from host.scale import attitude_block
-from shared.attitude import Attitude
+from shared.sense.attitude import Attitude
 from tests.float_twin import attitude as twin
 
 GYRO_COUNTS_PER_RAD_S = 131 * 180 / math.pi

@@ -6,15 +6,17 @@ from array import array
 
 import pytest
 
-from shared import adaptive, ground, navigate, sensing, sway, tipping
-from shared import command as c
-from shared import planner_layout as n
-from shared import steps as s
-from shared.gait import compile_gait
-from shared.gaits import GAIT_ADAPTIVE, GAITS
-from shared.navigate import Navigation
-from shared.params import Params
+from shared.body.params import Params
+from shared.gait import steps as s
+from shared.gait.gaits import GAIT_ADAPTIVE, GAITS
+from shared.gait.table import compile_gait
+from shared.planner import command as c
+from shared.planner import status as n
 from shared.record import copy, pack, unpack
+from shared.sense import legs as sensing
+from shared.trot import ground, navigate, sway, tipping
+from shared.trot import trot as adaptive
+from shared.trot.navigate import Navigation
 from tests.float_twin import adaptive as twin
 
 from .robots import block, rad

@@ -1,4 +1,4 @@
-"""shared/attitude.py against the float filter of the same law, and against motions that are known."""
+"""shared/sense/attitude.py against the float filter of the same law, and against motions that are known."""
 
 import itertools
 import math
@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import attitude as a
 from shared.record import pack
+from shared.sense import attitude as a
 from tests.float_twin.attitude import turned_back
 
 from .bars import integers, repeatable

@@ -1,4 +1,4 @@
-"""shared/body.py against the float matrices: the rotation, the foot error, feet that stay put in the world."""
+"""shared/body/pose.py against the float matrices: the rotation, the foot error, feet that stay put in the world."""
 
 import math
 import random
@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body import POSE_SIZE, body_rotation, body_to_hip, mul_unit
-from shared.leg import leg_inverse, limit_joints
-from shared.reach import reach_foot
+from shared.body.leg import leg_inverse, limit_joints
+from shared.body.pose import POSE_SIZE, body_rotation, body_to_hip, mul_unit
+from shared.body.reach import reach_foot
 from tests.float_twin import body as twin
 from tests.float_twin import leg as twin_leg
 

@@ -11,17 +11,17 @@ from hypothesis import strategies as st
 from host.drive import Driver
 from host.plane import planar_robot
 from host.robot_file import load_robot
-from shared import command as c
-from shared import crawl_state as at
-from shared import planner_layout as n
-from shared.crawl import rebase
-from shared.crawl_map import Map, fit_body
-from shared.crawl_state import Crawl
-from shared.filters import fraction, quintic_q15
-from shared.footholds import MOST_FOOTHOLDS, Footholds, foothold_add, foothold_drop
-from shared.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
-from shared.sensing import SENSING_SIZE
-from shared.swing_leg import brake_speed
+from shared.crawl import state as at
+from shared.crawl.crawl import rebase
+from shared.crawl.footholds import MOST_FOOTHOLDS, Footholds, foothold_add, foothold_drop
+from shared.crawl.map import Map, fit_body
+from shared.crawl.state import Crawl
+from shared.crawl.swing import brake_speed
+from shared.num.filters import fraction, quintic_q15
+from shared.planner import command as c
+from shared.planner import status as n
+from shared.planner.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
+from shared.sense.legs import SENSING_SIZE
 from sim2d import terrain
 from sim2d.run import simulate
 

@@ -1,14 +1,14 @@
-"""shared/command.py: speeds and poses move towards any command by no more than their slew, within their limits."""
+"""shared/planner/command.py: speeds and poses move towards any command by at most their slew, within limits."""
 
 from array import array
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import command as c
-from shared.body import POSE_SIZE
-from shared.gait import compile_gait
-from shared.gaits import GAITS
+from shared.body.pose import POSE_SIZE
+from shared.gait.gaits import GAITS
+from shared.gait.table import compile_gait
+from shared.planner import command as c
 from tests.float_twin.fixed import towards
 
 from .bars import integers, repeatable

@@ -8,14 +8,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import command as c
-from shared import crawl_state as at
-from shared import handover, planner, planner_climb, planner_steps, retreat, sensing
-from shared import planner_layout as n
-from shared.adaptive import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
-from shared.command import Command
-from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
-from shared.planner_layout import Status
+from shared.crawl import state as at
+from shared.gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
+from shared.planner import command as c
+from shared.planner import exchange as planner_climb
+from shared.planner import handover, planner, retreat
+from shared.planner import status as n
+from shared.planner import steps as planner_steps
+from shared.planner.command import Command
+from shared.planner.status import Status
+from shared.sense import legs as sensing
+from shared.trot.trot import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
 from tests.float_twin import crawl_exchange as twin
 from tests.float_twin.doubt import Doubt
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from shared import crawl_steps
+from shared.crawl import steps as crawl_steps
 from tests.float_twin import crawl_machine as twin
 
 from .bars import repeatable

@@ -8,23 +8,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import (
-    body,
-    contact,
-    crawl_even,
-    crawl_goals,
-    crawl_map,
-    crawl_pose,
-    footholds,
-    handover,
-    retreat,
-    swing_leg,
-)
-from shared import crawl as core_crawl
-from shared.command import COMMAND_SIZE
-from shared.crawl_state import SHIFT, Crawl
-from shared.planner_layout import LIMIT_FLAGS
-from shared.sensing import M_FORCE_Q12, SENSING_SIZE
+from shared.body import pose as body
+from shared.crawl import contact, footholds
+from shared.crawl import crawl as core_crawl
+from shared.crawl import even as crawl_even
+from shared.crawl import goals as crawl_goals
+from shared.crawl import map as crawl_map
+from shared.crawl import pose as crawl_pose
+from shared.crawl import swing as swing_leg
+from shared.crawl.state import SHIFT, Crawl
+from shared.planner import handover, retreat
+from shared.planner.command import COMMAND_SIZE
+from shared.planner.status import LIMIT_FLAGS
+from shared.sense.legs import M_FORCE_Q12, SENSING_SIZE
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin import crawl_plan as plan

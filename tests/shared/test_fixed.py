@@ -1,11 +1,11 @@
-"""shared/fixed.py against real numbers: every error stated in its docstrings, over the whole ranges."""
+"""shared/num/fixed.py against real numbers: every error stated in its docstrings, over the whole ranges."""
 
 import math
 
 import pytest
 from hypothesis import example, given
 
-from shared.fixed import (
+from shared.num.fixed import (
     atan2_brad,
     atan2_brad18,
     cos_q15,

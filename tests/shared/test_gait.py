@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import gait as g
-from shared import planner_layout as n
-from shared import steps as s
-from shared.gaits import GAIT_NAMES, GAITS
+from shared.gait import steps as s
+from shared.gait import table as g
+from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.planner import status as n
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
 

@@ -1,4 +1,4 @@
-"""shared/goals.py: no goal moves faster than its joint, no reading that stands alone moves any; whatever comes in."""
+"""shared/planner/goals.py: no goal moves faster than its joint, no reading that stands alone moves any."""
 
 import itertools
 import random
@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host.parity.probe.row import Row
-from shared import command as c
-from shared import planner_layout as n
-from shared.gaits import GAIT_NAMES, GAITS
-from shared.goals import READ_SURE, Past, believe, follow_goals, joints_near
+from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.planner import command as c
+from shared.planner import status as n
+from shared.planner.goals import READ_SURE, Past, believe, follow_goals, joints_near
 from tests.float_twin import goals as twin
 
 from .bars import any_word, integers, repeatable
@@ -230,7 +230,7 @@ def test_no_goal_is_faster_than_its_joint_whatever_is_commanded_and_sensed(name,
 
 
 def test_the_speed_test_sees_a_planted_jump(monkeypatch):
-    from shared import planner
+    from shared.planner import planner
 
     def at_once(params, wanted, joints):
         joints[:] = array("i", wanted)

@@ -1,4 +1,4 @@
-"""shared/leg.py and shared/reach.py against the float leg: foot error, limits, unreachable feet."""
+"""shared/body/leg.py and shared/body/reach.py against the float leg: foot error, limits, unreachable feet."""
 
 import math
 import random
@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from shared.leg import (
+from shared.body.leg import (
     LIMIT_CALF,
     LIMIT_HIP,
     LIMIT_THIGH,
@@ -18,7 +18,7 @@ from shared.leg import (
     leg_inverse,
     limit_joints,
 )
-from shared.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR, reach_foot, scale_down
+from shared.body.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR, reach_foot, scale_down
 from tests.float_twin import leg as twin
 from tests.float_twin import reach as twin_reach
 

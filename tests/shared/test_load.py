@@ -7,9 +7,10 @@ from array import array
 
 import pytest
 
-from shared import compliance, load, sensing, stability
-from shared.params import Params
+from shared.body import compliance, load, stability
+from shared.body.params import Params
 from shared.record import copy, pack, unpack
+from shared.sense import legs as sensing
 from tests.float_twin import load as twin
 from tests.float_twin.leg import forward
 

@@ -1,4 +1,4 @@
-"""shared/pid.py and shared/balance.py against the float controllers: terms, wind-up, limits, the paper's limiter."""
+"""shared/num/pid.py, shared/body/balance.py against float controllers: terms, wind-up, limits, the paper's limiter."""
 
 import math
 import random
@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared import balance as b
-from shared import pid
-from shared.body import POSE_PITCH, POSE_ROLL, POSE_SIZE
+from shared.body import balance as b
+from shared.body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE
+from shared.num import pid
 from shared.record import pack, unpack
 from tests.float_twin.balance import ERROR_MAX_RAD, Balance
 from tests.float_twin.pid import Pid

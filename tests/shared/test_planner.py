@@ -9,19 +9,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host.parity.probe.row import Row
-from shared import command as c
-from shared import planner_layout as n
-from shared import steps as s
-from shared.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
+from shared.gait import steps as s
+from shared.gait.gaits import GAIT_CLIMB, GAIT_NAMES, GAITS
+from shared.planner import command as c
+from shared.planner import status as n
 from shared.record import pack, unpack
-from shared.sensed import Sensed
+from shared.sense.sensed import Sensed
 from tests.float_twin.gait import Gait
 
 from .bars import any_word, integers, repeatable
 from .walker import Walker
 
 WORD = integers(-(1 << 30), (1 << 30) - 1)
-STEP_BITS = 4  # rounding of a slow move, see shared/posture.py
+STEP_BITS = 4  # rounding of a slow move, see shared/body/posture.py
 
 
 def limits_of(params):

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from shared import command as c
-from shared import planner_layout as n
-from shared.gaits import GAITS
+from shared.gait.gaits import GAITS
+from shared.planner import command as c
+from shared.planner import status as n
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
 

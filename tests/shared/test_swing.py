@@ -1,11 +1,11 @@
-"""shared/swing.py against the paper's formulas: sample instants, cycloid, slopes, heights."""
+"""shared/gait/swing.py against the paper's formulas: sample instants, cycloid, slopes, heights."""
 
 from itertools import pairwise
 
 import pytest
 from hypothesis import given
 
-from shared.swing import cycloid_q15, lift_q15, swing_phase_q16
+from shared.gait.swing import cycloid_q15, lift_q15, swing_phase_q16
 from tests.float_twin import swing as twin
 
 from .bars import integers, repeatable

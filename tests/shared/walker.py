@@ -1,11 +1,11 @@
 """Runs the planner from its blocks: stand up, walk, sit, with every tick's feet and joints kept."""
 
 from host.parity.probe.row import Row
-from shared import command as c
-from shared import planner_layout as n
-from shared.gaits import GAIT_NAMES
-from shared.planner import Planner
-from shared.sensed import Sensed
+from shared.gait.gaits import GAIT_NAMES
+from shared.planner import command as c
+from shared.planner import status as n
+from shared.planner.planner import Planner
+from shared.sense.sensed import Sensed
 
 from .robots import block
 

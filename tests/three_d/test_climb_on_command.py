@@ -11,7 +11,7 @@ from host.experiments.steps import space_ground
 from host.export.ground import Ground
 from host.robot_file import load_robot
 from host.three_d.walk import SpaceSpec, SpaceWalker
-from shared import planner_layout as n
+from shared.planner import status as n
 
 ROBOT = load_robot("caramelo")
 RATE_HZ = 50

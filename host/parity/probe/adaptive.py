@@ -1,16 +1,18 @@
-"""shared/adaptive.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
+"""shared/trot/trot.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
 
 
-from shared import adaptive
-from shared.gait import Clock, compile_gait
-from shared.gaits import GAIT_ADAPTIVE, GAITS
+from shared.gait.gaits import GAIT_ADAPTIVE, GAITS
+from shared.gait.steps import SPEED_SIZE, Steps, steps_reset
+from shared.gait.table import Clock, compile_gait
 from shared.runtime import zeros
-from shared.steps import SPEED_SIZE, Steps, steps_reset
+from shared.trot import trot as adaptive
 
 from .draw import Range
 from .draws import BRAD
 from .probe import Block, Pick, Probe
 from .robots import PARAMS
+
+SOURCES = ("trot.trot",)
 
 PLACE = Range(-18900, 18900)  # three squares of it are below 2^30
 ANGLES = Block(zeros(12), (12, BRAD))

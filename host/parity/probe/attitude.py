@@ -1,14 +1,16 @@
-"""shared/attitude.py: any int16 readings, half of them near 1 g so that they are believed."""
+"""shared/sense/attitude.py: any int16 readings, half of them near 1 g so that they are believed."""
 
 
-from shared import attitude
-from shared.attitude import Attitude
 from shared.record import copy
 from shared.runtime import zeros
+from shared.sense import attitude
+from shared.sense.attitude import Attitude
 
 from .draw import Range
 from .probe import Probe
 from .robots import ATTITUDES
+
+SOURCES = ("sense.attitude",)
 
 BLOCK = Attitude()
 COUNTS = zeros(6)

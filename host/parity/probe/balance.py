@@ -1,16 +1,18 @@
-"""shared/balance.py: both controllers of each robot, fed noise."""
+"""shared/body/balance.py: both controllers of each robot, fed noise."""
 
 
-from shared import balance
-from shared.balance import Balance
-from shared.body import POSE_SIZE
-from shared.pid import Pid
+from shared.body import balance
+from shared.body.balance import Balance
+from shared.body.pose import POSE_SIZE
+from shared.num.pid import Pid
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
+
+SOURCES = ("body.balance",)
 
 BALANCE = Balance()
 STATE = (BALANCE.roll, BALANCE.pitch, BALANCE.correction)

@@ -1,12 +1,14 @@
-"""shared/body.py: any pose over feet anywhere near; rotations are always ones the core made."""
+"""shared/body/pose.py: any pose over feet anywhere near; rotations are always ones the core made."""
 
 
-from shared import body
+from shared.body import pose as body
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("body.pose",)
 
 UNIT = Range(-32767, 32767)
 LENGTH = Range(-(1 << 28), 1 << 28)

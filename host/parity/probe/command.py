@@ -1,16 +1,18 @@
-"""shared/command.py: any command block, limited and slewed."""
+"""shared/planner/command.py: any command block, limited and slewed."""
 
 
-from shared import command
-from shared.body import POSE_SIZE
-from shared.command import Command
-from shared.gait import Gait
+from shared.body.pose import POSE_SIZE
+from shared.gait.steps import SPEED_SIZE
+from shared.gait.table import Gait
+from shared.planner import command
+from shared.planner.command import Command
 from shared.runtime import zeros
-from shared.steps import SPEED_SIZE
 
 from .draw import Range
 from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
 from .probe import Block, Probe
+
+SOURCES = ("planner.command",)
 
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()

@@ -1,12 +1,14 @@
-"""shared/compliance.py: any lever, force and angle."""
+"""shared/body/compliance.py: any lever, force and angle."""
 
 
-from shared import compliance
+from shared.body import compliance
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("body.compliance",)
 
 LEVER = Range(-32767, 32767)
 FORCE = Range(-16383, 16383)

@@ -1,28 +1,23 @@
 """The crawl, shared/crawl*.py and its helpers: any state whose places lie within 32767 lu, and long crawls."""
 
 
-from shared import (
-    contact,
-    crawl,
-    crawl_even,
-    crawl_goals,
-    crawl_map,
-    crawl_pose,
-    crawl_steps,
-    footholds,
-    handover,
-    retreat,
-    swing_leg,
-)
-from shared.command import Command
-from shared.crawl_state import HANG, LIFT, SWING
-from shared.filters import fraction, quintic_q15
-from shared.handover import Fade
-from shared.params import Params
+from shared.body.params import Params
+from shared.crawl import contact, crawl, footholds
+from shared.crawl import even as crawl_even
+from shared.crawl import goals as crawl_goals
+from shared.crawl import map as crawl_map
+from shared.crawl import pose as crawl_pose
+from shared.crawl import steps as crawl_steps
+from shared.crawl import swing as swing_leg
+from shared.crawl.state import HANG, LIFT, SWING
+from shared.gait.steps import Steps
+from shared.num.filters import fraction, quintic_q15
+from shared.planner import handover, retreat
+from shared.planner.command import Command
+from shared.planner.handover import Fade
 from shared.record import copy
 from shared.runtime import zeros
-from shared.sensing import Sensing, keep_sent, sense_legs, sensing_reset
-from shared.steps import Steps
+from shared.sense.legs import Sensing, keep_sent, sense_legs, sensing_reset
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
@@ -31,22 +26,23 @@ from .robots import PARAMS
 from .row import Row
 
 SOURCES = (
-    "filters",
-    "handover",
-    "retreat",
-    "footholds",
-    "contact",
-    "swing_leg",
-    "crawl",
-    "crawl_even",
-    "crawl_goals",
-    "crawl_map",
-    "crawl_pose",
-    "crawl_steps",
+    "num.filters",
+    "planner.handover",
+    "planner.retreat",
+    "crawl.footholds",
+    "crawl.contact",
+    "crawl.swing",
+    "crawl.crawl",
+    "crawl.even",
+    "crawl.goals",
+    "crawl.map",
+    "crawl.pose",
+    "crawl.steps",
 )
 
 OWN = Params()
 copy(PARAMS[0], OWN)
+LATERAL_Q12 = OWN.lateral_q12
 CRAWL = crawl.Crawl(OWN)
 STAGE = CRAWL.stage
 MAP = CRAWL.map
@@ -177,7 +173,7 @@ def _soil(values, dice):
         SENSING.force_q12[leg] = dice.bits(14) - 8192
     CRAWL.point[0] = dice.bits(15) - 16384
     CRAWL.point[1] = dice.bits(15) - 16384
-    OWN.lateral_q12 = PARAMS[0].lateral_q12 if dice.bits(1) else 0
+    OWN.lateral_q12 = LATERAL_Q12 if dice.bits(1) else 0
 
 
 def _stateful(module, name, *arguments):
@@ -201,7 +197,7 @@ class _Walk:
         for joint in range(12):
             CRAWL.measured[joint] = JOINTS[joint]
             JOINTS[joint] += (GOALS[joint] - JOINTS[joint]) // 2 + dice.bits(5) - 16
-        OWN.lateral_q12 = 0 if self.ticks // 400 & 1 else PARAMS[0].lateral_q12
+        OWN.lateral_q12 = 0 if self.ticks // 400 & 1 else LATERAL_Q12
         sense_legs(PARAMS[0], JOINTS, values[3], values[4], SENSING)
         for leg in range(4):
             SENSING.force_q12[leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000

@@ -1,7 +1,7 @@
 """Arguments that several modules of the core share: the robots, a leg, a foot anywhere, a gait of a robot."""
 
-from shared.gait import compile_gait
-from shared.gaits import GAITS
+from shared.gait.gaits import GAITS
+from shared.gait.table import compile_gait
 
 from .draw import Range
 from .probe import Pick

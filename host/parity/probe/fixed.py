@@ -1,9 +1,11 @@
-"""shared/fixed.py: the primitives, each over its whole stated range."""
+"""shared/num/fixed.py: the primitives, each over its whole stated range."""
 
-from shared import fixed
+from shared.num import fixed
 
 from .draw import Range
 from .probe import Probe
+
+SOURCES = ("num.fixed",)
 
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
 ANGLE = Range(-(1 << 30), (1 << 30) - 16385)

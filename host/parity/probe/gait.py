@@ -1,14 +1,16 @@
-"""shared/gait.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
+"""shared/gait/table.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
 
 
-from shared import gait
-from shared.gait import Clock, Gait
-from shared.gaits import GAITS
+from shared.gait import table as gait
+from shared.gait.gaits import GAITS
+from shared.gait.table import Clock, Gait
 from shared.record import copy
 
 from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .probe import Pick, Probe
+
+SOURCES = ("gait.table",)
 
 CLOCK = Clock()
 BLOCK = Gait()

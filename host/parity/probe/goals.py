@@ -1,13 +1,15 @@
-"""shared/goals.py: any goals and any way to them; sets of readings, near each other and anywhere."""
+"""shared/planner/goals.py: any goals and any way to them; sets of readings, near each other and anywhere."""
 
-from shared import goals
-from shared.goals import Past
+from shared.planner import goals
+from shared.planner.goals import Past
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, INT30, ROBOT
 from .probe import Block, Probe
 from .row import Row
+
+SOURCES = ("planner.goals",)
 
 COUNT = 3
 STEP = Range(1, 32767)

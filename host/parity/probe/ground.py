@@ -1,13 +1,15 @@
-"""shared/ground.py: any feet as measured, any tilt and lag."""
+"""shared/trot/ground.py: any feet as measured, any tilt and lag."""
 
 
-from shared import ground
-from shared.sensing import Sensing
-from shared.steps import Steps
+from shared.gait.steps import Steps
+from shared.sense.legs import Sensing
+from shared.trot import ground
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("trot.ground",)
 
 LF = Range(-(1 << 22), 1 << 22)
 LENGTH = Range(-65535, 65535)

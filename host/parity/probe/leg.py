@@ -1,13 +1,15 @@
-"""shared/leg.py: kinematics of one leg, on feet brought into reach first as the planner does."""
+"""shared/body/leg.py: kinematics of one leg, on feet brought into reach first as the planner does."""
 
 
-from shared import leg
-from shared.reach import reach_foot
+from shared.body import leg
+from shared.body.reach import reach_foot
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("body.leg",)
 
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANGLES = Block(zeros(12), (12, BRAD))

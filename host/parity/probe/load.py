@@ -1,12 +1,14 @@
-"""shared/load.py: any feet, any weights, any centre of mass."""
+"""shared/body/load.py: any feet, any weights, any centre of mass."""
 
 
-from shared import load
-from shared.load import Load
+from shared.body import load
+from shared.body.load import Load
 from shared.runtime import zeros
 
 from .draw import Range
 from .probe import Block, Probe
+
+SOURCES = ("body.load",)
 
 PLACE = Range(-32767, 32767)
 FORCE = Range(0, 16383)

@@ -1,14 +1,16 @@
-"""shared/navigate.py: any errors, speeds and ways of a tick."""
+"""shared/trot/navigate.py: any errors, speeds and ways of a tick."""
 
 
-from shared import navigate
-from shared.navigate import Navigation
+from shared.gait.steps import SPEED_SIZE
 from shared.runtime import zeros
-from shared.steps import SPEED_SIZE
+from shared.trot import navigate
+from shared.trot.navigate import Navigation
 
 from .draw import Range
 from .draws import HALF30, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("trot.navigate",)
 
 LF = Range(-(1 << 22), 1 << 22)
 PLACE = Range(-32767, 32767)

@@ -1,12 +1,14 @@
-"""shared/pid.py: a controller whose gains change now and then, its state carried from vector to vector."""
+"""shared/num/pid.py: a controller whose gains change now and then, its state carried from vector to vector."""
 
 
-from shared import pid
-from shared.pid import Pid
+from shared.num import pid
+from shared.num.pid import Pid
 from shared.record import unpack
 
 from .draw import Range
 from .probe import Probe
+
+SOURCES = ("num.pid",)
 
 FIRST = Pid()
 SECOND = Pid()

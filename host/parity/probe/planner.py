@@ -1,19 +1,20 @@
 """shared/planner*.py: their parts in any state a command can bring about, and long walks of every gait."""
 
-from shared import planner, planner_climb, planner_pose, planner_senses, planner_states, planner_steps
-from shared import planner_layout as n
-from shared.balance import balance_setup
-from shared.command import (
-    MODE_STAND,
-    MODE_WALK,
-    Command,
-)
-from shared.crawl import crawl_start
-from shared.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
-from shared.params import Params
-from shared.planner import Planner
+from shared.body.balance import balance_setup
+from shared.body.params import Params
+from shared.crawl.crawl import crawl_start
+from shared.gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
+from shared.planner import exchange as planner_climb
+from shared.planner import planner
+from shared.planner import pose as planner_pose
+from shared.planner import senses as planner_senses
+from shared.planner import states as planner_states
+from shared.planner import status as n
+from shared.planner import steps as planner_steps
+from shared.planner.command import MODE_STAND, MODE_WALK, Command
+from shared.planner.planner import Planner
 from shared.runtime import zeros
-from shared.sensed import Sensed
+from shared.sense.sensed import Sensed
 
 from .draw import Range
 from .draws import BRAD, GAIT, INT30
@@ -21,7 +22,7 @@ from .probe import Pick, Probe
 from .robots import PARAMS
 from .row import Row, clear
 
-SOURCES = ("planner", "planner_climb", "planner_pose", "planner_senses", "planner_states", "planner_steps")
+SOURCES = ("planner.planner", "planner.exchange", "planner.pose", "planner.senses", "planner.states", "planner.steps")
 
 COMMAND = Command()
 SENSED = Sensed()

@@ -1,13 +1,15 @@
-"""shared/posture.py: slow moves between any two poses."""
+"""shared/body/posture.py: slow moves between any two poses."""
 
 
-from shared import posture
-from shared.posture import Move
+from shared.body import posture
+from shared.body.posture import Move
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("body.posture",)
 
 JOINTS = Block(zeros(12), (12, BRAD))
 GOAL = Block(zeros(12), (12, BRAD))

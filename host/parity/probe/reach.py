@@ -1,13 +1,15 @@
-"""shared/reach.py: feet anywhere a 30-bit number can put them."""
+"""shared/body/reach.py: feet anywhere a 30-bit number can put them."""
 
 
-from shared import reach
-from shared.params import Params
+from shared.body import reach
+from shared.body.params import Params
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import INT30, LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("body.reach",)
 
 ANYWHERE = Block(zeros(12), (12, INT30))
 NEARBY = Block(zeros(12), (12, Range(-40000, 40000)))

@@ -1,15 +1,17 @@
-"""shared/sensing.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
+"""shared/sense/legs.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
 
 
-from shared import sensing
 from shared.runtime import zeros
-from shared.sensing import Sensing
+from shared.sense import legs as sensing
+from shared.sense.legs import Sensing
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 from .row import Row
+
+SOURCES = ("sense.legs",)
 
 ANGLES = Block(zeros(12), (12, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))

@@ -1,12 +1,14 @@
-"""shared/stability.py: any feet, standing or not, and any point."""
+"""shared/body/stability.py: any feet, standing or not, and any point."""
 
 
-from shared import stability
+from shared.body import stability
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG
 from .probe import Block, Probe
+
+SOURCES = ("body.stability",)
 
 PLACE = Range(-32767, 32767)
 FEET = Block(zeros(12), (12, PLACE))

@@ -1,9 +1,9 @@
-"""shared/steps.py: feet anywhere in their stride, in every gait, at every speed the gait allows."""
+"""shared/gait/steps.py: feet anywhere in their stride, in every gait, at every speed the gait allows."""
 
 
-from shared import steps
-from shared.gait import Clock, Gait
-from shared.params import LF_BITS, Params
+from shared.body.params import LF_BITS, Params
+from shared.gait import steps
+from shared.gait.table import Clock, Gait
 from shared.runtime import zeros
 
 from .draw import Range
@@ -11,6 +11,8 @@ from .draws import GAIT, LEG, ROBOT, gait_of
 from .gait import draw_clock
 from .probe import Probe
 from .row import Row
+
+SOURCES = ("gait.steps",)
 
 STEPS = steps.Steps()
 ROW = Row(STEPS)

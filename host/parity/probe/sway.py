@@ -1,12 +1,14 @@
-"""shared/sway.py: any feet, any centre of mass."""
+"""shared/trot/sway.py: any feet, any centre of mass."""
 
 
-from shared import sway
 from shared.runtime import zeros
+from shared.trot import sway
 
 from .draw import Range
 from .draws import LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("trot.sway",)
 
 PLACE = Range(-32767, 32767)
 FAR = Range(-65535, 65535)

@@ -1,9 +1,11 @@
-"""shared/swing.py: every sample of every swing length, with any re-timing."""
+"""shared/gait/swing.py: every sample of every swing length, with any re-timing."""
 
-from shared import swing
+from shared.gait import swing
 
 from .draw import Range
 from .probe import Probe
+
+SOURCES = ("gait.swing",)
 
 PHASE = Range(0, 65536)
 

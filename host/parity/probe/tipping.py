@@ -1,13 +1,15 @@
-"""shared/tipping.py: any turns over any diagonal, with what was learnt before."""
+"""shared/trot/tipping.py: any turns over any diagonal, with what was learnt before."""
 
 
-from shared import tipping
 from shared.runtime import zeros
-from shared.tipping import Tipping
+from shared.trot import tipping
+from shared.trot.tipping import Tipping
 
 from .draw import Range
 from .draws import HALF30, LEG, ROBOT
 from .probe import Block, Probe
+
+SOURCES = ("trot.tipping",)
 
 SUM = Range(-16383, 16383)
 LF = Range(-(1 << 20), 1 << 20)

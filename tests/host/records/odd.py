@@ -8,7 +8,7 @@ from copy import deepcopy
 from mcap.writer import CompressionType, Writer
 
 from host.records.channels import CHANNELS
-from shared.params import Params
+from shared.body.params import Params
 from shared.record import pack
 
 PARAMS = len(pack(Params()))

@@ -8,8 +8,9 @@ import pytest
 from host.teleop.supervisor import STATES
 from host.teleop.telemetry import Extra, status
 from host.teleop.terminal import screen_lines
-from shared import adaptive, handover
-from shared import planner_layout as core
+from shared.planner import handover
+from shared.planner import status as core
+from shared.trot import trot as adaptive
 
 from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig, Silence
 

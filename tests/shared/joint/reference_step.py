@@ -7,7 +7,7 @@ shared/joint/layout.py. Works on any object with the fields of Foc.
 
 from math import isqrt
 
-from shared.fixed import cos_q15, sin_q15
+from shared.num.fixed import cos_q15, sin_q15
 
 SQRT3_Q14 = 28378
 RAD_PER_BRAD_Q22 = 402

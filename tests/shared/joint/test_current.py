@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from host.joint_gains import joint_blocks
 from host.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
 from host.robot_file import load_robot
-from shared.fixed import cos_q15, sin_q15
 from shared.joint.current import (
     STEP_DONE,
     STEP_INPUT,
@@ -27,6 +26,7 @@ from shared.joint.current import (
 from shared.joint.feed import feed_bus, lead_angle
 from shared.joint.layout import SINE_SIZE, Foc
 from shared.joint.sine import fill_sine
+from shared.num.fixed import cos_q15, sin_q15
 from shared.record import pack
 from tests.float_twin import joint_current as twin
 

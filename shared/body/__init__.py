@@ -1,0 +1,1 @@
+"""One robot's mechanics: its parameters, legs, pose, loads and stability."""

@@ -1,0 +1,119 @@
+"""Keeps the body level: two PIDs in parallel, roll and pitch (paper A, section 2.5.2, figure 6).
+
+Their outputs are body angles added to the commanded pose. The paper's limiter holds each
+integral term and the sum of both outputs' sizes.
+"""
+
+from ..num.fixed import mul_q15, saturate
+from ..num.pid import Pid, pid_reset, pid_step
+from ..record import field, record
+from ..runtime import Ints, hot
+from .params import Params
+from .pose import POSE_PITCH, POSE_ROLL
+
+
+@record
+class Correction:
+    """What the balance adds to the commanded pose."""
+
+    roll: int = field("brad", "about x")
+    pitch: int = field("brad", "about y")
+
+
+class Balance:
+    """Both controllers of one robot, and what they ask for."""
+
+    def __init__(self):
+        self.roll = Pid()
+        self.pitch = Pid()
+        self.correction = Correction()
+
+
+@hot
+def balance_setup(params: Params, balance: Balance) -> int:
+    """Take the robot's gains and limits and clear the state; return 0."""
+    balance_gains(params, 0, balance)
+    limit_pid(params, balance.roll)
+    limit_pid(params, balance.pitch)
+    balance_reset(balance)
+    return 0
+
+
+@hot
+def limit_pid(params: Params, pid: Pid) -> int:
+    """Take the robot's limits for one controller; return 0."""
+    pid.integral_max = params.integral_max
+    pid.output_max = params.balance_max
+    return 0
+
+
+@hot
+def balance_gains(params: Params, of: int, balance: Balance) -> int:
+    """Take the robot's gains number ``of`` (0 or 1) for both controllers, keeping their state; return 0."""
+    gains_pid(params, of, balance.roll)
+    gains_pid(params, of, balance.pitch)
+    return 0
+
+
+@hot
+def gains_pid(params: Params, of: int, pid: Pid) -> int:
+    """Take the robot's gains number ``of`` for one controller; return 0."""
+    gains = params.gains[of]
+    pid.kp_q12 = gains.kp_q12
+    pid.ki_q16 = gains.ki_q16
+    pid.kd_q10 = gains.kd_q10
+    return 0
+
+
+@hot
+def balance_reset(balance: Balance) -> int:
+    """Forget what both controllers have learnt and correct by nothing; return 0."""
+    correction = balance.correction
+    pid_reset(balance.roll)
+    pid_reset(balance.pitch)
+    correction.roll = 0
+    correction.pitch = 0
+    return 0
+
+
+@hot
+def balance_release(balance: Balance, step: int) -> int:
+    """Let the correction fade by at most ``step`` brad (>= 0) and forget the rest; return 0.
+
+    For a tick without balance: an abrupt end of the correction would jerk the body.
+    """
+    correction = balance.correction
+    pid_reset(balance.roll)
+    pid_reset(balance.pitch)
+    correction.roll -= saturate(correction.roll, -step, step)
+    correction.pitch -= saturate(correction.pitch, -step, step)
+    return 0
+
+
+@hot
+def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) -> int:
+    """Update the correction from the commanded ``pose`` and the measured angles; return 0.
+
+    pose: POSE_SIZE values, brad angles; roll_brad, pitch_brad: within +-32768. The corrections'
+    sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
+    Intermediates: 16383 * 32768 < 2^30.
+    """
+    correction = balance.correction
+    controller = balance.roll
+    roll = pid_step(balance.roll, pose[POSE_ROLL], roll_brad)
+    pitch = pid_step(balance.pitch, pose[POSE_PITCH], pitch_brad)
+    size = roll
+    if size < 0:
+        size = -size
+    if pitch < 0:
+        size -= pitch
+    else:
+        size += pitch
+    limit = controller.output_max
+    if size > limit:
+        share_q15 = (limit << 15) // size
+        roll = mul_q15(roll, share_q15)
+        pitch = mul_q15(pitch, share_q15)
+    correction.roll = roll
+    correction.pitch = pitch
+    return 0

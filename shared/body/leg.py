@@ -1,0 +1,135 @@
+"""One leg: forward and inverse kinematics, joint limits, and robot B's coupled calf.
+
+Paper A, eqs 1-6, in the form that is right in every quadrant: with s = +1 left, -1 right and
+k = -1 knee behind, +1 in front, the foot from the hip in body axes is
+
+    a = L2 cos q2 + L3 cos(q2 + q3)
+    x = -L2 sin q2 - L3 sin(q2 + q3),  y = s L1 cos q1 + a sin q1,  z = s L1 sin q1 - a cos q1
+
+The paper's theta1 = q1, theta2 = -q2, theta3 = -q3. Paper B's leg (its eqs 1-12) is the same leg
+in other axes. All four knee configurations differ only in the k of each leg.
+"""
+
+from ..num.fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
+from ..runtime import Ints, const, hot
+from .params import Params
+
+LIMIT_HIP = const(8)
+LIMIT_THIGH = const(16)
+LIMIT_CALF = const(32)
+
+
+@hot
+def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
+    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
+
+    joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
+    Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
+    Paper A eqs 1-6 inverted (joint to foot).
+    """
+    base = params.legs[leg]
+    at = leg * 3
+    l2 = base.thigh_length
+    l3 = base.calf_length
+    l1 = base.hip_length
+    thigh = joints[at + 1]
+    shank = thigh + joints[at + 2]
+    feet[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
+    drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
+    sine = sin_q15(joints[at])
+    cosine = cos_q15(joints[at])
+    feet[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
+    feet[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
+    return 0
+
+
+@hot
+def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
+    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
+
+    feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
+    outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
+    Foot error through an exact forward kinematics: at most 0.05 mm for Caramelo and Parallel.
+    Paper A eqs 1-6 without arccos: with d^2 = x^2 + a^2,
+    |q3| = 2 atan2(sqrt((L2+L3)^2 - d^2), sqrt(d^2 - (L2-L3)^2)), and the two arctangents of q1 as
+    one, of the product of two complex numbers. Intermediates: products of two sides of one
+    triangle, below (L1^2 + (L2+L3)^2) < 2^30.
+    """
+    base = params.legs[leg]
+    at = leg * 3
+    x = feet[at]
+    y = feet[at + 1]
+    z = feet[at + 2]
+    l1 = base.hip_length
+    drop_sq = y * y + z * z - l1 * l1
+    if drop_sq < 0:
+        drop_sq = 0
+    drop = round_sqrt(drop_sq)
+    length_sq = x * x + drop_sq
+    outer = round_sqrt(base.outer_sq - length_sq)
+    inner = round_sqrt(length_sq - base.inner_sq)
+    bend = 2 * atan2_brad18(outer, inner)
+    half_diff = base.half_diff
+    if half_diff:
+        lead = atan2_brad18(outer * inner >> 1, (length_sq >> 1) + half_diff)
+    else:
+        lead = bend >> 1
+    if base.knee < 0:
+        bend = -bend
+        lead = -lead
+    joints[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
+    joints[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
+    joints[at + 2] = round_brad(bend)
+    return length_sq
+
+
+@hot
+def plane_length(params: Params, leg: int, hip_feet: Ints) -> int:
+    """Return the distance d from thigh joint to foot, lu, of ``leg``'s foot in ``hip_feet``, in reach or not.
+
+    hip_feet: 12 lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
+    sum of squares. Error at most 4 lu up to 32767 lu. With L1: d^2 = x^2 + y^2 + z^2 - L1^2 (paper A eqs 1-6).
+    """
+    at = leg * 3
+    x = saturate(hip_feet[at] >> 1, -16383, 16383)
+    y = saturate(hip_feet[at + 1] >> 1, -16383, 16383)
+    z = saturate(hip_feet[at + 2] >> 1, -16383, 16383)
+    side = params.legs[leg].hip_length >> 1
+    return 2 * isqrt(x * x + y * y + z * z - side * side)
+
+
+@hot
+def limit_joints(params: Params, leg: int, joints: Ints) -> int:
+    """Limit the three angles of ``leg`` in ``joints`` to the robot's joint limits; return what acted.
+
+    joints: 12 brad within -32768 .. 32767, changed in place. Returns 0 or LIMIT_HIP, LIMIT_THIGH,
+    LIMIT_CALF or several. Exact.
+    """
+    limb = params.legs[leg]
+    at = leg * 3
+    flags = 0
+    for joint in range(3):
+        angle = joints[at]
+        if angle < limb.lowest[joint]:
+            joints[at] = limb.lowest[joint]
+            flags |= LIMIT_HIP << joint
+        elif angle > limb.highest[joint]:
+            joints[at] = limb.highest[joint]
+            flags |= LIMIT_HIP << joint
+        at += 1
+    return flags
+
+
+@hot
+def calf_motor(thigh_brad: int, calf_brad: int) -> int:
+    """Return the calf motor's angle of a rod-driven leg, wrapped: thigh + calf (paper B, section II).
+
+    Both motors sit at the hip, so the calf motor sets the calf's angle against the body. Exact.
+    """
+    return (thigh_brad + calf_brad + 0x8000 & 0xFFFF) - 0x8000
+
+
+@hot
+def calf_joint(thigh_brad: int, motor_brad: int) -> int:
+    """Return the calf joint's angle from the motors' of a rod-driven leg: inverse of calf_motor. Exact."""
+    return (motor_brad - thigh_brad + 0x8000 & 0xFFFF) - 0x8000

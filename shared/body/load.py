@@ -1,0 +1,164 @@
+"""Which foot carries how much: the robot's weight shared out over any set of standing feet.
+
+Weighted minimum norm, F_k = w_k (a + b x_k + c y_k) with sum F = W and no moment about the centre
+of mass: continuous from four feet (all w = 1) to three (one w going to 0). Two feet, or feet in
+one line, carry by the lever along that line; what tips about the line no force can hold.
+Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
+"""
+
+from ..num.fixed import saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .params import LEGS
+
+
+@record
+class Load:
+    """Load"""
+
+    wanted_q12: Ints = vector(4, "", "the share of each foot")
+    force_q12: Ints = vector(4, "", "the same, slewed")
+    middle: Ints = vector(2, "", "the weighted middle of the feet, lu")
+    moment: Ints = vector(3, "", "second moments xx, xy, yy about it")
+    shift: int = field("", "how many bits the moments were shortened by")
+    along: Ints = vector(2, "", "how the share grows along x and y")
+    arm: Ints = vector(8, "", "x, y of each foot that stands, from the middle, 32 lu")
+
+
+
+STANDS_Q8 = const(256)  # the weight of a foot that stands
+_UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
+_UNIT_HALF = const(16)
+
+
+@hot
+def load_even(block: Load, weight_q12: int) -> int:
+    """Let every foot carry a quarter, at once; return 0. weight: Q12 of the own weight, 0 .. 16383."""
+    for leg in range(LEGS):
+        block.wanted_q12[leg] = weight_q12 >> 2
+        block.force_q12[leg] = weight_q12 >> 2
+    return 0
+
+
+@hot
+def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load) -> int:
+    """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
+
+    feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
+    com_x, com_y: lu in the same frame; all within +-32767 lu. weight: 0 .. 16383, Q12 of the own weight.
+    planar: 1 leaves out y, because something else holds the roll. No foot pulls: shares are limited to
+    0 .. weight. Error at most 1 % of the weight where four feet span 0.2 of the largest leg or more.
+    Intermediates: 4096 * 16383 + 2^11, and those of load_moments and load_slope.
+    """
+    total = load_moments(feet, weights, planar, block)
+    if total <= 0:
+        for leg in range(LEGS):
+            block.wanted_q12[leg] = 0
+        return 0
+    load_slope(com_x, com_y, planar, block)
+    even = 0x100000 // total
+    shift = block.shift + 6
+    along_x = block.along[0]
+    along_y = block.along[1]
+    for leg in range(LEGS):
+        share = 0
+        if weights[leg] > 0:
+            share = even + (along_x * block.arm[2 * leg] + along_y * block.arm[2 * leg + 1] >> shift)
+            if share < 0:
+                share = 0
+            elif share > 0x200000:
+                share = 0x200000
+            share = share * weights[leg] >> 8
+            if share > 4096:
+                share = 4096
+            share = share * weight_q12 + 2048 >> 12
+        block.wanted_q12[leg] = share
+    return 1
+
+
+@hot
+def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
+    """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
+
+    Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
+    In the plane all y are 0.
+    """
+    total = weights[0] + weights[1] + weights[2] + weights[3]
+    if total <= 0:
+        return 0
+    middle_x = (feet[0] * weights[0] + feet[3] * weights[1] + feet[6] * weights[2] + feet[9] * weights[3]) // total
+    middle_y = (feet[1] * weights[0] + feet[4] * weights[1] + feet[7] * weights[2] + feet[10] * weights[3]) // total
+    xx = 0
+    xy = 0
+    yy = 0
+    at = 0
+    for leg in range(LEGS):
+        weight = weights[leg]
+        if weight > 0:
+            x = feet[at] - middle_x + _UNIT_HALF >> _UNIT_BITS
+            if x > 1023 or x < -1023:
+                x = saturate(x, -1023, 1023)
+            y = 0
+            if planar == 0:
+                y = feet[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
+                if y > 1023 or y < -1023:
+                    y = saturate(y, -1023, 1023)
+            block.arm[2 * leg] = x
+            block.arm[2 * leg + 1] = y
+            xx += x * x * weight >> 8
+            xy += x * y * weight >> 8
+            yy += y * y * weight >> 8
+        at += 3
+    shift = 0
+    while xx + yy > 16383:
+        xx >>= 1
+        xy >>= 1
+        yy >>= 1
+        shift += 1
+    block.middle[0] = middle_x
+    block.middle[1] = middle_y
+    block.moment[0] = xx
+    block.moment[1] = xy
+    block.moment[2] = yy
+    block.shift = shift
+    return total
+
+
+@hot
+def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
+    """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
+
+    Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
+    take the part along the line. Slopes are in Q18 per 32 lu, shifted by L_SHIFT, limited to +-0x3FFFF.
+    Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
+    """
+    off_x = saturate(com_x - block.middle[0] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    off_y = 0
+    if planar == 0:
+        off_y = saturate(com_y - block.middle[1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    xx = block.moment[0]
+    xy = block.moment[1]
+    yy = block.moment[2]
+    square = (xx + yy) * (xx + yy)
+    det = xx * yy - xy * xy
+    if det > square >> 6:
+        along_x = yy * off_x - xy * off_y
+        along_y = xx * off_y - xy * off_x
+    else:
+        along_x = xx * off_x + xy * off_y
+        along_y = xy * off_x + yy * off_y
+        det = square
+    det = (det >> 14) + 1
+    block.along[0] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
+    block.along[1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
+    return 0
+
+
+@hot
+def load_slew(block: Load, step_q12: int) -> int:
+    """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
+    for leg in range(LEGS):
+        short = block.wanted_q12[leg] - block.force_q12[leg]
+        if short:
+            block.force_q12[leg] += saturate(short, -step_q12, step_q12)
+    return 0

@@ -1,0 +1,106 @@
+"""The static stability margin: how far the centre of mass is inside the support polygon (paper B, section IV).
+
+The polygon's corners are the standing feet, in the level plane. Two feet have a line, whose
+margin is never above 0; four, three or two go through the same few lines.
+"""
+
+from ..num.fixed import hypot, isqrt, saturate
+from ..runtime import Ints, const, hot
+from .params import LEGS
+
+NO_SUPPORT = const(-32768)  # no foot stands
+_AROUND = const(0x2310)  # FR, FL, RL, RR: the feet seen from above, against the clock, from the lowest four bits
+
+
+@hot
+def around(place: int) -> int:
+    """Return the leg at place 0 .. 3 (any number, taken modulo 4) of the way round the body: FR, FL, RL, RR."""
+    return _AROUND >> ((place & 3) << 2) & 3
+
+
+@hot
+def next_standing(weights: Ints, place: int) -> int:
+    """Return the next place after ``place`` (0 .. 3) whose foot stands (weight above 0), or ``place`` itself."""
+    for ahead in range(1, 4):
+        if weights[around(place + ahead)] > 0:
+            return place + ahead & 3
+    return place
+
+
+@hot
+def edge_margin(feet: Ints, one: int, other: int, x: int, y: int) -> int:
+    """Return how far (x, y) lies to the left of the line from foot ``one`` to foot ``other``, lu.
+
+    Feet and point within +-32767 lu. Two feet in one place: minus the distance to them. Error at most 8 lu.
+    Intermediates: 16383 * 16383 * 2 < 2^30.
+    """
+    from_x = feet[one * 3]
+    from_y = feet[one * 3 + 1]
+    along_x = feet[other * 3] - from_x >> 2
+    along_y = feet[other * 3 + 1] - from_y >> 2
+    length = isqrt(along_x * along_x + along_y * along_y)
+    if length == 0:
+        return -hypot(x - from_x, y - from_y)
+    side = along_x * (y - from_y >> 2) - along_y * (x - from_x >> 2)
+    return (side // length) << 2
+
+
+@hot
+def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
+    """Return the margin in lu of the point (x, y) in the polygon of the standing feet; above 0 is inside.
+
+    feet: 12 lu in a level frame; weights: 4 values, above 0 for a foot that stands; all within +-32767 lu.
+    NO_SUPPORT without a foot; with one, minus the distance to it. Error at most 8 lu.
+    """
+    margin = 0x1FFFF
+    first = -1
+    before = -1
+    for place in range(0, 16, 4):
+        leg = _AROUND >> place & 3
+        if weights[leg] > 0:
+            if before < 0:
+                first = leg
+            else:
+                along = edge_margin(feet, before, leg, x, y)
+                if along < margin:
+                    margin = along
+            before = leg
+    if before < 0:
+        return NO_SUPPORT
+    along = edge_margin(feet, before, first, x, y)
+    if along < margin:
+        return along
+    return margin
+
+
+@hot
+def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> int:
+    """Move ``point`` (x, y in lu) until it is ``margin`` inside every edge of the support; return its margin.
+
+    Moves square to the most violated edge, at most 8 times: near the closest such point, or, where the
+    polygon has no room for the margin, near its middle. Feet and point within +-32767 lu, margin 0 .. 32767.
+    Intermediates: 2 * 32767 * 8191 in the move.
+    """
+    least = 0
+    for _ in range(8):
+        least = 0x1FFFF
+        one = 0
+        other = 0
+        for place in range(LEGS):
+            leg = around(place)
+            if weights[leg] > 0:
+                then = around(next_standing(weights, place))
+                along = edge_margin(feet, leg, then, point[0], point[1])
+                if along < least:
+                    least = along
+                    one = leg
+                    other = then
+        if least >= margin - 4 or one == other:
+            return least
+        along_x = feet[other * 3] - feet[one * 3] >> 3
+        along_y = feet[other * 3 + 1] - feet[one * 3 + 1] >> 3
+        length = hypot(along_x, along_y) + 1
+        short = saturate(margin - least + 3, 0, 32767)
+        point[0] = saturate(point[0] - along_y * short // length, -32767, 32767)
+        point[1] = saturate(point[1] + along_x * short // length, -32767, 32767)
+    return least

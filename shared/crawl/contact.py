@@ -1,0 +1,124 @@
+"""What a leg in the air feels: ground under the foot, an edge under the shin, a riser in front.
+
+There is no foot switch: the vertical force comes from the joints' errors. A leg that hangs reads its own
+weight and its friction; that tare is taken before it goes down and followed while nothing touches.
+"""
+
+from ..body.params import LF_BITS, RR, Params
+from ..body.pose import POSE_PITCH, POSE_ROLL
+from ..num.filters import fraction
+from ..num.fixed import saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .map import Map
+from .pose import BodyPath
+from .swing import Swing
+
+PAST_SIZE = const(32)  # ticks
+_MOST_RISERS = const(2)
+_RAD_BRAD = const(10430)  # 65536 / 2 pi
+
+
+@record
+class Contact:
+    """What the leg in the air feels."""
+
+    tare_q12: int = field("own weight", "force that it reads without contact")
+    load_ticks: int = field("ticks", "with load, in a row")
+    peak: int = field("", "1: more than the least of a contact in one of them")
+    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
+    past_at: int = field("", "where the last is")
+
+
+@hot
+def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> int:
+    """Take tick ``tick`` of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
+    if tick <= params.crawl.hang_skip_ticks + 1:
+        contact.tare_q12 = force_q12
+    else:
+        contact.tare_q12 += fraction(force_q12 - contact.tare_q12, params.crawl.tare_in_q15)
+    return contact.tare_q12
+
+
+@hot
+def start_contact(contact: Contact) -> int:
+    """Begin to feel for the ground; return 0."""
+    contact.load_ticks = 0
+    contact.peak = 0
+    return 0
+
+
+@hot
+def feel_ground(params: Params, contact: Contact, force_q12: int, speed: int, leg: int) -> int:
+    """Return 1 when the foot of ``leg``, on its way down at ``speed`` (lf / tick), has ground under it, else 0.
+
+    That is more than 3 N above the tare for 60 ms, with more than 4 N once in them (on Caramelo; in parts of
+    the weight on others). A hind foot that is still fast over its known foothold needs 9 N. Without load the
+    tare follows.
+    """
+    force = force_q12 - contact.tare_q12
+    least = params.crawl.touch_q12
+    gain = params.crawl.tare_slow_q15
+    if leg >= RR and speed > params.crawl.fast_speed:
+        least = params.crawl.fast_touch_q12
+        gain = params.crawl.tare_fast_q15
+    if force > least:
+        contact.load_ticks += 1
+        if force > params.crawl.peak_q12:
+            contact.peak = 1
+    else:
+        start_contact(contact)
+        contact.tare_q12 += fraction(force, gain)
+    if contact.load_ticks >= params.crawl.contact_ticks and contact.peak:
+        return 1
+    return 0
+
+
+@hot
+def corner_lift(params: Params, map: Map, path: BodyPath, leg: int) -> int:
+    """Return by how much the body's corner over ``leg`` is above its plan, lu: pushed up from below.
+
+    Pitch lowers the front, roll raises the left. Angles limited to +-4096 brad. Largest intermediate
+    2 * 32767 * 4096 < 2^29.
+    """
+    nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
+    left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
+    lift = nose_up * params.crawl.half_length
+    if leg >= RR:
+        lift = -lift
+    if leg & 1:
+        lift += left_up * params.crawl.half_width
+    else:
+        lift -= left_up * params.crawl.half_width
+    return lift // _RAD_BRAD
+
+
+@hot
+def keep_past(contact: Contact, x_lf: int) -> int:
+    """Keep where the foot is sent in this tick, for the riser; return its place in the ring."""
+    at = contact.past_at + 1
+    if at >= PAST_SIZE:
+        at = 0
+    contact.past[at] = x_lf
+    contact.past_at = at
+    return at
+
+
+@hot
+def feel_riser(params: Params, contact: Contact, swing: Swing, seen_x_lf: int, tick: int) -> int:
+    """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains.
+
+    tick: of its way across; seen_x: where the measured joints have it, lf.
+    """
+    if tick <= params.crawl.riser_skip_ticks or swing.risers >= _MOST_RISERS or swing.limited:
+        return 0
+    at = contact.past_at - params.crawl.goal_lag_ticks
+    if at < 0:
+        at += PAST_SIZE
+    behind = contact.past[at] - seen_x_lf >> LF_BITS
+    way = swing.target[0] - swing.departure[0] >> LF_BITS
+    if way < 0:
+        way = -way
+    if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.way_ticks + 1):
+        return 1
+    return 0

@@ -1,0 +1,236 @@
+"""The crawl over obstacles: one leg at a time, three always down, every hind foot on a front foot's foothold.
+
+    measured joints, tilt -> forces, map -> state machine -> pose loop -> load shares -> joint goals
+
+It needs measured joints and attitude. It walks straight ahead along the line it was started on; how a
+stage follows a stage is in crawl_steps.py.
+"""
+
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE, POSE_Z
+from ..num.filters import fraction
+from ..num.fixed import saturate
+from ..runtime import Ints, const, hot
+from ..sense.legs import Sensing
+from .contact import PAST_SIZE, Contact
+from .footholds import Footholds, follow_front_feet, footholds_start
+from .goals import bridge, legs_goals, plan_loads
+from .map import Map, Support, fit_body, follow_slips, roll_feet
+from .pose import BodyPath, hold_pose
+from .state import Crawl
+from .steps import start_stages, take_stage
+from .swing import Swing
+
+_OWN_Q12 = const(4096)
+_LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
+_MOST_WEIGHT_Q12 = const(10240)
+_EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empty
+
+
+@hot
+def crawl_start(
+    crawl: Crawl, sensing: Sensing, joints: Ints, goals: Ints, roll_brad: int, pitch_brad: int
+) -> int:
+    """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
+
+    joints: 12 measured brad; goals: the 12 brad sent last. The map begins under the body,
+    z = 0 at the mean of the feet; the goals do not jump.
+    """
+    sent = crawl.goals
+    for joint in range(JOINTS):
+        sent[joint] = goals[joint]
+    forget(crawl)
+    start_map(crawl, sensing, joints, roll_brad, pitch_brad)
+    start_support(sensing, crawl.support)
+    footholds_start(crawl.params, crawl.map, crawl.footholds)
+    start_stages(crawl)
+    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    for leg in range(LEGS):
+        bridge(crawl, leg, 0)
+    return 0
+
+
+@hot
+def forget(crawl: Crawl) -> int:
+    """Put back what a step does not set anew; return 0."""
+    support = crawl.support
+    path = crawl.path
+    even = crawl.even
+    stage = crawl.stage
+    event = crawl.event
+    for leg in range(LEGS):
+        support.stance[leg] = 0
+        support.force_q12[leg] = 0
+    support.heavy_q12 = 0
+    support.warp = 0
+    for axis in range(POSE_SIZE):
+        path.integral[axis] = 0
+        path.sag[axis] = 0
+    even.uneven = 0
+    even.landed = 0
+    even.even_steps = 0
+    stage.ahead = 0
+    event.code = 0
+    event.number = 0
+    return 0
+
+
+@hot
+def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> int:
+    """Begin the map under the body, and the body's path where it is; return 0. Arguments as crawl_start."""
+    map = crawl.map
+    path = crawl.path
+    level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
+    for axis in range(POSE_SIZE):
+        map.body_pose[axis] = 0
+    take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
+    measure(crawl, joints)
+    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    for at in range(JOINTS):
+        map.feet[at] = sensing.level[at] << LF_BITS
+        if at % 3 == 2:
+            map.feet[at] -= level << LF_BITS
+    map.body_pose[POSE_Z] = -level << LF_BITS
+    for axis in range(POSE_SIZE):
+        path.wanted[axis] = map.body_pose[axis]
+        path.lagged[axis] = map.body_pose[axis]
+        path.commanded[axis] = map.body_pose[axis]
+    return 0
+
+
+@hot
+def start_support(sensing: Sensing, support: Support) -> int:
+    """All legs stand and carry what they are felt to; return 0."""
+    total = 0
+    for leg in range(LEGS):
+        support.stance[leg] = 1
+        support.share_q12[leg] = _OWN_Q12
+        total += sensing.force_q12[leg]
+    support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    support.weight_q20 = support.weight_q12 << 8
+    return 0
+
+
+@hot
+def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
+    """Take the body's measured tilt; in the plane it does not roll. Returns 0."""
+    map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
+    map.body_pose[POSE_ROLL] = 0
+    if params.lateral_q12:
+        map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
+    return 0
+
+
+@hot
+def measure(crawl: Crawl, joints: Ints) -> int:
+    """Copy 12 measured joints (brad), limited to +-32768; return 0."""
+    measured = crawl.measured
+    for joint in range(JOINTS):
+        measured[joint] = saturate(joints[joint], -32768, 32767)
+    return 0
+
+
+@hot
+def crawl_tick(
+    crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int, ahead_lf: int, joints: Ints
+) -> int:
+    """Take one tick: 12 measured joints (brad) in, 12 goals into ``joints``; return flags.
+
+    sensing: the block of sense_legs after this tick's reading. ahead_lf: how far the command wants to go in
+    this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
+    limit_joints.
+    """
+    estimate(crawl, sensing, measured, roll_brad, pitch_brad)
+    take_stage(crawl, ahead_lf)
+    hold_pose(crawl.params, crawl.map, crawl.support, crawl.path)
+    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    return legs_goals(crawl, joints)
+
+
+@hot
+def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> int:
+    """Bring the map, the forces and the weight up to date with what is measured; return 0."""
+    take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
+    measure(crawl, measured)
+    rebase(crawl)
+    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    follow_slips(crawl.params, crawl.support, crawl.map)
+    follow_front_feet(crawl.support, crawl.map, crawl.footholds)
+    weigh(crawl.params, sensing, crawl.support)
+    return 0
+
+
+@hot
+def weigh(params: Params, sensing: Sensing, support: Support) -> int:
+    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
+    total = 0
+    for leg in range(LEGS):
+        force = support.force_q12[leg]
+        force += fraction(sensing.force_q12[leg] - force, params.crawl.force_q15)
+        support.force_q12[leg] = force
+        if support.stance[leg]:
+            total += force
+    gap = (saturate(total, 0, 16383) << 8) - support.weight_q20
+    support.weight_q20 += fraction(gap, params.crawl.weight_q15)
+    support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
+    payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
+    support.heavy_q12 = saturate(payload * 2, 0, 4096)
+    return 0
+
+
+@hot
+def rebase(crawl: Crawl) -> int:
+    """Move the map's origin to the body's x and z if one is farther than half a leg off; return 1 if it was moved.
+
+    y stays, because its axis is the line that is walked along, until the body is half as far again off it: a new line.
+    Farther out the body's next target, which is limited to 32767 lu, would be cut short.
+
+    Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
+    motion changes, and the numbers stay within 2^16 lu however far it walks.
+    """
+    params = crawl.params
+    map = crawl.map
+    far = params.leg_length << LF_BITS - 1
+    aside = far * 3 >> 1
+    x = map.body_pose[0]
+    y = map.body_pose[1]
+    z = map.body_pose[2]
+    if y <= aside and y >= -aside:
+        y = 0
+        if x <= far and x >= -far and z <= far and z >= -far:
+            return 0
+    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 0, x)
+    if y:
+        move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 1, y)
+    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 2, z)
+    return 1
+
+
+@hot
+def move_origin(
+    map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
+) -> int:
+    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z); return 0."""
+    map.body_pose[axis] -= by
+    for at in range(axis, JOINTS, 3):
+        map.feet[at] -= by
+        map.seen[at] -= by
+    for at in range(axis, JOINTS * 2, 3):
+        footholds.places[at] -= by
+    path.wanted[axis] -= by
+    path.from_pose[axis] -= by
+    path.to_pose[axis] -= by
+    path.lagged[axis] -= by
+    path.commanded[axis] -= by
+    swing.place[axis] -= by
+    swing.target[axis] -= by
+    if axis < 2:
+        swing.departure[axis] -= by
+    else:
+        swing.ground -= by
+        swing.top -= by
+    if axis == 0:
+        for at in range(PAST_SIZE):
+            contact.past[at] -= by
+    return 0

@@ -1,0 +1,93 @@
+"""Whether the ground under the crawl is even: all footholds on one slope along the way, and each step along it.
+
+On such ground the crawl gives way to the trot, and meanwhile expects its next step on that slope.
+"""
+
+from ..body.params import LEGS, LF_BITS, RR, Params
+from ..num.fixed import saturate
+from ..record import field, record
+from ..runtime import const, hot
+from .map import Map, front_to_hind
+from .swing import Swing
+
+_SURE = const(3)  # landings on a slope until the next is expected there
+
+
+@record
+class Evenness:
+    """How even the ground has been."""
+
+    uneven: int = field("lu", "farthest spread of the footholds' heights about their slope")
+    landed: int = field("", "legs that have landed since the start")
+    even_steps: int = field("", "legs that have landed in a row on even ground")
+
+
+@hot
+def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: int) -> int:
+    """Note how uneven the ground is where ``leg`` has landed, and for how many landings it was even; return that.
+
+    Even is within a third of a drop's depth (8 mm of a leg of 240 mm) of a slope along the way: the trot's own
+    measure. A robot astride an edge stands on a slope too, but its front feet do not go on along it.
+    """
+    dx = feet_length(map)
+    dz = feet_rise(map)
+    low = 0x1FFFF
+    high = -0x1FFFF
+    for other in range(LEGS):
+        off = off_slope(map.feet[other * 3] - map.feet[0], map.feet[other * 3 + 2] - map.feet[2], dx, dz)
+        if off < low:
+            low = off
+        if off > high:
+            high = off
+    uneven = high - low
+    if leg < RR:
+        off = off_slope(map.feet[leg * 3] - swing.departure[0], map.feet[leg * 3 + 2] - swing.target[2], dx, dz)
+        if off < 0:
+            off = -off
+        if off > uneven:
+            uneven = off
+    even.uneven = uneven
+    even.landed = even.landed + 1 & 0xFFFFFF
+    even.even_steps += 1
+    if uneven > params.crawl.drop_depth // 3:
+        even.even_steps = 0
+    return even.even_steps
+
+
+@hot
+def feet_length(map: Map) -> int:
+    """Return how far the middle of the front feet is before that of the hind feet, 4 lu: 1 .. 16383."""
+    return saturate(front_to_hind(map, 0) >> LF_BITS + 3, 1, 16383)
+
+
+@hot
+def feet_rise(map: Map) -> int:
+    """Return how far the middle of the front feet is above that of the hind feet, lu within +-16383."""
+    return saturate(front_to_hind(map, 2) >> LF_BITS + 1, -16383, 16383)
+
+
+@hot
+def off_slope(ahead_lf: int, rise_lf: int, dx: int, dz: int) -> int:
+    """Return by how much ``rise`` over ``ahead`` (lf) is off a slope of dz (lu) in dx (4 lu), lu.
+
+    Ahead limited to +-65532 lu, rise to +-16383; dx 1 .. 16383, dz within 16383. Error at most 2 lu and what dz and
+    dx were rounded by. Largest intermediate 16383 * 16383.
+    """
+    ahead = saturate(ahead_lf >> LF_BITS + 2, -16383, 16383)
+    rise = saturate(rise_lf >> LF_BITS, -16383, 16383)
+    return rise - ahead * dz // dx
+
+
+@hot
+def expected_rise(params: Params, map: Map, even: Evenness, ahead_lf: int) -> int:
+    """Return by how much the ground is expected to rise over ``ahead`` (at most +-65532 lu), lf; 0 unless it slopes.
+
+    It slopes if the last landings were even and the rise is above a sixth of a drop (4 mm of a leg of 240 mm).
+    """
+    if even.even_steps < _SURE:
+        return 0
+    rise = -off_slope(ahead_lf, 0, feet_length(map), feet_rise(map))
+    least = params.crawl.drop_depth // 6
+    if rise < least and rise > -least:
+        return 0
+    return saturate(rise, -16383, 16383) << LF_BITS

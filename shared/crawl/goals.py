@@ -1,0 +1,183 @@
+"""The joint goals of the crawl: every leg by inverse kinematics, sag fed forward, and no jump anywhere.
+
+Stance feet stay at their map places under the commanded pose; the swing foot follows its path under the
+wanted pose, corrected by what the measured one was off it lately. Where a leg changes from one to the
+other, and at the start, the goal's jump is taken into an offset that fades.
+"""
+
+from ..body.compliance import sag_leg
+from ..body.leg import leg_inverse, limit_joints, plane_length
+from ..body.load import Load, load_share
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_YAW, body_rotation, body_to_hip
+from ..body.reach import reach_foot
+from ..body.stability import support_margin
+from ..num.filters import fraction
+from ..num.fixed import cos_q15, saturate, sin_q15
+from ..runtime import Ints, const, hot
+from .map import Map, Support
+from .pose import BodyPath, mass_ahead
+from .state import Crawl
+
+_WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
+
+
+@hot
+def foot_warp(support: Support, leg: int) -> int:
+    """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
+    if _WARP_SIGNS >> leg & 1:
+        return -support.warp
+    return support.warp
+
+
+@hot
+def plan_loads(
+    params: Params, map: Map, path: BodyPath, support: Support, feet: Ints, weights: Ints, load: Load
+) -> int:
+    """Write what each foot should carry under the wanted pose, and the margin; return the margin, lu.
+
+    feet (12 lu), weights (4) and load are scratch.
+    """
+    ahead = mass_ahead(params, path.wanted[POSE_PITCH] >> LF_BITS)
+    planar = 0
+    if params.lateral_q12 == 0:
+        planar = 1
+    for leg in range(LEGS):
+        weights[leg] = 0
+        if support.stance[leg]:
+            weights[leg] = support.share_q12[leg] >> 4
+        for axis in range(3):
+            away = map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
+            feet[leg * 3 + axis] = saturate(away, -32767, 32767)
+    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, load)
+    for leg in range(LEGS):
+        support.load_q12[leg] = load.wanted_q12[leg]
+        weights[leg] = support.stance[leg]
+    support.margin = support_margin(feet, weights, ahead, 0)
+    return support.margin
+
+
+@hot
+def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
+    """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
+
+    The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
+    """
+    for axis in range(POSE_SIZE):
+        value = path.commanded[axis]
+        if swings:
+            value = path.wanted[axis] + path.sag[axis]
+        pose[axis] = value + 128 >> LF_BITS
+    heading = pose[POSE_YAW]
+    pose[POSE_YAW] = 0
+    body_rotation(pose, rotation)
+    pose[POSE_YAW] = heading
+    return 0
+
+
+@hot
+def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: Ints) -> int:
+    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading; return 0.
+
+    feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
+    """
+    at = leg * 3
+    x = saturate((x_lf + 128 >> LF_BITS) - pose[0], -32767, 32767)
+    y = saturate((y_lf + 128 >> LF_BITS) - pose[1], -32767, 32767)
+    cosine = cos_q15(pose[POSE_YAW]) + 1 >> 1
+    sine = sin_q15(pose[POSE_YAW]) + 1 >> 1
+    feet[at] = x * cosine + y * sine >> 14
+    feet[at + 1] = y * cosine - x * sine >> 14
+    feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose[2], -32767, 32767)
+    return 0
+
+
+@hot
+def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
+    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``; return 0.
+
+    Under the pose taken last. A swing leg's length is kept.
+    """
+    map = crawl.map
+    swing = crawl.swing
+    at = leg * 3
+    if swings:
+        foot_in_body(crawl.pose, swing.place[0], swing.place[1], swing.place[2], leg, crawl.feet)
+    else:
+        z = map.feet[at + 2] + foot_warp(crawl.support, leg)
+        foot_in_body(crawl.pose, map.feet[at], map.feet[at + 1], z, leg, crawl.feet)
+    body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
+    if swings:
+        swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)
+    return 0
+
+
+@hot
+def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
+    """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
+    support = crawl.support
+    rotation = crawl.rotation
+    place_foot(crawl, leg, swings)
+    flags = reach_foot(crawl.params, leg, crawl.hip_feet, crawl.reached)
+    leg_inverse(crawl.params, leg, crawl.reached, crawl.joints)
+    if swings == 0:
+        load = support.load_q12[leg]
+        fx = load * rotation[6] + 0x2000 >> 14
+        fy = load * rotation[7] + 0x2000 >> 14
+        fz = load * rotation[8] + 0x2000 >> 14
+        sag_leg(crawl.params, leg, crawl.reached, fx, fy, fz, crawl.joints)
+    return flags
+
+
+@hot
+def bridge(crawl: Crawl, leg: int, swings: int) -> int:
+    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
+    joints = crawl.joints
+    goals = crawl.goals
+    jumps = crawl.jumps
+    take_pose(crawl.path, swings, crawl.pose, crawl.rotation)
+    leg_goal(crawl, leg, swings)
+    for joint in range(leg * 3, leg * 3 + 3):
+        jumps[joint] = saturate(goals[joint] - joints[joint], -32768, 32767) << LF_BITS
+    return 0
+
+
+@hot
+def solve_legs(crawl: Crawl) -> int:
+    """Solve the stance legs under the commanded pose, the swing leg under the wanted one; return their reach flags."""
+    support = crawl.support
+    together = 0
+    take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
+    for leg in range(LEGS):
+        if support.stance[leg]:
+            together |= leg_goal(crawl, leg, 0)
+    for leg in range(LEGS):
+        if support.stance[leg] == 0:
+            take_pose(crawl.path, 1, crawl.pose, crawl.rotation)
+            together |= leg_goal(crawl, leg, 1)
+    return together
+
+
+@hot
+def legs_goals(crawl: Crawl, joints: Ints) -> int:
+    """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
+    params = crawl.params
+    stage = crawl.stage
+    swing = crawl.swing
+    solved = crawl.joints
+    goals = crawl.goals
+    jumps = crawl.jumps
+    swing.limited = 0
+    together = solve_legs(crawl)
+    for joint in range(JOINTS):
+        jump = jumps[joint]
+        joints[joint] = saturate(solved[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
+        jumps[joint] = jump - fraction(jump, params.crawl.jump_q15)
+    for leg in range(LEGS):
+        limited = limit_joints(crawl.params, leg, joints)
+        if limited and leg == stage.leg:
+            swing.limited = 1
+        together |= limited
+    for joint in range(JOINTS):
+        goals[joint] = joints[joint]
+    return together

@@ -1,0 +1,201 @@
+"""Where the body is among its footholds: odometry of a walk with at least three feet down.
+
+The tilt comes from the attitude filter as R = Rx(roll) Ry(pitch), the heading about the world's z is in
+front of it, so a foot of the map is at b + Rz(heading) Rx Ry (hip + leg). For the small tilts of a walk this
+is the ROS order but for roll times pitch. Stance feet stay where they are in the map, except that a round
+foot rolls when its shank turns and that a foot which has slipped is followed slowly.
+"""
+
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_YAW
+from ..num.filters import fraction
+from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from ..sense.legs import Sensing
+
+_LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
+_HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
+_NEAR_LU = const(16383)
+
+
+@record
+class Map:
+    """Places: x forward as the crawl was started, y left, z up. The origin moves along with the body.
+
+    ``lf`` is lu/256, ``bf`` brad/256 (2^-24 turn): fine units, so that one filter serves all axes of a pose.
+    """
+
+    feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
+    seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
+    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
+    shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
+
+
+@record
+class Support:
+    """Which legs stand, and what they carry. Forces are parts of the robot's own weight in Q12."""
+
+    stance: Ints = vector(LEGS, "", "1: the leg stands")
+    share_q12: Ints = vector(LEGS, "", "share of the load that it is to take, 0 .. 4096")
+    force_q12: Ints = vector(LEGS, "own weight", "vertical force on the foot, from the joints")
+    load_q12: Ints = vector(LEGS, "own weight", "force that it should have")
+    weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
+    weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
+    heavy_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
+    warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
+    margin: int = field("lu", "centre of mass inside the support polygon")
+
+
+@hot
+def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> int:
+    """Move the map places of the stance feet by how far their round feet have rolled; return 0.
+
+    The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
+    heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
+    """
+    roll_q8 = params.foot_radius * 710 // 113
+    pitch = map.body_pose[POSE_PITCH] >> LF_BITS
+    yaw = map.body_pose[POSE_YAW] >> LF_BITS
+    for leg in range(LEGS):
+        shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
+        turn = saturate(shank - map.shank[leg], -840, 840)
+        map.shank[leg] = shank
+        if support.stance[leg]:
+            rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
+            map.feet[leg * 3] += rolled * cos_q15(yaw) >> 15
+            map.feet[leg * 3 + 1] += rolled * sin_q15(yaw) >> 15
+    return 0
+
+
+@hot
+def foot_weight_q8(support: Support, leg: int) -> int:
+    """Return how much a foot counts in the fit, 0 in the air, 13 .. 256 by its share of the load."""
+    if support.stance[leg] == 0:
+        return 0
+    weight = support.share_q12[leg] >> 4
+    if weight < _LEAST_SHARE_Q8:
+        return _LEAST_SHARE_Q8
+    return weight
+
+
+@hot
+def fit_heading(sensing: Sensing, support: Support, map: Map) -> int:
+    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
+
+    Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
+    Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
+    """
+    total = 0
+    mx = 0
+    my = 0
+    fx = 0
+    fy = 0
+    for leg in range(LEGS):
+        w = foot_weight_q8(support, leg)
+        at = leg * 3
+        total += w
+        mx += w * sensing.level[at]
+        my += w * sensing.level[at + 1]
+        fx += w * (map.feet[at] - map.body_pose[0] >> LF_BITS)
+        fy += w * (map.feet[at + 1] - map.body_pose[1] >> LF_BITS)
+    if total == 0:
+        return 0
+    mx = mx // total
+    my = my // total
+    fx = fx // total
+    fy = fy // total
+    across = 0
+    along = 0
+    for leg in range(LEGS):
+        w = foot_weight_q8(support, leg)
+        at = leg * 3
+        ax = saturate(sensing.level[at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
+        ay = saturate(sensing.level[at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((map.feet[at] - map.body_pose[0] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((map.feet[at + 1] - map.body_pose[1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        across += w * (ax * by - ay * bx >> 10)
+        along += w * (ax * bx + ay * by >> 10)
+    return atan2_brad18(across, along) << 6
+
+
+@hot
+def turn_feet(sensing: Sensing, map: Map) -> int:
+    """Write the levelled feet, turned by the body's heading, as seen from the body's place; return 0.
+
+    Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
+    """
+    cosine = cos_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
+    sine = sin_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
+    for leg in range(LEGS):
+        at = leg * 3
+        x = sensing.level[at]
+        y = sensing.level[at + 1]
+        map.seen[at] = x * cosine - y * sine + 32 >> 6
+        map.seen[at + 1] = x * sine + y * cosine + 32 >> 6
+        map.seen[at + 2] = sensing.level[at + 2] << LF_BITS
+    return 0
+
+
+@hot
+def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> int:
+    """Update heading and place of the body from the stance feet, and where all feet are seen; return 0.
+
+    The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
+    each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
+    """
+    map.body_pose[POSE_YAW] = 0
+    if params.lateral_q12:
+        map.body_pose[POSE_YAW] = fit_heading(sensing, support, map)
+    turn_feet(sensing, map)
+    for axis in range(3):
+        total = 0
+        gaps = 0
+        for leg in range(LEGS):
+            at = leg * 3 + axis
+            w = foot_weight_q8(support, leg)
+            total += w
+            gap = map.feet[at] - map.body_pose[axis] - map.seen[at] + 8 >> 4
+            gaps += w * saturate(gap, -0x7FFFF, 0x7FFFF)
+        if total:
+            map.body_pose[axis] += gaps // total << 4
+        for leg in range(LEGS):
+            map.seen[leg * 3 + axis] += map.body_pose[axis]
+    return 0
+
+
+@hot
+def follow_slips(params: Params, support: Support, map: Map) -> int:
+    """Let the map's places of loaded feet follow slowly where the feet are seen; return 0.
+
+    Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
+    down again, the others too. A foot that is far off in height is followed fast: it stood on something that
+    gave way.
+    """
+    least = params.crawl.free_q12
+    if params.lateral_q12 == 0:
+        least = -0x8000
+    far = params.crawl.slip_far << LF_BITS
+    for leg in range(LEGS):
+        if support.stance[leg] and support.share_q12[leg] > _HALF_SHARE_Q12 and support.force_q12[leg] > least:
+            for at in range(leg * 3, leg * 3 + 3):
+                gap = saturate(map.seen[at] - map.feet[at], -0xFFFFFF, 0xFFFFFF)
+                gain = params.crawl.slip_level_q15
+                if at == leg * 3 + 2:
+                    gain = params.crawl.slip_height_q15
+                    if gap > far or gap < -far:
+                        gain = params.crawl.slip_far_q15
+                map.feet[at] += fraction(gap, gain)
+    return 0
+
+
+@hot
+def mean_foot(map: Map, axis: int) -> int:
+    """Return the mean of all four footholds along ``axis`` (0 x, 1 y, 2 z), lf. Exact but for the floor."""
+    return (map.feet[axis] + map.feet[axis + 3] + map.feet[axis + 6] + map.feet[axis + 9]) >> 2
+
+
+@hot
+def front_to_hind(map: Map, axis: int) -> int:
+    """Return how far the two front footholds together are before (axis 0) or above (2) both hind ones, lf. Exact."""
+    return map.feet[axis] + map.feet[axis + 3] - map.feet[axis + 6] - map.feet[axis + 9]

@@ -1,0 +1,221 @@
+"""Where the crawl wants the body: over the legs that stay, as level as the ground lets it, and how it gets there.
+
+A move of the body is a quintic in all six axes, long enough that the zero-moment point stays inside
+the support (acceleration times z / g). A slow outer loop brings the measured pose to the wanted one: it
+takes out what the joints still give after the sag is fed forward.
+"""
+
+from ..body.leg import plane_length
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_Z, body_rotation, body_to_hip
+from ..body.stability import point_inside
+from ..num.filters import fraction, quintic_q15
+from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .map import Map, Support, front_to_hind, mean_foot
+
+_TURN_RATE_Q15 = const(6434)  # 2 pi / 32: brad times lu to lf
+_OWN_Q12 = const(4096)
+_LOAD_MAX_Q12 = const(10240)
+
+
+@record
+class BodyPath:
+    """The body's path: poses x y z in lf, roll pitch yaw in bf."""
+
+    wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
+    from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
+    to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
+    move_tick: int = field("ticks", "of the move so far")
+    move_ticks: int = field("ticks", "of the whole move")
+    lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
+    integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
+    commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
+    sag: Ints = vector(POSE_SIZE, "lf, bf", "measured less wanted pose, smoothed")
+
+
+@hot
+def feet_pitch(params: Params, map: Map) -> int:
+    """Return the body's pitch in brad that goes with the slope from hind to front feet, within its limit.
+
+    Going up (front feet higher) is pitch below 0: nose up. Feet closer than two thirds of half the body
+    are taken as that far apart.
+    """
+    dx = front_to_hind(map, 0) >> 1
+    least = params.crawl.half_length * 2 // 3 << LF_BITS
+    if dx < least:
+        dx = least
+    slope = atan2_brad(front_to_hind(map, 2) >> 1, dx)
+    pitch = mul_q15(slope, params.crawl.slope_share_q15)
+    return -saturate(pitch, -params.crawl.pitch_max, params.crawl.pitch_max)
+
+
+@hot
+def mass_ahead(params: Params, pitch: int) -> int:
+    """Return how far the centre of mass is in front of the body's place at ``pitch`` (brad), lu. Error 1 lu."""
+    return mul_q15(params.com_x, cos_q15(pitch)) + mul_q15(params.crawl.com_z, sin_q15(pitch))
+
+
+@hot
+def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, weights: Ints, point: Ints) -> int:
+    """Write into ``point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts; return 0.
+
+    The nearest point to (wanted_x lu, mean y) that is inside the triangle of the other three by the margin; in
+    the plane, inside their range of x. feet (12 lu) and weights (4) are scratch.
+    """
+    low = 0x1FFFF
+    high = -0x1FFFF
+    for other in range(LEGS):
+        weights[other] = 1
+        for axis in range(3):
+            feet[other * 3 + axis] = map.feet[other * 3 + axis] >> LF_BITS
+        x = feet[other * 3]
+        if other == leg:
+            weights[other] = 0
+        else:
+            if x < low:
+                low = x
+            if x > high:
+                high = x
+    margin = params.crawl.margin
+    point[0] = saturate(wanted_x, -32767, 32767)
+    point[1] = mean_foot(map, 1) >> LF_BITS
+    if params.lateral_q12 == 0:
+        point[0] = saturate(wanted_x, low + margin, high - margin)
+        point[1] = 0
+    else:
+        point_inside(feet, weights, margin, point)
+    return 0
+
+
+@hot
+def resting_x(params: Params, map: Map, support: Support) -> int:
+    """Return x in lu of the map where the centre of mass is to be without other wishes: the middle, ahead if heavy."""
+    return (mean_foot(map, 0) >> LF_BITS) + (params.crawl.heavy_forward * support.heavy_q12 >> 12)
+
+
+@hot
+def longest_leg(params: Params, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints, skip: int) -> int:
+    """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``pose`` over ``feet``.
+
+    pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Error as plane_length.
+    """
+    body_rotation(pose, rotation)
+    longest = 0
+    for leg in range(LEGS):
+        if leg != skip:
+            body_to_hip(params, leg, pose, rotation, feet, hip_feet)
+            length = plane_length(params, leg, hip_feet)
+            if length > longest:
+                longest = length
+    return longest
+
+
+@hot
+def plan_body(
+    params: Params, map: Map, support: Support, path: BodyPath, point: Ints, skip: int,
+    pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints,
+) -> int:  # fmt: skip
+    """Start a move of the body that brings its centre of mass over ``point`` (x, y lu); return its ticks.
+
+    The body is at its height above the feet (more under load), lowered until no leg but ``skip`` is longer than
+    its reach; with a leg in the air (skip >= 0) it is not raised. The rest are scratch blocks.
+    """
+    pitch = feet_pitch(params, map)
+    pose[0] = point[0] - mass_ahead(params, pitch)
+    pose[1] = point[1]
+    height = params.crawl.height + (params.crawl.heavy_height * support.heavy_q12 >> 12)
+    pose[POSE_Z] = (mean_foot(map, 2) >> LF_BITS) + height
+    pose[3] = 0
+    pose[POSE_PITCH] = pitch
+    pose[5] = 0
+    for at in range(JOINTS):
+        feet[at] = map.feet[at] >> LF_BITS
+    for _ in range(8):
+        excess = longest_leg(params, pose, rotation, feet, hip_feet, skip) - params.crawl.reach
+        if excess > 0:
+            pose[POSE_Z] -= excess + 4
+    if skip >= 0 and pose[POSE_Z] > path.wanted[POSE_Z] >> LF_BITS:
+        pose[POSE_Z] = path.wanted[POSE_Z] >> LF_BITS
+    return start_body(params, path, pose)
+
+
+@hot
+def start_body(params: Params, path: BodyPath, pose: Ints) -> int:
+    """Start a move of the body from where it should be now to ``pose`` (lu, brad); return its ticks.
+
+    Its acceleration, its rise and its pitch limit it: sqrt(6 d / acc) s is a quintic's time at 1.04 of that
+    acceleration. Ways within +-32767 lu. Intermediates: 6 * 32767 * 2^12 < 2^30; 2^16 * 2^14 = 2^30 - limited before.
+    """
+    for axis in range(POSE_SIZE):
+        path.from_pose[axis] = path.wanted[axis]
+        path.to_pose[axis] = pose[axis] << LF_BITS
+    path.move_tick = 0
+    path.move_ticks = move_ticks(params, path)
+    return path.move_ticks
+
+
+@hot
+def move_ticks(params: Params, path: BodyPath) -> int:
+    """Return how many ticks the body's planned move takes, as start_body says."""
+    dx = path.to_pose[0] - path.from_pose[0] >> LF_BITS
+    dy = path.to_pose[1] - path.from_pose[1] >> LF_BITS
+    way = saturate(hypot(dx, dy), 0, 32767)
+    square_q12 = saturate((6 * way << 12) // (params.crawl.body_acceleration + 1), 0, 65535)
+    ticks = isqrt(square_q12 << 14) * params.rate_hz >> 13
+    rise = path.to_pose[POSE_Z] - path.from_pose[POSE_Z]
+    if rise < 0:
+        rise = -rise
+    turn = path.to_pose[POSE_PITCH] - path.from_pose[POSE_PITCH] >> LF_BITS
+    if turn < 0:
+        turn = -turn
+    nod = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
+    if nod > rise:
+        rise = nod
+    if rise // params.crawl.body_speed > ticks:
+        ticks = rise // params.crawl.body_speed
+    if ticks < params.crawl.body_ticks:
+        ticks = params.crawl.body_ticks
+    return ticks
+
+
+@hot
+def move_body(path: BodyPath) -> int:
+    """Take one tick of the body's move; return 1 while it goes on, else 0. Error: 0.13 % of the way."""
+    if path.move_tick >= path.move_ticks:
+        return 0
+    path.move_tick += 1
+    share = quintic_q15(path.move_tick, path.move_ticks)
+    for axis in range(POSE_SIZE):
+        path.wanted[axis] = path.from_pose[axis] + fraction(path.to_pose[axis] - path.from_pose[axis], share)
+    return 1
+
+
+@hot
+def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int:
+    """Take one tick of the pose loop: from wanted and measured pose to the commanded one; return 0.
+
+    Per axis: command = wanted + limited(0.3 e + integral), with e the wanted pose as late as the servos are
+    (so the integral does not wind up in a move) less the measured one. Under load the legs give more, so
+    the integral gain goes down with the weight. Ways within 2^24 of the fine units.
+    """
+    load = saturate(support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
+    gain = params.crawl.integral_q15 * 4096 // load
+    limit = params.crawl.position_limit << LF_BITS
+    for axis in range(POSE_SIZE):
+        if axis > 2:
+            limit = params.crawl.angle_limit << LF_BITS
+        wanted = path.wanted[axis]
+        path.lagged[axis] += fraction(wanted - path.lagged[axis], params.crawl.lag_q15)
+        error = saturate(path.lagged[axis] - map.body_pose[axis], -0xFFFFFF, 0xFFFFFF)
+        integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
+        path.integral[axis] = integral
+        path.commanded[axis] = wanted + saturate(fraction(error, params.crawl.error_q15) + integral, -limit, limit)
+        away = saturate(map.body_pose[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
+        path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
+    if params.lateral_q12 == 0:
+        path.commanded[1] = 0
+        path.commanded[3] = 0
+        path.commanded[5] = 0
+    return 0

@@ -1,0 +1,399 @@
+"""How the crawl goes on: shift the body, lift, swing, hang, lower, and what to do when that meets something.
+
+    SHIFT -> LIFT -> SWING -> HANG -> LOWER -> (landed) REST -> SHIFT of the next leg ...
+
+Order RL, FL, RR, FR. A swing that meets a step, a drop, a riser or its own shin on an edge is tried again
+somewhere else, at most three times; the body goes along so that the leg comes down steeply.
+"""
+
+from ..body.params import FL, FR, LEGS, LF_BITS, RR
+from ..num.fixed import saturate
+from ..runtime import const, hot
+from .contact import PAST_SIZE, corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
+from .even import note_landing
+from .footholds import aim, foothold_add, next_foothold_x, steps_down
+from .goals import bridge
+from .pose import mass_target, move_body, plan_body, resting_x
+from .state import (
+    EVENT_DROP,
+    EVENT_LANDED,
+    EVENT_NO_GROUND,
+    EVENT_RISER,
+    EVENT_SHIN,
+    EVENT_STEP,
+    EVENT_WARP,
+    HANG,
+    LIFT,
+    LOWER,
+    REST,
+    SHIFT,
+    SWING,
+    Crawl,
+)
+from .swing import lift_foot, lower_foot, start_swing, swing_foot, try_again
+
+_ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
+_FULL_Q12 = const(4096)
+_TRIES_FRONT_STEP = const(2)
+_TRIES = const(3)
+
+
+@hot
+def enter(crawl: Crawl, next: int) -> int:
+    """Begin a stage, a swing at rest; return it."""
+    stage = crawl.stage
+    swing = crawl.swing
+    stage.stage = next
+    stage.stage_tick = 0
+    swing.speed = 0
+    return next
+
+
+@hot
+def tell(crawl: Crawl, code: int, x_lf: int, z_lf: int) -> int:
+    """Keep an event of the present leg with a map x and a height off the expected one; return how many so far."""
+    event = crawl.event
+    stage = crawl.stage
+    even = crawl.even
+    event.code = code
+    event.leg = stage.leg
+    event.x = x_lf >> LF_BITS
+    event.z = z_lf >> LF_BITS
+    event.number = event.number + 1 & 0xFFFFFF
+    if code != EVENT_LANDED:
+        even.even_steps = 0
+    return event.number
+
+
+@hot
+def start_stages(crawl: Crawl) -> int:
+    """Begin with the shift off the first leg; return the ticks of the body's move."""
+    stage = crawl.stage
+    stage.turn = 0
+    stage.leg = _ORDER & 15
+    return plan_shift(crawl)
+
+
+@hot
+def take_stage(crawl: Crawl, ahead_lf: int) -> int:
+    """Take one tick of the state machine; return its stage. ahead_lf: as crawl_tick."""
+    params = crawl.params
+    stage = crawl.stage
+    step = params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
+    stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
+    stage.ahead = saturate(stage.ahead + saturate(ahead_lf, 0, step), -step, step)
+    move_body(crawl.path)
+    if stage.stage == REST:
+        if ahead_lf > 0 and stage.ahead >= 0:
+            plan_shift(crawl)
+    elif stage.stage == SHIFT:
+        shift_tick(crawl, stage.leg)
+    else:
+        swing_stage(crawl, stage.leg)
+    return stage.stage
+
+
+@hot
+def swing_stage(crawl: Crawl, leg: int) -> int:
+    """Take one tick of the stages in which ``leg`` is in the air; return 0."""
+    stage = crawl.stage
+    swing = crawl.swing
+    keep_past(crawl.contact, swing.place[0])
+    if stage.stage == LIFT:
+        if lift_foot(crawl.params, crawl.swing):
+            start_swing(crawl.params, crawl.swing)
+            enter(crawl, SWING)
+    elif stage.stage == SWING:
+        swing_tick(crawl, leg)
+    elif stage.stage == HANG:
+        hang_tick(crawl, leg)
+    else:
+        lower_tick(crawl, leg)
+    return 0
+
+
+@hot
+def plan_shift(crawl: Crawl) -> int:
+    """Begin to shift the body off the present leg; return the ticks of the move.
+
+    Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
+    """
+    stage = crawl.stage
+    leg = stage.leg
+    wanted = resting_x(crawl.params, crawl.map, crawl.support)
+    if steps_down(crawl.params, crawl.map, crawl.footholds, leg):
+        above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
+        if above > wanted:
+            wanted = above
+    enter(crawl, SHIFT)
+    return shift_to(crawl, leg, wanted, -1)
+
+
+@hot
+def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
+    """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
+    params = crawl.params
+    return (x_lf >> LF_BITS) - params.legs[leg].hip[0] + params.com_x
+
+
+@hot
+def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
+    """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
+    mass_target(crawl.params, crawl.map, leg, wanted_x, crawl.feet, crawl.weights, crawl.point)
+    return plan_body(
+        crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, skip,
+        crawl.pose, crawl.rotation, crawl.feet, crawl.hip_feet,
+    )  # fmt: skip
+
+
+@hot
+def shift_tick(crawl: Crawl, leg: int) -> int:
+    """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
+    params = crawl.params
+    stage = crawl.stage
+    support = crawl.support
+    path = crawl.path
+    map = crawl.map
+    step = _FULL_Q12 // params.crawl.share_ticks
+    for other in range(LEGS):
+        if other != leg:
+            support.share_q12[other] = saturate(support.share_q12[other] + step, 0, _FULL_Q12)
+    if path.move_ticks - stage.stage_tick < params.crawl.share_ticks or 2 * stage.stage_tick >= path.move_ticks:
+        support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
+    error = match_diagonals(crawl, leg)
+    if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
+        return 0
+    if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
+        tell(crawl, EVENT_WARP, map.feet[leg * 3], support.warp)
+        lift_off(crawl, leg)
+    elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
+        lift_off(crawl, leg)
+    return 0
+
+
+@hot
+def match_diagonals(crawl: Crawl, leg: int) -> int:
+    """Move the warp so that both diagonals carry what they should; return the error, Q12 of the own weight.
+
+    Four feet on uneven ground are one too many to know their loads: one diagonal may carry it all. Nothing
+    is left to see once the leg that lifts is free.
+    """
+    params = crawl.params
+    support = crawl.support
+    if params.lateral_q12 == 0:
+        return 0
+    if support.share_q12[leg] == 0 and support.force_q12[leg] < params.crawl.free_q12:
+        return 0
+    error = 0
+    for other in range(LEGS):
+        gap = support.force_q12[other] - support.load_q12[other]
+        if other == FL or other == RR:
+            gap = -gap
+        error += gap
+    error = saturate(error, -16383, 16383)
+    most = params.crawl.warp_max << LF_BITS
+    step = saturate(error * params.crawl.warp_gain >> 12, -params.crawl.warp_speed, params.crawl.warp_speed)
+    support.warp = saturate(support.warp + step, -most, most)
+    return error
+
+
+@hot
+def lift_off(crawl: Crawl, leg: int) -> int:
+    """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
+    map = crawl.map
+    support = crawl.support
+    footholds = crawl.footholds
+    swing = crawl.swing
+    contact = crawl.contact
+    for axis in range(3):
+        swing.place[axis] = map.feet[leg * 3 + axis]
+    aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
+    support.stance[leg] = 0
+    support.share_q12[leg] = 0
+    swing.tries = 0
+    swing.risers = 0
+    swing.dropped = 0
+    if leg < RR:
+        footholds.taken[leg] = 0
+    for at in range(PAST_SIZE):
+        contact.past[at] = swing.place[0]
+    enter(crawl, LIFT)
+    return bridge(crawl, leg, 1)
+
+
+@hot
+def swing_tick(crawl: Crawl, leg: int) -> int:
+    """Take one tick across: into a riser go back and over, at the end hang; return 0."""
+    params = crawl.params
+    map = crawl.map
+    stage = crawl.stage
+    swing = crawl.swing
+    there = swing_foot(crawl.swing, crawl.path, stage.stage_tick)
+    x = map.seen[leg * 3]
+    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, stage.stage_tick):
+        swing.risers += 1
+        tell(crawl, EVENT_RISER, x, map.seen[leg * 3 + 2] - swing.ground)
+        swing.place[0] = x - (params.crawl.riser_retreat << LF_BITS)
+        swing.top = swing.place[2] + (params.crawl.clear_contact << LF_BITS)
+        enter(crawl, LIFT)
+    elif there:
+        enter(crawl, HANG)
+    return 0
+
+
+@hot
+def hang_tick(crawl: Crawl, leg: int) -> int:
+    """Take one tick of creeping down while the tare is taken; return 0."""
+    params = crawl.params
+    stage = crawl.stage
+    support = crawl.support
+    swing = crawl.swing
+    swing.place[2] -= params.crawl.hang_speed
+    take_tare(crawl.params, crawl.contact, support.force_q12[leg], stage.stage_tick)
+    if stage.stage_tick >= params.crawl.hang_ticks:
+        enter(crawl, LOWER)
+        swing.speed = params.crawl.hang_speed
+        start_contact(crawl.contact)
+    return 0
+
+
+@hot
+def lower_tick(crawl: Crawl, leg: int) -> int:
+    """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
+    params = crawl.params
+    map = crawl.map
+    support = crawl.support
+    swing = crawl.swing
+    contact = crawl.contact
+    lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing, leg)
+    touches = feel_ground(crawl.params, crawl.contact, support.force_q12[leg], swing.speed, leg)
+    z = map.seen[leg * 3 + 2]
+    below = swing.ground - swing.place[2] >> LF_BITS
+    if swing.tries < _TRIES and corner_lift(crawl.params, crawl.map, crawl.path, leg) > params.crawl.shin_lift:
+        free_shin(crawl, leg)
+    elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
+        touch(crawl, leg, z)
+    elif below > params.crawl.drop_depth and contact.load_ticks == 0 and swing.tries < _TRIES and (
+        leg >= RR or swing.dropped == 0
+    ):
+        find_ground(crawl, leg)
+    elif below > params.crawl.deepest:
+        tell(crawl, EVENT_NO_GROUND, swing.place[0], -below << LF_BITS)
+        land(crawl, leg)
+    return 0
+
+
+@hot
+def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> int:
+    """Lift the foot once more, to ``top``, and come down at ``x``; return which try that is."""
+    enter(crawl, LIFT)
+    return try_again(crawl.swing, x_lf, top_lf)
+
+
+@hot
+def free_shin(crawl: Crawl, leg: int) -> int:
+    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
+    params = crawl.params
+    map = crawl.map
+    swing = crawl.swing
+    z = map.seen[leg * 3 + 2]
+    tell(crawl, EVENT_SHIN, swing.place[0], z - swing.ground)
+    top = z + (params.crawl.shin_clear << LF_BITS)
+    least = swing.ground + (params.crawl.clear_ground << LF_BITS)
+    if top < least:
+        top = least
+    x = swing.place[0] + (params.crawl.edge_advance << LF_BITS)
+    lift_again(crawl, x, top)
+    shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
+    return 0
+
+
+@hot
+def touch(crawl: Crawl, leg: int, z: int) -> int:
+    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be; return 0."""
+    params = crawl.params
+    map = crawl.map
+    swing = crawl.swing
+    edge = params.crawl.edge_height << LF_BITS
+    rise = z - swing.ground
+    tries = _TRIES
+    if leg < RR:
+        tries = _TRIES_FRONT_STEP
+    if rise <= edge or swing.tries >= tries:
+        return land(crawl, leg)
+    tell(crawl, EVENT_STEP, swing.place[0], rise)
+    further = params.crawl.edge_advance
+    if leg < RR:
+        swing.ground = z
+    elif swing.ground >= map.feet[leg * 3 + 2] - edge:
+        further = -params.crawl.edge_retreat
+    lift_again(crawl, swing.place[0] + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
+    return 0
+
+
+@hot
+def find_ground(crawl: Crawl, leg: int) -> int:
+    """No ground where it was expected: look for it elsewhere; return 0."""
+    if leg < RR:
+        return drop_front(crawl, leg)
+    return drop_hind(crawl, leg)
+
+
+@hot
+def drop_front(crawl: Crawl, leg: int) -> int:
+    """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
+    params = crawl.params
+    map = crawl.map
+    swing = crawl.swing
+    other = (FR + FL - leg) * 3
+    swing.dropped = 1
+    low = swing.ground - (params.crawl.edge_height * 2 // 3 << LF_BITS)
+    behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
+    if map.feet[other + 2] < low and map.feet[other] < behind:
+        return 0
+    tell(crawl, EVENT_DROP, swing.place[0], swing.place[2] - swing.ground)
+    x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
+    lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
+    shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
+    return 0
+
+
+@hot
+def drop_hind(crawl: Crawl, leg: int) -> int:
+    """No ground where the foothold is: further on when climbing, else nearer; return 0."""
+    params = crawl.params
+    map = crawl.map
+    swing = crawl.swing
+    further = -params.crawl.edge_advance
+    if swing.target[2] > map.feet[leg * 3 + 2] + (params.crawl.edge_height << LF_BITS):
+        further = params.crawl.edge_advance
+    tell(crawl, EVENT_DROP, swing.place[0], swing.place[2] - swing.ground)
+    top = swing.ground + (params.crawl.clear_contact << LF_BITS)
+    lift_again(crawl, swing.place[0] + (further << LF_BITS), top)
+    return 0
+
+
+@hot
+def land(crawl: Crawl, leg: int) -> int:
+    """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
+    params = crawl.params
+    map = crawl.map
+    support = crawl.support
+    footholds = crawl.footholds
+    stage = crawl.stage
+    swing = crawl.swing
+    for axis in range(leg * 3, leg * 3 + 3):
+        map.feet[axis] = map.seen[axis]
+    support.stance[leg] = 1
+    support.share_q12[leg] = 0
+    tell(crawl, EVENT_LANDED, map.feet[leg * 3], map.feet[leg * 3 + 2] - swing.ground)
+    if leg < RR:
+        foothold_add(crawl.map, crawl.footholds, leg)
+        footholds.taken[leg] = 1
+    note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
+    bridge(crawl, leg, 0)
+    stage.turn = stage.turn + 1 & 3
+    stage.leg = _ORDER >> (stage.turn << 2) & 15
+    stage.ahead -= params.crawl.stride << LF_BITS - 2
+    enter(crawl, REST)
+    return 0

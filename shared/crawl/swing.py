@@ -1,0 +1,136 @@
+"""The path of one foot through the air: up, across, hang a moment, down until something is felt.
+
+The positions are map places in lf, so the path does not depend on what the body does meanwhile.
+Profiles: up with a braked top, a quintic across, down at a steady speed that hind feet, whose
+ground is known, only take up shortly above their foothold.
+"""
+
+from ..body.params import LF_BITS, RR, Params
+from ..body.pose import POSE_Z
+from ..num.filters import fraction, quintic_q15
+from ..num.fixed import hypot, isqrt, saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .map import Map
+from .pose import BodyPath
+
+_PRODUCT_MAX = const(0x3FFFFFFF)
+
+
+@record
+class Swing:
+    """The foot in the air."""
+
+    place: Ints = vector(3, "lf", "where the foot is wanted")
+    departure: Ints = vector(2, "lf", "where its way across began, x y")
+    target: Ints = vector(3, "lf", "the foothold aimed at")
+    ground: int = field("lf", "expected height of the ground there")
+    top: int = field("lf", "height up to which it is lifted")
+    speed: int = field("lf / tick", "up or down")
+    way_ticks: int = field("ticks", "of the way across")
+    tries: int = field("", "how often it was lifted once more")
+    risers: int = field("", "how many risers it ran into")
+    dropped: int = field("", "1: it has met a drop")
+    leg_length: int = field("lu", "thigh joint to foot, before any limit")
+    limited: int = field("", "1: a joint was limited in the tick before")
+
+
+@hot
+def try_again(swing: Swing, x_lf: int, top_lf: int) -> int:
+    """Lift once more, to ``top``, aim at ``x`` and come down there; return which try that is."""
+    swing.tries += 1
+    swing.target[0] = x_lf
+    swing.top = top_lf
+    return swing.tries
+
+
+@hot
+def brake_speed(brake: int, way_lu: int) -> int:
+    """Return the speed, lf / tick, from which ``brake`` / 2 (lf / tick^2) stops within ``way`` (lu): sqrt(brake * way).
+
+    Range: brake 0 .. 2^29; the way is limited to what keeps the product below 2^30: a lower speed than could
+    be. Error at most 16 lf / tick.
+    """
+    return isqrt(brake * saturate(way_lu, 0, _PRODUCT_MAX // (brake + 1))) << 4
+
+
+@hot
+def lift_foot(params: Params, swing: Swing) -> int:
+    """Take one tick upwards; return 1 at the top. A leg that is folded already has its top where it is."""
+    speed = swing.speed + params.crawl.lift_acceleration
+    way = swing.top - swing.place[2] >> LF_BITS
+    top_speed = brake_speed(params.crawl.lift_brake, way) + params.crawl.top_speed
+    if speed > top_speed:
+        speed = top_speed
+    if speed > params.crawl.lift_speed:
+        speed = params.crawl.lift_speed
+    swing.speed = speed
+    z = swing.place[2] + speed
+    if z > swing.top:
+        z = swing.top
+    if swing.leg_length < params.crawl.folded:
+        swing.top = z
+    if swing.place[2] < z:
+        swing.place[2] = z
+    if z < swing.top:
+        return 0
+    return 1
+
+
+@hot
+def start_swing(params: Params, swing: Swing) -> int:
+    """Begin the way across to the target from where the foot is; return its ticks. Ways within +-65535 lu."""
+    swing.departure[0] = swing.place[0]
+    swing.departure[1] = swing.place[1]
+    way = hypot(swing.target[0] - swing.place[0] >> LF_BITS, swing.target[1] - swing.place[1] >> LF_BITS)
+    ticks = (way << LF_BITS) // params.crawl.swing_speed
+    if ticks < params.crawl.swing_ticks:
+        ticks = params.crawl.swing_ticks
+    swing.way_ticks = ticks
+    return ticks
+
+
+@hot
+def swing_foot(swing: Swing, path: BodyPath, tick: int) -> int:
+    """Take tick number ``tick`` across; return 1 when the foot is there and the body's move has ended too, else 0."""
+    share = quintic_q15(tick, swing.way_ticks)
+    for axis in range(2):
+        swing.place[axis] = swing.departure[axis] + fraction(swing.target[axis] - swing.departure[axis], share)
+    if tick < swing.way_ticks or path.move_tick < path.move_ticks:
+        return 0
+    return 1
+
+
+@hot
+def lower_speed(params: Params, swing: Swing, leg: int) -> int:
+    """Return the speed, lf / tick, at which the foot may come down here.
+
+    Front: steady. Hind: so that it can slow down in time near its foothold: v^2 = near^2 + 2 a h.
+    Intermediates: those of brake_speed and hypot.
+    """
+    if leg < RR:
+        return params.crawl.front_lower_speed
+    above = (swing.place[2] - swing.ground >> LF_BITS) - params.crawl.near_foothold
+    if above < 0:
+        speed = params.crawl.near_speed
+    else:
+        speed = hypot(brake_speed(2 * params.crawl.lower_acceleration, above), params.crawl.near_speed)
+    if speed > params.crawl.hind_lower_speed:
+        speed = params.crawl.hind_lower_speed
+    return speed
+
+
+@hot
+def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing, leg: int) -> int:
+    """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
+    speed = swing.speed + params.crawl.lower_acceleration
+    most = lower_speed(params, swing, leg)
+    if speed > most:
+        speed = most
+    swing.speed = speed
+    lowest = map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
+    if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
+        path.wanted[POSE_Z] -= params.crawl.body_speed
+    else:
+        swing.place[2] -= speed
+    return speed

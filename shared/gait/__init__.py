@@ -1,0 +1,1 @@
+"""Gaits as tables, their clock, steps and swings."""

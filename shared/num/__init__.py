@@ -1,0 +1,1 @@
+"""Numbers: fixed point, tables, filters, PID."""

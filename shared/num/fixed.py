@@ -1,0 +1,208 @@
+"""Fixed-point primitives: saturation, rounding products, sine, arctangent, square root.
+
+Angles are binary fractions of a turn: ``_brad`` is 1/65536 turn and wraps with ``& 0xFFFF``;
+``_brad18`` is 1/262144 turn, used where results are still to be added. Every intermediate stays
+within -2^30 .. 2^30-1 for the stated ranges, so nothing here is ever a heap object on a 32-bit
+MicroPython. The errors in the docstrings are worst cases, checked in tests/shared/test_fixed.py.
+"""
+
+from ..runtime import const, hot
+from .tables import ATAN_BRAD18, SIN_Q16, SQRT_SEED
+
+_HALF_TURN_BRAD = const(0x8000)
+_QUARTER_BRAD = const(0x4000)
+_EIGHTH_BRAD18 = const(0x8000)
+_QUARTER_BRAD18 = const(0x10000)
+_HALF_BRAD18 = const(0x20000)
+_TURN_MASK_BRAD18 = const(0x3FFFF)
+
+
+@hot
+def saturate(value: int, low: int, high: int) -> int:
+    """Return ``value`` limited to ``low .. high`` (any unit; low <= high). Exact."""
+    if value < low:
+        return low
+    if value > high:
+        return high
+    return value
+
+
+@hot
+def mul_q15(a: int, b_q15: int) -> int:
+    """Return a * b / 2^15 rounded to nearest, halves upwards.
+
+    Range: \\|a * b\\| <= 2^30 - 2^15, so a and b both within +-32767 is always allowed.
+    Error at most 1/2 unit of ``a``.
+    """
+    return (a * b_q15 + 0x4000) >> 15
+
+
+@hot
+def sin_q15(angle_brad: int) -> int:
+    """Return the sine in Q15, -32767 .. 32767, of any angle in 1/65536 turn.
+
+    One half-turn table in Q16 with 512 intervals and linear interpolation.
+    Error at most 1 LSB of Q15. Largest intermediate 64 * 65535 + 96 < 2^23.
+    """
+    table = SIN_Q16
+    index = angle_brad >> 6 & 511
+    value = table[index]
+    value = value * 64 + (table[index + 1] - value) * (angle_brad & 63) + 96 >> 7
+    if value > 32767:
+        value = 32767
+    if angle_brad & _HALF_TURN_BRAD:
+        return -value
+    return value
+
+
+@hot
+def cos_q15(angle_brad: int) -> int:
+    """Return the cosine in Q15, -32767 .. 32767, of any angle in 1/65536 turn. Error as sin_q15.
+
+    It is sin_q15 a quarter turn on, without its call: nearly half of a tick's sines are cosines.
+    """
+    table = SIN_Q16
+    angle_brad += _QUARTER_BRAD
+    index = angle_brad >> 6 & 511
+    value = table[index]
+    value = value * 64 + (table[index + 1] - value) * (angle_brad & 63) + 96 >> 7
+    if value > 32767:
+        value = 32767
+    if angle_brad & _HALF_TURN_BRAD:
+        return -value
+    return value
+
+
+@hot
+def atan2_brad18(y: int, x: int) -> int:
+    """Return the angle of (x, y) in 1/2^18 turn, -131072 .. 131071; (0, 0) gives 0.
+
+    Range: both within +-(2^30 - 1), in any common unit. Error at most 0.0025 deg = 1.8 units.
+    The ratio of the smaller to the larger side is formed in 18 bits by two divisions, so that
+    the larger may keep 18 to 21 bits; then one table of arctan with linear interpolation.
+    Largest intermediate: the smaller side, below 2^21, times 2^9, so below 2^30.
+    """
+    table = ATAN_BRAD18
+    far = x
+    if far < 0:
+        far = -far
+    near = y
+    if near < 0:
+        near = -near
+    steep = 0
+    if near > far:
+        far, near = near, far
+        steep = 1
+    if far == 0:
+        return 0
+    if far < 0x200000:
+        while far < 0x20000:
+            far *= 16
+            near *= 16
+    elif far >= 0x4000000:
+        far = ((far >> 1) + 128) >> 8
+        near = ((near >> 1) + 128) >> 8
+    elif far >= 0x800000:
+        far = (far + 16) >> 5
+        near = (near + 16) >> 5
+    else:
+        far = (far + 2) >> 2
+        near = (near + 2) >> 2
+    if near == far:
+        angle = _EIGHTH_BRAD18
+    else:
+        near *= 512
+        high = near // far
+        ratio = high * 512 + (near - high * far) * 512 // far
+        index = ratio >> 10
+        angle = table[index]
+        angle += ((table[index + 1] - angle) * (ratio & 1023) + 512) >> 10
+    if steep:
+        angle = _QUARTER_BRAD18 - angle
+    if x < 0:
+        angle = _HALF_BRAD18 - angle
+    if y < 0:
+        return -angle
+    if angle == _HALF_BRAD18:
+        return -_HALF_BRAD18
+    return angle
+
+
+@hot
+def round_brad(angle_brad18: int) -> int:
+    """Return an angle in 1/65536 turn, wrapped to -32768 .. 32767, from one in 1/2^18 turn.
+
+    Range: any within +-(2^30 - 4). Rounds to nearest: error at most 1/2 unit.
+    """
+    return (((angle_brad18 + 2) >> 2) + 0x8000 & 0xFFFF) - 0x8000
+
+
+@hot
+def atan2_brad(y: int, x: int) -> int:
+    """Return the angle of (x, y) in 1/65536 turn, -32768 .. 32767; (0, 0) gives 0.
+
+    Range: both within +-(2^30 - 1). Error at most 0.0025 deg before the rounding to 0.0055 deg.
+    """
+    return round_brad(atan2_brad18(y, x))
+
+
+@hot
+def isqrt(n: int) -> int:
+    """Return floor(sqrt(n)), exact for 0 .. 2^30 - 1; 0 for a negative n.
+
+    n is scaled to [2^28, 2^30) by an even shift; a table gives a root that is never too small
+    and at most 1/64 too large; one Newton step from above leaves it 0 .. 2 too large, which the
+    closing loop takes back. Largest intermediate 32768 * 32767 < 2^30.
+    """
+    if n <= 0:
+        return 0
+    table = SQRT_SEED
+    scaled = n
+    shift = 0
+    if scaled < 0x4000000:
+        if scaled < 0x4000:
+            scaled <<= 16
+            shift = 8
+        if scaled < 0x400000:
+            scaled <<= 8
+            shift += 4
+        if scaled < 0x4000000:
+            scaled <<= 4
+            shift += 2
+    if scaled < 0x10000000:
+        scaled <<= 2
+        shift += 1
+    root = table[(scaled >> 22) - 64]
+    root = (root + scaled // root) >> 1
+    root >>= shift
+    while root * root > n:
+        root -= 1
+    return root
+
+
+@hot
+def round_sqrt(n: int) -> int:
+    """Return sqrt(n) rounded to nearest for 0 .. 2^30 - 1; 0 for a negative n. Error at most 1/2."""
+    root = isqrt(n)
+    if n - root * root > root:
+        return root + 1
+    return root
+
+
+@hot
+def hypot(x: int, y: int) -> int:
+    """Return floor(sqrt(x^2 + y^2)) for x and y within +-(2^29 - 1).
+
+    Exact while x^2 + y^2 < 2^30; above that both sides are first shifted down together, and the
+    error stays below 2^-13 of the result.
+    """
+    if x < 0:
+        x = -x
+    if y < 0:
+        y = -y
+    shift = 0
+    while x > 32767 or y > 32767 or (x * x >> 2) + (y * y >> 2) >= 0x0FFFFFFF:
+        x = (x + 1) >> 1
+        y = (y + 1) >> 1
+        shift += 1
+    return isqrt(x * x + y * y) << shift

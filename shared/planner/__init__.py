@@ -1,0 +1,1 @@
+"""The whole robot, once a tick."""

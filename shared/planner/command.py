@@ -1,0 +1,93 @@
+"""The command as the core takes it, limited and slewed: nothing a driver sends acts at once.
+
+A command is one block. Speeds are slewed to what was asked for within the gait's and the robot's
+limits, the body pose likewise, so a step of the stick is a ramp of the robot.
+"""
+
+from ..body.params import Params
+from ..body.pose import POSE_SIZE
+from ..gait.steps import SPEED_SIZE
+from ..num.fixed import saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+
+
+@record
+class Command:
+    """What a driver wants, limited and slewed by the planner."""
+
+    mode: int = field("", "MODE_...")
+    gait: int = field("", "index into gaits.GAITS")
+    speed: Ints = vector(SPEED_SIZE, "lf / tick", "forward, left; turning in yaw18 / tick")
+    pose: Ints = vector(POSE_SIZE, "lu, brad", "x, y, z; roll, pitch, yaw")
+    balance: int = field("", "1: keep the body level by the measured attitude")
+    height: int = field("lu", "swing height; 0: the gait's own")
+
+
+
+COMMAND_SIZE = const(13)  # integers of a command in a frame, in the order of its declaration
+
+MODE_LIMP = const(0)  # drive nothing: the joints are not held
+MODE_STAND = const(1)
+MODE_WALK = const(2)
+MODE_SIT = const(3)
+
+
+@hot
+def repeat_command(command: Command, told: Command) -> int:
+    """Copy a command; return 0."""
+    told.mode = command.mode
+    told.gait = command.gait
+    told.balance = command.balance
+    told.height = command.height
+    for axis in range(SPEED_SIZE):
+        told.speed[axis] = command.speed[axis]
+    for axis in range(POSE_SIZE):
+        told.pose[axis] = command.pose[axis]
+    return 0
+
+
+@hot
+def slew(now: int, wanted: int, step: int) -> int:
+    """Return ``now`` moved towards ``wanted`` by at most ``step`` (>= 0). Exact, any unit within +-2^29."""
+    return now + saturate(wanted - now, -step, step)
+
+
+@hot
+def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed: Ints) -> int:
+    """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
+
+    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most`` (3 values).
+    Half an odd speed is rounded towards 0, so that left and right mirror.
+    """
+    still = 1
+    for axis in range(SPEED_SIZE):
+        top = most[axis]
+        wanted = command.speed[axis]
+        if wanted > top or wanted < -top:
+            wanted = saturate(wanted, -top, top)
+        wanted *= halves
+        if wanted < 0:
+            wanted = -(-wanted >> 1)
+        else:
+            wanted >>= 1
+        if speed[axis] != wanted:
+            speed[axis] = slew(speed[axis], wanted, params.speed_slew[axis])
+        if speed[axis]:
+            still = 0
+    return still
+
+
+@hot
+def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> int:
+    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
+    for axis in range(POSE_SIZE):
+        wanted = 0
+        if standing:
+            top = params.pose_max[axis]
+            wanted = command.pose[axis]
+            if wanted > top or wanted < -top:
+                wanted = saturate(wanted, -top, top)
+        if pose[axis] != wanted:
+            pose[axis] = slew(pose[axis], wanted, params.pose_slew[axis])
+    return 0

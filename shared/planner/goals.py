@@ -1,0 +1,138 @@
+"""What is sent and what is believed: no goal moves faster than its joint can, and no single odd reading counts.
+
+    readings -> believed -> ... -> wanted goals -> at most the joint's speed from those sent last -> goals
+
+Both ends of a tick, in every state. In ordinary walking a reading never is odd, and the limit of the speed only
+acts where a gait asks for more than the joint has (the papers' trot, the first ticks of a swing).
+"""
+
+from ..body.params import JOINTS, Params
+from ..num.fixed import saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+
+READ_NONE = const(0)  # no reading yet
+READ_ONCE = const(1)  # one set of readings that the next has to agree with before any is believed
+READ_SURE = const(2)
+READ_ODD = const(3)  # some of the last set were odd
+
+
+@record
+class Past:
+    """What is remembered of up to 12 readings."""
+
+    odd: Ints = vector(JOINTS, "brad", "the last set in which some were odd")
+    state: int = field("", "READ_...")
+    row: int = field("ticks", "odd sets in a row")
+
+
+_MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
+
+
+@hot
+def follow_goals(params: Params, wanted: Ints, joints: Ints) -> int:
+    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can; return 0.
+
+    Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
+    Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
+    Exact. Intermediates: two sums of two angles, below 2^18.
+    """
+    near = params.joint_near
+    for at in range(0, JOINTS, 3):
+        hip = wanted[at] - joints[at]
+        thigh = wanted[at + 1] - joints[at + 1]
+        calf = wanted[at + 2] - joints[at + 2]
+        if hip > near or hip < -near or thigh > near or thigh < -near or calf > near or calf < -near:
+            follow_leg(params, wanted, joints, at)
+        else:
+            joints[at] = wanted[at]
+            joints[at + 1] = wanted[at + 1]
+            joints[at + 2] = wanted[at + 2]
+    return 0
+
+
+@hot
+def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> int:
+    """Move the three joints of one leg, from ``at`` on, as follow_goals does; return 0."""
+    thigh = wanted[at + 1] - joints[at + 1]
+    calf = wanted[at + 2] - joints[at + 2]
+    if params.coupled:
+        calf += thigh
+    thigh = saturate(thigh, -params.joint_top[1], params.joint_top[1])
+    calf = saturate(calf, -params.joint_top[2], params.joint_top[2])
+    if params.coupled:
+        calf -= thigh
+    joints[at] += saturate(wanted[at] - joints[at], -params.joint_top[0], params.joint_top[0])
+    joints[at + 1] += thigh
+    joints[at + 2] += calf
+    return 0
+
+
+@hot
+def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
+    """Return 1 if each of ``joints`` (12 brad) gets to its reading within one tick, else 0."""
+    for joint in range(JOINTS):
+        gap = readings[joint] - joints[joint]
+        top = params.joint_top[joint % 3]
+        if gap > top or gap < -top:
+            return 0
+    return 1
+
+
+@hot
+def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
+    """Copy ``count`` readings (at most 12) into ``believed``, but for odd ones.
+
+    A reading is limited to +-32768. It is odd if it is more than ``step`` away from what is believed and from the
+    reading before it; then what is believed stays. So one odd reading counts nothing, and one that lasts counts from
+    its second tick on. The first set of all is believed when the next one agrees.
+    Returns how many are odd, or -1 while nothing is known: at first, and after ten odd sets in a row.
+    Intermediates: below 2^17.
+    """
+    state = past.state
+    odd = 0
+    for at in range(count):
+        reading = readings[at]
+        was = believed[at]
+        if reading != was:
+            if reading > 32767 or reading < -32768:
+                reading = saturate(reading, -32768, 32767)
+            if reading > was + step or reading < was - step:
+                odd += 1
+            else:
+                believed[at] = reading
+    if state >= READ_SURE and odd:
+        odd = believe_again(readings, count, step, believed, past)
+    if odd == 0 and state != READ_NONE:
+        past.state = READ_SURE
+        past.row = 0
+        return 0
+    if state >= READ_SURE and past.row < _MOST_ODD:
+        past.state = READ_ODD
+        past.row += 1
+        return odd
+    for at in range(count):
+        believed[at] = saturate(readings[at], -32768, 32767)
+    past.state = READ_ONCE
+    past.row = 0
+    return -1
+
+
+@hot
+def believe_again(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
+    """Believe those odd readings that agree with an odd set just before; keep the set; return how many stay odd.
+
+    Used by believe.
+    """
+    odd = 0
+    for place in range(count):
+        reading = saturate(readings[place], -32768, 32767)
+        gap = reading - believed[place]
+        if gap > step or gap < -step:
+            again = reading - past.odd[place]
+            if past.state == READ_ODD and again <= step and again >= -step:
+                believed[place] = reading
+            else:
+                odd += 1
+        past.odd[place] = reading
+    return odd

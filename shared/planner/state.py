@@ -1,0 +1,58 @@
+"""All that the planner of one robot remembers, made beforehand: a tick allocates nothing."""
+
+from ..body.balance import Balance, balance_setup
+from ..body.params import JOINTS, LEGS, Params
+from ..body.pose import POSE_SIZE
+from ..body.posture import Move
+from ..crawl.crawl import Crawl
+from ..gait.gaits import GAITS
+from ..gait.steps import SPEED_SIZE, Steps
+from ..gait.table import Clock, compile_gait
+from ..runtime import zeros
+from ..sense.sensed import Sensed
+from ..trot.trot import Adaptive
+from .command import Command
+from .goals import Past
+from .handover import Fade
+from .retreat import Retreat
+from .status import Status
+
+
+class PlannerState:
+    """The blocks that the planner's parts read and write. ValueError if a gait can't fit the robot."""
+
+    def __init__(self, params: Params):
+        self.params = params
+        self.gaits = [compile_gait(table, params) for table in GAITS]
+        self.gait = self.gaits[0]
+        self.top = zeros(SPEED_SIZE)  # the fastest command
+        self.status = Status()
+        self.clock = Clock()
+        self.speed = zeros(SPEED_SIZE)
+        self.drive = zeros(SPEED_SIZE)  # the speed that is walked: corrected by odometry
+        self.pose = zeros(POSE_SIZE)
+        self.posed = zeros(POSE_SIZE)
+        self.rotation = zeros(9)
+        self.steps = Steps()
+        self.move = Move()
+        self.balance = Balance()
+        self.feet = zeros(JOINTS)
+        self.hip_feet = zeros(JOINTS)
+        self.reached = zeros(JOINTS)
+        self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
+        self.joints = zeros(JOINTS)
+        self.sensed = Sensed()  # what is believed of what is sensed
+        self.joints_past = Past()
+        self.tilt_past = Past()
+        self.leg_flags = zeros(LEGS)
+        self.walk = Adaptive(params)
+        self.sensing = self.walk.sensing
+        self.felt = self.walk.state
+        self.load = self.walk.load
+        self.nav = self.walk.nav
+        self.climb = Crawl(params)
+        self.fade = Fade()
+        self.retreat = Retreat()
+        self.back = Command()  # what the trot is told while it backs off
+        self.status.gaits = len(self.gaits)
+        balance_setup(params, self.balance)

@@ -1,0 +1,155 @@
+"""Which state follows which: stand up before walking, sit down from a stand, lie limp, give up when tilted too far.
+
+    limp -> rising -> standing -> walking -> standing -> sitting -> seated -> rising
+
+A move between stand and seat goes from the joints' present goals to the next stance, all legs at once.
+"""
+
+from ..body.balance import balance_reset
+from ..body.params import JOINTS, LEGS
+from ..body.pose import POSE_SIZE
+from ..body.posture import posture_start
+from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
+from ..runtime import hot
+from ..sense.sensed import Sensed
+from ..trot.trot import adaptive_reset
+from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
+from .goals import joints_near
+from .pose import solve_legs
+from .state import PlannerState
+from .status import (
+    BAD_COMMAND,
+    CLIMB_OFF,
+    FALLEN,
+    LIMP,
+    NO_JOINTS,
+    NOT_DRIVEN,
+    RISING,
+    SEATED,
+    SITTING,
+    STANDING,
+    WALKING,
+)
+
+
+@hot
+def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """Go where the commanded mode leads from the present state; return 0."""
+    status = planner.status
+    mode = command.mode
+    if mode < MODE_LIMP or mode > MODE_SIT:
+        status.flags |= BAD_COMMAND
+        mode = MODE_STAND
+    state = status.state
+    if watch_tilt(planner, sensed, mode):
+        status.flags |= FALLEN
+        if mode != MODE_LIMP:
+            mode = MODE_SIT
+            if state == WALKING:
+                begin_move(planner, sensed, SITTING)
+    if mode == MODE_LIMP:
+        status.state = LIMP
+        status.swinging = 0
+    elif mode == MODE_SIT:
+        if state == STANDING or state == RISING:
+            begin_move(planner, sensed, SITTING)
+    elif state == LIMP or state == SEATED or state == SITTING:
+        begin_move(planner, sensed, RISING)
+    return 0
+
+
+@hot
+def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
+    """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
+
+    Roll and pitch are looked at while it stands or walks and the attitude is known.
+    """
+    valid = sensed.valid
+    tilt = sensed.tilt
+    status = planner.status
+    params = planner.params
+    if mode == MODE_LIMP or mode == MODE_SIT:
+        status.fallen = 0
+    most = params.tilt_max
+    tilted = 0
+    if tilt[0] > most or tilt[0] < -most or tilt[1] > most or tilt[1] < -most:
+        tilted = status.tilted + 1
+    if valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
+        tilted = 0
+    status.tilted = tilted
+    if tilted > params.tilt_ticks:
+        status.fallen = 1
+        status.tilted = 0
+    return status.fallen
+
+
+@hot
+def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
+    """Start RISING to the rest stance or SITTING down from the last goals; return 0.
+
+    Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
+    it stays limp (NO_JOINTS): its pose is anybody's guess.
+    """
+    valid = sensed.valid
+    status = planner.status
+    known = 0
+    if valid.joints:
+        known = joints_near(planner.params, sensed.joints, planner.joints)
+    if status.state == LIMP and known == 0:
+        status.flags |= NO_JOINTS
+        return 0
+    status.state = state
+    status.swinging = 0
+    settle(planner)
+    if state == SITTING:
+        fold_legs(planner)
+    solve_legs(planner, planner.goal)
+    posture_start(planner.params, planner.move, planner.joints, planner.goal)
+    return 0
+
+
+@hot
+def settle(planner: PlannerState) -> int:
+    """Forget all motion: feet at rest under a level body, speed 0; return 0."""
+    v = planner.speed
+    w = planner.pose
+    posed = planner.posed
+    for axis in range(SPEED_SIZE):
+        v[axis] = 0
+    for axis in range(POSE_SIZE):
+        w[axis] = 0
+        posed[axis] = 0
+    fade = planner.fade
+    fade.left = 0
+    status = planner.status
+    status.climb = CLIMB_OFF
+    status.holds = 0
+    balance_reset(planner.balance)
+    steps_reset(planner.params, planner.steps)
+    adaptive_reset(planner.params, planner.walk)
+    place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
+    return 0
+
+
+@hot
+def fold_legs(planner: PlannerState) -> int:
+    """Raise all planned feet to the seat's height under the hips; return 0."""
+    params = planner.params
+    f = planner.feet
+    for leg in range(LEGS):
+        f[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
+    return 0
+
+
+@hot
+def follow_joints(planner: PlannerState, sensed: Sensed) -> int:
+    """Limp: the goals are where the joints are, and nothing holds them; return 0."""
+    valid = sensed.valid
+    measured = sensed.joints
+    status = planner.status
+    q = planner.goal
+    status.flags |= NOT_DRIVEN
+    if valid.joints:
+        for joint in range(JOINTS):
+            q[joint] = measured[joint]
+    return 0

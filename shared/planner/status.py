@@ -1,0 +1,58 @@
+"""Where the planner keeps its numbers: its states, what it is told is sensed, its flags, its own block."""
+
+from ..body.pose import POSE_SIZE
+from ..record import field, record, vector
+from ..runtime import Ints, const
+
+LIMP = const(0)
+RISING = const(1)
+STANDING = const(2)
+WALKING = const(3)
+SITTING = const(4)
+SEATED = const(5)
+STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated")
+
+# Flags of a tick
+REACH_FLAGS = const(0x07)  # a foot was out of reach: TOO_FAR, TOO_NEAR, INSIDE_HIP
+LIMIT_FLAGS = const(0x38)  # a joint was at its limit: LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF
+NOT_DRIVEN = const(0x40)  # the joints are not to be held
+NO_ATTITUDE = const(0x80)  # balance was asked for and there is no attitude
+NO_JOINTS = const(0x100)  # standing up was asked for and the joints' positions are not known
+BAD_COMMAND = const(0x200)  # a mode or gait that does not exist: taken as standing, as the last gait
+BLIND = const(0x400)  # the adaptive trot lacks measured joints, attitude or turning rates: it walks on expectations
+ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
+POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
+FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
+
+# The planner's own numbers, one block
+
+
+@record
+class Status:
+    """What the planner of one robot does and tells: its state, flags and counts."""
+
+    state: int = field("", "LIMP .. SEATED")
+    gait: int = field("", "the gait being walked")
+    height: int = field("lu", "swing height of the gait")
+    flags: int = field("", "flags of this tick")
+    swinging: int = field("", "legs in swing, bits")
+    gaits: int = field("", "how many gaits there are")
+    cycles: int = field("", "0 in the first cycle after standing")
+    margin: int = field("lu", "static stability margin: the centre of mass in the polygon of the standing feet")
+    advice: int = field("", "ADVICE_... of the adaptive trot: whether another gait would do better")
+    tilted: int = field("ticks", "in a row of too much tilt")
+    fallen: int = field("", "1: fallen")
+    climb: int = field("", "the crawl over obstacles: CLIMB_...")
+    reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
+    waited: int = field("ticks", "for which the commanded crawl has waited for level feet")
+    met: int = field("", "1: the joints have been known")
+    held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
+    holds: int = field("", "1: it was")
+    beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
+
+
+
+CLIMB_OFF = const(0)
+CLIMB_READY = const(1)  # standing still until the joints' loads are known
+CLIMB_ON = const(2)
+CLIMB_BACK = const(3)  # the held-up trot backs off from the edge first

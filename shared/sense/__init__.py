@@ -1,0 +1,1 @@
+"""What is sensed, and what is made of it."""

@@ -1,0 +1,215 @@
+"""Roll and pitch from raw gyroscope and accelerometer counts (MPU6050 registers, int16).
+
+A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer
+pulls it back slowly, and only while it reads close to 1 g. No angle is integrated, so nothing
+wraps and no pose is singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
+as shared/body/pose.py commands it.
+
+MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
++-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.
+"""
+
+from ..num.fixed import atan2_brad, hypot, isqrt, saturate
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+
+
+@record
+class Attitude:
+    """The filter of one sensor: settings (filled in by the host), state, and the angles that result."""
+
+    gyro_q30: int = field("rad / (count tick) Q30", "the gyroscope's scale (1/131 deg/s at 50 Hz: 2862)")
+    one_g: int = field("counts", "the accelerometer at 1 g, 2048 .. 16384")
+    trust_q15: int = field("Q15", "share of the accelerometer's correction a tick")
+    tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not believed")
+    align_ticks: int = field("ticks", "at rest, that start-up averages, 1 .. 1024")
+    bias: Ints = vector(3, "counts Q6", "the gyroscope's bias")
+    gravity: Ints = vector(3, "Q22", "direction of 'up' in the body")
+    gathered: int = field("ticks", "of start-up gathered so far")
+    sum: Ints = vector(3, "counts", "the accelerometer's sum of start-up")
+    gyro_sum: Ints = vector(3, "counts", "the gyroscope's sum of start-up")
+    rejected: int = field("ticks", "in a row in which the accelerometer was not believed")
+    roll: int = field("brad", "the result")
+    pitch: int = field("brad", "the result")
+    rest_q27: Ints = vector(3, "rad Q27", "what of each axis's turn was too small for the tick before")
+
+
+ALIGNING = const(1)  # attitude_step flags
+ACCEL_REJECTED = const(2)
+MOVED_WHILE_ALIGNING = const(4)
+
+_ONE_Q22 = const(0x400000)
+_STILL_COUNTS = const(1310)  # 10 deg/s at 131 counts: more means the robot is being moved (assumed)
+
+
+@hot
+def attitude_reset(attitude: Attitude) -> int:
+    """Start again with the alignment at rest; settings stay. Returns 0."""
+    attitude.gathered = 0
+    for axis in range(3):
+        attitude.sum[axis] = 0
+        attitude.gyro_sum[axis] = 0
+        attitude.gravity[axis] = 0
+        attitude.rest_q27[axis] = 0
+    attitude.gravity[2] = _ONE_Q22
+    attitude.rejected = 0
+    attitude.roll = 0
+    attitude.pitch = 0
+    return 0
+
+
+@hot
+def attitude_step(attitude: Attitude, gyro_accel) -> int:
+    """Take one reading and update ``attitude.roll`` and ``attitude.pitch``; return flags.
+
+    gyro_accel: 6 int16 counts, gyro x y z then accelerometer x y z, body axes (x forward, y left,
+    z up; accelerometer +1 g on z at rest). The first ``attitude.align_ticks`` readings are averaged into the
+    start attitude and the gyro bias (ALIGNING; MOVED_WHILE_ALIGNING starts again). After that
+    ACCEL_REJECTED marks a reading away from 1 g. Angles within 0.05 deg of a float filter of the
+    same law. All intermediates below 2^30 for any int16 input.
+    """
+    if attitude.gathered < attitude.align_ticks:
+        return align(attitude, gyro_accel)
+    turn(attitude, gyro_accel)
+    flags = pull(attitude, gyro_accel)
+    angles(attitude)
+    return flags
+
+
+@hot
+def align(attitude: Attitude, gyro_accel: Ints) -> int:
+    """Add one reading at rest to the start-up averages; the last one sets attitude and bias."""
+    for axis in range(3):
+        rate = gyro_accel[axis]
+        if rate > _STILL_COUNTS or rate < -_STILL_COUNTS:
+            attitude_reset(attitude)
+            return ALIGNING | MOVED_WHILE_ALIGNING
+        attitude.gyro_sum[axis] += rate
+        attitude.sum[axis] += gyro_accel[axis + 3]
+    attitude.gathered += 1
+    if attitude.gathered < attitude.align_ticks:
+        return ALIGNING
+    for axis in range(3):
+        attitude.bias[axis] = (attitude.gyro_sum[axis] << 6) // attitude.gathered
+        attitude.sum[axis] = attitude.sum[axis] // attitude.gathered
+    size = size_of(attitude.sum[0], attitude.sum[1], attitude.sum[2])
+    if not believed(attitude, size):
+        attitude_reset(attitude)
+        return ALIGNING | ACCEL_REJECTED
+    for axis in range(3):
+        attitude.gravity[axis] = (attitude.sum[axis] << 14) // size << 8
+    angles(attitude)
+    return ALIGNING
+
+
+@hot
+def size_of(x: int, y: int, z: int) -> int:
+    """Return the length of a vector of int16 counts, floor, within 2^-12."""
+    return hypot(hypot(x, y), z)
+
+
+@hot
+def believed(attitude: Attitude, size: int) -> int:
+    """Return 1 if an accelerometer reading of this length is close enough to 1 g, else 0."""
+    away = size - attitude.one_g
+    if size < 1 or away > attitude.tolerance or away < -attitude.tolerance:
+        return 0
+    return 1
+
+
+@hot
+def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
+    """Return the turn about ``axis`` during one tick in 2^-18 rad, limited to +-1/8 rad.
+
+    counts: int16. 1/8 rad a tick is 358 deg/s at 50 Hz; beyond it the attitude lags and the
+    accelerometer brings it back. What is smaller than a unit is kept for the next tick: at 500 Hz a
+    unit is 0.11 deg/s. Intermediates: 8192 * 131071 + 511 < 2^30.
+    """
+    fine = saturate((counts << 6) - attitude.bias[axis], -0x3FFFFF, 0x3FFFFF)
+    gain = saturate(attitude.gyro_q30, 0, 0x1FFFF)
+    turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + attitude.rest_q27[axis]
+    attitude.rest_q27[axis] = turned_q27 & 511
+    return saturate(turned_q27 >> 9, -0x8000, 0x8000)
+
+
+@hot
+def turn(attitude: Attitude, gyro_accel: Ints) -> int:
+    """Turn the gravity vector by one tick of gyro: g += g x w, midpoint by two half steps."""
+    wx = rate_q18(attitude, gyro_accel[0], 0)
+    wy = rate_q18(attitude, gyro_accel[1], 1)
+    wz = rate_q18(attitude, gyro_accel[2], 2)
+    x = attitude.gravity[0]
+    y = attitude.gravity[1]
+    z = attitude.gravity[2]
+    mx = x + (cross(y, z, wy, wz) >> 1)
+    my = y + (cross(z, x, wz, wx) >> 1)
+    mz = z + (cross(x, y, wx, wy) >> 1)
+    attitude.gravity[0] = x + cross(my, mz, wy, wz)
+    attitude.gravity[1] = y + cross(mz, mx, wz, wx)
+    attitude.gravity[2] = z + cross(mx, my, wx, wy)
+    return 0
+
+
+@hot
+def cross(b_q22: int, c_q22: int, wb_q18: int, wc_q18: int) -> int:
+    """Return b * wc - c * wb in Q22: one component of g x w.
+
+    Range: vector components within +-2^23, rates within +-2^15. The vector is taken in Q14 for
+    the product's upper part and its lower byte apart: products below 2^15 * 2^15.
+    """
+    upper = (b_q22 >> 8) * wc_q18 - (c_q22 >> 8) * wb_q18
+    lower = (b_q22 & 255) * wc_q18 - (c_q22 & 255) * wb_q18
+    return (upper + (lower >> 8) + 0x200) >> 10
+
+
+@hot
+def pull(attitude: Attitude, gyro_accel: Ints) -> int:
+    """Pull the gravity vector towards the accelerometer if that reads about 1 g; return flags."""
+    size = size_of(gyro_accel[3], gyro_accel[4], gyro_accel[5])
+    if not believed(attitude, size):
+        attitude.rejected = saturate(attitude.rejected + 1, 0, 0xFFFF)
+        normalise(attitude)
+        return ACCEL_REJECTED
+    attitude.rejected = 0
+    trust = attitude.trust_q15
+    for axis in range(3):
+        wanted = (gyro_accel[axis + 3] << 14) // size << 8
+        attitude.gravity[axis] += ((wanted - attitude.gravity[axis]) >> 8) * trust >> 7
+    normalise(attitude)
+    return 0
+
+
+@hot
+def normalise(attitude: Attitude) -> int:
+    """Scale the gravity vector to length 1 in Q22; return 0 if it is too short to have a direction.
+
+    Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
+    """
+    x = attitude.gravity[0] >> 8
+    y = attitude.gravity[1] >> 8
+    z = attitude.gravity[2] >> 8
+    size_sq = x * x + y * y + z * z
+    if size_sq < 0x100000:
+        return 0
+    short = 0x4000 - isqrt(size_sq)
+    if short > 8 or short < -8:
+        if short < -0x4000 or short > 0x2000:
+            short = saturate(short, -0x4000, 0x2000)
+        for axis in range(3):
+            part = attitude.gravity[axis]
+            attitude.gravity[axis] = part + ((part >> 8) * short >> 6)
+    return 1
+
+
+@hot
+def angles(attitude: Attitude) -> int:
+    """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb). Returns 0.
+
+    Roll lies within +-90 deg, pitch within +-180 deg: a robot on its back reads as pitched over.
+    """
+    x = attitude.gravity[0] >> 7
+    y = attitude.gravity[1] >> 7
+    z = attitude.gravity[2] >> 7
+    attitude.pitch = atan2_brad(-x, z)
+    attitude.roll = atan2_brad(y, hypot(x, z))
+    return 0

@@ -1,0 +1,263 @@
+"""What the legs tell: where the feet are, how far the body has moved over them, how much each carries.
+
+Forward kinematics of the measured joints (paper A eqs 1-6) give the feet in the body; roll and
+pitch turn them level. A foot that stands does not move, so the body moves against the mean of the
+standing feet; the foot is round, so its contact rolls on by radius times the shank's turn. The
+joints give in proportion to their load, so goal minus measured, times stiffness, is the torque, and
+two torques are the foot's force along the leg:
+
+    F = (ak t3 - ac t2') / (-L2 L3 sin q3),  ak = L2 cos q2, ac = L3 cos(q2 + q3), t2' = t2 - t3
+
+with t2' = t2 where the calf's motor is on the body (paper B).
+"""
+
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..num.fixed import cos_q15, saturate, sin_q15
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+
+
+@record
+class Sensing:
+    """What the legs tell of feet, forces and motion."""
+
+    level: Ints = vector(JOINTS, "lu", "the feet from the middle of the hips, in level axes that turn with the body")
+    force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
+    rolled: Ints = vector(2 * LEGS, "lu", "x, y of each foot less what it rolled")
+    before: Ints = vector(2 * LEGS, "lu", "the same in the tick before")
+    joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")
+    known: int = field("ticks", "measured in a row, up to 100")
+    moved_x: int = field("lf", "how far the body moved forward in this tick, level axes")
+    moved_y: int = field("lf", "how far to the left")
+    sent_at: int = field("", "where in the ring the next goals go, 0 .. 15")
+    sent: Ints = vector(16 * JOINTS, "brad", "ring of the goals of the last 16 ticks")
+    roll: int = field("brad", "of this tick")
+    pitch: int = field("brad", "of this tick")
+    roll_sine_q13: int = field("Q13", "sine of roll")
+    roll_cosine_q13: int = field("Q13", "cosine of roll")
+    pitch_sine_q13: int = field("Q13", "sine of pitch")
+    pitch_cosine_q13: int = field("Q13", "cosine of pitch")
+    rolls_q12: int = field("lu / brad Q12", "how far a foot rolls as its shank turns")
+    answered: int = field("", "where in the ring the goals lie that the joints answer; -1: nowhere yet")
+
+
+_BRAD_TO_RAD_Q26 = const(6434)  # 2 pi / 65536 in Q26 = 6433.98
+_ERROR_MAX = const(4095)  # brad, 22 deg: beyond it a drive gives all it has anyway
+_TURN_MAX = const(4095)  # brad per tick
+_FORCE_MAX_Q12 = const(16383)
+_STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell a force
+
+
+@hot
+def sensing_reset(sensing: Sensing) -> int:
+    """Forget all that was measured, and the goals; return 0."""
+    sensing.known = 0
+    sensing.moved_x = 0
+    sensing.moved_y = 0
+    sensing.sent_at = 0
+    sensing.answered = -1
+    for leg in range(LEGS):
+        sensing.force_q12[leg] = 0
+    for at in range(JOINTS):
+        sensing.level[at] = 0
+    return 0
+
+
+@hot
+def keep_sent(sensing: Sensing, joints: Ints) -> int:
+    """Keep the goals that are sent in this tick (12 brad); return 0."""
+    at = sensing.sent_at * JOINTS
+    for joint in range(JOINTS):
+        sensing.sent[at + joint] = joints[joint]
+    sensing.sent_at = sensing.sent_at + 1 & 15
+    return 0
+
+
+@hot
+def sense_legs(params: Params, joints: Ints, roll_brad: int, pitch_brad: int, sensing: Sensing) -> int:
+    """Take 12 measured joints, update feet and forces; return the ticks known, up to 100.
+
+    joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
+    the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
+    is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
+    """
+    sensing.roll = roll_brad
+    sensing.pitch = pitch_brad
+    sensing.roll_sine_q13 = sin_q15(roll_brad) >> 2
+    sensing.roll_cosine_q13 = cos_q15(roll_brad) >> 2
+    sensing.pitch_sine_q13 = sin_q15(pitch_brad) >> 2
+    sensing.pitch_cosine_q13 = cos_q15(pitch_brad) >> 2
+    sensing.rolls_q12 = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
+    sensing.answered = -1
+    if sensing.known > params.sent_ticks:
+        sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
+    for leg in range(LEGS):
+        sense_leg(params, leg, joints, sensing)
+    for joint in range(JOINTS):
+        sensing.joints[joint] = joints[joint]
+    if sensing.known < 100:
+        sensing.known += 1
+    return sensing.known
+
+
+@hot
+def sense_leg(params: Params, leg: int, joints: Ints, sensing: Sensing) -> int:
+    """Write one foot into ``level`` and ``rolled`` and its force into ``force_q12``; return 0. Used by sense_legs.
+
+    A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
+    """
+    base = params.legs[leg]
+    hip = joints[leg * 3]
+    thigh = joints[leg * 3 + 1]
+    shank = thigh + joints[leg * 3 + 2]
+    length = base.thigh_length
+    knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
+    place = base.hip
+    x = place[0] - (length * sin_q15(thigh) + 0x4000 >> 15)
+    length = base.calf_length
+    calf_drop = length * cos_q15(shank) + 0x4000 >> 15
+    x -= length * sin_q15(shank) + 0x4000 >> 15
+    drop = knee_drop + calf_drop
+    side = base.hip_length
+    sine = sin_q15(hip)
+    cosine = cos_q15(hip)
+    y = place[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+    z = place[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+    keep_foot(leg, hip, shank, x, y, z, sensing)
+    sensing.force_q12[leg] = 0
+    if sensing.answered >= 0:
+        sensing.force_q12[leg] = leg_force(params, leg, joints, knee_drop, calf_drop, sensing)
+    return 0
+
+
+@hot
+def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, sensing: Sensing) -> int:
+    """Turn a foot at (x, y, z) in the body level into ``level``; write where its contact had been without rolling.
+
+    x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. ``rolled``: error at
+    most 1/600 of the way rolled + 1 lu; its last values go to ``before``. Returns 0. Used by sense_leg.
+    Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
+    """
+    at = leg * 3
+    sine = sensing.pitch_sine_q13
+    cosine = sensing.pitch_cosine_q13
+    ahead = x * cosine + z * sine + 0x1000 >> 13
+    z = z * cosine - x * sine + 0x1000 >> 13
+    sine = sensing.roll_sine_q13
+    cosine = sensing.roll_cosine_q13
+    aside = y * cosine - z * sine + 0x1000 >> 13
+    sensing.level[at] = ahead
+    sensing.level[at + 1] = aside
+    sensing.level[at + 2] = y * sine + z * cosine + 0x1000 >> 13
+    at = leg * 2
+    sensing.before[at] = sensing.rolled[at]
+    sensing.before[at + 1] = sensing.rolled[at + 1]
+    rolls_q12 = sensing.rolls_q12
+    shank_brad = (shank_brad + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
+    hip_brad = (hip_brad + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
+    sensing.rolled[at] = ahead - (rolls_q12 * shank_brad >> 12)
+    sensing.rolled[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
+    return 0
+
+
+@hot
+def leg_force(
+    params: Params, leg: int, joints: Ints, knee_drop: int, calf_drop: int, sensing: Sensing
+) -> int:
+    """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
+
+    knee_drop, calf_drop: ak and ac of this file's head, lu. A calf motor on the body answers the errors of thigh
+    and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
+    """
+    at = leg * 3 + 1
+    sent = sensing.answered + at
+    thigh = joints[at]
+    calf = joints[at + 1]
+    error = sensing.sent[sent] - thigh
+    turned = thigh - sensing.joints[at]
+    above = joint_torque(params.stiff_q8[1], params.damp_q8[1], error, turned)
+    if params.coupled:
+        error += sensing.sent[sent + 1] - calf
+        turned += calf - sensing.joints[at + 1]
+        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
+    else:
+        error = sensing.sent[sent + 1] - calf
+        turned = calf - sensing.joints[at + 1]
+        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
+        above = saturate(above - below, -32767, 32767)
+    base = params.legs[leg]
+    arms = -((base.thigh_length * base.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
+    if arms < _STRAIGHT and arms > -_STRAIGHT:
+        return 0
+    force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
+    return saturate(force, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
+
+
+@hot
+def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int) -> int:
+    """Return a joint's torque, stiffness * error - damping * speed, in own weight times lu, +-32767.
+
+    stiff, damp: ``params.stiff_q8`` and ``damp_q8`` of the joint; error: goal minus measured; turned: in one tick; each
+    limited to +-4095 brad. Intermediates: 4095 * 32767 * 2.
+    """
+    if error_brad > _ERROR_MAX:
+        error_brad = _ERROR_MAX
+    elif error_brad < -_ERROR_MAX:
+        error_brad = -_ERROR_MAX
+    if turned_brad > _TURN_MAX:
+        turned_brad = _TURN_MAX
+    elif turned_brad < -_TURN_MAX:
+        turned_brad = -_TURN_MAX
+    torque = stiff_q8 * error_brad - damp_q8 * turned_brad >> 8
+    if torque > 32767:
+        return 32767
+    if torque < -32767:
+        return -32767
+    return torque
+
+
+@hot
+def sense_moved(sensing: Sensing, weights: Ints) -> int:
+    """Write how far the body moved over the feet with a weight above 0 into ``moved_x``, ``moved_y``; return how many.
+
+    Level axes that turn with the body, lf; 0 without such a foot or in the first tick. A foot's own way is
+    limited to +-4095 lu a tick. About 1 % of the way in simulation.
+    """
+    count = 0
+    x = 0
+    y = 0
+    if sensing.known > 1:
+        at = 0
+        for leg in range(LEGS):
+            if weights[leg] > 0:
+                x -= saturate(sensing.rolled[at] - sensing.before[at], -_TURN_MAX, _TURN_MAX)
+                y -= saturate(sensing.rolled[at + 1] - sensing.before[at + 1], -_TURN_MAX, _TURN_MAX)
+                count += 1
+            at += 2
+    if count:
+        x = (x << LF_BITS) // count
+        y = (y << LF_BITS) // count
+    sensing.moved_x = x
+    sensing.moved_y = y
+    return count
+
+
+@hot
+def stands_level(params: Params, sensing: Sensing) -> int:
+    """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
+
+    A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
+    """
+    if sensing.known == 0:
+        return 1
+    low = sensing.level[2]
+    high = low
+    for leg in range(1, LEGS):
+        height = sensing.level[leg * 3 + 2]
+        if height < low:
+            low = height
+        if height > high:
+            high = height
+    if high - low > params.leg_length >> 5:
+        return 0
+    return 1

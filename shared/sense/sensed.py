@@ -1,0 +1,41 @@
+"""What is sensed of the robot in a tick, as the core takes it."""
+
+from ..body.params import JOINTS
+from ..record import field, record
+from ..runtime import zeros
+
+
+@record
+class Valid:
+    """Which of the senses may be used in this tick: 1, else 0."""
+
+    tilt: int = field("", "1: roll and pitch are known")
+    joints: int = field("", "1: the joints are known")
+    turned: int = field("", "1: the turning rates are known")
+
+
+class Sensed:
+    """Attitude, joints and turning rates of one tick.
+
+    ``tilt``: roll and pitch, brad. ``joints``: 12 brad, as measured. ``turned``: how far the body turned about x, y and
+    z in this tick, without the gyroscope's bias, 2^-18 rad. ``valid`` says which of them may be used.
+    """
+
+    def __init__(self):
+        self.valid = Valid()
+        self.tilt = zeros(2)
+        self.joints = zeros(JOINTS)
+        self.turned = zeros(3)
+
+    def pack(self):
+        """Return its 20 integers as recordings keep them: tilt, joints, turned, each followed by its validity."""
+        valid = self.valid
+        return list(self.tilt) + [valid.tilt] + list(self.joints) + [valid.joints] + list(self.turned) + [valid.turned]
+
+    def unpack(self, integers):
+        """Take what ``pack`` returned."""
+        valid = self.valid
+        self.tilt[0], self.tilt[1], valid.tilt = integers[:3]
+        for joint in range(JOINTS):
+            self.joints[joint] = integers[3 + joint]
+        valid.joints, self.turned[0], self.turned[1], self.turned[2], valid.turned = integers[3 + JOINTS :]

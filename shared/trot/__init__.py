@@ -1,0 +1,1 @@
+"""The trot that feels load, ground and motion."""
