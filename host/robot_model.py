@@ -2,7 +2,7 @@
 
 The actuators and buses are in robot_actuators.py. Attributes have the file's names; angles are degrees in the
 file (``_deg``), and properties give them in radians (``_rad``).
-Sensing FR, FL, RR, RL = 0..3; joints hip, thigh, calf = 0..2; x forward, y left, z up; docs/robot-files.md.
+Legs FR, FL, RR, RL = 0..3; joints hip, thigh, calf = 0..2; x forward, y left, z up; docs/robot-files.md.
 """
 
 from functools import cached_property

@@ -2,7 +2,7 @@
 
 Frame: x forward, z up. Every rotation is about +y as in REP-103, so a positive angle turns x towards -z:
 thigh > 0 puts the knee behind the hip, calf < 0 is a full elbow, pitch > 0 is nose down.
-Sensing FR, FL, RR, RL = 0..3; joints hip, thigh, calf; a joint's index is leg * 3 + joint.
+Legs FR, FL, RR, RL = 0..3; joints hip, thigh, calf; a joint's index is leg * 3 + joint.
 """
 
 import itertools

@@ -1,7 +1,7 @@
 """What a run leaves behind: one row per control tick, as numpy arrays in SI units.
 
 A row is the instant the controller was asked: states before its answer, and the answer itself as the goal.
-Sensing FR, FL, RR, RL; joints hip, thigh, calf; the plane has no hips, so they repeat their goal and carry no
+Legs FR, FL, RR, RL; joints hip, thigh, calf; the plane has no hips, so they repeat their goal and carry no
 torque. A torque is what a drive gives at its own shaft: that of a calf's motor on the torso turns thigh + calf.
 Angles about +y, pitch > 0 is nose down.
 """

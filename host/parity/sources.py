@@ -16,7 +16,7 @@ from ..robot_model import Robot
 from ..scale import attitude_block, core_params
 
 RATES_HZ = (None, 20, 500)  # the robot's own, and the ends of what the planner allows
-# Sensing that no robot file has: links of unequal length, knees in front.
+# Legs that no robot file has: links of unequal length, knees in front.
 OTHER_LEGS: tuple[dict[str, Any], ...] = (
     {"thigh_m": 0.1, "calf_m": 0.14, "knee_configuration": "elbow-knee"},
     {"thigh_m": 0.13, "calf_m": 0.11, "knee_configuration": "full-knee"},
