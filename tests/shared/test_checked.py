@@ -34,10 +34,10 @@ def test_no_word_in_command_or_senses_leaves_30_bits():
 
 
 def test_a_leg_too_long_for_its_unit_is_caught():
-    """The check can fail: a thigh of 40 000 units has a square beyond 30 bits."""
+    """The check can fail: a reach of 40 000 units has a square beyond 30 bits."""
     spoiled = fast(block("caramelo"))
     for leg in range(4):
-        spoiled.legs[leg].thigh_length = 40000
-    run = drive([spoiled], 100)
+        spoiled.legs[leg].longest = 40000
+    run = drive([spoiled], 400)
     assert run.returncode != 0
     assert "outside -2^30 .. 2^30-1" in run.stderr
