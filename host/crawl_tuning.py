@@ -1,4 +1,4 @@
-"""The crawl's numbers (shared/crawl/setup.py) for one robot at one rate: its table in proportion to the leg, its shape.
+"""The crawl's numbers (shared/body/crawl_setup.py) of a robot at a rate: its table, as large as the leg, and its shape.
 
 A robot file's table ``crawl`` gives single numbers anew, in SI: the keys are the fields with their unit in the file,
 ``margin_m``, ``lift_speed_m_s``, ``settle_s``.
@@ -8,8 +8,8 @@ from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from math import pi
 
+from shared.body.crawl_setup import CrawlSetup
 from shared.body.params import FR, LEGS, LF_BITS, RR, Leg, Params
-from shared.crawl.setup import CrawlSetup
 from shared.num.fixed import cos_q15, hypot, isqrt
 
 _LEG_MM = 240  # the leg that the table's lengths belong to
@@ -37,7 +37,7 @@ def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple
     for key, value in given.items():
         if key not in _KEYS:
             hint = "".join(f"did you mean {close}? " for close in get_close_matches(key, _KEYS, 1))
-            yield f"crawl.{key}", value, f"{hint}the keys are those of shared/crawl/setup.py: {', '.join(_KEYS)}"
+            yield f"crawl.{key}", value, f"{hint}the keys are those of shared/body/crawl_setup.py: {', '.join(_KEYS)}"
             continue
         place = _NUMBERS[_KEYS[key]]
         usual = place.default * _one(place.unit, leg_m)

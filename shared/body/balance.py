@@ -23,7 +23,7 @@ class Correction:
 class Balance:
     """Both controllers of one robot, and what they ask for."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.roll = Pid()
         self.pitch = Pid()
         self.correction = Correction()

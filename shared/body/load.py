@@ -41,7 +41,9 @@ def load_even(block: Load, weight_q12: int) -> int:
 
 
 @hot
-def load_share(feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load) -> int:
+def load_share(
+    feet: Ints, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load
+) -> int:
     """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
 
     feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;

@@ -5,9 +5,9 @@
 2^-18 rad. Speeds are per tick of the planner, so a block belongs to one rate.
 """
 
-from ..crawl.setup import CrawlSetup
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
+from .crawl_setup import CrawlSetup
 
 LEGS = const(4)
 JOINTS = const(12)

@@ -179,7 +179,7 @@ def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
 
 
 @hot
-def place_feet(params: Params, gait, steps: Steps, speed, height_lu: int, feet: Ints) -> int:
+def place_feet(params: Params, gait: Gait, steps: Steps, speed: Ints, height_lu: int, feet: Ints) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
     feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
@@ -198,7 +198,9 @@ def place_feet(params: Params, gait, steps: Steps, speed, height_lu: int, feet: 
 
 
 @hot
-def swing_foot(params: Params, gait: Gait, steps: Steps, speed, leg: int, height_lu: int, feet: Ints) -> int:
+def swing_foot(
+    params: Params, gait: Gait, steps: Steps, speed: Ints, leg: int, height_lu: int, feet: Ints
+) -> int:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that

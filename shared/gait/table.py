@@ -54,7 +54,7 @@ class Clock:
 PEAK_Q10 = const(8191)  # the body may move at most 8 times its mean speed in any tick
 
 
-def compile_gait(table, params: Params) -> Gait:
+def compile_gait(table: tuple, params: Params) -> Gait:
     """Return a gait table for one robot at its rate. Allocates: not for ticks.
 
     Raises ValueError with one sentence if the table can't be a gait for this robot.
@@ -82,7 +82,7 @@ def compile_gait(table, params: Params) -> Gait:
     return gait
 
 
-def time_segment(gait: Gait, i, row, rate_hz):
+def time_segment(gait: Gait, i: int, row: tuple, rate_hz: int) -> int:
     """Fill in the length and the swing legs of segment ``i``; return its share of the advance."""
     milliseconds, swing, share = row
     if milliseconds < 1 or not 0 <= swing <= 15 or share < 0:
@@ -99,7 +99,7 @@ def time_segment(gait: Gait, i, row, rate_hz):
     return share
 
 
-def share_out_advance(gait: Gait, i, share, shares):
+def share_out_advance(gait: Gait, i: int, share: int, shares: int) -> None:
     """Fill in the body's advance during segment ``i``."""
     segment = gait.rows[i]
     advance_q4 = (gait.cycle * share * 16 + shares // 2) // shares
@@ -110,7 +110,7 @@ def share_out_advance(gait: Gait, i, share, shares):
     segment.advance_q4 = advance_q4
 
 
-def limit_speeds(gait: Gait, params: Params):
+def limit_speeds(gait: Gait, params: Params) -> None:
     """Fill in the fastest command: the robot's own limit, or what makes the longest stride."""
     stance_ticks = 1
     for leg in range(4):
@@ -125,7 +125,7 @@ def limit_speeds(gait: Gait, params: Params):
     gait.speed_max[2] = min(params.speed_max[2], ((stride << 13) // radius << 5) // stance_ticks)
 
 
-def share_out_swing(gait: Gait, leg):
+def share_out_swing(gait: Gait, leg: int) -> None:
     """Fill in where the swings of ``leg`` start, how long they last, and what the body does meanwhile."""
     count = gait.segments
     bit = 1 << leg

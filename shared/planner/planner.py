@@ -12,7 +12,6 @@ planner_pose (body and legs), planner_climb (the crawl instead of all that), pla
 
 from ..body.leg import limit_joints
 from ..body.params import LEGS, Params
-from ..body.posture import posture_step
 from ..gait.gaits import GAIT_ADAPTIVE
 from ..runtime import hot
 from ..sense.legs import keep_sent
@@ -23,6 +22,7 @@ from .exchange import climb, climbs
 from .goals import follow_goals
 from .handover import fade_out
 from .pose import level, solve_legs
+from .posture import posture_step
 from .senses import feel, relax, take_senses
 from .state import PlannerState
 from .states import choose_state, follow_joints, settle

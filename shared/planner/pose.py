@@ -7,7 +7,7 @@ from ..body.params import LEGS
 from ..body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
 from ..body.reach import TOO_NEAR, reach_foot
 from ..num.fixed import saturate
-from ..runtime import hot
+from ..runtime import Ints, hot
 from ..sense.sensed import Sensed
 from .command import Command
 from .state import PlannerState
@@ -40,7 +40,7 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 
 @hot
-def solve_legs(planner: PlannerState, joints) -> int:
+def solve_legs(planner: PlannerState, joints: Ints) -> int:
     """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together.
 
     A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a

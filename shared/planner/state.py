@@ -3,7 +3,6 @@
 from ..body.balance import Balance, balance_setup
 from ..body.params import JOINTS, LEGS, Params
 from ..body.pose import POSE_SIZE
-from ..body.posture import Move
 from ..crawl.crawl import Crawl
 from ..gait.gaits import GAITS
 from ..gait.steps import SPEED_SIZE, Steps
@@ -14,6 +13,7 @@ from ..trot.trot import Adaptive
 from .command import Command
 from .goals import Past
 from .handover import Fade
+from .posture import Move
 from .retreat import Retreat
 from .status import Status
 

@@ -8,7 +8,6 @@ A move between stand and seat goes from the joints' present goals to the next st
 from ..body.balance import balance_reset
 from ..body.params import JOINTS, LEGS
 from ..body.pose import POSE_SIZE
-from ..body.posture import posture_start
 from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
 from ..runtime import hot
 from ..sense.sensed import Sensed
@@ -16,6 +15,7 @@ from ..trot.trot import adaptive_reset
 from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
 from .pose import solve_legs
+from .posture import posture_start
 from .state import PlannerState
 from .status import (
     BAD_COMMAND,

@@ -59,7 +59,7 @@ def attitude_reset(attitude: Attitude) -> int:
 
 
 @hot
-def attitude_step(attitude: Attitude, gyro_accel) -> int:
+def attitude_step(attitude: Attitude, gyro_accel: Ints) -> int:
     """Take one reading and update ``attitude.roll`` and ``attitude.pitch``; return flags.
 
     gyro_accel: 6 int16 counts, gyro x y z then accelerometer x y z, body axes (x forward, y left,

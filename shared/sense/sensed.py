@@ -2,7 +2,7 @@
 
 from ..body.params import JOINTS
 from ..record import field, record
-from ..runtime import zeros
+from ..runtime import Ints, zeros
 
 
 @record
@@ -21,18 +21,18 @@ class Sensed:
     z in this tick, without the gyroscope's bias, 2^-18 rad. ``valid`` says which of them may be used.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.valid = Valid()
         self.tilt = zeros(2)
         self.joints = zeros(JOINTS)
         self.turned = zeros(3)
 
-    def pack(self):
+    def pack(self) -> Ints:
         """Return its 20 integers as recordings keep them: tilt, joints, turned, each followed by its validity."""
         valid = self.valid
         return list(self.tilt) + [valid.tilt] + list(self.joints) + [valid.joints] + list(self.turned) + [valid.turned]
 
-    def unpack(self, integers):
+    def unpack(self, integers: Ints) -> None:
         """Take what ``pack`` returned."""
         valid = self.valid
         self.tilt[0], self.tilt[1], valid.tilt = integers[:3]

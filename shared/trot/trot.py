@@ -16,7 +16,7 @@ from ..body.load import STANDS_Q8, Load, load_share, load_slew
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..body.pose import POSE_X, POSE_Y, POSE_Z
 from ..body.stability import support_margin
-from ..gait.steps import SPEED_X, SPEED_Y
+from ..gait.steps import SPEED_X, SPEED_Y, Steps
 from ..gait.table import Clock, Gait
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..record import field, record, vector
@@ -154,7 +154,7 @@ def feel_legs(params: Params, walk: Adaptive, joints: Ints, known: int, roll_bra
 
 @hot
 def feel_ground(
-    params: Params, walk: Adaptive, steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int
+    params: Params, walk: Adaptive, steps: Steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int
 ) -> int:
     """Follow the ground's twist and roughness, and set the footholds' heights by them; return the twist, lu.
 
@@ -171,7 +171,7 @@ def feel_ground(
 
 
 @hot
-def drive_speed(params: Params, walk: Adaptive, speed, drive) -> int:
+def drive_speed(params: Params, walk: Adaptive, speed: Ints, drive: Ints) -> int:
     """Write the corrected speeds for this tick into ``drive`` (3 values); return 1 if they are corrected.
 
     Without odometry the speeds are the commanded ones.
@@ -236,7 +236,7 @@ def retime(params: Params, gait: Gait, speed: Ints) -> int:
 
 
 @hot
-def begin_segment(params: Params, walk: Adaptive, gait: Gait, clock: Clock, speed, drive: Ints) -> int:
+def begin_segment(params: Params, walk: Adaptive, gait: Gait, clock: Clock, speed: Ints, drive: Ints) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.

@@ -115,6 +115,10 @@ LOWERINGS = {  # beside HOT: what is written, and what becomes of it
         "def g(stick, robot: Robot):\n    return stick.length(robot.rate_hz) + robot.arm.length\n",
         "def g(stick, robot):\n    return stick.length(robot[0]) + robot[17]\n",
     ),
+    "an object's attribute may have a field's name where nothing is known of the object": (
+        "class Queue:\n    def __init__(self):\n        self.length = 0\n\n\ndef g(queue):\n    return queue.length\n",
+        "def g(queue):\n    return queue.length\n",
+    ),
     "an ordinary function's result has no annotation": (
         "def g(robot: Robot) -> Ints:\n    return zeros(robot.rate_hz)\n",
         "def g(robot):\n    return zeros(robot[0])\n",
@@ -164,9 +168,13 @@ def test_what_cannot_be_built_is_named_with_its_line(tmp_path, old, new, complai
         lower(modules(tmp_path, HOT.replace(old, new)))
 
 
-def test_a_record_declares_fields_and_nothing_else(tmp_path):
-    text = '\n\n@record\nclass Odd:\n    """Odd."""\n\n    size: int = 3\n\n\ndef g(odd: Odd):\n    return odd.size\n'
-    with pytest.raises(BuildError, match=r"shared/one.py:\d+: a record holds lines"):
+@pytest.mark.parametrize(
+    ("given", "complaint"),
+    [("3", "a record holds lines"), ('field("the size")', "a field has a unit and a meaning, a part a meaning")],
+)
+def test_a_record_declares_fields_and_nothing_else(tmp_path, given, complaint):
+    text = f'\n\n@record\nclass Odd:\n    """Odd."""\n\n    size: int = {given}\n'
+    with pytest.raises(BuildError, match=rf"shared/one.py:\d+: {complaint}"):
         lower(modules(tmp_path, HOT + text))
 
 

@@ -21,7 +21,7 @@ from .bars import any_word, integers, repeatable
 from .walker import Walker
 
 WORD = integers(-(1 << 30), (1 << 30) - 1)
-STEP_BITS = 4  # rounding of a slow move, see shared/body/posture.py
+STEP_BITS = 4  # rounding of a slow move, see shared/planner/posture.py
 
 
 def limits_of(params):

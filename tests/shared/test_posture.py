@@ -1,4 +1,4 @@
-"""shared/body/posture.py: slow moves start where the joints are, end at the goal, and are nowhere too fast."""
+"""shared/planner/posture.py: slow moves start where the joints are, end at the goal, and are nowhere too fast."""
 
 import random
 from array import array
@@ -7,7 +7,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body import posture as m
+from shared.planner import posture as m
 from tests.float_twin.swing import advance
 
 from .bars import integers, repeatable

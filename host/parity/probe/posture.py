@@ -1,15 +1,15 @@
-"""shared/body/posture.py: slow moves between any two poses."""
+"""shared/planner/posture.py: slow moves between any two poses."""
 
 
-from shared.body import posture
-from shared.body.posture import Move
+from shared.planner import posture
+from shared.planner.posture import Move
 from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.posture",)
+SOURCES = ("planner.posture",)
 
 JOINTS = Block(zeros(12), (12, BRAD))
 GOAL = Block(zeros(12), (12, BRAD))

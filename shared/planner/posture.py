@@ -5,10 +5,10 @@ longest way needs at the robot's slow joint speed; all joints start and arrive t
 cycloid's profile, so nothing jerks.
 """
 
+from ..body.params import JOINTS, Params
 from ..gait.swing import cycloid_q15
 from ..record import field, record, vector
 from ..runtime import Ints, hot
-from .params import JOINTS, Params
 
 
 @record
