@@ -10,28 +10,11 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 """
 
 from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
-from shared.command import (
-    C_BALANCE,
-    C_MODE,
-    C_SPEED,
-    COMMAND_SIZE,
-    MODE_LIMP,
-    MODE_STAND,
-    MODE_WALK,
-)
+from shared.command import C_BALANCE, C_MODE, C_SPEED, COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK
 from shared.gaits import GAIT_NAMES
 from shared.params import JOINTS, Params
 from shared.planner import Planner, plan
-from shared.planner_layout import (
-    N_GAIT,
-    N_STATE,
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
-    SENSED_SIZE,
-)
+from shared.planner_layout import N_GAIT, N_STATE, S_ATTITUDE_OK, S_JOINTS, S_JOINTS_OK, S_PITCH, S_ROLL, SENSED_SIZE
 from shared.record import field, record
 from shared.runtime import Ints, const, hot, ptr8
 

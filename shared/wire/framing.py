@@ -5,14 +5,7 @@ Identifier = block * 128 + rest. A block holds one kind of frame; the rest is th
 """
 
 from ..runtime import Ints, const, hot, ptr16
-from .names import (
-    E_STOP_ID,
-    HEARTBEAT_ID,
-    REPLY_ID,
-    SERVICE_REQUEST_ID,
-    SETPOINT_POSITION_ID,
-    SYNC_ID,
-)
+from .names import E_STOP_ID, HEARTBEAT_ID, REPLY_ID, SERVICE_REQUEST_ID, SETPOINT_POSITION_ID, SYNC_ID
 
 NODES = const(12)  # the joints; node 0 has no id yet
 SETPOINT_KINDS = const(8)

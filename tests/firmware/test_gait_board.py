@@ -18,14 +18,7 @@ from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
 from shared.attitude import A_PITCH, A_ROLL, ALIGNING, attitude_step
 from shared.command import C_BALANCE, C_MODE, C_SPEED, COMMAND_SIZE, MODE_WALK
 from shared.planner import Planner
-from shared.planner_layout import (
-    S_ATTITUDE_OK,
-    S_JOINTS,
-    S_JOINTS_OK,
-    S_PITCH,
-    S_ROLL,
-    SENSED_SIZE,
-)
+from shared.planner_layout import S_ATTITUDE_OK, S_JOINTS, S_JOINTS_OK, S_PITCH, S_ROLL, SENSED_SIZE
 from sim2d import terrain
 from sim2d.run import simulate
 

@@ -17,11 +17,7 @@ from shared.joint import faults as f
 from shared.joint import layout as j
 from shared.wire import codec
 from shared.wire import names as w
-from shared.wire.parameters import (
-    PARAMETER_DEFAULT,
-    PARAMETER_NODE_ID,
-    PARAMETER_UPTIME,
-)
+from shared.wire.parameters import PARAMETER_DEFAULT, PARAMETER_NODE_ID, PARAMETER_UPTIME
 
 ID = {parameter.name: parameter.id for parameter in parameters.load()}
 BLDC = load_robot("parallel").actuator

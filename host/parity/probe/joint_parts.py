@@ -1,17 +1,7 @@
 """shared/joint: the functions of plain numbers, each over its stated range."""
 
 
-from shared.joint import (
-    cascade,
-    encoder,
-    faults,
-    feed,
-    profile,
-    protection,
-    report,
-    svpwm,
-    thermal,
-)
+from shared.joint import cascade, encoder, faults, feed, profile, protection, report, svpwm, thermal
 from shared.joint.layout import JointState
 
 from .draw import Range
