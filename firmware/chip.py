@@ -10,7 +10,6 @@ from shared.runtime import const, hot, reg16, reg32
 
 PERIPHERALS = const(0x40000000)
 SYSTEM = const(0x1FFF7A00)  # unique id and factory values (section 39.1, DS8626 section 5.3.22), as half words
-UID_16 = const(0x10 >> 1)
 TS_CAL1_16 = const(0x2C >> 1)
 TS_CAL2_16 = const(0x2E >> 1)
 CORE = const(0xE000E000)  # the processor's own: PM0214 section 4.3
@@ -28,7 +27,6 @@ MODER_32 = const(0)
 OSPEEDR_32 = const(2)
 PUPDR_32 = const(3)
 AFRL_32 = const(8)
-AFRH_32 = const(9)
 GPIOA_SET_16 = const(0x20018 >> 1)  # BSRR: its other half, the next place, clears
 GPIOB_IDR_32 = const(0x20410 >> 2)
 GPIOC_SET_16 = const(0x20818 >> 1)

@@ -82,7 +82,6 @@ _TIM1_ADC123_SPI1 = const(0x1701)  # RCC_APB2ENR
 _ANALOG = const(3)
 _ALTERNATE = const(2)
 _OUTPUT = const(1)
-_INPUT = const(0)
 _PULL_UP = const(1)
 _FAST = const(2)
 # (port, pin, mode, alternate function, pull): data sheet DS8626 table 9

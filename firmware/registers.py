@@ -23,7 +23,6 @@ EGR = const(0x14)
 MOE = const(0x8000)  # main output enable
 _OSSR_OSSI = const(0x0C00)  # while MOE is off the pins are driven low: both gates of a phase off
 _PRELOAD_PWM1_BOTH = const(0x6868)  # OCxM = 110, OCxPE
-_PRELOAD_PWM1_LOW = const(0x0068)
 _PRELOAD_PWM1_TOP = const(0x7068)  # channel 4: PWM mode 2, high around the top, its rise starts the ADCs
 _OUTPUTS = const(0x1555)  # CC1..3 and their complements, CC4; all active high
 _TWICE_A_PERIOD = const(3)  # update event each fourth half period: 10 kHz of 20 kHz
@@ -47,7 +46,6 @@ EOC = const(2)
 JEOC = const(4)
 _ALL_BUT_JEOC = const(0x3B)
 _PCLK2_BY_4_AND_SENSOR = const(0x00810000)  # 21 MHz; TSVREFE: the temperature sensor is on
-_ADC_ON = const(1)
 _INJECTED_BY_TIM1_CC4 = const(0x00100001)  # JEXTEN rising edge, JEXTSEL 0000, ADON
 _SWSTART_HIGH = const(0x4000)  # bit 30, in the upper half word
 _SMPR_15_CYCLES_10_TO_12 = const(0x0DB6DB49)  # channels 10 .. 12 15 cycles (0.7 us), 13 .. 18 480 cycles
@@ -61,7 +59,6 @@ CAN_MAILBOX_FREE = const(0x1C00)
 CAN_ESR = const(0x40006418)
 CAN_BUS_OFF = const(4)
 
-UID = const(0x1FFF7A10)
 TS_CAL1 = const(0x1FFF7A2C)
 TS_CAL2 = const(0x1FFF7A2E)
 

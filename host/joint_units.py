@@ -136,7 +136,7 @@ def choose_units(bldc: Bldc, board: Board) -> Units:
 
 
 def step_gains(bldc: Bldc, ampere: float, volt: float) -> tuple[int, int]:
-    """Return F_KP and F_KI (Q13) for units of ``ampere`` and ``volt``."""
+    """Return current_kp and current_ki (Q13) for units of ``ampere`` and ``volt``."""
     kp, ki = current_gains(bldc)
     scale = ampere / volt * 8192
     return round(kp * scale), round(ki / bldc.drive.current_loop_hz * scale)

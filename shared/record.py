@@ -12,7 +12,7 @@ one, ``parts`` a list of them. What crosses a border as integers goes through ``
 
 from array import array
 
-from .runtime import Ints, CPYTHON
+from .runtime import CPYTHON
 
 _made = [0]  # how many fields have been declared: MicroPython does not keep a class's names in order
 

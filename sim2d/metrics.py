@@ -75,13 +75,6 @@ def torque_rms_fraction(rec: Recording) -> Array:
     return np.divide(torque_rms_Nm(rec), rec.stall_Nm, out=np.zeros(len(rec.stall_Nm)), where=rec.stall_Nm > 0)
 
 
-def mechanical_work_J(rec: Recording) -> tuple[Array, Array]:
-    """Work of each drive, (given, taken back): sums of mean torque x angle turned from row to row, both >= 0."""
-    torque = 0.5 * (rec.torque_Nm[1:] + rec.torque_Nm[:-1])
-    work = torque * np.diff(rec.drive_rad, axis=0)
-    return np.asarray(np.maximum(work, 0).sum(axis=0)), np.asarray(np.maximum(-work, 0).sum(axis=0))
-
-
 def foot_slip_m(rec: Recording) -> Array:
     """Slip of each foot from row to row (n - 1, 4): the part of its path that rolling does not explain, >= 0.
 

@@ -1,7 +1,6 @@
 """The robot that simulated joints move: sim2d's plane driven by torques, hips as hinges of their own.
 
-Angles are the motors' at the joint's side of the gear: a calf whose motor sits on the body turns thigh + calf
-(shared/joint/coupling.py).
+Angles are the motors' at the joint's side of the gear: a calf whose motor sits on the body turns thigh + calf.
 """
 
 from collections.abc import MutableSequence, Sequence

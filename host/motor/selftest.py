@@ -21,7 +21,7 @@ ENTRY_MOST_NS = 8_000
 # 2500 instructions at two cycles are 30 us; the rest of the period is the main loop's, and compares must be written.
 END_MOST_NS = 40_000
 CURRENT_STEP_MOST_NS = 10_000  # 824 instructions at two cycles
-OFFSET_COUNTS = 250  # what a joint takes for sound (K_OFFSET_SPREAD)
+OFFSET_COUNTS = 250  # what a joint takes for sound (offset_spread)
 # A count is 4 mA (8.25 A full scale). Noise of 24 counts is 5 % of 2 A peak to peak, which the loop averages; switching
 # may double it. A mean that moves by 8 counts is 1.6 % of 2 A: a sample taken while the amplifier still settles.
 NOISE_OFF, NOISE_ON, SHIFT_ON = 24, 48, 8

@@ -298,13 +298,13 @@ def _turn(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
     if cal.phase == PHASE_BACK or cal.phase == PHASE_RETURN:
         step = -step
     if cal.angle + step < 0 or cal.angle + step > travel:
-        return _end_way(foc, cfg, io, cal, travel)
+        return _end_sweep(foc, cfg, io, cal, travel)
     cal.angle += step
     return _force(foc, cal, cfg.cal_current)
 
 
 @hot
-def _end_way(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration, travel: int) -> int:
+def _end_sweep(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration, travel: int) -> int:
     phase = cal.phase
     if phase == PHASE_FORWARD:
         cal.moved_forward = cal.moved

@@ -151,7 +151,7 @@ def drive_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
             state.reaction_ticks = 0
         state.request = REQUEST_NONE
     else:
-        _climb(state, io)
+        _advance(state, io)
     return _set_torque(state, io)
 
 
@@ -275,7 +275,7 @@ def _clear(state: JointState) -> int:
 
 
 @hot
-def _climb(state: JointState, io: JointIo) -> int:
+def _advance(state: JointState, io: JointIo) -> int:
     """One state per tick towards operation enabled, as long as the hardware is ready."""
     drive = state.drive_state
     if io.hardware_ready == 0:

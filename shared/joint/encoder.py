@@ -8,7 +8,6 @@ from ..num.fixed import saturate
 from ..runtime import const, hot
 from .layout import Foc, JointConfig, JointIo, JointState
 
-_TURN = const(16384)
 _TURNS_MOST = const(0x3FFFFFFE)
 _TURNS_IN_POSITION = const(32766)
 _POSITION_MOST = const(0x1FFFFFFF)

@@ -17,7 +17,7 @@ from shared.wire import names as w
 from .on_chip import NODE, STEP_CYCLES, OnChip
 
 DEAD_CYCLES = 17  # 100 ns are 16.8
-SETTLED_CYCLES = 400  # 2.4 us: F_WINDOW is 2.5 us from the compare, the low side comes on a dead time later
+SETTLED_CYCLES = 400  # 2.4 us: foc.window is 2.5 us from the compare, the low side comes on a dead time later
 PERIOD = 4200
 OPEN_DOUBTS = {("TIM1", "RCR")}  # told differently in two manuals; align_updates works with either reading
 

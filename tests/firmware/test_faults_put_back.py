@@ -124,7 +124,7 @@ def without_the_step_before(foc, run, now_us, rotor, real=joint_run.take_step):
 
 
 def no_pull_of_the_break(monkeypatch):
-    rows = tuple(row if row[:2] != (1, 12) else (1, 12, chip_setup._INPUT, 0, 1) for row in chip_setup._PINS)
+    rows = tuple(row if row[:2] != (1, 12) else (1, 12, 0, 0, 1) for row in chip_setup._PINS)
     monkeypatch.setattr(chip_setup, "_PINS", rows)
 
 

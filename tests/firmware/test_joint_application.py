@@ -11,19 +11,15 @@ from firmware.joint import Joint
 from firmware.joint_service import HOME_POSE
 from firmware.settings import Memory
 from host.motor.bench import SESSION, Bench
+from host.protocol import parameters
 from host.robot_file import load_robot
 from shared.joint import faults as f
 from shared.joint import layout as j
 from shared.wire import codec
 from shared.wire import names as w
-from shared.wire.parameters import (
-    PARAMETER_ACCEL,
-    PARAMETER_DEFAULT,
-    PARAMETER_NODE_ID,
-    PARAMETER_POSITION_P,
-    PARAMETER_UPTIME,
-)
+from shared.wire.parameters import PARAMETER_DEFAULT, PARAMETER_NODE_ID, PARAMETER_UPTIME
 
+ID = {parameter.name: parameter.id for parameter in parameters.load()}
 BLDC = load_robot("parallel").actuator
 
 
@@ -135,18 +131,18 @@ def test_far_set_points_do_not_arm(bench):
 
 def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
     service = bench.joint.service
-    request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, PARAMETER_POSITION_P, 700])
+    request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, ID["position_p"], 700])
     frame = array("H", [0] * 4)
     codec.encode_service_request(frame, request)
     frames(bench.board)
     for _ in range(2):
         bench.board.deliver(w.SERVICE_REQUEST_ID + 1, frame, 8)
         bench.run(1)
-        bench.joint.parameters.put(PARAMETER_POSITION_P, 600)
+        bench.joint.parameters.put(ID["position_p"], 600)
     answers = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
     assert len(answers) == 2
     assert answers[0] == answers[1]
-    assert bench.joint.parameters.get(PARAMETER_POSITION_P) == 600
+    assert bench.joint.parameters.get(ID["position_p"]) == 600
     assert service.reboot == 0
 
 
@@ -243,9 +239,9 @@ def test_parameters_are_read_written_and_refused(bench):
     assert ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_NODE_ID)[2] == 1
     assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_NODE_ID, 3)[0] == w.RESULT_READ_ONLY
     assert ask(bench, w.COMMAND_READ_PARAMETER, 250)[0] == w.RESULT_UNKNOWN_PARAMETER
-    assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_ACCEL, 1 << 29)[0] == w.RESULT_OUT_OF_RANGE
-    assert ask(bench, w.COMMAND_WRITE_PARAMETER, PARAMETER_ACCEL, 500)[0] == w.RESULT_OK
-    assert ask(bench, w.COMMAND_READ_PARAMETER, PARAMETER_ACCEL)[2] == 500
+    assert ask(bench, w.COMMAND_WRITE_PARAMETER, ID["accel"], 1 << 29)[0] == w.RESULT_OUT_OF_RANGE
+    assert ask(bench, w.COMMAND_WRITE_PARAMETER, ID["accel"], 500)[0] == w.RESULT_OK
+    assert ask(bench, w.COMMAND_READ_PARAMETER, ID["accel"])[2] == 500
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     assert ask(bench, w.COMMAND_SAVE_PARAMETERS)[0] == w.RESULT_NEEDS_DISARMED
     assert ask(bench, w.COMMAND_REBOOT)[0] == w.RESULT_NEEDS_DISARMED
@@ -276,23 +272,23 @@ def saved(settings, **changes):
 
 def test_parameters_survive_a_power_cycle():
     settings = Memory()
-    joint = saved(settings, **{f"p{PARAMETER_ACCEL}": 777, f"p{PARAMETER_NODE_ID}": 6})
+    joint = saved(settings, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
     assert joint.loaded == joint_store.MISSING
     assert joint.parameters.save() == 1
     again = Joint(SimBoard(), settings)
     assert again.loaded == joint_store.LOADED
-    assert (again.parameters.get(PARAMETER_ACCEL), again.parameters.node) == (777, 6)
+    assert (again.parameters.get(ID["accel"]), again.parameters.node) == (777, 6)
 
 
 def test_every_broken_byte_is_noticed():
     settings = Memory()
-    saved(settings, **{f"p{PARAMETER_ACCEL}": 777}).parameters.save()
+    saved(settings, **{f"p{ID['accel']}": 777}).parameters.save()
     whole = settings.get(joint_store.KEY)
     for at in [*range(40), len(whole) // 2, len(whole) - 1]:
         settings.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
         joint = Joint(SimBoard(), settings)
         assert joint.loaded == joint_store.BROKEN
-        assert joint.parameters.get(PARAMETER_ACCEL) == PARAMETER_DEFAULT[PARAMETER_ACCEL]
+        assert joint.parameters.get(ID["accel"]) == PARAMETER_DEFAULT[ID["accel"]]
     settings.put(joint_store.KEY, whole[:17])
     joint = Joint(SimBoard(), settings)
     joint.start()
@@ -301,12 +297,12 @@ def test_every_broken_byte_is_noticed():
 
 def test_saving_that_fails_is_told(monkeypatch):
     settings = Memory()
-    joint = saved(settings, **{f"p{PARAMETER_ACCEL}": 777})
+    joint = saved(settings, **{f"p{ID['accel']}": 777})
     joint.parameters.save()
-    joint.parameters.put(PARAMETER_ACCEL, 778)
+    joint.parameters.put(ID["accel"], 778)
     monkeypatch.setattr(settings, "put", lambda key, data: 0)
     assert joint.parameters.save() == 0
-    assert Joint(SimBoard(), settings).parameters.get(PARAMETER_ACCEL) == 777
+    assert Joint(SimBoard(), settings).parameters.get(ID["accel"]) == 777
 
 
 @pytest.mark.parametrize(

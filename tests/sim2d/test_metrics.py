@@ -70,15 +70,6 @@ def test_torque_share_is_of_the_stall_torque_at_the_supply_voltage(standing):
     assert metrics.torque_rms_fraction(made) == pytest.approx([0.0, 0.5, 1.0] * 4)
 
 
-def test_work_is_torque_times_angle_and_what_is_taken_back_counts_apart(standing):
-    n = len(standing.time_s)
-    angle, torque = standing.joint_rad.copy(), np.zeros((n, 12))
-    angle[:, 1] = np.concatenate([np.linspace(0, 1, n // 2), np.linspace(1, 0, n - n // 2)])
-    torque[:, 1] = 0.7
-    given, taken = metrics.mechanical_work_J(replace(standing, joint_rad=angle, torque_Nm=torque))
-    assert (given[1], taken[1]) == pytest.approx((0.7, 0.7))
-
-
 def test_a_dragged_foot_skates_and_a_rolling_one_does_not(standing):
     n = len(standing.time_s)
     path = np.linspace(0.0, 0.1, n)

@@ -202,7 +202,8 @@ def test_defaults_are_the_robots_own_values():
 
 
 def test_the_thermistors_points_are_one_block_as_the_application_keeps_them():
-    assert table.PARAMETER_THERMISTOR_AT == table.PARAMETER_THERMISTOR_RAW + CURVE_POINTS
+    by_name = {p.name: p.id for p in parameters.load()}
+    assert by_name["thermistor_at_0"] == table.PARAMETER_THERMISTOR_RAW + CURVE_POINTS
     assert table.PARAMETER_POLE_PAIRS == table.PARAMETER_THERMISTOR_RAW + CURVE_SIZE
 
 

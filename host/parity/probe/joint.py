@@ -15,6 +15,7 @@ from shared.joint import (
     thermal,
     tick,
 )
+from shared.joint.layout import LoopSettings
 
 from .draw import Range
 from .joint_robot import (
@@ -51,6 +52,7 @@ SOURCES = (
     "joint.tick",
 )
 
+LOOP = LoopSettings()
 BLOCKS = (FOC, CFG, STATE, IO, CAL)
 ROTOR = Range(0, 16383)
 CURRENT = Range(-12288, 12288)
@@ -71,6 +73,18 @@ def _stepping(values, dice):
     values[1] = 1 if dice.below(20) == 0 else 0
     if dice.below(10) == 0:
         FOC.masked = dice.bits(3)
+
+
+def _tuned(values, dice):
+    live(values, dice)
+    LOOP.current_kp = dice.bits(14)
+    LOOP.current_ki = dice.bits(12)
+    LOOP.pwm_period = dice.bits(12)
+    LOOP.pwm_half = LOOP.pwm_period * 8 + 8
+    LOOP.pwm_span = LOOP.pwm_period * 12
+    LOOP.pwm_pulse = dice.bits(8)
+    LOOP.pwm_window = dice.bits(9)
+    LOOP.trip_square = dice.bits(26)
 
 
 def _repairing(values, dice):
@@ -203,6 +217,7 @@ PROBES = (
     _probe(current, "current_relax", FOC),
     _probe(current, "set_offsets", FOC, OFFSET, OFFSET, OFFSET),
     _probe(current, "current_sum", FOC),
+    _probe(current, "set_loop", FOC, LOOP, fit=_tuned),
     _probe(svpwm, "svpwm", FOC, CURRENT, CURRENT, fit=_long_vector),
     _probe(feed, "feed_bus", FOC, CFG, Range(-32768, 32767)),
     _probe(feed, "lead_angle", FOC, CFG, STATE),

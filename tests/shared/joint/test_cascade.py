@@ -164,7 +164,7 @@ def test_the_angle_is_led_by_the_age_of_its_reading(rate, offset, direction):
     brad_per_rate = BLDC.motor.pole_pairs * 1e-4 / RATE_PER_RAD_S / math.tau * 65536
     expected = twin.lead_angle(still, rate, brad_per_rate, direction)
     assert feed.lead_angle(foc, cfg, state) == foc.electrical_offset
-    assert abs(foc.electrical_offset - expected) <= 1 + abs(rate) / 131072  # K_AGE is rounded
+    assert abs(foc.electrical_offset - expected) <= 1 + abs(rate) / 131072  # age is rounded
 
 
 @given(st.integers(-(1 << 17), 1 << 17), st.integers(-2000, 2000), st.integers(-40000000, 40000000))
