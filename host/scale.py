@@ -41,6 +41,7 @@ FALLEN_S = 0.1  # tilted for so long is fallen
 ADVICE_S = 2.0  # held up for so long is stuck
 FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
 
+
 def brad(angle_rad: float) -> int:
     """Return an angle in 1/65536 turn, not wrapped."""
     return round(angle_rad * BRAD_PER_RAD)
@@ -112,21 +113,17 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
 
 def _speeds(params: Params, robot: Robot, scale: Scale) -> None:
     limits = robot.speed_limits
-    values = (
-        ("vx_m_s", scale.lf_per_tick(limits.vx_m_s)),
-        ("vy_m_s", scale.lf_per_tick(limits.vy_m_s)),
-        ("wz_rad_s", scale.yaw18_per_tick(limits.wz_rad_s)),
-        ("vx_m_s2", scale.lf_per_tick(limits.vx_m_s2 / scale.rate_hz)),
-        ("vy_m_s2", scale.lf_per_tick(limits.vy_m_s2 / scale.rate_hz)),
-        ("wz_rad_s2", scale.yaw18_per_tick(limits.wz_rad_s2 / scale.rate_hz)),
-    )
-    for at, (key, value) in enumerate(values):
-        if value > LARGEST_SPEED:
-            raise UserError(
-                f"speed_limits.{key}: {getattr(limits, key):g} is too fast for {scale.rate_hz} Hz: "
-                f"lower it, or raise control.rate_hz"
-            )
-        (params.speed_max if at < 3 else params.speed_slew)[at % 3] = max(1, value)
+    integers = (scale.lf_per_tick, scale.lf_per_tick, scale.yaw18_per_tick)
+    for axis, (key, integer) in enumerate(zip(("vx_m_s", "vy_m_s", "wz_rad_s"), integers, strict=True)):
+        speed, slew = getattr(limits, key), getattr(limits, f"{key}2")
+        for name, value, per_tick in ((key, speed, speed), (f"{key}2", slew, slew / scale.rate_hz)):
+            if integer(per_tick) > LARGEST_SPEED:
+                raise UserError(
+                    f"speed_limits.{name}: {value:g} is too fast for {scale.rate_hz} Hz: "
+                    f"lower it, or raise control.rate_hz"
+                )
+        params.speed_max[axis] = max(1, integer(speed))
+        params.speed_slew[axis] = max(1, integer(slew / scale.rate_hz))
 
 
 def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
@@ -253,14 +250,13 @@ def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
     params.slow_speed = scale.lf_per_tick(limits.vx_m_s / 2)
     params.fast_speed = scale.lf_per_tick(limits.vx_m_s)
     slower = sqrt((robot.stance.rest_height_m + own.raise_m) / SEGMENTS_HEIGHT_M)
-    names = ("body_slow", "body_fast", "swing_slow", "swing_fast")
-    for name, seconds in zip(names, SEGMENTS_S, strict=True):
-        setattr(params, name, max(2, round(seconds * slower * rate)))
+    ticks = [max(2, round(seconds * slower * rate)) for seconds in SEGMENTS_S]
+    params.body_slow, params.body_fast, params.swing_slow, params.swing_fast = ticks
     params.stand_ticks = ceil(STAND_AFTER_S * rate)
     params.tip_ticks = max(1, round(TIP_LAG_S * rate))
     params.load_gain_q15 = round(Q15 * 1.5 / rate)
     params.warp_gain_q15 = round(Q15 * 5 / rate)
-    params.press = max(1, scale.lu(PRESS_M_S / rate))
+    params.foothold_step = max(1, scale.lu(PRESS_M_S / rate))
     params.hold_q16 = round(Q16 * 0.5 / rate)
     _gains(params.gains[1], "adaptive", own, rate)
     params.rough_decay_q15 = round(Q15 / ROUGH_S / rate)

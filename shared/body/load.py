@@ -25,7 +25,6 @@ class Load:
     arm: Ints = vector(8, "", "x, y of each foot that stands, from the middle, 32 lu")
 
 
-
 STANDS_Q8 = const(256)  # the weight of a foot that stands
 _UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
 _UNIT_HALF = const(16)

@@ -1,8 +1,8 @@
-"""The robot as one block of integers: what the host fills in and the core reads.
+"""The robot as the core reads it: a record that the host fills in.
 
 ``host/scale.py`` is the only writer. Units: ``lu`` is the robot's length unit, 2^-LENGTH_SHIFT m;
 ``lf`` is lu/256, used where small steps add up; ``brad`` is 1/65536 turn; ``yaw18`` is
-2^-18 rad. Speeds are per tick of the planner, so a block belongs to one rate.
+2^-18 rad. Speeds are per tick of the planner, so the record belongs to one rate.
 """
 
 from ..record import field, part, parts, record, vector
@@ -17,7 +17,6 @@ RR = const(2)
 RL = const(3)
 
 
-
 @record
 class Gains:
     """A balance's gains, as shared/num/pid.py takes them."""
@@ -27,89 +26,85 @@ class Gains:
     kd_q10: int = field("Q10", "derivative gain over the tick")
 
 
-
 @record
 class Leg:
     """One leg; in the frame of its hip where no other is named."""
 
-    hip_length: int = field("lu", "hip offset, + left, - right")
-    thigh_length: int = field("lu", "thigh")
-    calf_length: int = field("lu", "calf")
+    hip_length: int = field("lu", "L1, + left, - right")
+    thigh_length: int = field("lu", "L2")
+    calf_length: int = field("lu", "L3")
     knee: int = field("", "-1 knee behind the hip (elbow), +1 in front (knee)")
     longest: int = field("lu", "floor of the longest hip-foot distance within the calf's limits")
     shortest: int = field("lu", "ceiling of the shortest within them")
-    outer_sq: int = field("", "(L2 + L3)^2")
-    inner_sq: int = field("", "(L2 - L3)^2")
-    half_diff: int = field("", "(L2^2 - L3^2) / 2")
-    lowest: Ints = vector(3, "", "lowest hip, thigh, calf angle, brad")
-    highest: Ints = vector(3, "", "highest")
-    hip: Ints = vector(3, "", "the hip in the body, lu")
-    rest: Ints = vector(3, "", "the foot in the body at rest, lu")
+    outer_sq: int = field("lu^2", "(L2 + L3)^2")
+    inner_sq: int = field("lu^2", "(L2 - L3)^2")
+    half_diff: int = field("lu^2", "(L2^2 - L3^2) / 2")
+    lowest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
+    highest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
+    hip: Ints = vector(3, "lu", "the hip in the body")
+    rest: Ints = vector(3, "lu", "the foot in the body at rest")
     clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
-
-
 
 
 @record
 class Params:
-    """One robot at one rate of its planner."""
+    """One robot at one rate of its planner. Three values are x, y and turning, or hip, thigh and calf."""
 
-    rate_hz: int = field("", "planner ticks a second, 20 .. 500")
+    rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
     length_shift: int = field("", "lu = 2^-shift m")
-    speed_max: Ints = vector(3, "lf / tick", "speed max")
-    speed_slew: Ints = vector(3, "lf / tick^2", "speed slew")
-    pose_max: Ints = vector(6, "", "x, y, z in lu; roll, pitch, yaw in brad")
-    pose_slew: Ints = vector(6, "", ", per tick")
+    speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "largest speeds along x and y, and of turning")
+    speed_slew: Ints = vector(3, "lf / tick^2, yaw18 / tick^2", "how fast these change")
+    pose_max: Ints = vector(6, "lu, brad", "largest body pose: x, y, z; roll, pitch, yaw")
+    pose_slew: Ints = vector(6, "lu / tick, brad / tick", "how fast it changes")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")
     sit_z: int = field("lu", "foot below the hip when seated (negative)")
     gains: list[Gains] = parts(2, Gains, "of the balance: of a gait's table, and of the trot that feels")
-    integral_max: int = field("brad", "limit of the integral term")
-    balance_max: int = field("brad", "limit of roll and pitch correction together")
-    stride_max: int = field("lu", "longest way of a foot along the ground in one stance")
+    integral_max: int = field("brad", "limit of the balance's integral term")
+    balance_max: int = field("brad", "limit of the roll and of the pitch correction as a whole")
+    stride_max: int = field("lu", "longest travel of a foot along the ground in one stance")
     balance_on: int = field("", "1: balance acts unless the command says otherwise")
-    joint_top: Ints = vector(3, "", "hip, thigh, calf; brad / tick, the fastest the motor turns its joint")
+    joint_top: Ints = vector(3, "brad / tick", "the fastest the motor turns its joint")
     legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
-    sag_q16: Ints = vector(3, "", "hip, thigh, calf; brad of sag that is fed forward, per lu of lever at own weight")
-    stiff_q8: Ints = vector(3, "own weight times lu", "per brad of joint error")
-    damp_q8: Ints = vector(3, "own weight times lu", "per brad a tick of joint speed")
+    sag_q16: Ints = vector(3, "brad / lu Q16", "sag that is fed forward, per lever at own weight")
+    stiff_q8: Ints = vector(3, "own weight lu / brad Q8", "stiffness: torque per joint error")
+    damp_q8: Ints = vector(3, "own weight lu tick / brad Q8", "damping: torque per joint speed")
     coupled: int = field("", "1: the calf's motor is on the body and sets thigh + calf (paper B)")
     sags: int = field("", "1: the joints give under load, so their error tells the load")
-    com_x: int = field("lu", "centre of mass in the body at rest")
-    com_y: int = field("lu", "com y")
-    foot_radius: int = field("lu", "foot radius")
-    sent_ticks: int = field("", "age of the goals that the measured joints answer, ticks, 0 .. 15")
-    load_slew_q12: int = field("of the own weight", "per tick: how fast a foot's expected load moves")
+    com_x: int = field("lu", "centre of mass in the body at rest, forward")
+    com_y: int = field("lu", "centre of mass in the body at rest, left")
+    foot_radius: int = field("lu", "of the round foot")
+    sent_ticks: int = field("ticks", "age of the goals that the measured joints answer, 0 .. 15")
+    load_slew_q12: int = field("own weight / tick Q12", "how fast a foot's expected load changes")
     leg_length: int = field("lu", "thigh + calf of leg FR")
-    lateral_q12: int = field("", "share of the sideways shift over the support, 0 in the plane")
-    body_raise: int = field("lu", "body above the rest height")
-    body_forward: int = field("lu", "body ahead of the feet")
+    lateral_q12: int = field("Q12", "share of the sideways shift over the support, 0 in the plane")
+    body_raise: int = field("lu", "body above the rest height in the trot")
+    body_forward: int = field("lu", "body ahead of the feet in the trot")
     leg_longest: int = field("lu", "hip to foot in the leg's plane, beyond which the body crouches")
-    height_slew: int = field("", "lu / tick upwards; twice as fast downwards")
-    start_speed: int = field("lf / tick", "the fastest of the first step")
-    start_slew: int = field("lf / tick^2", "how the fastest grows")
-    slow_speed: int = field("lf / tick", "up to which the segments have their slow lengths")
+    height_slew: int = field("lu / tick", "how fast the body rises; it sinks twice as fast")
+    start_speed: int = field("lf / tick", "largest speed of the first step")
+    start_slew: int = field("lf / tick^2", "how fast the largest speed grows after it")
+    slow_speed: int = field("lf / tick", "up to which the trot's segments have their slow lengths")
     fast_speed: int = field("lf / tick", "from which they have their fast ones")
-    body_slow: int = field("", "ticks on four feet")
-    body_fast: int = field("", "body fast")
-    swing_slow: int = field("", "ticks on two feet")
-    swing_fast: int = field("", "swing fast")
-    stand_ticks: int = field("", "from a foot's planned touchdown until it surely stands")
-    tip_ticks: int = field("", "from a goal to its effect on the attitude")
-    load_gain_q15: int = field("per tick", "of the measured weight")
-    warp_gain_q15: int = field("per tick", "of the ground's twist")
-    press: int = field("lu / tick", "how fast a foothold's height is corrected")
-    hold_q16: int = field("speed per error", "ticks^-1: position and heading")
-    rough_decay_q15: int = field("per tick", "of the remembered tilt")
-    late_ticks: int = field("", "lag behind the reference that is normal, ticks of the speed")
-    sway_slew: int = field("lu / tick", "back to the middle when standing")
+    body_slow: int = field("ticks", "on four feet at the slow speed")
+    body_fast: int = field("ticks", "on four feet at the fast speed")
+    swing_slow: int = field("ticks", "on two feet at the slow speed")
+    swing_fast: int = field("ticks", "on two feet at the fast speed")
+    stand_ticks: int = field("ticks", "from a foot's planned touchdown until it surely stands")
+    tip_ticks: int = field("ticks", "from a goal to its effect on the attitude")
+    load_gain_q15: int = field("1 / tick Q15", "how fast the measured weight is believed")
+    warp_gain_q15: int = field("1 / tick Q15", "how fast the ground's twist is believed")
+    foothold_step: int = field("lu / tick", "how fast a foothold's height is corrected")
+    hold_q16: int = field("1 / tick Q16", "correction of position and heading per error")
+    rough_decay_q15: int = field("1 / tick Q15", "how fast a tilt is forgotten")
+    late_ticks: int = field("ticks", "lag behind the reference that is normal")
+    sway_slew: int = field("lu / tick", "how fast the body sways back to the middle when standing")
     tilt_max: int = field("brad", "roll or pitch beyond which the robot has fallen")
-    tilt_ticks: int = field("", "for so long")
-    advice_ticks: int = field("", "how long trouble lasts before another gait is advised")
+    tilt_ticks: int = field("ticks", "after which it has")
+    advice_ticks: int = field("ticks", "of trouble before another gait is advised")
     read_step: int = field("brad", "how far a joint's reading may be from the one before")
-    tilt_step: int = field("brad", "how far roll and pitch may be")
-    joint_near: int = field("brad / tick that every joint of a leg can turn", "whatever the others do")
+    tilt_step: int = field("brad", "how far a reading of roll or pitch may be from the one before")
+    joint_near: int = field("brad / tick", "what every joint of a leg can turn, whatever the others do")
     crawl: CrawlSetup = part(CrawlSetup, "the crawl over obstacles")
-
 
 
 LF_BITS = const(8)  # lf = lu / 2^8

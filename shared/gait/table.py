@@ -24,8 +24,6 @@ class Segment:
     swing_q10: Ints = vector(LEGS, "ticks Q10", "the body's advance during that swing")
 
 
-
-
 @record
 class Gait:
     """A gait's table for one robot at its rate."""
@@ -39,7 +37,6 @@ class Gait:
     stance_q10: Ints = vector(LEGS, "ticks Q10", "the body's advance while the leg stands")
     speed_max: Ints = vector(3, "lf / tick", "what the robot and the longest stride allow; turning in yaw18 / tick")
     rows: list[Segment] = parts(MAX_SEGMENTS, Segment, "its segments")
-
 
 
 @record

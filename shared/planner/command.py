@@ -24,7 +24,6 @@ class Command:
     height: int = field("lu", "swing height; 0: the gait's own")
 
 
-
 COMMAND_SIZE = const(13)  # integers of a command in a frame, in the order of its declaration
 
 MODE_LIMP = const(0)  # drive nothing: the joints are not held

@@ -21,7 +21,6 @@ REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot g
 REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
 
 
-
 @record
 class Fade:
     """What joint goals still differ from those of the gait before, fading out."""
@@ -29,7 +28,6 @@ class Fade:
     left: int = field("ticks", "to go; -1: the jump is still to be taken")
     ticks: int = field("ticks", "the whole fade")
     jump: Ints = vector(JOINTS, "brad", "by which the first goals differed; until it is taken, the goals sent last")
-
 
 
 LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began

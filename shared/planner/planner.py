@@ -50,6 +50,7 @@ class Planner(PlannerState):
         """
         return plan(self, command, sensed)
 
+
 @hot
 def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of the planner; returns its flags."""

@@ -21,8 +21,6 @@ class Move:
     tick: int = field("ticks", "gone by")
 
 
-
-
 @hot
 def posture_start(params: Params, move: Move, joints: Ints, goal: Ints) -> int:
     """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.

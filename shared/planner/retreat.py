@@ -23,7 +23,6 @@ class Retreat:
     stood: int = field("ticks", "in a row that it has stood since")
 
 
-
 _LONGEST_S = const(6)  # then the ground behind does not let it back off, and it stops where it is
 
 

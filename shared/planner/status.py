@@ -51,7 +51,6 @@ class Status:
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
 
 
-
 CLIMB_OFF = const(0)
 CLIMB_READY = const(1)  # standing still until the joints' loads are known
 CLIMB_ON = const(2)

@@ -44,7 +44,7 @@ def follow_twist(params: Params, now_lf: int, measured_lu: int) -> int:
 @hot
 def press_feet(params: Params, steps: Steps, twist_lu: int) -> int:
     """Move the footholds' heights to the twisted ground: standing feet slowly, swing feet by their aim; return 0."""
-    most = params.press
+    most = params.foothold_step
     for leg in range(LEGS):
         step = steps.legs[leg]
         floor = params.legs[leg].rest[2]

@@ -22,7 +22,6 @@ class Navigation:
     yaw: int = field("yaw18", "its heading from the robot's")
 
 
-
 _YAW_MAX = const(91750)  # yaw18, 0.35 rad: further the reference waits
 _TURN_MAX = const(0x7FFF)  # yaw18 a tick, 1/8 rad
 

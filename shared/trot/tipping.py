@@ -22,7 +22,6 @@ class Tipping:
     swings: int = field("", "swings learnt from, up to 8")
 
 
-
 _TIP_MAX = const(6863)  # 1.5 deg: more is a push or an obstacle
 _QUICK_SWINGS = const(8)  # the first ones count four times: what the robot file does not know is found soon
 _SUM_MAX = const(16383)
