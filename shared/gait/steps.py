@@ -127,7 +127,7 @@ def body_advance(gait: Gait, clock: Clock) -> int:
 
 
 @hot
-def way(speed: int, ticks_q10: int) -> int:
+def travel(speed: int, ticks_q10: int) -> int:
     """Return speed * ticks: lf from lf / tick and ticks in Q10.
 
     Range: \\|speed\\| < 2^19, ticks_q10 < 2^24, and the way below 2^29 lf. Error at most 1/2 lf. Whole ticks
@@ -137,13 +137,13 @@ def way(speed: int, ticks_q10: int) -> int:
 
 
 @hot
-def turned_way(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
+def turned_travel(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
     """Return the way in lf of a foot at ``arm_lf`` from the turning body: turn * ticks * arm.
 
     Range: \\|turn\\| * ticks below 1 rad = 2^18, beyond which it is taken as 1 rad; arm within 65535 lu. Error
     at most 2 lf + 1/30000 of the arm. Largest intermediate 65535 * 2^14 < 2^30.
     """
-    angle_yaw14 = saturate(way(turn_yaw18, ticks_q10), -0x3FFFF, 0x3FFFF) + 8 >> 4
+    angle_yaw14 = saturate(travel(turn_yaw18, ticks_q10), -0x3FFFF, 0x3FFFF) + 8 >> 4
     return (arm_lf >> LF_BITS) * angle_yaw14 >> (14 - LF_BITS)
 
 
@@ -155,9 +155,9 @@ def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
     neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
     Range: feet within 65535 lu. Largest intermediate 65535 * 16384 + 2^14 < 2^30.
     """
-    dx = way(speed[SPEED_X], ticks_q10)
-    dy = way(speed[SPEED_Y], ticks_q10)
-    turn = saturate(way(speed[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
+    dx = travel(speed[SPEED_X], ticks_q10)
+    dy = travel(speed[SPEED_Y], ticks_q10)
+    turn = saturate(travel(speed[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
     shift = 22 - LF_BITS
     while turn > 16383 or turn < -16383:
         turn >>= 1
@@ -247,13 +247,13 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 def foothold_x(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
     """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_way(speed[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
-    return (rest[0] << LF_BITS) + way(speed[SPEED_X], ahead_q10) - turned
+    turned = turned_travel(speed[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
+    return (rest[0] << LF_BITS) + travel(speed[SPEED_X], ahead_q10) - turned
 
 
 @hot
 def foothold_y(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
     """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_way(speed[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
-    return (rest[1] << LF_BITS) + way(speed[SPEED_Y], ahead_q10) + turned
+    turned = turned_travel(speed[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
+    return (rest[1] << LF_BITS) + travel(speed[SPEED_Y], ahead_q10) + turned

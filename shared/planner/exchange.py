@@ -13,7 +13,7 @@ from ..runtime import hot
 from ..sense.legs import sense_legs, stands_level
 from ..sense.sensed import Sensed
 from ..trot.navigate import navigate_reset
-from ..trot.trot import ADVICE_BEHIND, adaptive_start
+from ..trot.trot import ADVICE_BEHIND, trot_start
 from .command import MODE_WALK, Command
 from .handover import (
     REASON_BEHIND,
@@ -69,9 +69,9 @@ def climbs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 def stop_to_climb(planner: PlannerState, gait: int) -> int:
     """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
     status = planner.status
-    v = planner.speed
+    speed = planner.speed
     for axis in range(SPEED_SIZE):
-        v[axis] = 0
+        speed[axis] = 0
     status.climb = CLIMB_READY
     status.gait = gait
     return 1
@@ -81,9 +81,9 @@ def stop_to_climb(planner: PlannerState, gait: int) -> int:
 def back_off(planner: PlannerState) -> int:
     """The held-up trot begins to back off, its reference where the robot is; return 0: it goes on trotting."""
     status = planner.status
-    w = planner.felt
+    trot = planner.trot
     navigate_reset(planner.nav)
-    w.behind = 0
+    trot.behind = 0
     status.climb = CLIMB_BACK
     return retreat_start(planner.retreat)
 
@@ -96,7 +96,7 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """
     valid = sensed.valid
     status = planner.status
-    m = planner.sensing
+    sensing = planner.sensing
     keeps_on = straight_on(planner.params, command)
     if command.mode != MODE_WALK or status.fallen:
         keeps_on = 0
@@ -108,7 +108,7 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, m.moved_x, standing, planner.retreat, planner.back):
+    if retreat_step(planner.params, command, sensing.moved_x, standing, planner.retreat, planner.back):
         return stop_to_climb(planner, command.gait)
     return 0
 
@@ -122,13 +122,13 @@ def advised(planner: PlannerState, wanted: int) -> int:
     """
     status = planner.status
     params = planner.params
-    w = planner.felt
+    trot = planner.trot
     clock = planner.clock
     if status.state != WALKING or clock.tick <= params.stand_ticks:
         return REASON_NONE
     if status.advice == ADVICE_BEHIND:
         return REASON_BEHIND
-    if wanted == GAIT_CLIMB and w.behind == 0 and stands_level(planner.params, planner.sensing):
+    if wanted == GAIT_CLIMB and trot.behind == 0 and stands_level(planner.params, planner.sensing):
         return REASON_COMMAND
     return REASON_NONE
 
@@ -143,7 +143,7 @@ def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     tilt = sensed.tilt
     status = planner.status
     params = planner.params
-    m = planner.sensing
+    sensing = planner.sensing
     support = planner.climb.support
     stage = planner.climb.stage
     if valid.joints == 0 or valid.tilt == 0:
@@ -152,7 +152,7 @@ def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     roll = saturate(tilt[0], -32768, 32767)
     pitch = saturate(tilt[1], -32768, 32767)
     sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
-    if status.climb == CLIMB_READY and m.known > params.sent_ticks + 1:
+    if status.climb == CLIMB_READY and sensing.known > params.sent_ticks + 1:
         crawl_start(planner.climb, planner.sensing, sensed.joints, planner.joints, roll, pitch)
         status.climb = CLIMB_ON
     if status.climb == CLIMB_ON:
@@ -201,15 +201,15 @@ def leaves(planner: PlannerState, command: Command) -> int:
 def hand_to_trot(planner: PlannerState, command: Command, reason: int) -> int:
     """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
     status = planner.status
-    w = planner.felt
-    v = planner.speed
-    steps_from_crawl(planner.params, planner.climb.map, planner.climb.path, w.ahead, w.sway, planner.steps)
+    trot = planner.trot
+    speed = planner.speed
+    steps_from_crawl(planner.params, planner.climb.map, planner.climb.path, trot.ahead, trot.sway, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):
-        v[axis] = 0
+        speed[axis] = 0
     balance_reset(planner.balance)
-    adaptive_start(planner.params, planner.walk)
-    w.rough = 0
+    trot_start(planner.params, planner.walk)
+    trot.rough = 0
     status.climb = CLIMB_OFF
     status.reason = reason
     status.advice = 0

@@ -16,7 +16,7 @@ from ..gait.gaits import GAIT_ADAPTIVE
 from ..runtime import hot
 from ..sense.legs import keep_sent
 from ..sense.sensed import Sensed
-from ..trot.trot import carry, pose_body, raise_body
+from ..trot.trot import pose_body, raise_body, share_weight
 from .command import Command
 from .exchange import climb, climbs
 from .goals import follow_goals
@@ -55,7 +55,7 @@ class Planner(PlannerState):
 def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of the planner; returns its flags."""
     status = planner.status
-    m = planner.sensing
+    sensing = planner.sensing
     status.flags = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
@@ -69,17 +69,17 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         if climbs(planner, command, planner.sensed):
             climb(planner, command, planner.sensed)
         elif status.climb == CLIMB_BACK:
-            tread(planner, planner.back, planner.sensed)
+            gait_tick(planner, planner.back, planner.sensed)
         else:
-            tread(planner, command, planner.sensed)
+            gait_tick(planner, command, planner.sensed)
     follow_goals(planner.params, planner.goal, planner.joints)
-    if m.known:
+    if sensing.known:
         keep_sent(planner.sensing, planner.joints)
     return status.flags
 
 
 @hot
-def tread(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+def gait_tick(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of standing or walking by a gait's table or the adaptive trot; return 0."""
     status = planner.status
     own = 0
@@ -89,7 +89,7 @@ def tread(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     step_gait(planner, command)
     level(planner, command, sensed)
     active = raise_body(planner.params, planner.walk, own)
-    status.margin = carry(planner.params, planner.walk, planner.reached, status.swinging, own)
+    status.margin = share_weight(planner.params, planner.walk, planner.reached, status.swinging, own)
     if active:
         correction = planner.balance.correction
         pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)

@@ -49,9 +49,9 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     status = planner.status
     hip_feet = planner.hip_feet
     params = planner.params
-    per_leg = planner.leg_flags
-    forces = planner.load
-    w = planner.felt
+    leg_flags = planner.leg_flags
+    load = planner.load
+    trot = planner.trot
     body_rotation(planner.posed, planner.rotation)
     status.beyond = 0
     together = 0
@@ -67,12 +67,12 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
         far = leg_inverse(planner.params, leg, planner.reached, joints)
         if far > farthest:
             farthest = far
-        if forces.force_q12[leg]:
-            sag_leg(planner.params, leg, planner.reached, 0, 0, forces.force_q12[leg], joints)
+        if load.force_q12[leg]:
+            sag_leg(planner.params, leg, planner.reached, 0, 0, load.force_q12[leg], joints)
         flags |= limit_joints(planner.params, leg, joints)
-        per_leg[leg] = flags
+        leg_flags[leg] = flags
         together |= flags
         if flags and status.swinging >> leg & 1 == 0:
             status.beyond = 1
-    w.far = farthest
+    trot.far = farthest
     return together

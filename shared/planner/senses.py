@@ -67,7 +67,7 @@ def meet(planner: PlannerState, read: Ints) -> int:
 def feel(planner: PlannerState, sensed: Sensed) -> int:
     """Give the adaptive trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
     status = planner.status
-    w = planner.felt
+    trot = planner.trot
     correction = planner.balance.correction
     valid = sensed.valid
     tilt = sensed.tilt
@@ -77,29 +77,29 @@ def feel(planner: PlannerState, sensed: Sensed) -> int:
     if valid.tilt:
         roll = saturate(tilt[0], -32768, 32767)
         pitch = saturate(tilt[1], -32768, 32767)
-    w.turned_known = valid.turned
+    trot.turned_known = valid.turned
     for axis in range(3):
-        w.turned[axis] = 0
+        trot.turned[axis] = 0
         if valid.turned:
-            w.turned[axis] = saturate(rates[axis], -0x8000, 0x7FFF)
+            trot.turned[axis] = saturate(rates[axis], -0x8000, 0x7FFF)
     if valid.tilt == 0 or valid.turned == 0 or valid.joints == 0:
         status.flags |= BLIND
     feel_legs(planner.params, planner.walk, sensed.joints, valid.joints, roll, pitch)
     feel_ground(planner.params, planner.walk, planner.steps, roll, pitch, correction.roll, correction.pitch)
-    status.advice = w.advice
+    status.advice = trot.advice
     return 0
 
 
 @hot
 def relax(planner: PlannerState) -> int:
     """Under a table gait: forget what was measured, sway to the middle, footholds to level ground; return 0."""
-    w = planner.felt
-    m = planner.sensing
+    trot = planner.trot
+    sensing = planner.sensing
     status = planner.status
     status.advice = 0
-    m.known = 0
-    if w.active:
-        w.twist = 0
+    sensing.known = 0
+    if trot.active:
+        trot.twist = 0
         sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
         press_feet(planner.params, planner.steps, 0)
     return 0

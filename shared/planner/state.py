@@ -9,7 +9,7 @@ from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock, compile_gait
 from ..runtime import zeros
 from ..sense.sensed import Sensed
-from ..trot.trot import Adaptive
+from ..trot.trot import Trot
 from .command import Command
 from .goals import Past
 from .handover import Fade
@@ -45,9 +45,9 @@ class PlannerState:
         self.joints_past = Past()
         self.tilt_past = Past()
         self.leg_flags = zeros(LEGS)
-        self.walk = Adaptive(params)
+        self.walk = Trot(params)
         self.sensing = self.walk.sensing
-        self.felt = self.walk.state
+        self.trot = self.walk.state
         self.load = self.walk.load
         self.nav = self.walk.nav
         self.climb = Crawl(params)

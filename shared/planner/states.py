@@ -11,7 +11,7 @@ from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
 from ..runtime import hot
 from ..sense.sensed import Sensed
-from ..trot.trot import adaptive_reset
+from ..trot.trot import trot_reset
 from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
 from .pose import solve_legs
@@ -111,13 +111,13 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
 @hot
 def settle(planner: PlannerState) -> int:
     """Forget all motion: feet at rest under a level body, speed 0; return 0."""
-    v = planner.speed
-    w = planner.pose
+    speed = planner.speed
+    pose = planner.pose
     posed = planner.posed
     for axis in range(SPEED_SIZE):
-        v[axis] = 0
+        speed[axis] = 0
     for axis in range(POSE_SIZE):
-        w[axis] = 0
+        pose[axis] = 0
         posed[axis] = 0
     fade = planner.fade
     fade.left = 0
@@ -126,7 +126,7 @@ def settle(planner: PlannerState) -> int:
     status.holds = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
-    adaptive_reset(planner.params, planner.walk)
+    trot_reset(planner.params, planner.walk)
     place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
     return 0
 
@@ -135,9 +135,9 @@ def settle(planner: PlannerState) -> int:
 def fold_legs(planner: PlannerState) -> int:
     """Raise all planned feet to the seat's height under the hips; return 0."""
     params = planner.params
-    f = planner.feet
+    feet = planner.feet
     for leg in range(LEGS):
-        f[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
+        feet[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
     return 0
 
 
@@ -145,11 +145,11 @@ def fold_legs(planner: PlannerState) -> int:
 def follow_joints(planner: PlannerState, sensed: Sensed) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
     valid = sensed.valid
-    measured = sensed.joints
+    joints = sensed.joints
     status = planner.status
-    q = planner.goal
+    goal = planner.goal
     status.flags |= NOT_DRIVEN
     if valid.joints:
         for joint in range(JOINTS):
-            q[joint] = measured[joint]
+            goal[joint] = joints[joint]
     return 0

@@ -11,7 +11,7 @@ from ..gait.table import gait_clock
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from ..trot.navigate import drive_as_told
-from ..trot.trot import adaptive_start, begin_segment, drive_speed, learn_centre, sway_body
+from ..trot.trot import begin_segment, drive_speed, learn_centre, sway_body, trot_start
 from .command import MODE_WALK, Command, slew_pose, slew_speed
 from .state import PlannerState
 from .status import BAD_COMMAND, POSE_HELD, STANDING, WALKING
@@ -51,7 +51,7 @@ def step_gait(planner: PlannerState, command: Command) -> int:
                 sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
             return 0
         status.state = WALKING
-        adaptive_start(planner.params, planner.walk)
+        trot_start(planner.params, planner.walk)
     walk_on(planner, command.height, still)
     if gait_clock(planner.gait, planner.clock):
         status.cycles = 1
@@ -71,10 +71,10 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
     """
     status = planner.status
-    w = planner.pose
+    pose = planner.pose
     posed = 0
     for axis in range(POSE_SIZE):
-        if w[axis]:
+        if pose[axis]:
             posed = 1
         if status.held[axis] != command.pose[axis]:
             status.held[axis] = command.pose[axis]
@@ -95,14 +95,14 @@ def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
     """
     status = planner.status
     params = planner.params
-    w = planner.felt
+    trot = planner.trot
     clock = planner.clock
     own = 0
     if height_lu <= 0:
         height_lu = status.height
     if status.gait == GAIT_ADAPTIVE:
         own = 1
-        height_lu = saturate(height_lu, 0, 32767) + w.lift
+        height_lu = saturate(height_lu, 0, 32767) + trot.lift
     height_lu = saturate(height_lu, 0, -params.sit_z)
     if own and still == 0:
         drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
@@ -153,9 +153,9 @@ def start_slowly(planner: PlannerState) -> int:
     Intermediates: 2^18 turned down to 12 bits times 2^16.
     """
     params = planner.params
-    w = planner.felt
+    trot = planner.trot
     top = planner.top
-    fastest = w.fastest
+    fastest = trot.fastest
     for axis in range(2):
         if top[axis] > fastest:
             top[axis] = fastest
@@ -187,12 +187,12 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
     """
     status = planner.status
     params = planner.params
-    m = planner.sensing
+    sensing = planner.sensing
     if wanted != GAIT_CLIMB or status.state != WALKING or status.gait == GAIT_CLIMB:
         status.waited = 0
         return wanted
     status.waited = saturate(status.waited + 1, 0, 0xFFFF)
-    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and m.known == 0):
+    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and sensing.known == 0):
         return wanted
     return GAIT_ADAPTIVE
 

@@ -63,7 +63,7 @@ _WEIGHT_MOST_Q12 = const(9830)  # 2.4 times: beyond it the legs are too weak any
 _AGE_MAX = const(1000)
 
 
-class Adaptive:
+class Trot:
     """All that the adaptive trot remembers, preallocated; the planner holds one."""
 
     def __init__(self, params: Params):
@@ -73,13 +73,13 @@ class Adaptive:
         self.tip = Tipping()
         self.state = TrotState()
         self.body = zeros(JOINTS)  # the planned feet in the body
-        self.firm = zeros(LEGS)  # 1: the foot surely stands
-        self.stands = zeros(LEGS)  # 256: the foot is planned to stand
-        adaptive_reset(params, self)
+        self.contact = zeros(LEGS)  # 1: the foot surely stands
+        self.weights = zeros(LEGS)  # 256: the foot is planned to stand
+        trot_reset(params, self)
 
 
 @hot
-def adaptive_reset(params: Params, walk: Adaptive) -> int:
+def trot_reset(params: Params, walk: Trot) -> int:
     """Forget everything: the own weight, a level ground, no motion; return 0."""
     trot = walk.state
     load = walk.load
@@ -102,12 +102,12 @@ def adaptive_reset(params: Params, walk: Adaptive) -> int:
     sensing_reset(walk.sensing)
     navigate_reset(walk.nav)
     tip_reset(walk.tip, 1)
-    adaptive_start(params, walk)
+    trot_start(params, walk)
     return 0
 
 
 @hot
-def adaptive_start(params: Params, walk: Adaptive) -> int:
+def trot_start(params: Params, walk: Trot) -> int:
     """Begin to walk from a stand: slowly, the reference where the robot is; return 0."""
     trot = walk.state
     trot.fastest = params.start_speed
@@ -121,32 +121,32 @@ def adaptive_start(params: Params, walk: Adaptive) -> int:
 
 
 @hot
-def feel_legs(params: Params, walk: Adaptive, joints: Ints, known: int, roll_brad: int, pitch_brad: int) -> int:
+def feel_legs(params: Params, walk: Trot, joints: Ints, known: int, roll_brad: int, pitch_brad: int) -> int:
     """Take the measured ``joints`` (12 brad, if ``known``): feet, odometry, weight; return 1 if they were.
 
     roll, pitch: brad within +-32768. The weight follows the sum of the feet's forces, slowly and only while all feet
     surely stand; it reads 5 to 18 % low in simulation. Intermediates below those of sense_legs.
     """
     trot = walk.state
-    m = walk.sensing
-    firm = walk.firm
+    sensing = walk.sensing
+    contact = walk.contact
     if known == 0:
-        m.known = 0
-        m.moved_x = 0
-        m.moved_y = 0
+        sensing.known = 0
+        sensing.moved_x = 0
+        sensing.moved_y = 0
         return 0
     sense_legs(params, joints, roll_brad, pitch_brad, walk.sensing)
     youngest = _AGE_MAX
     for leg in range(LEGS):
         age = trot.age[leg]
-        firm[leg] = 0
+        contact[leg] = 0
         if age > params.stand_ticks:
-            firm[leg] = 1
+            contact[leg] = 1
         if age < youngest:
             youngest = age
-    sense_moved(walk.sensing, walk.firm)
+    sense_moved(walk.sensing, walk.contact)
     if youngest > params.stand_ticks and params.sags:
-        force = m.force_q12[0] + m.force_q12[1] + m.force_q12[2] + m.force_q12[3]
+        force = sensing.force_q12[0] + sensing.force_q12[1] + sensing.force_q12[2] + sensing.force_q12[3]
         force = saturate(force, _WEIGHT_LEAST_Q12, _WEIGHT_MOST_Q12) - trot.weight_q12
         trot.weight_q12 += force * params.load_gain_q15 + 0x4000 >> 15
     return 1
@@ -154,40 +154,40 @@ def feel_legs(params: Params, walk: Adaptive, joints: Ints, known: int, roll_bra
 
 @hot
 def feel_ground(
-    params: Params, walk: Adaptive, steps: Steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int
+    params: Params, walk: Trot, steps: Steps, roll_brad: int, pitch_brad: int, plane_roll: int, plane_pitch: int
 ) -> int:
     """Follow the ground's twist and roughness, and set the footholds' heights by them; return the twist, lu.
 
     roll, pitch: the measured tilt; plane_...: how the feet's plane lies against the level, all brad.
     """
     trot = walk.state
-    m = walk.sensing
-    firm = walk.firm
+    sensing = walk.sensing
+    contact = walk.contact
     trot.rough = roughness(params, trot.rough, roll_brad, pitch_brad)
-    if m.known and firm[0] and firm[1] and firm[2] and firm[3]:
+    if sensing.known and contact[0] and contact[1] and contact[2] and contact[3]:
         trot.twist = follow_twist(params, trot.twist, twist(walk.sensing, plane_roll, plane_pitch))
     press_feet(params, steps, trot.twist >> LF_BITS)
     return trot.twist >> LF_BITS
 
 
 @hot
-def drive_speed(params: Params, walk: Adaptive, speed: Ints, drive: Ints) -> int:
+def drive_speed(params: Params, walk: Trot, speed: Ints, drive: Ints) -> int:
     """Write the corrected speeds for this tick into ``drive`` (3 values); return 1 if they are corrected.
 
     Without odometry the speeds are the commanded ones.
     """
     trot = walk.state
-    m = walk.sensing
-    e = walk.nav
+    sensing = walk.sensing
+    nav = walk.nav
     trot.fastest = saturate(trot.fastest + params.start_slew, 0, 0x7FFFF)
-    if m.known < 2:
+    if sensing.known < 2:
         navigate_reset(walk.nav)
         drive_as_told(speed, drive)
         return 0
-    follow_reference(params, speed, m.moved_x, m.moved_y, trot.turned[2], trot.turned_known, walk.nav)
+    follow_reference(params, speed, sensing.moved_x, sensing.moved_y, trot.turned[2], trot.turned_known, walk.nav)
     hold(params, speed, trot.sway, walk.nav, drive)
     step = -1
-    if e.x > params.leg_length * 3 << LF_BITS - 5:
+    if nav.x > params.leg_length * 3 << LF_BITS - 5:
         step = BEHIND_STEP
     trot.behind = saturate(trot.behind + step, 0, 0xFFFF)
     trot.advice = ADVICE_FINE
@@ -236,26 +236,26 @@ def retime(params: Params, gait: Gait, speed: Ints) -> int:
 
 
 @hot
-def begin_segment(params: Params, walk: Adaptive, gait: Gait, clock: Clock, speed: Ints, drive: Ints) -> int:
+def begin_segment(params: Params, walk: Trot, gait: Gait, clock: Clock, speed: Ints, drive: Ints) -> int:
     """At a segment's first tick: its length, and where to sway (BODY) or how high to lift (SWING); return 0.
 
     speed, drive: 3 values each, the reference's and the corrected speed. Intermediates: 2^19 * 2^10.
     """
     trot = walk.state
-    e = walk.nav
-    t = walk.tip
+    nav = walk.nav
+    tip = walk.tip
     half = retime(params, gait, speed)
     segment = clock.segment
     if segment & 1:
-        trot.lift = extra_lift(params, trot.rough, e.x, drive[SPEED_X])
+        trot.lift = extra_lift(params, trot.rough, nav.x, drive[SPEED_X])
         return 0
     front = 1 - (segment >> 1)
     flight = gait.rows[1]
     swing = flight.ticks
     ahead_q1 = saturate((half << 1) - (swing >> 1), 0, 0x3FF)
     ahead = saturate(drive[SPEED_X], -0x7FFFF, 0x7FFFF) * ahead_q1 >> LF_BITS + 1
-    com_x = params.com_x + (t.com_x >> LF_BITS)
-    com_y = params.com_y + (t.com_y >> LF_BITS)
+    com_x = params.com_x + (tip.com_x >> LF_BITS)
+    com_y = params.com_y + (tip.com_y >> LF_BITS)
     line = diagonal_y(walk.body, front, 3 - front, saturate(ahead, -32767, 32767), com_x)
     trot.sway_from = trot.sway
     trot.sway_to = next_sway(params, trot.sway, line, com_y)
@@ -263,7 +263,7 @@ def begin_segment(params: Params, walk: Adaptive, gait: Gait, clock: Clock, spee
 
 
 @hot
-def sway_body(params: Params, walk: Adaptive, gait: Gait, clock: Clock, walking: int) -> int:
+def sway_body(params: Params, walk: Trot, gait: Gait, clock: Clock, walking: int) -> int:
     """Move the body's sway by one tick: with the BODY segment when walking, else slowly to the middle; return it, lu.
 
     Range of the way: 3/8 of a leg, so 2^14 * 2^12 in the product.
@@ -279,7 +279,7 @@ def sway_body(params: Params, walk: Adaptive, gait: Gait, clock: Clock, walking:
 
 
 @hot
-def learn_centre(params: Params, walk: Adaptive, clock: Clock) -> int:
+def learn_centre(params: Params, walk: Trot, clock: Clock) -> int:
     """Sum up how the robot tips over a swing and learn from it; return the tip it learnt from, 2^-18 rad, else 0.
 
     What is sensed lags, so a swing's sum begins and ends P_TIP_TICKS after the swing does. Nothing is learnt
@@ -300,7 +300,7 @@ def learn_centre(params: Params, walk: Adaptive, clock: Clock) -> int:
 
 
 @hot
-def raise_body(params: Params, walk: Adaptive, own: int) -> int:
+def raise_body(params: Params, walk: Trot, own: int) -> int:
     """Move height and lead of the body by one tick; return 1 while they are not those of a table gait.
 
     own: 1 for the adaptive stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
@@ -308,7 +308,7 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     Intermediates: squares of a leg, below 2^30.
     """
     trot = walk.state
-    forces = walk.load
+    load = walk.load
     up = params.height_slew
     wanted = 0
     ahead = 0
@@ -325,15 +325,15 @@ def raise_body(params: Params, walk: Adaptive, own: int) -> int:
     trot.raised += saturate(wanted - trot.raised, -2 * up, up)
     trot.ahead += saturate(ahead - trot.ahead, -up, up)
     trot.active = own
-    if trot.raised or trot.ahead or trot.sway or forces.force_q12[0] or forces.force_q12[1]:
+    if trot.raised or trot.ahead or trot.sway or load.force_q12[0] or load.force_q12[1]:
         trot.active = 1
-    if forces.force_q12[2] or forces.force_q12[3] or trot.twist:
+    if load.force_q12[2] or load.force_q12[3] or trot.twist:
         trot.active = 1
     return trot.active
 
 
 @hot
-def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, posed: Ints) -> int:
+def pose_body(params: Params, walk: Trot, roll_brad: int, pitch_brad: int, posed: Ints) -> int:
     """Add lead, sway and height to the pose, and turn it about the ground below the body instead of its middle.
 
     roll, pitch: the part of the pose that levels the body, brad. Turning about the hips would move the centre of
@@ -349,15 +349,15 @@ def pose_body(params: Params, walk: Adaptive, roll_brad: int, pitch_brad: int, p
 
 
 @hot
-def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int) -> int:
+def share_weight(params: Params, walk: Trot, reached: Ints, swinging: int, own: int) -> int:
     """Share the weight out over the standing feet, slew it, and tell the stability margin; return the margin, lu.
 
-    reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to carry, so the sag fades.
+    reached: 12 lu from the hips; swinging: bits. own 0: no foot is expected to share_weight, so the sag fades.
     """
     trot = walk.state
     body = walk.body
-    stands = walk.stands
-    t = walk.tip
+    weights = walk.weights
+    tip = walk.tip
     at = 0
     for leg in range(LEGS):
         hip = params.legs[leg].hip
@@ -369,15 +369,15 @@ def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int
         body[at] = x
         body[at + 1] = y
         at += 3
-        stands[leg] = 0
+        weights[leg] = 0
         if swinging >> leg & 1:
             trot.age[leg] = 0
         else:
-            stands[leg] = STANDS_Q8
+            weights[leg] = STANDS_Q8
             if trot.age[leg] < _AGE_MAX:
                 trot.age[leg] += 1
-    com_x = params.com_x + (t.com_x >> LF_BITS)
-    com_y = params.com_y + (t.com_y >> LF_BITS)
+    com_x = params.com_x + (tip.com_x >> LF_BITS)
+    com_y = params.com_y + (tip.com_y >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
@@ -385,7 +385,7 @@ def carry(params: Params, walk: Adaptive, reached: Ints, swinging: int, own: int
     if own:
         weight = trot.weight_q12
     if trot.active:
-        load_share(walk.body, walk.stands, com_x, com_y, weight, planar, walk.load)
+        load_share(walk.body, walk.weights, com_x, com_y, weight, planar, walk.load)
         load_slew(walk.load, trot.weight_q12 * params.load_slew_q12 >> 12)
-    trot.margin = support_margin(walk.body, walk.stands, com_x, com_y)
+    trot.margin = support_margin(walk.body, walk.weights, com_x, com_y)
     return trot.margin

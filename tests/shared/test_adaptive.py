@@ -184,7 +184,7 @@ def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle
 
 
 def test_levelling_turns_about_the_ground():
-    walk = adaptive.Adaptive(PARAMS)
+    walk = adaptive.Trot(PARAMS)
     dice = random.Random(5)
     for _ in range(200):
         posed = array("i", [0] * 6)

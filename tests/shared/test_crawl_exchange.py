@@ -73,7 +73,7 @@ class Pair:
             swinging=numbers.swinging,
             walked=numbers.gait,
             behind=numbers.advice == ADVICE_BEHIND,
-            lag=robot.felt.behind,
+            lag=robot.trot.behind,
             heights=[height * self.robot.unit_m for height in robot.sensing[sensing.M_LEVEL + 2 : 12 : 3]],
             segment=robot.clock.tick,
             moved=robot.sensing.moved_x * self.robot.unit_m / 256,
@@ -123,7 +123,7 @@ class Pair:
         """The trot begins from rest, with nothing held against it."""
         robot = self.walker.planner
         assert list(robot.speed) == [0, 0, 0]
-        assert (self.status.advice, self.status.cycles, robot.felt.rough) == (0, 0, 0)
+        assert (self.status.advice, self.status.cycles, robot.trot.rough) == (0, 0, 0)
         assert robot.clock.tick == 0
 
     def compare(self, standing):
@@ -244,12 +244,12 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers: Status, cloc
     sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.felt.behind, robot.nav[0], robot.speed[0] = lag, 99, 99
+    robot.trot.behind, robot.nav[0], robot.speed[0] = lag, 99, 99
     robot.sensing.known, robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
     pair.climbs(robot, block, sensed)
     if numbers.climb == n.CLIMB_OFF:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        assert (robot.felt.behind, robot.nav[0]) == ((0, 0) if backs else (lag, 99))
+        assert (robot.trot.behind, robot.nav[0]) == ((0, 0) if backs else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 
 

@@ -267,7 +267,7 @@ def test_a_table_that_is_no_gait_is_refused_with_a_sentence(table, part):
 @given(integers(-(1 << 19) + 1, (1 << 19) - 1), integers(0, (1 << 24) - 1))
 def test_way_is_the_product(speed, ticks_q10):
     if abs(speed) * (ticks_q10 >> 10) < 1 << 29:
-        assert abs(s.way(speed, ticks_q10) - speed * ticks_q10 / 1024) <= 0.5
+        assert abs(s.travel(speed, ticks_q10) - speed * ticks_q10 / 1024) <= 0.5
 
 
 @repeatable(600)
@@ -276,7 +276,7 @@ def test_turned_way_is_the_product(turn, arm_lu, ticks_q10):
     exact = turn * ticks_q10 / 1024
     if abs(turn) * (ticks_q10 >> 10) < 1 << 29:
         angle = max(-1.0, min(1.0, exact / 2**18))
-        error = abs(s.turned_way(turn, arm_lu << 8, ticks_q10) - angle * arm_lu * 256)
+        error = abs(s.turned_travel(turn, arm_lu << 8, ticks_q10) - angle * arm_lu * 256)
         assert error <= 2 + 256 * abs(arm_lu) / 30000
 
 

@@ -24,7 +24,7 @@ STEPS = Steps()
 CLOCK = Clock()
 FLAG = Range(0, 1)
 GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
-WALK = adaptive.Adaptive(PARAMS[0])
+WALK = adaptive.Trot(PARAMS[0])
 ROBOT = Pick(*PARAMS)
 STATE = (WALK.state, WALK.load, WALK.nav, WALK.tip)
 RATE = Range(-(1 << 15), (1 << 15) - 1)
@@ -32,9 +32,9 @@ SQUARE = Range(0, (1 << 30) - 1)
 
 
 def _begin():
-    adaptive.adaptive_reset(PARAMS[0], WALK)
+    adaptive.trot_reset(PARAMS[0], WALK)
     steps_reset(PARAMS[0], STEPS)
-    for block in (WALK.body, WALK.firm, WALK.stands, DRIVE):
+    for block in (WALK.body, WALK.contact, WALK.weights, DRIVE):
         for at in range(len(block)):
             block[at] = 0
     for at in range(len(PARAMS)):
@@ -55,7 +55,7 @@ def _live(values, dice):
     """One tick of anything on the drawn robot; a gait argument becomes that robot's."""
     params = values[0]
     if dice.below(40) == 0:
-        adaptive.adaptive_reset(params, WALK)
+        adaptive.trot_reset(params, WALK)
     for axis in range(3):
         WALK.state.turned[axis] = RATE.any(dice)
     WALK.state.turned_known = dice.bits(1)
@@ -68,7 +68,7 @@ def _live(values, dice):
     adaptive.sway_body(params, WALK, gait, CLOCK, 1)
     WALK.state.far = SQUARE.any(dice)
     adaptive.raise_body(params, WALK, dice.bits(1))
-    adaptive.carry(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
+    adaptive.share_weight(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
 
 
 def _with_gait(at):
@@ -84,8 +84,8 @@ def _part(name, arguments, watch=STATE, fit=_live):
 
 
 PROBES = (
-    _part("adaptive_reset", (ROBOT, WALK)),
-    _part("adaptive_start", (ROBOT, WALK)),
+    _part("trot_reset", (ROBOT, WALK)),
+    _part("trot_start", (ROBOT, WALK)),
     _part("feel_legs", (ROBOT, WALK, ANGLES, FLAG, BRAD, BRAD)),
     _part("feel_ground", (ROBOT, WALK, STEPS, BRAD, BRAD, BRAD, BRAD), STATE + (STEPS,)),
     _part("drive_speed", (ROBOT, WALK, SPEED, DRIVE), STATE + (DRIVE,)),
@@ -95,5 +95,5 @@ PROBES = (
     _part("learn_centre", (ROBOT, WALK, CLOCK)),
     _part("raise_body", (ROBOT, WALK, FLAG)),
     _part("pose_body", (ROBOT, WALK, BRAD, BRAD, POSED), (POSED.array,)),
-    _part("carry", (ROBOT, WALK, REACHED, Range(0, 15), FLAG)),
+    _part("share_weight", (ROBOT, WALK, REACHED, Range(0, 15), FLAG)),
 )

@@ -46,7 +46,7 @@ USUAL = 200  # vectors of a function, for which a walk has all its ticks
 def restart(robot: Planner):
     """Bring a planner back to its first tick: limp, nothing known."""
     walk = robot.walk
-    own = (walk.body, walk.firm, walk.stands, robot.drive, robot.reached)
+    own = (walk.body, walk.contact, walk.weights, robot.drive, robot.reached)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (robot.joints_past, robot.tilt_past)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
@@ -210,7 +210,7 @@ def _backing_off(values, dice):
 
 
 PARTS = (
-    _part("tread", planner.tread, (ROBOT, COMMAND, SENSED), STATE),
+    _part("gait_tick", planner.gait_tick, (ROBOT, COMMAND, SENSED), STATE),
     _part("climbs", planner_climb.climbs, (ROBOT, COMMAND, SENSED), STATE),
     _part("stop_to_climb", planner_climb.stop_to_climb, (ROBOT, GAIT), STATE),
     _part("back_off", planner_climb.back_off, (ROBOT,), STATE + RETREATS),

@@ -126,8 +126,8 @@ PROBES = (
     Probe("start_swings", steps.start_swings, (GAIT, CLOCK, STEPS), watch=(STEPS,), fit=_start),
     Probe("lift_at_once", steps.lift_at_once, (STEPS, HEIGHT), watch=(STEPS,), fit=_some_started),
     Probe("body_advance", steps.body_advance, (GAIT, CLOCK), watch=(CLOCK,), fit=_any_clock),
-    Probe("way", steps.way, (SPEED_LF, TICKS_Q10), fit=_shorten_way),
-    Probe("turned_way", steps.turned_way, (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
+    Probe("travel", steps.travel, (SPEED_LF, TICKS_Q10), fit=_shorten_way),
+    Probe("turned_travel", steps.turned_travel, (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
     Probe("move_feet", steps.move_feet, (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
     Probe(
         "place_feet",
