@@ -41,6 +41,21 @@ NODE, SESSION, RANDOM = 1, 17, 4711
 SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
 NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
 
+BESIDE = f"""
+class Timer:
+    def callback(self, handler):
+        self.handler = handler
+timer = Timer()
+class Beside:  # what a board has beside its chip
+    def timer(self, period):
+        return timer
+    def reset_cause(self):
+        return 0
+    def unique_id(self):
+        return bytes(12)
+    def random(self):
+        return {RANDOM}
+"""
 SET_UP = """
 import json
 from firmware.joint import Joint

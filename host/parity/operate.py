@@ -15,7 +15,7 @@ from firmware.encoders import READ_ANGLE
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.cortex_m import PAGE, Machine
 from ..runtimes.role_vm import PROLOGUE
-from .joint_run import JOINT, RANDOM, ROTOR, SAMPLES, SET_UP, encoder_word, filled_in, mailboxes, registers_at_rest
+from .joint_run import BESIDE, JOINT, ROTOR, SAMPLES, SET_UP, encoder_word, filled_in, mailboxes, registers_at_rest
 from .paths_gait import Extent, answer_of, complaints_of
 
 CHIP_AT, CHIP_BYTES = 0x10000000, 0x100000  # registers, in what is plain memory here; a small int of the VM's
@@ -23,24 +23,12 @@ CORE_AT, SYSTEM_AT = CHIP_AT + 0x80000, CHIP_AT + 0x90000
 CALIBRATION = 2250 | 2650 << 16  # TS_CAL1 and 2 of a chip whose sensor is at some 40 deg C where the bus voltage is
 TICKS_PER_MINUTE = 3000  # of the gait board, 50 a second
 TIMEOUT_S = 24 * 3600.0  # who asks for an hour waits for it
-_BOARD = """
+_BOARD = BESIDE + """
 from firmware.board_stm32f405 import Stm32F405Board
 FRAMES = {frames}
 memory = machine.mem32
-class Timer:
-    def callback(self, handler):
-        self.handler = handler
-timer = Timer()
-class On:
+class On(Beside):
     chip, core, system = {chip}, {core}, {system}
-    def timer(self, period):
-        return timer
-    def reset_cause(self):
-        return 0
-    def unique_id(self):
-        return bytes(12)
-    def random(self):
-        return {random}
 def new_board():
     for place, value in {ready}:
         memory[{chip} + 4 * place] = value
@@ -154,7 +142,7 @@ class _StillChip(Machine):
 
 def _script(minutes: int) -> str:
     filled = {
-        "chip": CHIP_AT, "core": CORE_AT, "system": SYSTEM_AT, "calibration": CALIBRATION, "random": RANDOM,
+        "chip": CHIP_AT, "core": CORE_AT, "system": SYSTEM_AT, "calibration": CALIBRATION,
         "ready": list((registers_at_rest() | {c.ADC1_DR_32: SAMPLES["bus"]}).items()), "frames": mailboxes(0),
         "clock": CHIP_AT + 4 * c.TIM5_CNT_32, "adc1": CHIP_AT + 4 * c.ADC1_SR_32, "adc2": CHIP_AT + 4 * c.ADC2_SR_32,
         "adc3": CHIP_AT + 4 * c.ADC3_SR_32, "mailbox": CHIP_AT + 4 * c.CAN_RX_32, "fifo": CHIP_AT + 4 * c.CAN_RF0R_32,

@@ -21,9 +21,9 @@ from ..runtimes import Wasi
 from ..runtimes.base import RuntimeFailure
 from .climb_walk import TICK_BYTES, climb_walk
 from .joint_run import (
+    BESIDE,
     BEYOND_BRAD,
     JOINT,
-    RANDOM,
     ROTOR,
     SAMPLES,
     check_driven,
@@ -50,7 +50,7 @@ came = memoryview(bytearray({TICK_BYTES}))
 def next_tick():
     tape.readinto(came)
 """
-_REGISTERS = """
+_REGISTERS = BESIDE + """
 from firmware.board_stm32f405 import Stm32F405Board
 HELD = {held}
 CHANNELS = {channels}
@@ -91,20 +91,8 @@ class Chip:
     pass
 words, chip = Words(), Chip()
 chip.words, chip.halves = words, Halves()
-class Timer:
-    def callback(self, handler):
-        self.handler = handler
-timer = Timer()
-class On:
+class On(Beside):
     chip = core = system = chip
-    def timer(self, period):
-        return timer
-    def reset_cause(self):
-        return 0
-    def unique_id(self):
-        return bytes(12)
-    def random(self):
-        return {random}
 def new_board():
     board = Stm32F405Board(On())
     board.wrong = 0
@@ -161,7 +149,7 @@ def _sources(role: str, work: Path) -> Path:
 def _registers() -> str:
     """Return the joint's board for the script."""
     filled = {
-        "held": registers_at_rest(), "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194}, "random": RANDOM,
+        "held": registers_at_rest(), "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194},
         "channels": {BUS_CHANNEL: SAMPLES["bus"], MCU_CHANNEL: SAMPLES["mcu"],
                      THERMISTOR_CHANNEL: SAMPLES["thermistor"]},
         "frames": mailboxes(BEYOND_BRAD), "clock": c.TIM5_CNT_32, "spi1": c.SPI1_32 + c.SPI_DR_32,

@@ -14,25 +14,14 @@ from ..chip.can_wire import Frame
 from ..chip.drv8323 import Drv8323s
 from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.role_vm import PROLOGUE, RoleMachine
-from .joint_run import BEYOND_BRAD, JOINT, RANDOM, ROTOR, SAMPLES, check_driven, frames, joint_script
+from .joint_run import BESIDE, BEYOND_BRAD, JOINT, ROTOR, SAMPLES, check_driven, frames, joint_script
 from .paths import BUDGET, Cost, RoleFigures, measured
 
 TIMEOUT_S = 600.0
-BOARD = f"""
+BOARD = BESIDE + """
 from firmware.board_stm32f405 import OnTheChip, Stm32F405Board
-class Timer:
-    def callback(self, handler):
-        self.handler = handler
-timer = Timer()
-class On(OnTheChip):
-    def timer(self, period):
-        return timer
-    def reset_cause(self):
-        return 0
-    def unique_id(self):
-        return bytes(12)
-    def random(self):
-        return {RANDOM}
+class On(Beside, OnTheChip):
+    pass
 def new_board():
     return Stm32F405Board(On())
 UPDATED = 0x40010010

@@ -14,15 +14,15 @@ from .params import LEGS
 
 @record
 class Load:
-    """Load"""
+    """How the weight is shared out, and what it was found from."""
 
-    wanted_q12: Ints = vector(4, "", "the share of each foot")
-    force_q12: Ints = vector(4, "", "the same, slewed")
-    middle: Ints = vector(2, "", "the weighted middle of the feet, lu")
-    moment: Ints = vector(3, "", "second moments xx, xy, yy about it")
-    shift: int = field("", "how many bits the moments were shortened by")
-    along: Ints = vector(2, "", "how the share grows along x and y")
-    arm: Ints = vector(8, "", "x, y of each foot that stands, from the middle, 32 lu")
+    wanted_q12: Ints = vector(LEGS, "own weight Q12", "the share of each foot")
+    force_q12: Ints = vector(LEGS, "own weight Q12", "the same, slewed")
+    middle: Ints = vector(2, "lu", "the weighted middle of the feet, x and y")
+    moment: Ints = vector(3, "(32 lu)^2", "second moments xx, xy, yy about it, shortened")
+    shift: int = field("bits", "by which the moments were shortened")
+    along: Ints = vector(2, "Q18 / 32 lu", "how the share grows along x and y, shortened likewise")
+    arm: Ints = vector(2 * LEGS, "32 lu", "x, y of each foot that stands, from the middle")
 
 
 STANDS_Q8 = const(256)  # the weight of a foot that stands
@@ -130,7 +130,7 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
     """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
 
     Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
-    take the part along the line. Slopes are in Q18 per 32 lu, shifted by L_SHIFT, limited to +-0x3FFFF.
+    take the part along the line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF.
     Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
     """
     off_x = saturate(com_x - block.middle[0] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)

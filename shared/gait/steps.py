@@ -108,7 +108,7 @@ def lift_at_once(steps: Steps, height_lu: int) -> int:
 def body_advance(gait: Gait, clock: Clock) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 
-    Summed over a segment exactly ROW_ADVANCE_Q4. 0 .. 8192, because compile_gait refuses faster segments.
+    Summed over a segment exactly the segment's ``advance_q4``. 0 .. 8192, because compile_gait refuses faster segments.
     Intermediates below 4096 * 32768 + 2^15.
     """
     row = gait.rows[clock.segment]

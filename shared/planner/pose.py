@@ -44,7 +44,7 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together.
 
     A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
-    tick or two. N_BEYOND is set where a standing leg has flags.
+    tick or two. ``status.beyond`` is set where a standing leg has flags.
     """
     status = planner.status
     hip_feet = planner.hip_feet
