@@ -3,7 +3,7 @@
     measured joints, tilt -> forces, map -> state machine -> pose loop -> load shares -> joint goals
 
 It needs measured joints and attitude. It walks straight ahead along the line it was started on; how a
-stage follows a stage is in crawl_steps.py.
+stage follows a stage is in steps.py.
 """
 
 from ..body.params import JOINTS, LEGS, LF_BITS, Params

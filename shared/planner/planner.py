@@ -6,8 +6,8 @@ States: limp (nothing is driven), rising, standing, walking, sitting (going down
 command names a mode, and the planner goes there through the states between: nobody walks who has
 not stood up first, and nobody sits down in mid-stride.
 
-Its parts: planner_states (which state next), planner_senses and planner_steps (the feet),
-planner_pose (body and legs), planner_climb (the crawl instead of all that), planner_layout (its numbers).
+Its parts: states (which state next), senses and steps (the feet), pose (body and legs), exchange (the crawl instead
+of all that), status (states, flags and what the planner tells), state (all it remembers).
 """
 
 from ..body.leg import limit_joints

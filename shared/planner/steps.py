@@ -182,7 +182,7 @@ def crawl_waits(planner: PlannerState, wanted: int) -> int:
     """Return the gait to go on with: ``wanted``, or the adaptive trot while it feels for where the crawl may begin.
 
     A walking robot trots on adaptively until its feet stand level or it was held up and has backed off
-    (planner_climb.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
+    (exchange.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
     does not wait.
     """
     status = planner.status
