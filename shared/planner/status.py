@@ -1,4 +1,4 @@
-"""Where the planner keeps its numbers: its states, what it is told is sensed, its flags, its own block."""
+"""What the planner tells: its states, the flags of a tick, its status."""
 
 from ..body.pose import POSE_SIZE
 from ..record import field, record, vector
@@ -23,8 +23,6 @@ BLIND = const(0x400)  # the adaptive trot lacks measured joints, attitude or tur
 ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
 POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
-
-# The planner's own numbers, one block
 
 
 @record
