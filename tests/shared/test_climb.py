@@ -2,7 +2,6 @@
 
 import math
 import random
-from array import array
 
 import pytest
 from hypothesis import given
@@ -21,7 +20,7 @@ from shared.num.filters import fraction, quintic_q15
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
-from shared.sense.legs import SENSING_SIZE
+from shared.sense.legs import Sensing
 from sim2d import terrain
 from sim2d.run import simulate
 
@@ -67,7 +66,7 @@ def test_brake_speed_stops_within_the_way(brake, way):
 
 def standing(x_lu, y_lu, heading_rad):
     """Return a crawl whose feet stand in a map, and what they look like from a body at (x, y) with a heading."""
-    crawl, sensing = Crawl(block("caramelo")), array("i", [0] * SENSING_SIZE)
+    crawl, sensing = Crawl(block("caramelo")), Sensing()
     dice = random.Random(4)
     for leg in range(4):
         foot = [
@@ -153,11 +152,11 @@ def test_the_crawl_begins_when_commanded_and_tells_why():
 
 
 def test_without_joints_or_attitude_the_table_is_walked_and_said_so():
-    for missing in (n.S_JOINTS_OK, n.S_ATTITUDE_OK):
+    for missing in ("joints", "tilt"):
         walker = Walker()
         walker.mode(c.MODE_STAND)
         walker.until(n.STANDING)
-        walker.sensed[missing] = 0
+        setattr(walker.sensed.valid, missing, 0)
         walker.gait("climb")
         walker.speed(0.05)
         walker.mode(c.MODE_WALK)

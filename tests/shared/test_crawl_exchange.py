@@ -1,7 +1,6 @@
 """Trot and crawl take over from each other as in the float twin: the same stage, reason and state in every tick."""
 
 import random
-from array import array
 from types import SimpleNamespace
 
 import pytest
@@ -16,8 +15,7 @@ from shared.planner import handover, planner, retreat
 from shared.planner import status as n
 from shared.planner import steps as planner_steps
 from shared.planner.command import Command
-from shared.planner.status import Status
-from shared.sense import legs as sensing
+from shared.record import pack, unpack
 from shared.trot.trot import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
 from tests.float_twin import crawl_exchange as twin
 from tests.float_twin.doubt import Doubt
@@ -53,28 +51,28 @@ class Pair:
         self.seen = set()
 
     @property
-    def numbers(self):
+    def status(self):
         return self.walker.planner.status
 
     def command(self, block: Command):
         """Return a command for the twin."""
         fine_m = self.robot.unit_m / 256
-        speed = [value * unit for value, unit in zip(block[c.C_SPEED :][:3], (fine_m, fine_m, YAW_RAD), strict=True)]
+        speed = [value * unit for value, unit in zip(block.speed, (fine_m, fine_m, YAW_RAD), strict=True)]
         return SimpleNamespace(walk=block.mode == c.MODE_WALK, gait=block.gait, speed=speed)
 
     def known(self, sensed):
         """Return what the planner knows now."""
         robot, numbers = self.walker.planner, self.status
         return SimpleNamespace(
-            joints_ok=sensed[n.S_JOINTS_OK],
-            attitude_ok=sensed[n.S_ATTITUDE_OK],
+            joints_ok=sensed.valid.joints,
+            attitude_ok=sensed.valid.tilt,
             fallen=numbers.fallen,
             standing=numbers.state == n.STANDING,
             swinging=numbers.swinging,
             walked=numbers.gait,
             behind=numbers.advice == ADVICE_BEHIND,
             lag=robot.trot.behind,
-            heights=[height * self.robot.unit_m for height in robot.sensing[sensing.M_LEVEL + 2 : 12 : 3]],
+            heights=[height * self.robot.unit_m for height in robot.sensing.level[2::3]],
             segment=robot.clock.tick,
             moved=robot.sensing.moved_x * self.robot.unit_m / 256,
             known=robot.sensing.known,
@@ -172,8 +170,8 @@ def trouble(pair, dice):
     if dice.random() < 0.006:
         block.mode, block.gait = dice.choice(MODES), dice.choice(GAITS)
         pair.walker.speed(*dice.choice(SPEEDS_SI))
-    sensed[n.S_JOINTS_OK] = int(dice.random() > 0.002)
-    sensed[n.S_ATTITUDE_OK] = int(dice.random() > 0.002)
+    sensed.valid.joints = int(dice.random() > 0.002)
+    sensed.valid.tilt = int(dice.random() > 0.002)
     if dice.random() < 0.3 and numbers.gait == GAIT_ADAPTIVE:
         numbers.advice = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
     if dice.random() < 0.05 and numbers.climb == n.CLIMB_ON:
@@ -209,12 +207,12 @@ SPEEDS = st.tuples(
 COMMANDS = st.tuples(st.sampled_from((c.MODE_WALK,) * 4 + (c.MODE_STAND,)), st.sampled_from((4, 3, 3, 1, -1, 5)))
 TROTS = st.fixed_dictionaries(
     {
-        n.N_STATE: st.sampled_from((n.STANDING, n.WALKING)),
-        n.N_GAIT: st.sampled_from((3, 3, 4, 1)),
-        n.N_FALLEN: st.sampled_from((0, 0, 0, 1)),
-        n.N_SWINGING: st.sampled_from((0, 0, 0, 6)),
-        n.N_ADVICE: st.sampled_from((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED)),
-        n.N_CLIMB: st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
+        "state": st.sampled_from((n.STANDING, n.WALKING)),
+        "gait": st.sampled_from((3, 3, 4, 1)),
+        "fallen": st.sampled_from((0, 0, 0, 1)),
+        "swinging": st.sampled_from((0, 0, 0, 6)),
+        "advice": st.sampled_from((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED)),
+        "climb": st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
     }
 )
 LEVEL = PARAMS.leg_length // 32
@@ -223,43 +221,43 @@ FEET = st.tuples(st.sampled_from((0, 5)), HEIGHTS)
 SHARED_WALKER = Walker()
 
 
-def put(numbers: Status, clock, speed, command):
+def put(drawn, clock, speed, command):
     """Return a pair whose planner is at a point that was drawn, and its command."""
     pair = Pair(walker=SHARED_WALKER)
     robot, block = pair.walker.planner, pair.walker.command
-    for place, value in numbers.items():
-        robot.status[place] = value
-    robot.status.reason, pair.twin.stage = 0, numbers.climb
+    for name, value in drawn.items():
+        setattr(robot.status, name, value)
+    robot.status.reason, pair.twin.stage = 0, drawn["climb"]
     robot.clock.tick = pair.robot.stand_ticks + clock
     block.mode, block.gait = command
-    block[c.C_SPEED : c.C_SPEED + 3] = array("i", speed)
+    block.speed[:] = speed
     return pair, robot, block
 
 
 @repeatable(1500)
 @given(TROTS, st.integers(0, 1), SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), FEET, st.sampled_from((0, 0, 99)))
-def test_the_crawl_begins_for_the_same_reason_at_any_point(numbers: Status, clock, speed, command, senses, feet, lag):
-    pair, robot, block = put(numbers, clock, speed, command)
+def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, clock, speed, command, senses, feet, lag):
+    pair, robot, block = put(drawn, clock, speed, command)
     sensed = pair.walker.sensed
-    sensed[n.S_JOINTS_OK], sensed[n.S_ATTITUDE_OK] = senses & 1, senses >> 1
+    sensed.valid.joints, sensed.valid.tilt = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.trot.behind, robot.nav[0], robot.speed[0] = lag, 99, 99
-    robot.sensing.known, robot.sensing[sensing.M_LEVEL + 2 : 12 : 3] = feet
+    robot.trot.behind, robot.nav.x, robot.speed[0] = lag, 99, 99
+    robot.sensing.known, robot.sensing.level[2::3] = feet
     pair.climbs(robot, block, sensed)
-    if numbers.climb == n.CLIMB_OFF:
+    if drawn["climb"] == n.CLIMB_OFF:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        assert (robot.trot.behind, robot.nav[0]) == ((0, 0) if backs else (lag, 99))
+        assert (robot.trot.behind, robot.nav.x) == ((0, 0) if backs else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 
 
 @repeatable(600)
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
-def test_the_crawl_ends_for_the_same_reason_at_any_point(numbers: Status, speed, command, even):
-    pair, robot, block = put(numbers, 0, speed, command)
+def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, even):
+    pair, robot, block = put(drawn, 0, speed, command)
     robot.climb.even.even_steps = even
     wanted = pair.command(block)
-    pair.twin.walked = numbers.gait
+    pair.twin.walked = drawn["gait"]
     assert planner_climb.leaves(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
     assert robot.status.gait == pair.twin.walked
 
@@ -271,9 +269,10 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     dice, params = random.Random(seed), block("caramelo", rate_hz)
     robot = robot_si(params)
     doubt = Doubt()
-    back, state = twin.Retreat(robot, doubt), [7] * retreat.RETREAT_SIZE
+    back, state, told = twin.Retreat(robot, doubt), retreat.Retreat(), Command()
     retreat.retreat_start(state)
-    command = [dice.randint(-9999, 9999) for _ in range(c.COMMAND_SIZE)]
+    command = Command()
+    unpack(command, [dice.randint(-9999, 9999) for _ in pack(command)])
     for tick in range(9 * rate_hz):
         most = params.speed_max[0]
         moved = dice.randint(-most // 3, most // 3 if stuck else most // 9)
@@ -281,13 +280,13 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
         standing = int(tick % (2 * rate_hz) > rate_hz and steady)
         doubt.begin()
         speed, done = back.step(moved * robot.unit_m / 256, standing)
-        assert retreat.retreat_step(params, command, moved, standing, state) == int(done)
+        assert retreat.retreat_step(params, command, moved, standing, state, told) == int(done)
         if doubt.count:
-            back.ends = bool(state[retreat.R_ENDS])
-        assert state.speed[0] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
-        assert state[c.C_SPEED + 1 : c.C_SPEED + 3] == [0, 0]
-        assert state.gait == GAIT_ADAPTIVE
-        assert state[c.C_POSE : c.COMMAND_SIZE] == command[c.C_POSE :]
+            back.ends = bool(state.ends)
+        assert told.speed[0] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
+        assert told.speed[1:] == [0, 0]
+        assert told.gait == GAIT_ADAPTIVE
+        assert pack(told)[5:] == pack(command)[5:]  # pose, balance, height
         if done:
             return
     assert stuck or not back.ends
@@ -314,7 +313,7 @@ def test_the_crawl_waits_as_long_as_the_twin(wishes, state, known):
 @repeatable(60)
 @given(st.lists(st.integers(-32768, 32767), min_size=24, max_size=24), st.sampled_from((20, 50, 333)))
 def test_goals_go_on_from_the_crawls_and_fade_to_the_trots(values, rate_hz):
-    params, fade = block("caramelo", rate_hz), [0] * handover.FADE_SIZE
+    params, fade = block("caramelo", rate_hz), handover.Fade()
     sent, goals = values[:12], values[12:]
     ticks = handover.fade_start(params, fade, sent)
     assert abs(ticks - rate_hz / 2) <= 1

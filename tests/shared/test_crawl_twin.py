@@ -17,10 +17,11 @@ from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import swing as swing_leg
 from shared.crawl.state import SHIFT, Crawl
+from shared.gait.steps import Steps
 from shared.planner import handover, retreat
-from shared.planner.command import COMMAND_SIZE
+from shared.planner.command import Command
 from shared.planner.status import LIMIT_FLAGS
-from shared.sense.legs import M_FORCE_Q12, SENSING_SIZE
+from shared.sense.legs import Sensing
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin import crawl_plan as plan
@@ -89,7 +90,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     seen = [twin.turn([foot[i] - place[i] + dice.gauss(0, 0.002) for i in range(3)], -yaw) for foot in feet]
     put(crawl, feet, (0.0, 0.0, 0.17))
     shares = [dice.choice((1.0, 1.0, 0.5)) for _ in range(4)]
-    sensing = array("i", [0] * SENSING_SIZE)
+    sensing = Sensing()
     for leg in range(4):
         crawl.support.share_q12[leg] = round(4096 * shares[leg])
         for axis in range(3):
@@ -363,11 +364,11 @@ def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(
 @given(st.floats(-0.002, 0.004), st.integers(20, 500))
 def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_second_of_standing(back_m, rate_hz):
     params = block("caramelo", rate_hz)
-    command, state = array("i", [0] * COMMAND_SIZE), array("i", [0] * retreat.RETREAT_SIZE)
+    command, state, told = Command(), retreat.Retreat(), Command()
     ticks = 0
-    while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state):
+    while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state, told):
         ticks += 1
-        assert state.speed[0] <= 0
+        assert told.speed[0] <= 0
         assert ticks < 8 * rate_hz
     by_way = math.ceil(0.3 * 0.24 / back_m) if back_m > 1e-5 else math.inf
     assert abs(ticks - min(by_way, 6 * rate_hz) - rate_hz / 2) <= 3 + 0.001 * ticks
@@ -381,7 +382,7 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
 def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
     """Within what rounding leaves of a smoothed force: half a unit over its gain."""
     crawl, dice = Crawl(block("caramelo", rate_hz)), random.Random(seed)
-    c, k, sensing = crawl, crawl.params.crawl, array("i", [0] * SENSING_SIZE)
+    c, k, sensing = crawl, crawl.params.crawl, Sensing()
     c.support.weight_q20 = 4096 << 8
     exact = carry.Carried(1.0, k.force_q15 / 32768, k.weight_q15 / 32768)
     for tick in range(400):
@@ -389,7 +390,7 @@ def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
             heavy, stands = dice.choice((0.1, 0.25, 0.5, 1.2)), [int(leg != tick // 100) for leg in range(4)]
             c.support.stance[:4] = stands
         forces = [round(dice.gauss(heavy, 0.2) * 4096) for _ in range(4)]
-        sensing[M_FORCE_Q12 : M_FORCE_Q12 + 4] = array("i", forces)
+        sensing.force_q12[:] = forces
         core_crawl.weigh(c.params, sensing, c.support)
         weight, load = exact.step([force / 4096 for force in forces], stands)
         assert abs(c.support.weight_q12 / 4096 - weight) < 0.004
@@ -401,7 +402,7 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     dice = random.Random(seed)
     level = [[x, y, z - 0.18] for x, y, z in standing(dice)]
     tilt, felt = [dice.uniform(-0.1, 0.1) for _ in range(2)], [dice.uniform(0.0, 0.8) for _ in range(4)]
-    sensing, joints = array("i", [0] * SENSING_SIZE), array("i")
+    sensing, joints = Sensing(), array("i")
     for foot, shape in zip(level, LEGS, strict=True):
         angles = twin.leg_joints(foot, [0.0] * 6, shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
         joints.extend(round((angle + dice.uniform(-0.05, 0.05)) / (2 * math.pi) * 65536) for angle in angles)
@@ -506,10 +507,9 @@ def test_the_trot_finds_its_feet_where_the_crawl_left_them(crawl, seed):
     feet, yaw = standing(dice), dice.uniform(-0.4, 0.4)
     place = [dice.uniform(-0.03, 0.03), dice.uniform(-0.03, 0.03), 0.17]
     put(crawl, feet, place, (0.0, 0.0, yaw))
-    steps = array("i", [0] * 200)
+    steps = Steps()
     handover.steps_from_crawl(PARAMS, crawl.map, crawl.path, 600, -300, steps)
     for leg in range(4):
-        first = leg * handover.STEP_SIZE
-        found = steps[first + handover.STEP_X] * FINE_M, steps[first + handover.STEP_Y] * FINE_M
+        found = steps.legs[leg].x * FINE_M, steps.legs[leg].y * FINE_M
         exact = twin.trot_foothold(feet[leg], [*place, 0.0, 0.0, yaw], 600 * UNIT_M, -300 * UNIT_M)
         assert math.dist(found, exact) < 0.1 * MM
