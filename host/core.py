@@ -18,15 +18,15 @@ from .console import write_error
 SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
 _RULES = ("typed.py", "native_core.py")  # of host/build: another way to compile makes another core
 _NAME = re.compile("[0-9a-f]{16}")
-_INSIDE = Path("shared", "planner.py")
+_INSIDE = Path("shared", "planner", "planner.py")
 
 
 def sources_id(root: Path = ROOT) -> str:
     """Return what names the core made of ``root``/shared by this Python."""
     total = hashlib.sha256((sysconfig.get_config_var("SOABI") or sys.version).encode())
-    files = [*sorted((root / "shared").rglob("*.py")), *(ROOT / "host" / "build" / name for name in _RULES)]
-    for path in files:
-        total.update(path.name.encode() + b"\0" + path.read_bytes())
+    files = [(root, path) for path in sorted((root / "shared").rglob("*.py"))]
+    for top, path in files + [(ROOT, ROOT / "host" / "build" / name) for name in _RULES]:
+        total.update(path.relative_to(top).as_posix().encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:16]
 
 

@@ -31,8 +31,9 @@ class Field:
 
     def make(self):
         """Return a new value of it."""
-        one = self.of or (lambda: self.default)
-        return one() if self.count is None else [one() for _ in range(self.count)]
+        if self.count is None:
+            return self.of() if self.of else self.default
+        return [self.of() for _ in range(self.count)] if self.of else [self.default] * self.count
 
 
 def field(unit, meaning, default=0):

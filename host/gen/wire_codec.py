@@ -22,7 +22,7 @@ Decoding never changes a value and returns how many are outside their range: dro
 Largest intermediate: 2^30 - 1.
 """
 
-from ..fixed import saturate
+from ..num.fixed import saturate
 from ..runtime import Ints, hot, ptr16
 
 

@@ -22,7 +22,7 @@ from .plant import plant
 pytestmark = pytest.mark.skipif(native_core.why_not() is not None, reason=str(native_core.why_not()))
 
 VECTORS = 80  # 2000 ticks of each gait
-WHERE = "import shared.leg, sys; sys.stdout.write(shared.leg.__file__)"
+WHERE = "import shared.body.leg, sys; sys.stdout.write(shared.body.leg.__file__)"
 
 
 def run_caramelo(arguments: list[str], home: str, code: str = "") -> str:
@@ -48,7 +48,7 @@ def test_it_is_machine_code_that_agrees(sources, compiled_home, tmp_path, monkey
     compiled = {path.name.partition(".")[0] for path in (tree / "shared").rglob("*.so")}
     for path in (tree / "shared").rglob("*.py"):
         assert (path.stem in compiled) != (path.stem in slow or "wire" in path.parts)
-    said = Compiled().execute(tree, "import shared.leg\nprint(shared.leg.__file__)\n")
+    said = Compiled().execute(tree, "import shared.body.leg\nprint(shared.body.leg.__file__)\n")
     assert said.strip().endswith(".so")
 
 
@@ -58,8 +58,8 @@ def test_a_wrong_machine_code_is_found_with_its_vector(sources, tmp_path, monkey
     few = plant(sources, tmp_path, "probe/__init__.py", probe.read_text(), one)
     wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    return value\n\n\n@hot\ndef cos_q15(",
                   "    return value - (value >> 14)\n\n\n@hot\ndef cos_q15(")
-    few = ("shared.num.fixed", "shared.gait.swing")
-    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in few)
+    only = ("shared.num.fixed", "shared.gait.swing")
+    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in only)
     monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
     reference, other = Report(CPython()), Report(Compiled())
     (tmp_path / "a").mkdir()
@@ -92,15 +92,16 @@ def test_it_is_not_used_after_a_source_changed(compiled_home, monkeypatch):
 
 def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
     shared = tmp_path / core.sources_id() / "shared"
-    shared.mkdir(parents=True)
-    for name, text in (("__init__", ""), ("planner", ""), ("fixed", "raise ImportError('on purpose')\n")):
+    for name, text in (("__init__", ""), ("num/__init__", ""), ("planner/__init__", ""), ("planner/planner", ""),
+                       ("num/fixed", "raise ImportError('on purpose')\n")):
+        (shared / name).parent.mkdir(parents=True, exist_ok=True)
         (shared / f"{name}.py").write_text(text)
     script = f"import sys\nfrom host import cli\nassert cli.main(['robots', 'check', 'caramelo']) == 0\n{WHERE}"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60,
                           env={**os.environ, core.SWITCH: str(tmp_path)})
     assert done.returncode == 0
     assert "the compiled core cannot be loaded (on purpose); the sources run instead" in done.stderr
-    assert done.stdout.endswith(str(Path("shared", "leg.py")))
+    assert done.stdout.endswith(str(Path("shared", "body", "leg.py")))
     assert str(tmp_path) not in done.stdout
 
 

@@ -24,7 +24,7 @@ def test_a_function_without_vectors_is_named(sources, tmp_path):
     copy = plant(sources, tmp_path, "shared/num/pid.py", "@hot\ndef pid_step(", new)
     work = tmp_path / "work"
     work.mkdir()
-    assert "pid.quite_new" in unregistered(copy, work)
+    assert "num.pid.quite_new" in unregistered(copy, work)
 
 
 def agree(reports: list[Report]) -> None:

@@ -88,7 +88,7 @@ def test_a_board_is_asked_over_its_serial_port_and_left_as_it_was(sources, tmp_p
         board = Board(pretend.port)
         assert board.missing() is None
         tree = board.prepare(sources, tmp_path)
-        assert (home / "parity" / "shared" / "fixed.mpy").exists()
+        assert (home / "parity" / "shared" / "num" / "fixed.mpy").exists()
         expected = CPython().ask(CPython().prepare(sources, tmp_path), call("parity", "fixed", 20))
         assert board.ask(tree, call("parity", "fixed", 20)) == expected
         with pytest.raises(RuntimeFailure, match="on purpose"):

@@ -249,7 +249,7 @@ def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
 @pytest.mark.parametrize(
     ("table", "part"),
     [
-        (((35, 100, 100, 0), ()), "1 .. 16 segments"),
+        (((35, 100, 100, 0), ()), "1 .. 8 segments"),
         (((35, 100, 100, 0), ((0, 0, 1),)), "duration"),
         (((35, 100, 100, 0), ((100, 16, 1),)), "legs 0 .. 15"),
         (((35, 100, 100, 0), ((100, 9, 0), (100, 6, 0))), "add up to 0"),

@@ -17,12 +17,12 @@ SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.
 def test_every_number_of_the_sample_is_the_same(tmp_path):
     runtime = Unix("source")
     skip_without(runtime)
-    for package, names in (("float_twin", USED), ("shared", ("gaits", "runtime"))):
+    for package, source, names in (("float_twin", "tests/float_twin", USED), ("shared", "shared", ("runtime",)),
+                                   ("shared/gait", "shared/gait", ("gaits",))):
         (tmp_path / package).mkdir()
         (tmp_path / package / "__init__.py").write_text("")
         for name in names:
-            folder = ROOT / ("tests/float_twin" if package == "float_twin" else package)
-            shutil.copy(folder / f"{name}.py", tmp_path / package)
+            shutil.copy(ROOT / source / f"{name}.py", tmp_path / package)
     there = runtime.ask(tmp_path, SCRIPT)["numbers"]
     here = sample.numbers()
     assert len(there) == len(here) > 1000

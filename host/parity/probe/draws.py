@@ -14,12 +14,14 @@ LEG = Range(0, 3)
 ROBOT = Pick(*PARAMS)
 GAIT = Range(0, len(GAITS) - 1)
 
-_COMPILED = [[compile_gait(table, params) for table in GAITS] for params in PARAMS]
+_COMPILED: list = [[None] * len(GAITS) for _ in PARAMS]
 
 
 def gait_of(params, index):
-    """Return the compiled gait ``index`` of the robot and rate that ``params`` is."""
+    """Return the compiled gait ``index`` of the robot and rate that ``params`` is; made when first asked for."""
     for at in range(len(PARAMS)):
         if PARAMS[at] is params:
+            if _COMPILED[at][index] is None:
+                _COMPILED[at][index] = compile_gait(GAITS[index], params)
             return _COMPILED[at][index]
     raise ValueError("not one of the robots")

@@ -14,7 +14,6 @@ SOURCES = ("gait.table",)
 
 CLOCK = Clock()
 BLOCK = Gait()
-ROW = [400, 0, 1]
 
 
 def draw_clock(block: Gait, clock: Clock, dice):
@@ -41,9 +40,7 @@ def _new_row(values, dice):
     BLOCK.cycle = dice.below(2000)
     BLOCK.cycloid = 0
     values[1] %= BLOCK.segments
-    ROW[0] = 1 + dice.below(2000)
-    ROW[1] = dice.below(16)
-    ROW[2] = dice.below(9)
+    values[2] = (1 + dice.below(2000), dice.below(16), dice.below(9))
 
 
 def _new_share(values, dice):
@@ -64,7 +61,7 @@ PROBES = (
     Probe(
         "time_segment",
         gait.time_segment,
-        (BLOCK, Range(0, 15), ROW, Pick(20, 50, 500)),
+        (BLOCK, Range(0, 15), (), Pick(20, 50, 500)),
         watch=(BLOCK,),
         fit=_new_row,
         ticks=False,
