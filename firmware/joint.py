@@ -67,6 +67,7 @@ _IDENTIFIER = const(0x7FF)
 _MS_US = const(1000)
 _AHEAD = const(0x20000000)  # a time is still to come if it is less than half the clock's range before now
 _MASK = const(0x3FFFFFFF)
+_TO_NEXT_US = const(0x3FFFFC18)  # 2^30 less a millisecond, taken off: a sum beyond 2^30 would take memory
 
 
 class Joint:
@@ -116,7 +117,7 @@ class Joint:
             self.control.stop(PART_BUS)
         if (self.board.ticks_us() - self._due_us) & _MASK >= _AHEAD:
             return 0
-        self._due_us = (self._due_us + _MS_US) & _MASK
+        self._due_us = (self._due_us - _TO_NEXT_US) & _MASK
         self.control.motion()
         try:
             self._after_motion()
