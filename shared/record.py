@@ -116,19 +116,61 @@ def copy(values, into):
                 copy(value[at], getattr(into, name)[at])
 
 
-def value_at(values, place):
-    """Return one integer of a record, counted in the order of its declaration, or of an array. Not for ticks."""
-    return values[place] if getattr(values, "FIELDS", None) is None else pack(values)[place]
+def size_of(values):
+    """Return how many integers a record, or an array, has. Takes no memory."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        return len(values)
+    total = 0
+    for name, place in fields:
+        total += _span(getattr(values, name), place)
+    return total
 
 
-def set_at(values, place, value):
-    """Write one integer of a record, counted in the order of its declaration, or of an array. Not for ticks."""
-    if getattr(values, "FIELDS", None) is None:
-        values[place] = value
+def _span(value, place):
+    """Return how many integers a field with this value has."""
+    if place.of is None:
+        return 1 if place.count is None else place.count
+    return size_of(value) if place.count is None else place.count * size_of(value[0])
+
+
+def value_at(values, at):
+    """Return one integer of a record, counted in the order of its declaration, or of an array. Takes no memory."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        return values[at]
+    for name, place in fields:
+        value = getattr(values, name)
+        span = _span(value, place)
+        if at < span:
+            if place.of is None:
+                return value if place.count is None else value[at]
+            size = span if place.count is None else span // place.count
+            return value_at(value if place.count is None else value[at // size], at % size)
+        at -= span
+    raise IndexError
+
+
+def set_at(values, at, new):
+    """Write one integer of a record, counted in the order of its declaration, or of an array. Takes no memory."""
+    fields = getattr(values, "FIELDS", None)
+    if fields is None:
+        values[at] = new
         return
-    integers = pack(values)
-    integers[place] = value
-    unpack(values, integers)
+    for name, place in fields:
+        value = getattr(values, name)
+        span = _span(value, place)
+        if at < span:
+            if place.of:
+                size = span if place.count is None else span // place.count
+                set_at(value if place.count is None else value[at // size], at % size, new)
+            elif place.count is None:
+                setattr(values, name, new)
+            else:
+                value[at] = new
+            return
+        at -= span
+    raise IndexError
 
 
 def unpack(values, integers):

@@ -14,6 +14,8 @@ from .rewrite import Edit, Places, apply_edits, beside
 from .rules import MARKS
 from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
 
+_POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16"}  # what reads each in a hot function
+
 
 def lowered_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, Module]:
     """Return the modules of ``packages`` under ``root`` by name, without records. BuildError with file and line."""
@@ -167,7 +169,7 @@ class Lowering:
             return self.kinds.made(self.module, node, name, self.resolve) if made else None
         if found.kind in ("within", "run"):
             return replace(found, at=name)
-        if self.hot and found.kind in ("record", "array", "table"):
+        if self.hot and found.kind in _POINTERS:
             return replace(found, text=name, raw=found.raw)
         if self.hot and found.kind == "object":
             return found
@@ -289,8 +291,8 @@ class Lowering:
         start, size = self.place.start(node.value), self.place.end(node.value) - self.place.start(node.value)
         if found.kind in ("within", "run"):
             return Edit(start, size, found.at)
-        if self.hot and found.kind in ("record", "array", "table"):
-            return Edit(start, size, f"{'ptr16' if found.kind == 'table' else 'ptr32'}({found.raw})")
+        if self.hot and found.kind in _POINTERS:
+            return Edit(start, size, f"{_POINTERS[found.kind]}({found.raw})")
         if self.hot and found.kind == "object":
             return Edit(self.place.start(node), self.place.end(node) - self.place.start(node), "pass")
         return None
