@@ -15,7 +15,6 @@ from shared.gait.gaits import GAIT_NAMES
 from shared.gait.steps import SPEED_SIZE
 from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, repeat_command
 from shared.planner.planner import Planner, plan
-from shared.planner.state import PlannerState
 from shared.planner.status import Status
 from shared.record import field, record
 from shared.runtime import const, hot, ptr8
@@ -108,7 +107,7 @@ class GaitBoard:
     def tick(self):
         """Read the sensor and plan one tick into the frame ``setpoints``; return the flags."""
         fault = self.sensor.read(self.counts)
-        return tick(self, self.planner, self.status, self.command, self.obeyed, self.sensed, fault)
+        return tick(self, fault)
 
 
 @hot
@@ -186,18 +185,17 @@ def reset(status: BoardStatus, command: Command) -> int:
 
 
 @hot
-def tick(
-    board, planner: PlannerState, status: BoardStatus, command, obeyed, sensed, fault: int
-) -> int:
+def tick(board: GaitBoard, fault: int) -> int:
     """Plan one tick, from what the sensor counted if it has no fault; write the frame SETPOINTS; return its flags."""
-    sense(board.attitude, board.counts, sensed, fault)
-    obey(status, command, obeyed, fault)
-    flags = plan(planner, obeyed, sensed)
-    status.flags = flags | own_flags(status, sensed, fault)
+    status = board.status
+    sense(board.attitude, board.counts, board.sensed, fault)
+    obey(board.status, board.command, board.obeyed, fault)
+    flags = plan(board.planner, board.obeyed, board.sensed)
+    status.flags = flags | own_flags(board.status, board.sensed, fault)
     status.tick_count = (status.tick_count + 1) & _MASK
     if status.command_age < status.stale_age:
         status.command_age += 1
-    return write_setpoints(board.setpoints, status, planner.status, planner.joints)
+    return write_setpoints(board.setpoints, board.status, board.planner.status, board.planner.joints)
 
 
 @hot

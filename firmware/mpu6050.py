@@ -55,6 +55,7 @@ class Mpu6050:
 
     def __init__(self, i2c, address=_ADDRESS, sleep_ms=None):
         self._i2c = i2c
+        self._read_into = i2c.readfrom_mem_into
         self._address = address
         self._sleep_ms = sleep_ms or getattr(time, "sleep_ms", None)
         self._raw = bytearray(_RAW_BYTES)
@@ -84,7 +85,7 @@ class Mpu6050:
     def read(self, counts):
         """Write the six counts, gyro first; return OK or the fault, and leave ``counts`` alone on a fault."""
         try:
-            self._i2c.readfrom_mem_into(self._address, _ACCEL_XOUT_H, self._raw)
+            self._read_into(self._address, _ACCEL_XOUT_H, self._raw)
         except OSError:
             self.fault = MISSING
             return MISSING
@@ -99,7 +100,7 @@ class Mpu6050:
         sums = [0] * 6
         for _ in range(count):
             self._sleep_ms(5)
-            self._i2c.readfrom_mem_into(self._address, _ACCEL_XOUT_H, self._raw)
+            self._read_into(self._address, _ACCEL_XOUT_H, self._raw)
             for i in range(6):
                 sums[i] += count_at(self._raw, 2 * i if i < 3 else 2 * i + 2)
         return [total / count for total in sums]

@@ -28,6 +28,7 @@ class UsbStream:
 
     def __init__(self, port):
         self._port = port
+        self.write = port.write  # of a frame; with nobody listening it is lost
         self._run = 0
         port.setinterrupt(-1)
 
@@ -41,10 +42,6 @@ class UsbStream:
             self._port.setinterrupt(_CTRL_C)
             raise KeyboardInterrupt
         return count
-
-    def write(self, buffer):
-        """Send a frame; with nobody listening it is lost."""
-        return self._port.write(buffer)
 
 
 def motor_supply_mV():

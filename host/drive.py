@@ -7,7 +7,6 @@ twelve angles back. Everything between those two conversions is the core's integ
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared.gait.gaits import GAIT_NAMES
 from shared.planner import command as core
 from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
@@ -15,7 +14,7 @@ from shared.planner.status import STATE_NAMES
 from shared.record import pack
 from shared.sense.sensed import Sensed
 
-from .errors import UserError
+from .gait_names import gait_index
 from .robot_model import Robot
 from .scale import brad, core_params, joints_rad, scale_of
 
@@ -34,13 +33,6 @@ class Command:
     pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
     balance: bool = True
     height_m: float = 0.0
-
-
-def gait_index(name: str) -> int:
-    """Return a gait's index in the core's table, or raise UserError with the names there are."""
-    if name not in GAIT_NAMES:
-        raise UserError(f"--gait {name}: no such gait; there are {', '.join(GAIT_NAMES)}")
-    return GAIT_NAMES.index(name)
 
 
 class Driver:
@@ -75,7 +67,7 @@ class Driver:
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
 
-        The crawl over obstacles takes its own time; the figure is that of the table it goes over to.
+        The crawl takes its own time; the figure is that of the trot it gives way to.
         """
         most = self.planner.gaits[gait_index(gait)].speed_max[0]
         key = "vx_m_s" if most == self.planner.params.speed_max[0] else "stride_m"

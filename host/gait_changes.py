@@ -9,10 +9,10 @@ from typing import Any
 
 from shared.crawl import state as crawl
 from shared.gait.gaits import GAIT_NAMES
+from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
-from shared.trot import trot as adaptive
-from shared.trot.trot import BEHIND_STEP
+from shared.trot import trot
 from sim2d.notes import Note
 
 from .drive import Driver
@@ -20,23 +20,31 @@ from .robot_model import LEG_NAMES
 
 _GIVEN_UP = "backing off was given up: another command came, or joints or attitude became unknown"
 _STOPPED = "told to stop, or fallen"
+BACKING_OFF, STANDING_STILL, CRAWL = "backing off", "standing still", "crawl"  # phases of an exchange
 
 
 def gait_now(driver: Driver) -> str:
-    """Return what is walked: "backing off", "crawl", or the name of the gait."""
+    """Return what is walked: "backing off", "trot", "crawl", or the name of a table's gait."""
     status = driver.planner.status
-    state = status.climb
-    if state == core.CLIMB_OFF:
-        return GAIT_NAMES[status.gait]
-    return "backing off" if state == core.CLIMB_BACK else "crawl"
+    if status.backs:
+        return BACKING_OFF
+    return {MOVER_TROT: "trot", MOVER_CRAWL: CRAWL}.get(status.mover, GAIT_NAMES[status.gait])
+
+
+def exchange_phase(driver: Driver) -> str:
+    """Return how far the crawl has taken over from the trot: "", "backing off", "standing still" or "crawl"."""
+    planner = driver.planner
+    if planner.status.mover != MOVER_CRAWL:
+        return BACKING_OFF if planner.status.backs else ""
+    return STANDING_STILL if planner.crawl.stage.stage == crawl.STILL else CRAWL
 
 
 def change_reason(driver: Driver) -> str:
     """Return why trot and crawl were last exchanged, "" if they were not."""
     params = driver.planner.params
     behind_mm = 1000 * driver.scale.metres(params.leg_length * 3 >> 5)
-    held_s = params.advice_ticks / BEHIND_STEP / driver.rate_hz
-    crawls = driver.planner.status.climb != core.CLIMB_OFF
+    held_s = params.advice_ticks / trot.BEHIND_STEP / driver.rate_hz
+    crawls = exchange_phase(driver) != ""
     return {
         handover.REASON_NONE: "",
         handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
@@ -48,11 +56,11 @@ def change_reason(driver: Driver) -> str:
 
 
 def advice(driver: Driver) -> str:
-    """Return what the adaptive trot advises, "" if it does well."""
+    """Return what the trot advises, "" if it does well."""
     return {
-        adaptive.ADVICE_FINE: "",
-        adaptive.ADVICE_BEHIND: "it does not get on: another gait may",
-        adaptive.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
+        trot.ADVICE_FINE: "",
+        trot.ADVICE_BEHIND: "it does not get on: another gait may",
+        trot.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
     }[driver.planner.status.advice]
 
 
@@ -63,7 +71,7 @@ def margin_m(driver: Driver) -> float:
 
 def crawl_event(driver: Driver) -> str:
     """Return what the crawl met last, "" if nothing."""
-    event = driver.planner.climb.event
+    event = driver.planner.crawl.event
     leg = LEG_NAMES[event.leg]
     off_mm = 1000 * driver.scale.metres(event.z)
     return {
@@ -88,24 +96,24 @@ class GaitWatch:
     def restart(self) -> None:
         """Forget the notes; the seconds count from here."""
         self.notes: list[Note] = []
-        self._ticks, self._before = 0, self._driver.planner.status.climb
+        self._ticks, self._before = 0, exchange_phase(self._driver)
 
     def look(self) -> None:
         """Take note of a tick."""
-        now, before = self._driver.planner.status.climb, self._before
+        now, before = exchange_phase(self._driver), self._before
         self._ticks += 1
         if now == before:
             return
         self._before = now
-        if now != core.CLIMB_READY:
+        if now != STANDING_STILL:
             time_s = round(self._ticks / self._driver.rate_hz, 3)
             self.notes.append(Note(time_s, gait_now(self._driver), self._why(before, now)))
 
-    def _why(self, before: int, now: int) -> str:
+    def _why(self, before: str, now: str) -> str:
         status = self._driver.planner.status
-        if now == core.CLIMB_OFF and before == core.CLIMB_BACK:
+        if not now and before == BACKING_OFF:
             return _GIVEN_UP
-        if now == core.CLIMB_OFF and status.state != core.WALKING:
+        if not now and status.state != core.WALKING:
             return _STOPPED
         return change_reason(self._driver)
 

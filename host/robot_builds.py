@@ -2,8 +2,7 @@
 
 from collections.abc import Iterator
 
-from shared.gait.gaits import GAIT_NAMES, GAITS
-from shared.gait.table import compile_gait
+from shared.gait.gaits import GAITS, gait_for
 
 from .errors import UserError
 from .joint_gains import joint_blocks
@@ -25,11 +24,11 @@ def unbuildable(robot: Robot) -> Iterator[str]:
 
 def _planner(robot: Robot) -> None:
     params = core_params(robot)
-    for name, table in zip(GAIT_NAMES, GAITS, strict=True):
+    for entry in GAITS:
         try:
-            compile_gait(table, params)
+            gait_for(entry, params)
         except ValueError as error:
-            raise UserError(f"gait {name} (shared/gait/gaits.py): {error}") from error
+            raise UserError(f"gait {entry[0]} (shared/gait/gaits.py): {error}") from error
 
 
 def _joints(robot: Robot) -> None:

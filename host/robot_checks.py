@@ -125,7 +125,7 @@ def gains_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
 
 
 def gaits_exist(robot: Robot) -> Iterator[Complaint]:
-    """The gaits named are tables of the core, and none is both advised and not."""
+    """The gaits named are in the core's registry, and none is both advised and not."""
     own = robot.gait
     for key, named in (("default", [own.default]), ("advised_m_s", own.advised_m_s), ("not_advised", own.not_advised)):
         for name in named:

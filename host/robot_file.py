@@ -1,5 +1,6 @@
 """Loads robot files: TOML in, one checked Robot out, or one line that says file, key, value and what is allowed."""
 
+from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn, get_args
@@ -9,6 +10,7 @@ from pydantic_core import ErrorDetails
 
 from . import files
 from .errors import UserError
+from .gait_names import new_name
 from .robot_builds import unbuildable
 from .robot_checks import complaints
 from .robot_model import Robot
@@ -31,6 +33,8 @@ def load_robot(name_or_path: str) -> Robot:
     """Return the robot of that name, or of the file if it ends in .toml; RobotFileError if anything is wrong."""
     path = find(name_or_path)
     data = read_toml(path)
+    for key, sentence in former_names(data):
+        raise RobotFileError(f"{path}: {key}: {sentence}")
     try:
         robot = Robot.model_validate(data)
     except ValidationError as error:
@@ -79,6 +83,16 @@ def _complain_about_syntax(path: Path, message: str) -> NoReturn:
     if "overwrite" in reason or "declare" in reason or "twice" in reason:
         reason = f"a key or table is given twice ({reason})"
     raise RobotFileError(f"{path}: {place}: {reason}: allowed: TOML as in {FOLDER.name}/{robot_names()[0]}.toml")
+
+
+def former_names(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield where a file has a gait by the name it had before, and what it is called now."""
+    gait = data.get("gait", {})
+    for key, value in gait.items() if isinstance(gait, dict) else ():
+        for name in [value] if isinstance(value, str) else value if isinstance(value, dict) else ():
+            if new_name(name):
+                yield f"gait.{key}", new_name(name)
+    yield from ((f"table {name}", new_name(name)) for name in data if new_name(name))
 
 
 def explain(error: ErrorDetails, data: dict[str, Any]) -> str:

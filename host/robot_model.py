@@ -187,8 +187,8 @@ class Gait(Table):
     lateral_shift: Annotated[float, number(0.0, 1.5)]
 
 
-class Adaptive(Table):
-    """The adaptive trot's stance, start and own balance gains, and when the robot counts as fallen."""
+class Trot(Table):
+    """The trot's stance, start and own balance gains, and when the robot counts as fallen."""
 
     raise_m: Annotated[float, number(-0.2, 0.2, "m")]
     forward_m: Annotated[float, number(-0.2, 0.2, "m")]
@@ -235,7 +235,7 @@ class Robot(Table):
     stand: Stand
     balance: Balance
     gait: Gait
-    adaptive: Adaptive
+    trot: Trot
     crawl: dict[str, Annotated[float, number(-30.0, 30.0)]] = Field(default_factory=dict)  # host/crawl_tuning.py
     imu: Imu
 

@@ -15,7 +15,7 @@ from .crawl_tuning import fill_crawl
 from .errors import UserError
 from .mass import com_at_rest_m, lever_m
 from .robot_drives import joint_drives
-from .robot_model import JOINT_NAMES, Adaptive, Balance, Robot
+from .robot_model import JOINT_NAMES, Balance, Robot, Trot
 
 BRAD_PER_RAD = 65536 / (2 * pi)
 Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
@@ -27,7 +27,7 @@ GRAVITY_M_S2 = 9.81
 BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
 LOAD_SLEW_S = 0.1  # a foot's expected load moves by half of the weight in this time (chosen in simulation)
 
-# The adaptive trot, from its simulation in three dimensions on Caramelo.
+# The trot, from its simulation in three dimensions on Caramelo.
 SEGMENTS_S = (0.36, 0.20, 0.20, 0.18)  # body slow and fast, swing slow and fast, at this height:
 SEGMENTS_HEIGHT_M = 0.175
 HEIGHT_M_S = 0.02  # the body's rise; it sinks twice as fast
@@ -104,7 +104,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     for leg in range(LEGS):
         _leg(params, robot, scale, leg)
     _compliance(params, robot, scale)
-    _adaptive(params, robot, scale)
+    _trot(params, robot, scale)
     fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
     if planar:
         params.lateral_q12 = 0
@@ -136,7 +136,7 @@ def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
         params.pose_slew[3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
 
 
-def _gains(given: Gains, table: str, gains: Balance | Adaptive, rate_hz: int) -> None:
+def _gains(given: Gains, table: str, gains: Balance | Trot, rate_hz: int) -> None:
     """Write kp, ki and kd of a table of the file as the three gains of shared/num/pid.py."""
     values = (
         ("kp", "kp_q12", gains.kp * Q12),
@@ -239,9 +239,9 @@ def _too_soft(robot: Robot, joint: int, most: float) -> str:
     )
 
 
-def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
-    """Fill in what the adaptive trot needs; its times grow with the time constant of tipping."""
-    own, rate, limits = robot.adaptive, scale.rate_hz, robot.speed_limits
+def _trot(params: Params, robot: Robot, scale: Scale) -> None:
+    """Fill in what the trot needs; its times grow with the time constant of tipping."""
+    own, rate, limits = robot.trot, scale.rate_hz, robot.speed_limits
     params.body_raise, params.body_forward = scale.lu(own.raise_m), scale.lu(own.forward_m)
     params.leg_longest = scale.lu(own.longest_leg_m)
     params.height_slew = max(1, scale.lu(HEIGHT_M_S / rate))
@@ -258,7 +258,7 @@ def _adaptive(params: Params, robot: Robot, scale: Scale) -> None:
     params.warp_gain_q15 = round(Q15 * 5 / rate)
     params.foothold_step = max(1, scale.lu(PRESS_M_S / rate))
     params.hold_q16 = round(Q16 * 0.5 / rate)
-    _gains(params.gains[1], "adaptive", own, rate)
+    _gains(params.gains[1], "trot", own, rate)
     params.rough_decay_q15 = round(Q15 / ROUGH_S / rate)
     params.late_ticks = min(255, round(LATE_S * rate))
     params.sway_slew = max(1, scale.lu(SWAY_M_S / rate))

@@ -10,10 +10,11 @@ from sim2d.actuator import Drives
 from sim2d.recording import Recording
 from sim2d.run import Sensed, simulate
 
-from .drive import Driver, gait_index
+from .drive import Driver
 from .errors import UserError
 from .gait_advice import why_not_advised
 from .gait_changes import GaitWatch, change_lines, notes_json
+from .gait_names import gait_index
 from .plane import planar_robot
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 

@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from .c_holders import holder_type, holders_text
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
@@ -80,6 +81,7 @@ def c_text(chosen: list[Module], modules: dict[str, Module], runtime: str, wante
                 exposed.append((module, function))
     parts = [(Path(__file__).parent / _HEADS[runtime]).read_text(), _ARITHMETIC]
     parts += [_table(name, *found) for name, found in sorted(tables.items())]
+    parts.append(holders_text(chosen, modules))
     parts += ["\n".join(heads), *bodies, *(_expose(*pair) for pair in exposed), _module(exposed)]
     return "\n".join(parts)
 
@@ -88,8 +90,17 @@ def _expose(module: Module, function: ast.FunctionDef) -> str:
     name, given = c_name(module.name, function.name), function.args.args
     if not given:
         return f"CORE_EXPOSE_0({name})"
-    values = [f"a[{i}]" if p.annotation is None else f"CORE_NUMBER(a[{i}])" for i, p in enumerate(given)]
+    blocks = module.blocks.get(function.name, {})
+    values = [f"CORE_NUMBER(a[{i}])" if p.annotation else _from_python(f"a[{i}]", blocks.get(p.arg))
+              for i, p in enumerate(given)]
     return f"CORE_EXPOSE_N({name}, {len(given)}, {', '.join(values)})"
+
+
+def _from_python(text: str, kind: str | None) -> str:
+    """Return an argument as a hot function takes it."""
+    if kind is None:
+        return text
+    return f"core_block({text})" if kind == "array" else f"&({holder_type(kind)}){{.object = {text}}}"
 
 
 def _module(exposed: list[tuple[Module, ast.FunctionDef]]) -> str:

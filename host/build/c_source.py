@@ -1,13 +1,15 @@
 """A hot function as C: the same integers, the same order of evaluation, statement by statement.
 
-A hot function has numbers, pointers to arrays and objects that are handed on, and nothing else (rules.py), so its C
-is the Python written with other signs. Numbers are 32 bits and wrap, as in viper; // and >> round down; a division by
-zero gives 0, as a Cortex-M does. Where an expression calls something, what is read before the call is kept first,
-because C leaves the order of evaluation open and Python does not.
+A hot function has numbers, arrays, objects that hold arrays and objects that are handed on, and nothing else
+(rules.py), so its C is the Python written with other signs. An array is handed on as the address of its elements, an
+object that holds arrays as what is known of it so far (c_holders.py). Numbers are 32 bits and wrap, as in viper; // and
+>> round down; a division by zero gives 0, as a Cortex-M does. Where an expression calls something, what is read before
+the call is kept first, because C leaves the order of evaluation open and Python does not.
 """
 
 import ast
 
+from .c_holders import accessor, c_type, holder_type
 from .rules import MARKS, aliases, hot_arity
 from .source import Module, resolve
 
@@ -25,8 +27,9 @@ def c_name(module: str, name: str) -> str:
 
 
 def signature(module: Module, function: ast.FunctionDef) -> str:
-    """Return the head of the function in C: numbers are int32_t, everything else an object."""
-    kinds = [f"{'core_obj' if p.annotation is None else 'int32_t'} {c_local(p.arg)}" for p in function.args.args]
+    """Return the head of the function in C."""
+    blocks = module.blocks.get(function.name, {})
+    kinds = [f"{'int32_t ' if p.annotation else c_type(blocks.get(p.arg))}{c_local(p.arg)}" for p in function.args.args]
     return f"static int32_t {c_name(module.name, function.name)}({', '.join(kinds) or 'void'})"
 
 
@@ -45,6 +48,7 @@ class FunctionWriter:
         self.tables: dict[str, tuple[Module, str]] = {}
         self._pointers = aliases(function)
         self._given = {parameter.arg for parameter in function.args.args}
+        self._blocks = module.blocks.get(function.name, {})
         stored = {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
         self._local = self._given | stored
         self._numbers = sorted(stored - self._given - set(self._pointers))
@@ -95,7 +99,7 @@ class FunctionWriter:
         if isinstance(target, ast.Tuple):
             self._swap(target, value)
         elif isinstance(target, ast.Attribute):
-            self._line(f"core_set({self._object(target.value)}, CORE_NAME({target.attr}), {self._object(value)});")
+            self._set(target, self._object(value))
         elif isinstance(target, ast.Name) and target.id in self._pointers:
             self._line(f"{c_local(target.id)} = {self._pointer(value)};")
         else:
@@ -103,6 +107,12 @@ class FunctionWriter:
             if isinstance(target, ast.Subscript) and _calls(target, self):
                 text = self._kept(text)
             self._line(f"{self._place(target)} = {text};")
+
+    def _set(self, target: ast.Attribute, text: str) -> None:
+        self._line(f"core_set({self._object(target.value)}, CORE_NAME({target.attr}), {text});")
+        if self._attribute_kind(target):
+            assert isinstance(target.value, ast.Name)  # an attribute of a parameter
+            self._line(f"{c_local(target.value.id)}->{c_local(target.attr)} = 0;")  # read anew
 
     def _swap(self, target: ast.Tuple, value: ast.expr) -> None:
         assert isinstance(value, ast.Tuple)  # check_hot saw to that
@@ -235,18 +245,51 @@ class FunctionWriter:
         found = resolve(self.module, node.func.id, self.modules)
         assert found is not None  # check_hot saw to that
         callee = next(f for f in ast.walk(found[0].tree) if isinstance(f, ast.FunctionDef) and f.name == found[1])
+        wanted = found[0].blocks.get(callee.name, {})
         texts = []
         for argument, parameter in zip(node.args, callee.args.args, strict=True):
-            texts.append(self._object(argument) if parameter.annotation is None else self._expression(argument))
+            kind = wanted.get(parameter.arg)
+            texts.append(self._expression(argument) if parameter.annotation else self._handed(argument, kind))
         return self._temporary(f"{c_name(found[0].name, found[1])}({', '.join(texts)})")
 
-    # objects and pointers
+    # objects and arrays
+
+    def _kind(self, node: ast.expr) -> str | None:
+        """Return "array", the dotted name of the class that holds arrays, or None of another object."""
+        if isinstance(node, ast.Name):
+            return self._blocks.get(node.id)
+        return self._attribute_kind(node) if isinstance(node, ast.Attribute) else None
+
+    def _attribute_kind(self, node: ast.Attribute) -> str | None:
+        owner = self._kind(node.value) or ""
+        origin = self.modules.get(owner.rpartition(".")[0])
+        return origin.holders.get(owner, {}).get(node.attr) if origin else None
+
+    def _handed(self, node: ast.expr, kind: str | None) -> str:
+        """Return ``node`` as a function takes it that wants a ``kind``."""
+        if kind is None:
+            return self._object(node)
+        if self._kind(node) == kind:
+            return self._known(node)
+        if kind == "array":
+            return f"core_block({self._object(node)})"
+        return f"&({holder_type(kind)}){{.object = {self._object(node)}}}"
+
+    def _known(self, node: ast.expr) -> str:
+        """Return an array or what holds arrays: a parameter, or an attribute of one."""
+        if isinstance(node, ast.Name):
+            return c_local(node.id)
+        assert isinstance(node, ast.Attribute)
+        return f"{accessor(self._kind(node.value), node.attr)}({self._known(node.value)})"
 
     def _object(self, node: ast.expr) -> str:
         """Return what is handed on as it is: a parameter, or an attribute or element of one."""
+        kind = self._kind(node)
+        if kind and kind != "array":
+            return f"{self._known(node)}->object"
         if isinstance(node, ast.Name):
-            if node.id not in self._given:
-                raise self.module.error(node, f"{node.id}: a table is read through a pointer, not handed on")
+            if node.id not in self._given or kind:
+                raise self.module.error(node, f"{node.id} is an array: what it is handed to has to say so")
             return c_local(node.id)
         if isinstance(node, ast.Attribute):
             return f"core_get({self._object(node.value)}, CORE_NAME({node.attr}))"
@@ -264,7 +307,7 @@ class FunctionWriter:
             name = c_name(found[0].name, found[1])
             self.tables[name] = found
             return f"({kind} *){name}"
-        return f"({kind} *)core_block({self._object(node)})"
+        return f"({kind} *){self._handed(node, 'array')}"
 
     # values kept under a name
 

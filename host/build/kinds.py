@@ -27,6 +27,12 @@ class Value:
     raw: str = ""  # what to hand on, where ``text`` is a pointer
 
 
+def block_kinds(values: dict[str, Value]) -> dict[str, str]:
+    """Return of what is known which are an "array", or by the dotted name of its class an object that holds some."""
+    found = {name: "array" for name, value in values.items() if value.kind in ("array", "record")}
+    return found | {name: ".".join(value.owner) for name, value in values.items() if value.owner}
+
+
 def _attributes(tree: ast.Module) -> set[str]:
     """Return the attributes that the objects of a module's classes have."""
     return {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
@@ -144,9 +150,9 @@ class Kinds:
         text = f"{base.raw or base.text}.{name}"
         return replace(value, text=text, raw=text) if value else None
 
-    def members(self, owner: tuple[str, str]) -> set[str]:
-        """Return the names of the attributes that are known of a class."""
-        return set(self._members(owner))
+    def members(self, owner: tuple[str, str]) -> dict[str, Value]:
+        """Return the attributes that are known of a class, by name."""
+        return self._members(owner)
 
     def _class(self, module: Module, name: str) -> tuple[str, str] | None:
         found = resolve(module, name, self.modules)

@@ -8,7 +8,7 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
-from .kinds import WHOLE, Kinds, Value
+from .kinds import WHOLE, Kinds, Value, block_kinds
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside
 from .rules import MARKS
@@ -44,7 +44,11 @@ def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
     for function, owner in _functions(module):
         edits += Lowering(module, kinds, fields, place).function(function, owner, id(function) in hot)
     text = apply_edits(module.text, edits)
-    return Module(module.name, module.path, text, ast.parse(text, module.path), module.is_package)
+    blocks = {f.name: block_kinds(kinds.parameters(module, f, None)) for f in hot_functions(module.tree)}
+    holders = {f"{module.name}.{node.name}": block_kinds(kinds.members((module.name, node.name)))
+               for node in module.tree.body if isinstance(node, ast.ClassDef) and node not in declared}
+    tree = ast.parse(text, module.path)
+    return Module(module.name, module.path, text, tree, module.is_package, blocks=blocks, holders=holders)
 
 
 def _functions(module: Module) -> list[tuple[ast.FunctionDef, tuple[str, str] | None]]:

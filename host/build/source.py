@@ -28,6 +28,10 @@ class Module:
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # local name -> (module, name)
     aliases: dict[str, str] = field(default_factory=dict)  # local name -> the module it stands for
     needs: set[str] = field(default_factory=set)  # modules it imports, dotted
+    # what lowering knew of the parameters of hot functions, and of the attributes of the classes that hold blocks:
+    # "array", or the dotted name of such a class
+    blocks: dict[str, dict[str, str]] = field(default_factory=dict)
+    holders: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def error(self, node: ast.AST, sentence: str) -> BuildError:
         return BuildError(f"{self.path}:{getattr(node, 'lineno', 1)}: {sentence}")

@@ -36,11 +36,11 @@ def experiment(
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json
     """
-    from ..drive import gait_index
     from ..experiments.run import names_of, run_experiment, write_outcomes
     from ..experiments.trials import Options, space_is_there
     from ..extras import how_to_get
     from ..files import check_folder
+    from ..gait_names import gait_index
     from ..progress import cases
     from ..robot_file import load_robot
 

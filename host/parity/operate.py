@@ -86,7 +86,7 @@ def operated(role: str, image: bytes, minutes: int) -> list[str]:
 
 
 def _gait(image: bytes, minutes: int) -> list[str]:
-    extent = Extent(ticks=0, warm_up_ticks=160, quiet_cycles=minutes * TICKS_PER_MINUTE, climb_ticks=0)
+    extent = Extent(ticks=0, warm_up_ticks=160, quiet_cycles=minutes * TICKS_PER_MINUTE, crawl_ticks=0)
     return complaints_of(answer_of(Machine(image, b"\0", counting=False), extent, TIMEOUT_S), extent)
 
 

@@ -20,7 +20,7 @@ from ..build.tree import write_tree
 from ..robot_file import load_robot
 from ..runtimes import Wasi
 from ..runtimes.base import RuntimeFailure
-from .climb_walk import TICK_BYTES, climb_walk
+from .crawl_walk import TICK_BYTES, crawl_walk
 from .joint_run import (
     BESIDE,
     BEYOND_BRAD,
@@ -36,7 +36,7 @@ from .joint_run import (
 from .paths import measured
 from .paths_gait import OVER_STEP, ROBOT, Extent, complaints_of, gait_script
 
-EXTENT = Extent(ticks=30, warm_up_ticks=120, quiet_cycles=0, climb_ticks=700)
+EXTENT = Extent(ticks=30, warm_up_ticks=120, quiet_cycles=0, crawl_ticks=700)
 PROLOGUE = """
 import host
 class gc:
@@ -131,7 +131,7 @@ def _joint(work: Path) -> dict[str, list[int]]:
 def _gait(work: Path) -> dict[str, list[int]]:
     runtime = Wasi()
     tree = runtime.prepare(_sources("gait", work), work)
-    walk = climb_walk(load_robot(ROBOT), EXTENT.climb_ticks)
+    walk = crawl_walk(load_robot(ROBOT), EXTENT.crawl_ticks)
     (tree / _WRITTEN).write_bytes(b"".join(walk))
     if complaints := complaints_of(runtime.ask(tree, PROLOGUE + _TAPE + gait_script(EXTENT)), EXTENT):
         raise RuntimeFailure(complaints[0])

@@ -3,7 +3,7 @@
 The firmware as an image has it, hot functions in C and the rest frozen. Its stream is MicroPython's own BytesIO, which
 goes the way of USB's streams without the driver below; its sensor answers at once, on the bus a reading takes 0.4 ms.
 The joints are where the last set-points put them, on even ground; the crawl's whole way over a step is the simulator's
-(climb_walk.py), and its answers are compared.
+(crawl_walk.py), and its answers are compared.
 """
 
 import json
@@ -12,8 +12,8 @@ from typing import Any
 
 from firmware import link
 from firmware.gait import BoardStatus
-from shared.gait.gaits import GAIT_CLIMB, GAIT_NAMES
-from shared.planner.status import CLIMB_ON, WALKING, Status
+from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.planner.status import WALKING, Status
 
 from ..build.records import place_of
 from ..robot_file import load_robot
@@ -21,14 +21,14 @@ from ..runtimes.base import MARK, RuntimeFailure
 from ..runtimes.cortex_m import FILES_AT, Machine
 from ..runtimes.role_vm import PROLOGUE
 from ..scale import scale_of
-from .climb_walk import (
+from .crawl_walk import (
     ANGLES_AT,
     ANSWER_BYTES,
     COMMAND_BYTES,
     RAW_BYTES,
     SENSED_BYTES,
     TICK_BYTES,
-    climb_walk,
+    crawl_walk,
     in_plane,
 )
 from .paths import BUDGET, NOTHING, Cost, RoleFigures, measured
@@ -50,7 +50,7 @@ from array import array
 from firmware import gait, gait_main, mpu6050
 from firmware.robot_params import ATTITUDE, PARAMS
 from firmware.start_gait import UsbStream
-SPEED, GAITS, WARM_UP, TICKS, QUIET_CYCLES, CLIMB_TICKS = {settings}
+SPEED, GAITS, WARM_UP, TICKS, QUIET_CYCLES, CRAWL_TICKS = {settings}
 COMMAND, SENSED, READ = {kinds}
 class I2c:
     def __init__(self):
@@ -193,7 +193,7 @@ expected = came[at:]
 setpoints = board.setpoints
 answer = memoryview(setpoints)[{angles} : {angles} + {answer_bytes}]
 wrong = 0
-for number in range(CLIMB_TICKS):
+for number in range(CRAWL_TICKS):
     if number % 100 == 0:
         gc.collect()
     next_tick()
@@ -218,14 +218,14 @@ class Extent:
     ticks: int
     warm_up_ticks: int
     quiet_cycles: int
-    climb_ticks: int
+    crawl_ticks: int
 
     @property
     def names(self) -> list[str]:
         """What the script measures, in order."""
         names = [NOTHING, "read", "broken", "idle"] * IDLE
         gaits = [(gait, self.ticks) for gait in GAIT_NAMES]
-        for name, count in (("limp", LIMP), ("standing", STANDING), *gaits, (OVER_STEP, self.climb_ticks)):
+        for name, count in (("limp", LIMP), ("standing", STANDING), *gaits, (OVER_STEP, self.crawl_ticks)):
             names += ["command", "sensed", name] * count
         return names
 
@@ -236,8 +236,8 @@ def gait_figures(image: bytes) -> RoleFigures:
     Of each gait and of the way over a step: the mean of its ticks, the dearest, and the dearest whole cycle of COMMAND,
     SENSED and a tick. RuntimeFailure if it ends early. Complaints: memory taken, a gait not walked, a wrong answer.
     """
-    walk = climb_walk(load_robot(ROBOT))
-    extent = Extent(ticks=200, warm_up_ticks=160, quiet_cycles=1000, climb_ticks=len(walk))
+    walk = crawl_walk(load_robot(ROBOT))
+    extent = Extent(ticks=200, warm_up_ticks=160, quiet_cycles=1000, crawl_ticks=len(walk))
     machine = Machine(image, b"\0", counting=True)
     ticks = iter(walk)
     machine.actions[1] = lambda: machine.write(FILES_AT, next(ticks))
@@ -257,7 +257,7 @@ def gait_figures(image: bytes) -> RoleFigures:
     return RoleFigures(answer["free"], answer["left"], paths, complaints_of(answer, extent))
 
 
-WATCHED = ("state", "gait", "climb")  # of the planner's status, in every gait
+WATCHED = ("state", "gait", "mover")  # of the planner's status, in every gait
 
 
 def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
@@ -265,10 +265,10 @@ def complaints_of(answer: dict[str, Any], extent: Extent) -> list[str]:
     found = [f"{answer['taken']} bytes of heap were taken in {extent.quiet_cycles} cycles"] if answer["taken"] else []
     if answer["wrong"]:
         found.append(f"the way over a step: {answer['wrong']} answers differ from CPython's")
-    for number, (state, gait, climb, flags) in enumerate(answer["states"]):
-        if (state, gait) != (WALKING, number) or (number == GAIT_CLIMB) != (climb == CLIMB_ON) or flags:
+    for number, (state, gait, mover, flags) in enumerate(answer["states"]):
+        if (state, gait, mover) != (WALKING, number, GAITS[number][1]) or flags:
             name = GAIT_NAMES[number]
-            found.append(f"{name} was not walked: state {state}, gait {gait}, climb {climb}, board's flags {flags:#x}")
+            found.append(f"{name} was not walked: state {state}, gait {gait}, mover {mover}, board's flags {flags:#x}")
     return found
 
 
@@ -278,7 +278,7 @@ def gait_script(extent: Extent) -> str:
     speed = scale_of(robot).lf_per_tick(SPEED_M_S)
     filled = {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
-                     extent.climb_ticks),
+                     extent.crawl_ticks),
         "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": place_of(BoardStatus, "flags"),
         "watched": [place_of(Status, name) for name in WATCHED],
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,

@@ -8,12 +8,10 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from shared.planner import status as core
-
 from ..buses.base import Bus, Measured
 from ..drive import Driver
 from ..errors import UserError
-from ..gait_changes import GaitWatch, advice, crawl_event, gait_now
+from ..gait_changes import GaitWatch, advice, crawl_event, exchange_phase
 from ..kinematics_si import leg_forward
 from ..robot_model import LEG_NAMES, Robot
 from ..safety import Fault, Safety, torque_limit
@@ -117,7 +115,7 @@ class Supervisor:
         """Why the gait changed, what the crawl met, what is advised."""
         if self.driver.state != "walking":
             return ()
-        crawls = self.driver.planner.status.climb != core.CLIMB_OFF
+        crawls = exchange_phase(self.driver)
         return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
 
     def stop_now(self) -> None:
@@ -237,7 +235,7 @@ class Supervisor:
         if self.safety.first is not None:
             return "fault"
         word = self.driver.state
-        if word == "walking" and gait_now(self.driver) in ("crawl", "backing off"):
+        if word == "walking" and exchange_phase(self.driver):
             return "crawling"
         return _WORDS.get(word, word)
 

@@ -19,6 +19,7 @@ SWING = const(2)  # and across
 HANG = const(3)  # hangs: what its joints feel is no load
 LOWER = const(4)  # and comes down, until there is contact
 REST = const(5)  # all feet down, nothing to do
+STILL = const(6)  # before the first step: standing still until the joints' loads are known
 
 # What a leg has met
 EVENT_NONE = const(0)
@@ -35,7 +36,7 @@ EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what
 class Stage:
     """The state machine."""
 
-    stage: int = field("", "SHIFT .. REST")
+    stage: int = field("", "SHIFT .. STILL")
     stage_tick: int = field("ticks", "of the stage")
     turn: int = field("", "place in the order of the legs, 0 .. 3")
     leg: int = field("", "the leg that it is about")

@@ -360,7 +360,7 @@ def drop_front(crawl: Crawl, leg: int) -> int:
 
 @hot
 def drop_hind(crawl: Crawl, leg: int) -> int:
-    """No ground where the foothold is: further on when climbing, else nearer; return 0."""
+    """No ground where the foothold is: further on when it goes up, else nearer; return 0."""
     params = crawl.params
     map = crawl.map
     swing = crawl.swing

@@ -1,6 +1,6 @@
-"""The gaits as tables: adding a gait is adding its name and its table at the end of _NAMED.
+"""The registry of gaits: a gait is one entry in GAITS, its name, its mover and its table.
 
-A table is a head and a row per segment of the cycle:
+A mover is what stands and walks (shared/planner/movers.py). A table is a head and a row per segment of the cycle:
 
     head     swing height mm, P_T and P_N of the swing in 1/100 (100, 100 = even samples),
              body profile in moving segments: 0 even, 1 cycloid
@@ -11,7 +11,9 @@ A leg swings for as long as its bit stays set in consecutive segments; shares ar
 segment that moves the body while legs swing needs the even profile.
 """
 
+from ..body.params import Params
 from ..runtime import const
+from .table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
 
 _FR = const(1)
 _FL = const(2)
@@ -25,44 +27,26 @@ PAPER_TROT = (
     ((500, 0, 1), (500, _FR | _RL, 0), (500, 0, 1), (500, _FL | _RR, 0)),
 )
 
-# The same order without the pauses: the body moves evenly all the time, each diagonal half a cycle.
+# The trot at its slow speed; shared/trot/trot.py re-times it. While a diagonal swings the body moves at half its mean
+# speed. P_T = P_N = 0: even samples of which the last is the foothold.
 TROT = (
-    (35, 100, 100, 0),
-    ((240, _FR | _RL, 1), (240, _FL | _RR, 1)),
-)
-
-# One leg at a time, hind legs leading on each side (RL, FL, RR, FR), three feet always down.
-CRAWL = (
-    (40, 100, 100, 0),
-    (
-        (200, 0, 1),
-        (400, _RL, 2),
-        (200, 0, 1),
-        (400, _FL, 2),
-        (200, 0, 1),
-        (400, _RR, 2),
-        (200, 0, 1),
-        (400, _FR, 2),
-    ),
-)
-
-# The adaptive trot at its slow speed; shared/trot/trot.py re-times it. While a diagonal swings the body moves at half
-# its mean speed. P_T = P_N = 0: even samples of which the last is the foothold.
-ADAPTIVE = (
     (35, 0, 0, 0),
     ((360, 0, 46), (200, _FR | _RL, 10), (360, 0, 46), (200, _FL | _RR, 10)),
 )
 
-# "climb", the crawl over obstacles (shared/crawl), goes straight on; what it cannot follow is walked by its table.
-# The order is what commands count by: new gaits go to the end.
-_NAMED = (
-    ("paper-trot", PAPER_TROT),
-    ("trot", TROT),
-    ("crawl", CRAWL),
-    ("adaptive", ADAPTIVE),
-    ("climb", CRAWL),
+# Commands and boards count gaits in this order: new ones go to the end. The crawl goes straight on; what it cannot
+# follow is trotted, hence its table.
+GAITS = (
+    ("paper-trot", MOVER_TABLE, PAPER_TROT),
+    ("trot", MOVER_TROT, TROT),
+    ("crawl", MOVER_CRAWL, TROT),
 )
-GAIT_NAMES = tuple([row[0] for row in _NAMED])
-GAITS = tuple([row[1] for row in _NAMED])
-GAIT_ADAPTIVE = const(3)
-GAIT_CLIMB = const(4)
+GAIT_NAMES = tuple([entry[0] for entry in GAITS])
+
+
+def gait_for(entry: tuple, params: Params) -> Gait:
+    """Return the gait of an entry for one robot at its rate. Allocates; ValueError as compile_gait."""
+    _, mover, table = entry
+    gait = compile_gait(table, params)
+    gait.mover = mover
+    return gait

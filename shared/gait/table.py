@@ -12,6 +12,11 @@ from ..runtime import Ints, const, hot
 
 MAX_SEGMENTS = const(8)
 
+# What walks a gait (shared/planner/movers.py)
+MOVER_TABLE = const(0)  # its table, blind
+MOVER_TROT = const(1)  # the trot that feels; where it is held up, the crawl
+MOVER_CRAWL = const(2)  # the crawl that feels; what it cannot follow, the trot
+
 
 @record
 class Segment:
@@ -26,8 +31,9 @@ class Segment:
 
 @record
 class Gait:
-    """A gait's table for one robot at its rate."""
+    """A gait for one robot at its rate."""
 
+    mover: int = field("", "MOVER_...")
     segments: int = field("", "number of segments")
     cycle: int = field("ticks", "a whole cycle")
     height_mm: int = field("mm", "lift of a swing")

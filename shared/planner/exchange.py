@@ -1,59 +1,89 @@
-"""When the crawl over obstacles takes over from the trot, its tick, and when it gives back.
+"""When trot and crawl take over from each other, and one tick of whichever is at work.
 
-    off -> (held up) backing off -> ready -> crawling -> off
+    trot -> (held up) backing off -> crawl -> trot
+
+A gait of a table is walked by its table alone. A gait that feels has two movers, and says which of them goes first.
 """
 
-from ..body.balance import balance_reset
-from ..crawl.crawl import crawl_start, crawl_tick
-from ..crawl.state import REST
-from ..gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
-from ..gait.steps import SPEED_SIZE
+from ..gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from ..num.fixed import saturate
-from ..runtime import hot
-from ..sense.legs import sense_legs, stands_level
+from ..runtime import const, hot
+from ..sense.legs import stands_level
 from ..sense.sensed import Sensed
 from ..trot.navigate import navigate_reset
-from ..trot.trot import ADVICE_BEHIND, trot_start
+from ..trot.trot import ADVICE_BEHIND
 from .command import MODE_WALK, Command
-from .handover import (
-    REASON_BEHIND,
-    REASON_COMMAND,
-    REASON_EVEN,
-    REASON_NONE,
-    fade_start,
-    ground_even,
-    steps_from_crawl,
-    straight_on,
-)
+from .handover import REASON_BEHIND, REASON_COMMAND, REASON_NONE, straight_on
+from .movers import start_mover, stop_mover, tick_mover
 from .retreat import retreat_start, retreat_step
 from .state import PlannerState
-from .status import BLIND, CLIMB_BACK, CLIMB_OFF, CLIMB_ON, CLIMB_READY, STANDING, WALKING
+from .status import BLIND, STANDING, WALKING
 from .steps import use_gait, wanted_gait
+
+_WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
 @hot
-def climbs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Return 1 if this tick is the crawl's: it has begun, or is to begin now; else 0.
+def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """One tick of standing or walking by the mover whose turn it is; return why it gave way, or REASON_NONE."""
+    status = planner.status
+    if status.mover != MOVER_CRAWL:
+        choose_mover(planner, command, sensed)
+    reason = tick_mover(planner, command, sensed)
+    if reason:
+        stop_mover(planner)
+        status.reason = reason
+        use_gait(planner, wanted_gait(planner, command))
+        start_mover(planner, walker(planner))
+    return reason
 
-    It begins when it is the commanded gait and the command one it can follow, or when the adaptive trot is
-    advised to give way, at a moment when all feet have stood for long enough; held up, the trot backs off first.
-    Without measured joints or attitude it never begins (BLIND): its table is walked instead.
+
+@hot
+def walker(planner: PlannerState) -> int:
+    """Return the mover that walks the present gait where it is not crawled."""
+    gait = planner.gait
+    if gait.mover == MOVER_TABLE:
+        return MOVER_TABLE
+    return MOVER_TROT
+
+
+@hot
+def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """Take up the commanded gait if the robot stands, and let the crawl begin if it is its turn; return the mover."""
+    status = planner.status
+    wanted = wanted_gait(planner, command)
+    if status.state == STANDING:
+        use_gait(planner, wanted)
+        status.cycles = 0
+    if walker(planner) != status.mover:
+        start_mover(planner, walker(planner))
+    if status.backs:
+        if backed_off(planner, command, sensed) == 0:
+            return status.mover
+    elif crawl_is_due(planner, command, sensed, wanted) == 0:
+        return status.mover
+    stop_mover(planner)
+    use_gait(planner, wanted)
+    return start_mover(planner, MOVER_CRAWL)
+
+
+@hot
+def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed, wanted: int) -> int:
+    """Return 1 if the crawl is to begin in this tick, else 0; held up, the trot begins to back off instead.
+
+    It begins when its gait is commanded and the command one it can follow, or when the trot is to give way, at a
+    moment when all feet have stood for long enough. Without measured joints or attitude it never begins (BLIND): the
+    trot goes on.
     """
     valid = sensed.valid
     status = planner.status
-    if status.climb == CLIMB_BACK:
-        return backed_off(planner, command, sensed)
-    if status.climb:
-        return 1
+    gait = planner.gaits[wanted]
     if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
+        status.waited = 0
         return 0
-    reason = REASON_NONE
-    if status.swinging:
+    if gait.mover == MOVER_TABLE or status.mover == MOVER_TABLE:
         return 0
-    if command.gait == GAIT_CLIMB and (status.state == STANDING or status.gait == GAIT_CLIMB):
-        reason = REASON_COMMAND
-    elif status.gait == GAIT_ADAPTIVE and (command.gait == GAIT_ADAPTIVE or command.gait == GAIT_CLIMB):
-        reason = advised(planner, command.gait)
+    reason = wait_for_crawl(planner, gait.mover)
     if reason == REASON_NONE:
         return 0
     if valid.joints == 0 or valid.tilt == 0:
@@ -62,19 +92,36 @@ def climbs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     status.reason = reason
     if reason == REASON_BEHIND:
         return back_off(planner)
-    return stop_to_climb(planner, command.gait)
+    return 1
 
 
 @hot
-def stop_to_climb(planner: PlannerState, gait: int) -> int:
-    """Stand as the feet are; the crawl begins, as part of ``gait``, once the joints' loads are known; return 1."""
+def wait_for_crawl(planner: PlannerState, mover: int) -> int:
+    """Return why the trot should give way to the crawl in this tick, once all feet surely stand; else REASON_NONE.
+
+    mover: that of the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge
+    down does not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up,
+    at most 6 s: where they are not level for so long is a slope. From a stand it begins at once.
+    """
     status = planner.status
-    speed = planner.speed
-    for axis in range(SPEED_SIZE):
-        speed[axis] = 0
-    status.climb = CLIMB_READY
-    status.gait = gait
-    return 1
+    params = planner.params
+    trot = planner.trot
+    clock = planner.clock
+    if mover != MOVER_CRAWL:
+        status.waited = 0
+    elif status.state == STANDING:
+        return REASON_COMMAND
+    else:
+        status.waited = saturate(status.waited + 1, 0, 0xFFFF)
+    if status.swinging or status.state != WALKING or clock.tick <= params.stand_ticks:
+        return REASON_NONE
+    if status.advice == ADVICE_BEHIND:
+        return REASON_BEHIND
+    if status.waited > params.rate_hz * _WAIT_S:
+        return REASON_COMMAND
+    if mover == MOVER_CRAWL and trot.behind == 0 and stands_level(planner.params, planner.sensing):
+        return REASON_COMMAND
+    return REASON_NONE
 
 
 @hot
@@ -84,7 +131,7 @@ def back_off(planner: PlannerState) -> int:
     trot = planner.trot
     navigate_reset(planner.nav)
     trot.behind = 0
-    status.climb = CLIMB_BACK
+    status.backs = 1
     return retreat_start(planner.retreat)
 
 
@@ -97,122 +144,17 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     valid = sensed.valid
     status = planner.status
     sensing = planner.sensing
+    gait = planner.gaits[wanted_gait(planner, command)]
     keeps_on = straight_on(planner.params, command)
-    if command.mode != MODE_WALK or status.fallen:
-        keeps_on = 0
-    if command.gait != GAIT_ADAPTIVE and command.gait != GAIT_CLIMB:
+    if command.mode != MODE_WALK or status.fallen or gait.mover == MOVER_TABLE:
         keeps_on = 0
     if keeps_on == 0 or valid.joints == 0 or valid.tilt == 0:
-        status.climb = CLIMB_OFF
+        status.backs = 0
         return 0
     standing = 0
     if status.state == STANDING:
         standing = 1
     if retreat_step(planner.params, command, sensing.moved_x, standing, planner.retreat, planner.back):
-        return stop_to_climb(planner, command.gait)
+        status.backs = 0
+        return 1
     return 0
-
-
-@hot
-def advised(planner: PlannerState, wanted: int) -> int:
-    """Return why the adaptive trot should give way to the crawl, once all feet surely stand; else REASON_NONE.
-
-    wanted: the commanded gait. Tilt alone is no reason: a crawl begun with the feet on both sides of an edge down does
-    not know where it is. So a commanded one waits for level feet too, clear of what might hold the trot up.
-    """
-    status = planner.status
-    params = planner.params
-    trot = planner.trot
-    clock = planner.clock
-    if status.state != WALKING or clock.tick <= params.stand_ticks:
-        return REASON_NONE
-    if status.advice == ADVICE_BEHIND:
-        return REASON_BEHIND
-    if wanted == GAIT_CLIMB and trot.behind == 0 and stands_level(planner.params, planner.sensing):
-        return REASON_COMMAND
-    return REASON_NONE
-
-
-@hot
-def climb(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of the crawl over obstacles, or of what comes before and after it; return 0.
-
-    While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
-    """
-    valid = sensed.valid
-    tilt = sensed.tilt
-    status = planner.status
-    params = planner.params
-    sensing = planner.sensing
-    support = planner.climb.support
-    stage = planner.climb.stage
-    if valid.joints == 0 or valid.tilt == 0:
-        status.flags |= BLIND
-        return 0
-    roll = saturate(tilt[0], -32768, 32767)
-    pitch = saturate(tilt[1], -32768, 32767)
-    sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
-    if status.climb == CLIMB_READY and sensing.known > params.sent_ticks + 1:
-        crawl_start(planner.climb, planner.sensing, sensed.joints, planner.joints, roll, pitch)
-        status.climb = CLIMB_ON
-    if status.climb == CLIMB_ON:
-        reason = leaves(planner, command)
-        ahead = command.speed[0]
-        if reason or command.mode != MODE_WALK or status.fallen:
-            ahead = 0
-        status.flags |= crawl_tick(planner.climb, planner.sensing, sensed.joints, roll, pitch, ahead, planner.goal)
-        status.swinging = 0
-        if support.stance[stage.leg] == 0:
-            status.swinging = 1 << stage.leg
-        status.margin = support.margin
-        status.state = WALKING
-        if stage.stage == REST:
-            if reason:
-                hand_to_trot(planner, command, reason)
-            elif ahead <= 0:
-                status.state = STANDING
-    return 0
-
-
-@hot
-def leaves(planner: PlannerState, command: Command) -> int:
-    """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
-
-    Another gait is commanded, or a way it cannot go; as part of the adaptive gait also on even ground. A
-    command of no speed at all lets it rest.
-    """
-    status = planner.status
-    wanted = wanted_gait(planner, command)
-    if command.mode != MODE_WALK:
-        return REASON_NONE
-    if wanted != GAIT_CLIMB and wanted != GAIT_ADAPTIVE:
-        return REASON_COMMAND
-    if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
-        return REASON_NONE
-    if straight_on(planner.params, command) == 0:
-        return REASON_COMMAND
-    status.gait = wanted
-    if wanted == GAIT_ADAPTIVE and ground_even(planner.climb.even):
-        return REASON_EVEN
-    return REASON_NONE
-
-
-@hot
-def hand_to_trot(planner: PlannerState, command: Command, reason: int) -> int:
-    """End the crawl: the commanded gait walks on from where the feet stand, from rest; return 0."""
-    status = planner.status
-    trot = planner.trot
-    speed = planner.speed
-    steps_from_crawl(planner.params, planner.climb.map, planner.climb.path, trot.ahead, trot.sway, planner.steps)
-    fade_start(planner.params, planner.fade, planner.joints)
-    for axis in range(SPEED_SIZE):
-        speed[axis] = 0
-    balance_reset(planner.balance)
-    trot_start(planner.params, planner.walk)
-    trot.rough = 0
-    status.climb = CLIMB_OFF
-    status.reason = reason
-    status.advice = 0
-    status.cycles = 0
-    status.state = WALKING
-    return use_gait(planner, wanted_gait(planner, command))

@@ -9,9 +9,34 @@ from ..body.reach import TOO_NEAR, reach_foot
 from ..num.fixed import saturate
 from ..runtime import Ints, hot
 from ..sense.sensed import Sensed
+from ..trot.trot import pose_body, raise_body, share_weight
 from .command import Command
+from .handover import fade_out
 from .state import PlannerState
 from .status import NO_ATTITUDE
+
+
+@hot
+def pose_legs(planner: PlannerState, command: Command, sensed: Sensed, own: int) -> int:
+    """Put the body over the planned feet and solve the legs into ``planner.goal``; return their flags.
+
+    own: 1 for the trot's stance (higher, ahead, sag fed forward), 0 to go back to the rest stance.
+    """
+    status = planner.status
+    level(planner, command, sensed)
+    active = raise_body(planner.params, planner.walk, own)
+    status.margin = share_weight(planner.params, planner.walk, planner.reached, status.swinging, own)
+    if active:
+        correction = planner.balance.correction
+        pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
+    flags = solve_legs(planner, planner.goal)
+    status.flags |= flags
+    fade = planner.fade
+    if fade.left:
+        fade_out(planner.fade, planner.goal)
+        for leg in range(LEGS):
+            limit_joints(planner.params, leg, planner.goal)
+    return flags
 
 
 @hot

@@ -1,4 +1,4 @@
-"""What is believed of the senses, what the adaptive trot feels of it, and what a gait that feels nothing forgets."""
+"""What is believed of the senses, what the trot feels of it, and what a gait that feels nothing forgets."""
 
 from ..body.params import JOINTS
 from ..num.fixed import saturate
@@ -65,7 +65,7 @@ def meet(planner: PlannerState, read: Ints) -> int:
 
 @hot
 def feel(planner: PlannerState, sensed: Sensed) -> int:
-    """Give the adaptive trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
+    """Give the trot what is sensed: turning rates, legs, ground; BLIND if some is missing. Returns 0."""
     status = planner.status
     trot = planner.trot
     correction = planner.balance.correction

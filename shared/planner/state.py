@@ -4,9 +4,9 @@ from ..body.balance import Balance, balance_setup
 from ..body.params import JOINTS, LEGS, Params
 from ..body.pose import POSE_SIZE
 from ..crawl.crawl import Crawl
-from ..gait.gaits import GAITS
+from ..gait.gaits import GAITS, gait_for
 from ..gait.steps import SPEED_SIZE, Steps
-from ..gait.table import Clock, compile_gait
+from ..gait.table import Clock
 from ..runtime import zeros
 from ..sense.sensed import Sensed
 from ..trot.trot import Trot
@@ -23,7 +23,7 @@ class PlannerState:
 
     def __init__(self, params: Params):
         self.params = params
-        self.gaits = [compile_gait(table, params) for table in GAITS]
+        self.gaits = [gait_for(entry, params) for entry in GAITS]
         self.gait = self.gaits[0]
         self.top = zeros(SPEED_SIZE)  # the fastest command
         self.status = Status()
@@ -50,7 +50,7 @@ class PlannerState:
         self.trot = self.walk.state
         self.load = self.walk.load
         self.nav = self.walk.nav
-        self.climb = Crawl(params)
+        self.crawl = Crawl(params)
         self.fade = Fade()
         self.retreat = Retreat()
         self.back = Command()  # what the trot is told while it backs off

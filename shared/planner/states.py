@@ -9,6 +9,7 @@ from ..body.balance import balance_reset
 from ..body.params import JOINTS, LEGS
 from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
+from ..gait.table import MOVER_TABLE
 from ..runtime import hot
 from ..sense.sensed import Sensed
 from ..trot.trot import trot_reset
@@ -19,7 +20,6 @@ from .posture import posture_start
 from .state import PlannerState
 from .status import (
     BAD_COMMAND,
-    CLIMB_OFF,
     FALLEN,
     LIMP,
     NO_JOINTS,
@@ -122,7 +122,8 @@ def settle(planner: PlannerState) -> int:
     fade = planner.fade
     fade.left = 0
     status = planner.status
-    status.climb = CLIMB_OFF
+    status.mover = MOVER_TABLE
+    status.backs = 0
     status.holds = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)

@@ -19,7 +19,7 @@ NOT_DRIVEN = const(0x40)  # the joints are not to be held
 NO_ATTITUDE = const(0x80)  # balance was asked for and there is no attitude
 NO_JOINTS = const(0x100)  # standing up was asked for and the joints' positions are not known
 BAD_COMMAND = const(0x200)  # a mode or gait that does not exist: taken as standing, as the last gait
-BLIND = const(0x400)  # the adaptive trot lacks measured joints, attitude or turning rates: it walks on expectations
+BLIND = const(0x400)  # trot or crawl lack measured joints, attitude or turning rates: the trot walks on expectations
 ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
 POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
@@ -37,10 +37,11 @@ class Status:
     gaits: int = field("", "how many gaits there are")
     cycles: int = field("", "0 in the first cycle after standing")
     margin: int = field("lu", "static stability margin: the centre of mass in the polygon of the standing feet")
-    advice: int = field("", "ADVICE_... of the adaptive trot: whether another gait would do better")
+    advice: int = field("", "ADVICE_... of the trot: whether another gait would do better")
     tilted: int = field("ticks", "in a row of too much tilt")
     fallen: int = field("", "1: fallen")
-    climb: int = field("", "the crawl over obstacles: CLIMB_...")
+    mover: int = field("", "MOVER_...: what has the ticks now")
+    backs: int = field("", "1: the held-up trot backs off before it gives way to the crawl")
     reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
     waited: int = field("ticks", "for which the commanded crawl has waited for level feet")
     met: int = field("", "1: the joints have been known")
@@ -48,8 +49,3 @@ class Status:
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
 
-
-CLIMB_OFF = const(0)
-CLIMB_READY = const(1)  # standing still until the joints' loads are known
-CLIMB_ON = const(2)
-CLIMB_BACK = const(3)  # the held-up trot backs off from the edge first

@@ -1,66 +1,51 @@
-"""Standing and walking by a gait: begin and end a walk, exchange gaits between cycles, move and place the feet.
+"""Steps by a gait's table, as the movers that have one make them: stand or set off, move the feet, exchange gaits.
 
-    command -> wanted gait -> slewed speed -> gait clock -> feet
+    command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
 
 from ..body.balance import balance_gains
 from ..body.pose import POSE_SIZE
-from ..gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
-from ..gait.steps import SPEED_SIZE, body_advance, lift_at_once, move_feet, place_feet, start_swings, steps_at_rest
-from ..gait.table import gait_clock
+from ..gait.steps import SPEED_SIZE, body_advance, move_feet, place_feet, steps_at_rest
+from ..gait.table import MOVER_TABLE, gait_clock
 from ..num.fixed import saturate
-from ..runtime import const, hot
-from ..trot.navigate import drive_as_told
-from ..trot.trot import begin_segment, drive_speed, learn_centre, sway_body, trot_start
+from ..runtime import hot
 from .command import MODE_WALK, Command, slew_pose, slew_speed
 from .state import PlannerState
 from .status import BAD_COMMAND, POSE_HELD, STANDING, WALKING
 
-_WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
-
 
 @hot
-def step_gait(planner: PlannerState, command: Command) -> int:
-    """Move the feet by one tick of the gait, and start or end walking where that is safe; return 0.
+def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
+    """Move speed and pose one tick towards the command; return 1 if the speed is 0.
 
-    The first cycle of a table gait is walked at half speed: all feet start at rest, in the middle of their
-    way, and the last to swing would else be left a whole stride behind. The adaptive one starts slowly anyway.
+    halves: 1 or 2 for half or all of the commanded speed.
     """
     status = planner.status
-    wanted = crawl_waits(planner, wanted_gait(planner, command))
-    if status.state == STANDING:
-        use_gait(planner, wanted)
-        status.cycles = 0
-    fits = limit_to_both(planner, wanted)
-    halves = 0
-    if command.mode == MODE_WALK and status.fallen == 0:
-        halves = 1
-        if status.cycles or status.gait == GAIT_ADAPTIVE:
-            halves = 2
+    if command.mode != MODE_WALK or status.fallen:
+        halves = 0
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
     held = 0
     if status.beyond or status.holds:
         held = hold_back(planner, command)
     if held == 0:
         slew_pose(planner.params, command, 1, planner.pose)
-    if status.state == STANDING:
-        if still:
-            place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
-            status.swinging = 0
-            if status.gait == GAIT_ADAPTIVE:
-                sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
-            return 0
-        status.state = WALKING
-        trot_start(planner.params, planner.walk)
-    walk_on(planner, command.height, still)
-    if gait_clock(planner.gait, planner.clock):
-        status.cycles = 1
-        if still and steps_at_rest(planner.params, planner.steps):
-            status.state = STANDING
-        elif fits:
-            use_gait(planner, wanted)
-        else:
-            use_gait(planner, status.gait)
+    return still
+
+
+@hot
+def stands(planner: PlannerState, still: int) -> int:
+    """Return 1 if the robot stands in this tick, its feet where they are; 0 if it walks, maybe from now on.
+
+    still: 1 if the speed is 0.
+    """
+    status = planner.status
+    if status.state != STANDING:
+        return 0
+    if still:
+        place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
+        status.swinging = 0
+        return 1
+    status.state = WALKING
     return 0
 
 
@@ -88,38 +73,38 @@ def hold_back(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def walk_on(planner: PlannerState, height_lu: int, still: int) -> int:
-    """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits.
-
-    height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
-    """
+def lift_height(planner: PlannerState, height_lu: int, extra_lu: int) -> int:
+    """Return how high a swing lifts, lu: as commanded (0 or less: the gait's own) and ``extra`` more, within reach."""
     status = planner.status
     params = planner.params
-    trot = planner.trot
-    clock = planner.clock
-    own = 0
     if height_lu <= 0:
         height_lu = status.height
-    if status.gait == GAIT_ADAPTIVE:
-        own = 1
-        height_lu = saturate(height_lu, 0, 32767) + trot.lift
-    height_lu = saturate(height_lu, 0, -params.sit_z)
-    if own and still == 0:
-        drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
-    else:
-        drive_as_told(planner.speed, planner.drive)
-    if clock.tick == 0:
-        if own:
-            begin_segment(planner.params, planner.walk, planner.gait, planner.clock, planner.speed, planner.drive)
-        start_swings(planner.gait, planner.clock, planner.steps)
-        if own:
-            lift_at_once(planner.steps, height_lu)
+    return saturate(saturate(height_lu, 0, 32767) + extra_lu, 0, -params.sit_z)
+
+
+@hot
+def step_feet(planner: PlannerState, height_lu: int) -> int:
+    """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits. height: lu."""
+    status = planner.status
     move_feet(planner.steps, planner.drive, body_advance(planner.gait, planner.clock))
     status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.drive, height_lu, planner.feet)
-    if own:
-        sway_body(planner.params, planner.walk, planner.gait, planner.clock, 1)
-        learn_centre(planner.params, planner.walk, planner.clock)
     return status.swinging
+
+
+@hot
+def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> int:
+    """Move the clock on; return 1 at a cycle's end: it stands if ``still``, or takes up the wanted gait if it fits."""
+    status = planner.status
+    if gait_clock(planner.gait, planner.clock) == 0:
+        return 0
+    status.cycles = 1
+    if still and steps_at_rest(planner.params, planner.steps):
+        status.state = STANDING
+    elif fits:
+        use_gait(planner, wanted)
+    else:
+        use_gait(planner, status.gait)
+    return 1
 
 
 @hot
@@ -130,7 +115,6 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
     """
     gait = planner.gait
     other = planner.gaits[wanted]
-    status = planner.status
     speed = planner.speed
     top = planner.top
     fits = 1
@@ -141,29 +125,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
         if gait.speed_max[axis] < most:
             most = gait.speed_max[axis]
         top[axis] = most
-    if status.gait == GAIT_ADAPTIVE:
-        start_slowly(planner)
     return fits
-
-
-@hot
-def start_slowly(planner: PlannerState) -> int:
-    """Limit ``top`` to what the adaptive trot may do so soon after its start, turning in proportion; return 0.
-
-    Intermediates: 2^18 turned down to 12 bits times 2^16.
-    """
-    params = planner.params
-    trot = planner.trot
-    top = planner.top
-    fastest = trot.fastest
-    for axis in range(2):
-        if top[axis] > fastest:
-            top[axis] = fastest
-    share_q10 = saturate((fastest << 10) // params.speed_max[0], 1, 1024)
-    turn = (params.speed_max[2] * share_q10 >> 10) + 1
-    if top[2] > turn:
-        top[2] = turn
-    return 0
 
 
 @hot
@@ -178,26 +140,6 @@ def wanted_gait(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def crawl_waits(planner: PlannerState, wanted: int) -> int:
-    """Return the gait to go on with: ``wanted``, or the adaptive trot while it feels for where the crawl may begin.
-
-    A walking robot trots on adaptively until its feet stand level or it was held up and has backed off
-    (exchange.py), at most 6 s: where they are not level for so long is a slope. Without measured joints it
-    does not wait.
-    """
-    status = planner.status
-    params = planner.params
-    sensing = planner.sensing
-    if wanted != GAIT_CLIMB or status.state != WALKING or status.gait == GAIT_CLIMB:
-        status.waited = 0
-        return wanted
-    status.waited = saturate(status.waited + 1, 0, 0xFFFF)
-    if status.waited > params.rate_hz * _WAIT_S or (status.gait == GAIT_ADAPTIVE and sensing.known == 0):
-        return wanted
-    return GAIT_ADAPTIVE
-
-
-@hot
 def use_gait(planner: PlannerState, gait: int) -> int:
     """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
     status = planner.status
@@ -208,10 +150,10 @@ def use_gait(planner: PlannerState, gait: int) -> int:
     clock.segment = 0
     status.gait = gait
     planner.gait = planner.gaits[gait]
-    if gait == GAIT_ADAPTIVE:
-        balance_gains(planner.params, 1, planner.balance)
-    else:
-        balance_gains(planner.params, 0, planner.balance)
-    g = planner.gait
-    status.height = (g.height_mm << params.length_shift) // 1000
+    taken = planner.gait
+    gains = 1
+    if taken.mover == MOVER_TABLE:
+        gains = 0
+    balance_gains(planner.params, gains, planner.balance)
+    status.height = (taken.height_mm << params.length_shift) // 1000
     return 0

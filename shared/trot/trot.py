@@ -1,4 +1,4 @@
-"""The adaptive trot: a trot of four segments that feels load, ground and motion, and acts on them.
+"""The trot: one of four segments that feels load, ground and motion, and acts on them.
 
     BODY (four feet, the body moves on and sways over the coming diagonal), SWING FR + RL, BODY, SWING FL + RR
 
@@ -64,7 +64,7 @@ _AGE_MAX = const(1000)
 
 
 class Trot:
-    """All that the adaptive trot remembers, preallocated; the planner holds one."""
+    """All that the trot remembers, preallocated; the planner holds one."""
 
     def __init__(self, params: Params):
         self.sensing = Sensing()
@@ -303,7 +303,7 @@ def learn_centre(params: Params, walk: Trot, clock: Clock) -> int:
 def raise_body(params: Params, walk: Trot, own: int) -> int:
     """Move height and lead of the body by one tick; return 1 while they are not those of a table gait.
 
-    own: 1 for the adaptive stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
+    own: 1 for its own stance, 0 to go back to the rest stance. More load: up to 1/10 of the leg higher, which
     shortens the knee's lever. A leg near straight has no strength left: the body crouches by what is too long.
     Intermediates: squares of a leg, below 2^30.
     """

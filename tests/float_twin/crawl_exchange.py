@@ -9,7 +9,7 @@ even ground).
 
 OFF, READY, ON, BACK = range(4)
 NO_REASON, BEHIND, COMMAND, EVEN = range(4)
-ADAPTIVE, CLIMB = 3, 4
+TROT, CRAWL = FEELING = 1, 2
 LANDINGS_EVEN = 16
 
 
@@ -39,7 +39,7 @@ def can_follow(robot, speed):
 
 
 class Exchange:
-    """The exchange of one robot; robot: what Retreat needs, wz_max, sent_ticks, stand_ticks."""
+    """The exchange of one robot; robot: what Retreat needs, wz_max, sent_ticks, stand_ticks, gaits (how many)."""
 
     def __init__(self, robot, doubt):
         self.robot, self.doubt = robot, doubt
@@ -47,12 +47,16 @@ class Exchange:
         self.walked, self.retreat, self.waited = None, None, 0
 
     def takes(self, command, known):
-        """Return whether this tick is the crawl's; what else has changed is in stage, reason and the gait walked."""
+        """Return whether this tick is the crawl's; what else has changed is in stage, reason and the gait walked.
+
+        Who stands walks in the commanded gait next.
+        """
         self.blind, self.walked = False, known.walked
+        gait = self.wanted(command)
+        if known.standing:
+            self.walked = gait
         if self.stage == BACK:
             return self.backs_off(command, known)
-        if self.stage != OFF:
-            return True
         reason = self.why_begin(command, known)
         if not reason:
             return False
@@ -63,60 +67,57 @@ class Exchange:
         if reason == BEHIND:
             self.stage, self.retreat = BACK, Retreat(self.robot, self.doubt)
             return False
-        self.stage, self.walked = READY, command.gait
+        self.stage, self.walked = READY, gait
         return True
 
     def why_begin(self, command, known):
         """Return why the crawl is to begin now, or NO_REASON."""
-        if not command.walk or known.fallen or known.swinging or not can_follow(self.robot, command.speed):
+        gait = self.wanted(command)
+        if not command.walk or known.fallen or not can_follow(self.robot, command.speed):
+            self.waited = 0
             return NO_REASON
-        if command.gait == CLIMB and (known.standing or known.walked == CLIMB):
+        return self.why_now(gait, known) if gait in FEELING and self.walked in FEELING else NO_REASON
+
+    def why_now(self, gait, known):
+        """Return why the trot gives way now: at once from a stand, or with all feet down, after 6 s at the latest."""
+        if gait == CRAWL and known.standing:
             return COMMAND
-        trots = command.gait in (ADAPTIVE, CLIMB) and known.walked == ADAPTIVE and not known.standing
-        if not trots or known.segment <= self.robot.stand_ticks:
+        self.waited = self.waited + 1 if gait == CRAWL else 0
+        if known.standing or known.swinging or known.segment <= self.robot.stand_ticks:
             return NO_REASON
         if known.behind:
             return BEHIND
         clear = not known.lag and stands_level(self.robot, known)
-        return COMMAND if command.gait == CLIMB and clear else NO_REASON
-
-    def next_gait(self, wanted, known):
-        """Return the gait to go on with in this tick: before the crawl the adaptive one, for at most 6 s."""
-        if wanted != CLIMB or known.standing or known.walked == CLIMB:
-            self.waited = 0
-            return wanted
-        self.waited += 1
-        feels_nothing = known.walked == ADAPTIVE and known.known == 0
-        return wanted if feels_nothing or self.waited > 6 * self.robot.rate_hz else ADAPTIVE
+        return COMMAND if self.waited > 6 * self.robot.rate_hz or (gait == CRAWL and clear) else NO_REASON
 
     def backs_off(self, command, known):
         """Take one tick of backing off; return whether it is done. Another command or missing senses end it."""
-        wanted = command.walk and command.gait in (ADAPTIVE, CLIMB) and can_follow(self.robot, command.speed)
+        wanted = command.walk and self.wanted(command) in FEELING and can_follow(self.robot, command.speed)
         if known.fallen or not wanted or not senses(known):
             self.stage = OFF
             return False
         done = self.retreat.step(known.moved, known.standing)[1]
         if done:
-            self.stage, self.walked = READY, command.gait
+            self.stage, self.walked = READY, self.wanted(command)
         return done
 
     def wanted(self, command):
         """Return the commanded gait; an unknown one is the one that is walked."""
-        return command.gait if 0 <= command.gait <= CLIMB else self.walked
+        return command.gait if 0 <= command.gait < self.robot.gaits else self.walked
 
     def why_end(self, command, crawl):
         """Return why the crawl is to give back, or NO_REASON; a crawl that goes on is part of the commanded gait."""
         gait = self.wanted(command)
         if not command.walk:
             return NO_REASON
-        if gait not in (CLIMB, ADAPTIVE):
+        if gait not in FEELING:
             return COMMAND
         if not any(command.speed):
             return NO_REASON
         if not can_follow(self.robot, command.speed):
             return COMMAND
         self.walked = gait
-        return EVEN if gait == ADAPTIVE and crawl.even >= LANDINGS_EVEN else NO_REASON
+        return EVEN if gait == TROT and crawl.even >= LANDINGS_EVEN else NO_REASON
 
     def begin_crawl(self, known):
         """Begin the crawl proper once the loads are known: a measurement later than the last goal's effect."""

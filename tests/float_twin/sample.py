@@ -47,7 +47,7 @@ def robot(rate_hz):
 
 def walk(rate_hz, gait):
     """Stand up, walk a curve with a tilting body, sit down; return the joints now and then."""
-    made = planner.Planner(robot(rate_hz), [Gait(table, rate_hz) for table in GAITS])
+    made = planner.Planner(robot(rate_hz), [Gait(table, rate_hz) for _, _, table in GAITS])
     command = Plain(mode=planner.STAND, gait=gait, speed=[0.04 / rate_hz, 0.01 / rate_hz, -0.2 / rate_hz])
     command.pose, command.balance, command.height_m = [0.01, 0.0, 0.01, 0.05, -0.03, 0.02], True, 0.0
     sensed = Plain(roll=0.0, pitch=0.0, attitude_ok=True, joints=[0.0, 0.6, -1.5] * 4, joints_ok=True)

@@ -6,6 +6,7 @@ from host.drive import Driver
 from host.gait_changes import GaitWatch, change_lines, change_reason, crawl_event, gait_now, notes_json
 from host.robot_file import load_robot
 from shared.crawl import state as crawl
+from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
 
@@ -18,12 +19,24 @@ def driver():
     return Driver(load_robot("caramelo"))
 
 
+# What has the ticks, whether the trot backs off, the stage of the crawl
+TROTS, BACKS = (MOVER_TROT, 0, crawl.SHIFT), (MOVER_TROT, 1, crawl.SHIFT)
+WAITS, CRAWLS = (MOVER_CRAWL, 0, crawl.STILL), (MOVER_CRAWL, 0, crawl.LIFT)
+
+
+def put(driver, phase):
+    """Bring a planner into one of TROTS .. CRAWLS."""
+    status = driver.planner.status
+    status.mover, status.backs, driver.planner.crawl.stage.stage = phase
+
+
 def seen(driver, *states):
-    """Return the notes of a watch that sees (climb state, reason, planner's state) tick by tick."""
+    """Return the notes of a watch that sees (TROTS .. CRAWLS, reason, planner's state) tick by tick."""
     watch = GaitWatch(driver)
-    for climb, reason, state in states:
+    for phase, reason, state in states:
         status = driver.planner.status
-        status.climb, status.reason, status.state = climb, reason, state
+        put(driver, phase)
+        status.reason, status.state = reason, state
         watch.look()
     return watch.notes
 
@@ -31,15 +44,15 @@ def seen(driver, *states):
 @pytest.mark.parametrize("reason", REASONS)
 def test_every_reason_has_a_sentence(driver, reason):
     driver.planner.status.reason = reason
-    for climb in (core.CLIMB_OFF, core.CLIMB_READY, core.CLIMB_ON, core.CLIMB_BACK):
-        driver.planner.status.climb = climb
+    for phase in (TROTS, WAITS, CRAWLS, BACKS):
+        put(driver, phase)
         assert len(change_reason(driver).split()) > 3
 
 
 @pytest.mark.parametrize("event", EVENTS)
 def test_every_event_of_the_crawl_has_a_sentence_with_its_leg(driver, event):
-    driver.planner.climb.event.code = event
-    driver.planner.climb.event.leg = 3
+    driver.planner.crawl.event.code = event
+    driver.planner.crawl.event.leg = 3
     assert crawl_event(driver).startswith("RL ")
 
 
@@ -52,29 +65,29 @@ def test_the_way_over_an_edge_is_told_once_each(driver):
     behind, even = handover.REASON_BEHIND, handover.REASON_EVEN
     notes = seen(
         driver,
-        (core.CLIMB_OFF, handover.REASON_NONE, core.WALKING),
-        (core.CLIMB_BACK, behind, core.WALKING),
-        (core.CLIMB_BACK, behind, core.STANDING),
-        (core.CLIMB_READY, behind, core.STANDING),
-        (core.CLIMB_ON, behind, core.WALKING),
-        (core.CLIMB_ON, behind, core.WALKING),
-        (core.CLIMB_OFF, even, core.WALKING),
+        (TROTS, handover.REASON_NONE, core.WALKING),
+        (BACKS, behind, core.WALKING),
+        (BACKS, behind, core.STANDING),
+        (WAITS, behind, core.STANDING),
+        (CRAWLS, behind, core.WALKING),
+        (CRAWLS, behind, core.WALKING),
+        (TROTS, even, core.WALKING),
     )
-    assert [(note.time_s, note.what) for note in notes] == [(0.04, "backing off"), (0.1, "crawl"), (0.14, "paper-trot")]
+    assert [(note.time_s, note.what) for note in notes] == [(0.04, "backing off"), (0.1, "crawl"), (0.14, "trot")]
     assert notes[0].why == "held up: more than 22 mm behind the commanded way for 0.7 s"
     assert notes[2].why == "even ground under the last 16 footholds"
 
 
 def test_what_ends_without_a_reason_of_the_planner_is_told_too(driver):
     behind = handover.REASON_BEHIND
-    given_up = seen(driver, (core.CLIMB_BACK, behind, core.WALKING), (core.CLIMB_OFF, behind, core.WALKING))
+    given_up = seen(driver, (BACKS, behind, core.WALKING), (TROTS, behind, core.WALKING))
     assert "given up" in given_up[-1].why
-    stopped = seen(driver, (core.CLIMB_ON, behind, core.WALKING), (core.CLIMB_OFF, behind, core.SITTING))
+    stopped = seen(driver, (CRAWLS, behind, core.WALKING), (TROTS, behind, core.SITTING))
     assert "told to stop" in stopped[-1].why
 
 
 def test_notes_become_json_and_rows(driver):
-    notes = seen(driver, (core.CLIMB_READY, handover.REASON_COMMAND, 2), (core.CLIMB_ON, handover.REASON_COMMAND, 3))
+    notes = seen(driver, (WAITS, handover.REASON_COMMAND, 2), (CRAWLS, handover.REASON_COMMAND, 3))
     rows = notes_json(notes)
     assert rows == [{"time_s": 0.04, "to": "crawl", "reason": "the crawl was commanded"}]
     assert change_lines(rows) == [("at 0.0 s: crawl", "the crawl was commanded")]

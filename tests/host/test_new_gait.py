@@ -11,10 +11,11 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.gait_advice import UNTRIED
 from tests import ROOT
 
-LAST = '    ("climb", CRAWL),\n'
+LAST = '    ("crawl", MOVER_CRAWL, TROT),\n'
 # Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
-PACE = '    ("pace", ((30, 100, 100, 0), ((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1)))),\n'
-NO_TIME = '    ("pace", ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'
+ROWS = "((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1))"
+PACE = f'    ("pace", MOVER_TABLE, ((30, 100, 100, 0), {ROWS})),\n'
+NO_TIME = '    ("pace", MOVER_TABLE, ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'
 # Runs the command with another text of shared/gait/gaits.py.
 WITH_GAITS = """
 import sys, types

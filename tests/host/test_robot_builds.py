@@ -8,6 +8,7 @@ import pytest
 
 from host.errors import UserError
 from host.robot_file import FOLDER, load_robot, robot_names
+from shared.gait.gaits import GAIT_NAMES
 
 NUMBER = re.compile(r"(?<![\w.+-])-?\d+(?:\.\d+)?(?:e-?\d+)?(?![\w.])")
 
@@ -49,7 +50,7 @@ def build_everything(robot):
     overview(robot), derived(robot)
     for planar in (False, True):
         driver = Driver(robot, planar=planar)
-        for gait in ("adaptive", "climb", "crawl"):
+        for gait in GAIT_NAMES:
             driver.set_command(mode="walk", gait=gait, vx_m_s=0.05)
             driver.sense(None)
             driver.step()

@@ -7,7 +7,7 @@ import pytest
 from host.parity.check import Report, collect, examine, failures, first_difference
 from host.parity.coverage import TracedNode, compare, cover
 from host.parity.figures import unregistered
-from host.runtimes import CPython, Runtime, Unix, Wasi
+from host.runtimes import CCore, CPython, Runtime, Unix, Wasi
 
 from ..marks import skip_without
 from .plant import plant
@@ -40,7 +40,7 @@ def test_the_unchanged_source_agrees_in_a_32_bit_vm(sources, tmp_path):
 
 
 def test_every_emitter_agrees(sources, tmp_path):
-    built: list[Runtime] = [Unix(emitter) for emitter in ("source", "bytecode", "native", "viper")]
+    built: list[Runtime] = [CCore(), *(Unix(emitter) for emitter in ("source", "bytecode", "native", "viper"))]
     agree(examine([CPython(), Wasi("bytecode"), *built], sources, tmp_path, 16, lambda name: None))
 
 

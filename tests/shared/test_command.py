@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.body.pose import POSE_SIZE
-from shared.gait.gaits import GAITS
+from shared.gait.gaits import TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
 from tests.float_twin.fixed import towards
@@ -17,7 +17,7 @@ from .robots import block
 HALF = integers(-(1 << 29), (1 << 29) - 1)
 WORD = integers(-(1 << 30), (1 << 30) - 1)
 PARAMS = block("caramelo")
-GAIT = compile_gait(GAITS[1], PARAMS)
+GAIT = compile_gait(TROT, PARAMS)
 
 
 @repeatable(300)

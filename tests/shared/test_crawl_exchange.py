@@ -8,12 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.crawl import state as at
-from shared.gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
-from shared.planner import exchange as planner_climb
-from shared.planner import handover, planner, retreat
+from shared.planner import exchange, handover, planner, retreat, walk_crawl
 from shared.planner import status as n
-from shared.planner import steps as planner_steps
 from shared.planner.command import Command
 from shared.record import pack, unpack
 from shared.trot.trot import ADVICE_BEHIND, ADVICE_FINE, ADVICE_TILTED
@@ -22,9 +20,10 @@ from tests.float_twin.doubt import Doubt
 
 from .bars import repeatable
 from .robots import block
-from .walker import Walker
+from .walker import BACK, NAMES, OFF, ON, Walker, phase
 
 YAW_RAD = 2.0**-18
+CHOOSE, TICK = exchange.choose_mover, exchange.tick_mover
 
 
 def robot_si(params):
@@ -38,6 +37,7 @@ def robot_si(params):
         rate_hz=params.rate_hz,
         sent_ticks=params.sent_ticks,
         stand_ticks=params.stand_ticks,
+        gaits=len(NAMES),
     )
 
 
@@ -78,39 +78,44 @@ class Pair:
             known=robot.sensing.known,
         )
 
-    def climbs(self, robot, command, sensed):
-        """Stand in for shared.planner_climb.climbs: both decide."""
-        wanted, known = self.command(command), self.known(sensed)
-        flags = self.status.flags
-        self.status.flags = 0
-        answer = planner_climb.climbs(robot, command, sensed)
-        assert bool(answer) == self.twin.takes(wanted, known)
-        self.compare(known.standing)
+    def move(self, robot, command, sensed):
+        """Stand in for shared.planner.exchange.move: one tick of the mover whose turn it is."""
+        flags, self.status.flags, self.standing = self.status.flags, 0, None
+        answer = exchange.move(robot, command, sensed)
+        if self.standing is not None:
+            if self.twin.stage == twin.OFF:
+                self.handed_over()
+            self.compare(self.standing)
         self.status.flags |= flags
         return answer
 
-    def climb(self, robot, command, sensed):
-        """Stand in for shared.planner_climb.climb: both take the tick."""
+    def choose(self, robot, command, sensed):
+        """Stand in for exchange.choose_mover: both decide."""
         wanted, known = self.command(command), self.known(sensed)
-        crawl = robot.climb
+        answer = CHOOSE(robot, command, sensed)
+        assert (self.status.mover == MOVER_CRAWL) == self.twin.takes(wanted, known)
+        self.compare(known.standing)
+        return answer
+
+    def tick_mover(self, robot, command, sensed):
+        """Stand in for exchange.tick_mover: of the crawl both take the tick."""
+        if self.status.mover != MOVER_CRAWL:
+            return TICK(robot, command, sensed)
+        wanted, known = self.command(command), self.known(sensed)
+        crawl = robot.crawl
         before = SimpleNamespace(even=crawl.even.even_steps)
-        flags, events = self.status.flags, crawl.even.landed
-        self.status.flags = 0
-        planner_climb.climb(robot, command, sensed)
+        events = crawl.even.landed
+        answer = TICK(robot, command, sensed)
         known.known = robot.sensing.known
         was = self.twin.stage
         self.twin.begin_crawl(known)
-        standing, self.twin.walked = known.standing, known.walked
+        self.standing, self.twin.walked = known.standing, known.walked
         if self.twin.stage == twin.ON and not self.twin.blind:
             reason = self.twin.why_end(wanted, before if was == twin.ON else SimpleNamespace(even=0))
-            standing = self.twin.end_crawl(wanted, known, reason, crawl.stage.stage == at.REST)
+            self.standing = self.twin.end_crawl(wanted, known, reason, crawl.stage.stage == at.REST)
             assert reason or crawl.even.landed in (events, events + 1, 0)
             assert self.swings(crawl)
-            if self.twin.stage == twin.OFF:
-                self.handed_over()
-        self.compare(standing)
-        self.status.flags |= flags
-        return 0
+        return answer
 
     def swings(self, crawl):
         """Return whether the planner says which leg is in the air."""
@@ -127,7 +132,7 @@ class Pair:
     def compare(self, standing):
         """The same stage, reason, state, gait and flag."""
         status = self.status
-        core = status.climb, status.reason, status.state == n.STANDING, status.gait
+        core = phase(self.walker.planner), status.reason, status.state == n.STANDING, status.gait
         assert core == (self.twin.stage, self.twin.reason, standing, self.twin.walked)
         assert bool(status.flags & n.BLIND) == self.twin.blind
         self.seen.add((self.twin.stage, self.twin.reason))
@@ -145,8 +150,9 @@ def spied(monkeypatch):
 
     def make(rate_hz=50):
         pair = Pair(rate_hz)
-        monkeypatch.setattr(planner, "climbs", pair.climbs)
-        monkeypatch.setattr(planner, "climb", pair.climb)
+        monkeypatch.setattr(planner, "move", pair.move)
+        monkeypatch.setattr(exchange, "choose_mover", pair.choose)
+        monkeypatch.setattr(exchange, "tick_mover", pair.tick_mover)
         pair.walker.stand()
         return pair
 
@@ -154,7 +160,7 @@ def spied(monkeypatch):
 
 
 MODES = (c.MODE_WALK,) * 12 + (c.MODE_STAND, c.MODE_SIT)
-GAITS = (GAIT_CLIMB,) * 3 + (GAIT_ADAPTIVE,) * 6 + (1, 7)
+GAITS = (twin.CRAWL,) * 3 + (twin.TROT,) * 6 + (0, 7)
 SPEEDS_SI = ((0.05, 0.0, 0.0),) * 6 + (
     (0.05, 0.04, 0.0),
     (0.03, 0.0, 0.1),
@@ -172,10 +178,10 @@ def trouble(pair, dice):
         pair.walker.speed(*dice.choice(SPEEDS_SI))
     sensed.valid.joints = int(dice.random() > 0.002)
     sensed.valid.tilt = int(dice.random() > 0.002)
-    if dice.random() < 0.3 and numbers.gait == GAIT_ADAPTIVE:
+    if dice.random() < 0.3 and numbers.mover == MOVER_TROT:
         numbers.advice = dice.choice((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED))
-    if dice.random() < 0.05 and numbers.climb == n.CLIMB_ON:
-        pair.walker.planner.climb.even.even_steps = dice.choice((0, 15, 16, 20))
+    if dice.random() < 0.05 and phase(pair.walker.planner) == ON:
+        pair.walker.planner.crawl.even.even_steps = dice.choice((0, 15, 16, 20))
 
 
 def restless(spied, seed):
@@ -204,15 +210,15 @@ TURN = PARAMS.speed_max[2] // 4
 SPEEDS = st.tuples(
     st.one_of(st.integers(-2, 2), st.just(30000)), st.one_of(near(30000), near(1), st.just(0)), st.one_of(near(TURN))
 )
-COMMANDS = st.tuples(st.sampled_from((c.MODE_WALK,) * 4 + (c.MODE_STAND,)), st.sampled_from((4, 3, 3, 1, -1, 5)))
+COMMANDS = st.tuples(st.sampled_from((c.MODE_WALK,) * 4 + (c.MODE_STAND,)), st.sampled_from((2, 1, 1, 0, -1, 5)))
 TROTS = st.fixed_dictionaries(
     {
         "state": st.sampled_from((n.STANDING, n.WALKING)),
-        "gait": st.sampled_from((3, 3, 4, 1)),
+        "gait": st.sampled_from((1, 1, 2, 0)),
         "fallen": st.sampled_from((0, 0, 0, 1)),
         "swinging": st.sampled_from((0, 0, 0, 6)),
         "advice": st.sampled_from((ADVICE_FINE, ADVICE_BEHIND, ADVICE_BEHIND, ADVICE_TILTED)),
-        "climb": st.sampled_from((n.CLIMB_OFF, n.CLIMB_OFF, n.CLIMB_READY, n.CLIMB_ON, n.CLIMB_BACK)),
+        "backs": st.sampled_from((0, 0, 1)),
     }
 )
 LEVEL = PARAMS.leg_length // 32
@@ -227,7 +233,9 @@ def put(drawn, clock, speed, command):
     robot, block = pair.walker.planner, pair.walker.command
     for name, value in drawn.items():
         setattr(robot.status, name, value)
-    robot.status.reason, pair.twin.stage = 0, drawn["climb"]
+    robot.gait = robot.gaits[drawn["gait"]]
+    robot.status.mover = MOVER_TROT if drawn["gait"] else MOVER_TABLE
+    robot.status.reason, pair.twin.stage = 0, BACK if drawn["backs"] else OFF
     robot.clock.tick = pair.robot.stand_ticks + clock
     block.mode, block.gait = command
     block.speed[:] = speed
@@ -244,10 +252,12 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, clock, speed, 
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
     robot.trot.behind, robot.nav.x, robot.speed[0] = lag, 99, 99
     robot.sensing.known, robot.sensing.level[2::3] = feet
-    pair.climbs(robot, block, sensed)
-    if drawn["climb"] == n.CLIMB_OFF:
+    pair.status.flags = pair.status.waited = 0
+    pair.choose(robot, block, sensed)
+    if not drawn["backs"]:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        assert (robot.trot.behind, robot.nav.x) == ((0, 0) if backs else (lag, 99))
+        starts = drawn["gait"] == 0 and pair.twin.walked in twin.FEELING  # the trot takes over from a table
+        assert (robot.trot.behind, robot.nav.x) == ((0, 0) if backs or starts else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 
 
@@ -255,10 +265,10 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, clock, speed, 
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
 def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, even):
     pair, robot, block = put(drawn, 0, speed, command)
-    robot.climb.even.even_steps = even
+    robot.crawl.even.even_steps = even
     wanted = pair.command(block)
     pair.twin.walked = drawn["gait"]
-    assert planner_climb.leaves(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
+    assert walk_crawl.gives_way(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
     assert robot.status.gait == pair.twin.walked
 
 
@@ -285,7 +295,7 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
             back.ends = bool(state.ends)
         assert told.speed[0] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
         assert told.speed[1:] == [0, 0]
-        assert told.gait == GAIT_ADAPTIVE
+        assert told.gait == command.gait
         assert pack(told)[5:] == pack(command)[5:]  # pose, balance, height
         if done:
             return
@@ -293,21 +303,17 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
 
 
 @repeatable(100)
-@given(
-    st.lists(st.tuples(st.sampled_from((4, 4, 4, 3)), st.sampled_from((3, 3, 1, 4)), st.integers(1, 250)), max_size=8),
-    st.sampled_from((n.WALKING, n.WALKING, n.STANDING)),
-    st.sampled_from((0, 5)),
-)
-def test_the_crawl_waits_as_long_as_the_twin(wishes, state, known):
-    """The wait begins anew with each command for another gait, and ends after six seconds of one."""
+@given(st.lists(st.tuples(st.sampled_from((2, 2, 2, 1)), st.integers(1, 250)), max_size=8), st.integers(0, 1))
+def test_the_crawl_waits_as_long_as_the_twin(wishes, clock):
+    """Over uneven ground: the wait begins anew with each command for another gait, and ends after six seconds."""
     pair = Pair(walker=SHARED_WALKER)
     robot, numbers = pair.walker.planner, pair.status
-    numbers.state, numbers.waited, robot.sensing.known = state, 0, known
-    for wanted, walked, ticks in wishes:
-        numbers.gait = walked
+    numbers.state, numbers.waited, numbers.swinging, numbers.advice = n.WALKING, 0, 0, ADVICE_FINE
+    robot.trot.behind, robot.clock.tick = 99, pair.robot.stand_ticks + clock
+    for wanted, ticks in wishes:
         for _ in range(ticks):
-            told = pair.twin.next_gait(wanted, pair.known(pair.walker.sensed))
-            assert planner_steps.crawl_waits(robot, wanted) == told
+            told = pair.twin.why_now(wanted, pair.known(pair.walker.sensed))
+            assert exchange.wait_for_crawl(robot, robot.gaits[wanted].mover) == told
 
 
 @repeatable(60)
@@ -327,10 +333,10 @@ def test_goals_go_on_from_the_crawls_and_fade_to_the_trots(values, rate_hz):
 def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
     """The comparison can fail: a crawl that stays on even ground, follows any command, or never tires of backing."""
     for module, name, wrong in (
-        (planner_climb, "ground_even", lambda *_: 0),
-        (planner_climb, "straight_on", lambda *_: 1),
-        (planner_climb, "retreat_step", lambda *_: 0),
-        (planner_climb, "advised", lambda *_: twin.NO_REASON),
+        (walk_crawl, "ground_even", lambda *_: 0),
+        (exchange, "straight_on", lambda *_: 1),
+        (exchange, "retreat_step", lambda *_: 0),
+        (exchange, "wait_for_crawl", lambda *_: twin.NO_REASON),
     ):
         with monkeypatch.context() as planted:
             planted.setattr(module, name, wrong)

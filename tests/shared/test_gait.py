@@ -8,14 +8,13 @@ from hypothesis import strategies as st
 
 from shared.gait import steps as s
 from shared.gait import table as g
-from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import status as n
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
 
 from .bars import integers, repeatable
 from .robots import block, leg_si
-from .walker import TABLE_GAITS, Walker
+from .walker import NAMES, TABLE_GAITS, TABLES, Walker
 
 RATES = (20, 50, 100, 333, 500)
 EVERY_GAIT = pytest.mark.parametrize("gait", TABLE_GAITS)
@@ -28,8 +27,8 @@ class Trace:
     def __init__(self, gait, rate_hz, name="caramelo", **speed):
         self.walker = Walker(name, rate_hz)
         self.command = self.walker.walk(gait, **speed)
-        self.table = GAITS[GAIT_NAMES.index(gait)]
-        self.cycle = self.walker.planner.gaits[GAIT_NAMES.index(gait)].cycle
+        self.table = TABLE_GAITS[gait]
+        self.cycle = self.walker.planner.gaits[NAMES.index(gait)].cycle
         self.walker.ticks(1 + 3 * self.cycle)
         while self.walker.planner.clock.segment or self.walker.planner.clock.tick:
             self.walker.tick()
@@ -105,7 +104,7 @@ def test_stance_speed_is_the_commanded_one(rate_hz, gait):
 
 @EVERY_RATE
 def test_an_even_gait_moves_the_body_alike_in_every_tick(rate_hz):
-    trace = Trace("trot", rate_hz, vx_m_s=0.05)
+    trace = Trace("even-trot", rate_hz, vx_m_s=0.05)
     unit = trace.walker.unit_m
     for way in trace.advances():
         assert way is None or abs(way - trace.command[0]) <= max(1.01 * unit, 0.01 * trace.command[0])
@@ -115,7 +114,7 @@ def test_an_even_gait_moves_the_body_alike_in_every_tick(rate_hz):
 @pytest.mark.parametrize("wz_rad_s", [0.3, -0.05])
 def test_turning_speed_is_the_commanded_one(rate_hz, wz_rad_s):
     """The standing feet turn about the middle of the body, all four alike."""
-    trace = Trace("trot", rate_hz, vx_m_s=0.0, wz_rad_s=wz_rad_s)
+    trace = Trace("even-trot", rate_hz, vx_m_s=0.0, wz_rad_s=wz_rad_s)
     turned = []
     for t in range(trace.cycle, 2 * trace.cycle):
         for leg in range(4):
@@ -131,7 +130,7 @@ def test_lift_is_the_configured_height(gait):
         walker = Walker("caramelo", 50)
         walker.command.height = height_lu
         walker.walk(gait, vx_m_s=0.03)
-        table = Gait(GAITS[GAIT_NAMES.index(gait)], 50)
+        table = Gait(TABLE_GAITS[gait], 50)
         highest = [0] * 4
         rest = [foot[2] for foot in walker.feet_m()]
         for _ in range(3 * table.cycle):
@@ -146,7 +145,7 @@ def test_lift_is_the_configured_height(gait):
 
 def test_a_height_that_changes_in_the_air_waits_for_the_next_swing():
     walker = Walker("caramelo", 500)
-    walker.walk("trot", vx_m_s=0.05)
+    walker.walk("even-trot", vx_m_s=0.05)
     last, worst = None, 0.0
     for tick in range(1200):
         walker.command.height = 6000 if tick % 7 < 3 else 300
@@ -174,7 +173,7 @@ def test_feet_keep_their_place_over_a_long_walk(gait):
     """After 100 s in a curve the footholds are those of the third cycle, to the unit."""
     walker = Walker("caramelo", 50)
     walker.walk(gait, vx_m_s=0.04, vy_m_s=0.01, wz_rad_s=0.2)
-    cycle = walker.planner.gaits[GAIT_NAMES.index(gait)].cycle
+    cycle = walker.planner.gaits[NAMES.index(gait)].cycle
     while walker.state != n.WALKING or walker.planner.clock.segment or walker.planner.clock.tick:
         walker.tick()
     walker.ticks(3 * cycle)
@@ -199,7 +198,7 @@ def mirror_error(gait, spoil=None):
     pair = [Walker("caramelo", 50), Walker("caramelo", 50)]
     if spoil:
         spoil(pair[1])
-    pair[1].planner.gaits = [g.compile_gait(mirrored_table(table), pair[1].params) for table in GAITS]
+    pair[1].planner.gaits = [g.compile_gait(mirrored_table(table), pair[1].params) for table in TABLES]
     for walker, sign in zip(pair, (1, -1), strict=True):
         walker.walk(gait, 0.04, sign * 0.02, sign * 0.2)
         walker.command.pose[:] = 900, sign * 700, 400, sign * 500, 300, sign * 400
@@ -228,14 +227,14 @@ def test_the_mirror_test_sees_a_planted_asymmetry():
     def spoil(walker):
         walker.params.legs[2].rest[1] += 20
 
-    assert mirror_error("trot", spoil)[0] >= 15
+    assert mirror_error("even-trot", spoil)[0] >= 15
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
 @EVERY_RATE
 def test_a_compiled_gait_is_the_float_gait(rate_hz, name):
     params = block(name, rate_hz)
-    for table in GAITS:
+    for table in TABLES:
         made, exact = g.compile_gait(table, params), Gait(table, rate_hz)
         assert made.cycle == exact.cycle
         for leg in range(4):

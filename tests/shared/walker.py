@@ -1,7 +1,9 @@
 """Runs the planner from its blocks: stand up, walk, sit, with every tick's feet and joints kept."""
 
 from host.parity.probe.row import Row
-from shared.gait.gaits import GAIT_NAMES
+from shared.crawl.state import STILL
+from shared.gait.gaits import GAIT_NAMES, GAITS, PAPER_TROT
+from shared.gait.table import MOVER_CRAWL, compile_gait
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.planner import Planner
@@ -9,8 +11,25 @@ from shared.sense.sensed import Sensed
 
 from .robots import block
 
-# Those that are nothing but their table.
-TABLE_GAITS = tuple(name for name in GAIT_NAMES if name not in ("adaptive", "climb"))
+# Tables beside those of the registry: without pauses, each diagonal half a cycle; and one leg at a time.
+EVEN_TROT = (35, 100, 100, 0), ((240, 9, 1), (240, 6, 1))
+ONE_BY_ONE = (
+    (40, 100, 100, 0),
+    ((200, 0, 1), (400, 8, 2), (200, 0, 1), (400, 2, 2), (200, 0, 1), (400, 4, 2), (200, 0, 1), (400, 1, 2)),
+)
+MORE = {"even-trot": EVEN_TROT, "one-by-one": ONE_BY_ONE}
+NAMES = (*GAIT_NAMES, *MORE)
+TABLES = (*(entry[2] for entry in GAITS), *MORE.values())  # in the order of NAMES
+TABLE_GAITS = {"paper-trot": PAPER_TROT} | MORE  # those that are nothing but their table
+
+OFF, READY, ON, BACK = range(4)  # of the crawl: the trot walks, loads are waited for, it crawls, the trot backs off
+
+
+def phase(planner):
+    """Return OFF .. BACK of a planner."""
+    if planner.status.mover != MOVER_CRAWL:
+        return BACK if planner.status.backs else OFF
+    return READY if planner.crawl.stage.stage == STILL else ON
 
 
 class Walker:
@@ -21,6 +40,8 @@ class Walker:
         self.rate_hz = rate_hz
         self.unit_m = 2.0 ** -self.params.length_shift
         self.planner = Planner(self.params)
+        self.planner.gaits += [compile_gait(table, self.params) for table in MORE.values()]
+        self.planner.status.gaits = len(self.planner.gaits)
         self.command = c.Command()
         self.sensed = Sensed()
         self.sensed.valid.joints = self.sensed.valid.tilt = 1
@@ -33,7 +54,7 @@ class Walker:
         self.command.mode = mode
 
     def gait(self, name):
-        self.command.gait = GAIT_NAMES.index(name)
+        self.command.gait = NAMES.index(name)
 
     def speed(self, vx_m_s=0.0, vy_m_s=0.0, wz_rad_s=0.0):
         """Command a speed; return what the integers make of it, per tick, in m and rad."""
@@ -73,7 +94,7 @@ class Walker:
         self.mode(c.MODE_STAND)
         return self.until(n.STANDING)
 
-    def walk(self, gait="trot", vx_m_s=0.05, vy_m_s=0.0, wz_rad_s=0.0):
+    def walk(self, gait="even-trot", vx_m_s=0.05, vy_m_s=0.0, wz_rad_s=0.0):
         """Stand up and ask for a walk; returns the command per tick."""
         self.stand()
         self.gait(gait)

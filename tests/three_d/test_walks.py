@@ -52,8 +52,8 @@ def test_the_robot_with_driven_rods_walks():
     assert figures["pitch_range_deg"] < 5
 
 
-def test_adaptive_walks_level_ground_at_its_speed():
-    figures = walked("adaptive", distance_m=1.5)
+def test_the_trot_walks_level_ground_at_its_speed():
+    figures = walked("trot", distance_m=1.5)
     assert figures["ok"], figures["reason"]
     assert 0.048 <= figures["speed_m_s"] <= 0.055
     assert figures["roll_range_deg"] <= 3.5
@@ -63,21 +63,21 @@ def test_adaptive_walks_level_ground_at_its_speed():
 
 
 @pytest.mark.parametrize("kind", ramp.KINDS)
-def test_adaptive_walks_a_slope_of_10_degrees(kind):
+def test_the_trot_walks_a_slope_of_10_degrees(kind):
     ground = ramp.slope(10.0, kind)
-    figures = walked("adaptive", extrude(ground), ground.finish_x_m)
+    figures = walked("trot", extrude(ground), ground.finish_x_m)
     assert figures["ok"], figures["reason"]
 
 
-def test_adaptive_walks_over_a_step():
-    figures = walked("adaptive", make_ground(GroundSpec("step", 0.02, start_m=0.3)), 1.2, limit_s=240.0)
+def test_the_trot_walks_over_a_step():
+    figures = walked("trot", make_ground(GroundSpec("step", 0.02, start_m=0.3)), 1.2, limit_s=240.0)
     assert figures["ok"], figures["reason"]
 
 
 @pytest.mark.slow
 def test_all_goals_are_met():
     """Every figure to reach, in the plane and in space, all start offsets and frictions."""
-    options = Options(ROBOT, "adaptive", jobs=2)
+    options = Options(ROBOT, "trot", jobs=2)
     result = goals.evaluate(options, run_all(goals.tasks(options), 2, lambda done: None)).result
     missed = [row for row in result["goals"] if row["met"] is False]
     assert missed == []

@@ -27,7 +27,7 @@ MODULES = (
     "sway",
     "tipping",
     "ground",
-    "adaptive",
+    "trot",
     "crawl",
     "planner",
     "wire_codec",

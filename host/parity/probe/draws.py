@@ -1,7 +1,6 @@
 """Arguments that several modules of the core share: the robots, a leg, a foot anywhere, a gait of a robot."""
 
-from shared.gait.gaits import GAITS
-from shared.gait.table import compile_gait
+from shared.gait.gaits import GAITS, gait_for
 
 from .draw import Range
 from .probe import Pick
@@ -22,6 +21,6 @@ def gait_of(params, index):
     for at in range(len(PARAMS)):
         if PARAMS[at] is params:
             if _COMPILED[at][index] is None:
-                _COMPILED[at][index] = compile_gait(GAITS[index], params)
+                _COMPILED[at][index] = gait_for(GAITS[index], params)
             return _COMPILED[at][index]
     raise ValueError("not one of the robots")

@@ -1,8 +1,8 @@
-"""shared/gait/table.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
+"""shared/gait/table.py and gaits.py: the compiler of the tables, and the clock of every compiled gait at every rate."""
 
 
 from shared.gait import table as gait
-from shared.gait.gaits import GAITS
+from shared.gait.gaits import GAITS, gait_for
 from shared.gait.table import Clock, Gait
 from shared.record import copy
 
@@ -10,7 +10,7 @@ from .draw import Range
 from .draws import GAIT, LEG, ROBOT, gait_of
 from .probe import Pick, Probe
 
-SOURCES = ("gait.table",)
+SOURCES = ("gait.table", "gait.gaits")
 
 CLOCK = Clock()
 BLOCK = Gait()
@@ -57,7 +57,8 @@ def _new_swing(values, dice):
 
 
 PROBES = (
-    Probe("compile_gait", gait.compile_gait, (Pick(*GAITS), ROBOT), ticks=False),
+    Probe("compile_gait", gait.compile_gait, (Pick(*[entry[2] for entry in GAITS]), ROBOT), ticks=False),
+    Probe("gait_for", gait_for, (Pick(*GAITS), ROBOT), ticks=False),
     Probe(
         "time_segment",
         gait.time_segment,

@@ -3,9 +3,10 @@
 from shared.body.balance import balance_setup
 from shared.body.params import Params
 from shared.crawl.crawl import crawl_start
-from shared.gait.gaits import GAIT_ADAPTIVE, GAIT_CLIMB, GAIT_NAMES
-from shared.planner import exchange as planner_climb
-from shared.planner import planner
+from shared.crawl.state import STILL
+from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
+from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
@@ -22,7 +23,18 @@ from .probe import Pick, Probe
 from .robots import PARAMS
 from .row import Row, clear
 
-SOURCES = ("planner.planner", "planner.exchange", "planner.pose", "planner.senses", "planner.states", "planner.steps")
+SOURCES = (
+    "planner.planner",
+    "planner.exchange",
+    "planner.movers",
+    "planner.pose",
+    "planner.senses",
+    "planner.states",
+    "planner.steps",
+    "planner.walk_crawl",
+    "planner.walk_table",
+    "planner.walk_trot",
+)
 
 COMMAND = Command()
 SENSED = Sensed()
@@ -40,6 +52,9 @@ ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
 ANY_MODE = Range(-1, 4)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
+ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
+TROT_GAIT = GAIT_NAMES.index("trot")
+CRAWL_GAIT = GAIT_NAMES.index("crawl")
 USUAL = 200  # vectors of a function, for which a walk has all its ticks
 
 
@@ -117,10 +132,6 @@ def _live_in(values, dice):
     values[2] = n.RISING if values[2] else n.SITTING
 
 
-# Made once: a tuple of public names is made anew wherever it stands.
-FEELING = (GAIT_ADAPTIVE, GAIT_CLIMB)
-
-
 class Walk(Probe):
     """A long walk: stand up, then walk with commands that change, a noisy attitude, feet out of reach."""
 
@@ -152,7 +163,7 @@ class Walk(Probe):
             self.new_wish(index)
         for axis in range(2):
             SENSED.tilt[axis] += self.dice.bits(7) - 64 - (SENSED.tilt[axis] >> 4)
-        if self.gait in FEELING:
+        if GAITS[self.gait][1] != MOVER_TABLE:
             for axis in range(3):
                 SENSED.turned[axis] = self.dice.bits(9) - 256
             for joint in range(12):
@@ -185,24 +196,26 @@ def _part(name, function, arguments, watch, fit=_live):
     return Probe(name, function, arguments, watch=watch, fit=fit, begin=_restart_all)
 
 
-def _climbing(values, dice):
-    """A crawl that has just begun, with any senses."""
+def _crawling(values, dice):
+    """A crawl that has just begun or is about to, with any senses."""
     _live(values, dice)
     robot: Planner = values[0]
-    crawl_start(robot.climb, robot.walk.sensing, robot.joints, robot.joints, 0, 0)
-    robot.status.climb = 1 + dice.bits(1)
+    crawl_start(robot.crawl, robot.walk.sensing, robot.joints, robot.joints, 0, 0)
+    robot.status.mover = MOVER_CRAWL
+    if dice.bits(1):
+        robot.crawl.stage.stage = STILL
 
 
 def _backing_off(values, dice):
     """A trot that backs off from an edge; sometimes it has just stood long enough."""
     _live(values, dice)
     robot: Planner = values[0]
-    planner_climb.back_off(robot)
+    exchange.back_off(robot)
     COMMAND.speed[0] = dice.bits(12)
     COMMAND.speed[1] = 0
     COMMAND.speed[2] = 0
     COMMAND.mode = MODE_WALK
-    COMMAND.gait = GAIT_ADAPTIVE if dice.bits(2) else GAIT_CLIMB
+    COMMAND.gait = TROT_GAIT if dice.bits(2) else CRAWL_GAIT
     if dice.bits(1):
         robot.status.state = n.STANDING
         robot.retreat.ends = 1
@@ -210,22 +223,36 @@ def _backing_off(values, dice):
 
 
 PARTS = (
-    _part("gait_tick", planner.gait_tick, (ROBOT, COMMAND, SENSED), STATE),
-    _part("climbs", planner_climb.climbs, (ROBOT, COMMAND, SENSED), STATE),
-    _part("stop_to_climb", planner_climb.stop_to_climb, (ROBOT, GAIT), STATE),
-    _part("back_off", planner_climb.back_off, (ROBOT,), STATE + RETREATS),
-    _part("backed_off", planner_climb.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
-    _part("advised", planner_climb.advised, (ROBOT, GAIT), STATE),
-    _part("climb", planner_climb.climb, (ROBOT, COMMAND, SENSED), STATE, _climbing),
-    _part("leaves", planner_climb.leaves, (ROBOT, COMMAND), STATE, _climbing),
-    _part("hand_to_trot", planner_climb.hand_to_trot, (ROBOT, COMMAND, Range(0, 4)), STATE, _climbing),
+    _part("move", exchange.move, (ROBOT, COMMAND, SENSED), STATE),
+    _part("walker", exchange.walker, (ROBOT,), ()),
+    _part("choose_mover", exchange.choose_mover, (ROBOT, COMMAND, SENSED), STATE),
+    _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED, GAIT), STATE),
+    _part("wait_for_crawl", exchange.wait_for_crawl, (ROBOT, ANY_MOVER), STATE),
+    _part("back_off", exchange.back_off, (ROBOT,), STATE + RETREATS),
+    _part("backed_off", exchange.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
+    _part("start_mover", movers.start_mover, (ROBOT, ANY_MOVER), STATE),
+    _part("tick_mover", movers.tick_mover, (ROBOT, COMMAND, SENSED), STATE),
+    _part("stop_mover", movers.stop_mover, (ROBOT,), STATE, _crawling),
+    _part("walk_table", walk_table.walk_table, (ROBOT, COMMAND, SENSED), STATE),
+    _part("walk_trot", walk_trot.walk_trot, (ROBOT, COMMAND, SENSED), STATE),
+    _part("start_slowly", walk_trot.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
+    _part("step_trot", walk_trot.step_trot, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
+    _part("start_crawl", walk_crawl.start_crawl, (ROBOT,), STATE),
+    _part("walk_crawl", walk_crawl.walk_crawl, (ROBOT, COMMAND, SENSED), STATE, _crawling),
+    _part("crawl_on", walk_crawl.crawl_on, (ROBOT, COMMAND, SENSED, BRAD, BRAD), STATE, _crawling),
+    _part("gives_way", walk_crawl.gives_way, (ROBOT, COMMAND), STATE, _crawling),
+    _part("stop_crawl", walk_crawl.stop_crawl, (ROBOT,), STATE, _crawling),
     _part("plan", planner.plan, (ROBOT, COMMAND, SENSED), STATE),
     _part("choose_state", planner_states.choose_state, (ROBOT, COMMAND, SENSED), STATE),
     _part("begin_move", planner_states.begin_move, (ROBOT, SENSED, Range(0, 1)), STATE, _live_in),
     _part("settle", planner_states.settle, (ROBOT,), STATE + FEET),
     _part("fold_legs", planner_states.fold_legs, (ROBOT,), FEET),
     _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
-    _part("step_gait", planner_steps.step_gait, (ROBOT, COMMAND), STATE + FEET),
+    _part("follow_command", planner_steps.follow_command, (ROBOT, COMMAND, Range(0, 2)), POSES),
+    _part("stands", planner_steps.stands, (ROBOT, Range(0, 1)), STATE + FEET),
+    _part("lift_height", planner_steps.lift_height, (ROBOT, INT30, Range(-32768, 32767)), ()),
+    _part("step_feet", planner_steps.step_feet, (ROBOT, Range(0, 32767)), STATE + FEET),
+    _part("next_cycle", planner_steps.next_cycle, (ROBOT, GAIT, Range(0, 1), Range(0, 1)), STATE),
     _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
     _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
     _part("meet", planner_senses.meet, (ROBOT, GOAL), STATE),
@@ -233,12 +260,10 @@ PARTS = (
     _part("feel", planner_senses.feel, (ROBOT, SENSED), WALKS_STATE),
     _part("relax", planner_senses.relax, (ROBOT,), WALKS_STATE, _live_active),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
-    _part("walk_on", planner_steps.walk_on, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
-    _part("start_slowly", planner_steps.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
     _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
-    _part("crawl_waits", planner_steps.crawl_waits, (ROBOT, GAIT), STATE),
     _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),
     _part("use_gait", planner_steps.use_gait, (ROBOT, GAIT), STATE),
+    _part("pose_legs", planner_pose.pose_legs, (ROBOT, COMMAND, SENSED, Range(0, 1)), STATE),
     _part("level", planner_pose.level, (ROBOT, COMMAND, SENSED), (ROBOTS[0].posed, ROBOTS[1].posed)),
     _part("solve_legs", planner_pose.solve_legs, (ROBOT, GOAL), (GOAL,)),
 )

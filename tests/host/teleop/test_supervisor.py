@@ -8,9 +8,9 @@ import pytest
 from host.teleop.supervisor import STATES
 from host.teleop.telemetry import Extra, status
 from host.teleop.terminal import screen_lines
+from shared.gait.table import MOVER_CRAWL
 from shared.planner import handover
-from shared.planner import status as core
-from shared.trot import trot as adaptive
+from shared.trot import trot
 
 from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig, Silence
 
@@ -191,10 +191,10 @@ def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
     rig.run(1.0, AHEAD)
     assert (rig.supervisor.state, rig.supervisor.remark) == ("walking", "")
     planned = rig.supervisor.driver.planner.status
-    planned.advice = adaptive.ADVICE_TILTED
+    planned.advice = trot.ADVICE_TILTED
     assert rig.supervisor.remark == "it tilts a lot on this ground: the crawl is safer"
-    planned.advice = adaptive.ADVICE_FINE
-    planned.climb, planned.reason = core.CLIMB_ON, handover.REASON_BEHIND
+    planned.advice = trot.ADVICE_FINE
+    planned.mover, planned.reason = MOVER_CRAWL, handover.REASON_BEHIND
     rig.supervisor._watch_gait()
     assert rig.supervisor.state == "crawling"
     assert rig.supervisor.remark.startswith("held up: more than ")

@@ -1,11 +1,11 @@
 """shared/trot/trot.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
 
 
-from shared.gait.gaits import GAIT_ADAPTIVE, GAITS
+from shared.gait.gaits import TROT
 from shared.gait.steps import SPEED_SIZE, Steps, steps_reset
 from shared.gait.table import Clock, compile_gait
 from shared.runtime import zeros
-from shared.trot import trot as adaptive
+from shared.trot import trot
 
 from .draw import Range
 from .draws import BRAD
@@ -23,8 +23,8 @@ DRIVE = zeros(SPEED_SIZE)
 STEPS = Steps()
 CLOCK = Clock()
 FLAG = Range(0, 1)
-GAIT_OF = [compile_gait(GAITS[GAIT_ADAPTIVE], params) for params in PARAMS]
-WALK = adaptive.Trot(PARAMS[0])
+GAIT_OF = [compile_gait(TROT, params) for params in PARAMS]
+WALK = trot.Trot(PARAMS[0])
 ROBOT = Pick(*PARAMS)
 STATE = (WALK.state, WALK.load, WALK.nav, WALK.tip)
 RATE = Range(-(1 << 15), (1 << 15) - 1)
@@ -32,13 +32,13 @@ SQUARE = Range(0, (1 << 30) - 1)
 
 
 def _begin():
-    adaptive.trot_reset(PARAMS[0], WALK)
+    trot.trot_reset(PARAMS[0], WALK)
     steps_reset(PARAMS[0], STEPS)
     for block in (WALK.body, WALK.contact, WALK.weights, DRIVE):
         for at in range(len(block)):
             block[at] = 0
     for at in range(len(PARAMS)):
-        adaptive.retime(PARAMS[at], GAIT_OF[at], DRIVE)
+        trot.retime(PARAMS[at], GAIT_OF[at], DRIVE)
 
 
 def _clock(params, dice):
@@ -55,7 +55,7 @@ def _live(values, dice):
     """One tick of anything on the drawn robot; a gait argument becomes that robot's."""
     params = values[0]
     if dice.below(40) == 0:
-        adaptive.trot_reset(params, WALK)
+        trot.trot_reset(params, WALK)
     for axis in range(3):
         WALK.state.turned[axis] = RATE.any(dice)
     WALK.state.turned_known = dice.bits(1)
@@ -63,12 +63,12 @@ def _live(values, dice):
     REACHED.fill(dice)
     SPEED.fill(dice)
     gait = _clock(params, dice)
-    adaptive.feel_legs(params, WALK, ANGLES.array, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
-    adaptive.drive_speed(params, WALK, SPEED.array, DRIVE)
-    adaptive.sway_body(params, WALK, gait, CLOCK, 1)
+    trot.feel_legs(params, WALK, ANGLES.array, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
+    trot.drive_speed(params, WALK, SPEED.array, DRIVE)
+    trot.sway_body(params, WALK, gait, CLOCK, 1)
     WALK.state.far = SQUARE.any(dice)
-    adaptive.raise_body(params, WALK, dice.bits(1))
-    adaptive.share_weight(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
+    trot.raise_body(params, WALK, dice.bits(1))
+    trot.share_weight(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
 
 
 def _with_gait(at):
@@ -80,7 +80,7 @@ def _with_gait(at):
 
 
 def _part(name, arguments, watch=STATE, fit=_live):
-    return Probe(name, getattr(adaptive, name), arguments, watch=watch, fit=fit, begin=_begin)
+    return Probe(name, getattr(trot, name), arguments, watch=watch, fit=fit, begin=_begin)
 
 
 PROBES = (

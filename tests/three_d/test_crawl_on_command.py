@@ -11,7 +11,8 @@ from host.experiments.steps import space_ground
 from host.export.ground import Ground
 from host.robot_file import load_robot
 from host.three_d.walk import SpaceSpec, SpaceWalker
-from shared.planner import status as n
+from shared.crawl.state import STILL
+from shared.gait.table import MOVER_CRAWL
 
 ROBOT = load_robot("caramelo")
 RATE_HZ = 50
@@ -19,7 +20,7 @@ FALLEN_RAD = math.radians(45)
 BEFORE_AND_ASTRIDE = [("up", 0.03, 0.26), ("up", 0.05, 0.26), ("down", 0.05, 0.35), ("down", 0.05, 0.45)]
 
 
-def climb_from(ground, at_m, seconds=30.0, gait="adaptive"):
+def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
     """Command the crawl ``at_m`` into a walk at 0.05 m/s; return if it fell, and how long it waited, s."""
     walker = SpaceWalker(SpaceSpec(ROBOT, gait, ground, friction=0.9))
     walker.stand_up()
@@ -30,8 +31,8 @@ def climb_from(ground, at_m, seconds=30.0, gait="adaptive"):
         walker.tick()
         if commanded is None and world.position_m()[0] - start_m >= at_m:
             commanded = tick
-            driver.set_command(mode="walk", gait="climb", vx_m_s=0.05)
-        if began is None and driver.planner.status.climb == n.CLIMB_ON:
+            driver.set_command(mode="walk", gait="crawl", vx_m_s=0.05)
+        if began is None and driver.planner.status.mover == MOVER_CRAWL and driver.planner.crawl.stage.stage != STILL:
             began = tick
         if max(map(abs, world.attitude_rad()[:2])) > FALLEN_RAD:
             return True, None
@@ -40,13 +41,13 @@ def climb_from(ground, at_m, seconds=30.0, gait="adaptive"):
 
 @pytest.mark.parametrize(("kind", "height_m", "at_m"), BEFORE_AND_ASTRIDE)
 def test_commanded_at_an_edge_it_waits_for_level_feet_or_backs_off(kind, height_m, at_m):
-    fell, waited_s = climb_from(space_ground(kind, height_m, 0.4), at_m)
+    fell, waited_s = crawl_from(space_ground(kind, height_m, 0.4), at_m)
     assert not fell
     assert waited_s is not None
 
 
-@pytest.mark.parametrize("gait", ["adaptive", "paper-trot"])
+@pytest.mark.parametrize("gait", ["trot", "paper-trot"])
 def test_on_a_floor_it_begins_within_a_cycle_or_two(gait):
-    fell, waited_s = climb_from(Ground("flat"), 0.08, 20.0, gait)
+    fell, waited_s = crawl_from(Ground("flat"), 0.08, 20.0, gait)
     assert not fell
     assert waited_s < 4.5

@@ -26,10 +26,10 @@ from sim2d.run import simulate
 
 from .bars import integers, repeatable
 from .robots import block
-from .walker import Walker
+from .walker import BACK, OFF, ON, Walker, phase
 
 
-def in_climb(seconds=3.0, gait="climb"):
+def crawling(seconds=3.0, gait="crawl"):
     """Return a walker that stands up and has commanded the crawl for some seconds."""
     walker = Walker()
     walker.mode(c.MODE_STAND)
@@ -145,23 +145,23 @@ def test_footholds_come_out_in_the_order_they_went_in():
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():
-    walker = in_climb(1.0)
+    walker = crawling(1.0)
     status = walker.planner.status
-    assert (status.climb, status.reason) == (n.CLIMB_ON, REASON_COMMAND)
+    assert (phase(walker.planner), status.reason) == (ON, REASON_COMMAND)
     assert walker.state == n.WALKING
 
 
-def test_without_joints_or_attitude_the_table_is_walked_and_said_so():
+def test_without_joints_or_attitude_it_trots_and_says_so():
     for missing in ("joints", "tilt"):
         walker = Walker()
         walker.mode(c.MODE_STAND)
         walker.until(n.STANDING)
         setattr(walker.sensed.valid, missing, 0)
-        walker.gait("climb")
+        walker.gait("crawl")
         walker.speed(0.05)
         walker.mode(c.MODE_WALK)
         assert walker.ticks(50) & n.BLIND
-        assert (walker.planner.status.climb, walker.state) == (n.CLIMB_OFF, n.WALKING)
+        assert (phase(walker.planner), walker.state) == (OFF, n.WALKING)
 
 
 class Scripted:
@@ -190,7 +190,7 @@ class Scripted:
         self.goals = goals
         status = self.driver.planner.status
         self.states.append(status.state)
-        self.crawls.append(status.climb)
+        self.crawls.append(phase(self.driver.planner))
         self.reasons.append(status.reason)
         return goals
 
@@ -207,11 +207,11 @@ def walked(controller, ground, seconds, distance_m=None):
 
 
 def test_no_goal_jumps_into_the_crawl_through_it_and_out_of_it():
-    script = Scripted("trot", _2={"gait": "climb"}, _10={"gait": "adaptive"}, _11={"gait": "trot"})
+    script = Scripted("paper-trot", _2={"gait": "crawl"}, _10={"gait": "trot"}, _11={"gait": "paper-trot"})
     recording = walked(script, terrain.flat(), 16.0)
     assert recording.outcome.kind != "fell"
-    assert n.CLIMB_ON in script.crawls[200:450]
-    assert script.crawls[-1] == n.CLIMB_OFF
+    assert ON in script.crawls[200:450]
+    assert script.crawls[-1] == OFF
     assert script.reasons[-1] == REASON_COMMAND
     assert script.largest_step_rad <= 0.15  # a trot's swing at 0.05 m/s takes 0.12 in a tick
 
@@ -221,36 +221,36 @@ def test_on_level_ground_the_legs_land_in_order_without_a_second_try():
         legs, seen = (), 0
 
         def tick(self, sensed):
-            goals, state = super().tick(sensed), self.driver.planner.climb
+            goals, state = super().tick(sensed), self.driver.planner.crawl
             if state.event.number != self.seen:
                 self.seen = state.event.number
                 assert state.event.code == at.EVENT_LANDED
                 self.legs += (state.event.leg,)
             return goals
 
-    script = Landings("climb")
+    script = Landings("crawl")
     walked(script, terrain.flat(), 20.0)
     assert len(script.legs) >= 7
     assert script.legs[:8] == (3, 1, 2, 0, 3, 1, 2, 0)[: len(script.legs)]
 
 
 def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
-    script = Scripted("climb", _5={"vx_m_s": 0.0}, _9={"mode": "sit"})
+    script = Scripted("crawl", _5={"vx_m_s": 0.0}, _9={"mode": "sit"})
     walked(script, terrain.flat(), 14.0)
-    assert script.crawls[100] == n.CLIMB_ON
+    assert script.crawls[100] == ON
     assert script.states[440] == n.STANDING
-    assert list(script.driver.planner.climb.support.stance[:4]) == [1, 1, 1, 1]
-    assert (script.states[-1], script.crawls[-1]) == (n.SEATED, n.CLIMB_OFF)
+    assert list(script.driver.planner.crawl.support.stance[:4]) == [1, 1, 1, 1]
+    assert (script.states[-1], script.crawls[-1]) == (n.SEATED, OFF)
 
 
-def test_the_adaptive_gait_crawls_where_its_trot_is_held_up_and_says_so():
-    script = Scripted("adaptive")
+def test_the_trot_gives_way_to_the_crawl_where_it_is_held_up_and_says_so():
+    script = Scripted("trot")
     recording = walked(script, terrain.step(0.04, 0.3, None), 60.0, 0.45)
     assert recording.outcome.ok, recording.outcome.sentence
     assert REASON_BEHIND in script.reasons
-    backing = [tick for tick, climb in enumerate(script.crawls) if climb == n.CLIMB_BACK]
+    backing = [tick for tick, crawl in enumerate(script.crawls) if crawl == BACK]
     assert script.states[backing[-1]] == n.STANDING
-    assert script.crawls[backing[-1] + 1] == n.CLIMB_ON
+    assert script.crawls[backing[-1] + 1] == ON
     x_m = recording.torso_x_m
     assert 0.05 < x_m[backing[0]] - x_m[backing[-1]] < 0.11
 
@@ -258,23 +258,23 @@ def test_the_adaptive_gait_crawls_where_its_trot_is_held_up_and_says_so():
 @pytest.mark.parametrize("angle_deg", [8.0, -8.0])
 def test_a_slope_is_no_obstacle_the_crawl_hands_back_to_the_trot_on_it(angle_deg):
     ground = slope_all_along(angle_deg)
-    script = Scripted("climb", _4={"gait": "adaptive"})
+    script = Scripted("crawl", _4={"gait": "trot"})
     recording = walked(script, ground, 58.0, 0.6)
     assert recording.outcome.kind != "fell", recording.outcome.sentence
     assert REASON_EVEN in script.reasons
     back = script.reasons.index(REASON_EVEN)
-    assert script.crawls[back] == n.CLIMB_OFF
-    assert script.driver.planner.climb.even.landed >= LEGS_EVEN
-    assert n.CLIMB_ON not in script.crawls[back:]
+    assert script.crawls[back] == OFF
+    assert script.driver.planner.crawl.even.landed >= LEGS_EVEN
+    assert ON not in script.crawls[back:]
 
 
 def test_backing_off_ends_with_the_command_to_walk_on():
     ground = terrain.step(0.04, 0.3, None)
-    held_up = Scripted("adaptive")
+    held_up = Scripted("trot")
     walked(held_up, ground, 30.0)
-    second = (held_up.crawls.index(n.CLIMB_BACK) + 1) // held_up.rate_hz + 1  # a tick after it began, or later
-    script = Scripted("adaptive", **{f"_{second}": {"mode": "stand"}})
+    second = (held_up.crawls.index(BACK) + 1) // held_up.rate_hz + 1  # a tick after it began, or later
+    script = Scripted("trot", **{f"_{second}": {"mode": "stand"}})
     walked(script, ground, second + 6.0)
-    assert n.CLIMB_BACK in script.crawls
-    assert script.crawls[-1] == n.CLIMB_OFF
+    assert BACK in script.crawls
+    assert script.crawls[-1] == OFF
     assert script.states[-1] == n.STANDING

@@ -10,7 +10,7 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.link import PAYLOAD
 from firmware.mpu6050 import Mpu6050
-from shared.gait.gaits import GAIT_CLIMB
+from shared.gait.gaits import GAIT_NAMES
 from shared.planner.command import MODE_STAND, MODE_WALK, Command
 from shared.record import pack
 from sim2d import terrain
@@ -35,7 +35,7 @@ _G_M_S2, _ACCEL_PER_G, _GYRO_PER_DEG_S, _INT16 = 9.80665, 16384, 131, 32767
 
 def _command(robot: Robot, mode: int) -> Command:
     block = Command()
-    block.mode, block.gait, block.balance = mode, GAIT_CLIMB, 1
+    block.mode, block.gait, block.balance = mode, GAIT_NAMES.index("crawl"), 1
     block.speed[0] = scale_of(robot).lf_per_tick(SPEED_M_S)
     return block
 
@@ -96,7 +96,7 @@ def in_plane(robot: Robot) -> list[tuple[int, int]]:
     return [(place, value) for place, value in enumerate(plane) if value != usual[place]]
 
 
-def climb_walk(robot: Robot, ticks: int = 0) -> list[bytes]:
+def crawl_walk(robot: Robot, ticks: int = 0) -> list[bytes]:
     """Walk over the step, up and down, and return the ticks. RuntimeFailure if it does not get there.
 
     ``ticks``: of the beginning alone, 0 for the whole way.
@@ -112,5 +112,5 @@ def climb_walk(robot: Robot, ticks: int = 0) -> list[bytes]:
         stuck_after_s=45,
     )
     if not (ticks or recording.outcome.ok):
-        raise RuntimeFailure(f"the climb over {1000 * STEP_M:g} mm: {recording.outcome.sentence}")
+        raise RuntimeFailure(f"the crawl over {1000 * STEP_M:g} mm: {recording.outcome.sentence}")
     return walker.ticks[: ticks or None]

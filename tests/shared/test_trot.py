@@ -1,4 +1,4 @@
-"""The adaptive trot's rules against their float twin, and what the whole gait does on a robot with perfect servos."""
+"""The trot's rules against their float twin, and what the whole gait does on a robot with perfect servos."""
 
 import math
 import random
@@ -8,16 +8,15 @@ import pytest
 
 from shared.body.params import Params
 from shared.gait import steps as s
-from shared.gait.gaits import GAIT_ADAPTIVE, GAITS
+from shared.gait.gaits import TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.record import copy, pack, unpack
 from shared.sense import legs as sensing
-from shared.trot import ground, navigate, sway, tipping
-from shared.trot import trot as adaptive
+from shared.trot import ground, navigate, sway, tipping, trot
 from shared.trot.navigate import Navigation
-from tests.float_twin import adaptive as twin
+from tests.float_twin import trot as twin
 
 from .robots import block, rad
 from .walker import Walker
@@ -169,10 +168,10 @@ def test_a_tilt_is_remembered_for_two_seconds():
 @pytest.mark.parametrize("rate_hz", [20, 50, 500])
 def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle(name, rate_hz):
     params = block(name, rate_hz)
-    gait = compile_gait(GAITS[GAIT_ADAPTIVE], params)
+    gait = compile_gait(TROT, params)
     for part in (0.0, 0.5, 0.75, 1.0, 2.0):
         speed = array("i", [round(params.fast_speed * part), 0, 0])
-        half = adaptive.retime(params, gait, speed)
+        half = trot.retime(params, gait, speed)
         share = max(0.0, min(1.0, 2 * part - 1))
         body = params.body_slow + (params.body_fast - params.body_slow) * share
         swing = params.swing_slow + (params.swing_fast - params.swing_slow) * share
@@ -184,12 +183,12 @@ def test_segments_are_as_long_as_the_speed_wants_and_the_body_moves_by_its_cycle
 
 
 def test_levelling_turns_about_the_ground():
-    walk = adaptive.Trot(PARAMS)
+    walk = trot.Trot(PARAMS)
     dice = random.Random(5)
     for _ in range(200):
         posed = array("i", [0] * 6)
         roll, pitch = dice.randint(-4000, 4000), dice.randint(-4000, 4000)
-        adaptive.pose_body(PARAMS, walk, roll, pitch, posed)
+        trot.pose_body(PARAMS, walk, roll, pitch, posed)
         height = -PARAMS.legs[0].rest[2]
         assert posed[:3].tolist() == pytest.approx(twin.pivot(height, rad(roll), rad(pitch)), abs=4)
 
@@ -197,7 +196,7 @@ def test_levelling_turns_about_the_ground():
 @pytest.fixture(scope="module")
 def stander():
     walker = Walker()
-    walker.gait("adaptive")
+    walker.gait("trot")
     walker.stand()
     walker.ticks(100)
     return walker
@@ -215,7 +214,7 @@ def test_standing_it_leans_ahead_rises_and_carries_all_its_weight(stander):
 @pytest.mark.parametrize("knees", ["full-elbow", "full-knee", "elbow-knee", "knee-elbow"])
 def test_it_walks_stops_and_sits_with_every_knee(name, knees):
     walker = Walker(name, 50, knees)
-    walker.walk("adaptive", 0.04, 0.01, 0.05)
+    walker.walk("trot", 0.04, 0.01, 0.05)
     flags, seen = 0, set()
     for _ in range(300):
         flags |= walker.tick()
@@ -233,7 +232,7 @@ def test_it_walks_stops_and_sits_with_every_knee(name, knees):
 
 def test_blind_it_walks_on_expectations_and_says_so():
     walker = Walker()
-    walker.walk("adaptive")
+    walker.walk("trot")
     walker.sensed.valid.joints = walker.sensed.valid.tilt = 0
     assert walker.ticks(200) & (n.BLIND | n.NO_ATTITUDE)
     assert walker.state == n.WALKING
@@ -243,7 +242,7 @@ def test_blind_it_walks_on_expectations_and_says_so():
 
 def test_it_does_not_move_without_a_command_and_starts_slowly():
     walker = Walker()
-    walker.walk("adaptive", 0.0)
+    walker.walk("trot", 0.0)
     walker.ticks(50)
     assert walker.state == n.STANDING
     asked = walker.speed(0.1)
@@ -255,16 +254,16 @@ def test_it_does_not_move_without_a_command_and_starts_slowly():
 
 def test_leaving_for_another_gait_gives_back_its_stance():
     walker = Walker()
-    walker.walk("adaptive", 0.05)
+    walker.walk("trot", 0.05)
     walker.ticks(200)
-    walker.gait("trot")
+    walker.gait("even-trot")
     walker.ticks(300)
     state = walker.planner.walk.state
     assert [state.ahead, state.raised, state.sway, state.active] == [0] * 4
     assert max(walker.planner.walk.load.force_q12) == 0
 
 
-@pytest.mark.parametrize("gait", ["trot", "adaptive"])
+@pytest.mark.parametrize("gait", ["even-trot", "trot"])
 def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
     walker = Walker()
     walker.walk(gait)
@@ -285,7 +284,7 @@ def test_a_fallen_robot_sits_down_and_stays_until_told(gait):
 
 def test_a_jolt_is_no_fall():
     walker = Walker()
-    walker.walk("adaptive")
+    walker.walk("trot")
     walker.ticks(60)
     for _ in range(10):
         walker.sensed.tilt[1] = round(math.radians(45) / rad(1))

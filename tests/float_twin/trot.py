@@ -1,4 +1,4 @@
-"""The adaptive trot's rules in floats (m, rad, s), one per function, from their description and not from the core."""
+"""The trot's rules in floats (m, rad, s), one per function, from their description and not from the core."""
 
 import math
 

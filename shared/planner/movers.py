@@ -1,0 +1,56 @@
+"""The movers: what stands and walks. Each owns its ticks whole: command and senses in; joint goals, feet, status out.
+
+    start   it takes over a robot that stands or walks
+    tick    one tick, into ``planner.goal``, ``planner.feet`` and ``planner.status``; returns why it gives way, or 0
+    stop    another takes over: leaves the feet in ``planner.steps``
+
+This is the one place that knows which is which; exchange.py says when they take over from each other.
+"""
+
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
+from ..runtime import hot
+from ..sense.sensed import Sensed
+from ..trot.trot import trot_start
+from .command import Command
+from .handover import REASON_NONE
+from .state import PlannerState
+from .walk_crawl import start_crawl, stop_crawl, walk_crawl
+from .walk_table import walk_table
+from .walk_trot import walk_trot
+
+
+@hot
+def start_mover(planner: PlannerState, mover: int) -> int:
+    """Let ``mover`` have the ticks from now on; return it. A table needs no start."""
+    status = planner.status
+    status.mover = mover
+    if mover == MOVER_CRAWL:
+        start_crawl(planner)
+    elif mover == MOVER_TROT:
+        trot_start(planner.params, planner.walk)
+    return mover
+
+
+@hot
+def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """One tick of the mover at work; return why it gives way (handover.REASON_...), REASON_NONE if it goes on."""
+    status = planner.status
+    if status.mover == MOVER_CRAWL:
+        return walk_crawl(planner, command, sensed)
+    if status.mover == MOVER_TROT:
+        if status.backs:
+            walk_trot(planner, planner.back, sensed)
+        else:
+            walk_trot(planner, command, sensed)
+    else:
+        walk_table(planner, command, sensed)
+    return REASON_NONE
+
+
+@hot
+def stop_mover(planner: PlannerState) -> int:
+    """End the work of the mover at work; return 0. Table and trot have their feet where the next wants them."""
+    status = planner.status
+    if status.mover == MOVER_CRAWL:
+        stop_crawl(planner)
+    return 0

@@ -1,0 +1,125 @@
+"""The crawl mover: one leg at a time over what is in the way (shared/crawl), from the measured joints and the tilt."""
+
+from ..body.balance import balance_reset
+from ..crawl.crawl import crawl_start, crawl_tick
+from ..crawl.state import REST, STILL
+from ..gait.steps import SPEED_SIZE
+from ..gait.table import MOVER_TABLE, MOVER_TROT
+from ..num.fixed import saturate
+from ..runtime import hot
+from ..sense.legs import sense_legs
+from ..sense.sensed import Sensed
+from .command import MODE_WALK, Command
+from .handover import (
+    REASON_COMMAND,
+    REASON_EVEN,
+    REASON_NONE,
+    fade_start,
+    ground_even,
+    steps_from_crawl,
+    straight_on,
+)
+from .state import PlannerState
+from .status import BLIND, STANDING, WALKING
+from .steps import wanted_gait
+
+
+@hot
+def start_crawl(planner: PlannerState) -> int:
+    """Stand as the feet are; the crawl begins once the joints' loads are known; return 0."""
+    speed = planner.speed
+    stage = planner.crawl.stage
+    for axis in range(SPEED_SIZE):
+        speed[axis] = 0
+    stage.stage = STILL
+    return 0
+
+
+@hot
+def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """One tick of the crawl, or of standing still before it; return why it gives way now, or REASON_NONE.
+
+    While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
+    """
+    valid = sensed.valid
+    tilt = sensed.tilt
+    status = planner.status
+    params = planner.params
+    sensing = planner.sensing
+    stage = planner.crawl.stage
+    if valid.joints == 0 or valid.tilt == 0:
+        status.flags |= BLIND
+        return REASON_NONE
+    roll = saturate(tilt[0], -32768, 32767)
+    pitch = saturate(tilt[1], -32768, 32767)
+    sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
+    if stage.stage == STILL and sensing.known > params.sent_ticks + 1:
+        crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
+    if stage.stage == STILL:
+        return REASON_NONE
+    return crawl_on(planner, command, sensed, roll, pitch)
+
+
+@hot
+def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int, pitch: int) -> int:
+    """One tick of the begun crawl; return why it gives way now, or REASON_NONE. roll, pitch: brad."""
+    status = planner.status
+    support = planner.crawl.support
+    stage = planner.crawl.stage
+    reason = gives_way(planner, command)
+    ahead = command.speed[0]
+    if reason or command.mode != MODE_WALK or status.fallen:
+        ahead = 0
+    status.flags |= crawl_tick(planner.crawl, planner.sensing, sensed.joints, roll, pitch, ahead, planner.goal)
+    status.swinging = 0
+    if support.stance[stage.leg] == 0:
+        status.swinging = 1 << stage.leg
+    status.margin = support.margin
+    status.state = WALKING
+    if stage.stage != REST:
+        return REASON_NONE
+    if reason == REASON_NONE and ahead <= 0:
+        status.state = STANDING
+    return reason
+
+
+@hot
+def gives_way(planner: PlannerState, command: Command) -> int:
+    """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
+
+    A gait that does not crawl is commanded, or a way the crawl cannot go; where the gait is the trot's, also on
+    even ground. A command of no speed at all lets it rest.
+    """
+    status = planner.status
+    wanted = wanted_gait(planner, command)
+    gait = planner.gaits[wanted]
+    if command.mode != MODE_WALK:
+        return REASON_NONE
+    if gait.mover == MOVER_TABLE:
+        return REASON_COMMAND
+    if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
+        return REASON_NONE
+    if straight_on(planner.params, command) == 0:
+        return REASON_COMMAND
+    status.gait = wanted
+    if gait.mover == MOVER_TROT and ground_even(planner.crawl.even):
+        return REASON_EVEN
+    return REASON_NONE
+
+
+@hot
+def stop_crawl(planner: PlannerState) -> int:
+    """End the crawl: another walks on from where the feet stand, from rest; return 0."""
+    status = planner.status
+    trot = planner.trot
+    speed = planner.speed
+    steps_from_crawl(planner.params, planner.crawl.map, planner.crawl.path, trot.ahead, trot.sway, planner.steps)
+    fade_start(planner.params, planner.fade, planner.joints)
+    for axis in range(SPEED_SIZE):
+        speed[axis] = 0
+    balance_reset(planner.balance)
+    trot.rough = 0
+    status.advice = 0
+    status.cycles = 0
+    status.state = WALKING
+    return 0

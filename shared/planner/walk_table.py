@@ -1,0 +1,36 @@
+"""The table mover: stands and walks by a gait's table alone, blind to what it is on.
+
+    command -> slewed speed -> gait clock -> feet -> body and legs
+"""
+
+from ..gait.steps import start_swings
+from ..runtime import hot
+from ..sense.sensed import Sensed
+from ..trot.navigate import drive_as_told
+from .command import Command
+from .pose import pose_legs
+from .senses import relax
+from .state import PlannerState
+from .steps import follow_command, lift_height, limit_to_both, next_cycle, stands, step_feet, wanted_gait
+
+
+@hot
+def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """One tick of standing or walking by a gait's table; return 0.
+
+    The first cycle is walked at half speed: all feet start at rest, in the middle of their way, and the last to
+    swing would else be left a whole stride behind.
+    """
+    status = planner.status
+    clock = planner.clock
+    wanted = wanted_gait(planner, command)
+    fits = limit_to_both(planner, wanted)
+    still = follow_command(planner, command, 1 + status.cycles)
+    if stands(planner, still) == 0:
+        drive_as_told(planner.speed, planner.drive)
+        if clock.tick == 0:
+            start_swings(planner.gait, planner.clock, planner.steps)
+        step_feet(planner, lift_height(planner, command.height, 0))
+        next_cycle(planner, wanted, fits, still)
+    pose_legs(planner, command, sensed, 0)
+    return relax(planner)
