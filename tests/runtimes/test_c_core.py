@@ -6,9 +6,10 @@ import sys
 
 import pytest
 
+from host import ROOT
 from host.build.c_core import build_c_core
 from host.build.lower import lowered_modules
-from host.build.source import ROOT, BuildError
+from host.build.source import BuildError
 from host.runtimes import CCore
 
 from ..marks import skip_without
