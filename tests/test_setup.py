@@ -146,7 +146,7 @@ def test_a_wheel_has_every_file_of_the_packages(tmp_path):
     assert done.returncode == 0, done.stderr
     with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
         held = set(wheel.namelist())
-    assert "host/service/caramelo.service" in wanted
+    assert "host/teleop/service/caramelo.service" in wanted
     assert wanted - held == set()
 
 

@@ -11,7 +11,7 @@ from shared.planner.planner import Planner
 from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 
-from ..errors import UserError
+from ..util.errors import UserError
 from .channels import CHANNELS
 from .log import core_fingerprint
 from .reader import Record
