@@ -36,10 +36,10 @@ def experiment(
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json
     """
-    from ..gait_names import gait_index
     from ..lab.experiments.run import names_of, run_experiment, write_outcomes
     from ..lab.experiments.trials import Options, space_is_there
     from ..robot.file import load_robot
+    from ..robot.gait_names import gait_index
     from ..util.extras import how_to_get
     from ..util.files import check_folder
     from ..util.progress import cases

@@ -14,7 +14,7 @@ from shared.planner.status import STATE_NAMES
 from shared.record import pack
 from shared.sense.sensed import Sensed
 
-from ..gait_names import gait_index
+from ..robot.gait_names import gait_index
 from ..robot.model import Robot
 from ..robot.scale import brad, core_params, joints_rad, scale_of
 

@@ -8,11 +8,11 @@ from typing import Any, NoReturn, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from ..gait_names import new_name
 from ..util import files
 from ..util.errors import UserError
 from .builds import unbuildable
 from .checks import complaints
+from .gait_names import new_name
 from .model import Robot
 from .values import show
 

@@ -12,8 +12,8 @@ from sim2d.run import Sensed, simulate
 
 from ..control.gait_changes import GaitWatch, change_lines, notes_json
 from ..control.planner import Driver
-from ..gait_names import gait_index
 from ..robot.gait_advice import why_not_advised
+from ..robot.gait_names import gait_index
 from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from shared.gait.gaits import GAIT_NAMES
 
-from .util.errors import UserError
+from ..util.errors import UserError
 
 RENAMED = {"adaptive": "trot", "climb": "crawl"}
 # The registry of records that do not say theirs; its own trot and crawl were tables that are gone.
