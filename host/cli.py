@@ -43,7 +43,7 @@ def build_app() -> typer.Typer:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=True)(_top)
-    found = [module.name for module in pkgutil.iter_modules(commands.__path__)]
+    found = [module.name for module in pkgutil.iter_modules(commands.__path__) if not module.name.startswith("_")]
     for name in sorted(found, key=lambda name: name not in commands.FIRST):
         importlib.import_module(f"{commands.__name__}.{name}").register(app)
     return app

@@ -12,7 +12,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
-from .build.source import ROOT
+from . import ROOT
 from .console import write_error
 
 SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code

@@ -1,10 +1,9 @@
 """Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
 
-from pathlib import Path
 
+from . import ROOT
 from .errors import UserError
 
-ROOT = Path(__file__).resolve().parent.parent
 EXTRA_OF = {
     "pymunk": "sim",
     "matplotlib": "sim",

@@ -13,8 +13,8 @@ from sim2d.model import least_inertia_kgm2
 from .crawl_tuning import crawl_complaints
 from .joint_units import Board
 from .kinematics_si import leg_inverse
-from .plane import joint_drives
 from .robot_actuators import Bldc, CanBus, Servo
+from .robot_drives import joint_drives
 from .robot_model import JOINT_NAMES, LEG_NAMES, Robot
 from .scale import BRAD_PER_RAD, LARGEST_GAIN, LARGEST_SPEED, Q12, Q16, YAW18
 from .thermistor import refusal

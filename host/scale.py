@@ -14,7 +14,7 @@ from shared.sense.attitude import Attitude, attitude_reset
 from .crawl_tuning import fill_crawl
 from .errors import UserError
 from .mass import com_at_rest_m, lever_m
-from .plane import joint_drives
+from .robot_drives import joint_drives
 from .robot_model import JOINT_NAMES, Balance, Robot, Trot
 
 BRAD_PER_RAD = 65536 / (2 * pi)

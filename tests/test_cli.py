@@ -2,10 +2,10 @@
 
 import json
 import os
+import select
 import signal
 import subprocess
 import sys
-import time
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
@@ -18,9 +18,10 @@ from host.console import progress, write_json
 from host.errors import UserError
 from host.extras import EXTRA_OF
 from host.files import atomic_path, check_folder, write_bytes, write_text
+from tests import ROOT
 from tests.interrupts import hear_ctrl_c
+from tests.waiting import PATIENCE_S
 
-ROOT = Path(__file__).resolve().parent.parent
 CARAMELO = Path(sys.executable).parent / "caramelo"
 # What no command needs before it runs; importing any of them would make every start slower.
 SLOW_TO_IMPORT = {"numpy", "pydantic", "pymunk", "matplotlib", "scipy", "aiohttp", "mcap", "can", "wasmtime"}
@@ -180,12 +181,12 @@ def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
 ])  # fmt: skip
 def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
     script = (
-        "import sys, time; from pathlib import Path; import typer; from host import cli, files\n"
+        "import signal, sys; from pathlib import Path; import typer; from host import cli, files\n"
         "app = typer.Typer(pretty_exceptions_enable=False)\n"
         "@app.command()\n"
         "def slow(path: Path):\n"
         "    with files.atomic_path(path) as draft, draft.open('w') as file:\n"
-        "        file.write('half'); file.flush(); print('ready', flush=True); time.sleep(60)\n"
+        "        file.write('half'); file.flush(); print('ready', flush=True); signal.pause()\n"
         "cli.build_app = lambda: app\n"
         "sys.exit(cli.main())"
     )
@@ -300,18 +301,16 @@ def test_progress_shows_a_bar_on_a_terminal():
     if not hasattr(os, "openpty"):
         pytest.skip("this system has no pseudo-terminals")
     master, slave = os.openpty()
-    code = "from time import sleep; from host.console import progress\nwith progress('walking', 2) as tell: sleep(0.3)"
-    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=slave, cwd=ROOT)
+    code = "import sys; from host.console import progress\nwith progress('walking', 2) as tell: sys.stdin.read()"
+    command, pipe = [sys.executable, "-c", code], subprocess.PIPE
+    process = subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=slave, cwd=ROOT)
     os.close(slave)
-    shown, deadline = b"", time.monotonic() + 30
-    while b"walking" not in shown and time.monotonic() < deadline:
-        try:
-            shown += os.read(master, 4096)
-        except OSError:
-            break
-    out, _ = process.communicate(timeout=30)
+    shown = b""
+    while b"walking" not in shown:
+        assert select.select([master], [], [], PATIENCE_S)[0], "nothing is shown"
+        shown += os.read(master, 4096)
+    out, _ = process.communicate(timeout=PATIENCE_S)
     os.close(master)
-    assert b"walking" in shown
     assert out == b""
 
 

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).resolve().parent.parent
+from tests import ROOT
+
 FOLDERS = ("shared", "firmware", "sim2d", "host", "tests")
 # A folder may import itself and these.
 MAY_IMPORT = {

@@ -9,10 +9,10 @@ from pathlib import Path
 
 from shared.wire.names import PROTOCOL_HASH
 
+from .. import ROOT
 from . import toolchain
 from .frozen import FrozenTree, frozen_sources
 from .image_file import ImageFile, make_image
-from .source import ROOT
 
 BOARDS = ROOT / "firmware/boards"
 LOADER = ROOT / "firmware/loader"

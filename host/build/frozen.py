@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from .. import ROOT
 from .c_core import MODULE, build_c_core
 from .generated import generated_modules
 from .lower import lowered_modules
 from .rewrite import rewrite
-from .source import PACKAGES, ROOT, BuildError, Module, closure
+from .source import PACKAGES, BuildError, Module, closure
 from .tree import replace_tree
 
 MAIN = "firmware/main.py"

@@ -13,9 +13,10 @@ import sysconfig
 import tempfile
 from pathlib import Path
 
+from .. import ROOT
 from ..errors import UserError
 from ..extras import how_to_get
-from .source import ROOT, BuildError, Module, read_modules
+from .source import BuildError, Module, read_modules
 from .typed import typed_modules
 
 _SETUP = """from mypyc.build import mypycify

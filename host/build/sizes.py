@@ -3,10 +3,11 @@
 import json
 from pathlib import Path
 
+from .. import ROOT
 from .compiler import compile_text
 from .lower import lowered_modules
 from .rewrite import EMITTERS, rewrite
-from .source import PACKAGES, ROOT
+from .source import PACKAGES
 
 BUDGET = Path(__file__).with_name("size_budget.json")
 ARCH = "armv7emsp"  # the STM32F405 of both boards

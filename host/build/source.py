@@ -7,7 +7,6 @@ import ast
 from dataclasses import dataclass, field
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]  # holds shared/ and firmware/, in a checkout and when installed
 PACKAGES = ("shared", "firmware")
 
 

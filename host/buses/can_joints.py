@@ -22,13 +22,13 @@ from shared.wire.parameters import PARAMETER_CURRENT_MAX
 from ..can.port import Port
 from ..errors import NOT_ACHIEVED, UserError
 from ..joint_gains import joint_blocks
-from ..joints.body import to_joint, to_motor
 from ..joints.cycle import TORQUE_STATES, Cycle
 from ..joints.guard import Notice
 from ..joints.host_loops import HostLoops
 from ..joints.link import JointLink
 from ..joints.service import Requests, joint_name
 from ..joints.setups import joint_setups
+from ..robot_coupling import to_joint, to_motor
 from ..robot_model import Robot
 from .base import JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
 

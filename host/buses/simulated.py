@@ -4,8 +4,9 @@ import time
 from collections.abc import Callable, Sequence
 from math import copysign
 
-from ..emulator.plant import PlanePlant, Plant, seated_pose_rad
+from ..emulator.plant import PlanePlant, Plant
 from ..robot_model import Robot
+from ..robot_poses import seated_pose_rad
 from .base import JOINTS, Bus, Measured, checked_fraction, checked_goals
 
 ROOM_TEMPERATURE_C = 25.0

@@ -11,9 +11,10 @@ from ..emulator.bus import EmulatedBus
 from ..emulator.loopback import LoopbackPort
 from ..emulator.plant import JointPlant
 from ..robot_model import Robot
+from ..robot_poses import rest_pose_rad
 from ..servos.link import Link
 from .bench import Bench
-from .data import Calibration, counts_per_rad, joint_from, limits_rad, rest_rad, servo_of
+from .data import Calibration, counts_per_rad, joint_from, limits_rad, servo_of
 from .procedure import reference_rad
 
 FARTHEST_OFF = 150  # counts: horns go on in steps of 16 deg, so a joint is at most half a step off (assumed)
@@ -37,7 +38,7 @@ class SimulatedBench(Bench):
 
     def __init__(self, robot: Robot, truth: Calibration) -> None:
         self.truth = truth
-        self.plant = JointPlant(robot, rest_rad(robot))
+        self.plant = JointPlant(robot, rest_pose_rad(robot))
         self.bus = EmulatedBus(robot, self.plant, truth, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0)
         self._now_s = 0.0
         port = LoopbackPort(self.bus, lambda: self._now_s)

@@ -16,9 +16,9 @@ from typing import Any
 from ..buses.base import JOINT_LABELS, JOINTS
 from ..errors import UserError
 from ..files import read_toml, write_text
-from ..plane import rest_pose_rad
 from ..robot_actuators import Servo
 from ..robot_model import JOINT_NAMES, LEG_NAMES, Robot
+from ..robot_poses import rest_pose_rad
 from ..robot_values import show
 
 LARGEST_ID = 252  # protocol 2.0
@@ -78,11 +78,6 @@ def counts_per_rad(robot: Robot) -> tuple[float, ...]:
     return (turn, turn, turn / robot.calf_drive.ratio) * 4
 
 
-def rest_rad(robot: Robot) -> list[float]:
-    """Return the twelve joint angles of the rest stance."""
-    return [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
-
-
 def limits_rad(robot: Robot) -> list[tuple[float, float]]:
     """Return the robot file's joint limits, per joint."""
     return [limits for leg in range(4) for limits in robot.joint_limits_rad(leg)]
@@ -120,7 +115,7 @@ def complaints(calibration: Calibration, robot: Robot) -> Iterator[str]:
             yield f"{label}.id: value {joint.id}: allowed: an id of its own; {' and '.join(others)} share it"
             return
     top = servo_of(robot).counts_per_turn
-    rows = zip(JOINT_LABELS, calibration.joints, rest_rad(robot), counts_per_rad(robot), strict=True)
+    rows = zip(JOINT_LABELS, calibration.joints, rest_pose_rad(robot), counts_per_rad(robot), strict=True)
     for label, joint, rest, per_rad in rows:
         yield from _joint_complaints(label, joint, rest, per_rad, top)
 

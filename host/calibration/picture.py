@@ -4,11 +4,12 @@
 robot's left side, hips from behind. Signs as in the robot file: x forward, y left, z up.
 """
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import cos, radians, sin
 
-from ..plane import rest_pose_rad
 from ..robot_model import JOINT_NAMES, LEG_NAMES, Robot
+from ..robot_poses import rest_pose_rad
 
 WIDTH, HEIGHT = 49, 15
 CELL = 0.5  # a character is half as wide as it is high
@@ -18,7 +19,7 @@ POINTS = 60  # drawn per link: more than a link has cells
 Point = tuple[float, float]
 
 
-def leg_points(robot: Robot, leg: int, pose_rad: tuple[float, float, float], from_behind: bool) -> list[Point]:
+def leg_points(robot: Robot, leg: int, pose_rad: Sequence[float], from_behind: bool) -> list[Point]:
     """Return hip axis, thigh joint, knee and foot as (to the right, up) in m, on the page."""
     l1, l2, l3 = robot.geometry.links_m
     hip, thigh, calf = pose_rad
@@ -37,11 +38,11 @@ def picture(robot: Robot, joint: int) -> str:
     """Return the drawing of a joint: where its leg goes when the angle grows."""
     leg, kind = divmod(joint, 3)
     from_behind = kind == 0
-    rest = rest_pose_rad(robot, leg)
-    larger = tuple(angle + SHOWN_RAD * (k == kind) for k, angle in enumerate(rest))
+    rest = rest_pose_rad(robot)[3 * leg : 3 * leg + 3]
+    larger = [angle + SHOWN_RAD * (k == kind) for k, angle in enumerate(rest)]
     canvas = [[" "] * WIDTH for _ in range(HEIGHT)]
     scale = (HEIGHT - 2) / (1.3 * robot.stance.rest_height_m)
-    _draw(canvas, leg_points(robot, leg, (larger[0], larger[1], larger[2]), from_behind), scale, "+")
+    _draw(canvas, leg_points(robot, leg, larger, from_behind), scale, "+")
     _draw(canvas, leg_points(robot, leg, rest, from_behind), scale, "#")
     for column in range(WIDTH // 2 - 12, WIDTH // 2 + 13):
         canvas[0][column] = "="

@@ -14,23 +14,13 @@ from pathlib import Path
 from ..buses.base import JOINT_LABELS, JOINTS
 from ..errors import NOT_ACHIEVED, UserError
 from ..files import read_toml, write_text
-from ..plane import rest_pose_rad
 from ..robot_model import LEG_NAMES, Robot
+from ..robot_poses import rest_pose_rad
 from ..servos.link import ServoError
 from ..servos.table import MODEL_MX28_V2
 from ..servos.tools import find
 from .bench import Bench
-from .data import (
-    FIELDS,
-    Calibration,
-    JointCalibration,
-    check,
-    counts_per_rad,
-    joint_from,
-    limits_rad,
-    rest_rad,
-    to_text,
-)
+from .data import FIELDS, Calibration, JointCalibration, check, counts_per_rad, joint_from, limits_rad, to_text
 from .person import Person
 from .picture import picture, reference_words, words
 
@@ -137,7 +127,7 @@ class Procedure:
             lowest = self.placed(servo, joint, low, "lowest", "Turn it to its smallest angle")
             highest = self.placed(servo, joint, high, "highest", "Turn it to its largest angle")
             ends = sorted((lowest, highest))
-            rest = planned.counts(rest_rad(self.robot)[joint], self._per_rad[joint])
+            rest = planned.counts(rest_pose_rad(self.robot)[joint], self._per_rad[joint])
             if (highest - lowest) * sign > 0 and ends[0] <= rest <= ends[1]:
                 return JointCalibration(servo, sign, zero, max(planned.min, ends[0]), min(planned.max, ends[1]))
             self.person.refuse(
@@ -165,7 +155,7 @@ class Procedure:
         """Move a leg to the rest stance, hold it for a while, let go."""
         self.person.say(f"\n{picture(self.robot, leg * 3 + 1)}\n{LEG_NAMES[leg]} moves to #, the rest stance.")
         goals = {}
-        for joint, angle in enumerate(rest_pose_rad(self.robot, leg), leg * 3):
+        for joint, angle in enumerate(rest_pose_rad(self.robot)[3 * leg : 3 * leg + 3], leg * 3):
             mount = calibration.joints[joint]
             goals[mount.id] = mount.limited_counts(angle, self._per_rad[joint])
         try:
@@ -175,7 +165,7 @@ class Procedure:
             self.bench.release(list(goals))
 
     def _degrees(self, leg: int, kind: int) -> str:
-        return f"{degrees(rest_pose_rad(self.robot, leg)[kind]):.0f}"
+        return f"{degrees(rest_pose_rad(self.robot)[3 * leg + kind]):.0f}"
 
     def save(self) -> None:
         """Keep what is done so far."""

@@ -1,4 +1,4 @@
-"""One file per group of commands. Each has ``register(app)``, which adds its commands to the typer app.
+"""One file per group of commands. Each has ``register(app)``, which adds its commands to the app; ``_``: shared parts.
 
 Importing one of these files must stay cheap, because `caramelo --help` imports all of them: numpy, pymunk,
 the robot files and the like are imported inside the command functions. A panel is a heading in the help.

@@ -76,9 +76,9 @@ def _bench(robot: "Robot", port: str | None, sim: bool, seed: int) -> Iterator["
     """Yield the servos on their bench, real or emulated."""
     import time
 
-    from ..buses.choose import baud, device
     from ..calibration.bench import Bench
     from ..calibration.bench_sim import SimulatedBench, hidden_mounting
+    from ..hardware import baud, device
     from ..servos.link import Link
     from ..servos.port import ServoPort
     from ..servos.table import TORQUE_ENABLE

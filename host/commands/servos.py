@@ -49,8 +49,8 @@ def register(app: typer.Typer) -> None:
 @contextmanager
 def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
     """Yield the robot and an open link to its servos, real or emulated."""
-    from ..buses.choose import baud as own_baud
-    from ..buses.choose import device
+    from ..hardware import baud as own_baud
+    from ..hardware import device
     from ..robot_file import find, load_robot
     from ..servos.link import Link
     from ..servos.port import ServoPort
@@ -180,9 +180,9 @@ def _status_cells(s: Any) -> tuple[str, ...]:
 
 @contextmanager
 def _open_bus(robot: str, port: str | None, calibration: Path | None, sim: bool) -> Iterator["ServoBus"]:
-    from ..buses.choose import hardware
     from ..robot_file import load_robot
     from ..servos.bus import ServoBus
+    from ._hardware import hardware
 
     with hardware(load_robot(robot), "emulated" if sim else "real", port, calibration, robot) as parts:
         assert isinstance(parts.bus, ServoBus)
@@ -368,7 +368,7 @@ def budget(
 
     Example: caramelo servos budget --baud 1000000 --latency 16
     """
-    from ..buses.choose import baud as own_baud
+    from ..hardware import baud as own_baud
     from ..robot_file import load_robot
     from ..servos.budget import budget as budget_of
 

@@ -47,20 +47,19 @@ def teleop(
     Examples: caramelo teleop --sim; caramelo teleop --sim --web; caramelo teleop --web --listen 0.0.0.0 --log logs/;
     caramelo teleop --sim --measure 30 --json
     """
-    from ..robot_file import load_robot
+    from ..robot_file import find, load_robot
     from ..teleop.session import Options, Session
+    from ._hardware import hardware
 
     _check(measure, direct, sim)
     _check_keep(keep, log)
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UserError("no terminal to take keys from: add --headless, with --web, --gamepad or --socket")
+    loaded = load_robot(robot)
+    parts = hardware(loaded, _which(loaded.actuator.kind, sim, direct), port, calibration, str(find(robot)), imu)
     options = Options(
         robot=robot,
-        which=_which(load_robot(robot).actuator.kind, sim, direct),
-        port=port,
-        imu=imu,
-        calibration=calibration,
         web=web,
         listen=listen,
         log=log,
@@ -70,7 +69,7 @@ def teleop(
         measure_s=measure,
         terminal=not quiet,
     )
-    session = Session(options, _quiet if as_json else say, lambda: signal.alarm(END_MOST_S))
+    session = Session(options, loaded, parts, _quiet if as_json else say, lambda: signal.alarm(END_MOST_S))
     try:
         figures = session.run()
         if as_json:

@@ -20,9 +20,10 @@ from typing import Any
 from ..calibration.data import load_calibration, nominal
 from ..imu.simulated import SimulatedImu
 from ..robot_file import load_robot
+from ..robot_poses import seated_pose_rad
 from ..servos import table as t
 from .bus import Disturbance, EmulatedBus
-from .plant import JointPlant, PlanePlant, seated_pose_rad
+from .plant import JointPlant, PlanePlant
 
 TICK_S = 0.005
 CHUNK = 4096

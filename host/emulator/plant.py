@@ -14,7 +14,6 @@ from sim2d.model import PLANAR_INDEX, PLANAR_JOINTS, ServoModel
 
 from ..buses.base import JOINTS
 from ..errors import UserError
-from ..kinematics_si import leg_inverse
 from ..plane import planar_robot
 from ..robot_model import Robot
 
@@ -217,20 +216,3 @@ class PlanePlant(Plant):
             for _ in range(steps):
                 hinge.step(self.drives, 3 * leg, DT_S)
             self.position_rad[3 * leg], self.speed_rad_s[3 * leg] = hinge.position_rad, hinge.speed_rad_s
-
-
-def pose_at(robot: Robot, height_m: float) -> list[float]:
-    """Return twelve joint angles with the feet at rest and the hips ``height_m`` above them."""
-    pose: list[float] = []
-    for leg in range(4):
-        foot_m = robot.foot_m(leg, height_m)
-        angles = leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m)
-        if angles is None:
-            raise UserError(f"{robot.name}: a height of {height_m:g} m is out of reach")
-        pose.extend(angles)
-    return pose
-
-
-def seated_pose_rad(robot: Robot) -> list[float]:
-    """Return the pose in which a robot waits: seated."""
-    return pose_at(robot, robot.stance.sit_height_m)

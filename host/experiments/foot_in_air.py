@@ -19,9 +19,10 @@ from sim2d.world import World
 
 from ..errors import UserError
 from ..kinematics_si import Vector, leg_forward, leg_inverse
-from ..plane import planar_robot, rest_pose_rad
+from ..plane import planar_robot
 from ..robot_actuators import Servo
 from ..robot_model import Robot
+from ..robot_poses import rest_pose_rad
 from .data import papers
 
 ARRIVED_M = 0.001
@@ -135,7 +136,7 @@ def _space_mover(trial: AirTrial) -> Callable[[Vector], Vector]:
     robot, rate_hz = trial.robot, round(1 / _STEP_S)
     options = ModelOptions(voltage_V=trial.conditions["voltage_V"], on_a_stand=True, dt_s=_STEP_S)
     world = Space(robot, options, rate_hz, bus_delay_s=0.0)
-    goals: list[Any] = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    goals: list[Any] = rest_pose_rad(robot)
     for _ in range(round(_HANG_S / _STEP_S)):
         world.advance()
 

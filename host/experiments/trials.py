@@ -10,12 +10,12 @@ import numpy as np
 from sim2d.recording import Recording
 from sim2d.terrain import Terrain
 
+from ..energy import mean_power_W
 from ..export.ground import Ground
 from ..robot_actuators import Servo
 from ..robot_model import Robot
 from ..walk import WalkSpec, run_walk, walk_result
 from .data import assumptions
-from .energy import mean_power_W
 
 if TYPE_CHECKING:
     from ..three_d.walk import SpaceRecording

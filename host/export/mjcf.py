@@ -13,8 +13,9 @@ from xml.etree import ElementTree as Xml
 
 from sim2d.model import PlanarRobot, ServoModel
 
-from ..plane import planar_robot, rest_pose_rad
+from ..plane import planar_robot
 from ..robot_model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
+from ..robot_poses import rest_pose_rad
 from .ground import Ground
 
 GRAVITY_M_S2 = 9.81
@@ -147,7 +148,7 @@ def _add_leg(trunk: Xml.Element, robot: Robot, plane: PlanarRobot, leg: int, opt
         on_tendon = joint == 2 and plane.calf_on_torso
         hinge = _add_joint(bodies[joint], robot, leg, joint, None if on_tendon else servos[joint])
         if options.at_rest:
-            rest = _number(rest_pose_rad(robot, leg)[joint])
+            rest = _number(rest_pose_rad(robot)[3 * leg + joint])
             bodies[joint].set("axisangle", f"{_AXES[joint]} {rest}")
             hinge.set("ref", rest)
         _inertial(bodies[joint], link, side, knee)
@@ -209,7 +210,7 @@ def _add_drives(root: Xml.Element, robot: Robot, plane: PlanarRobot, voltage_V: 
 
 def _add_rest(root: Xml.Element, robot: Robot, options: ModelOptions) -> None:
     """Add the keyframe: every loose stone where it lies, the trunk above its feet, joints and goals at rest."""
-    pose = [angle_rad for leg in range(4) for angle_rad in rest_pose_rad(robot, leg)]
+    pose = rest_pose_rad(robot)
     places: list[float] = []
     for block in options.ground.blocks:
         if block.mass_kg > 0:

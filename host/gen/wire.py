@@ -15,7 +15,8 @@ from host.protocol import dbc, parameters
 from host.protocol.dbc import Message
 from host.protocol.parameters import Parameter
 
-ROOT = Path(__file__).resolve().parents[2]
+from .. import ROOT
+
 DOCS = "docs/can-protocol.md"
 
 

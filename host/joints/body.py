@@ -6,30 +6,13 @@ Angles are the motors' at the joint's side of the gear: a calf whose motor sits 
 from collections.abc import MutableSequence, Sequence
 from math import copysign
 
-from ..emulator.plant import DT_S, hinges, seated_pose_rad
+from ..emulator.plant import DT_S, hinges
 from ..plane import planar_robot
+from ..robot_coupling import to_motor
 from ..robot_model import Robot
+from ..robot_poses import seated_pose_rad
 
-JOINTS = 12
 SLOW_RAD_S = 0.5  # below it dry friction fades, so that an explicit step stays stable (assumed)
-
-
-def to_motor(robot: Robot, joints: Sequence[float]) -> list[float]:
-    """Return motor angles (or speeds) of joint angles."""
-    motor = list(joints)
-    if robot.calf_drive.coupled:
-        for calf in range(2, JOINTS, 3):
-            motor[calf] += motor[calf - 1]
-    return motor
-
-
-def to_joint(robot: Robot, motors: Sequence[float]) -> list[float]:
-    """Return joint angles (or speeds) of motor angles."""
-    joint = list(motors)
-    if robot.calf_drive.coupled:
-        for calf in range(2, JOINTS, 3):
-            joint[calf] -= joint[calf - 1]
-    return joint
 
 
 class _Torques:

@@ -13,8 +13,8 @@ from ..busload import busload, default_schedule
 from ..can.port import Port, Received
 from ..joint_gains import joint_blocks
 from ..protocol import dbc, frames
+from ..robot_coupling import to_motor
 from ..robot_model import Robot
-from .body import to_motor
 from .host_loops import SETPOINTS, HostLoops
 from .link import JointLink
 from .setups import joint_setups

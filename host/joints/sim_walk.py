@@ -4,8 +4,8 @@ from collections.abc import Callable, Collection
 
 from ..buses.can_joints import CanJoints
 from ..drive import Driver
-from ..emulator.plant import seated_pose_rad
 from ..robot_model import Robot
+from ..robot_poses import seated_pose_rad
 from .guard import Notice
 from .sim_robot import SimRobot, sim_port
 

@@ -111,7 +111,8 @@ class VmInside:
 @cache
 def _built() -> tempfile.TemporaryDirectory[str]:
     """Return a folder, removed when this process ends, with the firmware as the build makes it for the unix VM."""
-    from ..build.source import PACKAGES, ROOT
+    from .. import ROOT
+    from ..build.source import PACKAGES
     from ..build.tree import compile_tree, write_tree
 
     folder = tempfile.TemporaryDirectory(prefix="caramelo-vm-")

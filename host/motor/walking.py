@@ -163,7 +163,7 @@ def transport(robot: Robot, recording: Recording, payload_kg: float, motors: Joi
     """
     way_m = float(recording.torso_x_m[-1] - recording.torso_x_m[0])
     if motors is None:
-        from ..experiments.energy import drives_power_W
+        from ..energy import drives_power_W
 
         power_W = drives_power_W(robot, recording.torque_Nm, recording.joint_speed_rad_s)
         drawn = power_W * float(recording.time_s[-1] - recording.time_s[0])

@@ -12,9 +12,10 @@ from firmware.chip_setup import MCU_CHANNEL, THERMISTOR_CHANNEL
 from firmware.encoders import READ_ANGLE
 from shared.gait.gaits import GAIT_NAMES
 
+from .. import ROOT
 from ..build.frozen import select
 from ..build.generated import generated_modules
-from ..build.source import ROOT, read_modules
+from ..build.source import read_modules
 from ..build.tree import write_tree
 from ..robot_file import load_robot
 from ..runtimes import Wasi

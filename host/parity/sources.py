@@ -7,7 +7,7 @@ from typing import Any
 from shared.joint.layout import SINE_SIZE
 from shared.record import pack
 
-from ..build.source import ROOT
+from .. import ROOT
 from ..joint_gains import joint_blocks
 from ..joint_units import JointSetup
 from ..robot_actuators import Bldc

@@ -7,16 +7,17 @@ by itself and within a bound, and one that hangs is left behind.
 import os
 import sys
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..buses.choose import Hardware, hardware
 from ..console import write_error
 from ..errors import NOT_ACHIEVED, UserError
+from ..hardware import Hardware
 from ..imu.attitude import Attitude
-from ..robot_file import find, load_robot
+from ..robot_file import find
+from ..robot_model import Robot
 from . import priority
 from .arbiter import Client
 from .checks import start_checks
@@ -45,10 +46,6 @@ class Options:
     """What was asked for on the command line."""
 
     robot: str = "caramelo"
-    which: str = "real"
-    port: str | None = None
-    imu: str | None = None
-    calibration: Path | None = None
     web: bool = False
     listen: str = "127.0.0.1:8080"
     log: Path | None = None
@@ -60,11 +57,20 @@ class Options:
 
 
 class Session:
-    """A drive. ``say`` prints a line of the start-up; ``free`` is called at the end, when the joints are let go."""
+    """A drive of a robot through ``hardware``, which is entered when the drive begins.
 
-    def __init__(self, options: Options, say: Callable[[str], None], free: Callable[[], object] = lambda: None) -> None:
-        self.options, self._say, self._free = options, say, free
-        self.robot = load_robot(options.robot)
+    ``say`` prints a line of the start-up; ``free`` is called at the end, when the joints are let go.
+    """
+
+    def __init__(
+        self,
+        options: Options,
+        robot: Robot,
+        hardware: AbstractContextManager[Hardware],
+        say: Callable[[str], None],
+        free: Callable[[], object] = lambda: None,
+    ) -> None:
+        self.options, self.robot, self._hardware, self._say, self._free = options, robot, hardware, say, free
         self.extra = Extra()
         self._leave_s = 0.0
         self._leaving: Leaving | None = None
@@ -77,20 +83,10 @@ class Session:
 
     def run(self) -> dict[str, Any]:
         """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
-        options = self.options
         with ExitStack() as stack:
             # Before the emulated servos start: they inherit it, as they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
-            parts = stack.enter_context(
-                hardware(
-                    self.robot,
-                    options.which,
-                    options.port,
-                    options.calibration,
-                    str(find(options.robot)),
-                    options.imu,
-                )
-            )
+            parts = stack.enter_context(self._hardware)
             supervisor = self._open(stack, parts)
             loop = Loop(supervisor, self._after_tick)
             hub = Hub(self._gate(loop), loop.drop)
@@ -137,9 +133,8 @@ class Session:
             if attitude is not None:
                 attitude.align()
 
-        # The simulated robots live in a plane: they never turn, which the planner would take for being held up.
-        measured = attitude is not None and self.options.which == "real"
-        rates = (lambda: attitude.rates_rad_s) if attitude is not None and measured else (lambda: None)
+        # A robot that can't turn would be taken for one that is held up.
+        rates = (lambda: attitude.rates_rad_s) if attitude is not None and parts.turns else (lambda: None)
         return Supervisor(self.robot, parts.bus, sense, put_back=put_back, rates=rates)
 
     def _note(self, check: StartCheck) -> None:

@@ -14,9 +14,9 @@ import numpy as np
 import numpy.typing as npt
 
 from ..export.mjcf import GRAVITY_M_S2, ModelOptions, joint_names, mjcf
-from ..plane import rest_pose_rad
 from ..robot_actuators import Servo
 from ..robot_model import LEG_NAMES, Robot, Vector
+from ..robot_poses import rest_pose_rad
 
 Array = npt.NDArray[np.float64]
 
@@ -59,7 +59,7 @@ class World:
 
     def _rest(self) -> None:
         """Put the robot into its rest pose on the floor below x = 0."""
-        pose = [angle for leg in range(4) for angle in rest_pose_rad(self.robot, leg)]
+        pose = rest_pose_rad(self.robot)
         self.data.qpos[self._q : self._q + 12] = pose
         self._act(np.array(pose))
         mujoco.mj_forward(self.model, self.data)

@@ -12,6 +12,7 @@ from host.joints.gateway import Gateway
 from host.joints.sim_robot import SimRobot
 from host.robot_file import load_robot
 from shared.wire.names import HEARTBEAT_ID, PROTOCOL_HASH
+from tests.waiting import PATIENCE_S
 
 
 def run(capsys, *words):
@@ -156,7 +157,7 @@ def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, sha
         stopped |= {i for i, row in enumerate(rows) if "emergency" in row["fault"] or i in (3, 5)}
         volts |= {i: row["bus_V"] for i, row in enumerate(rows) if row.get("bus_V")}
     shared_bus.stopping = True
-    thread.join()
+    thread.join(PATIENCE_S)
     assert code == 1
     assert len(stopped) == 12
     assert volts[3] == pytest.approx(12.0, abs=0.3)

@@ -6,13 +6,13 @@ from contextlib import contextmanager
 import pytest
 
 from host.buses.can_joints import CanJoints
-from host.buses.choose import hardware
-from host.emulator.plant import seated_pose_rad
+from host.commands._hardware import hardware
 from host.errors import UserError
 from host.joints.setups import joint_setups
 from host.joints.sim_joint import SimJoint
 from host.joints.sim_robot import SimRobot, power_off, sim_port
 from host.protocol.frames import decode, encode
+from host.robot_poses import seated_pose_rad
 from host.teleop.loop import Loop
 from host.teleop.supervisor import Supervisor
 from shared.wire import names as w

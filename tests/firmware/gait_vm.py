@@ -4,7 +4,8 @@ import shutil
 import subprocess
 import sys
 
-from host.build.source import ROOT, closure, read_modules
+from host import ROOT
+from host.build.source import closure, read_modules
 from host.runtimes.unix import Unix
 from host.scale import attitude_block, core_params
 from shared.record import pack

@@ -14,12 +14,11 @@ from firmware.encoders import angle_of, parity
 from host.chip.joint_board import JointBoard, Restart
 from shared.joint import faults as f
 from shared.wire import names as w
+from tests import ROOT
 
 from . import chip_checks
 from .chip_checks import armed, clean
 from .on_chip import NODE, OnChip
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("check", chip_checks.CHECKS, ids=lambda check: check.__name__)

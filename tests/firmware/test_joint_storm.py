@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from host.build.source import ROOT, closure, read_modules
+from host import ROOT
+from host.build.source import closure, read_modules
 from host.motor.bench import Bench
 from host.robot_file import load_robot
 from host.runtimes import Unix, Wasi

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from host.build.source import ROOT
+from host import ROOT
 from tests.flash.sim_flash import PowerCut
 
 SOURCES = ROOT / "firmware/loader"

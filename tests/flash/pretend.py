@@ -25,6 +25,7 @@ from firmware.flash_map import BASE, HEADER, parse_header, slot_at
 from host.build.dfu import parts
 from tests.flash.loader import choose
 from tests.flash.sim_flash import Memory, SimFlash
+from tests.waiting import PATIENCE_S, stays, wait_until
 
 HARNESS = Path(__file__).with_name("harness.py")
 
@@ -72,54 +73,37 @@ class PretendBoard:
 
     def __exit__(self, *_):
         self._closing = True
-        self._relay.join()
+        self._relay.join(PATIENCE_S)
         self._process.kill()
-        self._process.wait()
+        self._process.wait(PATIENCE_S)
         ends = [self._board, self._inner, self._outer] + ([self._outside] if self.powered else [])
         for end in ends:
             os.close(end)
 
-    def wait_for(self, words, seconds=10):
+    def wait_for(self, words):
         """Wait until the board has said ``words`` since its last start."""
-        end = time.monotonic() + seconds
-        while words not in self.said and time.monotonic() < end:
-            time.sleep(0.01)
-        return words in self.said
+        return wait_until(lambda: words in self.said, lambda: (words, self.said))
 
-    def line_after(self, words, seconds=10):
-        """Wait for the line that holds ``words`` and return what stands behind them in it, "" if it does not come."""
-        end = time.monotonic() + seconds
-        while b"\n" not in self.said.partition(words)[2] and time.monotonic() < end:
-            time.sleep(0.01)
+    def line_after(self, words):
+        """Wait for the line that holds ``words`` and return what stands behind them in it."""
+        wait_until(lambda: b"\n" in self.said.partition(words)[2], lambda: (words, self.said))
         return self.said.partition(words)[2].partition(b"\n")[0].strip().decode()
-
-    def wait_for_no_power(self, seconds=10):
-        """Wait until the power has gone; on a busy machine the other end may see the board fall silent before."""
-        end = time.monotonic() + seconds
-        while self.powered and time.monotonic() < end:
-            time.sleep(0.01)
-        return not self.powered
 
     def settle(self, words, quiet_s=0.5):
         """Wait until the board has said ``words`` and has not been reset for so long."""
-        end = time.monotonic() + 10
-        resets, since = self.resets, time.monotonic()
-        while time.monotonic() < end:
-            if self.resets != resets or words not in self.said:
-                resets, since = self.resets, time.monotonic()
-            if time.monotonic() - since > quiet_s:
-                return
-            time.sleep(0.01)
-        raise AssertionError(f"the board has not said {words!r} and stayed up: {self.said!r}")
+
+        def quiet():
+            resets = self.resets
+            return words in self.said and stays(lambda: self.resets == resets, quiet_s)
+
+        wait_until(quiet, lambda: (words, self.said))
 
     def after_reset(self, reset, words, count=1):
         """Return what ``reset`` does, once the board has started again so often and said ``words``."""
         wanted = self.resets + count
         answer = reset()
-        end = time.monotonic() + 60
-        while self.resets < wanted and time.monotonic() < end:
-            time.sleep(0.01)
-        assert self.wait_for(words, 60)
+        wait_until(lambda: self.resets >= wanted, f"reset number {wanted}")
+        self.wait_for(words)
         return answer
 
     def _start(self):
@@ -194,4 +178,4 @@ class PretendBoard:
             return
         if late:
             self._process.terminate()
-            self._process.wait()
+            self._process.wait(PATIENCE_S)

@@ -6,8 +6,9 @@ What is linked and frozen on a board is here a text of modules; both halves of t
 import json
 from functools import cache
 
+from host import ROOT
 from host.build.image_file import make_image
-from host.build.source import ROOT, closure, read_modules
+from host.build.source import closure, read_modules
 
 APPLICATION = '''"""Application of a test."""
 

@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -14,21 +13,19 @@ from host.emulator.process import Emulator
 
 @pytest.mark.parametrize(
     ("code", "patience_s", "ending"),
-    [("import sys; sys.stdin.read()", 30.0, 0), ("import time; time.sleep(60)", 0.2, -signal.SIGKILL)],
+    [("import sys; sys.stdin.read()", 30.0, 0), ("import signal; signal.pause()", 0.2, -signal.SIGKILL)],
     ids=["obeys", "hangs"],
 )
 def test_a_child_ends_and_its_pipes_are_closed(code, patience_s, ending):
     process = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-    began_s = time.monotonic()
     end_child(process, patience_s)
     assert process.returncode == ending
-    assert time.monotonic() - began_s < 20
     assert process.stdin.closed
     assert process.stdout.closed
 
 
 def test_a_child_without_pipes_needs_no_patience():
-    process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"], stdin=subprocess.DEVNULL)
+    process = subprocess.Popen([sys.executable, "-c", "import signal; signal.pause()"], stdin=subprocess.DEVNULL)
     end_child(process, 0.0)
     assert process.returncode == -signal.SIGKILL
     end_child(process, 0.0)

@@ -4,7 +4,6 @@ import ast
 import io
 import json
 import unicodedata
-from pathlib import Path
 
 import pytest
 from rich.table import Table
@@ -12,8 +11,8 @@ from rich.text import Text
 
 from host import console
 from host.console import plain, say, screen, write_error, write_json
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 # ESC sequences, C1 as one character, a title, backspace, writing direction, half a surrogate, markup that ends nothing.
 FOREIGN = "a\x1b[2Jb\x9b31mc\x1b]0;title\x07d\x08e\u202ef\ud800g\x00h\x7fi[/x][red]j:smile:"
 # These write to a program that reads their output, not to a person.

@@ -6,14 +6,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
+from host.energy import mean_power_W
 from host.experiments import compare, steps, table1
 from host.experiments.data import assumptions, papers
-from host.experiments.energy import mean_power_W
 from host.experiments.outcome import Outcome
 from host.experiments.pool import run_all
 from host.experiments.requirements import inspection
@@ -21,6 +20,7 @@ from host.experiments.trials import Answer, Options, PlaneTrial, trial_condition
 from host.robot_file import load_robot
 from host.walk import WalkSpec
 from tests.interrupts import hear_ctrl_c
+from tests.waiting import PATIENCE_S, wait_until
 
 np = pytest.importorskip("numpy")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
@@ -335,12 +335,9 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
         [CARAMELO, "experiment", "ramp", "--gait", "paper-trot", "--jobs", "2", "--no-3d", "--out", target],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=hear_ctrl_c,
     )
-    ends_s = time.monotonic() + 60.0
-    while len(children_of(process.pid)) < 2:
-        assert time.monotonic() < ends_s, "no trials began"
-        time.sleep(0.05)
+    wait_until(lambda: len(children_of(process.pid)) >= 2, "trials begin")
     os.killpg(process.pid, signal.SIGINT)
-    out, err = process.communicate(timeout=30)
+    out, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == 130
     told = err.splitlines()
     assert told.pop() == "caramelo: stopped by Ctrl-C"

@@ -1,16 +1,15 @@
 """Files of the user: every kind of TOML is read in one way, and names from files are only names."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from host.cli import main
 from host.files import file_name, read_toml
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent.parent
 # Besides the one place, those that read only what comes with the software.
-READERS = {"files.py", "protocol/parameters.py", "experiments/data.py"}
+READERS = {"files.py", "protocol/parameters.py", "energy.py", "experiments/data.py"}
 NESTED = "a = " + "[" * 3000
 COMMANDS = [
     ["robots", "check", "{}"], ["robots", "show", "{}"], ["walk", "--robot", "{}"],

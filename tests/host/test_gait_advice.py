@@ -1,15 +1,15 @@
 """Which gaits are advised for which robot: the robot file's own words, and a word for those it does not name."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from host.gait_advice import UNTRIED, gait_advice, why_not_advised
 from host.robot_file import load_robot, robot_names
 from shared.gait.gaits import GAIT_NAMES
+from tests import ROOT
 
-DOCS = Path(__file__).resolve().parents[2] / "docs" / "gaits.md"
+DOCS = ROOT / "docs" / "gaits.md"
 
 
 @pytest.mark.parametrize("name", robot_names())

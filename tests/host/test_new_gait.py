@@ -3,15 +3,14 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.gait_advice import UNTRIED
+from tests import ROOT
 
-ROOT = Path(__file__).resolve().parents[2]
 LAST = '    ("crawl", MOVER_CRAWL, TROT),\n'
 # Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
 ROWS = "((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1))"

@@ -69,9 +69,10 @@ def build_everything(robot):
 
 def build_in_the_plane(robot):
     """Make the plane's world, and let it take a step with what drives it in a walk and in teleoperation."""
-    from host.emulator.plant import JointPlant, PlanePlant, seated_pose_rad
+    from host.emulator.plant import JointPlant, PlanePlant
     from host.motor.walking import joint_motors
     from host.plane import planar_robot
+    from host.robot_poses import seated_pose_rad
     from sim2d.terrain import flat
     from sim2d.world import World
 

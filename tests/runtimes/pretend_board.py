@@ -9,6 +9,8 @@ import threading
 import tty
 from pathlib import Path
 
+from tests.waiting import PATIENCE_S
+
 
 class PretendBoard:
     """Use as a context; ``port`` is what a program opens as its serial port. ``silent`` boards never answer."""
@@ -35,10 +37,10 @@ class PretendBoard:
 
     def __exit__(self, *_: object) -> None:
         self._running = False
-        self._relay.join()
+        self._relay.join(PATIENCE_S)
         if self._process:
             self._process.kill()
-            self._process.wait()
+            self._process.wait(PATIENCE_S)
         for end in (self._board, self._outside, *self._held):
             os.close(end)
 

@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from host import ROOT
 from host.build.frozen import ROLES, frozen_sources, select
 from host.build.rewrite import EMITTERS, rewrite
-from host.build.source import ROOT, BuildError, closure, read_modules
+from host.build.source import BuildError, closure, read_modules
 from host.build.tree import compile_tree, replace_tree, write_tree
 from host.errors import UserError
 from host.runtimes import Unix

@@ -2,8 +2,8 @@
 
 import pytest
 
+from host import ROOT
 from host.build.sizes import measure_sizes, over_budget, read_budget
-from host.build.source import ROOT
 from host.parity import budget
 from host.parity.accuracy import accuracies
 from host.parity.bench import Bench

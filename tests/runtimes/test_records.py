@@ -5,9 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from host import ROOT
 from host.build.lower import lower
 from host.build.rewrite import rewrite
-from host.build.source import ROOT, BuildError, read_modules
+from host.build.source import BuildError, read_modules
 from host.build.typed import typed_modules
 from shared.body.params import LEGS, Params
 from shared.num.pid import Pid

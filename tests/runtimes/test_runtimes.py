@@ -36,10 +36,8 @@ def test_a_failing_script_is_a_failure_with_its_words(tmp_path, runtime):
 
 
 def test_a_script_that_does_not_end_is_ended(tmp_path):
-    started = time.monotonic()
     with pytest.raises(RuntimeFailure, match="no answer within 1 s"):
-        run_command(["sleep", "60"], tmp_path, 1.0, "sleeper")
-    assert time.monotonic() - started < 10
+        run_command(["sleep", "infinity"], tmp_path, 1.0, "sleeper")
 
 
 def test_fuel_is_the_same_in_every_run(tmp_path):

@@ -3,14 +3,12 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 from shared.record import pack
+from tests import ROOT
 
 from .imu import block as attitude_block
 from .robots import block
-
-ROOT = Path(__file__).resolve().parents[2]
 
 
 def drive(params, ticks):

@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import example, given
 
+from host.gen import tables
 from shared.num.fixed import (
     atan2_brad,
     atan2_brad18,
@@ -138,3 +139,7 @@ def test_mul_q15_rounds_to_nearest(a, b):
 def test_saturate_limits(value, one, other):
     low, high = min(one, other), max(one, other)
     assert saturate(value, low, high) == twin.limit(value, low, high)
+
+
+def test_the_tables_are_what_their_generator_writes():
+    assert tables.TARGET.read_text() == tables.render()

@@ -1,15 +1,14 @@
 """The float twin runs on MicroPython too, so that a board can be asked what the real numbers are."""
 
 import shutil
-from pathlib import Path
 
 import pytest
 
 from host.runtimes.unix import Unix
+from tests import ROOT
 from tests.float_twin import sample
 from tests.marks import skip_without
 
-ROOT = Path(__file__).resolve().parents[2]
 USED = ("attitude", "balance", "body", "fixed", "gait", "goals", "leg", "pid", "planner", "reach", "sample", "swing")
 SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.dumps({'numbers': numbers()}))\n"
 

@@ -10,9 +10,10 @@ from host.export.ground import extrude
 from host.export.mjcf import STOP_MARGIN_RAD, ModelOptions, joint_names, mjcf
 from host.export.urdf import urdf
 from host.kinematics_si import leg_forward
-from host.plane import planar_robot, rest_pose_rad
+from host.plane import planar_robot
 from host.robot_file import load_robot
 from host.robot_model import KNEE_CONFIGURATIONS, LEG_NAMES
+from host.robot_poses import rest_pose_rad
 from host.three_d.grounds import GroundSpec, make_ground
 from sim2d import terrain
 
@@ -54,7 +55,7 @@ def test_the_drive_law(name):
     plane = planar_robot(robot)
     model = mujoco.MjModel.from_xml_string(mjcf(robot, ModelOptions(on_a_stand=True)))
     data = mujoco.MjData(model)
-    pose = np.array([angle for leg in range(4) for angle in rest_pose_rad(robot, leg)])
+    pose = np.array(rest_pose_rad(robot))
     data.qpos[:] = pose
     data.ctrl[:] = pose
     if plane.calf_on_torso:
@@ -123,7 +124,7 @@ def test_mujoco_reads_the_urdf_alike():
     model = mujoco.MjModel.from_xml_string(urdf(robot).replace(
         "<robot name=\"caramelo\">", "<robot name=\"caramelo\"><mujoco><compiler fusestatic=\"false\"/></mujoco>"))
     data = mujoco.MjData(model)
-    data.qpos[:] = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    data.qpos[:] = rest_pose_rad(robot)
     mujoco.mj_kinematics(model, data)
     foot = data.xpos[model.body("RL_foot").id]
     wanted = (*robot.hip_m(3), 0.0)

@@ -29,8 +29,8 @@ Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long
 def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
     """Yield the joints of a robot, listened to for two heartbeats but not checked."""
     from ...buses.can_joints import CanJoints, new_session
-    from ...emulator.plant import seated_pose_rad
     from ...robot_file import load_robot
+    from ...robot_poses import seated_pose_rad
 
     data = load_robot(robot)
     if data.bus.kind != "can":

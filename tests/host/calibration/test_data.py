@@ -19,12 +19,12 @@ from host.calibration.data import (
     limits_rad,
     load_calibration,
     nominal,
-    rest_rad,
     save_calibration,
     to_text,
 )
 from host.errors import UserError
 from host.robot_file import load_robot
+from host.robot_poses import rest_pose_rad
 
 CARAMELO = load_robot("caramelo")
 PLAN = nominal(CARAMELO)
@@ -64,7 +64,7 @@ def test_the_plan_is_right_and_reaches_the_limits():
         assert degrees(abs(ends[1] - high)) < 0.1
 
 
-REST = PLAN.joints[1].counts(rest_rad(CARAMELO)[1], counts_per_rad(CARAMELO)[1])
+REST = PLAN.joints[1].counts(rest_pose_rad(CARAMELO)[1], counts_per_rad(CARAMELO)[1])
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,14 @@
 import pytest
 
 from host.calibration.bench_sim import SimulatedBench, hidden_mounting, truthful_answers
-from host.calibration.data import counts_per_rad, load_calibration, nominal, rest_rad, save_calibration
+from host.calibration.data import counts_per_rad, load_calibration, nominal, save_calibration
 from host.calibration.person import AtTerminal, FromFile, matching, read_answers, write_answers
 from host.calibration.picture import leg_points, picture
 from host.calibration.procedure import Procedure, difference, reference_rad
 from host.cli import main
 from host.errors import UserError
 from host.robot_file import load_robot
+from host.robot_poses import rest_pose_rad
 from host.servos import table as t
 
 CARAMELO = load_robot("caramelo")
@@ -57,7 +58,7 @@ def test_the_check_pose_is_the_rest_stance(tmp_path):
     assert len(held) == 4
     for leg, pose in enumerate(held):
         for joint in range(leg * 3, leg * 3 + 3):
-            assert pose[joint] == pytest.approx(rest_rad(CARAMELO)[joint], abs=0.02)
+            assert pose[joint] == pytest.approx(rest_pose_rad(CARAMELO)[joint], abs=0.02)
 
 
 def test_torque_stays_low(tmp_path):

@@ -20,6 +20,7 @@ from host.imu.choose import open_source
 from host.imu.gait_board import GaitBoardImu
 from host.robot_file import load_robot
 from host.scale import attitude_block, core_params
+from tests.waiting import PATIENCE_S
 
 from ...firmware.gait_vm import start_gait_vm
 
@@ -110,7 +111,7 @@ def test_the_robots_attitude_comes_from_the_board(vm):
     assert attitude.state == "ok"
     assert attitude.angles_rad == pytest.approx((0.0, 0.0), abs=0.01)
     vm.process.kill()
-    vm.process.wait()
+    vm.process.wait(PATIENCE_S)
     attitude.update()
     assert "vm: the gait board is gone" in attitude.fault
 

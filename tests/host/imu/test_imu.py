@@ -6,7 +6,7 @@ from math import degrees, radians, sin
 import pytest
 
 from host.buses.simulated import SimulatedBus
-from host.emulator.plant import PlanePlant, seated_pose_rad
+from host.emulator.plant import PlanePlant
 from host.errors import UserError
 from host.imu.attitude import Attitude
 from host.imu.base import Axes, Imu, ImuError, ImuLate
@@ -14,6 +14,7 @@ from host.imu.mpu6050 import Mpu6050
 from host.imu.recorded import RecordedImu
 from host.imu.simulated import SimulatedImu
 from host.robot_file import load_robot
+from host.robot_poses import seated_pose_rad
 
 CARAMELO = load_robot("caramelo")
 RATE_HZ = CARAMELO.control.rate_hz

@@ -5,14 +5,14 @@ import re
 import shutil
 import socket
 import subprocess
-from pathlib import Path
 
 import pytest
 
 from host.commands.teleop import teleop
 from host.robot_file import load_robot
+from tests import ROOT
 
-UNIT = Path(__file__).resolve().parents[3] / "host/service/caramelo.service"
+UNIT = ROOT / "host/service/caramelo.service"
 ANALYZE = shutil.which("systemd-analyze")
 MOST_EXPOSED = 4.0  # of 10; it was 8.1 without the filters
 

@@ -4,8 +4,9 @@ from host.calibration.data import nominal
 from host.drive import Driver
 from host.emulator.bus import Disturbance, EmulatedBus
 from host.emulator.loopback import LoopbackPort
-from host.emulator.plant import JointPlant, PlanePlant, seated_pose_rad
+from host.emulator.plant import JointPlant, PlanePlant
 from host.robot_file import load_robot
+from host.robot_poses import seated_pose_rad
 from host.safety import Safety, torque_limit
 from host.servos.bus import ServoBus
 

@@ -9,13 +9,12 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 import serial
 
-from host.buses.choose import hardware
 from host.calibration.data import nominal
+from host.commands._hardware import hardware
 from host.emulator.packets import framing
 from host.emulator.process import Emulator
 from host.errors import UserError
@@ -24,10 +23,11 @@ from host.servos import tools
 from host.servos.bus import ServoBus
 from host.servos.link import PING_PATIENCE_MS, Link
 from host.servos.port import PATIENCE_MS, ServoPort, explain, latency_ms, latency_warning
+from tests import ROOT
 from tests.host.servos.rig import CARAMELO, PERIOD_S
 from tests.host.teleop.hanging import child_of
+from tests.waiting import PATIENCE_S, wait_until
 
-ROOT = Path(__file__).resolve().parents[3]
 BAUD = CARAMELO.bus.baud
 
 
@@ -37,40 +37,40 @@ def emulator():
         yield running
 
 
-PATIENCE_S = 20.0  # what comes within a second on an idle machine
-
-
-def paced(seconds=PATIENCE_S):
-    """Yield once a control period for so long; who waits for something leaves the loop once it is there."""
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        yield
-        time.sleep(PERIOD_S)
-
-
 def furthest(one, other):
     """Return how far two poses differ at most, rad."""
     return max(abs(a - b) for a, b in zip(one, other, strict=True))
 
 
+def cycle_until(cycle, enough):
+    """Do a control cycle every period until what it returns is enough; return that."""
+    last = []
+
+    def once():
+        last[:] = [cycle()]
+        return enough(last[0])
+
+    wait_until(once, lambda: last, every_s=PERIOD_S)
+    return last[0]
+
+
 def test_the_sdk_talks_through_a_terminal(emulator):
     with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
-        for _ in paced():
-            measured = bus.read()
-            if measured.complete:
-                break
+        measured = cycle_until(bus.read, lambda measured: measured.complete)
         bus.torque(True)
         goals = [angle + 0.1 for angle in measured.position_rad]
-        for _ in paced():
+
+        def cycle():
             bus.write(goals)
             seen, state = bus.read().position_rad, emulator.ask("state")
             if -1 in state["watchdog"]:  # this machine was so busy that the servos stopped themselves
                 bus.torque(True)
-            elif furthest(goals, state["position_rad"]) < 0.03 and furthest(seen, state["position_rad"]) < 0.01:
-                break
-        assert furthest(goals, state["position_rad"]) < 0.03
-        assert furthest(seen, state["position_rad"]) < 0.01
-        assert all(state["follows"])
+            return seen, state
+
+        def there(seen, state):
+            return furthest(goals, state["position_rad"]) < 0.03 and furthest(seen, state["position_rad"]) < 0.01
+
+        cycle_until(cycle, lambda found: there(*found) and all(found[1]["follows"]))
         assert bus.counters.answered > 0.5 * bus.counters.sent
     assert not any(emulator.ask("state")["torque"])
 
@@ -80,23 +80,11 @@ def test_real_time_walking_with_a_bad_line_and_a_trip():
         emulator = parts.attitude.source.emulator
         emulator.ask("disturb", lost=0.01, corrupted=0.01)
         bus.torque(True)
-        for _ in paced():
-            measured = bus.read()
-            bus.write(measured.position_rad)
-            if bus.counters.lost > 0 and bus.counters.corrupted > 0:
-                break
-        assert bus.counters.lost > 0
-        assert bus.counters.corrupted > 0
+        cycle_until(lambda: bus.write(bus.read().position_rad), lambda _: bus.counters.lost and bus.counters.corrupted)
         emulator.ask("trip", servo=5)
-        for _ in paced():
-            measured = bus.read()
-            if measured.error[4]:
-                break
-        assert measured.error[4] == "overload"
+        assert cycle_until(bus.read, lambda measured: measured.error[4]).error[4] == "overload"
         parts.attitude.open()
-        for _ in paced():
-            if parts.attitude.update() is not None:
-                break
+        cycle_until(parts.attitude.update, lambda angles: angles is not None)
         assert parts.attitude.state == "ok", parts.attitude.note
 
 
@@ -117,25 +105,17 @@ while True:
 """
 
 
-def wait_until(true, seconds=10.0):
-    """Ask until it is so; AssertionError when that takes too long."""
-    ends_s = time.monotonic() + seconds
-    while not true():
-        assert time.monotonic() < ends_s
-        time.sleep(0.01)
-
-
 @contextmanager
 def holder(emulator):
     """Yield a program that holds the servos; it is killed at the end."""
     child = subprocess.Popen([sys.executable, "-c", CHILD, emulator.port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     try:
         assert child.stdout.readline() == "on\n"
-        wait_until(lambda: all(emulator.ask("state")["torque"]))
+        wait_until(lambda: all(emulator.ask("state")["torque"]), "all servos hold")
         yield child
     finally:
         child.kill()
-        child.wait()
+        child.wait(PATIENCE_S)
         child.stdout.close()
 
 
@@ -144,7 +124,7 @@ def test_whoever_holds_the_servos_dies_or_hangs_and_they_are_let_go(emulator, de
     """The servos' own watchdog only stops them; the guardian takes the torque away."""
     with holder(emulator) as child:
         child.send_signal(death)
-        wait_until(lambda: not any(emulator.ask("state")["torque"]))
+        wait_until(lambda: not any(emulator.ask("state")["torque"]), "all servos are let go")
 
 
 def test_the_servos_own_watchdog_stops_them_and_they_go_on_holding(emulator):
@@ -154,12 +134,12 @@ def test_the_servos_own_watchdog_stops_them_and_they_go_on_holding(emulator):
         for process in (child.pid, guardian):
             os.kill(process, signal.SIGSTOP)
         # Each does so within WATCHDOG_S by its own clock (test_bus.py); here a busy machine may be late.
-        wait_until(lambda: not any(emulator.ask("state")["follows"]))
+        wait_until(lambda: not any(emulator.ask("state")["follows"]), "the servos stop themselves")
         state = emulator.ask("state")
         assert state["watchdog"] == [-1] * 12
         assert state["torque"] == [True] * 12
         os.kill(guardian, signal.SIGCONT)
-        wait_until(lambda: not any(emulator.ask("state")["torque"]))
+        wait_until(lambda: not any(emulator.ask("state")["torque"]), "all servos are let go")
 
 
 def test_a_guardian_that_dies_is_a_fault_and_closing_ends_it(emulator):
@@ -167,9 +147,9 @@ def test_a_guardian_that_dies_is_a_fault_and_closing_ends_it(emulator):
         guardian = bus._guardian.process
         assert bus.read().faults == ()
         guardian.kill()
-        guardian.wait()
+        guardian.wait(PATIENCE_S)
         bus.torque(True)
-        wait_until(lambda: [fault.cause for fault in bus.read().faults] == ["guardian"])
+        wait_until(lambda: [fault.cause for fault in bus.read().faults] == ["guardian"], "the guardian is missed")
     with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
         bus.torque(True)
         guardian = bus._guardian.process

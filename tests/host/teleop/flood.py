@@ -1,6 +1,6 @@
 """Pours connections into the page's port and resets into the scripts' socket until stdin ends; a process of its own.
 
-python -m tests.host.teleop.flood PORT PATH. A line on stdout says each second how many it has opened so far.
+python -m tests.host.teleop.flood PORT PATH. A line on stdout says about once a second how many it has opened so far.
 """
 
 import json
@@ -9,6 +9,7 @@ import select
 import socket
 import sys
 import time
+from itertools import count
 
 CONNECTIONS, SCRIPTS = 200, 3
 KEPT_S = 0.2  # a connection that is not ended by the other side is ended and opened again
@@ -31,8 +32,9 @@ class Stream:
         self.end_s = time.monotonic() + CHANCE.uniform(0.5, 1.0) * self.kept_s
         self.opened += 1
 
-    def pour(self, now_s):
+    def pour(self):
         """Say as much as is taken."""
+        now_s = time.monotonic()
         try:
             self.socket.send(self.say())
         except BlockingIOError:
@@ -53,13 +55,12 @@ def main(port, path):
     where = ("127.0.0.1", int(port))
     streams = [Stream(socket.AF_INET, where, request, KEPT_S) for _ in range(CONNECTIONS)]
     streams += [Stream(socket.AF_UNIX, path, lambda: 100 * RESETS, 1e9) for _ in range(SCRIPTS)]
-    told_s = 0.0
-    while not select.select([sys.stdin], [], [], 0.02)[0]:
-        now_s = time.monotonic()
+    for turn in count():
+        if select.select([sys.stdin], [], [], 0.02)[0]:
+            break
         for stream in streams:
-            stream.pour(now_s)
-        if now_s - told_s > 1.0:
-            told_s = now_s
+            stream.pour()
+        if turn % 50 == 0:
             counts = [sum(each.opened for each in part) for part in (streams[:CONNECTIONS], streams[CONNECTIONS:])]
             print(json.dumps(dict(zip(("connections", "scripts"), counts, strict=True))), flush=True)
 

@@ -11,6 +11,7 @@ from host.emulator.process import Emulator
 from host.errors import UserError
 from host.robot_file import load_robot
 from host.teleop.watched import PATIENCE_S, Watched
+from tests.waiting import wait_until
 
 # Read by every Python that starts with this folder in its path: fsync does not return while the file is there.
 SLOW_DISK = """
@@ -87,9 +88,7 @@ class Drive(Watched):
     def until_off(self, began_s=None):
         """Return how long from then, or from now, until no servo has torque, s."""
         began_s = time.monotonic() if began_s is None else began_s
-        while self.holds():
-            assert time.monotonic() - began_s < PATIENCE_S, "the robot is not let go"
-            time.sleep(0.001)
+        wait_until(lambda: not self.holds(), "the robot is let go", every_s=0.001)
         return time.monotonic() - began_s
 
 

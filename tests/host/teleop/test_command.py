@@ -10,7 +10,6 @@ import select
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -18,6 +17,7 @@ from host.cli import main
 from host.records.reader import read_record
 from host.safety import Fault
 from host.teleop.measure import Measure
+from tests.waiting import PATIENCE_S, wait_until
 
 from .rig import Rig
 
@@ -105,16 +105,17 @@ class Terminal:
             with contextlib.suppress(OSError):
                 self.shown += os.read(self._ours, 1 << 16).decode(errors="replace")
 
-    def see(self, pattern, seconds=10.0, key=None):
+    def see(self, pattern, key=None):
         """Read until the pattern is painted; ``key`` is held down meanwhile, as a terminal repeats it."""
-        end_s, since = time.monotonic() + seconds, len(self.shown)
-        while time.monotonic() < end_s:
+        since = len(self.shown)
+
+        def painted():
             if key is not None:
                 self.type(key)
             self.read(0.05)
-            if re.search(pattern, self.shown[since:]):
-                return
-        raise AssertionError(f"{pattern} is not shown: {self.shown[-2000:]}")
+            return re.search(pattern, self.shown[since:])
+
+        wait_until(painted, lambda: f"{pattern} is not shown: {self.shown[-2000:]}")
 
     def hang_up(self):
         """Take the terminal away, as a broken ssh does."""
@@ -123,7 +124,7 @@ class Terminal:
 
     def end(self):
         self.process.kill()
-        self.process.wait()
+        self.process.wait(PATIENCE_S)
 
 
 @pytest.fixture
@@ -142,7 +143,7 @@ def test_a_terminal_that_goes_away_sits_the_robot_down(tmp_path):
         terminal.see(r" standing ")
         terminal.see("walking", key=b"w")
         terminal.hang_up()
-        terminal.process.wait(40)
+        terminal.process.wait(PATIENCE_S)
     finally:
         terminal.end()
     record = read_record(path)
@@ -163,8 +164,8 @@ def test_a_drive_in_the_terminal(terminal):
     terminal.type(b"r")
     terminal.see("stand up first")
     terminal.process.send_signal(signal.SIGINT)
-    terminal.see("missed their deadline", 25)
-    assert terminal.process.wait(10) == 0
+    terminal.see("missed their deadline")
+    assert terminal.process.wait(PATIENCE_S) == 0
 
 
 def test_sigterm_sits_down_before_it_ends(tmp_path):
@@ -172,11 +173,11 @@ def test_sigterm_sits_down_before_it_ends(tmp_path):
     options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
     process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)
     assert any(line.startswith("ready") for line in process.stdout)
-    time.sleep(3)
+    wait_until(lambda: "walking" in [row.values["state"] for row in read_record(path).of("/state")], "it walks")
     process.send_signal(signal.SIGTERM)
     assert "missed their deadline" in process.stdout.read()
     process.stdout.close()
-    process.wait(30)
+    process.wait(PATIENCE_S)
     record = read_record(path)
     assert record.whole
     assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]

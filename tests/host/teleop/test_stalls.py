@@ -5,7 +5,7 @@ import signal
 
 import pytest
 
-from host.buses.choose import hardware
+from host.commands._hardware import hardware
 from host.emulator.process import Emulator, Late
 from host.errors import UserError
 from host.robot_file import load_robot

@@ -12,6 +12,7 @@ from host.errors import UserError
 from host.teleop.hub import Hub
 from host.teleop.watched import free_port
 from host.teleop.webside import AGAIN_S, SILENT_S, STEADY_S, UNREACHABLE_S, WebProcess
+from tests.waiting import wait_until
 
 from .rig import SCRIPT, STILL, Rig
 
@@ -35,10 +36,7 @@ class Side:
 
     def until(self, found):
         """Turn until it is found."""
-        end_s = time.monotonic() + 60
-        while not found():
-            assert time.monotonic() < end_s, self.web.note
-            self.turn()
+        wait_until(lambda: found() or self.turn(), lambda: self.web.note, every_s=0.0)
 
     def kill(self):
         """End the process and wait until that is seen."""

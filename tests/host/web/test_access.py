@@ -7,8 +7,8 @@ from math import radians
 import pytest
 
 from host.errors import UserError
-from host.plane import rest_pose_rad
 from host.robot_file import load_robot
+from host.robot_poses import rest_pose_rad
 from host.teleop.webside import listen_address
 from host.web.access import BETWEEN_S, GUESSES, LONGEST_REST_S, REST_S, Names, Pairing, is_loopback, new_code
 from host.web.door import listen
@@ -176,7 +176,7 @@ def test_wrong_listen_addresses(text):
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
 def test_view_of_a_standing_robot(name):
     robot = load_robot(name)
-    rest = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    rest = rest_pose_rad(robot)
     seen = View(robot).points(rest, 0.0, 0.0, 0b1001)
     for leg in range(4):
         hip, _, knee, foot = seen["legs"][leg]
@@ -190,7 +190,7 @@ def test_view_of_a_standing_robot(name):
 
 def test_nothing_is_drawn_below_the_ground():
     robot = load_robot("caramelo")
-    rest = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    rest = rest_pose_rad(robot)
     assert View(robot).points(rest, 0.0, 0.0, 0)["ground_m"] == pytest.approx(-robot.stance.rest_height_m, abs=2e-4)
     folded = [value for leg in range(4) for value in (0.0, 0.0, robot.knee_sign(leg) * radians(150))]
     seen = View(robot).points(folded, 0.0, 0.0, 0)
@@ -201,7 +201,7 @@ def test_nothing_is_drawn_below_the_ground():
 
 def test_the_view_turns_with_the_attitude():
     robot = load_robot("caramelo")
-    rest = [angle for leg in range(4) for angle in rest_pose_rad(robot, leg)]
+    rest = rest_pose_rad(robot)
     nose_down = View(robot).points(rest, 0.0, radians(10), 0)
     assert nose_down["legs"][0][0][2] < 0 < nose_down["legs"][2][0][2]
     left_up = View(robot).points(rest, radians(10), 0.0, 0)

@@ -9,6 +9,7 @@ from host.errors import UserError
 from host.gait_advice import gait_advice
 from host.robot_file import load_robot
 from host.web.browser import DESK, FAKE_PAD, missing, open_browser
+from tests.waiting import let_pass, stays
 
 from .rig import Teleop
 
@@ -62,13 +63,18 @@ def open_page(browser, teleop):
 def standing(teleop):
     """Every test begins with a robot that stands, undriven, and no stop."""
     teleop.wait(lambda status: status["driver"] is None)
-    if teleop.status()["stop"]:
-        teleop.say(type="reset")
     teleop.say(type="gait", gait=ROBOT.gait.default)
     teleop.say(type="balance", on=True)
-    teleop.say(type="posture", posture="stand")
     teleop.say(type="release")
-    teleop.wait(lambda status: status["state"] == "standing")
+
+    def ready(status):
+        if status["stop"] or status["state"] in ("fault", "disarmed"):
+            teleop.say(type="reset")  # also puts a robot back that has slid down since it was let go
+            teleop.say(type="posture", posture="stand")
+            teleop.say(type="release")
+        return status["state"] == "standing" and status["driver"] is None
+
+    teleop.wait(ready)
 
 
 def walks(status):
@@ -89,8 +95,7 @@ def test_drive_by_keyboard_and_stop(teleop, open_page):
     page.wait_for_selector("#state.halted")
     page.keyboard.up("w")
     page.keyboard.press("t")
-    page.wait_for_timeout(200)
-    assert not teleop.status()["armed"], "it stays stopped"
+    assert stays(lambda: not teleop.status()["armed"], 0.2), "it stays stopped"
     page.keyboard.press("r")
     teleop.wait(lambda status: status["stop"] is None)
     page.keyboard.press("t")
@@ -154,9 +159,12 @@ def test_a_second_page_watches_and_may_stop(teleop, open_page):
     second.wait_for_selector("#take:disabled")
     assert second.locator("#driver").inner_text() == f"web {driver[1]}"
     second.keyboard.down("s")
-    second.wait_for_timeout(300)
-    status = teleop.status()
-    assert (status["driver"], status["speed"][0] > 0) == (driver, True)
+
+    def obeys_the_first():
+        status = teleop.status()
+        return status["driver"] == driver and status["speed"][0] > 0
+
+    assert stays(obeys_the_first, 0.3)
     second.keyboard.press("Space")
     assert teleop.wait(lambda status: status["stop"])["stop"] != f"web {driver[1]}"
     first.keyboard.up("w")
@@ -192,8 +200,10 @@ def test_pose_gait_and_balance_without_a_mouse(teleop, open_page):
     while page.locator("#gait").input_value() != "crawl":
         page.keyboard.press("ArrowDown")
     teleop.wait(lambda status: status["gait"] == "crawl")
+    level = teleop.status()["joints_rad"][2]
     page.focus("#pose-z")
     page.keyboard.press("End")
+    raised = teleop.wait(lambda status: abs(status["joints_rad"][2] - level) > 0.06)["joints_rad"][2]
     page.focus("#balance")
     page.keyboard.press("Enter")
     page.locator("#balance").set_checked(False)
@@ -201,11 +211,9 @@ def test_pose_gait_and_balance_without_a_mouse(teleop, open_page):
     page.locator("#balance").set_checked(True)
     teleop.wait(lambda status: status["balance"])
     page.locator("#gait").select_option(usual)
-    page.wait_for_timeout(600)
-    before = teleop.status()["joints_rad"][2]
     page.focus("#level")
     page.keyboard.press("Enter")
-    teleop.wait(lambda status: abs(status["joints_rad"][2] - before) > 0.03)  # the body has moved
+    teleop.wait(lambda status: abs(status["joints_rad"][2] - raised) > 0.03)  # the body has moved again
 
 
 def test_a_gait_that_is_not_advised_is_marked_with_the_reason(teleop, open_page):
@@ -235,8 +243,7 @@ def test_the_speed_is_nothing_while_the_robot_does_not_walk(teleop, open_page):
 def test_a_browsers_gamepad(teleop, open_page):
     page = open_page(script=FAKE_PAD)
     page.evaluate("pad.axes[1] = -1")
-    page.wait_for_timeout(300)
-    assert teleop.status()["driver"] is None, "the dead-man button is not held"
+    assert stays(lambda: teleop.status()["driver"] is None, 0.3), "the dead-man button is not held"
     page.evaluate("pad.buttons[4].pressed = true")
     assert teleop.wait(walks)["speed"][0] > 0
     page.evaluate("pad.buttons[1].pressed = true")
@@ -276,9 +283,9 @@ def measured(browser, folder, presses, stops):
         press_until(teleop, page, "t", lambda status: status["state"] == "standing")
         for number in range(presses):
             page.keyboard.down("w")
-            page.wait_for_timeout(47 + number % 13)
+            let_pass(0.047 + number % 13 / 1000)
             page.keyboard.up("w")
-            page.wait_for_timeout(31 + number % 17)
+            let_pass(0.031 + number % 17 / 1000)
         for _ in range(stops):
             press_until(teleop, page, "Space", lambda status: status["stop"])
             press_until(teleop, page, "r", lambda status: status["stop"] is None)

@@ -20,6 +20,7 @@ from host.teleop.watched import free_port
 from host.teleop.webside import WebProcess
 from host.web.door import CONNECTIONS_PER_S, MOST, Door, listen
 from host.web.server import STOP_EVERY_S, Stops
+from tests.waiting import wait_until
 
 NOBODY = 65534
 PATIENCE_S = 60
@@ -45,7 +46,7 @@ class House:
 
     def close(self):
         self._done.set()
-        self._thread.join()
+        self._thread.join(PATIENCE_S)
         self.hub.close()
         self.web.close()
 
@@ -76,14 +77,24 @@ class House:
             except ConnectionError:
                 return b""
 
+    def opens_a_page(self):
+        """Return whether a page of this machine gets in now."""
+
+        async def look():
+            async with aiohttp.ClientSession() as web, web.ws_connect(f"{self.url}/ws", origin=self.url) as page:
+                return (await page.receive_json())["type"] == "hello"
+
+        try:
+            return asyncio.run(look())
+        except (aiohttp.ClientError, OSError):
+            return False
+
     def counts(self):
         """Return counts that were sent after the call."""
-        before = self.web.counts
         for _ in range(2):
-            while self.web.counts is before:
-                self._done.wait(0.05)
             before = self.web.counts
-        return before
+            wait_until(lambda before=before: self.web.counts is not before, "the page's process counts")
+        return self.web.counts
 
 
 @pytest.fixture(scope="module")
@@ -126,17 +137,10 @@ def test_idle_connections_keep_nobody_out(own, many_files):
             closed = select.poll()
             for each in idle:
                 closed.register(each, select.POLLIN)
-            while len(closed.poll(0)) < 1300 - MOST:
-                await asyncio.sleep(0.01)
+            await asyncio.to_thread(wait_until, lambda: len(closed.poll(0)) >= 1300 - MOST, "they are closed")
             for each in idle:
                 each.close()
-            while True:
-                try:
-                    async with session.ws_connect(f"{own.url}/ws", origin=own.url) as second:
-                        assert (await second.receive_json())["type"] == "hello"
-                    break
-                except (aiohttp.ClientError, OSError):
-                    await asyncio.sleep(0.02)  # its peer has had its share of connections for now
+            await asyncio.to_thread(wait_until, own.opens_a_page, "its peer may have a connection again")
             await page.send_json({"type": "ping", "t_ms": 1})
             while (await page.receive_json())["type"] != "pong":
                 pass
@@ -173,8 +177,8 @@ def test_a_slow_connection_has_an_end():
         for reader, _ in lines[:3]:
             with contextlib.suppress(ConnectionError):
                 assert await reader.read() == b""
-        while door._guests and not all(guest.transport.is_closing() for guest in door._guests):
-            await asyncio.sleep(0.01)
+        leaves = lambda: all(guest.transport.is_closing() for guest in list(door._guests))  # noqa: E731
+        await asyncio.to_thread(wait_until, leaves, "the last one is sent away")
         for _, writer in lines:
             writer.close()
         door.close()
@@ -271,8 +275,7 @@ def test_a_flood_of_stops_is_one_stop_at_a_time_and_the_last_one_counts():
         stops = Stops(lambda stop: passed.append((loop.time(), stop["n"])))
         for n in range(1000):
             stops.pull({"n": n})
-        while passed[-1][1] != 999:
-            await asyncio.sleep(STOP_EVERY_S)
+        await asyncio.to_thread(wait_until, lambda: passed[-1][1] == 999, lambda: passed[-1])
 
     run(look())
     assert passed[0][1] == 0, "the first one goes at once"

@@ -15,10 +15,10 @@ from host.joint_gains import joint_blocks
 from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.record import pack
+from tests import ROOT
 
 from .trace import Trace
 
-ROOT = Path(__file__).resolve().parents[3]
 VM = Path(sys.executable).with_name("micropython")
 TICKS = 4800
 

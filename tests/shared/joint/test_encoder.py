@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 from array import array
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -18,9 +17,9 @@ from host.joint_units import JointSetup
 from host.robot_file import load_robot
 from shared.joint import encoder
 from shared.record import pack
+from tests import ROOT
 from tests.float_twin import joint_motion as twin
 
-ROOT = Path(__file__).resolve().parents[3]
 BLDC = load_robot("parallel").actuator
 JOINT_TURN = 22 * 16384
 STEP = st.integers(-8191, 8191)

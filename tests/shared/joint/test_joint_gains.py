@@ -1,7 +1,6 @@
 """Motor data become integers: gains, scales, refusals with one line, and the words of every fault."""
 
 import math
-from pathlib import Path
 
 import pytest
 
@@ -11,6 +10,7 @@ from host.joint_gains import joint_blocks
 from host.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
 from host.robot_file import load_robot
 from shared.joint import faults
+from tests import ROOT
 
 BLDC = load_robot("parallel").actuator
 SETUP = JointSetup(-1.0, 1.9)
@@ -104,6 +104,6 @@ def test_sentences_name_cause_and_value():
 
 
 def test_the_docs_list_every_fault():
-    text = (Path(__file__).resolve().parents[3] / "docs/joint.md").read_text()
+    text = (ROOT / "docs/joint.md").read_text()
     for code, words in WORDS.items():
         assert code == 0 or f"| {code} | {words.name} | {words.sentence.replace('{}', '*value*')} |" in text

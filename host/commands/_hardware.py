@@ -1,0 +1,39 @@
+"""Which hardware a command drives: the real robot, emulated servos, or the simulated joints without a bus."""
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import replace
+from pathlib import Path
+
+from ..hardware import Hardware, real
+from ..imu.attitude import Attitude
+from ..imu.choose import open_source
+from ..robot_model import Robot
+
+
+@contextmanager
+def hardware(
+    robot: Robot,
+    which: str = "real",
+    port: str | None = None,
+    calibration: Path | None = None,
+    source: str | None = None,
+    imu: str | None = None,
+) -> Iterator[Hardware]:
+    """Yield a robot's joints and sensor, not yet opened; what runs beside them ends with the block.
+
+    ``which``: ``real``, ``emulated`` or ``simulated``. ``source`` is the name or file that the robot was loaded from.
+    ``imu`` names another inertial sensor than the usual one (host/imu/choose.py).
+    """
+    with _chosen(robot, which, port, calibration, source or robot.name) as parts:
+        yield parts if imu is None else replace(parts, attitude=Attitude(robot, open_source(robot, imu)))
+
+
+def _chosen(
+    robot: Robot, which: str, port: str | None, calibration: Path | None, source: str
+) -> AbstractContextManager[Hardware]:
+    if which == "real":
+        return nullcontext(real(robot, port, calibration))
+    from ..emulator.hardware import emulated, simulated  # needs the simulator's libraries
+
+    return nullcontext(simulated(robot)) if which == "simulated" else emulated(robot, calibration, source)
