@@ -12,6 +12,7 @@ from shared.joint.faults import (
     FAULT_DRIVER,
     FAULT_EXCEPTION,
     FAULT_INTERRUPT_STOPPED,
+    FAULT_JOINT_ENCODER_LOST,
     FAULT_NONE,
     FAULT_OVERRUN,
 )
@@ -62,7 +63,7 @@ _MASK = const(0x3FFFFFFF)
 _LATE_MOST = const(5)  # late steps in a slow period that are a fault
 _MOTION_LATE_STEPS = const(50)  # current steps without a motion tick until the interrupt switches the bridge off
 _STOPPED_MS = const(3)  # motion ticks without a current step
-_INVALID_MS = const(10)  # the joint encoder may be silent that long
+INVALID_MS = const(10)  # the joint encoder may be silent that long
 _HOLD_MS = const(20)  # a hardware fault stays reported that long after its cause
 _E_STOP_MS = const(20)  # an emergency stop lasts that long after its last frame
 
@@ -142,7 +143,10 @@ def take_motion(
 
 @hot
 def _watch_joint_encoder(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, run: BoardRun) -> int:
-    """Count what the joint's encoder left unanswered, get ready once offsets are measured; return hardware_ready."""
+    """Count what the joint's encoder left unanswered, get ready once offsets are measured; return hardware_ready.
+
+    An encoder that does not answer is a fault, from when the offsets are measured on: by then it has started.
+    """
     run.invalid_ms += 1
     if io.joint_valid:
         run.invalid_ms = 0
@@ -150,8 +154,8 @@ def _watch_joint_encoder(foc: Foc, cfg: JointConfig, state: JointState, io: Join
         _take_offsets(foc, cfg, io, run)
         home_by_encoder(cfg, state, io)
     io.hardware_ready = run.ready
-    if cfg.has_joint_encoder and run.invalid_ms > _INVALID_MS:
-        io.hardware_ready = 0
+    if cfg.has_joint_encoder and run.ready and run.invalid_ms > INVALID_MS:
+        note_fault(run, io, FAULT_JOINT_ENCODER_LOST, run.invalid_ms)
     return io.hardware_ready
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import shared
+from shared.gait.gaits import GAIT_NAMES
 from shared.record import pack
 
 from ..control.gait_changes import gait_now, margin_m
@@ -15,12 +16,13 @@ from .recorder import Recorder
 
 
 def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
-    """Return what a replay needs besides the ticks: the robot as integers and which core it was."""
+    """Return what a replay needs besides the ticks: the robot as integers, the gaits in order, which core it was."""
     planner = supervisor.driver.planner
     return {
         "robot": robot.name,
         "rate_hz": str(supervisor.driver.rate_hz),
         "params": " ".join(str(value) for value in pack(planner.params)),
+        "gaits": " ".join(GAIT_NAMES),
         "core": core_fingerprint(),
     }
 
@@ -28,8 +30,9 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
 def core_fingerprint() -> str:
     """Return a hash of the core's sources: another core may walk otherwise."""
     digest = hashlib.sha256()
-    for path in sorted(Path(next(iter(shared.__path__))).glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    root = Path(next(iter(shared.__path__)))
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
 
 

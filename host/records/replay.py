@@ -1,7 +1,7 @@
 """Feeds a record's planner inputs to the planner again and compares the joint targets to the bit."""
 
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,6 +11,7 @@ from shared.planner.planner import Planner
 from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 
+from ..robot.gait_names import BEFORE, place_now
 from ..util.errors import UserError
 from .channels import CHANNELS
 from .log import core_fingerprint
@@ -46,27 +47,31 @@ def replay(record: Record, progress: Callable[[float], None] = lambda done: None
     rows = record.of("/planner")
     if not rows or "params" not in record.about:
         raise UserError(f"{record.path}: nothing to replay: it holds no planner inputs")
+    gaits = record.about["gaits"].split() if "gaits" in record.about else BEFORE
     tick, difference = 0, ""
     try:
         planner = Planner(_params(record))
         for tick, row in enumerate(rows):
-            difference = _differs(planner, tick, row.values)
+            difference = _differs(planner, tick, row.values, gaits)
             if difference:
                 break
             if tick % TELL_EVERY == 0:
                 progress(tick)
+    except UserError as error:
+        raise UserError(f"{record.path}: tick {tick}: {error}") from None
     except (ArithmeticError, LookupError, TypeError, ValueError) as error:
         difference = f"tick {tick}: the core fails on it ({type(error).__name__}: {error})"
     ticks = tick if difference else len(rows)
     return Replay(ticks, difference, record.about.get("core") == core_fingerprint())
 
 
-def _differs(planner: Planner, tick: int, values: dict[str, Any]) -> str:
-    """Return how a tick comes out otherwise than recorded, "" if it does not."""
+def _differs(planner: Planner, tick: int, values: dict[str, Any], gaits: Sequence[str]) -> str:
+    """Return how a tick comes out otherwise than recorded, "" if it does not; ``gaits``: the record's registry."""
     if values["tick"] != tick:
         return f"ticks {tick} .. {values['tick'] - 1} are missing: the disk did not keep up"
     command, sensed = Command(), Sensed()
     unpack(command, values["command"])
+    command.gait = place_now(gaits, command.gait)
     sensed.unpack(values["sensed"])
     flags = planner.tick(command, sensed)
     recorded = values["joints"]

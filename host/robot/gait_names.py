@@ -23,7 +23,14 @@ def gait_index(name: str) -> int:
     return GAIT_NAMES.index(name)
 
 
-def places_now(names: Sequence[str]) -> dict[int, int]:
-    """Return where each gait of a registry of ``names`` is in that of today; without those that are gone."""
-    known = {place: RENAMED.get(name, name) for place, name in enumerate(names)}
-    return {place: GAIT_NAMES.index(name) for place, name in known.items() if name in GAIT_NAMES}
+def place_now(names: Sequence[str], place: int) -> int:
+    """Return where a gait of a registry of ``names`` is in that of today; a place beyond it is beyond today's, too.
+
+    UserError if the gait is gone.
+    """
+    if not 0 <= place < len(names):
+        return len(GAIT_NAMES)
+    name = RENAMED.get(names[place], names[place])
+    if name not in GAIT_NAMES:
+        raise UserError(f"the gait '{name}' is gone; there are {', '.join(GAIT_NAMES)}")
+    return GAIT_NAMES.index(name)

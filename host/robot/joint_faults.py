@@ -126,6 +126,12 @@ WORDS: dict[int, Words] = {
         "the board is defective",
         COUNTS,
     ),
+    f.FAULT_JOINT_ENCODER_LOST: Words(
+        "joint encoder lost",
+        "no valid reading of the joint's encoder for {}",
+        "check the encoder's connector and the distance of its magnet",
+        MS,
+    ),
     f.FAULT_EMERGENCY_STOP: Words(
         "emergency stop",
         "an emergency stop was asked for",

@@ -19,6 +19,7 @@ FAULT_THERMISTOR_SHORT = const(8)  # count
 FAULT_DUPLICATE_ID = const(9)  # node
 FAULT_OVERRUN = const(10)  # late interrupts counted
 FAULT_MCU_SENSOR = const(11)  # count
+FAULT_JOINT_ENCODER_LOST = const(12)  # ms without a valid reading
 # coast at once
 FAULT_COAST_FROM = const(32)
 FAULT_EMERGENCY_STOP = const(32)  # 0

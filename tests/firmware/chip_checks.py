@@ -252,6 +252,23 @@ def an_encoder_that_is_silent_ends_the_torque():
     assert all(b - a == STEP_CYCLES for a, b in pairwise(joint.board.entries[-10:]))
 
 
+def a_joint_encoder_that_goes_silent_is_a_fault():
+    joint = armed()
+    joint.board.joint.respond = lambda command: 0xFFFF
+    joint.run(joint_run.INVALID_MS + 3)
+    assert joint.fault == (f.FAULT_JOINT_ENCODER_LOST, joint_run.INVALID_MS + 1)
+    assert joint.state == w.STATE_FAULT_REACTION  # the rotor's encoder still answers, so it damps
+
+
+def a_joint_encoder_that_never_answers_is_a_fault():
+    joint = OnChip()
+    joint.board.joint.respond = lambda command: 0xFFFF
+    joint.begin()
+    joint.run(joint_run.INVALID_MS)
+    assert joint.fault[0] == f.FAULT_JOINT_ENCODER_LOST
+    assert (joint.state, joint.board.outputs_on) == (w.STATE_FAULT, False)
+
+
 def a_stuck_wire_ends_the_torque(level):
     joint = armed()
     joint.board.rotor.respond = lambda command: 0xFFFF * level
@@ -473,6 +490,7 @@ CHECKS = (
     gates_keep_their_dead_time, duties_are_at_the_pins, samples_lie_in_the_low_sides, sensors_are_read,
     a_trigger_that_stops_ends_the_torque, an_adc_that_does_not_end_ends_the_torque,
     an_adc_that_is_silent_from_the_start_keeps_it_from_ready, an_encoder_that_is_silent_ends_the_torque,
+    a_joint_encoder_that_goes_silent_is_a_fault, a_joint_encoder_that_never_answers_is_a_fault,
     a_fault_of_the_driver_needs_no_software, a_trip_while_the_bridge_goes_on_wins, pins_without_torque_are_low,
     registers_of_the_driver_are_read_back, filters_pass_what_the_joint_needs, frames_keep_their_bytes,
     setpoints_keep_their_order_with_sync, mailboxes_run_full_and_empty, an_overrun_loses_frames_and_nothing_else,

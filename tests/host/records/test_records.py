@@ -20,7 +20,9 @@ from host.records.log import LoopLog, about
 from host.records.reader import Record, messages, read_record
 from host.records.recorder import SYNC_S, Recorder, record_path
 from host.records.replay import replay
+from host.robot.gait_names import BEFORE
 from host.util.errors import UserError
+from shared.gait.gaits import GAIT_NAMES
 from tests.host.control.rig import AHEAD, PAGE, STOP, Rig
 from tests.waiting import PATIENCE_S, wait_until
 
@@ -98,6 +100,26 @@ def test_one_changed_number_is_found(drive, block, place, change):
     result = replay(record)
     assert not result.ok
     assert 200 <= result.ticks <= 202
+
+
+def by_former_names(drive, gait):
+    """Return a record as one of former versions, whose registry had ``gait`` as its fourth; they did not say which."""
+    record = read_record(drive)
+    del record.about["gaits"]
+    column = record.of("/planner").columns["command"]
+    for at in range(1, len(column.all), column.width):
+        assert column.all[at] == GAIT_NAMES.index("trot")
+        column.all[at] = gait
+    return record
+
+
+def test_a_record_with_the_former_names_of_its_gaits_is_replayed(drive):
+    assert replay(by_former_names(drive, BEFORE.index("adaptive"))).ok
+
+
+def test_a_record_of_a_gait_that_is_gone_is_refused_in_one_line(drive):
+    with pytest.raises(UserError, match=r"drive.mcap: tick 0: the gait 'blind trot' is gone; there are paper-trot,"):
+        replay(by_former_names(drive, BEFORE.index("blind trot")))
 
 
 def test_a_gap_is_told(drive):

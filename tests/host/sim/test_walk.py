@@ -19,6 +19,13 @@ def result(ok=True, speed=0.05, changes=()):
     return {"ok": ok, "reason": "arrived" if ok else "fell", "mean_speed_m_s": speed, "gait_changes": list(changes)}
 
 
+def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
+    for former, name in (("adaptive", "trot"), ("climb", "crawl")):
+        code, out, err = run("walk", "--gait", former)
+        assert (code, out) == (2, "")
+        assert err.endswith(f"--gait {former}: gait '{former}' is called '{name}' now\n")
+
+
 def test_a_walk_that_ends_early_prints_its_table(run):
     code, out, err = run("walk", "--robot", "parallel", "--gait", "crawl")
     assert code == 1
