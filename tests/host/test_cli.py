@@ -6,6 +6,7 @@ import select
 import signal
 import subprocess
 import sys
+import tomllib
 from importlib.metadata import packages_distributions, requires
 from pathlib import Path
 
@@ -48,7 +49,8 @@ def test_no_command_shows_the_help(run):
 
 
 def test_version_is_the_distributions(run):
-    assert run("--version")[:2] == (0, "0.1.0\n")
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert run("--version")[:2] == (0, f"{version}\n")
 
 
 def test_every_file_of_commands_registers_something():
@@ -182,7 +184,7 @@ def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
 ])  # fmt: skip
 def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
     script = (
-        "import signal, sys; from pathlib import Path; import typer; from host import cli, files\n"
+        "import signal, sys; from pathlib import Path; import typer; from host import cli; from host.util import files\n"
         "app = typer.Typer(pretty_exceptions_enable=False)\n"
         "@app.command()\n"
         "def slow(path: Path):\n"
