@@ -1,7 +1,9 @@
 # Everything a fresh machine needs: python3 (3.11 or newer, with its venv module) and make.
 #   make setup      environment in .venv with the `caramelo` command (the other targets call it when needed)
 #   make demo       walks the robot over a 2 cm step in the simulator, results in out/demo
-#   make test       linter, type checker and all tests
+#   make test       linter, type checker and all tests; what is skipped is listed with what to install for it
+#   make check      linter, type checker and the tests of what has been changed, in about a minute
+#   make renew      writes all that is generated, and the budgets of costs and sizes, from the sources as they are
 #   make core       compiles the control core for this computer: ten times as fast (needs a C compiler)
 #   make setup-pi   what a Raspberry Pi runs, without simulator, firmware tools and tests
 #   make lock       writes constraints.txt again from pyproject.toml (needs the network)
@@ -15,7 +17,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
-.PHONY: setup setup-pi demo test core lock pi-wheels clean
+.PHONY: setup setup-pi demo test check renew core lock pi-wheels clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -45,6 +47,18 @@ test: setup
 	$(BIN)/mypy || failed="$$failed mypy"; \
 	$(BIN)/pytest -n $(JOBS) --dist worksteal || failed="$$failed pytest"; \
 	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; fi
+
+check: setup
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/pytest -n $(JOBS) $$($(BIN)/python .ci/touched.py)
+
+# A change of a cost is decided: look at what this changes before it is committed.
+renew: setup
+	$(BIN)/python -m host.boards.build.tables
+	$(BIN)/python -m host.protocol.generate
+	$(BIN)/python -m host.boards.build.sizes
+	$(BIN)/caramelo bench --update-budget
 
 core:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile

@@ -1,7 +1,7 @@
 """Registers of the STM32F405 (RM0090), as places from the start of its peripherals.
 
 A function that works on the chip gets ``chip``: there the number PERIPHERALS, elsewhere anything that is indexed like
-one long array of registers (host/chip). Places end in _32 for reg32 and in _16 for reg16, whose places are half words.
+one long array of registers (host/sim/chip). Places end in _32 for reg32, in _16 for reg16: places of half words.
 Timers and SPI allow half words, GPIO allows them, ADC and bxCAN are written by words only (each chapter's register
 map says so).
 """

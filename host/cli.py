@@ -10,11 +10,11 @@ from typing import Annotated
 import typer
 
 from . import commands
-from .console import end_output, say, write_error
-from .core import use_core
-from .errors import INTERRUPTED, NOT_ACHIEVED, WRONG_USE, UserError
-from .extras import missing_library
-from .leave import heard_signals
+from .boards.core import use_core
+from .util.console import end_output, say, write_error
+from .util.errors import INTERRUPTED, NOT_ACHIEVED, WRONG_USE, UserError
+from .util.extras import missing_library
+from .util.leave import heard_signals
 
 HELP = """Control software of two walking robots, and a simulator to try it in.
 

@@ -6,8 +6,8 @@
         age: Ints = vector(LEGS, "ticks", "since the planned touchdown, 0 in swing")
 
 ``Sway()`` has every value at its default. Here it is an object with an attribute a field; for viper, native code and C
-the build makes one array of it and an index of each name (host/build/records.py). A record may hold others: ``part``
-one, ``parts`` a list of them. What crosses a border as integers goes through ``pack`` and ``unpack``.
+the build (host/boards/build/records.py) makes one array of it and an index of each name. A record may hold others:
+``part`` one, ``parts`` a list of them. What crosses a border as integers goes through ``pack`` and ``unpack``.
 """
 
 from array import array

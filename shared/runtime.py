@@ -4,7 +4,7 @@ The core is plain Python. Ten names carry what a MicroPython build needs to know
 
 ``const``  marks a private module constant, which MicroPython folds at compile time.
 ``hot``    marks a function of the inner loops. It is the identity here; the firmware build
-           (host/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
+           (host/boards/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
 ``ptr8``   ``ptr16`` and ``ptr32`` alias an array inside a hot function for fast element access. They are
            the identity here and raw pointers in viper: ptr8 and ptr16 read unsigned, ptr32 signed.
 ``reg16``  and ``reg32`` alias a chip's registers likewise: what is read may change by itself. Here the chip is a model.
@@ -16,7 +16,7 @@ from array import array
 from sys import implementation
 
 try:
-    from _core import bound  # type: ignore[import-not-found]  # an image's core in C (host/build/c_core.py) brings its own
+    from _core import bound  # type: ignore[import-not-found]  # an image's core in C (host/boards/build/c_core.py) brings its own
 except ImportError:
 
     def bound(function, *given):
@@ -61,7 +61,7 @@ def ptr32(block):
 
 
 def reg16(chip):
-    """Return the 16-bit registers of ``chip``: there an address, elsewhere a model of it (host/chip)."""
+    """Return the 16-bit registers of ``chip``: there an address, elsewhere a model of it (host/sim/chip)."""
     return chip.halves
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import settings
 
 from host import cli
-from host.core import SWITCH, use_core
+from host.boards.core import SWITCH, use_core
 
 os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
 use_core()

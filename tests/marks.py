@@ -2,7 +2,7 @@
 
 import pytest
 
-from host.runtimes import Unix
+from host.boards.runtimes import Unix
 
 NEEDS_UNIX = pytest.mark.skipif(Unix("viper").missing() is not None, reason=str(Unix("viper").missing()))
 

@@ -14,7 +14,7 @@ SPAN = re.compile(r"`([^`\n]+)`")
 LINK = re.compile(r"\]\(([^)#:]+)\)")
 FILE = re.compile(r"(?<![\w./-])(?:docs|host|shared|sim2d|firmware|tests)/[\w./-]*\w")
 COMMENT = re.compile(r"(\s{2,}|\s#).*")
-MADE = ("host/robots/my.toml",)
+MADE = ("host/robot/files/my.toml",)
 
 
 def commands(text):

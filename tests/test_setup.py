@@ -146,7 +146,7 @@ def test_a_wheel_has_every_file_of_the_packages(tmp_path):
     assert done.returncode == 0, done.stderr
     with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
         held = set(wheel.namelist())
-    assert "host/service/caramelo.service" in wanted
+    assert "host/teleop/service/caramelo.service" in wanted
     assert wanted - held == set()
 
 
@@ -210,3 +210,33 @@ def test_ci_runs_the_tests():
     path = ROOT / ".ci/run"
     assert os.access(path, os.X_OK)
     assert path.read_text().rstrip().endswith("\nmake test")
+
+
+@pytest.mark.parametrize(
+    ("changed", "tests"),
+    [
+        ("host/bus/can/adapter.py", ["tests/host/bus/can/test_adapter.py"]),
+        ("shared/joint/encoder.py", ["tests/shared/joint/test_encoder.py"]),
+        ("tests/sim2d/test_run.py", ["tests/sim2d/test_run.py"]),
+        ("docs/gaits.md", ["tests/test_docs.py"]),
+        ("Makefile", ["tests/test_setup.py"]),
+    ],
+)
+def test_make_check_runs_what_lies_beside_a_change(changed, tests):
+    beside = runpy.run_path(str(ROOT / ".ci/touched.py"))["beside"]
+    assert beside(changed) == tests
+
+
+def test_make_check_runs_a_folders_tests_for_a_file_without_its_own():
+    beside = runpy.run_path(str(ROOT / ".ci/touched.py"))["beside"]
+    own = sorted(path.relative_to(ROOT).as_posix() for path in (ROOT / "tests/host/teleop").glob("test_*.py"))
+    assert beside("host/teleop/session.py") == beside("tests/host/teleop/hanging.py") == own
+    assert beside("host/commands/walk.py") == [
+        path.relative_to(ROOT).as_posix() for path in sorted((ROOT / "tests/host").glob("test_*.py"))
+    ]
+
+
+def test_make_renew_writes_all_that_is_generated(tmp_path):
+    done = make("--dry-run", "renew", *fake_tools(tmp_path))
+    for what in ("boards.build.tables", "host.protocol.generate", "boards.build.sizes", "bench --update-budget"):
+        assert what in done.stdout

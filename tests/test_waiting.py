@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.waiting import stays, wait_until
+from .waiting import stays, wait_until
 
 TESTS = Path(__file__).resolve().parent
 SLEEPS = {"sleep", "sleep_ms", "wait_for_timeout"}

@@ -1,5 +1,5 @@
 // The board's flash as the loader sees it: where things lie, what a slot's header and a boot record hold.
-// firmware/flash_map.py says the same in Python; tests/flash/test_loader.py compares them.
+// firmware/flash_map.py says the same in Python; tests/host/boards/flash/test_loader.py compares them.
 #ifndef CARAMELO_LOADER_H
 #define CARAMELO_LOADER_H
 

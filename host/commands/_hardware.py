@@ -5,10 +5,10 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from ..hardware import Hardware, real
+from ..control.hardware import Hardware, real
 from ..imu.attitude import Attitude
 from ..imu.choose import open_source
-from ..robot_model import Robot
+from ..robot.model import Robot
 
 
 @contextmanager
@@ -34,6 +34,6 @@ def _chosen(
 ) -> AbstractContextManager[Hardware]:
     if which == "real":
         return nullcontext(real(robot, port, calibration))
-    from ..emulator.hardware import emulated, simulated  # needs the simulator's libraries
+    from ..sim.hardware import emulated, simulated  # needs the simulator's libraries
 
     return nullcontext(simulated(robot)) if which == "simulated" else emulated(robot, calibration, source)

@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import screen, write_json
-from ..errors import NOT_ACHIEVED
+from ..util.console import screen, write_json
+from ..util.errors import NOT_ACHIEVED
 from . import CHECKS
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..parity.bench import Bench
+    from ..lab.parity.bench import Bench
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]
@@ -57,9 +57,9 @@ def bench(
     import tempfile
     from pathlib import Path
 
-    from ..parity.bench import run_bench
-    from ..parity.budget import write_budget
-    from ..progress import cases
+    from ..lab.parity.bench import run_bench
+    from ..lab.parity.budget import write_budget
+    from ..util.progress import cases
 
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("bench") as tell:
         found = run_bench(Path(folder), simulator, tell)
@@ -77,8 +77,8 @@ def bench(
 def _teleop(seconds: float, presses: int, as_json: bool) -> int:
     from rich.table import Table
 
-    from ..progress import write_step
-    from ..teleop.bench import run_bench
+    from ..lab.teleop.bench import run_bench
+    from ..util.progress import write_step
 
     found = run_bench(seconds, presses, write_step)
     if as_json:
@@ -116,7 +116,7 @@ def _summary(found: "Bench") -> dict[str, Any]:
 def _print(found: "Bench") -> None:
     from rich.table import Table
 
-    from ..parity.bench import LOOP_TURNS, TICK_US
+    from ..lab.parity.bench import LOOP_TURNS, TICK_US
 
     console = screen()
     console.width = max(console.width, WIDTH)

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ..console import say, screen, write_json
-from ..errors import UserError
+from ..util.console import say, screen, write_json
+from ..util.errors import UserError
 from . import HARDWARE
 
 Port = Annotated[str, typer.Option("--port", help="Serial port of the board.")]
@@ -28,7 +28,7 @@ def info(port: Port, as_json: Json = False) -> int:
 
     Example: caramelo board info --port /dev/ttyACM0
     """
-    from ..flash.inspect import describe
+    from ..boards.flash.inspect import describe
 
     facts = describe(port)
     if as_json:
@@ -46,7 +46,7 @@ def logs(port: Port, as_json: Json = False) -> int:
 
     Example: caramelo board logs --port /dev/ttyACM0
     """
-    from ..flash.inspect import read_log
+    from ..boards.flash.inspect import read_log
 
     lines = read_log(port)
     if as_json:
@@ -61,7 +61,7 @@ def reset(port: Port) -> int:
 
     Example: caramelo board reset --port /dev/ttyACM0
     """
-    from ..flash.inspect import restart
+    from ..boards.flash.inspect import restart
 
     restart(port)
     say(f"{port}: reset")
@@ -73,7 +73,7 @@ def shell(port: Port) -> int:
 
     Example: caramelo board shell --port /dev/ttyACM0
     """
-    from ..flash.shell import run_shell
+    from ..boards.flash.shell import run_shell
 
     if not sys.stdin.isatty():
         raise UserError("board shell: needs a terminal; for scripts use mpremote")

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import screen
+from ..util.console import screen
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..calibration.bench import Bench
-    from ..robot_model import Robot
+    from ..bus.dynamixel.calibration.bench import Bench
+    from ..robot.model import Robot
 
 
 def register(app: typer.Typer) -> None:
@@ -37,10 +37,10 @@ def calibrate(
 
     Examples: caramelo calibrate; caramelo calibrate --sim --preview; caramelo calibrate --answers answers.toml
     """
-    from ..calibration.data import default_path, save_calibration, servo_of
-    from ..calibration.person import AtTerminal, FromFile, read_answers, write_answers
-    from ..calibration.procedure import Procedure, complain_about, difference
-    from ..robot_file import load_robot
+    from ..bus.dynamixel.calibration.data import default_path, save_calibration, servo_of
+    from ..bus.dynamixel.calibration.person import AtTerminal, FromFile, read_answers, write_answers
+    from ..bus.dynamixel.calibration.procedure import Procedure, complain_about, difference
+    from ..robot.file import load_robot
 
     data = load_robot(robot)
     servo_of(data)
@@ -76,12 +76,12 @@ def _bench(robot: "Robot", port: str | None, sim: bool, seed: int) -> Iterator["
     """Yield the servos on their bench, real or emulated."""
     import time
 
-    from ..calibration.bench import Bench
-    from ..calibration.bench_sim import SimulatedBench, hidden_mounting
-    from ..hardware import baud, device
-    from ..servos.link import Link
-    from ..servos.port import ServoPort
-    from ..servos.table import TORQUE_ENABLE
+    from ..bus.dynamixel.calibration.bench import Bench
+    from ..bus.dynamixel.link import Link
+    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.table import TORQUE_ENABLE
+    from ..control.hardware import baud, device
+    from ..sim.servos.stand import SimulatedBench, hidden_mounting
 
     if sim:
         yield SimulatedBench(robot, hidden_mounting(robot, seed))

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import screen, write_json, write_note
-from ..errors import UserError
+from ..util.console import screen, write_json, write_note
+from ..util.errors import UserError
 from . import CHECKS
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ def build(as_json: Json = False) -> int:
 
     Example: caramelo core build
     """
-    from ..build.native_core import build_core
-    from ..core import find_core, home, kept_cores, sources_id
+    from ..boards.build.native_core import build_core
+    from ..boards.core import find_core, home, kept_cores, sources_id
 
     _allow()
     found = find_core()
@@ -59,7 +59,7 @@ def remove(as_json: Json = False) -> int:
 
     Example: caramelo core remove
     """
-    from ..core import kept_cores
+    from ..boards.core import kept_cores
 
     _allow()
     _drop(kept_cores())
@@ -79,14 +79,14 @@ def _drop(cores: "list[Path]") -> None:
 def _allow() -> None:
     import os
 
-    from ..core import SWITCH
+    from ..boards.core import SWITCH
 
     if os.environ.get(SWITCH) == "source":
         raise UserError(f"{SWITCH} is source, which says to use no compiled core: unset it first")
 
 
 def _tell(as_json: bool) -> int:
-    from ..core import find_core, kept_cores
+    from ..boards.core import find_core, kept_cores
 
     found = find_core()
     if as_json:

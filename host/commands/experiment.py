@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import screen, write_error, write_json
+from ..util.console import screen, write_error, write_json
 from . import CHECKS
 
 if TYPE_CHECKING:
-    from ..experiments.outcome import Outcome
+    from ..lab.experiments.outcome import Outcome
 
 WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of these; goals: the figures to reach."
 
@@ -36,13 +36,13 @@ def experiment(
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json
     """
-    from ..experiments.run import names_of, run_experiment, write_outcomes
-    from ..experiments.trials import Options, space_is_there
-    from ..extras import how_to_get
-    from ..files import check_folder
-    from ..gait_names import gait_index
-    from ..progress import cases
-    from ..robot_file import load_robot
+    from ..lab.experiments.run import names_of, run_experiment, write_outcomes
+    from ..lab.experiments.trials import Options, space_is_there
+    from ..robot.file import load_robot
+    from ..robot.gait_names import gait_index
+    from ..util.extras import how_to_get
+    from ..util.files import check_folder
+    from ..util.progress import cases
 
     check_folder("--out", out)
     names, data = names_of(what), load_robot(robot)

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..console import say, screen, write_json
+from ..util.console import say, screen, write_json
 from . import ROBOTS
 
 RobotName = Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")]
@@ -40,9 +40,9 @@ def export_mjcf(
 
     Examples: caramelo export mjcf --out caramelo.xml; caramelo export mjcf --terrain step --height 0.04
     """
-    from ..export.mjcf import ModelOptions, mjcf
-    from ..robot_file import load_robot
-    from ..three_d.grounds import GroundSpec, make_ground
+    from ..robot.file import load_robot
+    from ..sim.export.mjcf import ModelOptions, mjcf
+    from ..sim.space.grounds import GroundSpec, make_ground
 
     ground = make_ground(GroundSpec(terrain, height, angle, seed=seed))
     options = ModelOptions(ground, payload, friction, _checked_voltage(voltage, robot))
@@ -60,17 +60,17 @@ def export_urdf(
 
     Examples: caramelo export urdf --out caramelo.urdf; caramelo export urdf --robot parallel
     """
-    from ..export.urdf import urdf
-    from ..robot_file import load_robot
+    from ..robot.file import load_robot
+    from ..sim.export.urdf import urdf
 
     _deliver(urdf(load_robot(robot), payload, _checked_voltage(voltage, robot)), "urdf", robot, out, as_json)
 
 
 def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
     """Return the voltage if the robot's drives are known at it."""
-    from ..errors import UserError
-    from ..plane import planar_robot
-    from ..robot_file import load_robot
+    from ..robot.file import load_robot
+    from ..robot.plane import planar_robot
+    from ..util.errors import UserError
 
     if voltage_V is not None:
         try:
@@ -82,8 +82,8 @@ def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
 
 def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) -> None:
     """Write the model to its file or the terminal."""
-    from ..errors import UserError
-    from ..files import write_text
+    from ..util.errors import UserError
+    from ..util.files import write_text
 
     if as_json and out is None:
         raise UserError("--json: the model itself is no JSON; say where it goes with --out FILE")

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import progress, screen, write_json, write_note
-from ..errors import NOT_ACHIEVED, UserError
-from ..files import check_folder, write_bytes, write_text
+from ..util.console import progress, screen, write_json, write_note
+from ..util.errors import NOT_ACHIEVED, UserError
+from ..util.files import check_folder, write_bytes, write_text
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..build.board_image import Built
-    from ..build.image_budget import Row
-    from ..parity.paths import RoleFigures
+    from ..boards.build.board_image import Built
+    from ..boards.build.image_budget import Row
+    from ..lab.parity.paths import RoleFigures
 
 Sources = Annotated[Path, typer.Option("--micropython", help="MicroPython's sources: a checkout with its submodules.")]
 Role = Annotated[str | None, typer.Option(help="What the board is to be: joint or gait; without it, both.")]
@@ -49,11 +49,11 @@ def image(
     """Build the complete image of a board from MicroPython's sources, and print what it takes of the chip.
 
     Writes ROLE.caramelo for `caramelo flash`, and ROLE.dfu and ROLE.hex for a bare board. Needs ARM's compiler. More
-    than host/build/image_budget.json allows makes the exit code 1.
+    than host/boards/build/image_budget.json allows makes the exit code 1.
 
     Example: caramelo firmware image --micropython ~/micropython --role joint
     """
-    from ..build.image_budget import over_budget, rows
+    from ..boards.build.image_budget import over_budget, rows
 
     roles = _roles(role)
     check_folder("--out", out)
@@ -79,15 +79,15 @@ def measure(
     """Count what whole paths of the firmware cost on an emulated Cortex-M4, in instructions, and the heap they leave.
 
     Builds MicroPython's qemu port with the firmware frozen in and runs it against the model of the chip. Needs ARM's
-    compiler and the extra `emulator`. More than host/parity/path_budget.json allows makes the exit code 1, as does a
+    compiler and the extra `emulator`. More than lab/parity/path_budget.json allows makes the exit code 1, as does a
     byte of the chip's heap taken in --minutes of operation, which on a computer take the joint as long as on a
     board and the gait board a tenth of it.
 
     Examples: caramelo firmware measure --micropython ~/micropython --role joint;
     caramelo firmware measure --micropython ~/micropython --minutes 60
     """
-    from ..parity.paths import HEAP_BYTES, figures_of
-    from ..runtimes.base import RuntimeFailure
+    from ..boards.runtimes.base import RuntimeFailure
+    from ..lab.parity.paths import HEAP_BYTES, figures_of
 
     told, ok = {}, True
     for name in _roles(role):
@@ -123,7 +123,7 @@ def _print_paths(role: str, figures: "RoleFigures", heap_bytes: int) -> None:
 
 
 def _roles(role: str | None) -> list[str]:
-    from ..build.frozen import ROLES
+    from ..boards.build.frozen import ROLES
 
     if role is not None and role not in ROLES:
         raise UserError(f"--role {role}: not known; there are {', '.join(ROLES)}")
@@ -131,10 +131,10 @@ def _roles(role: str | None) -> list[str]:
 
 
 def _build(role: str, robot: str, micropython: Path, out: Path, jobs: int) -> "Built":
-    from ..build.board_image import COMPILED_FILES, build_board_image
-    from ..build.dfu import dfu_file, hex_file
-    from ..build.image_file import write_image_file
-    from ..build.source import BuildError
+    from ..boards.build.board_image import COMPILED_FILES, build_board_image
+    from ..boards.build.dfu import dfu_file, hex_file
+    from ..boards.build.image_file import write_image_file
+    from ..boards.build.source import BuildError
 
     done = 0
     with progress(f"{role}: building", COMPILED_FILES) as advance:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..console import progress, screen, write_error, write_json
-from ..errors import NOT_ACHIEVED, UserError
+from ..util.console import progress, screen, write_error, write_json
+from ..util.errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..flash.flash import Outcome, Wish
+    from ..boards.flash.flash import Outcome, Wish
 
 ImagePath = Annotated[Path, typer.Argument(metavar="IMAGE", help="Image file that caramelo firmware image has made.")]
 Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; with --all, several times.")]
@@ -41,8 +41,8 @@ def flash(
 
     Example: caramelo flash out/firmware/joint.caramelo --port /dev/ttyACM0 --id 3
     """
-    from ..build.image_file import read_image_file
-    from ..flash.flash import Wish
+    from ..boards.build.image_file import read_image_file
+    from ..boards.flash.flash import Wish
 
     ports = _ports(port or [], every)
     if node is not None and len(ports) > 1:
@@ -66,7 +66,7 @@ def flash(
 
 
 def _flash(device: str, wish: "Wish") -> "Outcome":
-    from ..flash.flash import flash as flash_board
+    from ..boards.flash.flash import flash as flash_board
 
     with progress(device, 1) as advance:
         return flash_board(device, wish, lambda done, total: advance(done / total if total else 1))
@@ -74,7 +74,7 @@ def _flash(device: str, wish: "Wish") -> "Outcome":
 
 def _ports(named: list[str], every: bool) -> list[str]:
     """Return the ports to flash; UserError if that is not clear."""
-    from ..flash.link import found_ports
+    from ..boards.flash.link import found_ports
 
     if not every:
         if len(named) != 1:

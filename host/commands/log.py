@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, say, screen, write_json, write_note
-from ..errors import NOT_ACHIEVED, UserError
-from ..files import check_folder
+from ..util.console import progress, say, screen, write_json, write_note
+from ..util.errors import NOT_ACHIEVED, UserError
+from ..util.files import check_folder
 from . import WALK
 
 if TYPE_CHECKING:

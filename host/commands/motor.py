@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, screen, write_json
-from ..errors import NOT_ACHIEVED
+from ..util.console import progress, screen, write_json
+from ..util.errors import NOT_ACHIEVED
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..motor.result import Result
-    from ..robot_actuators import Bldc
+    from ..robot.actuators import Bldc
+    from ..sim.motor.result import Result
 
 motor_app = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
 
@@ -41,8 +41,8 @@ def sim(
     Examples: caramelo motor sim; caramelo motor sim --scenario step --out out/motor;
     caramelo motor sim --scenario fault-bus-sag --json
     """
-    from ..files import check_folder
-    from ..motor.scenarios import names, run_scenario
+    from ..sim.motor.scenarios import names, run_scenario
+    from ..util.files import check_folder
 
     check_folder("--out", out)
     bldc = _joint_of(robot)
@@ -54,7 +54,7 @@ def sim(
             show(float(number + 1))
     figures = {result.name: result.figures for result in results}
     if scenario is None:
-        from ..motor.accuracy import accuracy
+        from ..lab.motor_accuracy import accuracy
 
         figures["accuracy"] = accuracy(bldc)
     written = _draw(results, out) if out else []
@@ -87,7 +87,7 @@ def selftest(
 
     Example: caramelo motor selftest --port /dev/ttyACM0
     """
-    from ..motor.selftest import ask, judge
+    from ..boards.joint_selftest import ask, judge
 
     rows = judge(ask(port, bridge))
     ok = all(row.ok for row in rows)
@@ -105,9 +105,9 @@ def selftest(
 
 
 def _joint_of(robot: str) -> "Bldc":
-    from ..errors import UserError
-    from ..robot_actuators import Bldc
-    from ..robot_file import load_robot
+    from ..robot.actuators import Bldc
+    from ..robot.file import load_robot
+    from ..util.errors import UserError
 
     data = load_robot(robot)
     if not isinstance(data.actuator, Bldc):
@@ -116,7 +116,7 @@ def _joint_of(robot: str) -> "Bldc":
 
 
 def _draw(results: "list[Result]", out: Path) -> list[Path]:
-    from ..motor.plots import draw
+    from ..sim.motor.plots import draw
 
     paths = []
     for result in results:

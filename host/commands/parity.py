@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import screen, write_json
-from ..errors import NOT_ACHIEVED, UserError
+from ..util.console import screen, write_json
+from ..util.errors import NOT_ACHIEVED, UserError
 from . import CHECKS
 
 if TYPE_CHECKING:
-    from ..parity.check import Report
-    from ..runtimes import Runtime
+    from ..boards.runtimes import Runtime
+    from ..lab.parity.check import Report
 
 EMULATED = "cortex-m-viper"  # slow, so only by its name
 Names = Annotated[list[str] | None, typer.Option("--runtime", help="Only this runtime, and CPython; repeatable.")]
@@ -47,10 +47,10 @@ def parity(
     import tempfile
     from pathlib import Path
 
-    from ..parity.check import examine, failures
-    from ..parity.coverage import cover
-    from ..parity.sources import gather
-    from ..progress import cases
+    from ..lab.parity.check import examine, failures
+    from ..lab.parity.coverage import cover
+    from ..lab.parity.sources import gather
+    from ..util.progress import cases
 
     if memory:
         return show_memory(as_json)
@@ -80,8 +80,8 @@ def show_memory(as_json: bool) -> int:
 
     from rich.table import Table
 
-    from ..parity.sources import gather
-    from ..parity.table import measure_rows
+    from ..lab.parity.sources import gather
+    from ..lab.parity.table import measure_rows
 
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, screen().status("every function in two VMs"):
         rows = measure_rows(gather(Path(folder)), Path(folder))
@@ -97,7 +97,7 @@ def show_memory(as_json: bool) -> int:
 
 def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":
     """Return the runtimes asked for, CPython first; UserError for a name there is not."""
-    from ..runtimes import all_runtimes
+    from ..boards.runtimes import all_runtimes
 
     runtimes = all_runtimes(port, emulated=EMULATED in (names or []))
     known = [runtime.name for runtime in runtimes]

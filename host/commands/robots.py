@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import say, screen, write_json
+from ..util.console import say, screen, write_json
 from . import ROBOTS
 
 if TYPE_CHECKING:
-    from ..robot_model import Robot
+    from ..robot.model import Robot
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Which = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or a file ending in .toml.")]
@@ -30,7 +30,7 @@ def list_robots(context: typer.Context, as_json: Json = False) -> None:
     """
     if context.invoked_subcommand is not None:
         return
-    from ..robot_file import load_robot, robot_names
+    from ..robot.file import load_robot, robot_names
 
     robots = [load_robot(name) for name in robot_names()]
     if as_json:
@@ -44,7 +44,7 @@ def show_robot(which: Which, as_json: Json = False) -> None:
 
     Example: caramelo robots show caramelo
     """
-    from ..robot_file import find, load_robot
+    from ..robot.file import find, load_robot
 
     robot = load_robot(which)
     if as_json:
@@ -58,7 +58,7 @@ def check_robot(which: Which, as_json: Json = False) -> None:
 
     Example: caramelo robots check my.toml
     """
-    from ..robot_file import RobotFileError, load_robot
+    from ..robot.file import RobotFileError, load_robot
 
     try:
         robot = load_robot(which)
@@ -74,7 +74,7 @@ def check_robot(which: Which, as_json: Json = False) -> None:
 
 def derived(robot: "Robot") -> dict[str, Any]:
     """Return what follows from a robot's file."""
-    from ..gait_advice import gait_advice
+    from ..robot.gait_advice import gait_advice
 
     return {
         "mass_kg": robot.mass_kg,
@@ -86,8 +86,8 @@ def derived(robot: "Robot") -> dict[str, Any]:
 
 def overview(robot: "Robot") -> list[tuple[str, str]]:
     """Return the figures that matter most, as rows of name and value with unit."""
-    from ..gait_advice import gait_advice
-    from ..robot_checks import reachable_heights
+    from ..robot.checks import reachable_heights
+    from ..robot.gait_advice import gait_advice
 
     geometry, stance, limits, speed = robot.geometry, robot.stance, robot.joint_limits, robot.speed_limits
     ranges = [f"{low:g} .. {high:g}" for low, high in (limits.hip_deg, limits.thigh_deg, limits.calf_deg)]

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, screen, write_error, write_json
-from ..errors import NOT_ACHIEVED, UserError
+from ..util.console import progress, screen, write_error, write_json
+from ..util.errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
 
 if TYPE_CHECKING:
-    from ..buses.base import Measured
-    from ..calibration.data import Calibration
-    from ..robot_model import Robot
-    from ..servos.bus import ServoBus
-    from ..servos.link import Link
+    from ..bus.base import Measured
+    from ..bus.dynamixel.bus import ServoBus
+    from ..bus.dynamixel.calibration.data import Calibration
+    from ..bus.dynamixel.link import Link
+    from ..robot.model import Robot
 
 RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
 Port = Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")]
@@ -49,12 +49,12 @@ def register(app: typer.Typer) -> None:
 @contextmanager
 def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
     """Yield the robot and an open link to its servos, real or emulated."""
-    from ..hardware import baud as own_baud
-    from ..hardware import device
-    from ..robot_file import find, load_robot
-    from ..servos.link import Link
-    from ..servos.port import ServoPort
-    from ..servos.table import BAUDS
+    from ..bus.dynamixel.link import Link
+    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.table import BAUDS
+    from ..control.hardware import baud as own_baud
+    from ..control.hardware import device
+    from ..robot.file import find, load_robot
 
     data = load_robot(robot)
     rate = own_baud(data) if baud is None else baud
@@ -74,7 +74,7 @@ def _port_name(port: str, sim: bool, robot: str) -> Iterator[str]:
     if not sim:
         yield port
         return
-    from ..emulator.process import Emulator
+    from ..sim.servos.process import Emulator
 
     with Emulator("--robot", robot) as emulator:
         yield emulator.port
@@ -82,7 +82,7 @@ def _port_name(port: str, sim: bool, robot: str) -> Iterator[str]:
 
 def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
     """Return the robot's calibration; None if it has none yet and none was asked for."""
-    from ..calibration.data import default_path, load_calibration, nominal
+    from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
 
     if path is not None:
         return load_calibration(path, robot)
@@ -92,7 +92,7 @@ def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration |
 
 
 def _joints(calibration: "Calibration | None") -> dict[int, str]:
-    from ..buses.base import JOINT_LABELS
+    from ..bus.base import JOINT_LABELS
 
     return dict(zip(calibration.ids, JOINT_LABELS, strict=True)) if calibration else {}
 
@@ -110,10 +110,10 @@ def scan(
 
     Examples: caramelo servos scan; caramelo servos scan --all-bauds --port /dev/ttyUSB1; caramelo servos scan --sim
     """
-    from ..buses.base import JOINTS
-    from ..servos import budget as costs
-    from ..servos.port import latency_ms, latency_warning
-    from ..servos.tools import find, find_at_all_rates
+    from ..bus.base import JOINTS
+    from ..bus.dynamixel import budget as costs
+    from ..bus.dynamixel.port import latency_ms, latency_warning
+    from ..bus.dynamixel.tools import find, find_at_all_rates
 
     with servo_port(robot, port, baud, sim) as (data, link), progress("scan", 1.0) as done:
         found = list(find_at_all_rates(link, done)) if all_bauds else find(link, done)
@@ -150,7 +150,7 @@ def status(
 
     Example: caramelo servos status
     """
-    from ..servos.tools import status as status_of
+    from ..bus.dynamixel.tools import status as status_of
 
     with servo_port(robot, port, baud, sim) as (data, link):
         known = _joints(_calibration(data, calibration, sim))
@@ -180,8 +180,8 @@ def _status_cells(s: Any) -> tuple[str, ...]:
 
 @contextmanager
 def _open_bus(robot: str, port: str | None, calibration: Path | None, sim: bool) -> Iterator["ServoBus"]:
-    from ..robot_file import load_robot
-    from ..servos.bus import ServoBus
+    from ..bus.dynamixel.bus import ServoBus
+    from ..robot.file import load_robot
     from ._hardware import hardware
 
     with hardware(load_robot(robot), "emulated" if sim else "real", port, calibration, robot) as parts:
@@ -292,7 +292,7 @@ def torque(
     if switch not in ("on", "off"):
         raise UserError(f"torque {switch}: allowed on, off")
     if switch == "off":
-        from ..servos.table import TORQUE_ENABLE
+        from ..bus.dynamixel.table import TORQUE_ENABLE
 
         with servo_port(robot, port, baud, sim) as (_, link):
             for _ in range(3):  # nobody confirms a packet to all
@@ -319,7 +319,7 @@ def set_id(
 
     Example: caramelo servos set-id 1 7
     """
-    from ..servos import tools
+    from ..bus.dynamixel import tools
 
     with servo_port(robot, port, baud, sim) as (_, link):
         tools.set_id(link, old, new)
@@ -339,7 +339,7 @@ def set_baud(
 
     Example: caramelo servos set-baud 1 4000000 --baud 57600
     """
-    from ..servos import tools
+    from ..bus.dynamixel import tools
 
     with servo_port(robot, port, baud, sim) as (_, link):
         tools.set_baud(link, servo, new)
@@ -368,9 +368,9 @@ def budget(
 
     Example: caramelo servos budget --baud 1000000 --latency 16
     """
-    from ..hardware import baud as own_baud
-    from ..robot_file import load_robot
-    from ..servos.budget import budget as budget_of
+    from ..bus.dynamixel.budget import budget as budget_of
+    from ..control.hardware import baud as own_baud
+    from ..robot.file import load_robot
 
     data = load_robot(robot)
     rate, protocol = own_baud(data), data.bus.protocol if data.bus.kind == "dynamixel" else 2.0

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ..console import say, screen, write_json
-from ..errors import NOT_ACHIEVED, UserError
+from ..util.console import say, screen, write_json
+from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
 
 # What is still running so long after the joints have been let go hangs on a disk, a pipe or a terminal: the system ends
@@ -47,7 +47,7 @@ def teleop(
     Examples: caramelo teleop --sim; caramelo teleop --sim --web; caramelo teleop --web --listen 0.0.0.0 --log logs/;
     caramelo teleop --sim --measure 30 --json
     """
-    from ..robot_file import find, load_robot
+    from ..robot.file import find, load_robot
     from ..teleop.session import Options, Session
     from ._hardware import hardware
 

@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..console import progress, screen, write_json
-from ..errors import NOT_ACHIEVED
+from ..util.console import progress, screen, write_json
+from ..util.errors import NOT_ACHIEVED
 from . import WALK
 
 if TYPE_CHECKING:
     from sim2d.recording import Recording
 
-    from ..walk import WalkSpec
+    from ..sim.walk import WalkSpec
 
 TERRAIN_HELP = "flat, stones, gravel, ramp, step (up and down), step-up, step-down, box."
 
@@ -49,11 +49,11 @@ def walk(
     Examples: caramelo walk; caramelo walk --gait paper-trot --terrain step --height 0.05;
     caramelo walk --robot parallel --speed 0.1 --out out/parallel
     """
-    from ..files import check_folder
-    from ..motor.walking import joint_motors, transport
-    from ..robot_actuators import Bldc
-    from ..robot_file import load_robot
-    from ..walk import WalkSpec, judged, run_walk, walk_result
+    from ..robot.actuators import Bldc
+    from ..robot.file import load_robot
+    from ..sim.motor.walking import joint_motors, transport
+    from ..sim.walk import WalkSpec, judged, run_walk, walk_result
+    from ..util.files import check_folder
 
     check_folder("--out", out)
     data = load_robot(robot)
@@ -92,8 +92,8 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 
     from sim2d.view import animation_html, path_png
 
-    from ..files import atomic_path, write_text
-    from ..walk import facts
+    from ..sim.walk import facts
+    from ..util.files import atomic_path, write_text
 
     title = f"{spec.robot.name}: {spec.gait} over {spec.terrain}"
     page, picture, figures = out / "walk.html", out / "path.png", out / "walk.json"
@@ -110,7 +110,7 @@ def show_result(result: dict[str, Any], written: list[Path]) -> None:
     from rich.table import Table
     from rich.text import Text
 
-    from ..walk import facts
+    from ..sim.walk import facts
 
     table = Table(show_header=False, box=None, pad_edge=False)
     for name, value in facts(result):

@@ -16,8 +16,8 @@ from shared.sense.attitude import (
     rate_q18,
 )
 
-from ..robot_model import Robot
-from ..scale import attitude_block, rad
+from ..robot.model import Robot
+from ..robot.scale import attitude_block, rad
 from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError, ImuLate
 
 STUCK_S = 0.5  # real readings are never so long alike: their noise is several counts (measured on simulated noise)

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import MutableSequence, Sequence
 
-from ..errors import NOT_ACHIEVED, UserError
+from ..util.errors import NOT_ACHIEVED, UserError
 
 COUNTS = 6
 INT16_MAX = 32767

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ..errors import UserError
-from ..robot_model import Robot
+from ..robot.model import Robot
+from ..util.errors import UserError
 from .base import Imu
 
 I2C = "i2c"

@@ -13,11 +13,11 @@ import serial
 from firmware import link
 from firmware.mpu6050 import FAULT_NAMES, OK
 
-from ..gait_frames import FrameReader, frame
+from ..protocol.gait_frames import FrameReader, frame
 from .base import COUNTS, Imu, ImuError, ImuLate
 
 START_S = 1.0  # a board that has just been opened may still be starting a tick (chosen)
-ANSWER_S = 0.004  # the patience with a servo (host/servos/port.py): USB, the board's tick, the scheduler
+ANSWER_S = 0.004  # the patience with a servo (host/bus/dynamixel/port.py): USB, the board's tick, the scheduler
 WRITE_S = 0.005
 BAUD = 115200  # the board's USB takes any
 CHUNK = 4096
@@ -42,7 +42,7 @@ class Stream(Protocol):
 
 def open_serial(port: str) -> Stream:
     """Return an open serial port; ImuError says what to do."""
-    from ..servos.port import explain
+    from ..bus.dynamixel.port import explain
 
     try:
         stream: Stream = serial.Serial(port, BAUD, timeout=0, write_timeout=WRITE_S, exclusive=True)

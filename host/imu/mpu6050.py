@@ -8,8 +8,8 @@ import fcntl
 import struct
 from typing import Any
 
-from ..extras import how_to_get
-from ..robot_model import Robot
+from ..robot.model import Robot
+from ..util.extras import how_to_get
 from .base import Imu, ImuError, ImuLate
 
 ADDRESS = 0x68

@@ -6,7 +6,7 @@ A first line with names, empty lines and lines that begin with # are skipped.
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ..errors import UserError
+from ..util.errors import UserError
 from .base import COUNTS, INT16_MAX, Imu, ImuError
 
 HEADER = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"

@@ -8,9 +8,10 @@ from collections.abc import Callable
 from functools import cache, partial
 from typing import NamedTuple
 
-from host.protocol import dbc
-from host.protocol.dbc import Message, Signal
 from shared.wire import codec
+
+from . import dbc
+from .dbc import Message, Signal
 
 if sys.byteorder != "little":  # the codec's words are the frame's bytes only on little-endian machines
     raise ImportError("the CAN protocol needs a little-endian machine")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
-from ..files import atomic_path, file_name
-from ..robot_model import JOINT_NAMES, LEG_NAMES
+from ..robot.model import JOINT_NAMES, LEG_NAMES
+from ..util.errors import UserError
+from ..util.files import atomic_path, file_name
 from .reader import Progress, Record, messages, telling, values_of
 from .values import BadValue
 

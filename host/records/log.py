@@ -8,10 +8,10 @@ import shared
 from shared.gait.gaits import GAIT_NAMES
 from shared.record import pack
 
-from ..gait_changes import gait_now, margin_m
-from ..robot_model import Robot
-from ..teleop.loop import Loop
-from ..teleop.supervisor import Supervisor
+from ..control.gait_changes import gait_now, margin_m
+from ..control.loop import Loop
+from ..control.supervisor import Supervisor
+from ..robot.model import Robot
 from .recorder import Recorder
 
 

@@ -4,9 +4,9 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..console import plain
-from ..files import atomic_path
-from ..robot_model import JOINT_NAMES, LEG_NAMES
+from ..robot.model import JOINT_NAMES, LEG_NAMES
+from ..util.console import plain
+from ..util.files import atomic_path
 from .reader import Record
 
 if TYPE_CHECKING:

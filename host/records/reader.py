@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
+from ..util.errors import UserError
 from .channels import CHANNELS
 from .parts import BadPart, Channel, Message, NoMcap, Part, parts
 from .recorder import ROBOT

@@ -15,7 +15,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from ..errors import UserError
+from ..util.errors import UserError
 from .channels import CHANNELS, schema
 from .rotation import PARTS, claim, make_room, next_part
 

@@ -11,8 +11,8 @@ from shared.planner.planner import Planner
 from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 
-from ..errors import UserError
-from ..gait_names import BEFORE, place_now
+from ..robot.gait_names import BEFORE, place_now
+from ..util.errors import UserError
 from .channels import CHANNELS
 from .log import core_fingerprint
 from .reader import Record

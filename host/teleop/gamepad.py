@@ -8,10 +8,10 @@ import os
 from collections.abc import Callable
 from typing import Any
 
-from ..errors import UserError
-from ..robot_model import Robot
-from .arbiter import Client
-from .messages import Message
+from ..control.arbiter import Client
+from ..control.messages import Message
+from ..robot.model import Robot
+from ..util.errors import UserError
 
 REPEAT_S = 0.05
 DEAD_ZONE = 0.08

@@ -17,12 +17,12 @@ from math import inf
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..errors import UserError
-from ..web.limits import Bucket
-from ..web.peer import may_open_sockets, peer_of
-from .arbiter import Client
+from ..control.arbiter import Client
+from ..control.messages import LONGEST, BadMessage, Message, check, parse
+from ..util.errors import UserError
 from .lines import Gone, Lines
-from .messages import LONGEST, BadMessage, Message, check, parse
+from .web.limits import Bucket
+from .web.peer import may_open_sockets, peer_of
 
 MOST_SCRIPTS = 8
 MESSAGES_PER_S, BURST = 200.0, 200  # of a script: more than any loop has ticks

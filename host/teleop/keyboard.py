@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 from shared.gait.gaits import GAIT_NAMES
 
-from ..robot_model import Robot
-from .arbiter import Client
-from .messages import Message
+from ..control.arbiter import Client
+from ..control.messages import Message
+from ..robot.model import Robot
 
 POSE_STEPS = 10  # presses from the middle to the limit
 LONGEST_READ = 256

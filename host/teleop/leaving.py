@@ -6,8 +6,8 @@ from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Self
 
-from .arbiter import Client
-from .messages import Message
+from ..control.arbiter import Client
+from ..control.messages import Message
 
 # SIGHUP is what a closed terminal or a broken ssh sends.
 LEAVE_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from .arbiter import Client
-from .loop import Loop
-from .messages import Message
+from ..control.arbiter import Client
+from ..control.loop import Loop
+from ..control.messages import Message
 
 SEND_S = 0.1
 STAND_UP_S = 20.0  # a robot that does not stand by then does not come to it

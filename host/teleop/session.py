@@ -12,25 +12,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..console import write_error
-from ..errors import NOT_ACHIEVED, UserError
-from ..hardware import Hardware
+from ..control import priority
+from ..control.arbiter import Client
+from ..control.checks import start_checks
+from ..control.hardware import Hardware
+from ..control.loop import Loop
+from ..control.messages import Message
+from ..control.supervisor import Supervisor
+from ..control.telemetry import Extra, StartCheck, status
 from ..imu.attitude import Attitude
-from ..robot_file import find
-from ..robot_model import Robot
-from . import priority
-from .arbiter import Client
-from .checks import start_checks
+from ..robot.file import find
+from ..robot.model import Robot
+from ..util.console import write_error
+from ..util.errors import NOT_ACHIEVED, UserError
 from .ending import end_all
 from .gamepad import Gamepad, open_gamepad
 from .hub import Hub
 from .keyboard import Keyboard
 from .leaving import Leaving
-from .loop import Loop
 from .measure import Measure, cpu_seconds
-from .messages import Message
-from .supervisor import Supervisor
-from .telemetry import Extra, StartCheck, status
 from .terminal import Screen, raw_keys
 from .webside import WebProcess
 

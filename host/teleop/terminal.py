@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any, TextIO
 
-from ..console import plain
-from ..robot_model import JOINT_NAMES, LEG_NAMES
+from ..robot.model import JOINT_NAMES, LEG_NAMES
+from ..util.console import plain
 from .keyboard import HELP
 
 REPAINT_S = 0.2

@@ -13,16 +13,16 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..buses.base import Fault
-from ..child import end_child
-from ..errors import UserError
+from ..bus.base import Fault
+from ..control.supervisor import Supervisor
+from ..util.child import end_child
+from ..util.errors import UserError
 from .hub import Hub
-from .supervisor import Supervisor
 
 START_S = 15.0
 END_S = 3.0
 DEFAULT = "127.0.0.1:8080"
-SILENT_S = 5.0  # it speaks once a second (host/web/process.py); a busy machine may hold it up (chosen)
+SILENT_S = 5.0  # it speaks once a second (host/teleop/web/process.py); a busy machine may hold it up (chosen)
 AGAIN_S = 1.0  # between its end and the next start
 STEADY_S = 5.0  # after so long it counts as running again
 UNREACHABLE_S = 20.0  # nobody can stop the robot from the page for longer than this (chosen)
@@ -46,7 +46,7 @@ class WebProcess:
     def __init__(self, robot: str, listen: str, clock: Callable[[], float] = time.monotonic) -> None:
         import aiohttp  # noqa: F401  here, so that a missing extra is told before anything runs
 
-        from ..web.access import is_loopback, new_code
+        from .web.access import is_loopback, new_code
 
         self._address, self._port = listen_address(listen)
         self.code, self._here_only = new_code(), is_loopback(self._address)
@@ -67,7 +67,7 @@ class WebProcess:
         os.ftruncate(self._errors, 0)
         # A session of its own: Ctrl-C in the terminal is the loop's to handle.
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "host.web", str(theirs.fileno())],
+            [sys.executable, "-m", "host.teleop.web", str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,

@@ -1,7 +1,7 @@
 """What is tuned of the crawl, and what of it follows from the robot's shape: a part of the robot's parameters.
 
-Found on Caramelo (leg 240 mm, in MuJoCo, on steps of 2 to 6 cm). host/crawl_tuning.py makes of this table what a robot
-takes, in proportion to its leg; a robot file's table ``crawl`` changes single values of it.
+Found on Caramelo (leg 240 mm, in MuJoCo, on steps of 2 to 6 cm). host/robot/crawl_tuning.py makes of this table what a
+robot takes, in proportion to its leg; a robot file's table ``crawl`` changes single values of it.
 """
 
 from ..record import field, record

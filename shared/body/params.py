@@ -1,6 +1,6 @@
 """The robot as the core reads it: a record that the host fills in.
 
-``host/scale.py`` is the only writer. Units: ``lu`` is the robot's length unit, 2^-LENGTH_SHIFT m;
+``host/robot/scale.py`` is the only writer. Units: ``lu`` is the robot's length unit, 2^-LENGTH_SHIFT m;
 ``lf`` is lu/256, used where small steps add up; ``brad`` is 1/65536 turn; ``yaw18`` is
 2^-18 rad. Speeds are per tick of the planner, so the record belongs to one rate.
 """

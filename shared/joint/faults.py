@@ -1,4 +1,4 @@
-"""Fault codes of a joint: one byte on the wire, with one value of 24 bits; host/joint_faults.py has the words.
+"""Fault codes of a joint: one byte on the wire, with one value of 24 bits; host/robot/joint_faults.py has the words.
 
 The unit of the value is given with each code. Faults at FAULT_COAST_FROM and above end the torque
 at once; below, the joint damps first, because its sensing can still be trusted.

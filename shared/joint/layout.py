@@ -72,7 +72,7 @@ class LoopSettings:
 
 @record
 class JointConfig:
-    """What host/joint_gains.py sets once; calibration may change what it found.
+    """What host/robot/joint_gains.py sets once; calibration may change what it found.
 
     Names and order are those of the parameters from pole_pairs on (host/protocol/parameters.toml).
     """

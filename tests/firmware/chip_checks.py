@@ -7,10 +7,10 @@ from array import array
 from itertools import pairwise
 
 from firmware import chip_io, chip_joint, joint_run
-from host.chip.can_filter import accept
-from host.chip.can_wire import Frame
-from host.chip.drv8323 import FAULT1
-from host.chip.joint_board import HALF_BRIDGES, SHUNT_CHANNELS, Restart
+from host.sim.chip.can_filter import accept
+from host.sim.chip.can_wire import Frame
+from host.sim.chip.drv8323 import FAULT1
+from host.sim.chip.joint_board import HALF_BRIDGES, SHUNT_CHANNELS, Restart
 from shared.joint import faults as f
 from shared.wire import names as w
 

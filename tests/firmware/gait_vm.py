@@ -5,12 +5,11 @@ import subprocess
 import sys
 
 from host import ROOT
-from host.build.source import closure, read_modules
-from host.runtimes.unix import Unix
-from host.scale import attitude_block, core_params
+from host.boards.build.source import closure, read_modules
+from host.boards.runtimes.unix import Unix
+from host.robot.scale import attitude_block, core_params
 from shared.record import pack
-
-from ..marks import skip_without
+from tests.marks import skip_without
 
 
 def copy_modules(sources, *names):

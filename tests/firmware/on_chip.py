@@ -5,11 +5,11 @@ from array import array
 from firmware.board_stm32f405 import Stm32F405Board
 from firmware.joint import Joint
 from firmware.settings import Memory
-from host.chip.can_wire import Frame
-from host.chip.joint_board import JointBoard
-from host.joint_gains import joint_blocks
-from host.joint_units import JointSetup
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import JointSetup
+from host.sim.chip.can_wire import Frame
+from host.sim.chip.joint_board import JointBoard
 from shared.wire import names as w
 from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
 

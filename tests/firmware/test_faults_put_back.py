@@ -21,11 +21,10 @@ from firmware.chip import (
     peek,
     poke,
 )
-from host.chip.joint_board import JointBoard
+from host.sim.chip.joint_board import JointBoard
 from shared.runtime import reg32
-
-from . import chip_checks as checks
-from . import on_chip
+from tests.firmware import chip_checks as checks
+from tests.firmware import on_chip
 
 
 def constants(module, **values):

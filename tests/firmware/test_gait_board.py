@@ -10,11 +10,11 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import MISSING, STUCK
-from host.gait_board import GaitBoardLink
-from host.gait_frames import frame
-from host.plane import planar_robot
-from host.robot_file import load_robot
-from host.scale import attitude_block, brad, core_params, joints_rad, scale_of
+from host.boards.gait_board import GaitBoardLink
+from host.protocol.gait_frames import frame
+from host.robot.file import load_robot
+from host.robot.plane import planar_robot
+from host.robot.scale import attitude_block, brad, core_params, joints_rad, scale_of
 from shared.planner.command import COMMAND_SIZE, MODE_WALK, Command
 from shared.planner.planner import Planner
 from shared.record import pack

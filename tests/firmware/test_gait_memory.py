@@ -8,15 +8,15 @@ import pytest
 
 from firmware import link
 from firmware.mpu6050 import OK, SATURATED
-from host.gait_frames import frame
-from host.plane import planar_robot
-from host.robot_file import load_robot
-from host.runtimes import Unix, Wasi
-from host.scale import attitude_block, brad, core_params
+from host.boards.runtimes import Unix, Wasi
+from host.protocol.gait_frames import frame
+from host.robot.file import load_robot
+from host.robot.plane import planar_robot
+from host.robot.scale import attitude_block, brad, core_params
 from shared.planner.status import LIMP, STANDING, WALKING
 from shared.record import pack
+from tests.marks import skip_without
 
-from ..marks import skip_without
 from .gait_run import run
 from .gait_vm import copy_modules
 from .test_gait_board import walk_command

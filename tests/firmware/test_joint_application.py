@@ -10,9 +10,9 @@ from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.joint_service import HOME_POSE
 from firmware.settings import Memory
-from host.motor.bench import SESSION, Bench
 from host.protocol import parameters
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.sim.motor.bench import SESSION, Bench
 from shared.joint import faults as f
 from shared.joint import layout as j
 from shared.wire import codec
@@ -92,7 +92,7 @@ def test_a_reply_and_status_say_what_is(bench):
     ],
 )
 def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch, value, session, send, result):
-    monkeypatch.setattr("host.motor.bench.SESSION", session)
+    monkeypatch.setattr("host.sim.motor.bench.SESSION", session)
     if send:
         bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
         bench.run(20)

@@ -11,12 +11,12 @@ from firmware import chip_joint, chip_step, joint
 from firmware.board_sim import SimBoard
 from firmware.board_stm32f405 import Stm32F405Board
 from firmware.encoders import angle_of, parity
-from host.chip.joint_board import JointBoard, Restart
+from host.sim.chip.joint_board import JointBoard, Restart
 from shared.joint import faults as f
 from shared.wire import names as w
 from tests import ROOT
+from tests.firmware import chip_checks
 
-from . import chip_checks
 from .chip_checks import armed, clean
 from .on_chip import NODE, OnChip
 

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 
 from host import ROOT
-from host.build.source import closure, read_modules
-from host.motor.bench import Bench
-from host.robot_file import load_robot
-from host.runtimes import Unix, Wasi
+from host.boards.build.source import closure, read_modules
+from host.boards.runtimes import Unix, Wasi
+from host.robot.file import load_robot
+from host.sim.motor.bench import Bench
+from tests.marks import skip_without
 
-from ..marks import skip_without
 from .storm import Storm
 
 FRAMES = 10_000

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from firmware import gait, link
-from host.gait_frames import FrameReader, frame
+from host.protocol.gait_frames import FrameReader, frame
 from shared.planner.status import Status
 from shared.record import pack, unpack
 

@@ -7,7 +7,8 @@ length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (comma
 
 import math
 
-from . import crawl, crawl_swing
+from tests.float_twin import crawl, crawl_swing
+
 from .crawl_plan import BodyMove
 from .fixed import limit
 

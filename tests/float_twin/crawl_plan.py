@@ -2,7 +2,8 @@
 
 import math
 
-from . import crawl
+from tests.float_twin import crawl
+
 from .fixed import limit
 
 

@@ -8,7 +8,7 @@ import pytest
 
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
-from host.gait_advice import UNTRIED
+from host.robot.gait_advice import UNTRIED
 from tests import ROOT
 
 LAST = '    ("crawl", MOVER_CRAWL, TROT),\n'

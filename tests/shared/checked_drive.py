@@ -8,7 +8,7 @@ import json
 import random
 import sys
 
-from host.parity import checked
+from host.lab.parity import checked
 
 
 def word(dice):

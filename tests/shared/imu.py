@@ -3,8 +3,8 @@
 import math
 from array import array
 
-from host.robot_file import load_robot
-from host.scale import attitude_block
+from host.robot.file import load_robot
+from host.robot.scale import attitude_block
 from shared.sense.attitude import Attitude
 from tests.float_twin import attitude as twin
 

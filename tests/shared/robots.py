@@ -6,9 +6,9 @@ The two robot files and what they stretch to: both knees, a leg of 1 m, unequal 
 import math
 from types import SimpleNamespace
 
-from host.robot_file import find, read_toml
-from host.robot_model import Robot
-from host.scale import BRAD_PER_RAD, core_params
+from host.robot.file import find, read_toml
+from host.robot.model import Robot
+from host.robot.scale import BRAD_PER_RAD, core_params
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.drive import Driver
-from host.plane import planar_robot
-from host.robot_file import load_robot
+from host.control.planner import Driver
+from host.robot.file import load_robot
+from host.robot.plane import planar_robot
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
 from shared.crawl.even import LEGS_EVEN

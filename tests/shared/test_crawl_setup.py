@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from host import crawl_tuning
-from host.scale import brad, core_params
+from host.robot import crawl_tuning
+from host.robot.scale import brad, core_params
 from shared.record import pack
 from tests.float_twin import crawl_reach as twin
 

@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import example, given
 
-from host.gen import tables
+from host.boards.build import tables
 from shared.num.fixed import (
     atan2_brad,
     atan2_brad18,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.parity.probe.row import Row
+from host.lab.parity.probe.row import Row
 from shared.gait import steps as s
 from shared.planner import command as c
 from shared.planner import status as n

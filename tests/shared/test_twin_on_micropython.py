@@ -4,7 +4,7 @@ import shutil
 
 import pytest
 
-from host.runtimes.unix import Unix
+from host.boards.runtimes.unix import Unix
 from tests import ROOT
 from tests.float_twin import sample
 from tests.marks import skip_without

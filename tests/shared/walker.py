@@ -1,6 +1,6 @@
 """Runs the planner from its blocks: stand up, walk, sit, with every tick's feet and joints kept."""
 
-from host.parity.probe.row import Row
+from host.lab.parity.probe.row import Row
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS, PAPER_TROT
 from shared.gait.table import MOVER_CRAWL, compile_gait

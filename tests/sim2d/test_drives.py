@@ -14,8 +14,9 @@ from sim2d.model import Link, combine
 from sim2d.run import simulate
 from sim2d.world import World
 from tests.float_twin.paper_trot import PaperTrot
-from tests.sim2d.conftest import CALF_SERVO, THIGH_SERVO, caramelo
-from tests.sim2d.helpers import Stand
+
+from .conftest import CALF_SERVO, THIGH_SERVO, caramelo
+from .helpers import Stand
 
 eight = st.lists(st.floats(-3, 3), min_size=8, max_size=8)
 

@@ -9,8 +9,9 @@ import pytest
 from sim2d import metrics, terrain
 from sim2d.run import simulate
 from tests.float_twin.paper_trot import Balance, PaperTrot
-from tests.sim2d.conftest import caramelo
-from tests.sim2d.helpers import Stand
+
+from .conftest import caramelo
+from .helpers import Stand
 
 
 @pytest.fixture(scope="module")

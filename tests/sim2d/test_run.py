@@ -14,8 +14,9 @@ from sim2d.referee import Referee
 from sim2d.run import simulate
 from sim2d.world import Contacts, World, _count_bodies
 from tests.float_twin.paper_trot import PaperTrot
-from tests.sim2d.conftest import caramelo
-from tests.sim2d.helpers import Stand
+
+from .conftest import caramelo
+from .helpers import Stand
 
 NOTHING = Contacts(((0.0, 0.0),) * 4, (False,) * 4, False, 0.0)
 

@@ -13,8 +13,9 @@ from sim2d.body import planar
 from sim2d.run import simulate
 from sim2d.world import GRAVITY_M_S2, World
 from tests.float_twin.paper_trot import PERIOD_S, Balance, PaperTrot, cycloid, inverse, sample_times
-from tests.sim2d.conftest import CALF_SERVO, THIGH_SERVO, caramelo
-from tests.sim2d.helpers import Limp, Stand, energy_J, static_sag_m, torso_height_m
+
+from .conftest import CALF_SERVO, THIGH_SERVO, caramelo
+from .helpers import Limp, Stand, energy_J, static_sag_m, torso_height_m
 
 FRICTIONLESS = {
     "thigh_servo": replace(THIGH_SERVO, coulomb_Nm=0.0),

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from ...console import screen
-from ...errors import NOT_ACHIEVED, UserError
+from ...util.console import screen
+from ...util.errors import NOT_ACHIEVED, UserError
 from .options import Channel, Interface, Node, RobotName, Sim, joints
 
 

@@ -4,8 +4,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ...console import screen, write_json
-from ...errors import NOT_ACHIEVED, UserError
+from ...util.console import screen, write_json
+from ...util.errors import NOT_ACHIEVED, UserError
 from .options import Json, RobotName, print_table
 
 # Key of a row: its heading and its form
@@ -34,9 +34,9 @@ def compare(
 
     Example: caramelo joints compare --seconds 3
     """
-    from ...joints.compare import CASES
-    from ...joints.compare import compare as compared
-    from ...robot_file import load_robot
+    from ...lab.joints.compare import CASES
+    from ...lab.joints.compare import compare as compared
+    from ...robot.file import load_robot
 
     data = load_robot(robot)
     if data.bus.kind != "can":

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from ...console import screen
-from ...errors import NOT_ACHIEVED
+from ...util.console import screen
+from ...util.errors import NOT_ACHIEVED
 from .options import Channel, Interface, RobotName, Seconds, Sim, joints
 
 

@@ -5,9 +5,9 @@ from typing import Annotated
 
 import typer
 
-from ...console import screen, write_json
-from ...errors import NOT_ACHIEVED, UserError
-from ...extras import how_to_get
+from ...util.console import screen, write_json
+from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.extras import how_to_get
 from .options import Json, RobotName, print_table
 
 
@@ -23,8 +23,8 @@ def figures(
 
     Example: caramelo joints figures --messages 100000 --distance 1.5
     """
-    from ...joints import figures as found
-    from ...robot_file import load_robot
+    from ...lab.joints import figures as found
+    from ...robot.file import load_robot
 
     data = load_robot(robot)
     if data.bus.kind != "can":

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...console import screen, write_json
-from ...errors import NOT_ACHIEVED, UserError
+from ...util.console import screen, write_json
+from ...util.errors import NOT_ACHIEVED, UserError
 from .options import Json, RobotName, print_table
 
 if TYPE_CHECKING:
-    from ...busload import LoadRow
+    from ...bus.can.load import LoadRow
 
 MOST_SHARE = 0.7  # beyond it a lost frame's repetition finds no room in its cycle (chosen)
 
@@ -26,11 +26,11 @@ def busload(
 
     Example: caramelo joints busload --rate 400 --buses 2
     """
-    from ...busload import busload as busload_of
-    from ...busload import default_schedule
-    from ...can.pair import bus_of
-    from ...joints.host_loops import KINDS
-    from ...robot_file import load_robot
+    from ...bus.can.host_loops import KINDS
+    from ...bus.can.load import busload as busload_of
+    from ...bus.can.load import default_schedule
+    from ...bus.can.pair import bus_of
+    from ...robot.file import load_robot
 
     data = load_robot(robot)
     if data.bus.kind != "can":

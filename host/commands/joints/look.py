@@ -8,8 +8,8 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ...console import screen, write_json
-from ...errors import NOT_ACHIEVED, UserError
+from ...util.console import screen, write_json
+from ...util.errors import NOT_ACHIEVED, UserError
 from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints, print_table
 from .table import rows_of, table
 
@@ -33,7 +33,7 @@ def scan(
             "wrong": [{"node": n.node, "what": n.what, "sentence": n.sentence} for n in wrong],
         })  # fmt: skip
     else:
-        from ...joints.service import joint_name
+        from ...bus.can.service import joint_name
 
         print_table(("joint", "board"), [(joint_name(node), f"{number:#010x}") for node, number in rows])
         for sentence in [*(notice.sentence for notice in wrong), *filter(None, [trouble])]:
@@ -84,7 +84,7 @@ def monitor(
     """
     from rich.live import Live
 
-    from ...joints.spark import Curves
+    from .spark import Curves
 
     if plot not in PLOTS:
         raise UserError(f"--plot {plot}: allowed {', '.join(PLOTS)}")

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ...console import screen, write_error
-from ...errors import UserError
+from ...util.console import screen, write_error
+from ...util.errors import UserError
 
 if TYPE_CHECKING:
-    from ...buses.can_joints import CanJoints
-    from ...can.port import Port
+    from ...bus.can.joints import CanJoints
+    from ...bus.can.port import Port
 
 RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
 Interface = Annotated[
@@ -28,20 +28,20 @@ Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long
 @contextmanager
 def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
     """Yield the joints of a robot, listened to for two heartbeats but not checked."""
-    from ...buses.can_joints import CanJoints, new_session
-    from ...robot_file import load_robot
-    from ...robot_poses import seated_pose_rad
+    from ...bus.can.joints import CanJoints, new_session
+    from ...robot.file import load_robot
+    from ...robot.poses import seated_pose_rad
 
     data = load_robot(robot)
     if data.bus.kind != "can":
         raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
     if simulated:
-        from ...joints.sim_robot import SimRobot, sim_port
+        from ...sim.joints.sim_robot import SimRobot, sim_port
 
         robot_sim = SimRobot(data)
         port: Port = sim_port(robot_sim)
     else:
-        from ...can.open import open_port
+        from ...bus.can.open import open_port
 
         port = open_port(data.bus, interface, channel)
     pose_rad = seated_pose_rad(data)

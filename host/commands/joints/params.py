@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ...console import screen, write_json
+from ...util.console import screen, write_json
 from .options import Channel, Interface, Json, Node, RobotName, Sim, joints, print_table
 
 
@@ -19,7 +19,7 @@ def get(
 
     Example: caramelo joints params get 5 current_kp gear_q8 --sim
     """
-    from ...joints.params import find_all, read
+    from ...bus.can.params import find_all, read
 
     wanted = find_all(names)
     with joints(robot, interface, channel, sim) as bus:
@@ -41,7 +41,7 @@ def set_(
 
     Example: caramelo joints params set 5 position_p 900
     """
-    from ...joints.params import find_all, write
+    from ...bus.can.params import find_all, write
 
     with joints(robot, interface, channel, sim) as bus:
         raw = write(bus.requests, node, find_all([name])[0], value)
@@ -62,8 +62,8 @@ def save(
     """
     from shared.wire import names as w
 
-    from ...joints.param_file import write_file
-    from ...joints.params import read_kept
+    from ...bus.can.param_file import write_file
+    from ...bus.can.params import read_kept
 
     with joints(robot, interface, channel, sim) as bus:
         bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
@@ -83,8 +83,8 @@ def restore(
     """
     from shared.wire import names as w
 
-    from ...joints.param_file import read_file
-    from ...joints.params import write_kept
+    from ...bus.can.param_file import read_file
+    from ...bus.can.params import write_kept
 
     values = None if file is None else read_file(file)
     with joints(robot, interface, channel, sim) as bus:
@@ -105,8 +105,8 @@ def diff(
 
     Examples: caramelo joints params diff 5 --sim; caramelo joints params diff 5 --file joint5.json
     """
-    from ...joints.param_file import read_file
-    from ...joints.params import differences
+    from ...bus.can.param_file import read_file
+    from ...bus.can.params import differences
 
     wanted, name = (None, "fresh board") if file is None else (read_file(file), "file")
     with joints(robot, interface, channel, sim) as bus:

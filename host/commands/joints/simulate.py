@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ...console import screen
-from ...errors import UserError
+from ...util.console import screen
+from ...util.errors import UserError
 from .options import RobotName, Seconds
 
 
@@ -25,11 +25,11 @@ def sim(
 
     Examples: caramelo joints sim --fault power-cycle:5@10 --loss 0.01; caramelo joints sim --vm 4
     """
-    from ...can.open import open_port
-    from ...can.pair import PairPort
-    from ...joints.gateway import Gateway
-    from ...joints.sim_robot import SimRobot
-    from ...robot_file import load_robot
+    from ...bus.can.open import open_port
+    from ...bus.can.pair import PairPort
+    from ...robot.file import load_robot
+    from ...sim.joints.gateway import Gateway
+    from ...sim.joints.sim_robot import SimRobot
 
     data = load_robot(robot)
     if data.bus.kind != "can":

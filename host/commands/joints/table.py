@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ...buses.can_joints import CanJoints
-    from ...joints.link import JointView
+    from ...bus.can.joints import CanJoints
+    from ...bus.can.link import JointView
 
 HOMELESS = "does not know its angle yet: put the robot into its sitting pose; arm and teleop home it there"
 
@@ -15,7 +15,7 @@ def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
 
     from shared.wire import names as w
 
-    from ...joints.service import joint_name
+    from ...bus.can.service import joint_name
     from ...protocol.frames import describe, encode
 
     age_s = bus.now() - view.heartbeat_s

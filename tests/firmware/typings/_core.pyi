@@ -1,2 +1,2 @@
-# An image's core in C (host/build/c_core.py), as far as shared/runtime.py takes from it.
+# An image's core in C (host/boards/build/c_core.py), as far as shared/runtime.py takes from it.
 def bound(function, *given): ...

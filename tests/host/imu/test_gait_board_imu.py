@@ -11,18 +11,17 @@ import pytest
 from firmware import gait_main, link
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import STUCK
-from host.child import end_child
-from host.errors import UserError
-from host.gait_frames import FrameReader, frame
 from host.imu.attitude import Attitude
 from host.imu.base import ImuError, ImuLate
 from host.imu.choose import open_source
 from host.imu.gait_board import GaitBoardImu
-from host.robot_file import load_robot
-from host.scale import attitude_block, core_params
+from host.protocol.gait_frames import FrameReader, frame
+from host.robot.file import load_robot
+from host.robot.scale import attitude_block, core_params
+from host.util.child import end_child
+from host.util.errors import UserError
+from tests.firmware.gait_vm import start_gait_vm
 from tests.waiting import PATIENCE_S
-
-from ...firmware.gait_vm import start_gait_vm
 
 ROBOT = load_robot("caramelo")
 COUNTS = (-3, 7, -32768, 120, -4, 16384)

@@ -5,16 +5,16 @@ from math import degrees, radians, sin
 
 import pytest
 
-from host.buses.simulated import SimulatedBus
-from host.emulator.plant import PlanePlant
-from host.errors import UserError
 from host.imu.attitude import Attitude
 from host.imu.base import Axes, Imu, ImuError, ImuLate
 from host.imu.mpu6050 import Mpu6050
 from host.imu.recorded import RecordedImu
-from host.imu.simulated import SimulatedImu
-from host.robot_file import load_robot
-from host.robot_poses import seated_pose_rad
+from host.robot.file import load_robot
+from host.robot.poses import seated_pose_rad
+from host.sim.bus import SimulatedBus
+from host.sim.imu import SimulatedImu
+from host.sim.plant import PlanePlant
+from host.util.errors import UserError
 
 CARAMELO = load_robot("caramelo")
 RATE_HZ = CARAMELO.control.rate_hz

@@ -13,8 +13,6 @@ import threading
 import pytest
 
 from host.cli import main
-from host.errors import UserError
-from host.gait_names import BEFORE
 from host.records import recorder as recorder_module
 from host.records.channels import CHANNELS, schema
 from host.records.export import export_csv
@@ -22,10 +20,12 @@ from host.records.log import LoopLog, about
 from host.records.reader import Record, messages, read_record
 from host.records.recorder import SYNC_S, Recorder, record_path
 from host.records.replay import replay
+from host.robot.gait_names import BEFORE
+from host.util.errors import UserError
 from shared.gait.gaits import GAIT_NAMES
+from tests.host.control.rig import AHEAD, PAGE, STOP, Rig
 from tests.waiting import PATIENCE_S, wait_until
 
-from ..teleop.rig import AHEAD, PAGE, STOP, Rig
 from .odd import mcap
 
 

@@ -9,13 +9,12 @@ from itertools import pairwise
 import pytest
 
 from host.cli import main
-from host.errors import UserError
 from host.records.reader import Record, read_record
 from host.records.recorder import CHUNK, Recorder
 from host.records.replay import replay
 from host.records.rotation import claim, make_room, next_part
-
-from ..teleop.rig import Rig
+from host.util.errors import UserError
+from tests.host.control.rig import Rig
 
 
 def record(folder, day, size=1000):
@@ -142,7 +141,7 @@ def test_a_record_of_one_part_is_replayed(tmp_path):
 )
 def test_wrong_use_is_one_line(options, words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("host.teleop.priority.ask", lambda: "as it is")
+    monkeypatch.setattr("host.control.priority.ask", lambda: "as it is")
     assert main(["teleop", "--sim", "--direct", "--headless", *options]) == 2
     assert words in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

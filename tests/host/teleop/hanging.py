@@ -6,11 +6,11 @@ import signal
 import time
 from pathlib import Path
 
-from host.calibration.data import nominal, save_calibration
-from host.emulator.process import Emulator
-from host.errors import UserError
-from host.robot_file import load_robot
-from host.teleop.watched import PATIENCE_S, Watched
+from host.bus.dynamixel.calibration.data import nominal, save_calibration
+from host.lab.teleop.watched import PATIENCE_S, Watched
+from host.robot.file import load_robot
+from host.sim.servos.process import Emulator
+from host.util.errors import UserError
 from tests.waiting import wait_until
 
 # Read by every Python that starts with this folder in its path: fsync does not return while the file is there.
@@ -36,7 +36,7 @@ class Drive(Watched):
         monkeypatch.setenv("PYTHONPATH", str(folder))
         sim = ("--sim", "--direct") if emulator is None else self._port(folder, emulator.port)
         super().__init__(folder, "--log", str(folder / f"{time.monotonic()}.mcap"), sim=sim)
-        self.page = child_of(self.process.pid, "host.web")
+        self.page = child_of(self.process.pid, "host.teleop.web")
 
     @staticmethod
     def _port(folder, port):
@@ -79,7 +79,7 @@ class Drive(Watched):
             self.flag.touch()
         elif what == "page":
             with contextlib.suppress(LookupError):
-                self.page = child_of(self.process.pid, "host.web")
+                self.page = child_of(self.process.pid, "host.teleop.web")
                 os.kill(self.page, signal.SIGSTOP)
 
     def holds(self):

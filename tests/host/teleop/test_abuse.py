@@ -9,8 +9,9 @@ import time
 
 import pytest
 
+from tests.host.control.rig import RESET, STOP
+
 from .hanging import driving
-from .rig import RESET, STOP
 
 AIMED_AT_S = 0.025
 BUSY = 5  # a machine with other work is given so much more

@@ -14,12 +14,11 @@ import sys
 import pytest
 
 from host.cli import main
+from host.control.safety import Fault
 from host.records.reader import read_record
-from host.safety import Fault
 from host.teleop.measure import Measure
+from tests.host.control.rig import Rig
 from tests.waiting import PATIENCE_S, wait_until
-
-from .rig import Rig
 
 TELEOP = [sys.executable, "-m", "host.cli", "teleop"]
 
@@ -59,7 +58,7 @@ def test_measure_prints_figures():
     ],
 )
 def test_wrong_use_is_one_line(options, sentence, capsys, monkeypatch):
-    monkeypatch.setattr("host.teleop.priority.ask", lambda: "as it is")
+    monkeypatch.setattr("host.control.priority.ask", lambda: "as it is")
     monkeypatch.setattr("sys.stdin", io.StringIO())
     assert main(["teleop", *options]) == 2
     error = capsys.readouterr().err

@@ -8,15 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.errors import UserError
-from host.robot_file import load_robot
+from host.control.messages import check
+from host.control.telemetry import Extra, status
+from host.robot.file import load_robot
 from host.teleop import gamepad as pads
 from host.teleop.keyboard import HELP, Keyboard, Keys, keys_of
-from host.teleop.messages import check
-from host.teleop.telemetry import Extra, status
 from host.teleop.terminal import screen_lines
-
-from .rig import STOP, Rig
+from host.util.errors import UserError
+from tests.host.control.rig import STOP, Rig
 
 ROBOT = load_robot("caramelo")
 

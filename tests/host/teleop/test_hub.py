@@ -7,13 +7,12 @@ import time
 
 import pytest
 
-from host.errors import UserError
-from host.teleop.arbiter import Client
+from host.control.arbiter import Client
+from host.control.messages import parse
+from host.lab.teleop.watched import free_port
 from host.teleop.hub import BURST, CONNECTION_BURST, MOST_SCRIPTS, PATIENCE, Hub
-from host.teleop.messages import parse
-from host.teleop.watched import free_port
-
-from .rig import AHEAD, RESET, STOP, Rig
+from host.util.errors import UserError
+from tests.host.control.rig import AHEAD, RESET, STOP, Rig
 
 
 @pytest.fixture

@@ -5,16 +5,15 @@ import signal
 
 import pytest
 
+from host.bus.dynamixel.bus import TORQUE_TRIES
 from host.commands._hardware import hardware
-from host.emulator.process import Emulator, Late
-from host.errors import UserError
-from host.robot_file import load_robot
-from host.servos.bus import TORQUE_TRIES
-from host.teleop.loop import Loop
-from host.teleop.supervisor import Supervisor
-from tests.host.servos.rig import Rig as Servos
-
-from .rig import SCRIPT, STAND, Silence
+from host.control.loop import Loop
+from host.control.supervisor import Supervisor
+from host.robot.file import load_robot
+from host.sim.servos.process import Emulator, Late
+from host.util.errors import UserError
+from tests.host.bus.dynamixel.rig import Rig as Servos
+from tests.host.control.rig import SCRIPT, STAND, Silence
 
 ROBOT = load_robot("caramelo")
 

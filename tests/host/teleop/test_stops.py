@@ -8,16 +8,16 @@ import time
 
 import pytest
 
-from host.buses.simulated import SimulatedBus
-from host.robot_file import load_robot
+from host.control.loop import Loop
+from host.control.supervisor import Supervisor
+from host.robot.file import load_robot
+from host.sim.bus import SimulatedBus
 from host.teleop import gamepad as pads
 from host.teleop.hub import Hub
 from host.teleop.keyboard import Keyboard
-from host.teleop.loop import Loop
-from host.teleop.supervisor import Supervisor
+from tests.host.control.rig import RESET, SCRIPT, STOP
 from tests.waiting import let_pass, wait_until
 
-from .rig import RESET, SCRIPT, STOP
 from .test_devices import FakePad
 
 AIMED_AT_S = 0.025

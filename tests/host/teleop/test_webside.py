@@ -8,13 +8,12 @@ import urllib.request
 
 import pytest
 
-from host.errors import UserError
+from host.lab.teleop.watched import free_port
 from host.teleop.hub import Hub
-from host.teleop.watched import free_port
 from host.teleop.webside import AGAIN_S, SILENT_S, STEADY_S, UNREACHABLE_S, WebProcess
+from host.util.errors import UserError
+from tests.host.control.rig import SCRIPT, STILL, Rig
 from tests.waiting import wait_until
-
-from .rig import SCRIPT, STILL, Rig
 
 
 class Side:

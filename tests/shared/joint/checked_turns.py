@@ -4,7 +4,7 @@ A process of its own: checked integers replace `array` and all of shared/, so no
 Prints what is wrong first, if anything is, and how many turn counts were tried.
 """
 
-from host.parity import checked
+from host.lab.parity import checked
 
 MOST = (1 << 30) - 2  # turns
 IN_POSITION = 32766

@@ -5,9 +5,9 @@ As on the board, the rotor's reading is one step old and duties act one step lat
 
 import math
 
-from host.joint_gains import JointBlocks, joint_blocks
-from host.joint_units import Board, JointSetup
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import JointBlocks, joint_blocks
+from host.robot.joint_units import Board, JointSetup
 from shared.joint import layout as j
 from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import joint_blocks
-from host.joint_units import RATE_PER_RAD_S, JointSetup
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import RATE_PER_RAD_S, JointSetup
 from shared.joint import cascade, feed, profile, report
 from shared.joint.calibration import set_commutation
 from shared.joint.drive_state import drive_arm

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from host.build.lower import lowered_modules
-from host.build.rewrite import rewrite
-from host.build.source import closure
-from host.joint_gains import joint_blocks
-from host.joint_units import JointSetup
-from host.robot_file import load_robot
+from host.boards.build.lower import lowered_modules
+from host.boards.build.rewrite import rewrite
+from host.boards.build.source import closure
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import JointSetup
 from shared.record import pack
 from tests import ROOT
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import joint_blocks
-from host.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
 from shared.joint.current import (
     STEP_DONE,
     STEP_INPUT,

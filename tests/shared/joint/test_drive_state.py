@@ -4,9 +4,9 @@ import random
 
 import pytest
 
-from host.joint_gains import joint_blocks
-from host.joint_units import JointSetup
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import JointSetup
 from shared.joint import faults
 from shared.joint import layout as j
 from shared.joint.calibration import CAL_FULL, CAL_SMALL, CAL_VERIFY, Calibration

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.joint_gains import joint_blocks
-from host.joint_units import JointSetup
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import JointSetup
 from shared.joint import encoder
 from shared.record import pack
 from tests import ROOT

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from host.errors import UserError
-from host.joint_faults import WORDS, fault_name, fault_sentence
-from host.joint_gains import joint_blocks
-from host.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
-from host.robot_file import load_robot
+from host.robot.file import load_robot
+from host.robot.joint_faults import WORDS, fault_name, fault_sentence
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
+from host.util.errors import UserError
 from shared.joint import faults
 from tests import ROOT
 

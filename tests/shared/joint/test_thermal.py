@@ -7,12 +7,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from host.errors import UserError
-from host.joint_gains import joint_blocks
-from host.joint_heat import COPPER_PER_K, SLOW_HZ
-from host.joint_units import Board, JointSetup
-from host.robot_file import load_robot
-from host.thermistor import part_of
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_heat import COPPER_PER_K, SLOW_HZ
+from host.robot.joint_units import Board, JointSetup
+from host.robot.thermistor import part_of
+from host.util.errors import UserError
 from shared.joint import thermal
 from tests.float_twin import joint_motion as twin
 

@@ -1,0 +1,90 @@
+"""Compiles shared/ for this Python: types (typed.py), then mypyc and the machine's C compiler.
+
+The result is a folder with a package ``shared`` that is the sources and, beside them, their machine code, which
+Python prefers. The wire's codec stays as it is: its frames are arrays of several kinds, and it is a small part.
+"""
+
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+from pathlib import Path
+
+from ... import ROOT
+from ...util.errors import UserError
+from ...util.extras import how_to_get
+from .source import BuildError, Module, read_modules
+from .typed import typed_modules
+
+_SETUP = """from mypyc.build import mypycify
+from setuptools import setup
+setup(name="caramelo_core", packages=[], ext_modules=mypycify(
+    ["--config-file=", "--ignore-missing-imports", *{paths!r}], opt_level="1", multi_file=True))
+"""  # opt_level 3 takes a third longer and is no faster; in several files a Pi has the memory for it
+_TIME_LIMIT_S = 3600.0  # a minute on a PC; a small Pi takes many
+_LEFT = ("shared.runtime", "shared.record", "shared.wire.")
+
+
+def why_not() -> str | None:
+    """Return what is missing to compile here, with what to do; None if nothing is."""
+    for library in ("mypyc", "setuptools"):
+        if importlib.util.find_spec(library) is None:
+            return f"{library} is not installed: {how_to_get(library)}"
+    compiler = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
+    if shutil.which(compiler) is None:
+        return f"there is no C compiler {compiler}: install one, on Debian apt-get install gcc python3-dev"
+    if not Path(sysconfig.get_path("include"), "Python.h").exists():
+        return "Python's C headers are missing: on Debian, apt-get install python3-dev"
+    return None
+
+
+def build_core(target: Path, root: Path = ROOT) -> None:
+    """Compile ``root``/shared into the new folder ``target``. UserError with the compiler's last words if it fails."""
+    missing = why_not()
+    if missing:
+        raise UserError(f"the core cannot be compiled here: {missing}")
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".core-", dir=target.parent) as folder:
+        work, new = Path(folder, "work"), Path(folder, "new")
+        paths = _write_typed(root, work)
+        _run_mypyc(work, paths)
+        shutil.copytree(root / "shared", new / "shared", ignore=shutil.ignore_patterns("__pycache__"))
+        suffix = sysconfig.get_config_var("EXT_SUFFIX")
+        for made in [*work.glob(f"*{suffix}"), *(work / "shared").rglob(f"*{suffix}")]:
+            shutil.copy(made, new / made.relative_to(work))
+        new.rename(target)
+
+
+def _write_typed(root: Path, work: Path) -> list[str]:
+    """Write the package with types; return the paths of what is to be compiled."""
+    shutil.copytree(root / "shared", work / "shared", ignore=shutil.ignore_patterns("__pycache__"))
+    modules = read_modules(root, ("shared",))
+    paths = []
+    try:
+        for name, text in typed_modules(modules).items():
+            if _is_compiled(modules[name]):
+                (work / modules[name].path).write_bytes(text)
+                paths.append(modules[name].path)
+    except BuildError as error:
+        raise UserError(str(error)) from error
+    return paths
+
+
+def _is_compiled(module: Module) -> bool:
+    return not module.is_package and not module.name.startswith(_LEFT)
+
+
+def _run_mypyc(work: Path, paths: list[str]) -> None:
+    (work / "setup.py").write_text(_SETUP.format(paths=paths))
+    command = [sys.executable, "setup.py", "--quiet", "build_ext", "--inplace"]
+    try:
+        done = subprocess.run(command, cwd=work, capture_output=True, text=True, timeout=_TIME_LIMIT_S,
+                              stdin=subprocess.DEVNULL)
+    except subprocess.TimeoutExpired as error:
+        raise UserError(f"compiling the core took more than {_TIME_LIMIT_S:g} s") from error
+    if done.returncode:
+        words = [line for line in (done.stdout + done.stderr).splitlines() if "error" in line.lower()]
+        raise UserError(f"compiling the core failed: {(words or ['without a word'])[0][:300]}")

@@ -1,0 +1,83 @@
+"""The control core as machine code for this Python: where it lies, and when it stands in for the sources.
+
+`caramelo core build` makes it (boards/build/native_core.py). It lies with this Python's packages, in a folder named by
+the sources it was made of; after any change to them it is not used until it is built again.
+"""
+
+import hashlib
+import importlib
+import os
+import re
+import sys
+import sysconfig
+from pathlib import Path
+
+from .. import ROOT
+from ..util.console import write_error
+
+SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
+_RULES = ("typed.py", "native_core.py")  # of host/boards/build: another way to compile makes another core
+_NAME = re.compile("[0-9a-f]{16}")
+_INSIDE = Path("shared", "planner", "planner.py")
+
+
+def sources_id(root: Path = ROOT) -> str:
+    """Return what names the core made of ``root``/shared by this Python."""
+    total = hashlib.sha256((sysconfig.get_config_var("SOABI") or sys.version).encode())
+    files = [(root, path) for path in sorted((root / "shared").rglob("*.py"))]
+    for top, path in files + [(ROOT, ROOT / "host/boards/build" / name) for name in _RULES]:
+        total.update(path.relative_to(top).as_posix().encode() + b"\0" + path.read_bytes())
+    return total.hexdigest()[:16]
+
+
+def home() -> Path:
+    """Return the folder of cores: beside this Python's packages, unless CARAMELO_CORE names another."""
+    named = os.environ.get(SWITCH)
+    return Path(named) if named and named != "source" else Path(sysconfig.get_path("platlib")) / "caramelo_core"
+
+
+def kept_cores() -> list[Path]:
+    """Return the folders of all cores at home, of whatever sources; nothing else that may lie there."""
+    if not home().is_dir():
+        return []
+    return sorted(path for path in home().iterdir() if _NAME.fullmatch(path.name) and (path / _INSIDE).is_file())
+
+
+def find_core(root: Path = ROOT) -> Path | None:
+    """Return the folder to import the core of ``root`` from as machine code; None if there is none of these sources.
+
+    Nor is there any if CARAMELO_CORE is "source".
+    """
+    if os.environ.get(SWITCH) == "source" or not kept_cores():
+        return None
+    core = home() / sources_id(root)
+    return core if core in kept_cores() else None
+
+
+def use_core() -> bool:
+    """Put the core's machine code before its sources for this process and those it starts; return if it is used.
+
+    Not where a part of shared/ is already imported: half of each would not fit.
+    """
+    if any(name.startswith("shared.") for name in sys.modules):
+        return False
+    core = find_core()
+    if core is None:
+        return False
+    _forget()
+    sys.path.insert(0, str(core))
+    try:
+        importlib.import_module("shared.num.fixed")
+    except ImportError as error:
+        _forget()
+        sys.path.remove(str(core))
+        write_error(f"the compiled core cannot be loaded ({error}); the sources run instead. To make it anew: "
+                    "caramelo core remove, then caramelo core build")
+        return False
+    return True
+
+
+def _forget() -> None:
+    """Let shared be looked for anew."""
+    for name in [name for name in sys.modules if name == "shared" or name.startswith("shared.")]:
+        del sys.modules[name]

@@ -1,0 +1,206 @@
+"""Flashes one board: look, decide, write the slot that does not run, compare, switch, start, ask back, confirm.
+
+At any moment the board starts a whole firmware: until the boot record is written the old one, from then on the new
+one, and the old one again if the new one is not confirmed.
+"""
+
+import contextlib
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from firmware.flash_map import SLOTS, TRIAL_STARTS
+from firmware.startup_words import FAILED, RUNNING, STARTED, STOPPED
+from shared.wire.names import PROTOCOL_HASH
+
+from ...util.errors import UserError
+from ..build.image_file import ImageFile
+from .answers import Report, Survey
+from .board import Board, NoFirmware
+from .link import BoardError, BoardLink
+
+SETTLE_S = 6.0  # waited for the board to say that it started; what it says before USB is open is lost (chosen)
+GRACE_S = 1.0  # in which an application that can't run fails (chosen)
+ANSWER_TRIES = TRIAL_STARTS + 3
+MOTOR_OFF_MV = 5500  # USB alone may lift a board's supply to 5 V (assumed); motors run from 12 V up
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is to be on the board."""
+
+    image: ImageFile
+    node: int | None = None
+    dry_run: bool = False
+
+
+@dataclass
+class Outcome:
+    """What was done to a board, and what it answers now. ``bytes`` went into the slot; 0 if it held them already."""
+
+    port: str
+    build: str
+    slot: str
+    changed: bool
+    dry_run: bool
+    bytes: int
+    version: str | None = None
+    protocol: int | None = None
+    self_test: str | None = None
+
+
+Progress = Callable[[float, float], None]  # bytes done, bytes in all
+
+
+def flash(port: str, wish: Wish, progress: Progress = lambda done, total: None) -> Outcome:
+    """Bring one board to what is wished. UserError before anything is written, BoardError after."""
+    with BoardLink(port) as link:
+        try:
+            return _flash(link, wish, progress)
+        except UserError:
+            _leave_running(link)
+            raise
+
+
+def _flash(link: BoardLink, wish: Wish, progress: Progress) -> Outcome:
+    board = Board(link)
+    survey = board.survey()
+    check_board(link.port, wish, survey)
+    if not survey.settled and not wish.dry_run:
+        board, survey = _back_to_settled(link, board, survey)
+    runs = _holds(board, survey, survey.report.slot, wish.image)
+    target = survey.report.slot if runs else survey.other
+    waits = not runs and not _holds(board, survey, target, wish.image)
+    data = wish.image.slots[target]
+    changed = not runs or wish.node is not None
+    about = wish.image.about
+    outcome = Outcome(link.port, about.build, SLOTS[target], changed, wish.dry_run, len(data) if waits else 0)
+    if wish.dry_run or not changed:
+        outcome.version, outcome.protocol = survey.report.version, survey.report.protocol
+        _leave_running(link)
+        return outcome
+    if waits:
+        board.write(data, progress)
+    if wish.node is not None:
+        board.set_node(wish.node)
+    if not runs:
+        board.activate()
+    link.reset()
+    _confirm(link, wish, target, outcome)
+    return outcome
+
+
+def check_board(port: str, wish: Wish, survey: Survey) -> None:
+    """UserError if the image is not for this board or these sources, or if the motor is fed."""
+    about, report = wish.image.about, survey.report
+    if report.board != about.board:
+        raise UserError(f"{port}: is a {report.board}; the image is for a {about.board}, the role {about.role}")
+    if wish.node is not None and about.role != "joint":
+        raise UserError(f"--id {wish.node}: only joints have one; this is an image for the role {about.role}")
+    if about.protocol not in (None, PROTOCOL_HASH):
+        raise UserError(
+            f"{port}: the image speaks protocol {about.protocol:#x}, this computer {PROTOCOL_HASH:#x}: "
+            f"build the image anew (caramelo firmware image)"
+        )
+    if survey.supply_mV is not None and survey.supply_mV > MOTOR_OFF_MV:
+        raise UserError(
+            f"{port}: the motor supply is on, {survey.supply_mV / 1000:.1f} V: switch it off, then flash again"
+        )
+
+
+def _holds(board: Board, survey: Survey, slot: int, image: ImageFile) -> bool:
+    """Return True if a slot holds its half of the image already, to the byte."""
+    held = survey.slots[slot]
+    return held is not None and held.sha256 == image.header(slot).sha256.hex() and board.is_whole(slot)
+
+
+def _back_to_settled(link: BoardLink, board: Board, survey: Survey) -> tuple[Board, Survey]:
+    """Let a board on trial start the slot that worked before: the running one can't be written, and is not trusted."""
+    if survey.slots[survey.other] is None or not board.is_whole(survey.other):
+        return board, survey  # there is nothing to go back to
+    board.go_back()
+    link.reset()
+    link.wait_until_back()
+    _wait_for_start(link)
+    link.interrupt()
+    board = Board(link)
+    return board, board.survey()
+
+
+def _confirm(link: BoardLink, wish: Wish, target: int, outcome: Outcome) -> None:
+    """Wait until the new firmware runs, check what it says of itself, confirm it and start it for good."""
+    board, report = _running(link, target)
+    outcome.version, outcome.protocol = report.version, report.protocol
+    outcome.self_test = "passed"
+    about = wish.image.about
+    if report.build != about.build:
+        raise BoardError(f"{link.port}: runs build {report.build}, not {about.build}: flash again")
+    if not report.confirmed:
+        board.confirm()
+    if wish.node is not None and board.node_waits():
+        raise BoardError(
+            f"{link.port}: the joint did not take over id {wish.node}: its stored parameters are broken; "
+            f"caramelo joints params restore, then flash again"
+        )
+    link.reset()
+
+
+def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
+    """Return the report of the wanted slot once its application ran; BoardError when the board went back."""
+    report: Report | None = None
+    for _ in range(ANSWER_TRIES):
+        try:
+            link.wait_until_back()
+            _wait_for_start(link)
+            link.interrupt()
+            board = Board(link)
+            report = board.report()
+        except NoFirmware:
+            link.reset()  # it can't even be asked: its starts have to be used up
+            continue
+        except UserError:
+            link.close()  # it reset in the middle of an answer
+            continue
+        ran = report.stage in (RUNNING, STOPPED)
+        if ran and report.slot == target and report.self_test == "":
+            return board, report
+        if ran or (report.stage == FAILED and report.confirmed):
+            break
+        link.reset()  # stopped on its way, or failed: it starts again, three times at most
+    why = _last_line(link)
+    _leave_running(link)
+    if report is None:
+        raise BoardError(f"{link.port}: the board did not come back after its reset: plug it in again")
+    raise BoardError(
+        f"{link.port}: the new firmware did not start{why}; the board is on slot {SLOTS[report.slot]} "
+        f"with build {report.build}"
+    )
+
+
+def _wait_for_start(link: BoardLink) -> None:
+    """Listen until the board says that its application has started, and a moment more."""
+    heard = bytearray()
+
+    def started(data: bytes) -> bool:
+        heard.extend(data)
+        return STARTED.encode() in heard
+
+    link.listen(SETTLE_S, started)
+    link.listen(GRACE_S)
+
+
+def _last_line(link: BoardLink) -> str:
+    """Return the last line that tells of a failure in the board's log, with a colon in front."""
+    with contextlib.suppress(UserError):
+        link.interrupt()
+        lines = [line for line in Board(link).log().splitlines() if "was not confirmed" not in line]
+        return f": {lines[-1]}" if lines else ""
+    return ""
+
+
+def _leave_running(link: BoardLink) -> None:
+    """Start the board's application again, if the board still answers."""
+    with contextlib.suppress(UserError):
+        link.interrupt()
+        link.reset()
+        time.sleep(0.1)

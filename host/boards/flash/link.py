@@ -1,0 +1,227 @@
+"""A board's prompt on a serial port, through mpremote's transport. Every wait is bounded, every failure a sentence."""
+
+import contextlib
+import errno
+import fcntl
+import os
+import re
+import struct
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeVar
+
+from ...util.errors import NOT_ACHIEVED, UserError
+from ..runtimes.base import MARK
+
+READ_TIMEOUT_S = 2.0
+PROMPT_TIMEOUT_S = 2.0
+STEP_TIMEOUT_S = 20.0  # erasing the flash of a STM32F405 takes up to 2 s a sector (datasheet, table 40)
+BACK_TIMEOUT_S = 15.0  # from a reset until USB is there again
+CTRL_C = b"\x03"
+INTERRUPTS = 12  # firmware/start_gait.py wants ten in a row
+
+
+Shape = TypeVar("Shape")
+
+
+class BoardError(UserError):
+    """The board failed in the middle of something, as opposed to wrong use."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, NOT_ACHIEVED)
+
+
+class BoardScriptError(BoardError):
+    """A script raised an exception on the board; ``number`` is that of an OSError, else 0."""
+
+    def __init__(self, sentence: str, number: int) -> None:
+        super().__init__(sentence)
+        self.number = number
+
+
+class BoardLink:
+    """One board; ``port`` is its device. Use as a context, or call close()."""
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        self._link: Any = None
+
+    def __enter__(self) -> "BoardLink":
+        self.interrupt()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def open(self) -> None:
+        """Open the port; UserError says why it can't be opened and what to do."""
+        from mpremote.transport import TransportError
+        from mpremote.transport_serial import SerialTransport
+
+        if self._link is not None:
+            return
+        check_port(self.port)
+        try:
+            self._link = SerialTransport(self.port, timeout=READ_TIMEOUT_S)
+            self._link.serial.write_timeout = STEP_TIMEOUT_S
+        except (TransportError, OSError) as error:
+            raise UserError(f"{self.port}: {_refusal(self.port, error)}") from error
+
+    def interrupt(self) -> None:
+        """Open the port if need be, stop what runs on the board and get its prompt."""
+        from mpremote.transport import TransportError
+
+        self.open()
+        with self._failures(), contextlib.redirect_stdout(None):  # it prints what it did not understand
+            try:
+                self._link.enter_raw_repl(soft_reset=False, timeout_overall=PROMPT_TIMEOUT_S)
+            except TransportError:
+                self._link.serial.write(CTRL_C * INTERRUPTS)
+                self._link.enter_raw_repl(soft_reset=False, timeout_overall=PROMPT_TIMEOUT_S)
+
+    def run(self, script: str, timeout_s: float = STEP_TIMEOUT_S) -> str:
+        """Run a script on the board and return what it printed; BoardScriptError if it raised an exception."""
+        with self._failures():
+            output, error = self._link.exec_raw(script, timeout=timeout_s)
+        if error:
+            lines = error.decode("utf-8", "replace").strip().splitlines()
+            words = lines[-1] if lines else "that something went wrong, but not what"
+            raise BoardScriptError(f"{self.port}: the board says {words}", _os_error(words))
+        return str(output.decode("utf-8", "replace"))
+
+    def ask(self, script: str, shape: type[Shape], timeout_s: float = STEP_TIMEOUT_S) -> Shape:
+        """Run a script that answers with one marked line of JSON, and return that; BoardError if it has another shape.
+
+        ``shape``: a class or type as pydantic takes it (answers.py).
+        """
+        from pydantic import TypeAdapter, ValidationError
+
+        for line in self.run(script, timeout_s).splitlines():
+            if line.startswith(MARK):
+                try:
+                    return TypeAdapter(shape).validate_json(line[len(MARK) :], strict=True)
+                except ValidationError as error:
+                    raise _unreadable(self.port, error.errors(include_url=False)[0]) from None
+        raise BoardError(f"{self.port}: no answer from the board: reset it and try again")
+
+    def reset(self) -> None:
+        """Reset the board and close the port; the board's application starts."""
+        with contextlib.suppress(BoardError):  # it may be gone before it has taken the whole line
+            with self._failures():
+                self._link.exec_raw_no_follow("import machine\nmachine.reset()")
+            time.sleep(0.1)
+        self.close()
+
+    def listen(self, seconds: float, take: Callable[[bytes], bool] = lambda data: False) -> None:
+        """Read what the board says for so long, or until ``take`` returns True."""
+        self.open()
+        end = time.monotonic() + seconds
+        with self._failures():
+            while time.monotonic() < end:
+                waiting = self._link.serial.inWaiting()
+                if waiting and take(self._link.serial.read(waiting)):
+                    return
+                time.sleep(0.02)
+
+    def send(self, data: bytes) -> None:
+        """Send bytes as they are."""
+        with self._failures():
+            self._link.serial.write(data)
+
+    def wait_until_back(self) -> None:
+        """Open the port again after a reset; its device may be gone for some seconds."""
+        end = time.monotonic() + BACK_TIMEOUT_S
+        while True:
+            try:
+                self.open()
+                return
+            except UserError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(0.1)
+
+    def close(self) -> None:
+        """Let the port go, as it is."""
+        link, self._link = self._link, None
+        if link is not None:
+            with contextlib.suppress(OSError):  # a board that is gone can't be told
+                _unlock(link.serial)
+                link.close()
+
+    @contextlib.contextmanager
+    def _failures(self) -> Iterator[None]:
+        """Turn what can go wrong on a serial line into one sentence."""
+        import serial
+        from mpremote.transport import TransportError
+
+        try:
+            yield
+        except (serial.SerialException, OSError) as error:
+            self.close()
+            raise BoardError(f"{self.port}: the connection broke: check the cable and try again") from error
+        except (TransportError, struct.error) as error:
+            self.close()
+            raise BoardError(
+                f"{self.port}: the board does not answer as MicroPython does: is it the right port? "
+                f"Reset the board and try again; a board without MicroPython: docs/flashing.md"
+            ) from error
+
+
+def _unreadable(port: str, first: Mapping[str, Any]) -> BoardError:
+    """Return what is wrong with an answer; ``first`` is pydantic's first complaint."""
+    place = ".".join(str(part) for part in first["loc"])
+    return BoardError(f"{port}: what the board answers can't be read: {place}: {first['msg']}: reset it and try again; "
+                      f"if it stays, install its MicroPython anew (docs/flashing.md)"[:400])
+
+
+def check_port(port: str) -> None:
+    """UserError if there is no such device or it may not be used."""
+    if "://" in port:
+        return
+    if not os.path.exists(port):
+        raise UserError(f"{port}: no such port: {_ports()}")
+    if not os.access(port, os.R_OK | os.W_OK):
+        raise UserError(f"{port}: no permission: sudo usermod -aG dialout $USER, then log in again")
+
+
+def _refusal(port: str, error: BaseException) -> str:
+    """Return why a port that exists could not be opened; mpremote does not tell."""
+    import serial
+
+    try:
+        serial.Serial(port, exclusive=True).close()
+    except serial.SerialException as cause:
+        if cause.errno in (errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY) or "lock" in str(cause):
+            return "another program uses it: close it (a terminal, an editor, another caramelo), then try again"
+        if cause.errno in (errno.EACCES, errno.EPERM):
+            return "no permission: sudo usermod -aG dialout $USER, then log in again"
+    return f"can't be opened ({error}): plug the board in again"
+
+
+def _unlock(port: Any) -> None:
+    """Give up the port's lock now: closing alone leaves it with a child process that was forked a moment ago."""
+    if isinstance(getattr(port, "fd", None), int):
+        fcntl.flock(port.fd, fcntl.LOCK_UN)
+
+
+def found_ports() -> list[str]:
+    """Return the USB serial ports of this machine."""
+    from serial.tools.list_ports import comports
+
+    return sorted(entry.device for entry in comports() if entry.vid is not None)
+
+
+def _ports() -> str:
+    """Return what to plug in or which ports there are."""
+    found = found_ports()
+    return f"there are {', '.join(found)}" if found else "is the board plugged in? No USB serial port is here"
+
+
+def _os_error(words: str) -> int:
+    """Return the number of an OSError in a traceback's last line, else 0."""
+    if not words.startswith("OSError"):
+        return 0
+    rest = words.partition(":")[2].replace("[Errno", " ").replace("]", " ").split()
+    numbers = {name: number for number, name in errno.errorcode.items()}
+    word = rest[0] if rest else ""
+    return int(word) if re.fullmatch("[0-9]{1,9}", word) else numbers.get(word, 0)

@@ -1,0 +1,126 @@
+"""A real board on a serial port, by the link that flashing uses: the truth.
+
+The tree goes into a folder ``parity`` of the board's file system and is removed at the end: a board with caramelo's
+own firmware has none, so this is for any board with MicroPython as its makers distribute it. Every
+wait is bounded: a board that says nothing is a failure with a sentence, never a hang.
+"""
+
+import base64
+import contextlib
+import importlib.util
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...util.errors import UserError
+from ...util.extras import how_to_get
+from .base import MARK, Runtime, RuntimeFailure, compile_sources
+
+if TYPE_CHECKING:
+    from ..flash.link import BoardLink
+
+FOLDER = "parity"
+CHUNK = 1024  # bytes of a file that a script carries
+MAKE_FOLDER = "import os\ntry:\n    os.mkdir(%r)\nexcept OSError as e:\n    if e.args[0] != 17:\n        raise"
+LEAVE_RAW = b"\x02"  # Ctrl-B: back to the friendly prompt
+# py/persistentcode.h, the bits of sys.implementation._mpy that name the processor
+ARCHES = (
+    None, "x86", "x64", "armv6", "armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "xtensa", "xtensawin",
+    "rv32imc", "rv64imc",
+)  # fmt: skip
+
+# Each script starts with nothing of ours in memory, so that modules are loaded one set at a time.
+PROLOGUE = f"""
+import gc, sys
+for _name in list(sys.modules):
+    if _name.split('.')[0] in ('shared', 'probe'):
+        del sys.modules[_name]
+gc.collect()
+if '{FOLDER}' not in sys.path:
+    sys.path.insert(0, '{FOLDER}')
+"""
+
+
+class Board(Runtime):
+    """The core as the firmware build makes it for the board's own processor."""
+
+    name = "board"
+    emitter = "viper"
+
+    def __init__(self, port: str) -> None:
+        self.port = port
+        self._link: BoardLink | None = None
+        self._files: list[str] = []
+        self._folders: list[str] = []
+
+    def missing(self) -> str | None:
+        if importlib.util.find_spec("mpremote") is None:
+            return f"mpremote is not installed: {how_to_get('mpremote')}"
+        return None
+
+    def prepare(self, sources: Path, work: Path) -> Path:
+        from ..flash.link import BoardLink
+
+        link = BoardLink(self.port)
+        with _failures():
+            link.interrupt()
+            self._link = link
+            arch = self._arch(link)
+        self.emitter = "viper" if arch else "bytecode"
+        tree = compile_sources(sources, work, self.emitter, arch or "any")
+        with _failures():
+            self._upload(link, tree)
+        return tree
+
+    def execute(self, tree: Path, script: str) -> str:
+        assert self._link is not None
+        with _failures():
+            return self._link.run(PROLOGUE + script, self.timeout_s)
+
+    def close(self) -> None:
+        """Remove what was copied and let the port go."""
+        link, self._link = self._link, None
+        if link is None:
+            return
+        with _failures():
+            for path in reversed(self._files):
+                link.run(f"import os\nos.remove({path!r})")
+            for path in reversed(self._folders):
+                link.run(f"import os\nos.rmdir({path!r})")
+            link.send(LEAVE_RAW)
+            link.close()
+        self._files, self._folders = [], []
+
+    def _arch(self, link: "BoardLink") -> str | None:
+        word = link.ask(f"print({MARK!r} + str(__import__('sys').implementation._mpy))", int)
+        number = word >> 10 & 0xF
+        if number >= len(ARCHES):
+            raise RuntimeFailure(f"{self.port}: processor number {number} is not known")
+        return ARCHES[number]
+
+    def _upload(self, link: "BoardLink", tree: Path) -> None:
+        for folder in [FOLDER, *(f"{FOLDER}/{p.relative_to(tree)}" for p in sorted(tree.rglob("*")) if p.is_dir())]:
+            link.run(MAKE_FOLDER % folder)
+            self._folders.append(folder)
+        for path in sorted(tree.rglob("*.mpy")):
+            target = f"{FOLDER}/{path.relative_to(tree).as_posix()}"
+            _write(link, target, path.read_bytes())
+            self._files.append(target)
+
+
+def _write(link: "BoardLink", path: str, data: bytes) -> None:
+    """Write one file, a script for each part."""
+    link.run(f"import binascii\nout = open({path!r}, 'wb')")
+    for at in range(0, len(data), CHUNK):
+        part = base64.b64encode(data[at : at + CHUNK])
+        link.run(f"out.write(binascii.a2b_base64({part!r}))")
+    link.run("out.close()")
+
+
+@contextlib.contextmanager
+def _failures() -> Iterator[None]:
+    """Turn what goes wrong with a board into what goes wrong with a runtime."""
+    try:
+        yield
+    except UserError as error:
+        raise RuntimeFailure(str(error)) from error

@@ -1,0 +1,34 @@
+"""MicroPython's unix port, 64 bit: the one that runs native and viper code on a PC."""
+
+import importlib.util
+import platform
+import sys
+from pathlib import Path
+
+from ...util.extras import how_to_get
+from .base import Runtime, compile_sources, copy_sources
+from .process import run_command
+
+
+class Unix(Runtime):
+    """``emitter`` source runs the files as they are, the others what the firmware build makes of them."""
+
+    def __init__(self, emitter: str) -> None:
+        self.emitter = emitter
+        self.name = f"unix-{emitter}"
+
+    def missing(self) -> str | None:
+        if (sys.platform, platform.machine()) != ("linux", "x86_64"):
+            return f"the unix VM comes for linux x86_64 only, this is {sys.platform} {platform.machine()}"
+        if importlib.util.find_spec("micropython_unix") is None:
+            return f"not installed: {how_to_get('micropython_unix')}"
+        return None
+
+    def prepare(self, sources: Path, work: Path) -> Path:
+        if self.emitter == "source":
+            return copy_sources(sources, work)
+        return compile_sources(sources, work, self.emitter, "x64")
+
+    def execute(self, tree: Path, script: str) -> str:
+        command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-c", script]
+        return run_command(command, tree, self.timeout_s, self.name)

@@ -1,0 +1,236 @@
+"""A CAN bus behind python-can: socketcan, slcan, gs_usb and other adapters by name, virtual and udp_multicast.
+
+A full send buffer (ENOBUFS) is counted and the frame is gone; nothing waits for room. After bus-off the adapter is
+opened anew, at most ten times a second, and ``trouble`` says so until a frame comes through again.
+
+What goes first, an emergency stop, has a socket of its own on socketcan, whose frames Linux puts into the first of
+its three queues (SO_PRIORITY, pfifo_fast): it overtakes what waits, and finds room where the other queue is full. Only
+the controller's own mailboxes, two or three frames, are before it. Of slcan's serial port the output is thrown away.
+With gs_usb nothing can be overtaken; the cycle repeats a stop until the joints have heard it.
+"""
+
+import errno
+import socket
+import struct
+import threading
+import time
+from collections import deque
+from typing import Any
+
+import can
+
+from ...util.errors import UserError
+from ...util.extras import how_to_get
+from .port import Port, Received
+
+INTERFACES = ("socketcan", "slcan", "gs_usb", "virtual", "udp_multicast")
+REOPEN_S = 0.1
+SKIP_MOST = 32  # frames of other kinds looked at to find one of ours
+FIRST_PRIORITY = 6  # the highest that needs no rights (socket(7)); pfifo_fast sends it before all others
+FRAME = struct.Struct("=IB3x8s")  # linux/can.h: struct can_frame
+LOCKED_S = 0.005  # a sender that takes longer hangs in its driver
+ECHO_S = 5.0  # an own frame that has not come back by then was lost; a busy machine may leave it waiting (chosen)
+SERIAL_BAUD = 115200
+MULTICAST = "ff15:7079:7468:6f6e:6465:6d6f:6d63:6173"  # python-can's own group
+
+_FULL = (errno.ENOBUFS, errno.EAGAIN)
+_DOWN = (errno.ENETDOWN, errno.ENODEV, errno.EIO)
+_BUS_OFF_BIT = 0x40  # linux/can/error.h: CAN_ERR_BUSOFF
+_HINTS = {
+    "socketcan": "ip link set {} up type can bitrate {}",
+    "slcan": "is the adapter plugged in, and may you use the port (group dialout)",
+    "gs_usb": "is the adapter plugged in; CHANNEL is its number, 0 the first",
+    "udp_multicast": "start caramelo joints sim first; CHANNEL is a multicast address",
+    "virtual": "virtual buses exist within one process only",
+}
+
+
+class AdapterPort(Port):
+    """One adapter; UserError with a hint if it cannot be opened."""
+
+    def __init__(self, interface: str, channel: str, bitrate: int) -> None:
+        super().__init__()
+        if interface not in INTERFACES:
+            raise UserError(f"--interface {interface}: allowed {', '.join(INTERFACES)}")
+        self.name = f"{interface} {channel}"
+        self._how = (interface, channel, bitrate)
+        self._sending = threading.Lock()  # an emergency stop may come from another thread
+        self._off_s: float | None = None
+        self._reopen_s = 0.0
+        self._echoes: deque[tuple[float, int, bytes]] | None = deque() if interface == "udp_multicast" else None
+        self._first: socket.socket | None = None
+        self._bus: Any = self._open()
+
+    def _open(self) -> Any:
+        interface, channel, bitrate = self._how
+        options: dict[str, Any] = {"interface": interface, "channel": channel, "bitrate": bitrate}
+        if interface == "slcan":
+            options["tty_baudrate"] = SERIAL_BAUD
+        if interface == "gs_usb":
+            options["index"] = options["channel"] = _number(channel)
+        if interface == "udp_multicast" and channel == "default":
+            options["channel"] = MULTICAST
+        if interface != "virtual":
+            options["receive_own_messages"] = False
+        if interface == "slcan":
+            del options["receive_own_messages"]
+        try:
+            first = _first_socket(channel) if interface == "socketcan" else None
+            bus = can.Bus(**options)
+            self._first = first
+            return bus
+        except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError, ImportError) as error:
+            if "msgpack" in str(error):
+                how = how_to_get("msgpack")
+                raise UserError(f"udp_multicast needs msgpack, which is not installed: {how}") from error
+            hint = _HINTS[interface].format(channel, bitrate)
+            raise UserError(f"cannot open {self.name}: {error}; {hint}") from error
+
+    def send(self, identifier: int, data: bytes) -> bool:
+        """See Port."""
+        with self._sending:
+            return self._send(identifier, data)
+
+    def send_first(self, identifier: int, data: bytes) -> bool:
+        """See Port: never waits for a sender that hangs."""
+        if self._first is not None:
+            try:
+                self._first.send(FRAME.pack(identifier, len(data), data))
+            except OSError:
+                self.counters.full += 1
+                return False
+            self.counters.sent += 1
+            return True
+        if not self._sending.acquire(timeout=LOCKED_S):
+            self.counters.full += 1
+            return False
+        try:
+            port = getattr(self._bus, "serialPortOrig", None)
+            if port is not None:
+                port.reset_output_buffer()
+            return self._send(identifier, data)
+        finally:
+            self._sending.release()
+
+    def _send(self, identifier: int, data: bytes) -> bool:
+        if not self._ready():
+            self.counters.full += 1
+            return False
+        try:
+            self._bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False), timeout=0)
+        except (can.CanError, OSError, BufferError) as error:
+            self._failed(error)
+            return False
+        self.counters.sent += 1
+        if self._echoes is not None:
+            self._echoes.append((self.now(), identifier, data))
+        return True
+
+    def _failed(self, error: Exception) -> None:
+        code = getattr(error, "error_code", None) or getattr(error, "errno", None)
+        if code in _DOWN:
+            self._bus_off()
+        elif code in _FULL or code is None:
+            self.counters.full += 1
+        else:
+            raise UserError(f"{self.name}: cannot send: {error}") from error
+
+    def receive(self) -> Received | None:
+        """See Port."""
+        for _ in range(SKIP_MOST):
+            if not self._ready():
+                return None
+            try:
+                message = self._bus.recv(timeout=0)
+            except (can.CanError, OSError):
+                self._bus_off()
+                return None
+            if message is None:
+                return None
+            if message.is_error_frame:
+                if message.arbitration_id & _BUS_OFF_BIT:
+                    self._bus_off()
+            elif not message.is_extended_id and not message.is_remote_frame and not self._is_echo(message):
+                self._off_s = None
+                self.counters.received += 1
+                return Received(self.now(), message.arbitration_id, bytes(message.data))
+        return None
+
+    def _is_echo(self, message: can.Message) -> bool:
+        """Return whether a frame is one of our own: a multicast group gives each back to its sender, in order."""
+        echoes = self._echoes
+        if not echoes:
+            return False
+        while echoes and echoes[0][0] < self.now() - ECHO_S:
+            echoes.popleft()
+        for place, (_, identifier, data) in enumerate(echoes):
+            if identifier == message.arbitration_id and data == bytes(message.data):
+                del echoes[place]
+                return True
+        return False
+
+    def _bus_off(self) -> None:
+        self.counters.bus_off += 1
+        self._off_s = self.now()
+        self._reopen_s = self.now() + REOPEN_S
+        self._shut()
+
+    def _ready(self) -> bool:
+        """Open the adapter anew after bus-off, when its time has come; False while there is none."""
+        if self._bus is None and self.now() >= self._reopen_s:
+            try:
+                self._bus = self._open()
+            except UserError:
+                self._reopen_s = self.now() + REOPEN_S
+        return self._bus is not None
+
+    @property
+    def trouble(self) -> str:
+        """See Port."""
+        if self._off_s is None:
+            return ""
+        what = "was bus-off and is back, but nothing comes" if self._bus is not None else "is bus-off"
+        return f"{self.name} {what}: check the cable, both terminators and that all have the same bit rate"
+
+    def now(self) -> float:
+        """See Port."""
+        return time.monotonic()
+
+    def wait_until(self, time_s: float) -> None:
+        """See Port."""
+        left_s = time_s - time.monotonic()
+        if left_s > 0:
+            time.sleep(left_s)
+
+    def _shut(self) -> None:
+        bus, self._bus = self._bus, None
+        first, self._first = self._first, None
+        if first is not None:
+            first.close()
+        if bus is not None:
+            bus.shutdown()
+
+    def close(self) -> None:
+        """See Port."""
+        self._shut()
+        self._reopen_s = float("inf")
+
+
+def _first_socket(channel: str) -> socket.socket:
+    """Return a socket that hears nothing and whose frames go first."""
+    first = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
+    try:
+        first.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, b"")
+        first.setsockopt(socket.SOL_SOCKET, socket.SO_PRIORITY, FIRST_PRIORITY)
+        first.setblocking(False)
+        first.bind((channel,))
+    except BaseException:
+        first.close()
+        raise
+    return first
+
+
+def _number(channel: str) -> int:
+    if not channel.isdecimal():
+        raise UserError(f"--channel {channel}: of gs_usb it is the adapter's number, 0 the first")
+    return int(channel)

@@ -1,0 +1,377 @@
+"""The robot of twelve brushless joints on CAN behind the one interface to a robot's joints.
+
+The planner's 50 goals a second become 200 set-points by the cycle (host/bus/can/cycle.py). With ``threaded`` it runs in
+a thread of its own, as on the robot, and that thread alone has the bus: whoever drives reads what it has heard, leaves
+goals, and asks for what takes several exchanges (arming, clearing), which it does between its cycles. Nobody waits
+for it. Only an emergency stop is sent from where it is pulled. Without ``threaded`` whoever drives calls ``run_until``,
+as in simulated time, and all that is asked for is done at once.
+"""
+
+import queue
+import secrets
+import threading
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from math import inf, tau
+
+from shared.wire import names as w
+from shared.wire.parameters import PARAMETER_CURRENT_MAX
+
+from ...robot.coupling import to_joint, to_motor
+from ...robot.joint_gains import joint_blocks
+from ...robot.joint_setups import joint_setups
+from ...robot.model import Robot
+from ...util.errors import NOT_ACHIEVED, UserError
+from ..base import JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
+from .cycle import TORQUE_STATES, Cycle
+from .guard import Notice
+from .host_loops import HostLoops
+from .link import JointLink
+from .port import Port
+from .service import Requests, joint_name
+
+LISTEN_S = 0.45  # two heartbeats of every joint
+LISTEN_MOST_S = 1.5
+APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
+ENABLE_S = 0.05
+POLL_S = 0.001
+ABANDONED_S = 0.2  # whoever asked for torque and does not ask again for so long no longer wants it
+OFF_S = 0.3  # until all joints have said that they are off: a heartbeat and some
+DISARM_S = 0.1  # then joints that have not confirmed it get an emergency stop
+JOIN_S = 1.0
+ACTIONS = {"sit": "sit", "damp": "damp", "stop": "limp"}  # of control/safety.py, by reaction of guard.py
+OVERTAKEN = "an emergency stop came first"
+HOME_POSE = 1  # index of a home request: the joint stands at the value
+
+_RAD_PER_BRAD = tau / 65536
+_RAD_S_PER_WIRE = tau / 4096
+
+
+@dataclass
+class Work:
+    """Something for the cycle's thread, and what came of it; an emergency stop after ``stops`` ends it."""
+
+    do: Callable[[], None]
+    stops: int
+    result: "Future[None]" = field(default_factory=Future)
+
+    def run(self) -> None:
+        """Do it and keep how it ended."""
+        try:
+            self.do()
+        except Exception as error:
+            self.result.set_exception(error)
+        else:
+            self.result.set_result(None)
+
+
+class CanJoints(Bus):
+    """``pose_rad`` is where the robot sits when it is switched on: joints without an encoder home on it."""
+
+    kind = "can"
+
+    def __init__(
+        self,
+        robot: Robot,
+        port: Port,
+        session: int,
+        pose_rad: Sequence[float] | None = None,
+        threaded: bool = False,
+        report: Callable[[Notice], None] | None = None,
+    ) -> None:
+        super().__init__()
+        if robot.bus.kind != "can" or robot.actuator.kind != "bldc":
+            raise UserError(f"{robot.name} has no joints on CAN")
+        self.robot, self.port, self._pose = robot, port, pose_rad
+        self._blocks = [joint_blocks(robot.actuator, setup) for setup in joint_setups(robot)]
+        self.link = JointLink(port, session)
+        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, _host_loops(robot), report)
+        self.requests = Requests(self.link, self.cycle.run_until)
+        self._tick_s = 1 / robot.control.rate_hz
+        self._fraction = 1.0
+        self._full_current = [block.cfg.current_max for block in self._blocks]
+        self._threaded, self._over = threaded, threading.Event()
+        self._thread: threading.Thread | None = None
+        self._failure: Exception | None = None
+        self._waiting: queue.SimpleQueue[Work] = queue.SimpleQueue()
+        self._work: Work | None = None  # that is being done
+        self._stops = 0
+        self._arming: Future[None] | None = None
+        self._clearing: Future[None] | None = None
+        self._asked_s = 0.0
+
+    def open(self) -> None:
+        """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
+        try:
+            self.listen()
+            boards = self.requests.discover()
+            wrong = self.cycle.guard.before_arming(boards)
+            if wrong:
+                raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+            self._home()
+        except BaseException:
+            self.port.close()
+            raise
+        if self._threaded:
+            self._thread = threading.Thread(target=self._run, name="can-cycle", daemon=True)
+            self._thread.start()
+
+    def listen(self) -> None:
+        """Hear two heartbeats of every joint; wait longer for those that are late."""
+        end_s = self.now() + LISTEN_MOST_S
+        self.run_for(LISTEN_S)
+        while any(self.link.views[node].heartbeat_s == -inf for node in self.link.nodes) and self.now() < end_s:
+            self.run_for(2 * self.cycle.period_s)
+
+    def _home(self) -> None:
+        lost = [n for n in self.link.nodes if self.link.views[n].reply[w.REPLY_POSITION] == w.NOT_AVAILABLE]
+        if lost and self._pose is None:
+            raise UserError(f"{joint_name(lost[0])} does not know its angle: put the robot into its sitting pose")
+        motors = to_motor(self.robot, self._pose) if self._pose is not None else []
+        for node in lost:
+            pose = round(motors[node - 1] / _RAD_PER_BRAD)
+            self.requests.challenged(node, w.COMMAND_HOME, HOME_POSE, low=pose)
+        self.run_for(2 * self.cycle.period_s)
+
+    def _run(self) -> None:
+        """Do the cycles at their times, and between them what is asked for."""
+        try:
+            while not self._over.is_set():
+                due_s = self.cycle.due_s
+                self.port.wait_until(due_s)
+                self.cycle.run_until(max(due_s, self.port.now()))
+                if not self._waiting.empty():
+                    self._do(self._waiting.get_nowait())
+        except Exception as error:
+            self._failure = error  # without set-points the joints damp; whoever drives is told at once
+
+    def _do(self, work: Work) -> None:
+        self._work = work
+        work.run()
+        self._work = None
+
+    def _soon(self, do: Callable[[], None]) -> "Future[None]":
+        """Have the cycle's thread do something; without one do it now."""
+        work = Work(do, self._stops)
+        if self._thread is None:
+            self._do(work)
+        else:
+            self._waiting.put(work)
+        return work.result
+
+    def _settle(self, asked: "Future[None]") -> None:
+        """Wait until it is done; raises what went wrong. For commands, not for a loop."""
+        while not asked.done():
+            self._check_thread()
+            time.sleep(POLL_S)
+        asked.result()
+
+    def _still_wanted(self) -> Requests:
+        """Return whom to ask as a part of some work; UserError if an emergency stop was pulled meanwhile."""
+        if self._work is not None and self._work.stops != self._stops:
+            raise UserError(OVERTAKEN, NOT_ACHIEVED)
+        return self.requests
+
+    def _await_off(self) -> None:
+        """Wait until all joints told to let go have said that they have; UserError names one that has not."""
+        end_s = self.now() + OFF_S
+        while self.cycle.letting_go and self.now() < end_s:
+            self.cycle.run_until(self.now() + self.cycle.period_s)
+        if self.cycle.letting_go:
+            name = joint_name(self.cycle.holding[0])
+            raise UserError(f"{name} has not said that it let go: check its power and the CAN cable", NOT_ACHIEVED)
+
+    def run_for(self, seconds: float) -> None:
+        """Go on with the cycle for a time."""
+        self.run_until(self.port.now() + seconds)
+
+    def run_until(self, time_s: float) -> None:
+        """Go on with the cycle until a time of ``now``."""
+        if self._thread is None:
+            self.cycle.run_until(time_s)
+            return
+        while self.port.now() < time_s:
+            self._check_thread()
+            time.sleep(POLL_S)
+
+    def _check_thread(self) -> None:
+        if self._failure is not None:
+            raise UserError(f"the cycle on {self.port.name} has ended: {self._failure}", NOT_ACHIEVED)
+
+    def now(self) -> float:
+        """See Bus."""
+        return self.port.now()
+
+    def read(self) -> Measured:
+        """See Bus: what the cycle has heard."""
+        self._check_thread()
+        if self._arming is not None and self._arming.done() and self.now() - self._asked_s > ABANDONED_S:
+            self._arming = None
+            self.torque(False)
+        if self._thread is None:
+            self.link.receive()
+        return self._measured()
+
+    def _measured(self) -> Measured:
+        now, views = self.now(), [self.link.views[node] for node in self.link.nodes]
+        self._count()
+        position = [_known(view.reply[w.REPLY_POSITION]) * _RAD_PER_BRAD for view in views]
+        speed = [_known(view.reply[w.REPLY_VELOCITY]) * _RAD_S_PER_WIRE for view in views]
+        drive = self.robot.actuator
+        assert drive.kind == "bldc"
+        amperes = drive.drive.current_limit_A
+        return Measured(
+            time_s=now,
+            position_rad=tuple(to_joint(self.robot, position)),
+            speed_rad_s=tuple(to_joint(self.robot, speed)),
+            load=tuple(max(-1.0, min(1.0, _known(v.reply[w.REPLY_CURRENT]) / 4096 / amperes)) for v in views),
+            temperature_C=tuple(max(v.status[0], v.status[1]) / 16 for v in views),
+            voltage_V=tuple(v.status[w.SLOW_STATUS_BUS_VOLTAGE] / 16 for v in views),
+            error=tuple(self.cycle.guard.fault_text(v) if v.heartbeat[w.HEARTBEAT_FAULT] else "" for v in views),
+            age_s=tuple(now - v.reply_s if v.reply_s > -inf else inf for v in views),
+            slow_age_s=tuple(now - v.status_s if v.status_s > -inf else inf for v in views),
+            faults=tuple(Fault(ACTIONS[n.reaction], n.what, n.sentence) for n in self.cycle.notices),
+        )
+
+    def _count(self) -> None:
+        counters, views = self.counters, self.link.views
+        counters.sent = self.link.syncs * JOINTS
+        counters.answered = sum(views[node].replies for node in self.link.nodes)
+        counters.per_joint_lost = [views[node].lost for node in self.link.nodes]
+        counters.lost = sum(counters.per_joint_lost)
+        counters.corrupted = sum(views[node].bad for node in self.link.nodes)
+
+    def write(self, goals_rad: Sequence[float]) -> None:
+        """See Bus; nothing is sent while the joints are not armed."""
+        motors = to_motor(self.robot, checked_goals(goals_rad))
+        if self.cycle.armed:
+            self.cycle.set_goals(motors, self._tick_s)
+
+    def torque(self, on: bool) -> None:
+        """See Bus: arm all joints where they are, or none; or disarm all, from the next cycle on."""
+        if on:
+            self._settle(self._soon(self._arm))
+        else:
+            self.cycle.let_go("disarm")
+            if self._thread is None:
+                self._run_until_off(OFF_S)
+
+    def _arm(self) -> None:
+        wrong = self.cycle.guard.before_arming()
+        if wrong:
+            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+        self._await_off()
+        self._write_current_limits()
+        views = self.link.views
+        self.cycle.hold()
+        self.cycle.run_until(self.now() + APPROACH_S)
+        try:
+            for node in self.link.nodes:
+                self._still_wanted().challenged(node)
+            self.cycle.run_until(self.now() + ENABLE_S)
+            for node in self.link.nodes:
+                if not views[node].enabled:
+                    why = self.cycle.guard.fault_text(views[node])
+                    raise UserError(f"{joint_name(node)} accepted to be armed but is not: {why}", NOT_ACHIEVED)
+            if not self.cycle.start():
+                raise UserError(OVERTAKEN, NOT_ACHIEVED)
+        except UserError:
+            self.cycle.let_go("disarm")
+            raise
+
+    def _write_current_limits(self) -> None:
+        for node, full in zip(self.link.nodes, self._full_current, strict=True):
+            self._still_wanted().demand(
+                node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, round(full * self._fraction)
+            )
+
+    def limit_torque(self, fraction: float) -> None:
+        """See Bus; a joint takes another current limit only while it is disarmed, so it holds from the next arming."""
+        self._fraction = checked_fraction(fraction)
+
+    def try_torque(self) -> bool:
+        """See Bus. Torque that nobody waits for any more is taken away again."""
+        self._asked_s = self.now()
+        if self._arming is None:
+            self._arming = self._soon(self._arm)
+        if not self._arming.done():
+            return False
+        arming, self._arming = self._arming, None
+        arming.result()
+        return True
+
+    def clear_faults(self) -> None:
+        """See Bus; arming is another step."""
+        self._settle(self._soon(self._clear))
+
+    def try_clear_faults(self) -> bool:
+        """See Bus."""
+        if self._clearing is None:
+            self._clearing = self._soon(self._clear)
+        if not self._clearing.done():
+            return False
+        clearing, self._clearing = self._clearing, None
+        clearing.result()
+        return True
+
+    def _clear(self) -> None:
+        """Clear the joints that have a fault, once all have heard that they are to let go."""
+        self._await_off()
+        self.cycle.notices = []
+        for node in self.link.nodes:
+            if self.link.views[node].state == w.STATE_FAULT:
+                self._still_wanted().demand(node, w.COMMAND_CLEAR_FAULT)
+        self.cycle.run_until(self.now() + ENABLE_S)
+
+    def emergency_stop(self) -> None:
+        """See Bus: one frame to all, before any other, and again until all joints have said that they are off."""
+        self._stops += 1
+        self._arming = self._clearing = None
+        self.cycle.stop()
+
+    def close(self) -> None:
+        """See Bus: bounded, also where nobody answers."""
+        if self.link.syncs and not self._over.is_set():
+            self._let_all_go()
+        self._over.set()
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            thread.join(JOIN_S)
+        self.port.close()
+
+    def _let_all_go(self) -> None:
+        self._stops += 1
+        if self._failure is None:
+            self.cycle.let_go("disarm")
+            self._run_until_off(DISARM_S)
+        holding = [node for node in self.cycle.holding if self.link.views[node].state in TORQUE_STATES]
+        if self._failure is not None or (self.cycle.letting_go and holding):
+            self.cycle.stop()
+            self._run_until_off(OFF_S)
+
+    def _run_until_off(self, within_s: float) -> None:
+        end_s = self.now() + within_s
+        while self.cycle.letting_go and self._failure is None and self.now() < end_s:
+            self.run_for(self.cycle.period_s)
+
+
+def new_session() -> int:
+    """Return a session 1 .. 255 that the joints most likely do not know yet."""
+    return 1 + secrets.randbelow(255)
+
+
+def _host_loops(robot: Robot) -> HostLoops | None:
+    """Return the position loops of a robot whose file wants them on the host."""
+    bus, actuator = robot.bus, robot.actuator
+    assert bus.kind == "can"
+    assert actuator.kind == "bldc"
+    if bus.loops == "joint":
+        return None
+    blocks = [joint_blocks(actuator, setup) for setup in joint_setups(robot)]
+    return HostLoops(blocks, actuator.drive, bus.rate_hz, bus.loops)
+
+
+def _known(raw: int) -> int:
+    return 0 if raw == w.NOT_AVAILABLE else raw

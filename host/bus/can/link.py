@@ -1,0 +1,206 @@
+"""The host's end of the joints' bus: set-points and SYNC out, everything the joints say in, losses counted per joint.
+
+Nothing is asked and waited for: SYNC makes the joints take their set-points at once and reply; what came since the
+last cycle is read before the next. A joint without a reply by then is ``lost``; a reply that comes a cycle too late
+turns that into ``late``. Values are the wire's integers (docs/can-protocol.md).
+"""
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+
+from shared.wire import names as w
+from shared.wire.codec import (
+    decode_fault,
+    decode_heartbeat,
+    decode_reply,
+    decode_service_response,
+    decode_slow_status,
+    encode_group,
+    encode_service_request,
+    encode_sync,
+)
+from shared.wire.framing import NODES, frame_block, frame_node
+
+from ...protocol.frames import new_frame
+from .port import Port
+
+GROUPS = NODES // 4
+# Read at once: more than the shortest frames of two full buses in a cycle of 200 Hz, and less time than half of it.
+RECEIVE_MOST = 256
+HEARTBEAT_S = 1.0  # five heartbeats
+RECEIVE_S = 0.002
+
+
+@dataclass
+class JointView:
+    """What one joint said last, raw, and what of it was missing. ``heard_s`` is when it said anything at all."""
+
+    node: int
+    reply: array = field(default_factory=lambda: array("i", [w.NOT_AVAILABLE] * w.REPLY_FIELDS))
+    status: array = field(default_factory=lambda: array("i", [0] * w.SLOW_STATUS_FIELDS))
+    heartbeat: array = field(default_factory=lambda: array("i", [0] * w.HEARTBEAT_FIELDS))
+    fault: array = field(default_factory=lambda: array("i", [0] * w.FAULT_FIELDS))
+    heard_s: float = -inf
+    reply_s: float = -inf
+    status_s: float = -inf
+    heartbeat_s: float = -inf
+    replies: int = 0
+    lost: int = 0
+    late: int = 0
+    bad: int = 0
+    answered: bool = True
+    heartbeat_changes: int = 0
+
+    @property
+    def state(self) -> int:
+        """Return STATE_* of the last heartbeat."""
+        return int(self.heartbeat[w.HEARTBEAT_STATE])
+
+    @property
+    def enabled(self) -> bool:
+        """Return whether the joint obeys set-points."""
+        return self.state == w.STATE_OPERATION_ENABLED
+
+    @property
+    def version(self) -> tuple[int, int, int]:
+        """Return the firmware's version."""
+        h = self.heartbeat
+        return h[w.HEARTBEAT_FIRMWARE_MAJOR], h[w.HEARTBEAT_FIRMWARE_MINOR], h[w.HEARTBEAT_FIRMWARE_PATCH]
+
+
+@dataclass(frozen=True)
+class Response:
+    """An answer to a request."""
+
+    node: int
+    command: int
+    sequence: int
+    result: int
+    index: int
+    value: int
+
+
+_BLOCKS = {
+    w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, decode_slow_status),
+    w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, decode_heartbeat),
+    w.FAULT_ID: (w.FAULT_LENGTH, decode_fault),
+}
+
+
+class JointLink:
+    """Nodes 1 .. 12 behind one port; ``session`` 1 .. 255 is this host's."""
+
+    def __init__(self, port: Port, session: int, nodes: Sequence[int] = tuple(range(1, NODES + 1))) -> None:
+        self.port, self.session, self.nodes = port, session, tuple(nodes)
+        self.views = {node: JointView(node) for node in range(NODES + 1)}
+        self.responses: list[Response] = []
+        self.clipped = 0
+        self.e_stops = 0
+        self.syncs = 0
+        self.floods = 0  # times that more had come than was read at once
+        self._in, self._out = new_frame(), new_frame()
+        self._slots = array("i", [w.NO_CHANGE] * 4)
+        self._sync = array("i", [0, session])
+        self._answer = array("i", [0] * w.SERVICE_RESPONSE_FIELDS)
+        self._groups = sorted({(node - 1) // 4 for node in self.nodes})
+        self._counting = False
+        self._sequence = 37 * session & 0xFF  # another host's last request must not look like this one's first
+        self._request = array("i", [0] * w.SERVICE_REQUEST_FIELDS)
+
+    def alive(self) -> list[int]:
+        """Return the nodes that have sent a heartbeat lately."""
+        now_s = self.port.now()
+        return [node for node in self.nodes if now_s - self.views[node].heartbeat_s <= HEARTBEAT_S]
+
+    def request(self, node: int, command: int, index: int = 0, value: int = 0, again: bool = False) -> int:
+        """Send a request to a node, 0 for all, and return its sequence number; ``again`` repeats the last one's."""
+        if not again:
+            self._sequence = (self._sequence + 1) & 0xFF
+        for place, part in enumerate((command, self._sequence, self.session, index, value)):
+            self._request[place] = part
+        self.clipped += encode_service_request(self._out.words, self._request)
+        self.port.send(w.SERVICE_REQUEST_ID + node, self._out.data.tobytes())
+        return self._sequence
+
+    def send_setpoints(self, identifier: int, values: Sequence[int]) -> None:
+        """Send one kind of set-point to all nodes of this bus: twelve raw values, NO_CHANGE for none."""
+        for group in self._groups:
+            for slot in range(4):
+                node = 4 * group + slot + 1
+                self._slots[slot] = values[node - 1] if node in self.nodes else w.NO_CHANGE
+            self.clipped += encode_group(self._out.words, self._slots)
+            self.port.send(identifier + 8 * group, self._out.data.tobytes())
+
+    def sync(self) -> None:
+        """Close the last cycle's count and send SYNC."""
+        for node in self.nodes if self._counting else ():
+            view = self.views[node]
+            if not view.answered:
+                view.lost += 1
+        self._sync[0] = self.syncs & 0xFF
+        encode_sync(self._out.words, self._sync)
+        self._counting = self.port.send(w.SYNC_ID, self._out.data[: w.SYNC_LENGTH].tobytes())
+        self.syncs += 1
+        for node in self.nodes:
+            self.views[node].answered = False
+
+    def emergency_stop(self) -> bool:
+        """Send the frame that takes every joint's torque away, before all others; False if the adapter takes none."""
+        return self.port.send_first(w.E_STOP_ID, b"")
+
+    def receive(self) -> None:
+        """Read what has come, up to a bound: a flood must not keep the cycle from its time."""
+        end_s = self.port.now() + RECEIVE_S
+        for _ in range(RECEIVE_MOST):
+            frame = self.port.receive()
+            if frame is None:
+                return
+            self._take(frame.time_s, frame.identifier, frame.data)
+            if self.port.now() > end_s:
+                break
+        self.floods += 1
+
+    def _take(self, time_s: float, identifier: int, data: bytes) -> None:
+        block, node = frame_block(identifier), frame_node(identifier)
+        if identifier == w.E_STOP_ID:
+            self.e_stops += 1
+            return
+        if node < 0 or block < 0 or len(data) > 8:
+            return
+        self._in.data[: len(data)] = data
+        if block == w.REPLY_ID:
+            self._take_reply(self.views[node], time_s, len(data))
+        elif block in _BLOCKS:
+            self._take_state(self.views[node], block, time_s, len(data))
+        elif block == w.SERVICE_RESPONSE_ID:
+            self._take_response(node, len(data))
+
+    def _take_reply(self, view: JointView, time_s: float, length: int) -> None:
+        if length < w.REPLY_LENGTH or decode_reply(self._in.words, view.reply):
+            view.bad += 1
+            return
+        view.heard_s = view.reply_s = time_s
+        view.replies += 1
+        if view.answered and view.lost:
+            view.lost -= 1
+            view.late += 1
+        view.answered = True
+
+    def _take_state(self, view: JointView, block: int, time_s: float, length: int) -> None:
+        needed, decode = _BLOCKS[block]
+        target = {w.SLOW_STATUS_ID: view.status, w.HEARTBEAT_ID: view.heartbeat, w.FAULT_ID: view.fault}[block]
+        if length < needed or decode(self._in.words, target):
+            view.bad += 1
+            return
+        view.heard_s = time_s
+        if block == w.SLOW_STATUS_ID:
+            view.status_s = time_s
+        elif block == w.HEARTBEAT_ID:
+            view.heartbeat_s = time_s
+            view.heartbeat_changes += 1
+
+    def _take_response(self, node: int, length: int) -> None:
+        if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer):
+            self.responses.append(Response(node, *self._answer))

@@ -1,0 +1,20 @@
+"""The bus or the two buses of a robot, opened by the names that the robot file or the command line gives."""
+
+from ...robot.actuators import CanBus
+from .adapter import AdapterPort
+from .pair import PairPort
+from .port import Port
+
+
+def open_port(bus: CanBus, interface: str | None = None, channel: str | None = None) -> Port:
+    """Return the port; what is not given is the robot file's. UserError with a hint if it cannot be opened."""
+    interface = interface or bus.interface
+    channels = channel.split(",") if channel else bus.channels
+    front = AdapterPort(interface, channels[0], bus.bitrate)
+    if len(channels) == 1:
+        return front
+    try:
+        return PairPort(front, AdapterPort(interface, channels[1], bus.bitrate))
+    except BaseException:
+        front.close()
+        raise

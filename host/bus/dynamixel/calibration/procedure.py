@@ -1,0 +1,228 @@
+"""The guided calibration: one servo at a time; which joint is it, which way does it turn, where is its zero.
+
+    move a little -> which joint? -> which way? -> turn it to the reference by hand -> limits -> keep
+
+What is done is kept after every servo in a file beside the calibration, so that one can stop and go on later.
+"""
+
+import difflib
+from collections.abc import Mapping
+from dataclasses import asdict
+from math import copysign, degrees, pi
+from pathlib import Path
+
+from ....robot.model import LEG_NAMES, Robot
+from ....robot.poses import rest_pose_rad
+from ....util.errors import NOT_ACHIEVED, UserError
+from ....util.files import read_toml, write_text
+from ...base import JOINT_LABELS, JOINTS
+from ..link import ServoError
+from ..table import MODEL_MX28_V2
+from ..tools import find
+from .bench import Bench
+from .data import FIELDS, Calibration, JointCalibration, check, counts_per_rad, joint_from, limits_rad, to_text
+from .person import Person
+from .picture import picture, reference_words, words
+
+SHOW_S = 2.0
+
+
+def reference_rad(robot: Robot, joint: int) -> float:
+    """Return the angle that is easy to set by hand and within the limits: hip and thigh 0, calf a right angle."""
+    low, high = limits_rad(robot)[joint]
+    wanted = copysign(pi / 2, robot.knee_sign(joint // 3)) if joint % 3 == 2 else 0.0
+    return wanted if low <= wanted <= high else (low + high) / 2
+
+
+class Procedure:
+    """One calibration of one robot on a bench, with a person; ``keep`` is the file of what is done so far."""
+
+    def __init__(self, robot: Robot, bench: Bench, person: Person, keep: Path) -> None:
+        self.robot, self.bench, self.person, self.keep = robot, bench, person, keep
+        self.done: dict[int, JointCalibration] = {}
+        self._per_rad = counts_per_rad(robot)
+
+    def run(self) -> Calibration:
+        """Return a checked calibration; nothing of it is written yet."""
+        servos = self.find()
+        self.resume(servos)
+        for servo in servos:
+            if servo not in [joint.id for joint in self.done.values()]:
+                self.bench.prepare(servo)
+                self.one(servo)
+                self.save()
+        joints = tuple(self.done[joint] for joint in range(JOINTS))
+        return check(Calibration(self.robot.name, joints), self.robot, "calibration")
+
+    def find(self) -> list[int]:
+        """Return the ids of the robot's servos, or say what is wrong with what is on the bus."""
+        found = find(self.bench.link)
+        if len(found) != JOINTS:
+            ids = ", ".join(str(servo.id) for servo in found) or "none"
+            raise ServoError(
+                f"{len(found)} servos answer (ids {ids}), must be {JOINTS}: check cables and power; servos that share "
+                f"an id count as one: plug them in one by one and renumber with: caramelo servos set-id"
+            )
+        for servo in found:
+            if servo.model != MODEL_MX28_V2:
+                raise ServoError(f"servo id {servo.id} is a {servo.text}, must be MX-28(2.0)")
+        return [servo.id for servo in found]
+
+    def one(self, servo: int) -> None:
+        """Calibrate one servo."""
+        person = self.person
+        person.say(f"\nServo {servo}. It moves a little now, with little force: watch the robot.")
+        joint, direction = self.which_joint(servo)
+        label = JOINT_LABELS[joint]
+        person.say(f"\n{picture(self.robot, joint)}")
+        sign = self.which_way(servo, label, words(self.robot, joint), direction)
+        zero = self.where_is_zero(servo, joint, sign)
+        self.done[joint] = self.limits(servo, joint, sign, zero)
+        person.say(f"{label}: id {servo}, sign {sign:+d}, zero {zero}")
+
+    def which_joint(self, servo: int) -> tuple[int, int]:
+        """Return the joint that the servo moves, and which way it went last."""
+        key = f"servo {servo} joint"
+        direction = self.bench.nudge(servo)
+        while True:
+            answer = self.person.ask(key, "Which joint moved? (again: move once more)", [*JOINT_LABELS, "again"])
+            if answer == "again":
+                direction = self.bench.nudge(servo)
+                continue
+            joint = JOINT_LABELS.index(answer)
+            if joint not in self.done:
+                return joint, direction
+            self.person.refuse(key, f"{answer} is servo {self.done[joint].id} already")
+
+    def which_way(self, servo: int, label: str, larger: str, direction: int) -> int:
+        """Return the sign: +1 if more counts are a larger angle."""
+        while True:
+            self.person.say(f"{label} moves once more. In the picture + moves the foot {larger}.")
+            direction = self.bench.nudge(servo)
+            answer = self.person.ask(f"servo {servo} direction", "Which way did it go first?", ["+", "-", "again"])
+            if answer != "again":
+                return direction if answer == "+" else -direction
+
+    def where_is_zero(self, servo: int, joint: int, sign: int) -> int:
+        """Return the position at angle 0, from a reference that the joint is put to by hand."""
+        angle = reference_rad(self.robot, joint)
+        where = f"{reference_words(self.robot, joint)} ({degrees(angle):.0f} deg)"
+        counts = self.placed(servo, joint, angle, "reference", f"The servo is loose. Turn the joint by hand: {where}")
+        return counts - sign * round(angle * self._per_rad[joint])
+
+    def placed(self, servo: int, joint: int, angle_rad: float, what: str, question: str) -> int:
+        """Have a joint turned by hand and return where the servo then is."""
+        if self.bench.hands is not None:
+            self.bench.hands.place(servo, joint, angle_rad)
+        self.person.ask(f"servo {servo} {what}", question, [])
+        return self.bench.position(servo)
+
+    def limits(self, servo: int, joint: int, sign: int, zero: int) -> JointCalibration:
+        """Return the joint with the robot file's limits, or with those found by hand within them."""
+        planned = joint_from(self.robot, joint, servo, sign, zero)
+        low, high = limits_rad(self.robot)[joint]
+        span = f"{degrees(low):.0f} .. {degrees(high):.0f} deg"
+        question = f"Limits: the robot file's ({span}), or by hand, where cables or parts are in the way?"
+        while self.person.ask(f"servo {servo} limits", question, ["file", "hand"]) == "hand":
+            lowest = self.placed(servo, joint, low, "lowest", "Turn it to its smallest angle")
+            highest = self.placed(servo, joint, high, "highest", "Turn it to its largest angle")
+            ends = sorted((lowest, highest))
+            rest = planned.counts(rest_pose_rad(self.robot)[joint], self._per_rad[joint])
+            if (highest - lowest) * sign > 0 and ends[0] <= rest <= ends[1]:
+                return JointCalibration(servo, sign, zero, max(planned.min, ends[0]), min(planned.max, ends[1]))
+            self.person.refuse(
+                f"servo {servo} limits", "these limits do not contain the rest stance in the right order"
+            )
+        return planned
+
+    def check_legs(self, calibration: Calibration) -> list[str]:
+        """Put each leg into the rest stance with little torque, have it looked at; return the wrong ones."""
+        wrong = []
+        for leg, name in enumerate(LEG_NAMES):
+            while True:
+                self.show_leg(calibration, leg)
+                question = (
+                    f"Did {name} stand as drawn, thigh {self._degrees(leg, 1)}, calf {self._degrees(leg, 2)} deg?"
+                )
+                answer = self.person.ask(f"check {name}", question, ["yes", "no", "again"])
+                if answer != "again":
+                    break
+            if answer == "no":
+                wrong.append(name)
+        return wrong
+
+    def show_leg(self, calibration: Calibration, leg: int) -> None:
+        """Move a leg to the rest stance, hold it for a while, let go."""
+        self.person.say(f"\n{picture(self.robot, leg * 3 + 1)}\n{LEG_NAMES[leg]} moves to #, the rest stance.")
+        goals = {}
+        for joint, angle in enumerate(rest_pose_rad(self.robot)[3 * leg : 3 * leg + 3], leg * 3):
+            mount = calibration.joints[joint]
+            goals[mount.id] = mount.limited_counts(angle, self._per_rad[joint])
+        try:
+            self.bench.move(goals)
+            self.bench.hold(SHOW_S)
+        finally:
+            self.bench.release(list(goals))
+
+    def _degrees(self, leg: int, kind: int) -> str:
+        return f"{degrees(rest_pose_rad(self.robot)[3 * leg + kind]):.0f}"
+
+    def save(self) -> None:
+        """Keep what is done so far."""
+        lines = [f'robot = "{self.robot.name}"']
+        for joint, data in sorted(self.done.items()):
+            values = ", ".join(f"{name} = {value}" for name, value in asdict(data).items())
+            lines.append(f'"{JOINT_LABELS[joint]}" = {{ {values} }}')
+        write_text(self.keep, "\n".join(lines) + "\n")
+
+    def resume(self, servos: list[int]) -> None:
+        """Take up an earlier, unfinished calibration if there is one and the person wants it."""
+        if not self.keep.exists():
+            return
+        done = _read_kept(self.keep, self.robot)
+        if any(joint.id not in servos for joint in done.values()):
+            raise UserError(
+                f"{self.keep}: begun with other servo ids than those on the bus now; delete it to start anew"
+            )
+        question = f"{len(done)} of {JOINTS} servos are calibrated already. Go on with the others?"
+        if self.person.ask("resume", question, ["yes", "no"]) == "yes":
+            self.done = done
+
+
+def _read_kept(path: Path, robot: Robot) -> dict[int, JointCalibration]:
+    """Return what an unfinished calibration holds; UserError if it is no such file."""
+    remedy = "delete it to start anew"
+    try:
+        tables = read_toml(path)
+        if tables.pop("robot") != robot.name:
+            raise UserError(f"{path}: begun for another robot; {remedy}")
+        done = {JOINT_LABELS.index(label): _kept_joint(values) for label, values in tables.items()}
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UserError(f"{path}: can't go on from it ({error}); {remedy}") from None
+    if len({joint.id for joint in done.values()}) != len(done):
+        raise UserError(f"{path}: two joints share a servo; {remedy}")
+    return done
+
+
+def _kept_joint(values: Mapping[str, int]) -> JointCalibration:
+    numbers = {name: values[name] for name in FIELDS}
+    if any(type(number) is not int for number in numbers.values()):
+        raise TypeError("whole numbers only")
+    return JointCalibration(**numbers)
+
+
+def difference(path: Path, calibration: Calibration) -> str:
+    """Return what writing would change in the file, as a unified diff; "" for nothing."""
+    former = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    present = to_text(calibration).splitlines()
+    lines = difflib.unified_diff(former, present, f"{path} (now)", f"{path} (new)", lineterm="")
+    return "\n".join(lines)
+
+
+def complain_about(legs: list[str], calibration: Calibration) -> UserError:
+    """Return what to do about legs that did not stand as drawn."""
+    ids = [str(calibration.joints[LEG_NAMES.index(leg) * 3 + k].id) for leg in legs for k in range(3)]
+    return UserError(
+        f"{', '.join(legs)} did not stand as drawn: run caramelo calibrate again, mind servos {', '.join(ids)}",
+        NOT_ACHIEVED,
+    )

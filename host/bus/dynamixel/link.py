@@ -1,0 +1,244 @@
+"""Talking to servos by register, through the SDK's packets: single reads and writes, one for all, many in one go.
+
+Every bad answer is counted and thrown away. The SDK's group reads stop at the first missing answer and drop the
+status bits, so the answers are collected here: each one counts by itself, in whatever order it arrives.
+"""
+
+import termios
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import serial
+from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
+from dynamixel_sdk.group_sync_write import GroupSyncWrite
+
+from ...util.errors import NOT_ACHIEVED, UserError
+from ..base import Counters
+from .table import ALERT, STATUS_ERRORS, Register, pack, unpack
+from .unstuff import packet_handler
+
+# Outside of the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
+PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0
+RETRIES = 5  # at 4 % lost or damaged packets one exchange in ten million fails
+
+
+class ServoError(UserError):
+    """A servo that does not answer, or refuses."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, NOT_ACHIEVED)
+
+
+class Answer:
+    """One servo's good answer: its bytes, and whether it raises its alert flag."""
+
+    __slots__ = ("alert", "data")
+
+    def __init__(self, data: bytes, alert: bool) -> None:
+        self.data, self.alert = data, alert
+
+
+class Link:
+    """The servos on one open port."""
+
+    def __init__(self, port: Any, protocol: float = 2.0, counters: Counters | None = None) -> None:
+        self.port, self.protocol = port, protocol
+        self.packets = packet_handler(protocol)
+        self.counters = Counters() if counters is None else counters
+        self._given_up = 0  # answers that did not come in time and may come yet
+
+    def ping(self, servo: int, tries: int = RETRIES, patience_ms: float = PING_PATIENCE_MS) -> int | None:
+        """Return the model number of a servo, or None if it does not answer."""
+        with self.patient(patience_ms):
+            for _ in range(tries):
+                model, result, _ = self._guard(self.packets.ping, self.port, servo)
+                if self._count(result):
+                    return int(model)
+        return None
+
+    def read(self, servo: int, register: Register) -> int:
+        """Return a register, or raise ServoError after a few tries."""
+        with self.patient(PATIENCE_MS):
+            for _ in range(RETRIES):
+                args = (self.port, servo, register.address, register.size)
+                data, result, _ = self._guard(self.packets.readTxRx, *args)
+                if self._count(result) and len(data) == register.size:
+                    return unpack(register, data, register.address)
+                self._drain()
+        raise ServoError(f"servo id {servo} does not answer: check its cable and power")
+
+    def write(self, servo: int, register: Register, value: int) -> None:
+        """Write a register and have it confirmed, or raise ServoError."""
+        data, error = pack(register, value), 0
+        with self.patient(PATIENCE_MS):
+            for _ in range(RETRIES):
+                args = (self.port, servo, register.address, register.size, data)
+                result, error = self._guard(self.packets.writeTxRx, *args)
+                if self._count(result) and not self.refusal(error):
+                    return
+                self._drain()
+        why = self.refusal(error)
+        self.counters.refused += bool(why)
+        raise ServoError(f"servo id {servo} {'refuses: ' + why if why else 'does not answer: check cable and power'}")
+
+    def refusal(self, error: int) -> str:
+        """Return why a servo did not take an instruction, "" if it did."""
+        if self.protocol == 1.0:
+            # Bits 3, 4, 6: range, checksum, instruction. The others are the servo's own condition.
+            return "value out of range or damaged packet" if error & 0x58 else ""
+        number = error & ~ALERT
+        return STATUS_ERRORS.get(number, f"error {number}") if number else ""
+
+    def reboot(self, servo: int) -> None:
+        """Restart a servo, which clears a trip."""
+        if self.protocol == 1.0:
+            raise UserError("protocol 1.0 can't restart a servo: switch its power off and on")
+        with self.patient(PATIENCE_MS):
+            for _ in range(RETRIES):
+                result, _ = self._guard(self.packets.reboot, self.port, servo)
+                if self._count(result):
+                    return
+                self._drain()
+        raise ServoError(f"servo id {servo} does not answer: check its cable and power")
+
+    @contextmanager
+    def patient(self, patience_ms: float) -> Iterator[None]:
+        """Wait longer for answers than a control cycle can."""
+        former, self.port.patience_ms = self.port.patience_ms, patience_ms
+        try:
+            yield
+        finally:
+            self.port.patience_ms = former
+
+    def _drain(self) -> None:
+        """Let a late answer come and go: packets have no numbers, so it would pass for the next one."""
+        time.sleep(self.port.patience_ms / 1000 if self.port.is_real else 0.0)
+        self._guard(self.port.clearPort)
+
+    def write_all(self, register: Register, values: Mapping[int, int]) -> None:
+        """Write a register of many servos in one packet; nobody confirms it."""
+        group = GroupSyncWrite(self.port, self.packets, register.address, register.size)
+        for servo, value in values.items():
+            group.addParam(servo, pack(register, value))
+        self._count_sent(self._guard(group.txPacket))
+
+    def broadcast(self, register: Register, value: int) -> None:
+        """Write a register of every servo there is; nobody confirms it."""
+        data = pack(register, value)
+        args = (self.port, BROADCAST_ID, register.address, register.size, data)
+        self._count_sent(self._guard(self.packets.writeTxOnly, *args))
+
+    def _count_sent(self, result: int) -> None:
+        """Nobody confirms the packet, but one that did not even go out is counted."""
+        self.counters.lost += result != COMM_SUCCESS
+
+    def read_all(self, servos: Iterable[int], block: tuple[int, int]) -> dict[int, Answer]:
+        """Return the good answers to one request for (address, length) to many servos."""
+        wanted = list(servos)
+        address, length = block
+        if self.protocol == 1.0:
+            ask = [byte for servo in wanted for byte in (length, servo, address)]
+            result = self._guard(self.packets.bulkReadTx, self.port, ask, len(ask))
+            whole = 6 + length
+        else:
+            result = self._guard(self.packets.syncReadTx, self.port, address, length, wanted, len(wanted), False)
+            whole = 11 + length
+        self.counters.sent += len(wanted)
+        if result != COMM_SUCCESS:
+            self.port.is_using = False
+            self.counters.lost += len(wanted)
+            return {}
+        self.port.setPacketTimeout(whole * len(wanted))
+        return self._collect(wanted, length)
+
+    def _collect(self, wanted: list[int], length: int) -> dict[int, Answer]:
+        """Take answers until all are there or time is over; what is none of ours is counted and dropped."""
+        counters, found = self.counters, dict[int, Answer]()
+        bad = 0
+        while len(found) + bad < len(wanted):
+            packet, result = self._receive()
+            if result == COMM_RX_TIMEOUT:
+                break
+            if result != COMM_SUCCESS:
+                counters.corrupted += 1
+                bad += 1
+                continue
+            servo, error, data = self._parts(packet)
+            if servo not in wanted or servo in found or len(data) != length or self.refusal(error):
+                self._count_stray()
+                continue
+            found[servo] = Answer(data, self._alert(error))
+        counters.answered += len(found)
+        missing = len(wanted) - len(found) - bad
+        counters.lost += missing
+        self._given_up = self._given_up + missing if missing else 0
+        return found
+
+    def _count_stray(self) -> None:
+        """An answer to nothing that was asked now: one that had been given up comes late, else it is wrong."""
+        if self._given_up:
+            self._given_up -= 1
+            self.counters.late += 1
+        else:
+            self.counters.wrong += 1
+
+    def _receive(self) -> tuple[list[int], int]:
+        if self.protocol == 1.0:
+            packet, result = self._guard(self.packets.rxPacket, self.port)
+        else:
+            packet, result = self._guard(self.packets.rxPacket, self.port, False)
+        return packet, result
+
+    def _parts(self, packet: list[int]) -> tuple[int, int, bytes]:
+        """Return id, error field and parameters of a status packet."""
+        if self.protocol == 1.0:
+            return packet[2], packet[4], bytes(packet[5 : 3 + packet[3]])
+        return packet[4], packet[8], bytes(packet[9 : 5 + (packet[5] | packet[6] << 8)])
+
+    def _alert(self, error: int) -> bool:
+        """True if the servo has a hardware error; protocol 1.0 flags voltage, heat and overload one by one."""
+        return bool(error & (0x25 if self.protocol == 1.0 else ALERT))
+
+    def _count(self, result: int) -> bool:
+        self.counters.sent += 1
+        if result == COMM_SUCCESS:
+            self.counters.answered += 1
+        elif result == COMM_RX_TIMEOUT:
+            self.counters.lost += 1
+        else:
+            self.counters.corrupted += 1
+        return bool(result == COMM_SUCCESS)
+
+    def _guard(self, call: Any, *arguments: Any) -> Any:
+        """Call the SDK; an adapter that went away becomes one sentence."""
+        try:
+            return call(*arguments)
+        except (serial.SerialException, OSError, termios.error) as error:
+            self.port.is_using = False
+            name = self.port.port_name
+            raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start again") from None
+
+
+class _Tape:
+    """A port that keeps what is sent."""
+
+    is_using = False
+
+    def __init__(self) -> None:
+        self.data = b""
+
+    def clearPort(self) -> None:
+        """Nothing comes in."""
+
+    def writePort(self, packet: list[int]) -> int:
+        self.data += bytes(packet)
+        return len(packet)
+
+
+def packet_of(protocol: float, register: Register, values: Mapping[int, int]) -> bytes:
+    """Return the packet that ``write_all`` sends."""
+    tape = _Tape()
+    Link(tape, protocol).write_all(register, values)
+    return tape.data

@@ -1,0 +1,131 @@
+"""What `caramelo servos` does with single servos: find them, number them, set their rate, look at them."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from ...util.errors import UserError
+from ..base import JOINTS
+from . import table as t
+from .link import Link, ServoError
+
+BROADCAST_FIRST, BROADCAST_LAST = 0, 252
+AGAIN_MS = 20.0  # for 241 ids that are not there five seconds (chosen)
+
+
+@dataclass(frozen=True)
+class Found:
+    """A servo that answered."""
+
+    id: int
+    baud: int
+    model: int
+
+    @property
+    def text(self) -> str:
+        """The model's name."""
+        names = {t.MODEL_MX28_V2: "MX-28(2.0)", t.MODEL_MX28_V1: "MX-28 (old firmware)"}
+        return names.get(self.model, f"model {self.model}")
+
+
+def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> list[Found]:
+    """Return all servos that answer at the port's present rate, by id.
+
+    Each id is asked by itself, twice: with answers to a broadcast one lost byte hides all that come after it. If
+    fewer than a robot has answer, the others are asked once more, with more patience.
+    """
+    found, baud = dict[int, Found](), link.port.getBaudRate()
+    for again in (False, True):
+        for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
+            if number not in found:
+                model = link.ping(number, 1, AGAIN_MS) if again else link.ping(number, tries=2)
+                if model is not None:
+                    found[number] = Found(number, baud, model)
+            progress((number + 1) / (BROADCAST_LAST + 1))
+        if not 0 < len(found) < JOINTS:
+            break
+    return [found[number] for number in sorted(found)]
+
+
+def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda done: None) -> Iterator[Found]:
+    """Yield the servos at every rate there is; the port keeps the last one that the machine can do."""
+    for at, baud in enumerate(t.BAUDS):
+        if link.port.setBaudRate(baud):
+            yield from find(link, lambda done, at=at: progress((at + done) / len(t.BAUDS)))  # type: ignore[misc]
+
+
+def set_id(link: Link, old: int, new: int) -> None:
+    """Give a servo another id, or say why not: ids must be free, or two servos will talk at once."""
+    for number in (old, new):
+        if not 0 <= number <= BROADCAST_LAST:
+            raise UserError(f"id {number}: allowed 0 .. {BROADCAST_LAST}")
+    if old == new:
+        raise UserError(f"id {new}: it has that already")
+    if link.ping(old) is None:
+        raise ServoError(f"no servo answers with id {old}: find it with: caramelo servos scan")
+    if link.ping(new) is not None:
+        raise ServoError(f"id {new} is taken by another servo: renumber or unplug that one first")
+    link.write(old, t.TORQUE_ENABLE, 0)
+    _write_unless_moved(link, old, t.ID, new, lambda: link.ping(new) is not None)
+    if link.ping(new) is None:
+        raise ServoError(f"the servo no longer answers, neither as {old} nor as {new}: scan, and check its cable")
+
+
+def set_baud(link: Link, servo: int, baud: int) -> None:
+    """Set a servo's rate; from then on it answers at that rate only."""
+    if baud not in t.BAUDS:
+        raise UserError(f"{baud} baud: allowed {', '.join(map(str, t.BAUDS))}")
+    if link.ping(servo) is None:
+        raise ServoError(f"no servo answers with id {servo}: find it with: caramelo servos scan --all-bauds")
+    link.write(servo, t.TORQUE_ENABLE, 0)
+
+    def answers_there() -> bool:
+        return bool(link.port.setBaudRate(baud)) and link.ping(servo) is not None
+
+    _write_unless_moved(link, servo, t.BAUD, t.BAUDS.index(baud), answers_there)
+    if not answers_there():
+        raise ServoError(
+            f"servo id {servo} does not answer at {baud} baud: find it with: caramelo servos scan --all-bauds"
+        )
+
+
+def _write_unless_moved(link: Link, servo: int, register: Any, value: int, moved: Callable[[], bool]) -> None:
+    """Write a register that changes how the servo is reached; a lost confirmation is no failure."""
+    try:
+        link.write(servo, register, value)
+    except ServoError:
+        if not moved():
+            raise
+
+
+@dataclass(frozen=True)
+class Status:
+    """One servo at one moment."""
+
+    id: int
+    model: int
+    firmware: int
+    position: int
+    load: float
+    voltage_V: float
+    temperature_C: int
+    torque: bool
+    error: str
+
+
+def status(link: Link, servo: int) -> Status | None:
+    """Return what a servo says about itself, or None if it does not answer."""
+    model = link.ping(servo)
+    if model is None:
+        return None
+    return Status(
+        id=servo,
+        model=model,
+        firmware=link.read(servo, t.FIRMWARE),
+        position=link.read(servo, t.PRESENT_POSITION),
+        load=link.read(servo, t.PRESENT_LOAD) * t.LOAD_SHARE,
+        voltage_V=round(link.read(servo, t.PRESENT_VOLTAGE) * t.VOLTS, 1),
+        temperature_C=link.read(servo, t.PRESENT_TEMPERATURE),
+        torque=bool(link.read(servo, t.TORQUE_ENABLE)),
+        error=t.hardware_error_text(link.read(servo, t.HARDWARE_ERROR)),
+    )

@@ -1,6 +1,0 @@
-"""A model of the STM32F405 read out of its reference manual, for running driver code on a computer."""
-
-from host.chip.chip import Chip
-from host.chip.registers import Complaint
-
-__all__ = ["Chip", "Complaint"]

@@ -1,0 +1,129 @@
+"""What the planner says of its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
+
+The core keeps codes (planner/handover.py, crawl/state.py); here they get their words, for the walk's report,
+the pages and the records.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from shared.crawl import state as crawl
+from shared.crawl.even import LEGS_EVEN
+from shared.gait.gaits import GAIT_NAMES
+from shared.gait.table import MOVER_CRAWL, MOVER_TROT
+from shared.planner import handover
+from shared.planner import status as core
+from shared.trot import trot
+from sim2d.notes import Note
+
+from ..robot.model import LEG_NAMES
+from .planner import Driver
+
+_GIVEN_UP = "backing off was given up: another command came, or joints or attitude became unknown"
+_STOPPED = "told to stop, or fallen"
+BACKING_OFF, STANDING_STILL, CRAWL = "backing off", "standing still", "crawl"  # phases of an exchange
+
+
+def gait_now(driver: Driver) -> str:
+    """Return what is walked: "backing off", "trot", "crawl", or the name of a table's gait."""
+    status = driver.planner.status
+    if status.backs:
+        return BACKING_OFF
+    return {MOVER_TROT: "trot", MOVER_CRAWL: CRAWL}.get(status.mover, GAIT_NAMES[status.gait])
+
+
+def exchange_phase(driver: Driver) -> str:
+    """Return how far the crawl has taken over from the trot: "", "backing off", "standing still" or "crawl"."""
+    planner = driver.planner
+    if planner.status.mover != MOVER_CRAWL:
+        return BACKING_OFF if planner.status.backs else ""
+    return STANDING_STILL if planner.crawl.stage.stage == crawl.STILL else CRAWL
+
+
+def change_reason(driver: Driver) -> str:
+    """Return why trot and crawl were last exchanged, "" if they were not."""
+    params = driver.planner.params
+    behind_mm = 1000 * driver.scale.metres(params.leg_length * 3 >> 5)
+    held_s = params.advice_ticks / trot.BEHIND_STEP / driver.rate_hz
+    crawls = exchange_phase(driver) != ""
+    return {
+        handover.REASON_NONE: "",
+        handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
+        handover.REASON_COMMAND: "the crawl was commanded"
+        if crawls
+        else "a gait or a way was commanded that is not the crawl's",
+        handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
+    }[driver.planner.status.reason]
+
+
+def advice(driver: Driver) -> str:
+    """Return what the trot advises, "" if it does well."""
+    return {
+        trot.ADVICE_FINE: "",
+        trot.ADVICE_BEHIND: "it does not get on: another gait may",
+        trot.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
+    }[driver.planner.status.advice]
+
+
+def margin_m(driver: Driver) -> float:
+    """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
+    return driver.scale.metres(driver.planner.status.margin)
+
+
+def crawl_event(driver: Driver) -> str:
+    """Return what the crawl met last, "" if nothing."""
+    event = driver.planner.crawl.event
+    leg = LEG_NAMES[event.leg]
+    off_mm = 1000 * driver.scale.metres(event.z)
+    return {
+        crawl.EVENT_NONE: "",
+        crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm off the height expected",
+        crawl.EVENT_STEP: f"{leg} met ground {off_mm:.0f} mm above the height expected: it tries further on",
+        crawl.EVENT_DROP: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
+        crawl.EVENT_SHIN: f"{leg} stood on an edge with its shin: it lifts and goes further on",
+        crawl.EVENT_RISER: f"{leg} ran into a riser: it goes back and higher",
+        crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
+        crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry what they should",
+    }[event.code]
+
+
+class GaitWatch:
+    """Looks at a planner after each tick and keeps a note whenever trot and crawl are exchanged."""
+
+    def __init__(self, driver: Driver) -> None:
+        self._driver = driver
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget the notes; the seconds count from here."""
+        self.notes: list[Note] = []
+        self._ticks, self._before = 0, exchange_phase(self._driver)
+
+    def look(self) -> None:
+        """Take note of a tick."""
+        now, before = exchange_phase(self._driver), self._before
+        self._ticks += 1
+        if now == before:
+            return
+        self._before = now
+        if now != STANDING_STILL:
+            time_s = round(self._ticks / self._driver.rate_hz, 3)
+            self.notes.append(Note(time_s, gait_now(self._driver), self._why(before, now)))
+
+    def _why(self, before: str, now: str) -> str:
+        status = self._driver.planner.status
+        if not now and before == BACKING_OFF:
+            return _GIVEN_UP
+        if not now and status.state != core.WALKING:
+            return _STOPPED
+        return change_reason(self._driver)
+
+
+def notes_json(notes: Iterable[Note]) -> list[dict[str, Any]]:
+    """Return notes as plain values for JSON."""
+    return [{"time_s": note.time_s, "to": note.what, "reason": note.why} for note in notes]
+
+
+def change_lines(changes: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
+    """Return the changes of a walk as rows for people."""
+    return [(f"at {change['time_s']:.1f} s: {change['to']}", change["reason"]) for change in changes]

@@ -1,0 +1,81 @@
+"""What a real robot is driven through: its servos or its joints on CAN, and its inertial sensor, none opened yet."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..bus.base import Bus
+from ..imu.absent import AbsentImu
+from ..imu.attitude import Attitude
+from ..imu.base import Imu
+from ..imu.choose import I2C, open_source
+from ..robot.model import Robot
+from ..robot.poses import seated_pose_rad
+from ..util.errors import UserError
+
+SIMULATED_INTERFACES = ("udp_multicast", "virtual")  # what caramelo joints sim is reached by
+ELSEWHERE = "the joints are simulated elsewhere, and their body's sensor is not here: the body is not kept level"
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """What a robot is driven through, none of it opened yet.
+
+    ``put_back`` lifts a simulated robot and puts it down seated; with a real one that is left to a person.
+    ``turns``: the robot lives in space and its sensor says how it turns; in the plane it never does.
+    """
+
+    bus: Bus
+    attitude: Attitude
+    put_back: Callable[[], object] = lambda: None
+    turns: bool = True
+
+
+def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
+    """Return the real robot's parts; joints on CAN that ``caramelo joints sim`` simulates are real ones here.
+
+    ``port``: a serial port, or INTERFACE:CHANNEL of CAN, instead of the robot file's own; ``calibration``: a file
+    instead of the robot's own.
+    """
+    if robot.bus.kind == "can":
+        return Hardware(can_joints(robot, port), Attitude(robot, _can_imu(robot, port or robot.bus.interface)))
+    from ..bus.dynamixel.bus import ServoBus
+    from ..bus.dynamixel.calibration.data import default_path, load_calibration, servo_of
+    from ..bus.dynamixel.port import ServoPort
+
+    servo_of(robot)
+    data = load_calibration(calibration or default_path(robot), robot)
+    bus = ServoBus(robot, data, ServoPort(port or device(robot), baud(robot)))
+    return Hardware(bus, Attitude(robot, open_source(robot, I2C)))
+
+
+def _can_imu(robot: Robot, interface: str) -> Imu:
+    elsewhere = interface.partition(":")[0] in SIMULATED_INTERFACES
+    return AbsentImu(ELSEWHERE) if elsewhere else open_source(robot, I2C)
+
+
+def can_joints(robot: Robot, port: str | None) -> Bus:
+    """Return the joints on CAN; ``port`` INTERFACE:CHANNEL goes before the robot file's own."""
+    from ..bus.can.joints import CanJoints, new_session
+    from ..bus.can.open import open_port
+
+    assert robot.bus.kind == "can"
+    interface, colon, channel = (port or "").partition(":")
+    if port and not (colon and interface and channel):
+        raise UserError(f"--port {port}: of joints on CAN it is INTERFACE:CHANNEL, such as socketcan:can0")
+    bus_port = open_port(robot.bus, interface or None, channel or None)
+    return CanJoints(robot, bus_port, new_session(), seated_pose_rad(robot), threaded=True)
+
+
+def baud(robot: Robot) -> int:
+    """Return the servo bus's rate."""
+    if robot.bus.kind != "dynamixel":
+        raise UserError(f"{robot.name} has no servo bus")
+    return robot.bus.baud
+
+
+def device(robot: Robot) -> str:
+    """Return the servo bus's port."""
+    if robot.bus.kind != "dynamixel":
+        raise UserError(f"{robot.name} has no servo bus")
+    return robot.bus.port

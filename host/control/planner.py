@@ -1,0 +1,117 @@
+"""The planner as a controller in SI: what the simulator, the servos and the joints are driven by.
+
+Turns a driver's wish and sensed SI values into the core's blocks, runs one tick, and turns the
+twelve angles back. Everything between those two conversions is the core's integers.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from shared.planner import command as core
+from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
+from shared.planner.planner import Planner
+from shared.planner.status import STATE_NAMES
+from shared.record import pack
+from shared.sense.sensed import Sensed
+
+from ..robot.gait_names import gait_index
+from ..robot.model import Robot
+from ..robot.scale import brad, core_params, joints_rad, scale_of
+
+MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a driver wants: m/s, rad/s, m, rad; ``height_m`` 0 is the gait's own swing height."""
+
+    mode: str = "stand"
+    gait: str = "trot"
+    vx_m_s: float = 0.0
+    vy_m_s: float = 0.0
+    wz_rad_s: float = 0.0
+    pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
+    balance: bool = True
+    height_m: float = 0.0
+
+
+class Driver:
+    """One robot's planner with SI on both sides; ``rate_hz`` ticks a second."""
+
+    def __init__(self, robot: Robot, rate_hz: int | None = None, planar: bool = False) -> None:
+        """``planar``: something else holds the robot's roll, so it does not sway sideways."""
+        self.robot = robot
+        self.scale = scale_of(robot, rate_hz)
+        self.rate_hz = self.scale.rate_hz
+        self.planner = Planner(core_params(robot, rate_hz, planar))
+        self.command = Command(gait=robot.gait.default)
+        self._command = core.Command()
+        self._sensed = Sensed()
+        self.flags = 0
+
+    @property
+    def command_integers(self) -> list[int]:
+        """The core's command of the last tick (shared/planner/command.py); a record keeps it."""
+        return list(pack(self._command))
+
+    @property
+    def sensed_integers(self) -> list[int]:
+        """What the core was told to be sensed in the last tick (shared/sense/sensed.py)."""
+        return list(self._sensed.pack())
+
+    @property
+    def state(self) -> str:
+        """The planner's state in a word."""
+        return STATE_NAMES[self.planner.status.state]
+
+    def speed_limit(self, gait: str) -> tuple[float, str]:
+        """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
+
+        The crawl takes its own time; the figure is that of the trot it gives way to.
+        """
+        most = self.planner.gaits[gait_index(gait)].speed_max[0]
+        key = "vx_m_s" if most == self.planner.params.speed_max[0] else "stride_m"
+        return self.scale.metres_per_second(most), f"speed_limits.{key}"
+
+    def set_command(self, **wish: object) -> None:
+        """Change some of the command's fields for the ticks to come."""
+        self.command = replace(self.command, **wish)  # type: ignore[arg-type]
+
+    def sense(
+        self,
+        joints_rad: Sequence[float] | None,
+        roll_rad: float | None = None,
+        pitch_rad: float | None = None,
+        rates_rad_s: Sequence[float] | None = None,
+    ) -> None:
+        """Fill in what is sensed; None where it is not known. ``rates_rad_s``: about x, y, z, without bias."""
+        sensed, valid = self._sensed, self._sensed.valid
+        valid.turned = int(rates_rad_s is not None)
+        for axis, rate in enumerate(rates_rad_s or ()):
+            sensed.turned[axis] = self.scale.yaw18_per_tick(rate)
+        valid.joints = int(joints_rad is not None)
+        for joint, angle_rad in enumerate(joints_rad or ()):
+            sensed.joints[joint] = brad(angle_rad)
+        valid.tilt = int(roll_rad is not None and pitch_rad is not None)
+        if roll_rad is not None and pitch_rad is not None:
+            sensed.tilt[0] = brad(roll_rad)
+            sensed.tilt[1] = brad(pitch_rad)
+
+    def step(self) -> list[float]:
+        """Plan one tick and return the twelve joint goals in rad."""
+        self._fill_command()
+        self.flags = self.planner.tick(self._command, self._sensed)
+        return joints_rad(self.planner.joints)
+
+    def _fill_command(self) -> None:
+        wish, scale, block = self.command, self.scale, self._command
+        block.mode = MODES[wish.mode]
+        block.gait = gait_index(wish.gait)
+        block.speed[0] = scale.lf_per_tick(wish.vx_m_s)
+        block.speed[1] = scale.lf_per_tick(wish.vy_m_s)
+        block.speed[2] = scale.yaw18_per_tick(wish.wz_rad_s)
+        for axis in range(3):
+            block.pose[axis] = scale.lu(wish.pose[axis])
+            block.pose[3 + axis] = brad(wish.pose[axis + 3])
+        block.balance = int(wish.balance)
+        block.height = scale.lu(wish.height_m)

@@ -1,0 +1,276 @@
+"""Between wish and joints: stands up before walking, sits down before letting go, lets go at once on a stop.
+
+One tick: read the joints, look for faults, take what the arbiter holds, plan, write. The state and the reason why the
+robot does not move are computed here and nowhere else.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ..bus.base import Bus, Measured
+from ..robot.kinematics_si import leg_forward
+from ..robot.model import LEG_NAMES, Robot
+from ..util.errors import UserError
+from .arbiter import Arbiter
+from .gait_changes import GaitWatch, advice, crawl_event, exchange_phase
+from .messages import Drive
+from .notices import Notices
+from .planner import Driver
+from .safety import Fault, Safety, torque_limit
+
+# A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
+STRETCHED = 0.5
+OVER = object()
+STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
+Attitude = tuple[float, float] | None
+Rates = tuple[float, float, float] | None
+# The planner's state in the driver's words.
+_WORDS = {"limp": "disarmed", "rising": "standing up", "seated": "sitting"}
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of state: when, to what, and why it is so."""
+
+    time_s: float
+    state: str
+    reason: str
+
+
+class Supervisor:
+    """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown.
+
+    ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None where they are not to be believed.
+
+    ``put_back``: a reset puts a limp simulated robot on its feet, which is a person's task with a real one.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        bus: Bus,
+        attitude: Callable[[], Attitude] = lambda: None,
+        rate_hz: int | None = None,
+        put_back: Callable[[], object] = lambda: None,
+        rates: Callable[[], Rates] = lambda: None,
+    ) -> None:
+        self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
+        self._read_rates = rates
+        self.driver = Driver(robot, rate_hz)
+        self.arbiter = Arbiter(gait=robot.gait.default)
+        self.safety = Safety(robot)
+        self.measured = Measured()
+        self.attitude: Attitude = None
+        self.goals: list[float] = []
+        self.armed = self.leaving = False
+        self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
+        self._limit: float | None = None
+        self._stopped = False
+        self._resetting: Iterator[None] | None = None
+        self._last = ("", "")
+        self._gait_watch, self.exchanged = GaitWatch(self.driver), ""
+        self._notices = Notices(self.driver.rate_hz)
+
+    def sense(self) -> None:
+        """Read the joints and the attitude, and look for faults."""
+        self.measured = self.bus.read()
+        self.attitude = self._read_attitude()
+        if self.armed:
+            self.safety.update(self.measured, self.attitude)
+
+    def act(self, now_s: float) -> None:
+        """Plan one tick and write its goals, or let go."""
+        sticks = self.arbiter.update(now_s)
+        self._go_on_resetting()
+        self._check_stop()
+        self._command(sticks, now_s)
+        joints = self.measured.position_rad if self.measured.complete else None
+        roll_rad, pitch_rad = self.attitude or (None, None)
+        self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
+        self.goals = self.driver.step()
+        self._watch_gait()
+        self._notices.look(self.driver.flags, self.armed)
+        if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
+            self._disarm()
+        if self.armed:
+            self._limit_torque()
+            self.bus.write(self.goals)
+        self._note(now_s)
+
+    def _watch_gait(self) -> None:
+        """Keep why trot and crawl were last exchanged; forgotten once it stands."""
+        self._gait_watch.look()
+        if self._gait_watch.notes:
+            self.exchanged = self._gait_watch.notes.pop().why
+        elif self.driver.state != "walking":
+            self.exchanged = ""
+
+    @property
+    def remark(self) -> str:
+        """What the driver should know beside the state: of pose, readings and gait; or ""."""
+        return "; ".join(part for part in (*self._notices.words(), *self._gait_remarks()) if part)
+
+    def _gait_remarks(self) -> tuple[str, ...]:
+        """Why the gait changed, what the crawl met, what is advised."""
+        if self.driver.state != "walking":
+            return ()
+        crawls = exchange_phase(self.driver)
+        return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
+
+    def stop_now(self) -> None:
+        """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
+        self.bus.emergency_stop()
+        self.armed, self._stopped, self._limit, self._resetting = False, True, None, None
+
+    def reset(self) -> None:
+        """Forget the faults that are over, in the ticks to come; one that is under way goes on."""
+        self._stopped = False
+        if self._resetting is None:
+            self._resetting = self._reset()
+
+    def _go_on_resetting(self) -> None:
+        """Do one tick's part of a reset: no wish may hold up the loop."""
+        if self._resetting is not None and next(self._resetting, OVER) is OVER:
+            self._resetting = None
+
+    def _reset(self) -> Iterator[None]:
+        if not self.armed and (self.safety.action == "limp" or self.stretched()):
+            self._put_back()
+            self.attitude = None
+        try:
+            while not self.bus.try_clear_faults():
+                yield
+        except UserError as error:
+            self.safety.raise_fault(Fault("limp", "joints", str(error)))
+            return
+        if self.measured.faults or any(self.measured.error):
+            yield  # they are read anew
+        self.safety.reset(self.measured, self.attitude)
+
+    def stretched(self) -> str:
+        """Return why it can't stand up from where its legs are, "" if it can.
+
+        A robot that went limp while it walked lies on its belly with the legs stretched to the rear; pushing itself
+        up from there tips it over its nose (seen in the plane: by 58 degrees).
+        """
+        geometry, joints = self.robot.geometry, self.measured.position_rad
+        most_m = STRETCHED * (geometry.thigh_m + geometry.calf_m)
+        for leg, name in enumerate(LEG_NAMES):
+            angles = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
+            rest_m = self.robot.foot_m(leg, self.robot.stance.sit_height_m)[0]
+            off_m = leg_forward(geometry.links_m, self.robot.side(leg), angles)[0] - rest_m
+            if abs(off_m) > most_m:
+                where = "before" if off_m > 0 else "behind"
+                return (
+                    f"{name} lies stretched out, its foot {1000 * abs(off_m):.0f} mm {where} the hip, allowed "
+                    f"{1000 * most_m:.0f}: put the robot on its feet, seated, then stand up"
+                )
+        return ""
+
+    def _check_stop(self) -> None:
+        limp, damp = self.safety.action == "limp", self.safety.action == "damp"
+        if (limp and self.armed) or (self.arbiter.stop is not None and not self._stopped):
+            self.stop_now()
+        elif damp and self.armed:
+            self.armed, self._limit = False, None
+        if (limp or damp) and self._resetting is None:
+            self.arbiter.posture = "rest"
+
+    def _command(self, sticks: Drive, now_s: float) -> None:
+        """Turn what is wished into what the planner is asked for."""
+        arbiter = self.arbiter
+        posture = "rest" if self.safety.action != "none" else arbiter.posture
+        if posture != "rest" and not self.armed:
+            self._arm()
+        self.driver.set_command(
+            mode=self._mode(posture, sticks),
+            gait=arbiter.gait,
+            vx_m_s=sticks.vx_m_s,
+            vy_m_s=sticks.vy_m_s,
+            wz_rad_s=sticks.wz_rad_s,
+            pose=sticks.pose,
+            balance=arbiter.balance and self.attitude is not None,
+        )
+
+    def _mode(self, posture: str, sticks: Drive) -> str:
+        if not self.armed:
+            return "limp"
+        if posture == "stand":
+            return "walk" if sticks.moves else "stand"
+        seated = self.driver.state == "seated"
+        return "limp" if posture == "rest" and seated else "sit"
+
+    def _arm(self) -> None:
+        """Switch the torque on, limited, with the goals where the joints are; a bad line takes several ticks."""
+        if not self.measured.complete:
+            return
+        if self.stretched():
+            if max(self.measured.age_s) < 1 / self.driver.rate_hz:  # else a lost answer may hide where a leg is now
+                self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
+            return
+        try:
+            self._limit = None
+            self._limit_torque()
+            if not self.bus.try_torque():
+                return
+        except UserError as error:
+            self.safety.raise_fault(Fault("limp", "arming", str(error)))
+            return
+        self.armed, self._stopped = True, False
+
+    def _disarm(self) -> None:
+        self.bus.torque(False)
+        self.armed, self._limit = False, None
+
+    def _limit_torque(self) -> None:
+        limit = torque_limit(self.robot, self.driver.state)
+        if limit != self._limit:
+            self.bus.limit_torque(limit)
+            self._limit = limit
+
+    @property
+    def state(self) -> str:
+        """One of STATES."""
+        if self.safety.first is not None:
+            return "fault"
+        word = self.driver.state
+        if word == "walking" and exchange_phase(self.driver):
+            return "crawling"
+        return _WORDS.get(word, word)
+
+    def reason(self, now_s: float) -> str:
+        """Why the robot does not move, with what to do; "" while it walks as told."""
+        arbiter = self.arbiter
+        if arbiter.stop is not None:
+            return f"emergency stop by {arbiter.stop.client}: reset it, then stand up"
+        if self.safety.first is not None:
+            return f"{self.safety.sentence}; then reset"
+        if not self.measured.complete:
+            return "the joints' positions are not known yet"
+        if not self.armed:
+            return self.stretched() or "the joints are off: stand up first"
+        return self._reason_of_state(now_s)
+
+    def _reason_of_state(self, now_s: float) -> str:
+        arbiter, planner = self.arbiter, self.driver.state
+        if self.leaving:
+            return "leaving: it sits down and lets go"
+        if planner in ("rising", "sitting"):
+            return "wait until it stands" if planner == "rising" else "sitting down"
+        if planner == "seated":
+            return "seated: stand up first"
+        if arbiter.driver is None:
+            return "nobody drives: take the controls"
+        if not arbiter.fresh(now_s):
+            return f"no command from {arbiter.driver} for {arbiter.silent_s(now_s):.1f} s"
+        return "" if arbiter.drive.moves else "the sticks are at rest"
+
+    def _note(self, now_s: float) -> None:
+        """Keep a change of state or of its reason."""
+        arbiter = self.arbiter
+        silent = self.armed and arbiter.driver is not None and not arbiter.fresh(now_s)
+        reason = f"no command from {arbiter.driver}" if silent else self.reason(now_s)
+        if (self.state, reason) != self._last:
+            self._last = (self.state, reason)
+            self.changes.append(Change(now_s, self.state, reason))

@@ -1,1 +1,0 @@
-"""The robot of twelve joints on CAN: the host's side of the bus, and the simulated joints."""

@@ -1,0 +1,78 @@
+"""Position loops in the joint beside loops on the host: the same walk with each, and how well the joints followed."""
+
+from dataclasses import asdict, dataclass
+from math import degrees, tau
+
+import numpy as np
+
+from ...robot.model import Robot
+from ...sim.joints.sim_walk import SimWalk
+
+MOST_LAG_MS = 100
+# Where the loops run, Hz, buses: loops in current mode need the faster cycle (docs/joints.md)
+CASES = (
+    ("joint", 200, 1),
+    ("host-velocity", 200, 1),
+    ("joint", 400, 2),
+    ("host-velocity", 400, 2),
+    ("host-current", 400, 2),
+)
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One walk; the errors are of all twelve motor angles, the lag is the shift that makes the error least."""
+
+    loops: str
+    rate_hz: int
+    buses: int
+    speed_m_s: float
+    error_rms_deg: float
+    error_worst_deg: float
+    lag_ms: int
+    error_after_lag_deg: float
+    lowest_body_m: float
+    stopped: str
+
+    def as_dict(self) -> dict[str, object]:
+        """Return plain values for JSON."""
+        return asdict(self)
+
+
+def with_loops(robot: Robot, loops: str, rate_hz: int, buses: int) -> Robot:
+    """Return a robot whose file says so."""
+    channel = ",".join(f"can{i}" for i in range(buses))
+    bus = robot.bus.model_copy(update={"loops": loops, "rate_hz": rate_hz, "channel": channel})
+    return robot.model_copy(update={"bus": bus})
+
+
+def compare(robot: Robot, loops: str, rate_hz: int, buses: int, seconds: float) -> Compared:
+    """Stand up, walk at 0.05 m/s for a time, and measure."""
+    stops: list[str] = []
+    with SimWalk(with_loops(robot, loops, rate_hz, buses), report=lambda notice: stops.append(notice.sentence)) as walk:
+        walk.arm()
+        walk.stand_up()
+        body, rows, start_m = walk.sim.body, [], walk.sim.body.x_m
+        walk.sim.each_ms.append(lambda ms: rows.append((walk.bus.cycle.goals_brad, list(body.angle_rad))))
+        walk.go(seconds)
+        speed, lowest = (body.x_m - start_m) / seconds, walk.lowest_m
+    known = [(goals, angles) for goals, angles in rows if goals is not None]
+    if not known:
+        return Compared(loops, rate_hz, buses, speed, *(float("nan"),) * 2, 0, float("nan"), lowest, stops[0])
+    goals = np.array([row[0] for row in known]) * tau / 65536
+    angles = np.array([row[1] for row in known])
+    error = goals - angles
+    lag, after = least_lag(goals, angles)
+    rms, worst = float(np.sqrt(np.mean(error**2))), float(np.max(np.abs(error)))
+    figures = (degrees(rms), degrees(worst), lag, degrees(after))
+    return Compared(loops, rate_hz, buses, speed, *figures, lowest, stops[0] if stops else "")
+
+
+def least_lag(goals: np.ndarray, angles: np.ndarray) -> tuple[int, float]:
+    """Return by how many ms the angles follow the goals, and the rms error that is left then."""
+    errors = []
+    for lag in range(min(MOST_LAG_MS, len(goals) // 2)):
+        late = goals[: len(goals) - lag]
+        errors.append(float(np.sqrt(np.mean((late - angles[lag:]) ** 2))))
+    best = int(np.argmin(errors))
+    return best, errors[best]

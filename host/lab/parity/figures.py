@@ -1,0 +1,174 @@
+"""What each function costs and needs: gathered from the runtimes, one row a function."""
+
+import ast
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...boards.runtimes import CortexM, CPython, Runtime, Unix, Wasi
+from .check import call
+from .sources import add_floats
+
+VECTORS = 8  # random ones whose cost is averaged
+CHECKED_VECTORS = 24
+ALLOCATION_VECTORS = 24
+COUNTED = {  # whose instructions on a Cortex-M4 are counted, by module
+    "fixed": ("sin_q15", "isqrt", "atan2_brad"),
+    "leg": ("leg_inverse",),
+    "pid": ("pid_step",),
+    "joint": ("current_step",),
+}
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """Bytes that one call takes at most; ``total`` counts frames that are given back, ``locked`` no heap at all."""
+
+    total: int
+    kept: int
+    locked: bool
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What the registry says: the bound on intermediates; whether the function belongs to a tick.
+
+    ``name`` is the function's, as in "leg.leg_inverse" for shared/body/leg.py.
+    """
+
+    name: str
+    largest: int
+    ticks: bool
+
+
+def modules_of(runtime: Runtime, tree: Path) -> list[str]:
+    """Return the modules that have vectors."""
+    return list(runtime.ask(tree, call("about"))["modules"])
+
+
+def promises(sources: Path, work: Path) -> dict[str, Promise]:
+    """Return the registry's promises by "module.probe"."""
+    runtime = CPython()
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module in modules_of(runtime, tree):
+        answer = runtime.ask(tree, call("register", module))
+        owners = {name: source for source in answer["sources"] for name in public_functions(sources, source)}
+        for row in answer["probes"]:
+            plain = row["name"].partition(":")[0]
+            name = f"{owners.get(plain, '?')}.{plain}"
+            found[f"{module}.{row['name']}"] = Promise(name, row["largest"], row["ticks"])
+    return found
+
+
+def public_functions(sources: Path, source: str) -> list[str]:
+    """Return the public functions of a module of shared/, and the public methods of its public classes."""
+    found = []
+    tree = ast.parse((sources / "shared" / (source.replace(".", "/") + ".py")).read_bytes())
+    for node in tree.body:
+        inner = node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else [node]
+        found += [one.name for one in inner if isinstance(one, ast.FunctionDef) and not one.name.startswith("_")]
+    return found
+
+
+def unregistered(sources: Path, work: Path) -> list[str]:
+    """Return the public functions of shared/ that have no vectors; marks and declarations need none."""
+    known = {promise.name for promise in promises(sources, work).values()}
+    missing = []
+    for path in sorted((sources / "shared").rglob("*.py")):
+        source = path.relative_to(sources / "shared").as_posix().removesuffix(".py").replace("/", ".")
+        if source not in ("runtime", "record", "sense.sensed"):
+            missing += [f"{source}.{name}" for name in public_functions(sources, source)]
+    return [name for name in missing if name not in known]
+
+
+def fuel(sources: Path, work: Path) -> dict[str, int]:
+    """Return what one call of each function costs in the WASI VM, exact: the same in every run."""
+    runtime = Wasi()
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module in modules_of(runtime, tree):
+        rows = runtime.ask(tree, _measure("fuel", module, VECTORS))["rows"]
+        marks = iter(runtime.marks)
+        for name, vectors in rows:
+            burnt = 0
+            for _ in range(vectors):
+                start, empty, full = next(marks), next(marks), next(marks)
+                burnt += (full - empty) - (empty - start)
+            found[f"{module}.{name}"] = round(burnt / 4 / vectors)
+    return found
+
+
+def instructions(runtime: CortexM, sources: Path, work: Path) -> dict[str, int]:
+    """Return the most instructions any of some calls of COUNTED takes on a Cortex-M4, from its arguments to its result.
+
+    That is: the caller's bytecode for the call included, the loop round it not.
+    """
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module, names in COUNTED.items():
+        rows = runtime.ask(tree, _measure("instructions", module, names, VECTORS))["rows"]
+        marks = iter(runtime.marks)
+        for name, vectors in rows:
+            calls = []
+            for _ in range(vectors):
+                four, eight = (_between(*(next(marks) for _ in range(3))) for _ in range(2))
+                calls.append((eight - four) // 4)
+            found[f"{module}.{name}"] = max(calls)
+    return found
+
+
+def _between(start: int, empty: int, full: int) -> int:
+    return (full - empty) - (empty - start)
+
+
+def microseconds(runtime: Runtime, sources: Path, work: Path, repeats: int) -> dict[str, float]:
+    """Return the median microseconds of one call of each function."""
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module in modules_of(runtime, tree):
+        for name, us in runtime.ask(tree, _measure("timing", module, VECTORS, repeats))["rows"]:
+            found[f"{module}.{name}"] = float(us)
+    return found
+
+
+def loop_microseconds(sources: Path, work: Path, turns: int) -> float:
+    """Return the CPython microseconds of ``turns`` turns of ``x = x * 3 + i & 0xFFFF``: how fast the machine is."""
+    runtime = CPython()
+    return float(runtime.ask(runtime.prepare(sources, work), _measure("loop", turns))["us"])
+
+
+def float_microseconds(runtime: Unix, sources: Path, work: Path, repeats: int) -> dict[str, float]:
+    """Return microseconds of the float reference's counterparts; nothing if the checkout's tests are not here."""
+    tree = Unix("source").prepare(sources, work)  # it reads the robots by name
+    if not add_floats(tree):
+        return {}
+    return {name: float(us) for name, us in runtime.ask(tree, _measure("floats", repeats))["rows"]}
+
+
+def allocations(runtime: Wasi | Unix, sources: Path, work: Path) -> dict[str, Allocation]:
+    """Return what one call of each function takes from the heap at most."""
+    tree = runtime.prepare(sources, work)
+    found = {}
+    for module in modules_of(runtime, tree):
+        rows = runtime.ask(tree, _measure("allocation", module, ALLOCATION_VECTORS))["rows"]
+        for name, _, total, kept, locked in rows:
+            found[f"{module}.{name}"] = Allocation(total, kept, locked)
+    return found
+
+
+def largest_values(sources: Path, work: Path, vectors: int = CHECKED_VECTORS) -> dict[str, tuple[int, str | None]]:
+    """Return the largest intermediate of each function on checked integers, and the error that stopped it."""
+    runtime = CPython()
+    tree = runtime.prepare(sources, work)
+    shutil.copy(Path(__file__).with_name("checked.py"), tree)
+    found = {}
+    for module in modules_of(runtime, tree):
+        rows = runtime.ask(tree, f"import checked\nchecked.answer({module!r}, {vectors})\n")["rows"]
+        for row in rows:
+            found[f"{module}.{row['name']}"] = (row["largest"], row["error"])
+    return found
+
+
+def _measure(function: str, *arguments: object) -> str:
+    return f"from probe import measure\nmeasure.{function}({', '.join(map(repr, arguments))})\n"

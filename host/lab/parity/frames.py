@@ -1,0 +1,63 @@
+"""How many words of frame each function needs in bytecode: over 11, MicroPython takes it from the heap.
+
+The compiler says it (N_STATE) in the unix VM's verbose mode; the tree is the one a board gets.
+"""
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+from ...boards.build.lower import lowered_modules
+from ...boards.build.rewrite import rewrite
+from ...boards.build.rules import hot_arity
+from ...boards.build.source import Module, resolve
+from ...boards.runtimes.process import run_command
+
+LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
+
+Frames = dict[str, int]  # "shared/num/fixed.py:sin_q15" -> words
+
+
+def own_frames(root: Path, work: Path) -> Frames:
+    """Return the words of every function of shared/ by itself. Needs the unix VM."""
+    frames: Frames = {}
+    modules = lowered_modules(root, ("shared",))
+    for module in modules.values():
+        path = work / "frames.py"
+        path.write_bytes(rewrite(module, modules, "bytecode", "any"))
+        command = [sys.executable, "-m", "micropython_unix", "-v", "-v", "-X", "compile-only", str(path)]
+        output = run_command(command, work, 60.0, "unix")
+        for name, words in re.findall(r"code block '(\w+)'.*?\(N_STATE (\d+)\)", output, re.DOTALL):
+            frames[f"{module.path}:{name}"] = int(words)
+    return frames
+
+
+def deepest_frames(root: Path, frames: Frames) -> Frames:
+    """Return for every hot function the largest frame among itself and all it calls."""
+    modules = lowered_modules(root, ("shared",))
+    calls = {f"{m.path}:{name}": _callees(m, name, modules) for m in modules.values() for name in m.hot}
+    return {name: max(frames[one] for one in _reached(name, calls)) for name in calls}
+
+
+def _callees(module: Module, name: str, modules: dict[str, Module]) -> set[str]:
+    found = set()
+    for function in module.tree.body:
+        if isinstance(function, ast.FunctionDef) and function.name == name:
+            for node in ast.walk(function):
+                if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+                    origin = resolve(module, node.func.id, modules)
+                    if origin and hot_arity(module, node.func.id, modules) is not None:
+                        found.add(f"{origin[0].path}:{origin[1]}")
+    return found
+
+
+def _reached(name: str, calls: dict[str, set[str]]) -> set[str]:
+    found: set[str] = set()
+    waiting = [name]
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found.add(one)
+            waiting += calls.get(one, ())
+    return found

@@ -1,0 +1,1 @@
+"""Figures of teleoperation, measured from outside on the whole command."""

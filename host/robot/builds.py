@@ -1,0 +1,37 @@
+"""Makes of a robot what every command makes of it before it runs, so that a file that passes the check can be used."""
+
+from collections.abc import Iterator
+
+from shared.gait.gaits import GAITS, gait_for
+
+from ..util.errors import UserError
+from .actuators import Bldc
+from .joint_gains import joint_blocks
+from .joint_setups import joint_setups
+from .model import Robot
+from .plane import planar_robot
+from .scale import attitude_block, core_params
+
+
+def unbuildable(robot: Robot) -> Iterator[str]:
+    """Yield in a sentence what can't be made of a robot: the planner, its gaits, the plane, the joints' blocks."""
+    for build in (_planner, planar_robot, attitude_block, _joints):
+        try:
+            build(robot)
+        except (UserError, ValueError) as error:
+            yield str(error)
+
+
+def _planner(robot: Robot) -> None:
+    params = core_params(robot)
+    for entry in GAITS:
+        try:
+            gait_for(entry, params)
+        except ValueError as error:
+            raise UserError(f"gait {entry[0]} (shared/gait/gaits.py): {error}") from error
+
+
+def _joints(robot: Robot) -> None:
+    if isinstance(robot.actuator, Bldc):
+        for setup in dict.fromkeys(joint_setups(robot)):
+            joint_blocks(robot.actuator, setup)

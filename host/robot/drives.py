@@ -1,0 +1,58 @@
+"""A robot's motor drives as linear laws seen from their joints: stall torque, stiffness, damping, armature."""
+
+from math import pi
+
+from sim2d.model import ServoModel
+
+from .actuators import Bldc, Servo
+from .model import Robot
+
+
+def joint_drives(robot: Robot) -> tuple[ServoModel, ServoModel, ServoModel]:
+    """Return the drives of hip, thigh and calf as linear laws seen from their joints."""
+    drive, ratio = robot.actuator, robot.calf_drive.ratio
+    if isinstance(drive, Servo):
+        return servo_model(drive, 1.0), servo_model(drive, 1.0), servo_model(drive, ratio)
+    return joint_model(drive, 1.0), joint_model(drive, 1.0), joint_model(drive, ratio)
+
+
+def servo_model(servo: Servo, joint_per_motor: float) -> ServoModel:
+    """Return a servo behind a rod that turns the joint ``joint_per_motor`` times as far.
+
+    Torque at the joint is the motor's divided by the ratio, stiffness and damping by its square.
+    """
+    nominal, ratio = servo.nominal, joint_per_motor
+    stall_Nm = nominal.stall_Nm / ratio
+    return ServoModel(
+        stall_torque_Nm=stall_Nm,
+        stiffness_Nm_rad=nominal.stall_Nm * servo.duty_per_rad / ratio**2,
+        damping_Nms_rad=nominal.stall_Nm / nominal.no_load_rad_s / ratio**2,
+        armature_kgm2=servo.armature_kg_m2 / ratio**2,
+        coulomb_Nm=servo.coulomb_Nm / ratio,
+        nominal_voltage_V=nominal.voltage_V,
+        voltage_points=tuple(
+            (point.voltage_V, point.stall_Nm / nominal.stall_Nm, point.no_load_rpm / nominal.no_load_rpm)
+            for point in servo.supply
+        ),
+    )
+
+
+def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
+    """Return a brushless joint's position loop as the plane's linear law, until its own loops drive it.
+
+    Stiffness from the position and velocity bandwidths acting on the rotor's inertia seen at the
+    joint; torque limited by the current limit; damping by the velocity loop.
+    """
+    ratio = drive.gear.ratio / joint_per_motor
+    inertia = drive.motor.rotor_inertia_kg_m2 * ratio**2
+    velocity_rad_s = 2 * pi * drive.drive.velocity_bandwidth_hz
+    position_rad_s = 2 * pi * drive.drive.position_bandwidth_hz
+    damping = inertia * velocity_rad_s
+    return ServoModel(
+        stall_torque_Nm=drive.torque_limit_Nm / joint_per_motor * drive.gear.efficiency,
+        stiffness_Nm_rad=damping * position_rad_s,
+        damping_Nms_rad=damping,
+        armature_kgm2=inertia,
+        coulomb_Nm=drive.motor.coulomb_Nm * ratio,
+        nominal_voltage_V=drive.drive.bus_voltage_V,
+    )

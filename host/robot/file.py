@@ -1,0 +1,146 @@
+"""Loads robot files: TOML in, one checked Robot out, or one line that says file, key, value and what is allowed."""
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, NoReturn, get_args
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from ..util import files
+from ..util.errors import UserError
+from .builds import unbuildable
+from .checks import complaints
+from .gait_names import new_name
+from .model import Robot
+from .values import show
+
+FOLDER = Path(__file__).parent / "files"
+UNION_KEYS = {"actuator": ("servo", "bldc"), "bus": ("dynamixel", "can")}
+
+
+class RobotFileError(UserError):
+    """A robot file that can't be used."""
+
+
+def robot_names() -> list[str]:
+    """Return the names of the robots that come with the software, sorted."""
+    return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def load_robot(name_or_path: str) -> Robot:
+    """Return the robot of that name, or of the file if it ends in .toml; RobotFileError if anything is wrong."""
+    path = find(name_or_path)
+    data = read_toml(path)
+    for key, sentence in former_names(data):
+        raise RobotFileError(f"{path}: {key}: {sentence}")
+    try:
+        robot = Robot.model_validate(data)
+    except ValidationError as error:
+        errors = error.errors()
+        # A key that is missing is often there under a wrong name, which says more.
+        first = next((one for one in errors if one["type"] != "missing"), errors[0])
+        raise RobotFileError(f"{path}: {explain(first, data)}") from None
+    for key, value, allowed in complaints(robot):
+        raise RobotFileError(f"{path}: {key}: value {show(value)}: allowed: {allowed}")
+    for sentence in unbuildable(robot):
+        raise RobotFileError(f"{path}: {sentence}")
+    return robot
+
+
+def find(name_or_path: str) -> Path:
+    """Return the file of a robot's name or the path itself."""
+    if name_or_path.endswith(".toml"):
+        return Path(name_or_path)
+    names = robot_names()
+    if name_or_path in names:
+        return FOLDER / f"{name_or_path}.toml"
+    hint = did_you_mean(name_or_path, names)
+    raise RobotFileError(
+        f"robot {show(name_or_path)}: unknown{hint}: allowed: {', '.join(names)}, or the path of a file ending in .toml"
+    )
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file."""
+    try:
+        return files.read_toml(path)
+    except FileNotFoundError:
+        known = ", ".join(robot_names())
+        raise RobotFileError(f"{path}: no such file: robots known by name are {known}") from None
+    except OSError as error:
+        raise RobotFileError(f"{path}: can't be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise RobotFileError(f"{path}: byte {error.start}: is not UTF-8 text: save the file as UTF-8") from None
+    except ValueError as error:
+        _complain_about_syntax(path, str(error))
+
+
+def _complain_about_syntax(path: Path, message: str) -> NoReturn:
+    reason, _, place = " ".join(message.split()).partition(" (at ")
+    place = place.rstrip(")") or "TOML"
+    if "overwrite" in reason or "declare" in reason or "twice" in reason:
+        reason = f"a key or table is given twice ({reason})"
+    raise RobotFileError(f"{path}: {place}: {reason}: allowed: TOML as in {FOLDER.name}/{robot_names()[0]}.toml")
+
+
+def former_names(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield where a file has a gait by the name it had before, and what it is called now."""
+    gait = data.get("gait", {})
+    for key, value in gait.items() if isinstance(gait, dict) else ():
+        for name in [value] if isinstance(value, str) else value if isinstance(value, dict) else ():
+            if new_name(name):
+                yield f"gait.{key}", new_name(name)
+    yield from ((f"table {name}", new_name(name)) for name in data if new_name(name))
+
+
+def explain(error: ErrorDetails, data: dict[str, Any]) -> str:
+    """Return ``key: value ...: what is allowed`` of one pydantic error."""
+    place = [part for at, part in enumerate(error["loc"]) if not _is_no_key(error["loc"], at)]
+    key, kind, value = ".".join(str(part) for part in place), error["type"], error["input"]
+    if kind == "missing":
+        return f"{key}: value missing: allowed: any that docs/robot-files.md names, but it must be there"
+    if kind == "extra_forbidden":
+        siblings = known_keys(place[:-1], data)
+        hint = did_you_mean(str(place[-1]), siblings)
+        return f"{key}: value {show(value)}: unknown key{hint}: allowed: {', '.join(siblings)}"
+    if kind.startswith("union_tag") and isinstance(value, dict):
+        found = f"value {show(value['kind'])}" if "kind" in value else "value missing"
+        return f"{key}.kind: {found}: allowed: one of {', '.join(show(name) for name in UNION_KEYS[key])}"
+    if kind == "allowed":
+        return f"{key}: value {show(value)}: allowed: {error['msg']}"
+    return f"{key}: value {show(value)}: allowed: {'an array of tables' if kind == 'tuple_type' else 'a table'}"
+
+
+def _is_no_key(place: tuple[int | str, ...], at: int) -> bool:
+    return place[at] == "[key]" or (at == 1 and place[at] in UNION_KEYS.get(str(place[0]), ()))
+
+
+def known_keys(place: list[int | str], data: dict[str, Any]) -> list[str]:
+    """Return the keys that the table at ``place`` may have."""
+    model: type[BaseModel] = Robot
+    inside: Any = data
+    for part in place:
+        inside = inside[part]
+        if isinstance(part, str):
+            model = _table_of(model, part, inside)
+    return list(model.model_fields)
+
+
+def _table_of(model: type[BaseModel], key: str, inside: Any) -> type[BaseModel]:
+    """Return the class of the table under ``key``; of several, the one that its kind asks for."""
+    tables = [choice for choice in _parts(model.model_fields[key].annotation) if issubclass(choice, BaseModel)]
+    if len(tables) == 1:
+        return tables[0]
+    return next(table for table in tables if inside["kind"] in get_args(table.model_fields["kind"].annotation))
+
+
+def _parts(annotation: Any) -> list[type]:
+    return [part for part in (annotation, *get_args(annotation)) if isinstance(part, type)]
+
+
+def did_you_mean(word: str, known: list[str]) -> str:
+    """Return a hint for a mistyped word, or nothing."""
+    close = get_close_matches(word, known, 1)
+    return f", did you mean {close[0]}?" if close else ""

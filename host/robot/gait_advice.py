@@ -1,0 +1,25 @@
+"""Which gaits are advised for a robot, up to which speed, and why the others are not.
+
+The robot file has what was tried (docs/robot-files.md); here is the one place that reads it. A gait that the file does
+not name has not been tried.
+"""
+
+from shared.gait.gaits import GAIT_NAMES
+
+from .model import Robot
+
+UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: caramelo experiment table2 tries it"
+
+
+def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0) -> str:
+    """Return why a gait is not advised for this robot at this speed, "" if it is; speed 0 asks for the gait alone."""
+    own = robot.gait
+    if gait not in own.advised_m_s:
+        return own.not_advised.get(gait, UNTRIED)
+    most_m_s = own.advised_m_s[gait]
+    return f"tried up to {most_m_s:g} m/s only" if abs(speed_m_s) > most_m_s else ""
+
+
+def gait_advice(robot: Robot) -> dict[str, str]:
+    """Return every gait's name, in the core's order, with why it is not advised for this robot, "" if it is."""
+    return {gait: why_not_advised(robot, gait) for gait in GAIT_NAMES}

@@ -1,0 +1,286 @@
+"""The one place where SI becomes the core's integers, and back.
+
+A ``Scale`` belongs to one robot at one planner rate: the length unit is the robot's own
+(2^-length_shift m), speeds are per tick. Angles are 1/65536 turn everywhere.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, degrees, floor, isqrt, pi, sqrt
+
+from shared.body.params import LEGS, LF_BITS, Gains, Params
+from shared.sense.attitude import Attitude, attitude_reset
+
+from ..util.errors import UserError
+from .crawl_tuning import fill_crawl
+from .drives import joint_drives
+from .mass import com_at_rest_m, lever_m
+from .model import JOINT_NAMES, Balance, Robot, Trot
+
+BRAD_PER_RAD = 65536 / (2 * pi)
+Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
+YAW18 = 1 << 18
+# Limits of the core's fields, from the docstrings of shared/gait/steps.py and shared/num/pid.py.
+LARGEST_SPEED = (1 << 19) - 1
+LARGEST_GAIN = (1 << 15) - 1
+GRAVITY_M_S2 = 9.81
+BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
+LOAD_SLEW_S = 0.1  # a foot's expected load moves by half of the weight in this time (chosen in simulation)
+
+# The trot, from its simulation in three dimensions on Caramelo.
+SEGMENTS_S = (0.36, 0.20, 0.20, 0.18)  # body slow and fast, swing slow and fast, at this height:
+SEGMENTS_HEIGHT_M = 0.175
+HEIGHT_M_S = 0.02  # the body's rise; it sinks twice as fast
+STAND_AFTER_S = 0.08  # bus, servo's lag and landing after a planned touchdown
+TIP_LAG_S = 0.06  # from a goal until the attitude shows it
+PRESS_M_S = 0.2  # a foothold's height
+SWAY_M_S = 0.05  # back to the middle
+ROUGH_S = 2.0  # how long a tilt is remembered
+LATE_S = 0.12  # lag behind the reference that is normal
+FALLEN_S = 0.1  # tilted for so long is fallen
+ADVICE_S = 2.0  # held up for so long is stuck
+FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
+
+
+def brad(angle_rad: float) -> int:
+    """Return an angle in 1/65536 turn, not wrapped."""
+    return round(angle_rad * BRAD_PER_RAD)
+
+
+def rad(angle_brad: int) -> float:
+    """Return an angle in rad."""
+    return angle_brad / BRAD_PER_RAD
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Conversions of one robot at one planner rate."""
+
+    length_shift: int
+    rate_hz: int
+
+    def lu(self, length_m: float) -> int:
+        """Return a length in length units."""
+        return round(length_m * (1 << self.length_shift))
+
+    def metres(self, length_lu: float) -> float:
+        """Return length units in m."""
+        return length_lu / (1 << self.length_shift)
+
+    def lf_per_tick(self, speed_m_s: float) -> int:
+        """Return a speed in 1/256 length units per tick."""
+        return round(speed_m_s * (1 << (self.length_shift + LF_BITS)) / self.rate_hz)
+
+    def metres_per_second(self, speed_lf_per_tick: float) -> float:
+        """Return a speed in m/s."""
+        return speed_lf_per_tick * self.rate_hz / (1 << (self.length_shift + LF_BITS))
+
+    def yaw18_per_tick(self, turn_rad_s: float) -> int:
+        """Return a turning speed in 2^-18 rad per tick."""
+        return round(turn_rad_s * YAW18 / self.rate_hz)
+
+
+def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
+    """Return the robot's scale at its own rate, or at another."""
+    return Scale(robot.length_shift, robot.control.rate_hz if rate_hz is None else rate_hz)
+
+
+def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
+    """Return the robot as the core's integers (shared/body/params.py); ``planar``: it may not sway sideways.
+
+    Raises UserError, naming the key, where a value of the file can't be had at this rate.
+    """
+    scale = scale_of(robot, rate_hz)
+    params = Params()
+    params.rate_hz = scale.rate_hz
+    params.length_shift = scale.length_shift
+    _speeds(params, robot, scale)
+    _pose_limits(params, robot, scale)
+    _balance(params, robot, scale.rate_hz)
+    params.joint_step = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
+    params.sit_z = -scale.lu(robot.stance.sit_height_m)
+    params.stride_max = scale.lu(robot.speed_limits.stride_m)
+    _joint_speeds(params, robot, scale.rate_hz)
+    for leg in range(LEGS):
+        _leg(params, robot, scale, leg)
+    _compliance(params, robot, scale)
+    _trot(params, robot, scale)
+    fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
+    if planar:
+        params.lateral_q12 = 0
+    return params
+
+
+def _speeds(params: Params, robot: Robot, scale: Scale) -> None:
+    limits = robot.speed_limits
+    integers = (scale.lf_per_tick, scale.lf_per_tick, scale.yaw18_per_tick)
+    for axis, (key, integer) in enumerate(zip(("vx_m_s", "vy_m_s", "wz_rad_s"), integers, strict=True)):
+        speed, slew = getattr(limits, key), getattr(limits, f"{key}2")
+        for name, value, per_tick in ((key, speed, speed), (f"{key}2", slew, slew / scale.rate_hz)):
+            if integer(per_tick) > LARGEST_SPEED:
+                raise UserError(
+                    f"speed_limits.{name}: {value:g} is too fast for {scale.rate_hz} Hz: "
+                    f"lower it, or raise control.rate_hz"
+                )
+        params.speed_max[axis] = max(1, integer(speed))
+        params.speed_slew[axis] = max(1, integer(slew / scale.rate_hz))
+
+
+def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
+    limits = robot.body_limits
+    for axis, length_m in enumerate((limits.x_m, limits.y_m, limits.z_m)):
+        params.pose_max[axis] = scale.lu(length_m)
+        params.pose_slew[axis] = max(1, scale.lu(limits.shift_m_s / scale.rate_hz))
+    for axis, angle_rad in enumerate(limits.angles_rad):
+        params.pose_max[3 + axis] = brad(angle_rad)
+        params.pose_slew[3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
+
+
+def _gains(given: Gains, table: str, gains: Balance | Trot, rate_hz: int) -> None:
+    """Write kp, ki and kd of a table of the file as the three gains of shared/num/pid.py."""
+    values = (
+        ("kp", "kp_q12", gains.kp * Q12),
+        ("ki_1_s", "ki_q16", gains.ki_1_s / rate_hz * Q16),
+        ("kd_s", "kd_q10", gains.kd_s * rate_hz * Q10),
+    )
+    for key, name, value in values:
+        if round(value) > LARGEST_GAIN:
+            wanted = getattr(gains, key)
+            largest = wanted * LARGEST_GAIN / value
+            raise UserError(f"{table}.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
+        setattr(given, name, round(value))
+
+
+def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
+    gains = robot.balance
+    _gains(params.gains[0], "balance", gains, rate_hz)
+    params.integral_max = brad(gains.integral_limit_rad)
+    params.balance_max = brad(gains.output_limit_rad)
+
+
+def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
+    """Fill in how fast goals may move, and how far a reading may be from the one before.
+
+    A joint pushed from outside turns faster than its motor does, and a bus may be late by a tick: twice as far.
+    """
+    motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
+    for joint, times in enumerate((1.0, 1.0, ratio)):
+        params.joint_top[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
+    params.joint_near = min(params.joint_top) >> int(robot.calf_drive.coupled)
+    calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
+    params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, BUS_DELAY_S))
+    params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, BUS_DELAY_S))
+
+
+def _brad_step(speed_rad_s: float, time_s: float) -> int:
+    """Return how far a speed leads in a time, 1 .. 32767 brad."""
+    return min(32767, max(1, floor(speed_rad_s * time_s * BRAD_PER_RAD)))
+
+
+def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
+    base = params.legs[leg]
+    l1, l2, l3 = (scale.lu(length_m) for length_m in robot.geometry.links_m)
+    base.hip_length = robot.side(leg) * l1
+    base.thigh_length = l2
+    base.calf_length = l3
+    base.knee = robot.knee_sign(leg)
+    base.outer_sq = (l2 + l3) ** 2
+    base.inner_sq = (l2 - l3) ** 2
+    base.half_diff = (l2 * l2 - l3 * l3) // 2
+    base.longest = isqrt(l1 * l1 + (l2 + l3) ** 2)
+    base.shortest = ceil(sqrt(l1 * l1 + (l2 - l3) ** 2))
+    for joint, (low_rad, high_rad) in enumerate(robot.joint_limits_rad(leg)):
+        base.lowest[joint] = ceil(low_rad * BRAD_PER_RAD)
+        base.highest[joint] = floor(high_rad * BRAD_PER_RAD)
+    hip_m = (*robot.hip_m(leg), 0.0)
+    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
+    for axis in range(3):
+        base.hip[axis] = scale.lu(hip_m[axis])
+        base.rest[axis] = scale.lu(hip_m[axis]) + scale.lu(foot_m[axis])
+
+
+def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
+    """Fill in how the joints give under load, in own weights, and where the mass lies."""
+    weight_N, gives = robot.mass_kg * GRAVITY_M_S2, []
+    for joint, drive in enumerate(joint_drives(robot)):
+        stiffness = drive.stiffness_Nm_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD
+        give = robot.gait.sag_compensation / stiffness
+        damping = drive.damping_Nms_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD * scale.rate_hz
+        gives.append(give)
+        params.sag_q16[joint] = round(give * Q16)
+        params.stiff_q8[joint] = min(LARGEST_GAIN, round(stiffness * Q8))
+        params.damp_q8[joint] = min(LARGEST_GAIN, round(damping * Q8))
+    softest = max(range(len(gives)), key=gives.__getitem__)
+    if gives[softest] * Q16 > LARGEST_GAIN:
+        most = robot.gait.sag_compensation * LARGEST_GAIN / Q16 / gives[softest]
+        raise UserError(_too_soft(robot, softest, most))
+    params.coupled = int(robot.calf_drive.coupled)
+    params.sags = int(robot.gait.sag_compensation > 0)
+    com_m = com_at_rest_m(robot)
+    params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
+    params.foot_radius = scale.lu(robot.geometry.foot_radius_m)
+    params.sent_ticks = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
+    params.load_slew_q12 = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
+    params.leg_length = params.legs[0].thigh_length + params.legs[0].calf_length
+    params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
+
+
+def _too_soft(robot: Robot, joint: int, most: float) -> str:
+    """Return what the softest joint does while its leg carries half of the robot, and up to what can be compensated."""
+    drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
+    torque_Nm = robot.mass_kg * GRAVITY_M_S2 / 2 * lever_m(robot, joint)
+    sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm
+    stiffer = {"servo": "actuator.duty_per_rad", "bldc": "actuator.drive.position_bandwidth_hz"}[robot.actuator.kind]
+    return (
+        f"gait.sag_compensation: value {value:g}: allowed: at most {floor(100 * most) / 100:.2f}: "
+        f"the {JOINT_NAMES[joint]} is too soft for {robot.mass_kg:.3g} kg; with half of it on one leg it sags by "
+        f"{sag_deg:.1f} deg at {share:.0f} % of its stall torque; a stiffer drive ({stiffer}) or a lighter robot "
+        f"allows more"
+    )
+
+
+def _trot(params: Params, robot: Robot, scale: Scale) -> None:
+    """Fill in what the trot needs; its times grow with the time constant of tipping."""
+    own, rate, limits = robot.trot, scale.rate_hz, robot.speed_limits
+    params.body_raise, params.body_forward = scale.lu(own.raise_m), scale.lu(own.forward_m)
+    params.leg_longest = scale.lu(own.longest_leg_m)
+    params.height_slew = max(1, scale.lu(HEIGHT_M_S / rate))
+    params.start_speed = max(1, scale.lf_per_tick(own.start_m_s))
+    params.start_slew = max(1, scale.lf_per_tick(own.start_m_s2 / rate))
+    params.slow_speed = scale.lf_per_tick(limits.vx_m_s / 2)
+    params.fast_speed = scale.lf_per_tick(limits.vx_m_s)
+    slower = sqrt((robot.stance.rest_height_m + own.raise_m) / SEGMENTS_HEIGHT_M)
+    ticks = [max(2, round(seconds * slower * rate)) for seconds in SEGMENTS_S]
+    params.body_slow, params.body_fast, params.swing_slow, params.swing_fast = ticks
+    params.stand_ticks = ceil(STAND_AFTER_S * rate)
+    params.tip_ticks = max(1, round(TIP_LAG_S * rate))
+    params.load_gain_q15 = round(Q15 * 1.5 / rate)
+    params.warp_gain_q15 = round(Q15 * 5 / rate)
+    params.foothold_step = max(1, scale.lu(PRESS_M_S / rate))
+    params.hold_q16 = round(Q16 * 0.5 / rate)
+    _gains(params.gains[1], "trot", own, rate)
+    params.rough_decay_q15 = round(Q15 / ROUGH_S / rate)
+    params.late_ticks = min(255, round(LATE_S * rate))
+    params.sway_slew = max(1, scale.lu(SWAY_M_S / rate))
+    params.tilt_max = brad(own.fallen_rad)
+    params.tilt_ticks = max(1, round(FALLEN_S * rate))
+    params.advice_ticks = round(ADVICE_S * rate)
+
+
+def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
+    """Return a fresh attitude filter (shared/sense/attitude.py) with the robot's IMU scales."""
+    rate = robot.control.rate_hz if rate_hz is None else rate_hz
+    imu = robot.imu
+    block = Attitude()
+    block.gyro_q30 = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
+    block.one_g = imu.accel_counts_per_g
+    block.trust_q15 = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))
+    block.tolerance = round(imu.tolerance_g * imu.accel_counts_per_g)
+    block.align_ticks = min(1024, max(1, round(imu.align_time_s * rate)))
+    attitude_reset(block)
+    return block
+
+
+def joints_rad(joints_brad: Sequence[int]) -> list[float]:
+    """Return joint angles in rad."""
+    return [angle / BRAD_PER_RAD for angle in joints_brad]

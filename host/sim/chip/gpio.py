@@ -1,0 +1,144 @@
+"""GPIO ports, RM0090 section 8."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from .pins import ANALOG
+from .registers import Peripheral, Register
+
+PORTS = "ABCDEFGHI"
+# 8.4.1, 8.4.3, 8.4.4: port A and B wake with the debug pins in use.
+MODER_RESET = {"A": 0xA800_0000, "B": 0x0000_0280}
+OSPEEDR_RESET = {"A": 0x0C00_0000, "B": 0x0000_00C0}
+PUPDR_RESET = {"A": 0x6400_0000, "B": 0x0000_0100}
+LCKK = 1 << 16
+
+
+class Gpio(Peripheral):
+    """One port of 16 pins (port I has 12)."""
+
+    write_sizes: ClassVar = (1, 2, 4)
+    registers: ClassVar = (
+        Register("MODER", 0x00),
+        Register("OTYPER", 0x04, 0, 0xFFFF),
+        Register("OSPEEDR", 0x08),
+        Register("PUPDR", 0x0C),
+        Register("IDR", 0x10, 0, 0),
+        Register("ODR", 0x14, 0, 0xFFFF),
+        Register("BSRR", 0x18, 0, readable=False),
+        Register("LCKR", 0x1C, 0, 0x1_FFFF),
+        Register("AFRL", 0x20),
+        Register("AFRH", 0x24),
+    )
+
+    def __init__(self, *args: object, **more: object) -> None:
+        super().__init__(*args, **more)  # type: ignore[arg-type]
+        self.letter = self.name[-1]
+        self._reset_values()
+
+    def _reset_values(self) -> None:
+        self.value["MODER"] = MODER_RESET.get(self.letter, 0)
+        self.value["OSPEEDR"] = OSPEEDR_RESET.get(self.letter, 0)
+        self.value["PUPDR"] = PUPDR_RESET.get(self.letter, 0)
+        self.lock_step, self.lock_pins, self.locked = 0, 0, 0
+
+    def reset(self) -> None:
+        super().reset()
+        self._reset_values()
+        self._changed(0xFFFF)
+
+    # -- what a pin does, 8.3 --
+
+    def _number(self, pin: str) -> int:
+        return int(pin[2:])
+
+    def mode(self, pin: str) -> int:
+        """Return 0 input, 1 output, 2 alternate function, 3 analog (8.4.1)."""
+        return self.value["MODER"] >> 2 * self._number(pin) & 3
+
+    def function(self, pin: str) -> int:
+        """Return the number of the alternate function (8.4.9, 8.4.10)."""
+        number = self._number(pin)
+        return self.value["AFRL" if number < 8 else "AFRH"] >> 4 * (number & 7) & 15
+
+    def output(self, pin: str) -> int:
+        return self.value["ODR"] >> self._number(pin) & 1
+
+    def open_drain(self, pin: str) -> bool:
+        return bool(self.value["OTYPER"] >> self._number(pin) & 1)
+
+    def pull(self, pin: str) -> int | None:
+        """Return what the resistor pulls the pin to (8.4.4), None if there is none."""
+        return {1: 1, 2: 0}.get(self.value["PUPDR"] >> 2 * self._number(pin) & 3)
+
+    def _changed(self, mask: int) -> None:
+        self.chip.pins.reconfigured([f"P{self.letter}{n}" for n in range(16) if mask >> n & 1])
+
+    # -- registers, 8.4 --
+
+    def _configure(self, name: str, old: int, new: int, width: int, first: int = 0) -> None:
+        """Fields of locked pins keep their value until the next reset (8.3.6)."""
+        changed = 0
+        for n in range(16 if width < 4 else 8):
+            field = ((1 << width) - 1) << width * n
+            if (old ^ new) & field:
+                if self.locked >> (n + first) & 1:
+                    self.value[name] = self.value[name] & ~field | old & field
+                    self.complain(name, f"pin {n + first} is locked (8.3.6)")
+                changed |= 1 << (n + first)
+        self._changed(changed)
+
+    def write_MODER(self, old: int, new: int) -> None:
+        self._configure("MODER", old, new, 2)
+
+    def write_OTYPER(self, old: int, new: int) -> None:
+        self._configure("OTYPER", old, new, 1)
+
+    def write_OSPEEDR(self, old: int, new: int) -> None:
+        self._configure("OSPEEDR", old, new, 2)
+
+    def write_PUPDR(self, old: int, new: int) -> None:
+        self._configure("PUPDR", old, new, 2)
+
+    def write_AFRL(self, old: int, new: int) -> None:
+        self._configure("AFRL", old, new, 4)
+
+    def write_AFRH(self, old: int, new: int) -> None:
+        self._configure("AFRH", old, new, 4, 8)
+
+    def read_IDR(self) -> int:
+        """Analog pins read 0: their input stage is off (8.3.12). So do pins that float, which a chip would not say."""
+        word = 0
+        for n in range(16):
+            pin = f"P{self.letter}{n}"
+            if self.mode(pin) != ANALOG and self.chip.pins.level(pin) == 1:
+                word |= 1 << n
+        return word
+
+    def write_ODR(self, old: int, new: int) -> None:
+        for n in range(16):
+            if (old ^ new) >> n & 1:
+                pin = f"P{self.letter}{n}"
+                self.chip.note(self.name, f"{pin} = {new >> n & 1}")
+                self.chip.pins.refresh(pin)
+
+    def write_BSRR(self, _old: int, new: int) -> None:
+        """Setting wins where both halves name a pin (8.4.7)."""
+        old = self.value["ODR"]
+        self.value["BSRR"] = 0
+        self.value["ODR"] = old & ~(new >> 16) | new & 0xFFFF
+        self.write_ODR(old, self.value["ODR"])
+
+    def write_LCKR(self, _old: int, new: int) -> None:
+        """The sequence 1, 0, 1 of LCKK with the same pins, then a read (8.4.8)."""
+        pins, key = new & 0xFFFF, new >> 16 & 1
+        if self.locked or (self.lock_step and pins != self.lock_pins) or key != (1, 0, 1)[self.lock_step % 3]:
+            self.lock_step = 0
+        else:
+            self.lock_pins, self.lock_step = pins, self.lock_step + 1
+
+    def read_LCKR(self) -> int:
+        if self.lock_step == 3:
+            self.locked, self.lock_step = self.lock_pins, 0
+        return self.locked | LCKK * bool(self.locked) if self.locked else self.value["LCKR"] & 0xFFFF

@@ -1,0 +1,36 @@
+"""What `caramelo motor sim` can show, by name: a motion, a loop, a fault or the calibration of a simulated joint."""
+
+from collections.abc import Callable
+
+from ...robot.actuators import Bldc
+from ...util.errors import UserError
+from .calibrate import calibrate
+from .currents import closed_loop, current_held, current_locked, stall
+from .faults import FAULTS, fault
+from .motions import glitches, sine, step
+from .result import Result
+
+SCENARIOS: dict[str, Callable[[Bldc], Result]] = {
+    "step": step,
+    "sine": sine,
+    "glitches": glitches,
+    "stall": stall,
+    "current-locked": current_locked,
+    "current-held": current_held,
+    "closed-loop": closed_loop,
+    "calibrate": calibrate,
+}
+
+
+def names() -> list[str]:
+    """Return all scenarios in order."""
+    return [*SCENARIOS, *(f"fault-{name}" for name in FAULTS)]
+
+
+def run_scenario(bldc: Bldc, name: str) -> Result:
+    """Run one scenario by name; UserError with the list for an unknown one."""
+    if name in SCENARIOS:
+        return SCENARIOS[name](bldc)
+    if name.startswith("fault-") and name[6:] in FAULTS:
+        return fault(bldc, name[6:])
+    raise UserError(f"--scenario {name}: no such scenario; there are {', '.join(names())}")

@@ -1,0 +1,218 @@
+"""The body behind simulated joints: the sagittal plane with its drives, hips as twelve-joint extras, a simulated IMU.
+
+``Plant`` holds what every joint is told (goal, on or off, torque limit) and what it does (angle, speed, load). It
+advances only when told to, by simulated time, so the same calls give the same motion.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import MutableSequence, Sequence
+from dataclasses import dataclass, field
+from math import copysign
+
+from sim2d.actuator import Actuator, CalfOnTorso
+from sim2d.model import PLANAR_INDEX, PLANAR_JOINTS, ServoModel
+
+from ..bus.base import JOINTS
+from ..robot.model import Robot
+from ..robot.plane import planar_robot
+from ..util.errors import UserError
+
+DT_S = 0.001
+LONGEST_STEP_S = 0.25  # a paused program must not make up for an hour of physics
+
+
+@dataclass
+class Drives:
+    """What the joints are told, twelve of each, and the share of stall torque that each gives."""
+
+    goal_rad: list[float]
+    on: list[bool] = field(default_factory=lambda: [False] * JOINTS)
+    limit: list[float] = field(default_factory=lambda: [1.0] * JOINTS)
+    load: list[float] = field(default_factory=lambda: [0.0] * JOINTS)
+
+
+def servo_torque_Nm(
+    model: ServoModel, drives: Drives, joint: int, goal_rad: float, position_rad: float, speed_rad_s: float
+) -> float:
+    """Return what a servo gives: stall x clip(duty) - damping x speed, the duty within its limit; 0 if it is off.
+
+    Keeps its duty in ``drives.load``, as the servo's own load register does.
+    """
+    if not drives.on[joint]:
+        drives.load[joint] = 0.0
+        return 0.0
+    most = drives.limit[joint]
+    duty = model.stiffness_Nm_rad * (goal_rad - position_rad) / model.stall_torque_Nm
+    duty = max(-most, min(most, duty))
+    drives.load[joint] = duty
+    return duty * model.stall_torque_Nm - model.damping_Nms_rad * speed_rad_s
+
+
+class SwitchedServos:
+    """sim2d's eight drives, each of which can be off or limited (see sim2d.actuator.Actuator)."""
+
+    def __init__(self, models: Sequence[ServoModel], drives: Drives) -> None:
+        self._rows = list(zip(range(PLANAR_JOINTS), PLANAR_INDEX, models, strict=True))
+        self._drives = drives
+
+    def torques(
+        self,
+        goal_rad: Sequence[float],
+        position_rad: Sequence[float],
+        speed_rad_s: Sequence[float],
+        dt_s: float,
+        torque_Nm: MutableSequence[float],
+    ) -> None:
+        """See Actuator; in motor angles where calves are coupled."""
+        for i, joint, model in self._rows:
+            torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
+
+
+@dataclass
+class Hinge:
+    """A joint alone: a servo, the inertia it turns, dry friction, end stops."""
+
+    model: ServoModel
+    inertia_kg_m2: float
+    limits_rad: tuple[float, float]
+    position_rad: float = 0.0
+    speed_rad_s: float = 0.0
+
+    def step(self, drives: Drives, joint: int, dt_s: float) -> None:
+        """Advance by one sub-step: torque, then friction that can only brake, then the stops."""
+        torque = servo_torque_Nm(self.model, drives, joint, drives.goal_rad[joint], self.position_rad, self.speed_rad_s)
+        speed = self.speed_rad_s + torque / self.inertia_kg_m2 * dt_s
+        braked = abs(speed) - self.model.coulomb_Nm / self.inertia_kg_m2 * dt_s
+        speed = copysign(max(0.0, braked), speed)
+        low, high = self.limits_rad
+        position = self.position_rad + speed * dt_s
+        self.position_rad = min(max(position, low), high)
+        self.speed_rad_s = speed if self.position_rad == position else 0.0
+
+
+class Plant(ABC):
+    """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` is what they hear."""
+
+    def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
+        self.robot = robot
+        self.time_s = 0.0
+        self.drives = Drives(list(pose_rad))
+        self.position_rad = list(pose_rad)
+        self.speed_rad_s = [0.0] * JOINTS
+
+    def advance_to(self, time_s: float) -> None:
+        """Run up to a time in s since the start, in whole sub-steps; an older time does nothing."""
+        steps = int((time_s - self.time_s) / DT_S + 1e-6)
+        if steps > LONGEST_STEP_S / DT_S:
+            self.time_s = time_s - LONGEST_STEP_S
+            steps = round(LONGEST_STEP_S / DT_S)
+        if steps > 0:
+            self._run(steps)
+            self.time_s += steps * DT_S
+
+    @abstractmethod
+    def push(self, joint: int, angle_rad: float) -> None:
+        """Turn one joint by hand, which only works while it is off."""
+
+    @abstractmethod
+    def put_back(self) -> None:
+        """Lift the robot and put it down as it was at the start."""
+
+    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 9.81)
+
+    @abstractmethod
+    def _run(self, steps: int) -> None:
+        """Advance by so many sub-steps."""
+
+
+def joint_models(robot: Robot) -> list[ServoModel]:
+    """Return the drives' models of all twelve joints; hip and thigh are alike."""
+    flat = planar_robot(robot)
+    return [flat.thigh_servo, flat.thigh_servo, flat.calf_servo] * 4
+
+
+def hinges(robot: Robot, pose_rad: Sequence[float]) -> list[Hinge]:
+    """Return the joints as if each were alone, with what it turns: its own link and those below, hanging straight."""
+    links, geometry = robot.links, robot.geometry
+    calf = links.calf.inertia_kg_m2[1] + links.calf.mass_kg * (geometry.calf_m / 2) ** 2
+    thigh = links.thigh.inertia_kg_m2[1] + links.calf.mass_kg * geometry.thigh_m**2 + calf
+    turned = (thigh + links.hip.inertia_kg_m2[0], thigh, calf)
+    models = joint_models(robot)
+    limits = [robot.joint_limits_rad(leg)[joint] for leg in range(4) for joint in range(3)]
+    return [
+        Hinge(model, turned[joint % 3] + model.armature_kgm2, limits[joint], pose_rad[joint])
+        for joint, model in enumerate(models)
+    ]
+
+
+class JointPlant(Plant):
+    """Twelve joints in the air, each alone: for the bench, where there is no ground."""
+
+    def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
+        super().__init__(robot, pose_rad)
+        self._pose_rad = tuple(pose_rad)
+        self._hinges = hinges(robot, pose_rad)
+
+    def put_back(self) -> None:
+        """See Plant."""
+        self._hinges = hinges(self.robot, self._pose_rad)
+        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
+
+    def push(self, joint: int, angle_rad: float) -> None:
+        """See Plant; the hand stops where the joint does."""
+        if not self.drives.on[joint]:
+            low, high = self._hinges[joint].limits_rad
+            self._hinges[joint].position_rad = self.position_rad[joint] = min(max(angle_rad, low), high)
+
+    def _run(self, steps: int) -> None:
+        for joint, hinge in enumerate(self._hinges):
+            for _ in range(steps):
+                hinge.step(self.drives, joint, DT_S)
+            self.position_rad[joint], self.speed_rad_s[joint] = hinge.position_rad, hinge.speed_rad_s
+
+
+class PlanePlant(Plant):
+    """A robot on flat ground in the sagittal plane; its hips are hinges that the plane does not know."""
+
+    def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
+        from sim2d.run import clamped
+        from sim2d.sensors import Sensors
+        from sim2d.terrain import flat
+        from sim2d.world import World
+
+        super().__init__(robot, pose_rad)
+        plane = planar_robot(robot)
+        models = joint_models(robot)
+        servos: Actuator = SwitchedServos([models[joint] for joint in PLANAR_INDEX], self.drives)
+        self.world = World(plane, flat(), actuator=CalfOnTorso(servos) if plane.calf_on_torso else servos, dt_s=DT_S)
+        self._pose_rad, self._start = tuple(pose_rad), clamped(plane, pose_rad)
+        self.put_back()
+        self._sensors = Sensors(self.world, seed)
+
+    def push(self, joint: int, angle_rad: float) -> None:
+        """See Plant; only hips can be turned by hand, the others stand on the ground."""
+        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+
+    def put_back(self) -> None:
+        """See Plant."""
+        self.world.place(self._start)
+        self._hinges = hinges(self.robot, self._pose_rad)[0::3]
+        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
+
+    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """See Plant; the plane turns about y only."""
+        sensed = self._sensors.read(self.world.state(), [0.0] * 4, self.time_s)
+        force_x, force_z = sensed.specific_force_m_s2
+        return (0.0, sensed.pitch_rate_rad_s, 0.0), (force_x, 0.0, force_z)
+
+    def _run(self, steps: int) -> None:
+        self.world.advance([self.drives.goal_rad[joint] for joint in PLANAR_INDEX], steps)
+        for i, joint in enumerate(PLANAR_INDEX):
+            self.position_rad[joint] = self.world.position_rad[i]
+            self.speed_rad_s[joint] = self.world.speed_rad_s[i]
+        for leg, hinge in enumerate(self._hinges):
+            for _ in range(steps):
+                hinge.step(self.drives, 3 * leg, DT_S)
+            self.position_rad[3 * leg], self.speed_rad_s[3 * leg] = hinge.position_rad, hinge.speed_rad_s

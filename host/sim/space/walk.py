@@ -1,0 +1,216 @@
+"""A walk in three dimensions: stand up, find the attitude, walk on command, until it is over; and its figures.
+
+The planner is the one the robot runs (host/control/planner.py), its attitude the core's filter on raw IMU counts.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sim2d.notes import Note
+from sim2d.recording import arrays_digest
+from sim2d.referee import Outcome
+
+from ...control.gait_changes import GaitWatch, notes_json
+from ...control.planner import Driver
+from ...imu.attitude import Attitude
+from ...robot.model import JOINT_NAMES, LEG_NAMES, Robot
+from ...robot.plane import planar_robot
+from ...util.errors import NOT_ACHIEVED, UserError
+from ..export.ground import Ground
+from ..export.mjcf import ModelOptions, drives
+from ..imu import SimulatedImu
+from .world import Array, World
+
+# (dt_s, impratio): the fast one is twice as fast, and a gait's figures stay the same.
+FAST, EXACT = (0.002, 10.0), (0.001, 100.0)
+FALL_TILT_RAD = math.radians(45.0)
+_SETTLE_S = 0.5
+_STANDING_UP_S = 20.0
+_STUCK_GAIN_M = 0.005
+
+
+@dataclass(frozen=True)
+class SpaceSpec:
+    """A walk to simulate in three dimensions; as WalkSpec of host/sim/walk.py, with any ground of export/ground.py."""
+
+    robot: Robot
+    gait: str
+    ground: Ground
+    speed_m_s: float = 0.05
+    distance_m: float = 1.5
+    time_limit_s: float | None = None
+    payload_kg: float = 0.0
+    friction: float | None = None
+    voltage_V: float | None = None
+    bus_delay_s: float = 0.02
+    balance: bool = True
+    seed: int = 0
+    stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
+    fast: bool = True
+
+    @property
+    def longest_s(self) -> float:
+        """Give up after this: as long as asked, or five times what the command would take and 20 s."""
+        return self.time_limit_s or min(3600.0, 20.0 + 5.0 * self.distance_m / self.speed_m_s)
+
+
+@dataclass(frozen=True)
+class SpaceRecording:
+    """One row per control tick from the command to walk on; truth, not what the sensors told."""
+
+    time_s: Array
+    position_m: Array
+    attitude_rad: Array
+    joint_rad: Array
+    goal_rad: Array
+    torque_Nm: Array
+    foot_load_N: Array
+    penetration_m: Array
+    stall_Nm: Array
+    flags: int
+    outcome: Outcome
+    notes: tuple[Note, ...] = ()
+
+    def digest(self) -> str:
+        """SHA-256 of every array: equal for equal runs on the same machine."""
+        return arrays_digest(self)
+
+
+class SpaceWalker:
+    """The planner with its senses in a World, tick by tick."""
+
+    def __init__(self, spec: SpaceSpec) -> None:
+        self.driver = Driver(spec.robot)
+        options = ModelOptions(
+            spec.ground, spec.payload_kg, spec.friction, spec.voltage_V, *(FAST if spec.fast else EXACT)
+        )
+        self.world = World(spec.robot, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
+        self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
+        self.goals, self.flags = [0.0] * 12, 0
+        self.watch = GaitWatch(self.driver)
+        self.driver.set_command(mode="stand", gait=spec.gait, balance=spec.balance)
+
+    def tick(self) -> None:
+        """Sense, plan, send, and run the world one control period."""
+        roll_rad, pitch_rad = self.attitude.update() or (None, None)
+        self.driver.sense(self.world.joints_rad().tolist(), roll_rad, pitch_rad, self.attitude.rates_rad_s)
+        self.goals = self.driver.step()
+        self.flags |= self.driver.flags
+        self.watch.look()
+        self.world.send(self.goals)
+        self.world.advance()
+
+    def stand_up(self) -> None:
+        """Settle, rise and let the attitude align at rest; UserError if it does not come to stand."""
+        rate_hz = self.driver.rate_hz
+        for _ in range(round(_SETTLE_S * rate_hz)):
+            self.world.advance()
+        for _ in range(round(_STANDING_UP_S * rate_hz)):
+            self.tick()
+            if self.attitude.state == "ok" and self.driver.state == "standing":
+                self.flags = 0
+                self.watch.restart()
+                return
+        raise UserError(f"3-D walk: {self.driver.state} after {_STANDING_UP_S:g} s, attitude {self.attitude.state}: "
+                        "the robot does not stand", NOT_ACHIEVED)
+
+
+class _Log:
+    """Rows of a walk, and when it is over."""
+
+    def __init__(self, walker: SpaceWalker, spec: SpaceSpec) -> None:
+        rows: list[tuple[object, ...]] = []
+        self._walker, self._spec, self._rows = walker, spec, rows
+        self._start_s, self._start_m = walker.world.time_s, walker.world.position_m()
+        self._best_m, self._best_s = 0.0, 0.0
+
+    def add(self) -> Outcome | None:
+        """Keep the present instant; return how the walk ended, None while it goes on."""
+        world = self._walker.world
+        loads, trunk, deepest = world.foot_loads_N()
+        time_s, place, attitude = world.time_s - self._start_s, world.position_m(), world.attitude_rad()
+        self._rows.append((time_s, place, attitude, world.true_joints_rad(), np.array(self._walker.goals),
+                           world.drive_torques_Nm(), loads, deepest))
+        return self._judge(time_s, float(place[0] - self._start_m[0]), attitude, trunk)
+
+    def _judge(self, time_s: float, gone_m: float, attitude: tuple[float, float, float], trunk: bool) -> Outcome | None:
+        spec, where = self._spec, f"at {time_s:.2f} s, {gone_m:.3f} m on"
+        tilt = math.acos(max(-1.0, min(1.0, math.cos(attitude[0]) * math.cos(attitude[1]))))
+        if tilt > FALL_TILT_RAD:
+            return Outcome("fell", f"fell {where}: tilt {math.degrees(tilt):.0f} deg")
+        if trunk:
+            return Outcome("fell", f"fell {where}: the trunk touched the ground, tilt {math.degrees(tilt):.0f} deg")
+        if gone_m >= spec.distance_m:
+            return Outcome("arrived", f"arrived after {time_s:.2f} s, {gone_m:.3f} m on")
+        if time_s >= spec.longest_s:
+            return Outcome("timeout", f"timed out {where} of {spec.distance_m:.3f} m")
+        if gone_m > self._best_m + _STUCK_GAIN_M:
+            self._best_m, self._best_s = gone_m, time_s
+        waited = time_s - self._best_s
+        if waited >= spec.stuck_after_s:
+            return Outcome("stuck", f"stuck at {gone_m:.3f} m of {spec.distance_m:.3f} m: no gain for {waited:.0f} s")
+        return None
+
+    def close(self, outcome: Outcome) -> SpaceRecording:
+        """Return the recording."""
+        time, position, attitude, joint, goal, torque, load, penetration = (
+            np.array(column, dtype=float) for column in zip(*self._rows, strict=True)
+        )
+        attitude[:, 2] = np.unwrap(attitude[:, 2])
+        stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
+        return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
+                              self._walker.flags, outcome, tuple(self._walker.watch.notes))
+
+
+def walk_in_space(spec: SpaceSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:
+    """Simulate the walk; the same spec gives the same recording on the same machine."""
+    walker = SpaceWalker(spec)
+    walker.stand_up()
+    log = _Log(walker, spec)
+    walker.driver.set_command(mode="walk", vx_m_s=spec.speed_m_s)
+    outcome = log.add()
+    while outcome is None:
+        walker.tick()
+        outcome = log.add()
+        if progress is not None:
+            progress(walker.world.time_s / spec.longest_s)
+    return log.close(outcome)
+
+
+def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
+    """Return the walk's figures for JSON.
+
+    ``mean_speed_m_s`` and the ``whole`` ranges are of the whole way; ``speed_m_s``, the other ranges and the torques
+    leave out the first ``skip_s``, in which the robot starts. Yaw and sideways drift are per 1.5 m of way.
+    """
+    rec, seconds = recording, float(recording.time_s[-1])
+    first = int(np.searchsorted(rec.time_s, skip_s)) if seconds > 2 * skip_s else 0
+    way_m = rec.position_m[:, 0] - rec.position_m[0, 0]
+    degrees = np.degrees(rec.attitude_rad)
+    steady_s = max(1e-9, seconds - float(rec.time_s[first]))
+    gone_m = float(way_m[-1])
+    per_course = 1.5 / gone_m if gone_m > 0.05 else 0.0
+    torque = np.sqrt(np.mean(rec.torque_Nm[first:] ** 2, axis=0)) / rec.stall_Nm
+    names = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
+    return {
+        "mean_speed_m_s": round(gone_m / seconds, 5) if seconds > 0 else 0.0,
+        "speed_m_s": round((gone_m - float(way_m[first])) / steady_s, 5),
+        "distance_m": round(gone_m, 4),
+        "duration_s": round(seconds, 2),
+        "roll_range_deg": round(float(np.ptp(degrees[first:, 0])), 3),
+        "pitch_range_deg": round(float(np.ptp(degrees[first:, 1])), 3),
+        "whole_roll_range_deg": round(float(np.ptp(degrees[:, 0])), 3),
+        "whole_pitch_range_deg": round(float(np.ptp(degrees[:, 1])), 3),
+        "yaw_drift_deg": round(float(degrees[-1, 2] - degrees[0, 2]) * per_course, 2),
+        "side_drift_m": round(float(rec.position_m[-1, 1] - rec.position_m[0, 1]) * per_course, 4),
+        "torque_rms_fraction": {name: round(float(share), 4) for name, share in zip(names, torque, strict=True)},
+        "penetration_mm": round(1000 * float(rec.penetration_m.max()), 3),
+        "gait_changes": notes_json(rec.notes),
+        "falls": int(rec.outcome.kind == "fell"),
+        "ok": rec.outcome.ok,
+        "reason": rec.outcome.sentence,
+    }

@@ -1,0 +1,171 @@
+"""The robot in MuJoCo: goals in, physics forward, sensors out as the real robot's would read.
+
+The sensors are joint angles in encoder steps, and the body's motion as an IMU's low-pass sees it (host/imu adds bias,
+noise and counts). Truth (pose, contacts, torques) is for figures only.
+"""
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from ...robot.actuators import Servo
+from ...robot.model import LEG_NAMES, Robot, Vector
+from ...robot.poses import rest_pose_rad
+from ..export.mjcf import GRAVITY_M_S2, ModelOptions, joint_names, mjcf
+
+Array = npt.NDArray[np.float64]
+
+_GROUND, _TRUNK, _LIMB, _FOOT = 1, 2, 3, 10
+
+
+class World:
+    """One robot on one ground. ``bus_delay_s``: how late goals act."""
+
+    def __init__(self, robot: Robot, options: ModelOptions, rate_hz: int, *, bus_delay_s: float = 0.02) -> None:
+        self.robot, self.options, self.rate_hz = robot, options, rate_hz
+        self.model = mujoco.MjModel.from_xml_string(mjcf(robot, replace(options, at_rest=False)))
+        self.data = mujoco.MjData(self.model)
+        first = self.model.joint(joint_names()[0])
+        self._q, self._v = int(first.qposadr[0]), int(first.dofadr[0])
+        self._steps_per_tick = round(1 / rate_hz / options.dt_s)
+        self._delay_steps = round(bus_delay_s / options.dt_s)
+        self._sent: deque[tuple[int, Array]] = deque()
+        self._step = 0
+        self._kind = self._kinds()
+        self._resolution_rad, self._goal_step_rad = _resolutions(robot)
+        self._limits_rad = np.array([robot.joint_limits_rad(leg)[joint] for leg in range(4) for joint in range(3)])
+        self._coupled = robot.calf_drive.coupled
+        self._rest()
+
+    def _kinds(self) -> npt.NDArray[np.int64]:
+        """Classify the shapes: ground, trunk, thighs and shanks, feet (by leg)."""
+        kinds = np.zeros(self.model.ngeom, dtype=np.int64)
+        for i in range(self.model.ngeom):
+            name = self.model.geom(i).name
+            if name.startswith("ground"):
+                kinds[i] = _GROUND
+            elif name == "trunk":
+                kinds[i] = _TRUNK
+            elif name.endswith("_foot"):
+                kinds[i] = _FOOT + LEG_NAMES.index(name[:2])
+            elif name:
+                kinds[i] = _LIMB
+        return kinds
+
+    def _rest(self) -> None:
+        """Put the robot into its rest pose on the floor below x = 0."""
+        pose = rest_pose_rad(self.robot)
+        self.data.qpos[self._q : self._q + 12] = pose
+        self._act(np.array(pose))
+        mujoco.mj_forward(self.model, self.data)
+        self._remember()
+
+    def _act(self, goal_rad: Array) -> None:
+        """Hand a goal to the drives; a coupled calf's drive holds thigh + calf."""
+        self.data.ctrl[:] = goal_rad
+        if self._coupled:
+            self.data.ctrl[2::3] += goal_rad[1::3]
+
+    def send(self, goal_rad: Sequence[float]) -> None:
+        """Send twelve goals: limited as the drives would, in their register's steps, acting after the bus delay."""
+        goal = np.clip(np.asarray(goal_rad, dtype=float), self._limits_rad[:, 0], self._limits_rad[:, 1])
+        if self._goal_step_rad is not None:
+            goal = np.round(goal / self._goal_step_rad) * self._goal_step_rad
+        self._sent.append((self._step + self._delay_steps, goal))
+
+    def advance(self) -> None:
+        """Run one control period; goals act from the sub-step they arrive at."""
+        end = self._step + self._steps_per_tick
+        self._remember()
+        while self._sent and self._sent[0][0] < end:
+            due, goal = self._sent.popleft()
+            self._run_to(due)
+            self._act(goal)
+        self._run_to(end)
+
+    def _run_to(self, step: int) -> None:
+        if step > self._step:
+            mujoco.mj_step(self.model, self.data, step - self._step)
+            self._step = step
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time."""
+        return self._step * self.options.dt_s
+
+    # --- what the robot senses
+
+    def joints_rad(self) -> Array:
+        """Return the twelve joint angles in encoder steps."""
+        steps = np.round(self.true_joints_rad() / self._resolution_rad)
+        return np.asarray(steps * self._resolution_rad)
+
+    def _remember(self) -> None:
+        """Keep attitude and velocity at the start of a control period, for the IMU's mean over it."""
+        self._was_turned = self.data.qpos[3:7].copy() if self._q else np.array([1.0, 0, 0, 0])
+        self._was_moving = self.data.qvel[:3].copy() if self._q else np.zeros(3)
+
+    def motion(self) -> tuple[Vector, Vector]:
+        """Return turning speed in rad/s and specific force in m/s2, body axes, mean over the last control period."""
+        turned, rate, back, force = self.data.qpos[3:7].copy(), np.zeros(3), np.zeros(4), np.zeros(3)
+        mujoco.mju_subQuat(rate, turned, self._was_turned)
+        velocity_change = (self.data.qvel[:3] - self._was_moving) * self.rate_hz
+        mujoco.mju_negQuat(back, turned)
+        mujoco.mju_rotVecQuat(force, velocity_change + np.array([0, 0, GRAVITY_M_S2]), back)
+        turn_x, turn_y, turn_z = (rate * self.rate_hz).tolist()
+        force_x, force_y, force_z = force.tolist()
+        return (turn_x, turn_y, turn_z), (force_x, force_y, force_z)
+
+    # --- truth, for figures
+
+    def true_joints_rad(self) -> Array:
+        """Return the twelve joint angles as they are."""
+        return np.array(self.data.qpos[self._q : self._q + 12])
+
+    def position_m(self) -> Array:
+        """Return the middle of the hips."""
+        return np.array(self.data.qpos[:3])
+
+    def attitude_rad(self) -> tuple[float, float, float]:
+        """Return roll, pitch and yaw, fixed axes (ROS)."""
+        w, x, y, z = self.data.qpos[3:7]
+        roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+        pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
+        return roll, pitch, math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+
+    def drive_torques_Nm(self) -> Array:
+        """Return what the twelve drives give, each at its own shaft's joint: force less damping."""
+        speeds = np.array(self.data.qvel[self._v : self._v + 12])
+        damping = self.model.dof_damping[self._v : self._v + 12].copy()
+        if self._coupled:
+            speeds[2::3] += speeds[1::3]
+            damping[2::3] = self.model.tendon_damping
+        return np.asarray(self.data.actuator_force - damping * speeds)
+
+    def foot_loads_N(self) -> tuple[list[float], bool, float]:
+        """Return the ground's push on each foot along its normal, whether the trunk touches, the deepest overlap."""
+        loads, trunk, deepest = [0.0] * 4, False, 0.0
+        contact = self.data.contact
+        for i in range(self.data.ncon):
+            kind = int(self._kind[contact.geom[i]].max())
+            if contact.dist[i] > 0 or kind < _TRUNK:
+                continue
+            trunk = trunk or kind == _TRUNK
+            if kind >= _FOOT:
+                deepest = max(deepest, -float(contact.dist[i]))
+                row = int(contact.efc_address[i])
+                loads[kind - _FOOT] += float(self.data.efc_force[row]) if row >= 0 else 0.0
+        return loads, trunk, deepest
+
+
+def _resolutions(robot: Robot) -> tuple[Array, Array | None]:
+    """Return the steps of the measured joint angles and, for servos, of the goals, rad."""
+    if isinstance(robot.actuator, Servo):
+        step = math.tau / robot.actuator.counts_per_turn * np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
+        return step, step
+    return np.full(12, math.tau / 2**robot.actuator.gear.encoder_bits), None

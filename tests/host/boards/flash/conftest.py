@@ -1,0 +1,17 @@
+"""Pretend boards need the unix VM and mpremote; flashing them need not wait as for real ones."""
+
+import pytest
+
+from host.boards.flash import flash as flashing
+from host.boards.runtimes.unix import Unix
+from tests.marks import skip_without
+
+
+@pytest.fixture(autouse=True)
+def quick_boards(request, monkeypatch):
+    if "PretendBoard" not in request.module.__dict__:
+        return
+    skip_without(Unix("bytecode"))
+    pytest.importorskip("mpremote")
+    monkeypatch.setattr(flashing, "SETTLE_S", 1.5)
+    monkeypatch.setattr(flashing, "GRACE_S", 0.6)

@@ -1,0 +1,182 @@
+"""A board that is none: the unix VM with a simulated flash behind a pseudo-terminal; it resets, and power can be cut.
+
+At every start the loader's own decision (loader.py) chooses the slot, whose modules the VM then runs: an
+image here is a text of them. Its terminal turns Ctrl-C into an interrupt while the board runs something, as USB does
+(harness.py: isig).
+"""
+
+import errno
+import fcntl
+import json
+import os
+import pty
+import select
+import shutil
+import signal
+import subprocess
+import sys
+import termios
+import threading
+import time
+import tty
+from pathlib import Path
+
+from firmware.flash_map import BASE, HEADER, parse_header, slot_at
+from host.boards.build.dfu import parts
+from tests.waiting import PATIENCE_S, stays, wait_until
+
+from .loader import choose
+from .sim_flash import Memory, SimFlash
+
+HARNESS = Path(__file__).with_name("harness.py")
+
+
+class PretendBoard:
+    """Use as a context; ``port`` is its serial port, ``folder`` keeps its flash from one to the next.
+
+    ``image``: what a new board is given in slot A, as by DFU. ``cut``: power goes in the middle of that word written or
+    sector erased, counted from the start after ``cut_life`` resets.
+    """
+
+    def __init__(self, folder, image=None, cut=0, cut_life=0):
+        self.folder = Path(folder)
+        self.folder.mkdir(exist_ok=True)
+        self._cut, self._cut_life = cut, cut_life
+        if image is not None:
+            store = Memory()
+            for at, data in parts(image):
+                store.write(at - BASE, data)
+            self.flash.write_bytes(store.data)
+        self.slot = -1
+        self.said = b""
+        self.resets = 0
+        self.powered = True
+        self._board, self._inner = pty.openpty()
+        self._outside, self._outer = pty.openpty()
+        tty.setraw(self._inner)
+        tty.setraw(self._outer)
+        self._mode = termios.tcgetattr(self._inner)
+        self.port = os.ttyname(self._outer)
+        self._closing = False
+        self._process = None
+        self._relay = threading.Thread(target=self._carry, daemon=True)
+
+    @property
+    def flash(self):
+        return self.folder / "flash.bin"
+
+    def __enter__(self):
+        (self.folder / "writes").unlink(missing_ok=True)
+        self._start()
+        self._relay.start()
+        assert self.wait_for(b"pretend board")
+        return self
+
+    def __exit__(self, *_):
+        self._closing = True
+        self._relay.join(PATIENCE_S)
+        self._process.kill()
+        self._process.wait(PATIENCE_S)
+        ends = [self._board, self._inner, self._outer] + ([self._outside] if self.powered else [])
+        for end in ends:
+            os.close(end)
+
+    def wait_for(self, words):
+        """Wait until the board has said ``words`` since its last start."""
+        return wait_until(lambda: words in self.said, lambda: (words, self.said))
+
+    def line_after(self, words):
+        """Wait for the line that holds ``words`` and return what stands behind them in it."""
+        wait_until(lambda: b"\n" in self.said.partition(words)[2], lambda: (words, self.said))
+        return self.said.partition(words)[2].partition(b"\n")[0].strip().decode()
+
+    def settle(self, words, quiet_s=0.5):
+        """Wait until the board has said ``words`` and has not been reset for so long."""
+
+        def quiet():
+            resets = self.resets
+            return words in self.said and stays(lambda: self.resets == resets, quiet_s)
+
+        wait_until(quiet, lambda: (words, self.said))
+
+    def after_reset(self, reset, words, count=1):
+        """Return what ``reset`` does, once the board has started again so often and said ``words``."""
+        wanted = self.resets + count
+        answer = reset()
+        wait_until(lambda: self.resets >= wanted, f"reset number {wanted}")
+        self.wait_for(words)
+        return answer
+
+    def _start(self):
+        """Start the board; ``resets`` counts it only when the new one runs and nothing of the last is in ``said``."""
+        (self.folder / "watchdog").unlink(missing_ok=True)
+        self.said = b""
+        again = self._process is not None
+        cut = self._cut if self.resets + again == self._cut_life else 0
+        self._load()
+        settings = {"slot": self.slot, "cut": cut, "tests": str(HARNESS.parent)}
+        (self.folder / "board.json").write_text(json.dumps(settings))
+        termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
+        command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-i", str(HARNESS)]
+        self._process = subprocess.Popen(
+            command,
+            stdin=self._inner,
+            stdout=self._inner,
+            stderr=self._inner,
+            cwd=self.folder,
+            start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0),
+        )
+        self.resets += again
+
+    def _load(self):
+        """Do what the loader does, and lay out the modules of the slot that it chooses."""
+        flash = SimFlash(Memory(self.flash.read_bytes()))
+        self.slot = choose(flash)
+        assert self.slot >= 0, "the loader finds no slot to start: this board is dead"
+        self.flash.write_bytes(flash.store.data)
+        header = parse_header(flash.view(slot_at(self.slot), HEADER))
+        running = self.folder / "running"
+        shutil.rmtree(running, ignore_errors=True)
+        for path, text in json.loads(flash.view(slot_at(self.slot) + HEADER, header.length).rstrip(b"\xff")).items():
+            (running / path).parent.mkdir(parents=True, exist_ok=True)
+            (running / path).write_text(text)
+
+    def _carry(self):
+        """Carry bytes both ways, start the board again after a reset, go when the power goes."""
+        while not self._closing:
+            for end in select.select([self._board, self._outside], [], [], 0.02)[0]:
+                self._move(end)
+            self._watch()
+            code = self._process.poll()
+            if code == -signal.SIGKILL:
+                self.powered = False
+                os.close(self._outside)  # the port is gone; _outer keeps its number from being given to another board
+                return
+            if code is not None:
+                self._start()
+
+    def _move(self, end):
+        try:
+            data = os.read(end, 4096)
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            return
+        if end == self._board:
+            self.said += data
+            os.write(self._outside, data)
+        else:
+            os.write(self._board, data)
+
+    def _watch(self):
+        """Reset a board that did not feed its watchdog."""
+        path = self.folder / "watchdog"
+        try:
+            timeout_ms = int(path.read_text() or "100000")
+            late = time.time() - path.stat().st_mtime > timeout_ms / 1000
+        except FileNotFoundError:
+            return
+        if late:
+            self._process.terminate()
+            self._process.wait(PATIENCE_S)

@@ -1,0 +1,171 @@
+"""The commands: one line for every error that says what to do, one JSON object, several boards at once."""
+
+import json
+import os
+import pty
+import threading
+import zipfile
+
+import pytest
+import serial
+
+from host.boards.build.image_file import write_image_file
+from host.boards.flash import link as link_module
+from host.boards.flash.shell import join
+
+from .pretend import PretendBoard
+from .trees import LAYOUT_ONLY, make
+
+
+@pytest.fixture
+def images(tmp_path):
+    """Return how to write an image file of a version; its path comes back."""
+
+    def write(version):
+        path = tmp_path / f"{version}.caramelo"
+        write_image_file(make(version), path)
+        return str(path)
+
+    return write
+
+
+def one_line(answer, code, *words):
+    assert answer[0] == code
+    assert answer[1] == ""
+    assert answer[2].count("\n") == 1
+    for word in words:
+        assert word in answer[2]
+
+
+@pytest.mark.parametrize("command", [("flash",), ("board", "info"), ("board", "logs"), ("board", "reset")])
+def test_no_board(run, images, command):
+    command = (*command, images("1")) if command == ("flash",) else command
+    one_line(run(*command, "--port", "/dev/ttyACM99"), 2, "/dev/ttyACM99: no such port")
+
+
+def test_no_permission(run, images, tmp_path, monkeypatch):
+    port = tmp_path / "ttyACM0"
+    port.touch()
+    monkeypatch.setattr(os, "access", lambda path, mode: path != str(port))
+    one_line(run("flash", images("1"), "--port", str(port)), 2, "no permission: sudo usermod -aG dialout $USER")
+
+
+def test_the_system_refuses_permission(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise serial.SerialException(13, "could not open port: Permission denied")
+
+    monkeypatch.setattr(serial, "Serial", refuse)
+    assert "no permission" in link_module._refusal("x", OSError())
+
+
+def test_port_busy(run, images):
+    board, port = pty.openpty()
+    with serial.Serial(os.ttyname(port), exclusive=True):
+        one_line(run("flash", images("1"), "--port", os.ttyname(port)), 2, "another program uses it: close it")
+    os.close(board)
+    os.close(port)
+
+
+def test_something_else_on_the_port(run, images, monkeypatch):
+    monkeypatch.setattr(link_module, "PROMPT_TIMEOUT_S", 0.3)
+    board, port = pty.openpty()
+    answer = run("flash", images("1"), "--port", os.ttyname(port))
+    one_line(answer, 1, "does not answer as MicroPython does", "docs/flashing.md")
+    os.close(board)
+    os.close(port)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "name one board with --port"),
+        (("--port", "x", "--port", "y"), "several with --all"),
+        (("--all", "--port", "x", "--port", "y", "--id", "3"), "flash them one by one"),
+    ],
+)
+def test_wrong_use(run, images, arguments, words):
+    one_line(run("flash", images("1"), *arguments), 2, words)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (None, "no such file: caramelo firmware image makes it"),
+        (lambda data: b"hello", "not an image file of caramelo"),
+        (lambda data: data[:-30], "not an image file of caramelo"),
+        (lambda data: data.replace(b"running", b"runNing"), "not an image file of caramelo"),
+    ],
+)
+def test_an_image_file_that_is_none(run, images, tmp_path, spoil, words):
+    path = tmp_path / "spoilt.caramelo"
+    if spoil:
+        with zipfile.ZipFile(images("1")) as archive, zipfile.ZipFile(path, "w") as stored:
+            for name in archive.namelist():
+                stored.writestr(name, archive.read(name))
+        path.write_bytes(spoil(path.read_bytes()))
+    one_line(run("flash", str(path), "--port", "/dev/null"), 2, words)
+
+
+def test_an_image_file_whose_half_is_not_what_it_says(run, images, tmp_path):
+    path = tmp_path / "spoilt.caramelo"
+    with zipfile.ZipFile(images("1")) as archive, zipfile.ZipFile(path, "w") as stored:
+        for name in archive.namelist():
+            data = archive.read(name)
+            stored.writestr(name, data.replace(b"running", b"runNing") if name == "slot_b.bin" else data)
+    one_line(run("flash", str(path), "--port", "/dev/null"), 2, "slot b in it is damaged")
+
+
+def test_all_without_a_board(run, images, monkeypatch):
+    monkeypatch.setattr(link_module, "found_ports", list)
+    one_line(run("flash", images("1"), "--all"), 2, "no board is plugged in")
+
+
+def test_several_boards_info_logs_and_reset(run, images, tmp_path):
+    with PretendBoard(tmp_path / "one", make()) as one, PretendBoard(tmp_path / "two", make()) as two:
+        ports = ("--port", one.port, "--port", two.port, "--port", "/dev/none")
+        code, out, err = run("flash", images("2"), "--all", *ports, "--json")
+        answer = json.loads(out)
+        assert (code, [board["self_test"] for board in answer["boards"]]) == (1, ["passed", "passed"])
+        assert list(answer["failures"]) == ["/dev/none"]
+        assert err.count("\n") == 1
+        assert "nothing to do: slot b" in run("flash", images("2"), "--port", one.port)[1]
+        assert "to slot a" in run("flash", images("3"), "--port", one.port, "--dry-run")[1]
+        flashed = one.after_reset(lambda: run("flash", images("3"), "--port", one.port), b"running 3", count=2)
+        assert "self-test passed, confirmed" in flashed[1]
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port, "--json"), b"running 3")
+        facts = json.loads(info[1])
+        assert (facts["running"], facts["confirmed"], facts["version"]) == ("a", True, "3")
+        assert facts["slots"]["b"] == f"version 2, build {make('2').about.build}"
+        info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 3")
+        assert "version      3" in info[1]
+        assert "nothing noted" in run("board", "logs", "--port", one.port)[1]
+        assert run("board", "reset", "--port", one.port)[0] == 0
+        assert one.wait_for(b"running 3")
+
+
+def test_micropython_without_our_firmware_is_told_what_to_do(run, tmp_path):
+    with PretendBoard(tmp_path / "board", make(modules={"main.py": "", **LAYOUT_ONLY})) as board:
+        for command in ("info", "logs"):
+            answer = run("board", command, "--port", board.port)
+            one_line(answer, 1, "caramelo's firmware is not on the board", "dfu-util")
+
+
+def test_the_shell_carries_both_ways_until_it_is_left(tmp_path):
+    with PretendBoard(tmp_path / "board", make()) as board, link_module.BoardLink(board.port) as link:
+        keys, typed = os.pipe()
+        shown, out = os.pipe()
+        link.send(b"\r\x02")
+        carrying = threading.Thread(target=join, args=(link, keys, out))
+        carrying.start()
+        os.write(typed, b"print(6 * 7)\r")
+        heard = b""
+        while b"\n42" not in heard:
+            heard += os.read(shown, 1024)
+        os.write(typed, b"\x1d")
+        carrying.join(10)
+        assert not carrying.is_alive()
+
+
+def test_the_shell_needs_a_terminal(run, monkeypatch):
+    monkeypatch.setattr("sys.stdin.isatty", lambda: False, raising=False)
+    one_line(run("board", "shell", "--port", "/dev/null"), 2, "needs a terminal")

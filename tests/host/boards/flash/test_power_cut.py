@@ -1,0 +1,87 @@
+"""Power goes in the middle of a flash write while a board is flashed: whatever the moment, a whole firmware starts.
+
+Here by the command itself on a running board; every single write is cut in test_loader.py and test_settings.py.
+"""
+
+import shutil
+
+import pytest
+
+from host.boards.flash.flash import Wish, flash
+from host.util.errors import UserError
+from tests.waiting import stays
+
+from .pretend import PretendBoard
+from .trees import make
+
+FEW = 4
+MANY = 60
+
+
+@pytest.fixture(scope="module")
+def flashed(tmp_path_factory):
+    """Return a board's folder with version 1 on it, and the words written and sectors erased up to version 2."""
+    home = tmp_path_factory.mktemp("cut")
+    with PretendBoard(home / "board", make("1")) as board:
+        assert board.wait_for(b"running 1")
+    shutil.copytree(home / "board", home / "count")
+    with PretendBoard(home / "count") as board:
+        assert board.wait_for(b"running 1")
+        flash(board.port, Wish(make("2")))
+        assert board.wait_for(b"running 2")
+    return home, [int(line) for line in (home / "count/writes").read_text().split()]
+
+
+def starts_after_cut(flashed, folder, life, cut):
+    """Cut the power at write ``cut`` of life number ``life`` while version 2 is flashed; return what starts."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(flashed[0] / "board", folder)
+    with PretendBoard(folder, cut=cut, cut_life=life) as board:
+        assert board.wait_for(b"running 1")  # its terminal takes no Ctrl-C before
+        flash_until_cut(board, make("2"))
+    with PretendBoard(folder) as board:
+        version = board.line_after(b"running ")
+        flash(board.port, Wish(make("2")))  # and it can be flashed again
+        assert board.wait_for(b"running 2")
+    return version
+
+
+def flash_until_cut(board, image, tries=3):
+    """Flash, and again where the board did not answer, as the message says, until the power goes.
+
+    Now and then the board's terminal does not take the Ctrl-C in time: that is no power cut, not what is tested here.
+    """
+    said = []
+    for _ in range(tries):
+        with pytest.raises(UserError) as error:
+            flash(board.port, Wish(image))
+        if not stays(lambda: board.powered, 10.0):  # the other end may see the board fall silent before
+            return
+        said.append(str(error.value))
+    raise AssertionError(f"flashing failed before the cut: {said}")
+
+
+def points(lives, count):
+    """Return ``count`` moments, spread over all writes, the last three of each life among them: (life, write)."""
+    every = [(life, cut) for life, writes in enumerate(lives) for cut in range(1, writes + 1)]
+    ends = [(life, cut) for life, writes in enumerate(lives) for cut in range(max(1, writes - 2), writes + 1)]
+    return sorted({*every[:: max(1, len(every) // (count - len(ends)))], *ends})
+
+
+def sweep(flashed, tmp_path, count):
+    found = [starts_after_cut(flashed, tmp_path / "board", *point) for point in points(flashed[1], count)]
+    assert set(found) <= {"1", "2"}
+    assert found == sorted(found)  # never back to the old one once the new one was switched to
+    return found
+
+
+def test_old_or_new_starts_after_a_power_cut(flashed, tmp_path):
+    found = sweep(flashed, tmp_path, 8 + FEW)
+    assert {"1", "2"} == set(found)
+
+
+@pytest.mark.slow
+def test_old_or_new_starts_after_many_power_cuts(flashed, tmp_path):
+    found = sweep(flashed, tmp_path, MANY)
+    assert len(found) >= MANY
+    print(f"{len(found)} cuts: {found.count('1')} start the old firmware, {found.count('2')} the new, 0 none")

@@ -1,0 +1,92 @@
+"""What the tests of the runtimes share: the gathered sources, and measurements that all workers make only once."""
+
+import os
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from host.boards import core
+from host.boards.build.native_core import build_core, why_not
+from host.boards.runtimes import Unix, Wasi
+from host.lab.parity.figures import allocations, largest_values, promises
+from host.lab.parity.sources import gather
+from tests.waiting import wait_until
+
+MAKING_S = 600.0  # the slowest measurement takes minutes when every other worker computes too
+
+
+@pytest.fixture(scope="session")
+def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with shared/ and the vectors; not to be changed."""
+    return gather(tmp_path_factory.mktemp("gathered"))
+
+
+@pytest.fixture(scope="session")
+def once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Callable[[Path], Any]], Any]:
+    """Return a function that measures something once for all workers of a test run."""
+    base = tmp_path_factory.getbasetemp()
+    common = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+    def measure(name: str, make: Callable[[Path], Any]) -> Any:
+        kept, lock = common / f"{name}.pickle", common / f"{name}.lock"
+        try:
+            lock.mkdir()
+        except FileExistsError:
+            return _wait_for(kept)
+        work = tmp_path_factory.mktemp(name)
+        new = kept.with_suffix(".new")
+        try:
+            new.write_bytes(pickle.dumps((True, make(work))))
+        except Exception as error:  # the others must not wait for what will not come
+            new.write_bytes(pickle.dumps((False, str(error))))
+        new.rename(kept)
+        return _wait_for(kept)
+
+    return measure
+
+
+def _wait_for(kept: Path) -> Any:
+    wait_until(kept.exists, f"{kept.name} is made", MAKING_S)
+    good, result = pickle.loads(kept.read_bytes())
+    assert good, result
+    return result
+
+
+@pytest.fixture(scope="session")
+def bound(sources, once):
+    """What the registry promises of each function."""
+    return once("promises", lambda work: promises(sources, work))
+
+
+@pytest.fixture(scope="session")
+def largest(sources, once):
+    """The largest intermediate of each function."""
+    return once("largest", lambda work: largest_values(sources, work))
+
+
+@pytest.fixture(scope="session")
+def bytecode(sources, once):
+    """What each function takes from the heap in bytecode."""
+    return once("bytecode", lambda work: allocations(Wasi(), sources, work))
+
+
+@pytest.fixture(scope="session")
+def viper(sources, once):
+    """What each function takes from the heap as viper code."""
+    return once("viper", lambda work: allocations(Unix("viper"), sources, work))
+
+
+@pytest.fixture(scope="session")
+def compiled_home(once):
+    """A folder that holds the core compiled of this checkout's sources; not to be changed."""
+    if why_not():
+        pytest.skip(str(why_not()))
+
+    def build(work: Path) -> Path:
+        build_core(work / core.sources_id())
+        return work
+
+    return once("compiled", build)

@@ -1,0 +1,201 @@
+"""The core compiled for CPython: the same numbers from machine code, used only where it is of these very sources."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from host.boards import core
+from host.boards.build import native_core
+from host.boards.build.source import BuildError, read_modules
+from host.boards.build.typed import typed_modules
+from host.boards.runtimes import Compiled, CPython
+from host.lab.parity.check import Report, collect, examine, failures, first_difference
+from host.util.errors import UserError
+
+from .plant import plant
+
+pytestmark = pytest.mark.skipif(native_core.why_not() is not None, reason=str(native_core.why_not()))
+
+VECTORS = 80  # 2000 ticks of each gait
+WHERE = "import shared.body.leg, sys; sys.stdout.write(shared.body.leg.__file__)"
+
+
+def run_caramelo(arguments: list[str], home: str, code: str = "") -> str:
+    """Run the command in a process of its own, then ``code`` in it; return what it printed."""
+    script = f"import sys\nfrom host import cli\nassert cli.main({arguments!r}) == 0\n{code}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True,
+                          env={**os.environ, core.SWITCH: home})
+    return done.stdout
+
+
+def test_the_compiled_core_agrees_over_the_whole_range(sources, compiled_home, tmp_path, monkeypatch):
+    monkeypatch.setenv(core.SWITCH, str(compiled_home))
+    reports = examine([CPython(), Compiled()], sources, tmp_path, VECTORS, lambda name: None)
+    assert list(failures(reports)) == []
+    assert reports[0].digest == reports[1].digest
+    assert reports[1].vectors > 20_000
+
+
+def test_it_is_machine_code_that_agrees(sources, compiled_home, tmp_path, monkeypatch):
+    monkeypatch.setenv(core.SWITCH, str(compiled_home))
+    tree = Compiled().prepare(sources, tmp_path)
+    slow = ("__init__", "runtime", "record")
+    compiled = {path.name.partition(".")[0] for path in (tree / "shared").rglob("*.so")}
+    for path in (tree / "shared").rglob("*.py"):
+        assert (path.stem in compiled) != (path.stem in slow or "wire" in path.parts)
+    said = Compiled().execute(tree, "import shared.body.leg\nprint(shared.body.leg.__file__)\n")
+    assert said.strip().endswith(".so")
+
+
+def test_a_wrong_machine_code_is_found_with_its_vector(sources, tmp_path, monkeypatch):
+    probe = sources / "probe" / "__init__.py"
+    one = probe.read_text() + "\nMODULES = ('fixed',)\n"
+    few = plant(sources, tmp_path, "probe/__init__.py", probe.read_text(), one)
+    wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    return value\n\n\n@hot\ndef cos_q15(",
+                  "    return value - (value >> 14)\n\n\n@hot\ndef cos_q15(")
+    only = ("shared.num.fixed", "shared.gait.swing")
+    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in only)
+    monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
+    reference, other = Report(CPython()), Report(Compiled())
+    (tmp_path / "a").mkdir()
+    collect(reference, few, tmp_path / "a", 40)
+    collect(other, wrong, tmp_path / "b", 40)
+    assert other.failure is None
+    difference = first_difference(reference, other)
+    assert difference is not None
+    assert difference.function == "fixed.sin_q15"
+
+
+def test_every_command_uses_it_and_says_the_same(compiled_home, tmp_path):
+    walk = ["walk", "--distance", "0.3", "--json"]
+    with_core = run_caramelo(walk, str(compiled_home), WHERE)
+    without = run_caramelo(walk, "source", WHERE)
+    assert with_core.splitlines()[1].endswith(".so")
+    assert without.splitlines()[1].endswith("leg.py")
+    told = [json.loads(text.splitlines()[0]) for text in (with_core, without)]
+    for figures in told:
+        del figures["real_time_factor"]
+    assert told[0] == told[1]
+
+
+def test_it_is_not_used_after_a_source_changed(compiled_home, monkeypatch):
+    monkeypatch.setenv(core.SWITCH, str(compiled_home))
+    assert core.find_core() is not None
+    monkeypatch.setattr(core, "sources_id", lambda root: "0123456789abcdef")
+    assert core.find_core() is None
+
+
+def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
+    shared = tmp_path / core.sources_id() / "shared"
+    for name, text in (("__init__", ""), ("num/__init__", ""), ("planner/__init__", ""), ("planner/planner", ""),
+                       ("num/fixed", "raise ImportError('on purpose')\n")):
+        (shared / name).parent.mkdir(parents=True, exist_ok=True)
+        (shared / f"{name}.py").write_text(text)
+    script = f"import sys\nfrom host import cli\nassert cli.main(['robots', 'check', 'caramelo']) == 0\n{WHERE}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, core.SWITCH: str(tmp_path)})
+    assert done.returncode == 0
+    assert "the compiled core cannot be loaded (on purpose); the sources run instead" in done.stderr
+    assert done.stdout.endswith(str(Path("shared", "body", "leg.py")))
+    assert str(tmp_path) not in done.stdout
+
+
+def test_another_source_is_another_core(sources, tmp_path):
+    changed = plant(sources, tmp_path, "shared/num/pid.py", "@hot\ndef pid_step(", "\n@hot\ndef pid_step(")
+    assert core.sources_id(changed) != core.sources_id(sources) == core.sources_id()
+
+
+def test_it_is_not_mixed_with_sources_that_run_already(compiled_home, monkeypatch):
+    monkeypatch.setenv(core.SWITCH, str(compiled_home))
+    before = list(sys.path)
+    assert "shared.body.leg" in sys.modules or __import__("shared.body.leg")
+    assert core.use_core() is False
+    assert sys.path == before
+
+
+def test_show_and_remove_touch_cores_only(compiled_home, tmp_path, monkeypatch, run):
+    home = tmp_path / "home"
+    shutil.copytree(next(compiled_home.iterdir()), home / next(compiled_home.iterdir()).name)
+    (home / "letters").mkdir()
+    (home / "0123456789abcdef").mkdir()  # named like a core, but none
+    monkeypatch.setenv(core.SWITCH, str(home))
+    code, out, _ = run("core", "show", "--json")
+    assert (code, json.loads(out)["compiled"]) == (0, True)
+    assert run("core", "remove", "--json")[:2] == (0, '{"compiled": false, "folder": null}\n')
+    assert sorted(path.name for path in home.iterdir()) == ["0123456789abcdef", "letters"]
+
+
+def test_build_finds_what_is_there_and_drops_what_is_old(compiled_home, tmp_path, monkeypatch, run):
+    home = tmp_path / "home"
+    name = next(compiled_home.iterdir()).name
+    for kept in (name, "fedcba9876543210"):
+        shutil.copytree(compiled_home / name, home / kept)
+    monkeypatch.setenv(core.SWITCH, str(home))
+    code, out, _ = run("core", "build")
+    assert code == 0
+    assert f"the core runs as machine code, from {home / name}" in out
+    assert [path.name for path in home.iterdir()] == [name]
+
+
+def test_source_only_is_wrong_use_of_build_and_remove(monkeypatch, run):
+    monkeypatch.setenv(core.SWITCH, "source")
+    for command in ("build", "remove"):
+        code, _, err = run("core", command)
+        assert code == 2
+        assert "CARAMELO_CORE is source" in err
+
+
+def test_what_is_missing_says_what_to_install(tmp_path, monkeypatch, run):
+    monkeypatch.setenv(core.SWITCH, str(tmp_path))
+    monkeypatch.setenv("CC", "no-such-compiler -O2")
+    code, _, err = run("core", "build")
+    assert code == 2
+    assert "there is no C compiler no-such-compiler: install one, on Debian apt-get install gcc python3-dev" in err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_compiler_that_fails_leaves_nothing_behind(tmp_path, monkeypatch):
+    compiler = tmp_path / "cc"
+    compiler.write_text("#!/bin/sh\necho 'error: on purpose' >&2\nexit 1\n")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("CC", str(compiler))
+    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name == "shared.num.fixed")
+    with pytest.raises(UserError, match=r"compiling the core failed: .*error"):
+        native_core.build_core(tmp_path / "home" / "core")
+    assert list((tmp_path / "home").iterdir()) == []
+
+
+def typed_text(root: Path, text: str) -> str:
+    """Return what becomes of a module that holds ``text``."""
+    (root / "shared").mkdir(parents=True)
+    head = '"""One."""\n\nfrom .runtime import const, hot, ptr16, ptr32, table\n\n'
+    (root / "shared" / "one.py").write_text(head + text)
+    modules = read_modules(root, ("shared",))
+    return typed_modules(modules)["shared.one"].decode()
+
+
+def test_marks_become_types_and_no_line_moves(tmp_path):
+    text = (
+        "_TWO = const(2)\nT = table((1, 2))\n\n\n@hot\ndef one(params, frame, other, n: int) -> int:\n"
+        '    """Return it."""\n    p = ptr32(params)\n    f = ptr16(frame)\n    t = ptr16(T)\n'
+        "    x = p[0] + f[0] + t[_TWO]\n    two(other, x)\n    return x\n\n\n"
+        "@hot\ndef two(block, n: int) -> int:\n    for i in range(n):\n        n += i\n    return n\n"
+    )
+    with pytest.raises(BuildError, match=r"shared/one.py:22: .*needs a docstring"):
+        typed_text(tmp_path / "a", text)
+    text = text.replace("    for i", '    """Add up."""\n    for i')
+    found = typed_text(tmp_path / "b", text).splitlines()
+    assert found[0] == '"""One."""; from typing import Any; from mypy_extensions import i64'
+    assert found[8:11] == [
+        "",
+        "def one(params: list[int], frame: Any, other: Any, n: i64) -> i64:",
+        '    """Return it."""; f: Any; p: list[int]; t: tuple[int, ...]; x: i64',
+    ]
+    assert found[14] == "    x = p[0] + f[0] + t[2]"
+    assert found[21:23] == ['    """Add up."""; i: i64', "    for i in range(n):"]
+    assert len(found) == len(text.splitlines()) + 4

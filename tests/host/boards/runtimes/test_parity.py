@@ -1,0 +1,106 @@
+"""One source, every runtime, one digest; and a difference is found, down to the vector."""
+
+from pathlib import Path
+
+import pytest
+
+from host.boards.runtimes import CCore, CPython, Runtime, Unix, Wasi
+from host.lab.parity.check import Report, collect, examine, failures, first_difference
+from host.lab.parity.coverage import TracedNode, compare, cover
+from host.lab.parity.figures import unregistered
+from tests.marks import skip_without
+
+from .plant import plant
+
+VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
+
+
+def test_every_public_function_has_vectors(sources, tmp_path):
+    assert unregistered(sources, tmp_path) == []
+
+
+def test_a_function_without_vectors_is_named(sources, tmp_path):
+    new = "def quite_new(a):\n    return a\n\n\n@hot\ndef pid_step("
+    copy = plant(sources, tmp_path, "shared/num/pid.py", "@hot\ndef pid_step(", new)
+    work = tmp_path / "work"
+    work.mkdir()
+    assert "num.pid.quite_new" in unregistered(copy, work)
+
+
+def agree(reports: list[Report]) -> None:
+    assert list(failures(reports)) == []
+    assert {report.digest for report in reports if not report.skipped} == {reports[0].digest}
+
+
+def test_the_unchanged_source_agrees_in_a_32_bit_vm(sources, tmp_path):
+    reports = examine([CPython(), Wasi("source")], sources, tmp_path, VECTORS, lambda name: None)
+    agree(reports)
+    assert reports[0].vectors > 20_000
+    assert [report.word_bits for report in reports] == [64, 32]
+
+
+def test_every_emitter_agrees(sources, tmp_path):
+    built: list[Runtime] = [CCore(), *(Unix(emitter) for emitter in ("source", "bytecode", "native", "viper"))]
+    agree(examine([CPython(), Wasi("bytecode"), *built], sources, tmp_path, 16, lambda name: None))
+
+
+def planted_report(runtime: Runtime, sources: Path, work: Path) -> Report:
+    """Return a report on shared/num/fixed.py alone, which is quick."""
+    probe = sources / "probe" / "__init__.py"
+    few = plant(sources, work, "probe/__init__.py", probe.read_text(), probe.read_text() + "\nMODULES = ('fixed',)\n")
+    report = Report(runtime)
+    collect(report, few, work, 40)
+    return report
+
+
+def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
+    reference = planted_report(CPython(), sources, tmp_path / "reference")
+    end = "    return value\n\n\n@hot\ndef cos_q15("
+    copy = plant(sources, tmp_path, "shared/num/fixed.py", end, "    if value > 32000:\n        return 32767\n" + end)
+    other = planted_report(Wasi("source"), copy, tmp_path / "other")
+    assert other.failure is None
+    difference = first_difference(reference, other)
+    assert difference is not None
+    assert difference.function == "fixed.sin_q15"
+    angle = difference.inputs[0]
+    assert abs((angle & 0xFFFF) - 0x4000) < 2400
+    assert 32000 < abs(difference.expected[0]) < 32767
+    assert abs(difference.found[0]) == 32767
+    other.difference = difference
+    assert list(failures([reference, other])) == [f"wasi-source: {difference.sentence()}"]
+    assert f"inputs [{angle}]" in difference.sentence()
+
+
+def test_a_module_that_does_not_even_load_is_a_failure_not_a_pass(sources, tmp_path):
+    copy = plant(sources, tmp_path, "shared/num/fixed.py", "def saturate(", "def saturate(value, *, low")
+    report = planted_report(Wasi("source"), copy, tmp_path / "other")
+    assert report.failure is not None
+    assert report.digests == {}
+
+
+def test_a_missing_runtime_says_why(sources, tmp_path, monkeypatch):
+    monkeypatch.setattr(Unix, "missing", lambda self: "the unix VM comes for linux x86_64 only")
+    reports = examine([CPython(), Unix("viper")], sources, tmp_path, 8, lambda name: None)
+    assert reports[1].skipped == "the unix VM comes for linux x86_64 only"
+    assert list(failures(reports)) == []
+
+
+@pytest.mark.slow
+def test_statements_of_the_core_run_in_a_traced_vm(sources, tmp_path):
+    skip_without(TracedNode())
+    covered = cover(sources, tmp_path / "traced")
+    assert covered.share >= 0.95, covered.sentence()
+
+
+def test_coverage_counts_what_did_not_run(tmp_path):
+    (tmp_path / "shared").mkdir()
+    text = 'def f(a):\n    """Text."""\n    if a:\n        return 1\n    return 2\n'
+    (tmp_path / "shared" / "one.py").write_text(text)
+    covered = compare(tmp_path, {"shared/one.py": {3, 5}})
+    assert covered.statements == 3
+    assert covered.missed == ("shared/one.py:4",)
+    assert covered.sentence().splitlines() == [
+        "coverage: 66.7% of 3 statements of shared/ ran in the traced VM, not these lines:",
+        "  shared/one.py: 4",
+    ]
+    assert not covered.enough

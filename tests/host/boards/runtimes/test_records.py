@@ -1,0 +1,216 @@
+"""Records: objects here, arrays with places for viper and C, native classes for mypyc; wrong names are found."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from host import ROOT
+from host.boards.build.lower import lower
+from host.boards.build.rewrite import rewrite
+from host.boards.build.source import BuildError, read_modules
+from host.boards.build.typed import typed_modules
+from shared.body.params import LEGS, Params
+from shared.num.pid import Pid
+from shared.record import copy, pack, unpack
+from shared.sense.sensed import Sensed
+
+HEAD = '''"""One."""
+
+from .record import field, part, parts, record, vector
+from .runtime import Ints, const, hot, zeros
+
+LEGS = const(4)
+
+
+@record
+class Leg:
+    """A leg."""
+
+    length: int = field("lu", "of the thigh", 3)
+    rest: Ints = vector(3, "lu", "the foot")
+
+
+@record
+class Robot:
+    """A robot."""
+
+    rate_hz: int = field("Hz", "ticks a second")
+    legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
+    arm: Leg = part(Leg, "in front")
+
+
+class Holder:
+    """What is handed around."""
+
+    def __init__(self, robot: Robot):
+        self.robot = robot
+        self.feet = zeros(12)
+
+
+'''
+HOT = '''@hot
+def f(holder: Holder, robot: Robot, feet: Ints, leg: int) -> int:
+    """Do."""
+    mine = holder.robot
+    out = holder.feet
+    limb = robot.legs[leg]
+    limb.length += robot.legs[2].rest[leg + 1] * robot.arm.length
+    out[leg] = feet[leg] + mine.rate_hz + limb.rest[2]
+    return f(holder, mine, feet, leg)
+'''
+LOWERED = """@hot
+def f(holder, robot, feet, leg: int) -> int:
+    \"\"\"Do.\"\"\"; _robot = ptr32(robot); _feet = ptr32(feet)
+    mine = ptr32(holder.robot)
+    out = ptr32(holder.feet)
+    limb = 1 + leg * 4
+    _robot[limb] += _robot[leg + 11] * _robot[17]
+    out[leg] = _feet[leg] + mine[0] + _robot[limb + 3]
+    return f(holder, holder.robot, feet, leg)
+"""
+
+
+def modules(folder: Path, text: str):
+    """Return the modules of a core of one file."""
+    package = folder / "shared"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("")
+    for name in ("runtime.py", "record.py"):
+        (package / name).write_bytes((ROOT / "shared" / name).read_bytes())
+    (package / "one.py").write_text(HEAD + text)
+    return read_modules(folder, ("shared",))
+
+
+def test_names_become_places_and_no_line_moves(tmp_path):
+    made = lower(modules(tmp_path, HOT))["shared.one"].text.decode()
+    assert made.endswith(LOWERED)
+    assert made.count("\n") == (HEAD + HOT).count("\n")
+    assert "def Leg(): return block(4, ((0, 3), ))\n" in made
+    assert "def Robot(): return block(21, ((1, 3), (5, 3), (9, 3), (13, 3), (17, 3), ))\n" in made
+
+
+def test_ordinary_functions_read_the_same_places(tmp_path):
+    text = "\n\ndef g(holder: Holder):\n    leg = holder.robot.legs[3]\n    leg.length = 7\n    return leg.rest[1]\n"
+    made = lower(modules(tmp_path, HOT + text))["shared.one"].text.decode()
+    assert made.endswith("    leg = 13\n    holder.robot[leg] = 7\n    return holder.robot[leg + 2]\n")
+
+
+LOWERINGS = {  # beside HOT: what is written, and what becomes of it
+    "an array's pointer stands behind the docstring": (
+        '@hot\ndef g(feet: Ints, leg: int) -> int:\n    """Do."""\n    feet[leg] += 1\n    return g(feet, feet[leg])\n',
+        '@hot\ndef g(feet, leg: int) -> int:\n    """Do."""; _feet = ptr32(feet)\n    _feet[leg] += 1\n'
+        "    return g(feet, _feet[leg])\n",
+    ),
+    "or before the first statement": (
+        "@hot\ndef g(feet: Ints) -> int:\n    feet[0] += 1\n    return 0\n",
+        "@hot\ndef g(feet) -> int:\n    _feet = ptr32(feet); _feet[0] += 1\n    return 0\n",
+    ),
+    "an array that is only handed on has none": (
+        "@hot\ndef g(feet: Ints) -> int:\n    return g(feet)\n", "@hot\ndef g(feet) -> int:\n    return g(feet)\n",
+    ),
+    "nor has one in an ordinary function": (
+        "def g(feet: Ints, leg: int):\n    return feet[leg]\n", "def g(feet, leg: int):\n    return feet[leg]\n",
+    ),
+    "a method named like a field is no field": (
+        "def g(stick, robot: Robot):\n    return stick.length(robot.rate_hz) + robot.arm.length\n",
+        "def g(stick, robot):\n    return stick.length(robot[0]) + robot[17]\n",
+    ),
+    "an object's attribute may have a field's name where nothing is known of the object": (
+        "class Queue:\n    def __init__(self):\n        self.length = 0\n\n\ndef g(queue):\n    return queue.length\n",
+        "def g(queue):\n    return queue.length\n",
+    ),
+    "an ordinary function's result has no annotation": (
+        "def g(robot: Robot) -> Ints:\n    return zeros(robot.rate_hz)\n",
+        "def g(robot):\n    return zeros(robot[0])\n",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "made"), LOWERINGS.values(), ids=LOWERINGS)
+def test_what_becomes_of_a_function(tmp_path, text, made):
+    found = lower(modules(tmp_path, text))["shared.one"].text.decode()
+    assert found.endswith("\n\n" + made)
+    assert found.count("\n") == (HEAD + text).count("\n")
+
+
+@pytest.mark.parametrize(
+    ("index", "place"),
+    [("leg & 1", "10 + (leg & 1)"), ("leg << 1", "10 + (leg << 1)"), ("(leg & 1) + LEGS", "(leg & 1) + 14")],
+)
+def test_an_index_stays_one_number(tmp_path, index, place):
+    text = HOT.replace("rest[leg + 1]", f"rest[{index}]")
+    assert f"_robot[{place}] * _robot[17]" in lower(modules(tmp_path, text))["shared.one"].text.decode()
+
+
+def test_mypyc_gets_a_class(tmp_path):
+    found = typed_modules(modules(tmp_path, HOT))["shared.one"].decode()
+    assert "length: int; rest: list[int]" in found
+    assert "self.legs = [Leg() for _ in range(4)]; self.arm = Leg()" in found
+    assert "def f(holder: Holder, robot: Robot, feet: Ints, leg: i64) -> i64:" in found
+    assert found.count("\n") == (HEAD + HOT).count("\n")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("robot.arm.length", "robot.arm.lenght", r"shared/one.py:40: Leg has no field lenght"),
+        ("robot: Robot, feet", "robot, feet", r"what is robot\? .legs is a field of a record: annotate robot"),
+        ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:42: limb is a part of a block"),
+        ("mine.rate_hz", "holder.robot.rate_hz", r"shared/one.py:41: holder.robot is read through a name"),
+        ("out[leg] = feet", "holder.feet[leg] = feet", r"shared/one.py:41: holder.feet is read through a name"),
+        ('    """Do."""\n', "    if leg:\n        leg = 1\n", "36: a hot function that begins with a block"),
+        ("    mine = holder.robot\n", "    mine = holder.robot\n    mine = robot\n", r"one name for one record"),
+    ],
+)
+def test_what_cannot_be_built_is_named_with_its_line(tmp_path, old, new, complaint):
+    assert old in HOT
+    with pytest.raises(BuildError, match=complaint):
+        lower(modules(tmp_path, HOT.replace(old, new)))
+
+
+@pytest.mark.parametrize(
+    ("given", "complaint"),
+    [("3", "a record holds lines"), ('field("the size")', "a field has a unit and a meaning, a part a meaning")],
+)
+def test_a_record_declares_fields_and_nothing_else(tmp_path, given, complaint):
+    text = f'\n\n@record\nclass Odd:\n    """Odd."""\n\n    size: int = {given}\n'
+    with pytest.raises(BuildError, match=rf"shared/one.py:\d+: {complaint}"):
+        lower(modules(tmp_path, HOT + text))
+
+
+def test_viper_gets_pointers(tmp_path):
+    made = lower(modules(tmp_path, HOT.replace("    return f(holder, mine, feet, leg)\n", "    return 0\n")))
+    text = rewrite(made["shared.one"], made, "viper", "armv7emsp").decode()
+    assert re.search(r"@micropython.viper\ndef f\(holder, robot, feet, leg: int\) -> int:\n.*_robot = ptr32", text)
+
+
+def test_integers_go_in_and_out_in_the_order_of_the_declaration():
+    params = Params()
+    integers = list(range(len(pack(params))))
+    unpack(params, integers)
+    assert pack(params) == integers
+    assert params.rate_hz == 0
+    first = [params.legs[leg].hip_length for leg in range(LEGS)]
+    assert first == sorted(set(first))
+    other = Params()
+    copy(params, other)
+    params.legs[2].rest[1] = -5
+    assert pack(other) == integers
+
+
+def test_what_is_sensed_goes_in_and_out_in_the_order_of_a_recording():
+    sensed, integers = Sensed(), list(range(20))
+    sensed.unpack(integers)
+    assert sensed.pack() == integers
+    assert (sensed.tilt, sensed.joints, sensed.turned) == ([0, 1], integers[3:15], [16, 17, 18])
+    assert (sensed.valid.tilt, sensed.valid.joints, sensed.valid.turned) == (2, 15, 19)
+
+
+def test_a_wrong_number_of_integers_is_refused():
+    with pytest.raises(ValueError, match="missing"):
+        unpack(Pid(), [1] * 7)
+    with pytest.raises(ValueError, match="1 integers too many"):
+        unpack(Pid(), [1] * 9)
+    with pytest.raises(AttributeError):
+        Pid().kp = 3  # an object has no other names

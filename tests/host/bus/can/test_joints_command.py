@@ -1,0 +1,189 @@
+"""`caramelo joints` against simulated joints: in this process, and behind a bus that another program shares."""
+
+import json
+import threading
+
+import pytest
+
+from host.bus.can.adapter import AdapterPort
+from host.cli import main
+from host.robot.file import load_robot
+from host.sim.joints.gateway import Gateway
+from host.sim.joints.sim_robot import SimRobot
+from host.util.errors import UserError
+from shared.wire.names import HEARTBEAT_ID, PROTOCOL_HASH
+from tests.waiting import PATIENCE_S
+
+
+def run(capsys, *words):
+    code = main(["joints", *words])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def test_scan_lists_twelve_boards(capsys):
+    code, out, _ = run(capsys, "scan", "--sim", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert [board["node"] for board in found["boards"]] == list(range(1, 13))
+    assert found["wrong"] == []
+
+
+def test_status_shows_every_joint(capsys):
+    code, out, _ = run(capsys, "status", "--sim")
+    assert code == 0
+    assert "FR thigh (2)" in out
+    assert "disabled" in out
+
+
+def test_arm_holds_and_disarms(capsys):
+    code, out, _ = run(capsys, "arm", "--sim", "--seconds", "0.3")
+    assert code == 0
+    assert "disarmed" in out
+
+
+def test_parameters_are_read_and_refused_in_words(capsys):
+    code, out, _ = run(capsys, "params", "get", "5", "node_id", "gear_q8", "--sim", "--json")
+    assert code == 0
+    assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
+    code, _, err = run(capsys, "params", "set", "5", "gear_q8", "900", "--sim")
+    assert code == 2
+    assert "gear_q8: 900 is not allowed; use 1 to 63" in err
+    code, _, err = run(capsys, "params", "get", "5", "nonsense", "--sim")
+    assert code == 2
+    assert "no such parameter" in err
+    code, out, _ = run(capsys, "params", "set", "5", "gear_q8", "21.5", "--sim")
+    assert code == 0
+    assert "raw 5504" in out
+    code, out, _ = run(capsys, "params", "diff", "5", "--sim")
+    assert code == 0
+    assert "has_joint_encoder" in out
+
+
+@pytest.mark.parametrize("command", [["save", "3"], ["restore", "3"]])
+def test_parameters_are_kept_and_restored(capsys, command):
+    assert run(capsys, "params", *command, "--sim")[0] == 0
+
+
+def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
+    path = tmp_path / "joint5.json"
+    code, out, _ = run(capsys, "params", "save", "5", "--file", str(path), "--sim")
+    assert code == 0
+    values = json.loads(path.read_text())
+    assert values["parameters"]["has_joint_encoder"] == 0
+    assert "node_id" not in values["parameters"]
+    code, out, _ = run(capsys, "params", "diff", "6", "--file", str(path), "--sim", "--json")
+    different = {row["parameter"]: (row["raw"], row["wanted"]) for row in json.loads(out)["different"]}
+    assert different["has_joint_encoder"] == (1, 0)
+    code, out, _ = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    assert code == 0
+    assert f"{len(different)} changed" in " ".join(out.split())
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{}", "is no file of params save --file"),
+        ('{"protocol": "0x0000", "parameters": {}}', "is of protocol 0x0000"),
+        ('{"protocol": "HASH", "parameters": {"melt": 3}}', "melt = 3"),
+        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625 is not allowed"),
+    ],
+)
+def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):
+    path = tmp_path / "wrong.json"
+    path.write_text(text.replace("HASH", f"{PROTOCOL_HASH:#06x}"))
+    code, _, err = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    assert code == 2
+    assert words in err
+
+
+def test_busload_prints_the_schedule(capsys):
+    code, out, _ = run(capsys, "busload", "--json")
+    total = json.loads(out)["buses"][0]["rows"][-1]
+    assert code == 0
+    assert total["worst_share"] <= 0.40
+    assert run(capsys, "busload", "--rate", "400")[0] == 1
+    code, out, _ = run(capsys, "busload", "--rate", "400", "--buses", "2")
+    assert code == 0
+    assert [out.count(words) for words in ("nodes 1 to 6, 400 Hz", "nodes 7 to 12, 400 Hz", "total")] == [1, 1, 2]
+
+
+def test_set_id_refuses_a_node_that_is_taken(capsys):
+    code, _, err = run(capsys, "set-id", "0x27b2d3d6", "5", "--sim")
+    assert code == 2
+    assert "node 5 is taken" in err
+    assert run(capsys, "set-id", "0x27b2d3d6", "1", "--sim")[0] == 0
+
+
+def test_monitor_records(capsys, tmp_path):
+    path = tmp_path / "joints.jsonl"
+    assert run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
+    assert run(capsys, "monitor", "--sim", "--plot", "smell")[0] == 2
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert len(lines) >= 3
+    assert len(lines[0]["joints"]) == 12
+    before = path.read_bytes()
+    code, _, err = run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))
+    assert (code, err.count("\n")) == (2, 1)
+    assert "the file exists: name another" in err
+    assert path.read_bytes() == before, "a record is never overwritten"
+
+
+def test_disarm_and_clear_and_calibrate(capsys):
+    assert run(capsys, "disarm", "--sim")[0] == 0
+    assert run(capsys, "clear", "--sim")[0] == 0
+    code, _, err = run(capsys, "calibrate", "5", "--sim")
+    assert code == 2
+    assert "cannot be calibrated" in err
+
+
+@pytest.fixture
+def shared_bus():
+    sim = SimRobot(load_robot("parallel"))
+    with AdapterPort("virtual", "caramelo-gateway", 1_000_000) as port:
+        yield Gateway(sim, port)
+    sim.close()
+
+
+def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, shared_bus):
+    shared_bus.inject("under-voltage:4@0.01")
+    shared_bus.inject("e-stop:6@0.02")
+    thread = threading.Thread(target=shared_bus.run, args=(10.0,), daemon=True)
+    thread.start()
+    stopped, volts = set(), {}
+    while thread.is_alive() and not (len(stopped) == 12 and 3 in volts):
+        code, out, _ = run(capsys, "status", "--interface", "virtual", "--channel", "caramelo-gateway", "--json")
+        rows = json.loads(out)["joints"]
+        stopped |= {i for i, row in enumerate(rows) if "emergency" in row["fault"] or i in (3, 5)}
+        volts |= {i: row["bus_V"] for i, row in enumerate(rows) if row.get("bus_V")}
+    shared_bus.stopping = True
+    thread.join(PATIENCE_S)
+    assert code == 1
+    assert len(stopped) == 12
+    assert volts[3] == pytest.approx(12.0, abs=0.3)
+
+
+def test_two_buses_are_simulated_with_their_faults(capsys):
+    """The rear legs' joint on the second bus gets hot; a machine that is too slow only says so."""
+    words = ("--interface", "virtual", "--channel", "caramelo-front,caramelo-rear", "--fault", "hot:9@0.01")
+    heard = []
+    with (
+        AdapterPort("virtual", "caramelo-rear", 1_000_000) as rear,
+        AdapterPort("virtual", "caramelo-front", 1_000_000) as front,
+    ):
+        assert run(capsys, "sim", *words, "--seconds", "0.5")[0] == 0
+        for port in (front, rear):
+            heard.append(set())
+            while (frame := port.receive()) is not None:
+                heard[-1].add(frame.identifier)
+    heartbeats = [{node for node in range(1, 13) if HEARTBEAT_ID + node in identifiers} for identifiers in heard]
+    assert heartbeats == [set(range(1, 7)), set(range(7, 13))]
+    code, _, err = run(capsys, "sim", "--robot", "caramelo", "--seconds", "0.1")
+    assert code == 2
+    assert "no joints on CAN" in err
+
+
+@pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1"])
+def test_a_fault_that_is_none_is_refused(shared_bus, fault):
+    with pytest.raises(UserError, match="--fault"):
+        shared_bus.inject(fault)

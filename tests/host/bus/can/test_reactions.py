@@ -1,0 +1,262 @@
+"""What is wrong with the joints as a whole: each is noticed, named, and answered by the whole robot."""
+
+from concurrent.futures import wait
+from contextlib import contextmanager
+
+import pytest
+
+from host.bus.can.joints import CanJoints
+from host.commands._hardware import hardware
+from host.control.loop import Loop
+from host.control.supervisor import Supervisor
+from host.protocol.frames import decode, encode
+from host.robot.joint_setups import joint_setups
+from host.robot.poses import seated_pose_rad
+from host.sim.joints.sim_joint import SimJoint
+from host.sim.joints.sim_robot import SimRobot, power_off, sim_port
+from host.util.errors import UserError
+from shared.wire import names as w
+from tests.host.control.rig import AHEAD, SCRIPT, STAND, STILL, Silence
+
+from .robot import SESSION, Walker, variant
+
+
+class Rig:
+    """The robot over CAN as teleoperation drives it, in simulated time."""
+
+    def __init__(self, threaded=False):
+        self.robot = variant()
+        self.sim = SimRobot(self.robot)
+        self.bus = CanJoints(self.robot, sim_port(self.sim), SESSION, seated_pose_rad(self.robot), threaded=threaded)
+        attitude = (lambda: None) if threaded else self.attitude  # only the thread may touch the body
+        self.supervisor = Supervisor(self.robot, self.bus, attitude)
+        self.loop = Loop(self.supervisor, clock=self.bus.now)
+
+    def attitude(self):
+        return 0.0, self.sim.body.pitch(self.sim.time_s)[0]
+
+    def run(self, seconds, message=None):
+        for tick in range(round(seconds / self.loop.pacer.period_s)):
+            if message is not None and tick % 5 == 0:
+                self.loop.receive(SCRIPT, message)
+            self.loop.tick(Silence())
+            self.bus.run_for(self.loop.pacer.period_s)
+
+    def run_until(self, done, message=None, most_s=15.0):
+        end_s = self.bus.now() + most_s
+        while not done() and self.bus.now() < end_s:
+            self.run(0.1, message)
+        assert done()
+
+    def stand(self):
+        self.run(0.1)
+        self.loop.receive(SCRIPT, STAND)
+        self.run_until(lambda: self.supervisor.state == "standing", STILL)
+
+
+@contextmanager
+def opened(threaded=False):
+    """Yield the robot with its bus open; whatever happens, its threads and joints end."""
+    rig = Rig(threaded)
+    try:
+        rig.bus.open()
+        yield rig
+    finally:
+        rig.bus.close()
+        rig.sim.close()
+
+
+@pytest.fixture
+def rig():
+    with opened() as rig:
+        yield rig
+
+
+@pytest.fixture
+def seated():
+    walker = Walker()
+    yield walker
+    walker.close()
+
+
+def forge_heartbeats(sim, node, field, value):
+    """Change one field of every heartbeat that a joint sends."""
+    joint, send = sim.joints[node - 1], sim.nodes[node - 1].send
+
+    def forged(identifier, data):
+        if identifier == w.HEARTBEAT_ID + node:
+            values, _ = decode(identifier, data)
+            values[field] = value
+            data, _ = encode(identifier, list(values))
+        return send(identifier, data)
+
+    joint.send = forged
+
+
+def add_twin(sim, node):
+    """Attach a second board under a node that is taken."""
+    setup = joint_setups(sim.robot)[node - 1]
+    twin = SimJoint(sim.robot.actuator, setup, node, sim.body.angle_rad[node - 1], board_number=99)
+    end = sim.bus.attach(lambda time_us, identifier, data: twin.deliver(identifier, data))
+    twin.send, twin.room = end.send, end.room
+    sim.each_ms.append(lambda ms: twin.tick(ms * 1000, sim.body.angle_rad[node - 1]))
+    return twin
+
+
+def refused(walker, words):
+    with pytest.raises(UserError, match=words):
+        walker.bus.open()
+    assert walker.sim.torque_free
+
+
+def test_a_missing_joint_keeps_the_robot_from_being_armed(seated):
+    power_off(seated.sim, [9])
+    refused(seated, r"RR calf \(node 9\) is not there: check its power")
+
+
+def test_another_protocol_keeps_the_robot_from_being_armed(seated):
+    forge_heartbeats(seated.sim, 4, w.HEARTBEAT_PROTOCOL_HASH, 0x1234)
+    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: flash the joint anew")
+
+
+def test_mixed_firmware_keeps_the_robot_from_being_armed(seated):
+    forge_heartbeats(seated.sim, 7, w.HEARTBEAT_FIRMWARE_MINOR, 9)
+    refused(seated, r"different firmware: .*on nodes 7.*flash all the same")
+
+
+def test_two_boards_with_one_node_keep_the_robot_from_being_armed(seated):
+    twin = add_twin(seated.sim, 5)
+    refused(seated, r"FL thigh \(node 5\)")
+    twin.close()
+
+
+def held(walker):
+    """Arm, and have the legs hold the robot."""
+    walker.arm()
+    walker.go(0.3, mode="stand")
+    assert not walker.sim.torque_free
+    return walker
+
+
+def damped(walker, what, node):
+    """The joint is named, all joints brake and then let go, and stay so."""
+    assert what in {notice.what for notice in walker.notices}
+    assert {notice.node for notice in walker.notices} == {node}
+    assert walker.bus.cycle.reaction == "damp"
+    assert not walker.bus.cycle.armed
+    walker.bus.run_for(1.0)
+    assert walker.sim.torque_free
+
+
+def test_a_twin_that_appears_while_armed_makes_all_damp(seated):
+    held(seated)
+    twin = add_twin(seated.sim, 5)
+    seated.go(0.5, mode="stand")
+    damped(seated, "duplicate", 5)
+    twin.close()
+
+
+def test_a_joint_that_resets_makes_all_damp(seated):
+    held(seated)
+    seated.sim.joints[7].power_cycle()
+    seated.go(0.3, mode="stand")
+    damped(seated, "reset", 8)
+
+
+def sat_down(rig):
+    """The robot has sat down by itself, and then let go."""
+    rig.run_until(lambda: rig.sim.torque_free, AHEAD)
+    assert rig.sim.body.height_m < 0.17  # sitting is 0.13 m, standing 0.25 m
+    assert "sitting" in [change.state for change in rig.supervisor.changes] or rig.supervisor.safety.action == "sit"
+    assert rig.bus.cycle.reaction == "sit"  # never damped: it went down on its own legs
+
+
+def test_a_hot_joint_makes_the_robot_sit_down(rig):
+    rig.stand()
+    rig.sim.joints[2].set_winding(90.0)
+    rig.run_until(lambda: rig.supervisor.safety.action == "sit", AHEAD)
+    assert "FR calf" in rig.supervisor.safety.sentence
+    assert "hot" in rig.supervisor.safety.sentence
+    sat_down(rig)
+
+
+def test_lost_frames_make_the_robot_sit_down(rig):
+    rig.stand()
+    rig.sim.nodes[10].loss = 0.25
+    rig.run_until(lambda: rig.supervisor.safety.action == "sit", AHEAD)
+    assert "RL thigh (node 11): more than a tenth of its replies is lost" in rig.supervisor.safety.sentence
+    sat_down(rig)
+
+
+def test_a_silent_joint_makes_all_damp_and_the_driver_is_told(rig):
+    rig.stand()
+    power_off(rig.sim, [9])
+    rig.run(0.3, AHEAD)
+    assert rig.supervisor.safety.action == "damp"
+    assert "RR calf (node 9) has not replied" in rig.supervisor.safety.sentence
+    assert rig.supervisor.state == "fault"
+    rig.run(0.7, AHEAD)
+    assert rig.sim.torque_free
+
+
+def test_after_a_stop_on_the_bus_the_driver_resets_and_stands_up_again(rig):
+    rig.run(0.1)
+    rig.loop.receive(SCRIPT, STAND)
+    rig.run(0.4, STILL)  # not yet so far up that it falls over its legs
+    assert not rig.sim.torque_free
+    rig.sim.nodes[3].send(w.E_STOP_ID, b"")
+    rig.run(0.1, AHEAD)
+    assert rig.sim.torque_free
+    assert "emergency stop came over the bus" in rig.supervisor.safety.sentence
+    rig.run(1.0, AHEAD)
+    assert rig.sim.torque_free
+    rig.loop.receive(SCRIPT, {"type": "reset"})
+    rig.run(0.2)
+    assert rig.sim.torque_free
+    assert rig.supervisor.safety.sentence == ""
+    rig.loop.receive(SCRIPT, STAND)
+    rig.run(0.5, STILL)
+    assert not rig.sim.torque_free
+
+
+def test_the_cycle_in_a_thread_of_its_own_stands_the_robot_up():
+    """The thread moves the simulated time, so that a busy machine makes no difference."""
+    with opened(threaded=True) as rig:
+        rig.run_until(lambda: rig.supervisor.measured.complete)
+        rig.loop.receive(SCRIPT, STAND)
+        rig.run_until(lambda: rig.supervisor.armed, STILL)
+        assert not rig.sim.torque_free
+        rig.bus.emergency_stop()
+        end_s = rig.bus.now() + 0.02
+        rig.bus.run_until(end_s)
+        assert rig.sim.torque_free
+
+
+def test_torque_that_nobody_waits_for_any_more_is_taken_away():
+    with opened(threaded=True) as rig:
+        assert not rig.bus.try_torque()
+        wait([rig.bus._arming])
+        assert not rig.sim.torque_free
+        rig.bus.run_for(0.3)
+        rig.bus.read()
+        rig.bus.run_for(0.1)
+        assert rig.sim.torque_free
+        assert rig.bus.read().complete
+
+
+def test_a_cycle_that_ends_is_told(monkeypatch):
+    with opened(threaded=True) as rig, monkeypatch.context() as patch:
+        patch.setattr(rig.bus.cycle, "step", lambda: 1 / 0)
+        with pytest.raises(UserError, match="the cycle on simulated has ended: division by zero"):
+            rig.bus.run_for(60.0)
+        with pytest.raises(UserError, match="has ended"):
+            rig.bus.read()
+
+
+def test_teleoperation_opens_the_joints_and_tells_when_nobody_answers():
+    with hardware(variant(), "real", "virtual:caramelo-nobody") as parts:
+        assert parts.bus.kind == "can"
+        with pytest.raises(UserError, match="no joint answers on virtual caramelo-nobody: check"), parts.bus:
+            pass
+    with pytest.raises(UserError, match="INTERFACE:CHANNEL"), hardware(variant(), "real", "/dev/ttyACM0"):
+        pass

@@ -1,0 +1,171 @@
+"""A stop on CAN: goes before all that waits, is repeated until every joint says so, and nothing holds it up."""
+
+import threading
+from itertools import count
+
+import can
+import pytest
+
+from host.bus.can.adapter import AdapterPort
+from host.bus.can.joints import OVERTAKEN
+from host.bus.can.link import RECEIVE_MOST, RECEIVE_S, JointLink
+from host.bus.can.port import Port, Received
+from host.sim.joints.sim_robot import power_off
+from host.util.errors import UserError
+from shared.wire import names as w
+from tests.host.control.rig import RESET, SCRIPT, STOP, Silence
+
+from .robot import SESSION, Walker
+from .test_reactions import opened
+
+PATIENCE_S = 30.0
+SLOWEST_ID = 0x7FF
+
+
+@pytest.fixture
+def standing():
+    walker = Walker()
+    walker.arm()
+    walker.stand_up()
+    yield walker
+    walker.close()
+
+
+def test_a_stop_finds_room_in_a_full_send_buffer(standing):
+    port = standing.ports[0]
+    while port.send(SLOWEST_ID, bytes(8)):
+        continue
+    standing.bus.emergency_stop()
+    standing.sim.advance_ms(5)
+    assert standing.sim.torque_free
+
+
+@pytest.mark.parametrize("how", ["stop", "disarm"])
+def test_letting_go_is_repeated_until_every_joint_says_so(standing, how):
+    deaf = (3, 8)
+    for node in deaf:
+        standing.sim.nodes[node - 1].loss = 1.0
+    if how == "stop":
+        standing.bus.emergency_stop()
+    else:
+        standing.bus.cycle.let_go("disarm")
+    standing.bus.run_for(0.03)
+    assert {joint.node for joint in standing.sim.joints if joint.bridge} == set(deaf)
+    assert standing.bus.cycle.letting_go == how
+    assert set(standing.bus.cycle.holding) == set(deaf)
+    for node in deaf:
+        standing.sim.nodes[node - 1].loss = 0.0
+    standing.bus.run_for(0.03)
+    assert standing.sim.torque_free
+    standing.bus.run_for(0.25)
+    assert standing.bus.cycle.letting_go == ""
+    sent = standing.sim.bus.sent
+    standing.bus.run_for(1.0)
+    assert standing.sim.bus.sent - sent < 200 * 14 + 5 * 24, "nothing but SYNC, replies and status"
+
+
+def test_no_reset_as_long_as_a_joint_has_not_said_that_it_let_go(standing):
+    power_off(standing.sim, [9])
+    standing.bus.emergency_stop()
+    with pytest.raises(UserError, match=r"RR calf \(node 9\) has not said that it let go"):
+        standing.bus.clear_faults()
+    assert standing.bus.cycle.letting_go == "stop", "still repeated"
+
+
+def test_closing_lets_go_of_a_joint_that_does_not_hear_its_requests(standing):
+    hears = standing.sim.joints[6].hears
+    standing.sim.joints[6].hears = lambda identifier: identifier == w.E_STOP_ID and hears(identifier)
+    standing.bus.close()
+    assert standing.sim.torque_free
+
+
+def test_no_message_waits_for_the_bus_and_a_stop_ends_what_others_began():
+    """The bus stands still, so whatever waited for it would wait for ever."""
+    with opened(threaded=True) as rig:
+        rig.run_until(lambda: rig.supervisor.measured.complete)
+        done = []
+
+        def drive():
+            with rig.sim.lock:
+                for _ in range(100):
+                    rig.loop.receive(SCRIPT, RESET)
+                    rig.loop.tick(Silence())
+                rig.loop.receive(SCRIPT, {"type": "posture", "posture": "stand"})
+                for _ in range(3):
+                    rig.loop.tick(Silence())
+                rig.loop.receive(SCRIPT, {"type": "posture", "posture": "rest"})
+                rig.loop.tick(Silence())
+                rig.loop.receive(SCRIPT, STOP)
+                done.append(next(iter(rig.bus.port.node.waiting)))
+
+        thread = threading.Thread(target=drive, daemon=True)
+        thread.start()
+        thread.join(PATIENCE_S)
+        assert done == [(w.E_STOP_ID, b"")]
+        rig.bus.run_for(0.5)
+        assert rig.sim.torque_free
+        assert rig.bus.cycle.letting_go == ""
+
+
+def test_work_that_a_stop_overtakes_arms_nothing():
+    with opened(threaded=True) as rig:
+        rig.run_until(lambda: rig.supervisor.measured.complete)
+        with rig.sim.lock:
+            assert not rig.bus.try_torque()
+            arming = rig.bus._arming
+            rig.bus.emergency_stop()
+        rig.bus.run_for(0.5)
+        with pytest.raises(UserError, match=OVERTAKEN):
+            arming.result(PATIENCE_S)
+        assert rig.sim.torque_free
+        assert not rig.bus.cycle.armed
+
+
+class Flood(Port):
+    """Frames that come faster than they are read; each takes ``frame_s`` to read."""
+
+    def __init__(self, frame_s):
+        super().__init__()
+        self._frame_s, self._numbers = frame_s, count()
+
+    def send(self, identifier, data):
+        return True
+
+    def receive(self):
+        return Received(self.now(), w.REPLY_ID + 1 + next(self._numbers) % 12, bytes(6))
+
+    def now(self):
+        return self._frame_s * next(self._numbers)
+
+    def wait_until(self, time_s):
+        return
+
+
+@pytest.mark.parametrize("frame_s", [0.0, RECEIVE_S / 10])
+def test_reading_ends_though_frames_keep_coming(frame_s):
+    link = JointLink(Flood(frame_s), SESSION)
+    reading = threading.Thread(target=link.receive, daemon=True)
+    reading.start()
+    reading.join(PATIENCE_S)
+    assert not reading.is_alive()
+    assert link.floods == 1
+    assert 0 < sum(view.replies for view in link.views.values()) <= (20 if frame_s else RECEIVE_MOST)
+
+
+def test_looking_for_a_frame_of_ours_ends_too(monkeypatch):
+    port = AdapterPort("virtual", "caramelo-flood", 1_000_000)
+    foreign = can.Message(arbitration_id=0x12345, is_extended_id=True)
+    monkeypatch.setattr(port._bus, "recv", lambda timeout: foreign)
+    looking = threading.Thread(target=port.receive, daemon=True)
+    looking.start()
+    looking.join(PATIENCE_S)
+    assert not looking.is_alive()
+    port.close()
+
+
+def test_a_sender_that_hangs_does_not_hold_up_a_stop():
+    port = AdapterPort("virtual", "caramelo-hangs", 1_000_000)
+    with port._sending:
+        assert not port.send_first(w.E_STOP_ID, b"")
+    assert port.send_first(w.E_STOP_ID, b"")
+    port.close()

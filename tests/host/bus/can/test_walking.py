@@ -1,0 +1,156 @@
+"""The whole robot over CAN in simulated time: walking, lost frames, a dead host, a babbling node, a stop."""
+
+import pytest
+
+from host.bus.can.load import busload, default_schedule
+from host.sim.joints.sim_robot import power_off
+from host.util.errors import UserError
+from shared.joint.faults import FAULT_EMERGENCY_STOP, FAULT_WATCHDOG
+from shared.joint.layout import TORQUE_DAMP, TORQUE_OFF
+from shared.wire import names as w
+
+from .robot import Walker
+
+
+@pytest.fixture
+def standing():
+    walker = Walker()
+    walker.arm()
+    walker.stand_up()
+    yield walker
+    walker.close()
+
+
+def states(walker, name):
+    return [getattr(joint.inside.joint.control.state, name) for joint in walker.sim.joints]
+
+
+def walk_with_loss(seconds):
+    walker = Walker(jitter_s=0.005, loss=0.01)
+    walker.arm()
+    walker.stand_up()
+    start_m = walker.sim.body.x_m
+    walker.go(seconds)
+    return walker, walker.sim.body.x_m - start_m
+
+
+def check_lossy_walk(seconds):
+    walker, way_m = walk_with_loss(seconds)
+    assert walker.bus.cycle.armed
+    assert walker.notices == []
+    assert walker.lowest_m > 0.2
+    assert way_m > 0.7 * 0.05 * (seconds - 2)
+    counters = walker.bus.counters
+    share = counters.lost / counters.sent
+    assert 0.005 < share < 0.03  # SYNC, or the reply, or both are missing: near 2 %
+    assert all(counters.per_joint_lost)
+    assert sum(walker.bus.cycle.timing.late[5:]) > 0
+    walker.close()
+
+
+def test_walks_with_one_percent_of_frames_lost_and_five_ms_of_jitter():
+    check_lossy_walk(6.0)
+
+
+@pytest.mark.slow
+def test_walks_a_minute_with_one_percent_of_frames_lost_and_five_ms_of_jitter():
+    check_lossy_walk(60.0)
+
+
+def test_a_host_that_dies_mid_stride_leaves_joints_that_damp_then_coast_and_stay_so(standing):
+    standing.go(2.0)
+    sim = standing.sim
+    sim.advance_ms(120)  # nobody sends any more
+    assert states(standing, "torque") == [TORQUE_DAMP] * 12
+    sim.advance_ms(600)
+    assert states(standing, "torque") == [TORQUE_OFF] * 12
+    assert states(standing, "fault_code") == [FAULT_WATCHDOG] * 12
+    standing.bus.cycle.run_until(standing.bus.now() + 0.3)  # it is back, and its set-points are not obeyed
+    assert sim.torque_free
+    assert states(standing, "drive_state") == [w.STATE_FAULT] * 12
+
+
+def stop_by(walker, sender):
+    """Have a node send an e-stop mid-stride; return after how many ms the robot is torque-free."""
+    walker.go(1.0)
+    assert not walker.sim.torque_free
+    sender(w.E_STOP_ID, b"")
+    for ms in range(1, 100):
+        walker.bus.run_for(0.001)
+        if walker.sim.torque_free:
+            return ms
+    return None
+
+
+@pytest.mark.parametrize("node", [0, 5, 12, 13])
+def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing, node):
+    """Node 0 is the host, 1 .. 12 are joints, 13 is a button on the bus."""
+    sim = standing.sim
+    senders = [standing.port.send, *(n.send for n in sim.nodes), sim.bus.attach(lambda *frame: None).send]
+    ms = stop_by(standing, senders[node])
+    assert ms is not None
+    assert ms <= 20  # also of a joint that sends it, and does not hear its own frame: the host answers with another
+    for _ in range(50):
+        standing.bus.cycle.link.send_setpoints(w.SETPOINT_POSITION_ID, [0] * 12)
+        standing.bus.run_for(0.005)
+    assert sim.torque_free
+    assert set(states(standing, "fault_code")) == {FAULT_EMERGENCY_STOP}
+    with pytest.raises(UserError, match="emergency"):
+        standing.bus.torque(True)
+
+
+def test_after_a_stop_it_walks_again_only_when_cleared_and_armed_anew(standing):
+    standing.bus.emergency_stop()
+    standing.bus.run_for(3.0)
+    standing.bus.clear_faults()
+    assert standing.sim.torque_free
+    standing.bus.torque(True)
+    assert not standing.sim.torque_free
+
+
+def test_a_joint_that_is_power_cycled_while_walking_is_named_and_all_damp(standing):
+    standing.go(1.0)
+    standing.sim.at(100, standing.sim.joints[4].power_cycle)
+    standing.go(0.8)
+    assert standing.bus.cycle.reaction == "damp"
+    assert any("FL thigh (node 5)" in notice.sentence for notice in standing.notices)
+    assert set(states(standing, "torque")) <= {TORQUE_DAMP, TORQUE_OFF}
+
+
+def test_a_joint_that_falls_silent_makes_all_damp(standing):
+    standing.sim.at(10, lambda: power_off(standing.sim, [9]))
+    standing.go(0.3)
+    assert {notice.what for notice in standing.notices} == {"silent"}
+    assert [notice.node for notice in standing.notices] == [9]
+    standing.sim.advance_ms(700)
+    assert standing.sim.torque_free
+
+
+@pytest.mark.parametrize("identifier", [0x7F0, 0x07F])
+def test_a_babbling_node_ends_in_torque_off_or_does_not_matter(standing, identifier):
+    """With the lowest priority it only fills gaps; with a priority above SYNC nobody else can speak: watchdog."""
+    node = standing.sim.bus.attach(lambda *frame: None)
+    standing.sim.each_ms.append(lambda ms: [node.send(identifier, bytes(8)) for _ in range(12)])
+    standing.go(1.0)
+    if identifier == 0x7F0:
+        assert standing.bus.cycle.armed
+        assert standing.bus.cycle.reaction == "none"
+        return
+    standing.bus.run_for(1.0)
+    assert standing.sim.torque_free
+    assert standing.bus.cycle.reaction == "damp"
+    assert standing.port.counters.full > 0  # its own frames found no room: counted, not fatal
+
+
+def test_the_bus_is_loaded_as_busload_says(standing):
+    """Within 1 % of the frames really sent, over the schedule's typical payloads and over its worst."""
+    bus = standing.sim.bus
+    frames = []
+    bus.log = lambda time_us, identifier, data: frames.append((identifier, data))
+    bits, start_us = bus.bits, bus.now_us
+    standing.go(2.0)
+    share = (bus.bits - bits) / (bus.now_us - start_us)
+    total = busload(default_schedule(standing.robot.bus.rate_hz))[-1]
+    assert share == pytest.approx(total.typical_share, rel=0.01)
+    assert share < total.worst_share <= 0.40
+    assert len(frames) == pytest.approx(2.0 * total.frames_per_s, rel=0.01)

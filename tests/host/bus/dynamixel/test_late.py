@@ -1,0 +1,53 @@
+"""Answers that come late are counted once: as lost when they are given up, and not again when they come."""
+
+from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS
+
+from host.bus.dynamixel.link import Link
+
+
+class Port:
+    """A port that nobody reads."""
+
+    is_real = False
+    patience_ms = 0.0
+
+
+class Line(Link):
+    """A link whose answers the test lays out: (servo, bytes), or None where the waiting ends."""
+
+    def __init__(self):
+        super().__init__(Port(), 1.0)
+        self.coming = []
+
+    def _receive(self):
+        answer = self.coming.pop(0)
+        if answer is None:
+            return [], COMM_RX_TIMEOUT
+        servo, size = answer
+        return [255, 255, servo, 2 + size, 0, *[0] * size, 0], COMM_SUCCESS
+
+    def exchange(self, wanted, length, *coming):
+        self.coming = list(coming)
+        return len(self._collect(wanted, length))
+
+
+def test_a_late_answer_is_one_error():
+    line = Line()
+    assert line.exchange([1, 2, 3], 6, (1, 6), None) == 1
+    assert line.exchange([4], 2, (2, 6), (3, 6), (4, 2)) == 1
+    counters = line.counters
+    assert (counters.lost, counters.late, counters.wrong, counters.errors) == (2, 2, 0, 2)
+
+
+def test_an_answer_that_nobody_was_asked_for_is_an_error():
+    line = Line()
+    assert line.exchange([1], 6, (9, 6), (1, 6)) == 1
+    assert (line.counters.late, line.counters.wrong, line.counters.errors) == (0, 1, 1)
+
+
+def test_an_answer_is_not_late_once_all_have_come():
+    line = Line()
+    line.exchange([1, 2], 6, (1, 6), None)
+    assert line.exchange([1, 2], 6, (1, 6), (2, 6)) == 2
+    line.exchange([1], 6, (9, 6), (1, 6))
+    assert (line.counters.late, line.counters.wrong) == (0, 1)

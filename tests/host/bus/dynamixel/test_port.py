@@ -1,0 +1,327 @@
+"""The real port code on a pseudo-terminal: emulated servos in their own process, and what goes wrong with ports."""
+
+import errno
+import os
+import pty
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+
+import pytest
+import serial
+
+from host.bus.dynamixel import table as t
+from host.bus.dynamixel import tools
+from host.bus.dynamixel.bus import ServoBus
+from host.bus.dynamixel.calibration.data import nominal
+from host.bus.dynamixel.link import PING_PATIENCE_MS, Link
+from host.bus.dynamixel.port import PATIENCE_MS, ServoPort, explain, latency_ms, latency_warning
+from host.commands._hardware import hardware
+from host.sim.servos.packets import framing
+from host.sim.servos.process import Emulator
+from host.util.errors import UserError
+from tests import ROOT
+from tests.host.teleop.hanging import child_of
+from tests.waiting import PATIENCE_S, wait_until
+
+from .rig import CARAMELO, PERIOD_S
+
+BAUD = CARAMELO.bus.baud
+
+
+@pytest.fixture
+def emulator():
+    with Emulator("--plant", "bench") as running:
+        yield running
+
+
+def furthest(one, other):
+    """Return how far two poses differ at most, rad."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+def cycle_until(cycle, enough):
+    """Do a control cycle every period until what it returns is enough; return that."""
+    last = []
+
+    def once():
+        last[:] = [cycle()]
+        return enough(last[0])
+
+    wait_until(once, lambda: last, every_s=PERIOD_S)
+    return last[0]
+
+
+def test_the_sdk_talks_through_a_terminal(emulator):
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        measured = cycle_until(bus.read, lambda measured: measured.complete)
+        bus.torque(True)
+        goals = [angle + 0.1 for angle in measured.position_rad]
+
+        def cycle():
+            bus.write(goals)
+            seen, state = bus.read().position_rad, emulator.ask("state")
+            if -1 in state["watchdog"]:  # this machine was so busy that the servos stopped themselves
+                bus.torque(True)
+            return seen, state
+
+        def there(seen, state):
+            return furthest(goals, state["position_rad"]) < 0.03 and furthest(seen, state["position_rad"]) < 0.01
+
+        cycle_until(cycle, lambda found: there(*found) and all(found[1]["follows"]))
+        assert bus.counters.answered > 0.5 * bus.counters.sent
+    assert not any(emulator.ask("state")["torque"])
+
+
+def test_real_time_walking_with_a_bad_line_and_a_trip():
+    with hardware(CARAMELO, "emulated") as parts, parts.bus as bus:
+        emulator = parts.attitude.source.emulator
+        emulator.ask("disturb", lost=0.01, corrupted=0.01)
+        bus.torque(True)
+        cycle_until(lambda: bus.write(bus.read().position_rad), lambda _: bus.counters.lost and bus.counters.corrupted)
+        emulator.ask("trip", servo=5)
+        assert cycle_until(bus.read, lambda measured: measured.error[4]).error[4] == "overload"
+        parts.attitude.open()
+        cycle_until(parts.attitude.update, lambda angles: angles is not None)
+        assert parts.attitude.state == "ok", parts.attitude.note
+
+
+CHILD = """
+import sys, time
+from host.bus.dynamixel.calibration.data import nominal
+from host.robot.file import load_robot
+from host.bus.dynamixel.bus import ServoBus
+from host.bus.dynamixel.port import ServoPort
+robot = load_robot("caramelo")
+bus = ServoBus(robot, nominal(robot), ServoPort(sys.argv[1], robot.bus.baud))
+bus.open()
+bus.torque(True)
+print("on", flush=True)
+while True:
+    bus.write(bus.read().position_rad)
+    time.sleep(0.02)
+"""
+
+
+@contextmanager
+def holder(emulator):
+    """Yield a program that holds the servos; it is killed at the end."""
+    child = subprocess.Popen([sys.executable, "-c", CHILD, emulator.port], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    try:
+        assert child.stdout.readline() == "on\n"
+        wait_until(lambda: all(emulator.ask("state")["torque"]), "all servos hold")
+        yield child
+    finally:
+        child.kill()
+        child.wait(PATIENCE_S)
+        child.stdout.close()
+
+
+@pytest.mark.parametrize("death", [signal.SIGKILL, signal.SIGSTOP, signal.SIGSEGV])
+def test_whoever_holds_the_servos_dies_or_hangs_and_they_are_let_go(emulator, death):
+    """The servos' own watchdog only stops them; the guardian takes the torque away."""
+    with holder(emulator) as child:
+        child.send_signal(death)
+        wait_until(lambda: not any(emulator.ask("state")["torque"]), "all servos are let go")
+
+
+def test_the_servos_own_watchdog_stops_them_and_they_go_on_holding(emulator):
+    """With the guardian dead too nobody lets go: a switch has to."""
+    with holder(emulator) as child:
+        guardian = child_of(child.pid, "host.bus.dynamixel.guardian")
+        for process in (child.pid, guardian):
+            os.kill(process, signal.SIGSTOP)
+        # Each does so within WATCHDOG_S by its own clock (test_bus.py); here a busy machine may be late.
+        wait_until(lambda: not any(emulator.ask("state")["follows"]), "the servos stop themselves")
+        state = emulator.ask("state")
+        assert state["watchdog"] == [-1] * 12
+        assert state["torque"] == [True] * 12
+        os.kill(guardian, signal.SIGCONT)
+        wait_until(lambda: not any(emulator.ask("state")["torque"]), "all servos are let go")
+
+
+def test_a_guardian_that_dies_is_a_fault_and_closing_ends_it(emulator):
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        guardian = bus._guardian.process
+        assert bus.read().faults == ()
+        guardian.kill()
+        guardian.wait(PATIENCE_S)
+        bus.torque(True)
+        wait_until(lambda: [fault.cause for fault in bus.read().faults] == ["guardian"], "the guardian is missed")
+    with ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, BAUD)) as bus:
+        bus.torque(True)
+        guardian = bus._guardian.process
+    assert guardian.wait(PATIENCE_S) == 0
+    assert not any(emulator.ask("state")["torque"])
+
+
+def test_wrong_rate_gets_no_answer(emulator):
+    with pytest.raises(UserError, match="no servo answers at 57600 baud"):
+        ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, 57600)).open()
+
+
+def test_a_port_in_use_is_told(emulator):
+    first = ServoPort(emulator.port, BAUD)
+    first.open()
+    with pytest.raises(UserError, match="in use by another program"):
+        ServoPort(emulator.port, BAUD).open()
+    first.closePort()
+    ServoPort(emulator.port, BAUD).open()
+
+
+def test_no_such_port_is_told():
+    with pytest.raises(UserError, match=r"no such port; serial ports here: .*; name yours with --port"):
+        ServoPort("/dev/ttyUSB97", BAUD).open()
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.EACCES, "usermod -aG dialout"),
+        (errno.EBUSY, "in use by another program"),
+        (errno.ENOTTY, "is it a serial port?"),
+    ],
+)
+def test_other_reasons_are_told(number, words):
+    assert words in explain("/dev/ttyUSB0", serial.SerialException(number, os.strerror(number)))
+
+
+def test_an_adapter_that_goes_away_is_one_sentence():
+    ours, theirs = pty.openpty()
+    port = ServoPort(os.ttyname(theirs), BAUD)
+    port.open()
+    os.close(theirs)
+    os.close(ours)
+    with pytest.raises(UserError, match="the adapter is gone"):
+        Link(port).read_all([1], (126, 10))
+    bus = ServoBus(CARAMELO, nominal(CARAMELO), port)
+    bus._opened = True
+    bus.close()
+    assert "the adapter is gone" in bus.warnings[0]
+
+
+def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path):
+    pattern = str(tmp_path / "{tty}" / "latency_timer")
+    timer = tmp_path / "ttyUSB0" / "latency_timer"
+    assert latency_ms("/dev/ttyUSB0", pattern) is None
+    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    timer.parent.mkdir()
+    timer.write_text("16\n")
+    warning = latency_warning("/dev/ttyUSB0", pattern)
+    assert warning == f"/dev/ttyUSB0: the adapter holds answers back for 16 ms; run: echo 1 | sudo tee {timer}"
+    timer.write_text("1\n")
+    assert latency_warning("/dev/ttyUSB0", pattern) is None
+
+
+def test_a_lost_answer_costs_little_time():
+    """Less than the SDK's own 34 ms, which is almost two control periods, by far."""
+    ours, theirs = pty.openpty()
+    port = ServoPort(os.ttyname(theirs), BAUD)
+    port.open()
+    took_s = []
+    for _ in range(5):
+        began_s = time.monotonic()
+        assert Link(port).read_all([1], (126, 10)) == {}
+        took_s.append(time.monotonic() - began_s)
+    assert min(took_s) < 0.034
+    os.close(ours)
+    os.close(theirs)
+
+
+def test_renumbering_and_rates(emulator):
+    port = ServoPort(emulator.port, BAUD)
+    port.open()
+    link = Link(port)
+    tools.set_id(link, 3, 40)
+    assert link.ping(40) is not None
+    assert link.ping(3) is None
+    for old, new, words in ((3, 5, "no servo answers with id 3"), (40, 5, "id 5 is taken"), (40, 300, "0 .. 252")):
+        with pytest.raises(UserError, match=words):
+            tools.set_id(link, old, new)
+    tools.set_baud(link, 40, 1_000_000)
+    assert port.getBaudRate() == 1_000_000
+    assert [found.id for found in tools.find(link)] == [40]
+    with pytest.raises(UserError, match="allowed 9600"):
+        tools.set_baud(link, 40, 123)
+    port.closePort()
+
+
+def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more():
+    """A terminal that nobody reads fills up; the packet counts as lost, the adapter is not taken for gone."""
+    ours, theirs = pty.openpty()
+    port = ServoPort(os.ttyname(theirs), BAUD)
+    port.open()
+    link = Link(port)
+    for _ in range(2000):
+        link.write_all(t.GOAL_POSITION, dict.fromkeys(range(12), 2048))
+        if link.counters.lost:
+            break
+    assert link.counters.lost == 1
+    assert link.read_all([1, 2], (126, 10)) == {}
+    os.close(ours)
+    os.close(theirs)
+
+
+class Babble:
+    """A serial device on which bytes never end; each look at it takes its time by the port's clock."""
+
+    in_waiting = 4096
+
+    def __init__(self, pattern):
+        self._pattern, self.taken = pattern, 0
+
+    def read(self, length):
+        data = bytes(self._pattern[(self.taken + i) % len(self._pattern)] for i in range(length))
+        self.taken += length
+        return data
+
+    def write(self, data):
+        return len(data)
+
+    def reset_input_buffer(self):
+        return
+
+
+class SlowClock(ServoPort):
+    """A port on that device; every question after the time takes 0.05 ms of it."""
+
+    def __init__(self, pattern):
+        self.now_ms = 0.0
+        super().__init__("babble", BAUD)
+        self.ser, self.tx_time_per_byte = Babble(pattern), 10_000.0 / BAUD
+
+    def getCurrentTime(self):
+        self.now_ms += 0.05
+        return self.now_ms
+
+
+STRANGER = framing(2.0).status(200, 0, bytes(10))
+
+
+@pytest.mark.parametrize(
+    "pattern",
+    [b"\0", b"\xff", b"\xff\xff\xfd\0", bytes(range(256)), STRANGER],
+    ids=["zeros", "ones", "headers", "counting", "a stranger's packets"],
+)
+@pytest.mark.parametrize("what", ["all", "one"])
+def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
+    port = SlowClock(pattern)
+    link = Link(port)
+    ids = list(range(1, 13))
+    ended = []
+
+    def read():
+        if what == "all":
+            ended.append(link.read_all(ids, t.FAST_BLOCK))
+        else:
+            ended.append(link.ping(1, tries=1))
+
+    reading = threading.Thread(target=read, daemon=True)
+    reading.start()
+    reading.join(30)
+    assert ended in ([{}], [None])
+    most_ms = port.tx_time_per_byte * 12 * 21 + PATIENCE_MS if what == "all" else PING_PATIENCE_MS + 1
+    assert port.now_ms < most_ms + 1.0

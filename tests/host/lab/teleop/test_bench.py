@@ -1,0 +1,36 @@
+"""The bench of teleoperation: its rows, and one source measured through the whole command."""
+
+import json
+
+import pytest
+
+from host.cli import main
+from host.lab.teleop import bench
+
+
+def test_a_figure_is_reached_or_not():
+    row = bench.Row("missed deadlines", 0, 0, "")
+    assert row.reached
+    assert not bench.Row("missed deadlines", 1, 0, "").reached
+    assert bench.Bench([row], {"page, key": "no browser"}).as_dict() == {
+        "figures": [{"what": "missed deadlines", "value": 0, "at_most": 0, "unit": "", "detail": "", "reached": True}],
+        "skipped": {"page, key": "no browser"},
+    }
+
+
+def test_keys_typed_into_the_terminal_reach_the_servos(tmp_path):
+    steered, stopped = bench._latencies(tmp_path, bench.SOURCES["keyboard"], 3)
+    assert (steered.what, stopped.what) == ("keyboard: stick to packet", "keyboard: stop to torque off")
+    assert 0 < steered.value < 2000
+    assert 0 < stopped.value < 2000
+    assert steered.detail.endswith("3 times")
+
+
+@pytest.mark.parametrize(("value", "code"), [(20.0, 0), (31.0, 1)])
+def test_the_command_fails_if_a_figure_is_not_reached(monkeypatch, capsys, value, code):
+    found = bench.Bench([bench.Row("script: stick to packet", value, 30.0, "ms (p99)")], {"page, key": "no browser"})
+    monkeypatch.setattr(bench, "run_bench", lambda *arguments: found)
+    assert main(["bench", "--teleop", "--json"]) == code
+    assert json.loads(capsys.readouterr().out) == found.as_dict()
+    assert main(["bench", "--teleop"]) == code
+    assert "page, key: skipped: no browser" in capsys.readouterr().out

@@ -1,0 +1,45 @@
+"""Which gaits are advised for which robot: the robot file's own words, and a word for those it does not name."""
+
+import re
+
+import pytest
+
+from host.robot.file import load_robot, robot_names
+from host.robot.gait_advice import UNTRIED, gait_advice, why_not_advised
+from shared.gait.gaits import GAIT_NAMES
+from tests import ROOT
+
+DOCS = ROOT / "docs" / "gaits.md"
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_the_robots_that_come_along_have_tried_every_gait(name):
+    robot = load_robot(name)
+    advice = gait_advice(robot)
+    assert tuple(advice) == GAIT_NAMES
+    assert UNTRIED not in advice.values()
+    assert advice[robot.gait.default] == ""
+
+
+def test_advice_goes_up_to_a_speed():
+    robot = load_robot("caramelo")
+    assert why_not_advised(robot, "trot", 0.1) == ""
+    assert why_not_advised(robot, "trot", -0.1) == ""
+    assert why_not_advised(robot, "trot", 0.2) == "tried up to 0.1 m/s only"
+    assert "kept for comparison" in why_not_advised(robot, "paper-trot")
+
+
+def test_a_gait_that_the_robot_file_does_not_name_has_not_been_tried():
+    robot = load_robot("caramelo")
+    untried = robot.model_copy(update={"gait": robot.gait.model_copy(update={"advised_m_s": {}, "not_advised": {}})})
+    assert set(gait_advice(untried).values()) == {UNTRIED}
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_the_docs_say_of_every_gait_what_the_robot_file_says(name):
+    text = " ".join(re.sub(r"[ |\n]+", " ", DOCS.read_text()).split())
+    robot = load_robot(name)
+    for gait, most_m_s in robot.gait.advised_m_s.items():
+        assert f"`{gait}` on {name.capitalize()} up to {most_m_s:g} m/s" in text
+    for gait, reason in robot.gait.not_advised.items():
+        assert f"`{gait}` on {name.capitalize()} no: {reason}" in text

@@ -1,0 +1,53 @@
+"""The crawl commanded in the middle of a trot, at an edge: where it would tip over if it began at once."""
+
+import math
+
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+
+from host.lab.experiments.steps import space_ground
+from host.robot.file import load_robot
+from host.sim.export.ground import Ground
+from host.sim.space.walk import SpaceSpec, SpaceWalker
+from shared.crawl.state import STILL
+from shared.gait.table import MOVER_CRAWL
+
+ROBOT = load_robot("caramelo")
+RATE_HZ = 50
+FALLEN_RAD = math.radians(45)
+BEFORE_AND_ASTRIDE = [("up", 0.03, 0.26), ("up", 0.05, 0.26), ("down", 0.05, 0.35), ("down", 0.05, 0.45)]
+
+
+def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
+    """Command the crawl ``at_m`` into a walk at 0.05 m/s; return if it fell, and how long it waited, s."""
+    walker = SpaceWalker(SpaceSpec(ROBOT, gait, ground, friction=0.9))
+    walker.stand_up()
+    driver, world = walker.driver, walker.world
+    start_m, commanded, began = world.position_m()[0], None, None
+    driver.set_command(mode="walk", gait=gait, vx_m_s=0.05)
+    for tick in range(round(seconds * RATE_HZ)):
+        walker.tick()
+        if commanded is None and world.position_m()[0] - start_m >= at_m:
+            commanded = tick
+            driver.set_command(mode="walk", gait="crawl", vx_m_s=0.05)
+        if began is None and driver.planner.status.mover == MOVER_CRAWL and driver.planner.crawl.stage.stage != STILL:
+            began = tick
+        if max(map(abs, world.attitude_rad()[:2])) > FALLEN_RAD:
+            return True, None
+    return False, None if began is None else (began - commanded) / RATE_HZ
+
+
+@pytest.mark.parametrize(("kind", "height_m", "at_m"), BEFORE_AND_ASTRIDE)
+def test_commanded_at_an_edge_it_waits_for_level_feet_or_backs_off(kind, height_m, at_m):
+    fell, waited_s = crawl_from(space_ground(kind, height_m, 0.4), at_m)
+    assert not fell
+    assert waited_s is not None
+
+
+@pytest.mark.parametrize("gait", ["trot", "paper-trot"])
+def test_on_a_floor_it_begins_within_a_cycle_or_two(gait):
+    fell, waited_s = crawl_from(Ground("flat"), 0.08, 20.0, gait)
+    assert not fell
+    assert waited_s < 4.5

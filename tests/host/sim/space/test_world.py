@@ -1,0 +1,101 @@
+"""The world in three dimensions is to be trusted: it sags as the servo law says, stays put, senses the truth."""
+
+import math
+
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+
+import numpy as np
+
+from host.imu.attitude import Attitude
+from host.robot.file import load_robot
+from host.sim.export.ground import Ground
+from host.sim.export.mjcf import ModelOptions
+from host.sim.imu import SimulatedImu
+from host.sim.space.walk import SpaceSpec, figures, walk_in_space
+from host.sim.space.world import World
+from host.util.errors import UserError
+
+ROBOT = load_robot("caramelo")
+FLAT = Ground("flat")
+
+
+def test_it_sags_as_the_servo_law_says_and_then_stays():
+    """4.31 mm by the law without dry friction, which holds back 5 %; 2 s of standing move it by less than 0.01 mm."""
+    world = World(ROBOT, ModelOptions(FLAT), 50)
+    for _ in range(150):
+        world.advance()
+    still = world.position_m()
+    assert 0.182 - still[2] == pytest.approx(0.00431, rel=0.08)
+    for _ in range(100):
+        world.advance()
+    assert np.linalg.norm(world.position_m() - still) < 1e-5
+    loads, trunk, deepest = world.foot_loads_N()
+    assert sum(loads) == pytest.approx(9.81 * ROBOT.mass_kg, rel=1e-3)
+    assert not trunk
+    assert deepest < 2e-5
+
+
+def test_goals_act_late():
+    world = World(ROBOT, ModelOptions(FLAT, on_a_stand=True), 50, bus_delay_s=0.06)
+    goal = world.true_joints_rad()
+    goal[1] += 0.2
+    world.send(goal)
+    turned = []
+    for _ in range(5):
+        world.advance()
+        turned.append(world.true_joints_rad()[1])
+    assert turned[2] - turned[1] < 0.01
+    assert turned[3] - turned[2] > 0.05
+
+
+def test_the_attitude_filter_finds_the_tilt_from_raw_counts():
+    """Body tilted by the legs; the core's filter on int16 counts with bias and noise follows the truth within 1 deg."""
+    world = World(ROBOT, ModelOptions(FLAT), 50)
+    attitude = Attitude(ROBOT, SimulatedImu(ROBOT, world.motion, seed=3))
+    rest, worst, largest, worst_rate = world.true_joints_rad(), 0.0, 0.0, 0.0
+    while attitude.update() is None:
+        assert world.time_s < 5
+        world.advance()
+    for tick in range(250):
+        goal = rest.copy()
+        goal[2::6] += 0.12 * math.sin(tick / 25)
+        goal[5::6] -= 0.12 * math.sin(tick / 25)
+        world.send(goal)
+        before = world.attitude_rad()[0]
+        world.advance()
+        found, (roll, pitch, _) = attitude.update(), world.attitude_rad()
+        worst = max(worst, abs(found[0] - roll), abs(found[1] - pitch))
+        worst_rate = max(worst_rate, abs(attitude.rates_rad_s[0] - (roll - before) * 50))
+        largest = max(largest, abs(roll))
+    assert largest > math.radians(3)
+    assert worst < math.radians(1.0)
+    assert worst_rate < math.radians(0.5)
+
+
+def test_two_runs_are_alike_and_another_seed_is_not():
+    walk = SpaceSpec(ROBOT, "paper-trot", FLAT, distance_m=0.12)
+    first = walk_in_space(walk)
+    assert first.outcome.kind == "arrived"
+    assert walk_in_space(walk).digest() == first.digest()
+    assert walk_in_space(SpaceSpec(ROBOT, "paper-trot", FLAT, distance_m=0.12, seed=1)).digest() != first.digest()
+
+
+def test_a_fall_is_told():
+    """The paper's trot at its own gains does not survive a 5 cm step: it falls or gets stuck, and says where."""
+    from host.sim.space.grounds import GroundSpec, make_ground
+
+    ground = make_ground(GroundSpec("step", 0.05, start_m=0.25))
+    result = figures(walk_in_space(SpaceSpec(ROBOT, "paper-trot", ground, time_limit_s=25.0)))
+    assert not result["ok"]
+    assert result["reason"].startswith(("fell at", "stuck at", "timed out at"))
+
+
+def test_grounds_are_refused_in_one_line():
+    from host.sim.space.grounds import GroundSpec, make_ground
+
+    with pytest.raises(UserError, match="there are flat, stones"):
+        make_ground(GroundSpec("moon"))
+    with pytest.raises(UserError, match="height_m"):
+        make_ground(GroundSpec("step", 0.9))

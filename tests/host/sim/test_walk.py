@@ -1,0 +1,100 @@
+"""`caramelo walk`: its verdict is on the command, every walk prints its table, and a torque is told once."""
+
+import json
+
+import numpy as np
+import pytest
+
+pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+
+from host.robot.file import load_robot
+from host.sim.motor.walking import joint_motors, transport
+from host.sim.walk import WalkSpec, facts, judged, run_walk, walk_result
+
+CARAMELO, PARALLEL = load_robot("caramelo"), load_robot("parallel")
+
+
+def result(ok=True, speed=0.05, changes=()):
+    """Return the figures of a made-up walk."""
+    return {"ok": ok, "reason": "arrived" if ok else "fell", "mean_speed_m_s": speed, "gait_changes": list(changes)}
+
+
+def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
+    for former, name in (("adaptive", "trot"), ("climb", "crawl")):
+        code, out, err = run("walk", "--gait", former)
+        assert (code, out) == (2, "")
+        assert err.endswith(f"--gait {former}: gait '{former}' is called '{name}' now\n")
+
+
+def test_a_walk_that_ends_early_prints_its_table(run):
+    code, out, err = run("walk", "--robot", "parallel", "--gait", "crawl")
+    assert code == 1
+    assert err == ""
+    for words in ("not achieved: fell at", "torque rms, % of stall", "largest torque", "falls"):
+        assert words in out
+    assert "not advised" in out
+
+
+def test_a_command_beyond_the_robots_limit_is_told_and_not_achieved(run):
+    code, out, _ = run("walk", "--speed", "0.3", "--distance", "0.3", "--json")
+    told = json.loads(out)
+    assert code == 1
+    assert told["ok"] is False
+    assert told["limited"] == "limited to 0.1 m/s by speed_limits.vx_m_s"
+    assert told["reason"].endswith("but 0.3 m/s was limited to 0.1 m/s by speed_limits.vx_m_s")
+    assert run("walk", "--distance", "0.3", "--json")[0] == 0
+
+
+def test_the_stride_limits_slow_gaits():
+    told = judged(WalkSpec(CARAMELO, "paper-trot", 0.1), result(speed=0.06))
+    assert "by speed_limits.stride_m" in told["limited"]
+    assert not told["ok"]
+
+
+@pytest.mark.parametrize(
+    ("figures", "ok"),
+    [
+        (result(), True),
+        (result(speed=0.026), True),
+        (result(speed=0.024), False),
+        (result(speed=0.015, changes=[{"to": "backing off"}, {"to": "crawl"}]), True),
+        (result(speed=0.015, changes=[{"to": "crawl"}]), False),
+        (result(ok=False), False),
+    ],
+)
+def test_less_than_half_of_the_command_is_not_achieved_unless_the_ground_was_in_the_way(figures, ok):
+    told = judged(WalkSpec(CARAMELO, "trot"), figures)
+    assert told["ok"] is ok
+    assert ("% of the commanded speed" in told["reason"]) is (figures["ok"] and not ok)
+
+
+def test_a_gait_that_is_not_advised_is_told():
+    assert "kept for comparison" in judged(WalkSpec(CARAMELO, "paper-trot"), result())["advice"]
+    assert "up to 0.1" in judged(WalkSpec(CARAMELO, "trot", 0.2), result())["advice"]
+    assert judged(WalkSpec(CARAMELO, "trot"), result())["advice"] == ""
+
+
+@pytest.fixture(scope="module")
+def coupled():
+    """A walk of the robot whose calves' motors sit on the body, with its own joints' loops."""
+    motors, actuator = joint_motors(PARALLEL)
+    spec = WalkSpec(PARALLEL, "paper-trot", 0.1, distance_m=0.2)
+    return spec, run_walk(spec, actuator=actuator), motors
+
+
+def test_a_torque_is_that_of_a_drive_and_within_its_limit(coupled):
+    """Of a coupled leg's thigh the sum of both motors was shown, as 143 % of stall."""
+    spec, recording, motors = coupled
+    figures = transport(PARALLEL, recording, 0.0, motors)
+    limit_Nm = PARALLEL.actuator.torque_limit_Nm
+    shown_Nm = np.abs(recording.torque_Nm).max()
+    assert recording.stall_Nm == pytest.approx([0.0, limit_Nm, limit_Nm] * 4)
+    assert 0.5 * limit_Nm < shown_Nm <= figures["largest_torque_Nm"] + 1e-3 <= limit_Nm + 1e-3
+    told = dict(facts(judged(spec, walk_result(spec, recording)) | figures))
+    assert float(told["largest torque"].split()[0]) >= round(float(shown_Nm), 2) - 0.005
+
+
+def test_the_drives_angles_go_with_the_drives_torques(coupled):
+    _, recording, _ = coupled
+    assert np.array_equal(recording.drive_rad[:, 1::3], recording.joint_rad[:, 1::3])
+    assert np.allclose(recording.drive_rad[:, 2::3], recording.joint_rad[:, 1::3] + recording.joint_rad[:, 2::3])

@@ -1,0 +1,58 @@
+"""Files of the user: every kind of TOML is read in one way, and names from files are only names."""
+
+import re
+
+import pytest
+
+from host.cli import main
+from host.util.files import file_name, read_toml
+from tests import ROOT
+
+# Besides the one place, those that read only what comes with the software.
+READERS = {"util/files.py", "protocol/parameters.py", "sim/energy.py", "lab/experiments/data.py"}
+NESTED = "a = " + "[" * 3000
+COMMANDS = [
+    ["robots", "check", "{}"], ["robots", "show", "{}"], ["walk", "--robot", "{}"],
+    ["calibrate", "--sim", "--robot", "{}"], ["calibrate", "--sim", "--answers", "{}"],
+    ["teleop", "--sim", "--robot", "{}"], ["servos", "scan", "--robot", "{}"],
+    ["teleop", "--sim", "--calibration", "{}"], ["joints", "scan", "--sim", "--robot", "{}"],
+    ["firmware", "build", "--role", "gait", "--robot", "{}"],
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
+@pytest.mark.parametrize("content", [NESTED, "a = {b=" * 3000, "\x00", 'name = "\x1b[2J"', "a.b." * 4000 + "c = 1"])
+def test_whatever_lies_in_a_toml_file_is_told_in_a_line(capsys, tmp_path, command, content):
+    path = tmp_path / "x.toml"
+    path.write_text(content)
+    assert main([word.format(path) for word in command]) == 2
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1
+    assert err.strip("\n").isprintable()
+
+
+def test_no_other_place_parses_toml():
+    readers = {path.relative_to(ROOT / "host").as_posix() for path in (ROOT / "host").rglob("*.py")
+               if re.search(r"^import tomllib", path.read_text(), re.M)}  # fmt: skip
+    assert readers == READERS
+
+
+def test_toml_that_is_nested_too_deeply_is_no_toml(tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text(NESTED)
+    with pytest.raises(ValueError, match="nested too deeply"):
+        read_toml(path)
+
+
+@pytest.mark.parametrize("foreign", ["", ".", "..", "/", "../X", "/etc/passwd", "a/b", "a\\b", "C:x", "\x00", "\ud800",
+                                     "%2F", ".hidden", "~", "x\ny", "\x1b[2J", "-rf", "ä"])  # fmt: skip
+def test_a_foreign_name_is_one_file_in_the_folder(tmp_path, foreign):
+    path = tmp_path / file_name(foreign)
+    path.write_text("x")
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert re.fullmatch(r"[A-Za-z0-9_%~-][A-Za-z0-9_.%~-]*", path.name)
+
+
+def test_different_names_stay_different():
+    names = ["", "%", ".", "..", "%2E", "%2E.", "/", "%2F", "a/b", "a%2Fb", "A", "a"]
+    assert len({file_name(name) for name in names}) >= len(names) - 1  # the empty one is written as %
