@@ -184,7 +184,8 @@ def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
 ])  # fmt: skip
 def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
     script = (
-        "import signal, sys; from pathlib import Path; import typer; from host import cli; from host.util import files\n"
+        "import signal, sys; from pathlib import Path; import typer\n"
+        "from host import cli; from host.util import files\n"
         "app = typer.Typer(pretty_exceptions_enable=False)\n"
         "@app.command()\n"
         "def slow(path: Path):\n"
