@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from shared.crawl import state as crawl
+from shared.crawl.even import LEGS_EVEN
 from shared.gait.gaits import GAIT_NAMES
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
@@ -51,7 +52,7 @@ def change_reason(driver: Driver) -> str:
         handover.REASON_COMMAND: "the crawl was commanded"
         if crawls
         else "a gait or a way was commanded that is not the crawl's",
-        handover.REASON_EVEN: f"even ground under the last {handover.LEGS_EVEN} footholds",
+        handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
     }[driver.planner.status.reason]
 
 

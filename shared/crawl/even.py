@@ -10,6 +10,7 @@ from ..runtime import const, hot
 from .map import Map, front_to_hind
 from .swing import Swing
 
+LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
 _SURE = const(3)  # landings on a slope until the next is expected there
 
 
@@ -52,6 +53,14 @@ def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: in
     if uneven > params.crawl.drop_depth // 3:
         even.even_steps = 0
     return even.even_steps
+
+
+@hot
+def ground_even(even: Evenness) -> int:
+    """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
+    if even.even_steps >= LEGS_EVEN:
+        return 1
+    return 0
 
 
 @hot

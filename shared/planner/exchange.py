@@ -1,4 +1,4 @@
-"""When trot and crawl take over from each other, and one tick of whichever is at work.
+"""Which mover has a tick: when trot and crawl take over from each other.
 
     trot -> (held up) backing off -> crawl -> trot
 
@@ -14,28 +14,12 @@ from ..trot.navigate import navigate_reset
 from ..trot.trot import ADVICE_BEHIND
 from .command import MODE_WALK, Command
 from .handover import REASON_BEHIND, REASON_COMMAND, REASON_NONE, straight_on
-from .movers import start_mover, stop_mover, tick_mover
 from .retreat import retreat_start, retreat_step
 from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
 from .steps import use_gait, wanted_gait
 
 _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
-
-
-@hot
-def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by the mover whose turn it is; return why it gave way, or REASON_NONE."""
-    status = planner.status
-    if status.mover != MOVER_CRAWL:
-        choose_mover(planner, command, sensed)
-    reason = tick_mover(planner, command, sensed)
-    if reason:
-        stop_mover(planner)
-        status.reason = reason
-        use_gait(planner, wanted_gait(planner, command))
-        start_mover(planner, walker(planner))
-    return reason
 
 
 @hot
@@ -49,22 +33,25 @@ def walker(planner: PlannerState) -> int:
 
 @hot
 def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Take up the commanded gait if the robot stands, and let the crawl begin if it is its turn; return the mover."""
+    """Take up the commanded gait if the robot stands; return the mover that has this tick.
+
+    A crawl that has begun goes on until it gives way by itself.
+    """
     status = planner.status
+    if status.mover == MOVER_CRAWL:
+        return MOVER_CRAWL
     wanted = wanted_gait(planner, command)
     if status.state == STANDING:
         use_gait(planner, wanted)
         status.cycles = 0
-    if walker(planner) != status.mover:
-        start_mover(planner, walker(planner))
     if status.backs:
-        if backed_off(planner, command, sensed) == 0:
-            return status.mover
-    elif crawl_is_due(planner, command, sensed, wanted) == 0:
-        return status.mover
-    stop_mover(planner)
+        due = backed_off(planner, command, sensed)
+    else:
+        due = crawl_is_due(planner, command, sensed, wanted)
+    if due == 0:
+        return walker(planner)
     use_gait(planner, wanted)
-    return start_mover(planner, MOVER_CRAWL)
+    return MOVER_CRAWL
 
 
 @hot
@@ -81,7 +68,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed, wanted
     if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
         status.waited = 0
         return 0
-    if gait.mover == MOVER_TABLE or status.mover == MOVER_TABLE:
+    if gait.mover == MOVER_TABLE or walker(planner) == MOVER_TABLE:
         return 0
     reason = wait_for_crawl(planner, gait.mover)
     if reason == REASON_NONE:

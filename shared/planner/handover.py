@@ -5,7 +5,6 @@ footholds; what its goals then differ by (height, lead, tilt) fades over half a 
 """
 
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..crawl.even import Evenness
 from ..crawl.map import Map
 from ..crawl.pose import BodyPath
 from ..gait.steps import Steps
@@ -30,9 +29,6 @@ class Fade:
     jump: Ints = vector(JOINTS, "brad", "by which the first goals differed; until it is taken, the goals sent last")
 
 
-LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
-
-
 @hot
 def straight_on(params: Params, command: Command) -> int:
     """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
@@ -44,14 +40,6 @@ def straight_on(params: Params, command: Command) -> int:
     if turn > params.speed_max[2] or turn < -params.speed_max[2]:
         return 0
     return 1
-
-
-@hot
-def ground_even(even: Evenness) -> int:
-    """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
-    if even.even_steps >= LEGS_EVEN:
-        return 1
-    return 0
 
 
 @hot

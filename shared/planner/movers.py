@@ -20,10 +20,19 @@ from .walk_trot import walk_trot
 
 
 @hot
-def start_mover(planner: PlannerState, mover: int) -> int:
-    """Let ``mover`` have the ticks from now on; return it. A table needs no start."""
+def change_mover(planner: PlannerState, mover: int) -> int:
+    """Let ``mover`` have the ticks from now on; return it."""
     status = planner.status
-    status.mover = mover
+    if mover != status.mover:
+        stop_mover(planner)
+        status.mover = mover
+        start_mover(planner, mover)
+    return mover
+
+
+@hot
+def start_mover(planner: PlannerState, mover: int) -> int:
+    """Begin the work of ``mover``; return it. A table needs no start."""
     if mover == MOVER_CRAWL:
         start_crawl(planner)
     elif mover == MOVER_TROT:

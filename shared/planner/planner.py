@@ -15,13 +15,15 @@ from ..runtime import hot
 from ..sense.legs import keep_sent
 from ..sense.sensed import Sensed
 from .command import Command
-from .exchange import move
+from .exchange import choose_mover, walker
 from .goals import follow_goals
+from .movers import change_mover, tick_mover
 from .posture import posture_step
 from .senses import take_senses
 from .state import PlannerState
 from .states import choose_state, follow_joints, settle
 from .status import LIMP, RISING, SEATED, SITTING
+from .steps import use_gait, wanted_gait
 
 
 class Planner(PlannerState):
@@ -65,3 +67,16 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     if sensing.known:
         keep_sent(planner.sensing, planner.joints)
     return status.flags
+
+
+@hot
+def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """One tick of standing or walking by the mover whose turn it is; return why it gave way, or REASON_NONE."""
+    status = planner.status
+    change_mover(planner, choose_mover(planner, command, sensed))
+    reason = tick_mover(planner, command, sensed)
+    if reason:
+        status.reason = reason
+        use_gait(planner, wanted_gait(planner, command))
+        change_mover(planner, walker(planner))
+    return reason

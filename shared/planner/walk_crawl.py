@@ -2,6 +2,7 @@
 
 from ..body.balance import balance_reset
 from ..crawl.crawl import crawl_start, crawl_tick
+from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
 from ..gait.table import MOVER_TABLE, MOVER_TROT
@@ -15,7 +16,6 @@ from .handover import (
     REASON_EVEN,
     REASON_NONE,
     fade_start,
-    ground_even,
     steps_from_crawl,
     straight_on,
 )

@@ -12,6 +12,7 @@ from host.robot.file import load_robot
 from host.robot.plane import planar_robot
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
+from shared.crawl.even import LEGS_EVEN
 from shared.crawl.footholds import MOST_FOOTHOLDS, Footholds, foothold_add, foothold_drop
 from shared.crawl.map import Map, fit_body
 from shared.crawl.state import Crawl
@@ -19,7 +20,7 @@ from shared.crawl.swing import brake_speed
 from shared.num.filters import fraction, quintic_q15
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.handover import LEGS_EVEN, REASON_BEHIND, REASON_COMMAND, REASON_EVEN
+from shared.planner.handover import REASON_BEHIND, REASON_COMMAND, REASON_EVEN
 from shared.sense.legs import Sensing
 from sim2d import terrain
 from sim2d.run import simulate

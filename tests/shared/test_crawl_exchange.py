@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from shared.crawl import state as at
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
-from shared.planner import exchange, handover, planner, retreat, walk_crawl
+from shared.planner import exchange, handover, movers, planner, retreat, walk_crawl
 from shared.planner import status as n
 from shared.planner.command import Command
 from shared.record import pack, unpack
@@ -23,7 +23,7 @@ from .robots import block
 from .walker import BACK, NAMES, OFF, ON, Walker, phase
 
 YAW_RAD = 2.0**-18
-CHOOSE, TICK = exchange.choose_mover, exchange.tick_mover
+MOVE, CHOOSE, TICK = planner.move, planner.choose_mover, planner.tick_mover
 
 
 def robot_si(params):
@@ -79,9 +79,9 @@ class Pair:
         )
 
     def move(self, robot, command, sensed):
-        """Stand in for shared.planner.exchange.move: one tick of the mover whose turn it is."""
+        """Stand in for shared.planner.planner.move: one tick of the mover whose turn it is."""
         flags, self.status.flags, self.standing = self.status.flags, 0, None
-        answer = exchange.move(robot, command, sensed)
+        answer = MOVE(robot, command, sensed)
         if self.standing is not None:
             if self.twin.stage == twin.OFF:
                 self.handed_over()
@@ -90,15 +90,18 @@ class Pair:
         return answer
 
     def choose(self, robot, command, sensed):
-        """Stand in for exchange.choose_mover: both decide."""
+        """Stand in for choose_mover: both decide, but of a crawl that has begun."""
+        if self.status.mover == MOVER_CRAWL:
+            return CHOOSE(robot, command, sensed)
         wanted, known = self.command(command), self.known(sensed)
         answer = CHOOSE(robot, command, sensed)
-        assert (self.status.mover == MOVER_CRAWL) == self.twin.takes(wanted, known)
+        assert (answer == MOVER_CRAWL) == self.twin.takes(wanted, known)
+        movers.change_mover(robot, answer)
         self.compare(known.standing)
         return answer
 
     def tick_mover(self, robot, command, sensed):
-        """Stand in for exchange.tick_mover: of the crawl both take the tick."""
+        """Stand in for tick_mover: of the crawl both take the tick."""
         if self.status.mover != MOVER_CRAWL:
             return TICK(robot, command, sensed)
         wanted, known = self.command(command), self.known(sensed)
@@ -151,8 +154,8 @@ def spied(monkeypatch):
     def make(rate_hz=50):
         pair = Pair(rate_hz)
         monkeypatch.setattr(planner, "move", pair.move)
-        monkeypatch.setattr(exchange, "choose_mover", pair.choose)
-        monkeypatch.setattr(exchange, "tick_mover", pair.tick_mover)
+        monkeypatch.setattr(planner, "choose_mover", pair.choose)
+        monkeypatch.setattr(planner, "tick_mover", pair.tick_mover)
         pair.walker.stand()
         return pair
 
@@ -256,7 +259,7 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, clock, speed, 
     pair.choose(robot, block, sensed)
     if not drawn["backs"]:
         backs, stands = pair.twin.stage == twin.BACK, pair.twin.stage == twin.READY
-        starts = drawn["gait"] == 0 and pair.twin.walked in twin.FEELING  # the trot takes over from a table
+        starts = drawn["gait"] == 0 and pair.twin.walked in twin.FEELING and not stands  # the trot, from a table
         assert (robot.trot.behind, robot.nav.x) == ((0, 0) if backs or starts else (lag, 99))
         assert robot.speed[0] == (0 if stands else 99)
 

@@ -363,7 +363,7 @@ PROBES = (
         fit=_any_retreat,
     ),
     Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
-    _stateful(handover, "ground_even", EVEN),
+    _stateful(crawl_even, "ground_even", EVEN),
     Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, MAP, PATH, LU, LU, STEPS), watch=(STEPS,),
           fit=_soil),
     Probe("fade_start", handover.fade_start, (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),

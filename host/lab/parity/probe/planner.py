@@ -223,13 +223,14 @@ def _backing_off(values, dice):
 
 
 PARTS = (
-    _part("move", exchange.move, (ROBOT, COMMAND, SENSED), STATE),
+    _part("move", planner.move, (ROBOT, COMMAND, SENSED), STATE),
     _part("walker", exchange.walker, (ROBOT,), ()),
     _part("choose_mover", exchange.choose_mover, (ROBOT, COMMAND, SENSED), STATE),
     _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED, GAIT), STATE),
     _part("wait_for_crawl", exchange.wait_for_crawl, (ROBOT, ANY_MOVER), STATE),
     _part("back_off", exchange.back_off, (ROBOT,), STATE + RETREATS),
     _part("backed_off", exchange.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
+    _part("change_mover", movers.change_mover, (ROBOT, ANY_MOVER), STATE),
     _part("start_mover", movers.start_mover, (ROBOT, ANY_MOVER), STATE),
     _part("tick_mover", movers.tick_mover, (ROBOT, COMMAND, SENSED), STATE),
     _part("stop_mover", movers.stop_mover, (ROBOT,), STATE, _crawling),
