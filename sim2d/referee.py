@@ -3,9 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from .world import Contacts
-
-FALL_PITCH_RAD = math.radians(60.0)
+FALL_RAD = math.radians(60.0)
 # Less than this gained in the whole of ``stuck_after_s`` counts as standing still.
 STUCK_GAIN_M = 0.005
 
@@ -24,11 +22,18 @@ class Outcome:
 
 
 class Referee:
-    """Decides when a run is over and says so in a sentence with numbers."""
+    """Decides when a run is over and says so in a sentence with numbers; a tilt beyond ``fall_rad`` is a fall."""
 
-    def __init__(self, start_x_m: float, distance_m: float | None, duration_s: float, stuck_after_s: float) -> None:
+    def __init__(
+        self,
+        start_x_m: float,
+        distance_m: float | None,
+        duration_s: float,
+        stuck_after_s: float,
+        fall_rad: float = FALL_RAD,
+    ) -> None:
         self._start_x_m, self._distance_m = start_x_m, distance_m
-        self._duration_s, self._stuck_after_s = duration_s, stuck_after_s
+        self._duration_s, self._stuck_after_s, self._fall_rad = duration_s, stuck_after_s, fall_rad
         self._best_m, self._best_at_s = 0.0, 0.0
         self._done = 0.0
 
@@ -39,17 +44,20 @@ class Referee:
         self._done = min(max(by_time, by_distance, self._done), 1.0)
         return self._done
 
-    def judge(self, time_s: float, x_m: float, pitch_rad: float, contacts: Contacts) -> Outcome | None:
-        """Return how the run ended, or None while it goes on; raise ArithmeticError if the numbers ran away."""
-        if not math.isfinite(x_m + pitch_rad):
+    def judge(self, time_s: float, x_m: float, tilt_rad: float, torso_touches: bool) -> Outcome | None:
+        """Return how the run ended, or None while it goes on; raise ArithmeticError if the numbers ran away.
+
+        ``tilt_rad``: how far the torso's up leans, >= 0.
+        """
+        if not math.isfinite(x_m + tilt_rad):
             raise ArithmeticError(f"simulation at {time_s:.2f} s: x = {x_m}; a drive is too strong for the sub-step")
         gone = x_m - self._start_x_m
         where = f"at {time_s:.2f} s, {gone:.3f} m on"
-        if abs(pitch_rad) > FALL_PITCH_RAD:
-            return Outcome("fell", f"fell {where}: pitch {math.degrees(pitch_rad):.0f} deg")
-        if contacts.torso_touches:
-            pitch = math.degrees(pitch_rad)
-            return Outcome("fell", f"fell {where}: the torso touched the ground, pitch {pitch:.1f} deg")
+        tilt = f"tilt {math.degrees(tilt_rad):.0f} deg"
+        if tilt_rad > self._fall_rad:
+            return Outcome("fell", f"fell {where}: {tilt}")
+        if torso_touches:
+            return Outcome("fell", f"fell {where}: the torso touched the ground, {tilt}")
         if self._distance_m is None:
             return Outcome("completed", f"ran {time_s:.2f} s, {gone:.3f} m on") if self._over(time_s) else None
         if gone >= self._distance_m:

@@ -61,7 +61,7 @@ class _Run:
         state, contacts = world.state(), world.contacts()
         sensed = self._sensors.read(state, self._goals[0::3], time_s)
         x_m, pitch_rad = self.log.torso_of(state)
-        outcome = referee.judge(time_s, x_m, pitch_rad, contacts)
+        outcome = referee.judge(time_s, x_m, abs(pitch_rad), contacts.torso_touches)
         if outcome is None:
             answer = checked(self._controller.tick(sensed), f"goal at {time_s:.3f} s")
             self._goals = clamped(world.robot, answer)

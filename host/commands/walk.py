@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..util.console import progress, screen, write_json
-from ..util.errors import NOT_ACHIEVED
+from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
 
 if TYPE_CHECKING:
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from ..sim.walk import WalkSpec
 
+WORLDS = ("plane", "space")
 TERRAIN_HELP = "flat, stones, gravel, ramp, step (up and down), step-up, step-down, box."
 
 
@@ -26,6 +27,7 @@ def walk(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
     gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
+    where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
     terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
     height: Annotated[float | None, typer.Option(metavar="M", help="Height of the step, box or stones, m.")] = None,
     angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
@@ -44,9 +46,9 @@ def walk(
     """Walk a simulated robot, show the figures, and write an animation and a picture of the path.
 
     Exit code 0 if it arrived as commanded, 1 if it did not (the reason is told), 2 for wrong use. The plane has no
-    left and right: a gait that is not advised for the robot is told so.
+    left and right, and is fast; in space the robot can also roll, turn and drift, and is shown from the side.
 
-    Examples: caramelo walk; caramelo walk --gait paper-trot --terrain step --height 0.05;
+    Examples: caramelo walk; caramelo walk --in space; caramelo walk --gait paper-trot --terrain step --height 0.05;
     caramelo walk --robot parallel --speed 0.1 --out out/parallel
     """
     from ..robot.actuators import Bldc
@@ -74,10 +76,19 @@ def walk(
         balance=balance,
         seed=seed,
     )
-    motors, actuator = joint_motors(data) if isinstance(data.actuator, Bldc) else (None, None)
+    if where not in WORLDS:
+        raise UserError(f"--in {where}: allowed {' or '.join(WORLDS)}")
+    more: dict[str, Any] = {}
+    motors, actuator = joint_motors(data) if isinstance(data.actuator, Bldc) and where == "plane" else (None, None)
     with progress(f"{data.name} walks {distance:g} m ({terrain})", 1.0) as show:
-        recording = run_walk(spec, show, actuator=actuator)
-    result = judged(spec, walk_result(spec, recording)) | transport(data, recording, payload, motors)
+        if where == "plane":
+            recording = run_walk(spec, show, actuator=actuator)
+        else:
+            from ..sim.space.side import run_in_space
+
+            recording, more = run_in_space(spec, show)
+    result = judged(spec, walk_result(spec, recording)) | transport(data, recording, payload, motors) | more
+    result["in"] = where
     written = write_results(out, spec, recording, result) if out else []
     if as_json:
         write_json(result)

@@ -208,6 +208,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
         *([("command", result["limited"])] if result["limited"] else []),
         ("distance", f"{result['distance_m']:.3f} m in {result['duration_s']:.1f} s"),
         ("pitch range", f"{result['pitch_range_deg']:.1f} deg"),
+        *space_facts(result),
         ("least clearance of a swing", f"{1000 * result['min_clearance_m']:.1f} mm"),
         ("most loaded joint", f"{worst}, {100 * result['torque_rms_fraction'][worst]:.0f} % of stall rms"),
         *energy_facts(result),
@@ -215,6 +216,14 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
         ("falls", str(result["falls"])),
         ("simulated", f"{result['real_time_factor']:.0f} x real time, seed {result['seed']}"),
     ]
+
+
+def space_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return what only a walk in space has (host/sim/space/side.py)."""
+    if "roll_range_deg" not in result:
+        return []
+    aside = f"{1000 * result['side_drift_m']:.0f} mm to the left, turned {result['yaw_drift_deg']:.1f} deg"
+    return [("roll range", f"{result['roll_range_deg']:.1f} deg"), ("drift in 1.5 m", aside)]
 
 
 def energy_facts(result: dict[str, Any]) -> list[tuple[str, str]]:

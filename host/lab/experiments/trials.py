@@ -92,18 +92,12 @@ class SpaceTrial:
 
     def run(self) -> Answer:
         """Simulate it."""
-        from ...sim.space.walk import SpaceSpec, figures, walk_in_space
+        from ...sim.space.walk import figures, walk_in_space
 
-        spec = self.spec
-        recording = walk_in_space(SpaceSpec(
-            robot=spec.robot, gait=spec.gait, ground=self.ground, speed_m_s=spec.speed_m_s,
-            distance_m=spec.distance_m, time_limit_s=spec.time_limit_s, payload_kg=spec.payload_kg,
-            friction=spec.friction, voltage_V=spec.voltage_V, bus_delay_s=spec.bus_delay_s, balance=spec.balance,
-            seed=spec.seed, stuck_after_s=spec.stuck_after_s,
-        ))
+        recording = walk_in_space(self.spec, self.ground)
         result = figures(recording, START_S)
         speeds = np.gradient(recording.joint_rad, recording.time_s, axis=0)
-        result["power_W"] = mean_power_W(spec.robot, recording.torque_Nm, speeds)
+        result["power_W"] = mean_power_W(self.spec.robot, recording.torque_Nm, speeds)
         return Answer(result, recording if self.keep else None)
 
 

@@ -12,17 +12,18 @@ import numpy as np
 
 from sim2d.notes import Note
 from sim2d.recording import arrays_digest
-from sim2d.referee import Outcome
+from sim2d.referee import Outcome, Referee
 
 from ...control.gait_changes import GaitWatch, notes_json
 from ...control.planner import Driver
 from ...imu.attitude import Attitude
-from ...robot.model import JOINT_NAMES, LEG_NAMES, Robot
+from ...robot.model import JOINT_NAMES, LEG_NAMES
 from ...robot.plane import planar_robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..export.ground import Ground
 from ..export.mjcf import ModelOptions, drives
 from ..imu import SimulatedImu
+from ..walk import WalkSpec
 from .world import Array, World
 
 # (dt_s, impratio): the fast one is twice as fast, and a gait's figures stay the same.
@@ -30,32 +31,6 @@ FAST, EXACT = (0.002, 10.0), (0.001, 100.0)
 FALL_TILT_RAD = math.radians(45.0)
 _SETTLE_S = 0.5
 _STANDING_UP_S = 20.0
-_STUCK_GAIN_M = 0.005
-
-
-@dataclass(frozen=True)
-class SpaceSpec:
-    """A walk to simulate in three dimensions; as WalkSpec of host/sim/walk.py, with any ground of export/ground.py."""
-
-    robot: Robot
-    gait: str
-    ground: Ground
-    speed_m_s: float = 0.05
-    distance_m: float = 1.5
-    time_limit_s: float | None = None
-    payload_kg: float = 0.0
-    friction: float | None = None
-    voltage_V: float | None = None
-    bus_delay_s: float = 0.02
-    balance: bool = True
-    seed: int = 0
-    stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
-    fast: bool = True
-
-    @property
-    def longest_s(self) -> float:
-        """Give up after this: as long as asked, or five times what the command would take and 20 s."""
-        return self.time_limit_s or min(3600.0, 20.0 + 5.0 * self.distance_m / self.speed_m_s)
 
 
 @dataclass(frozen=True)
@@ -83,11 +58,9 @@ class SpaceRecording:
 class SpaceWalker:
     """The planner with its senses in a World, tick by tick."""
 
-    def __init__(self, spec: SpaceSpec) -> None:
+    def __init__(self, spec: WalkSpec, ground: Ground, fast: bool = True) -> None:
         self.driver = Driver(spec.robot)
-        options = ModelOptions(
-            spec.ground, spec.payload_kg, spec.friction, spec.voltage_V, *(FAST if spec.fast else EXACT)
-        )
+        options = ModelOptions(ground, spec.payload_kg, spec.friction, spec.voltage_V, *(FAST if fast else EXACT))
         self.world = World(spec.robot, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
         self.goals, self.flags = [0.0] * 12, 0
@@ -122,38 +95,23 @@ class SpaceWalker:
 class _Log:
     """Rows of a walk, and when it is over."""
 
-    def __init__(self, walker: SpaceWalker, spec: SpaceSpec) -> None:
-        rows: list[tuple[object, ...]] = []
-        self._walker, self._spec, self._rows = walker, spec, rows
-        self._start_s, self._start_m = walker.world.time_s, walker.world.position_m()
-        self._best_m, self._best_s = 0.0, 0.0
+    def __init__(self, walker: SpaceWalker, spec: WalkSpec) -> None:
+        self._walker, self._spec = walker, spec
+        self._rows: list[tuple[object, ...]] = []
+        self._start_s, start_x_m = walker.world.time_s, float(walker.world.position_m()[0])
+        self.referee = Referee(start_x_m, spec.distance_m, spec.time_limit_s, spec.stuck_after_s, FALL_TILT_RAD)
 
-    def add(self) -> Outcome | None:
+    def add(self, progress: Callable[[float], None] | None) -> Outcome | None:
         """Keep the present instant; return how the walk ended, None while it goes on."""
         world = self._walker.world
         loads, trunk, deepest = world.foot_loads_N()
         time_s, place, attitude = world.time_s - self._start_s, world.position_m(), world.attitude_rad()
         self._rows.append((time_s, place, attitude, world.true_joints_rad(), np.array(self._walker.goals),
                            world.drive_torques_Nm(), loads, deepest))
-        return self._judge(time_s, float(place[0] - self._start_m[0]), attitude, trunk)
-
-    def _judge(self, time_s: float, gone_m: float, attitude: tuple[float, float, float], trunk: bool) -> Outcome | None:
-        spec, where = self._spec, f"at {time_s:.2f} s, {gone_m:.3f} m on"
-        tilt = math.acos(max(-1.0, min(1.0, math.cos(attitude[0]) * math.cos(attitude[1]))))
-        if tilt > FALL_TILT_RAD:
-            return Outcome("fell", f"fell {where}: tilt {math.degrees(tilt):.0f} deg")
-        if trunk:
-            return Outcome("fell", f"fell {where}: the trunk touched the ground, tilt {math.degrees(tilt):.0f} deg")
-        if gone_m >= spec.distance_m:
-            return Outcome("arrived", f"arrived after {time_s:.2f} s, {gone_m:.3f} m on")
-        if time_s >= spec.longest_s:
-            return Outcome("timeout", f"timed out {where} of {spec.distance_m:.3f} m")
-        if gone_m > self._best_m + _STUCK_GAIN_M:
-            self._best_m, self._best_s = gone_m, time_s
-        waited = time_s - self._best_s
-        if waited >= spec.stuck_after_s:
-            return Outcome("stuck", f"stuck at {gone_m:.3f} m of {spec.distance_m:.3f} m: no gain for {waited:.0f} s")
-        return None
+        if progress is not None:
+            progress(self.referee.progress(time_s, float(place[0])))
+        tilt_rad = math.acos(max(-1.0, min(1.0, math.cos(attitude[0]) * math.cos(attitude[1]))))
+        return self.referee.judge(time_s, float(place[0]), tilt_rad, trunk)
 
     def close(self, outcome: Outcome) -> SpaceRecording:
         """Return the recording."""
@@ -166,18 +124,18 @@ class _Log:
                               self._walker.flags, outcome, tuple(self._walker.watch.notes))
 
 
-def walk_in_space(spec: SpaceSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:
-    """Simulate the walk; the same spec gives the same recording on the same machine."""
-    walker = SpaceWalker(spec)
+def walk_in_space(
+    spec: WalkSpec, ground: Ground, progress: Callable[[float], None] | None = None, fast: bool = True
+) -> SpaceRecording:
+    """Simulate the walk over ``ground``; the same spec gives the same recording on the same machine."""
+    walker = SpaceWalker(spec, ground, fast)
     walker.stand_up()
     log = _Log(walker, spec)
     walker.driver.set_command(mode="walk", vx_m_s=spec.speed_m_s)
-    outcome = log.add()
+    outcome = log.add(progress)
     while outcome is None:
         walker.tick()
-        outcome = log.add()
-        if progress is not None:
-            progress(walker.world.time_s / spec.longest_s)
+        outcome = log.add(progress)
     return log.close(outcome)
 
 

@@ -10,7 +10,8 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.lab.experiments.steps import space_ground
 from host.robot.file import load_robot
 from host.sim.export.ground import Ground
-from host.sim.space.walk import SpaceSpec, SpaceWalker
+from host.sim.space.walk import SpaceWalker
+from host.sim.walk import WalkSpec
 from shared.crawl.state import STILL
 from shared.gait.table import MOVER_CRAWL
 
@@ -22,7 +23,7 @@ BEFORE_AND_ASTRIDE = [("up", 0.03, 0.26), ("up", 0.05, 0.26), ("down", 0.05, 0.3
 
 def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
     """Command the crawl ``at_m`` into a walk at 0.05 m/s; return if it fell, and how long it waited, s."""
-    walker = SpaceWalker(SpaceSpec(ROBOT, gait, ground, friction=0.9))
+    walker = SpaceWalker(WalkSpec(ROBOT, gait), ground)
     walker.stand_up()
     driver, world = walker.driver, walker.world
     start_m, commanded, began = world.position_m()[0], None, None

@@ -1,0 +1,78 @@
+"""A walk in space as the plane records it: its points are MuJoCo's own, its figures and files those of any walk."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+
+import mujoco
+import numpy as np
+
+from host.robot.file import load_robot
+from host.robot.model import LEG_NAMES
+from host.sim.export.mjcf import ModelOptions
+from host.sim.space.side import ground_of, run_in_space, side_view
+from host.sim.space.walk import SpaceRecording
+from host.sim.space.world import World
+from host.sim.walk import WalkSpec
+from sim2d.referee import Outcome
+
+
+def frozen(world, robot, rng):
+    """Return the recording of one instant: the robot anywhere, turned and bent at random."""
+    data, count = world.data, 12
+    joints = np.array([rng.uniform(*robot.joint_limits_rad(leg)[joint]) for leg in range(4) for joint in range(3)])
+    data.qpos[:3] = rng.uniform(-1, 1, 3)
+    turn = rng.normal(size=4)
+    data.qpos[3:7] = turn / np.linalg.norm(turn)
+    data.qpos[7 : 7 + count] = joints
+    mujoco.mj_forward(world.model, data)
+    row, legs = np.zeros((1, count)), np.zeros((1, 4))
+    attitude = np.array([world.attitude_rad()])
+    outcome = Outcome("completed", "")
+    return SpaceRecording(np.zeros(1), world.position_m()[None], attitude, joints[None], row, row, legs, np.zeros(1),
+                          np.ones(count), 0, outcome)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+def test_the_feet_are_where_mujoco_has_them(name):
+    robot, rng = load_robot(name), np.random.default_rng(5)
+    spec = WalkSpec(robot, "trot")
+    world = World(robot, ModelOptions(ground_of(spec)), 50)
+    for _ in range(20):
+        seen = side_view(spec, frozen(world, robot, rng), 1.0)
+        feet = [world.data.geom(f"{leg}_foot").xpos[[0, 2]] for leg in LEG_NAMES]
+        assert np.allclose(seen.foot_xz_m[0], feet, atol=1e-9)
+        knees = [world.data.body(f"{leg}_calf").xpos[[0, 2]] for leg in LEG_NAMES]
+        assert np.allclose(seen.knee_xz_m[0], knees, atol=1e-9)
+
+
+def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run, tmp_path):
+    code, out, _ = run("walk", "--in", "space", "--distance", "0.2", "--json", "--out", str(tmp_path))
+    result = json.loads(out)
+    assert code == 0, result["reason"]
+    assert result["in"] == "space"
+    assert result["distance_m"] >= 0.2
+    assert result["torque_rms_fraction"]["FR_hip"] > 0, "in space the hips work too"
+    assert {"roll_range_deg", "yaw_drift_deg", "side_drift_m", "min_clearance_m", "energy_per_metre_J"} <= set(result)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["path.png", "walk.html", "walk.json"]
+
+
+def test_another_world_is_refused(run):
+    assert run("walk", "--in", "hyperspace") == (2, "", "caramelo: --in hyperspace: allowed plane or space\n")
+
+
+@pytest.mark.parametrize("terrain", ["stones", "gravel", "ramp", "box", "step-down"])
+def test_every_terrain_of_the_plane_is_a_ground_in_space(terrain):
+    spec = WalkSpec(load_robot("caramelo"), "trot", terrain=terrain)
+    assert ground_of(spec).blocks
+    assert ground_of(replace(spec, seed=1)) == ground_of(replace(spec, seed=1))
+
+
+def test_a_walk_that_falls_over_in_space_says_so():
+    spec = WalkSpec(load_robot("caramelo"), "paper-trot", terrain="step-up", height_m=0.06, limit_s=20.0, start_m=0.3)
+    recording, _ = run_in_space(spec)
+    assert not recording.outcome.ok
