@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..sim.walk import WalkSpec
 
 WORLDS = ("plane", "space")
+FILES = ("walk.html", "walk.svg", "path.png", "walk.json")  # what --out gets
 TERRAIN_HELP = "flat, stones, gravel, ramp, step (up and down), step-up, step-down, box."
 
 
@@ -40,10 +41,10 @@ def walk(
     bus_delay: Annotated[float, typer.Option(metavar="S", help="How late goals reach the joints, s.")] = 0.02,
     balance: Annotated[bool, typer.Option(help="Keep the body level by the measured attitude.")] = True,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write walk.html, path.png, walk.json here.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Write {', '.join(FILES)} here.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> int:
-    """Walk a simulated robot, show the figures, and write an animation and a picture of the path.
+    """Walk a simulated robot, show the figures, and write an animation, a moving picture and one of the path.
 
     Exit code 0 if it arrived as commanded, 1 if it did not (the reason is told), 2 for wrong use. The plane has no
     left and right, and is fast; in space the robot can also roll, turn and drift, and is shown from the side.
@@ -98,22 +99,25 @@ def walk(
 
 
 def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: dict[str, Any]) -> list[Path]:
-    """Write the animation, the picture and the figures into ``out``; return the files."""
+    """Write the animation, the pictures and the figures into ``out``; return the files."""
     import json
 
+    from sim2d.moving import moving_svg
     from sim2d.view import animation_html, path_png
 
     from ..sim.walk import facts
     from ..util.files import atomic_path, write_text
 
     title = f"{spec.robot.name}: {spec.gait} over {spec.terrain}"
-    page, picture, figures = out / "walk.html", out / "path.png", out / "walk.json"
+    page, moving, picture, figures = (out / name for name in FILES)
     size_m = spec.robot.links.trunk.size_m
-    write_text(page, animation_html(recording, title, result["reason"], facts(result), (size_m[0] / 2, size_m[2] / 2)))
+    half_m = size_m[0] / 2, size_m[2] / 2
+    write_text(page, animation_html(recording, title, result["reason"], facts(result), half_m))
+    write_text(moving, moving_svg(recording, f"{title}: {result['reason']}", half_m))
     with atomic_path(picture) as draft:
         path_png(recording, f"{title}: {result['reason']}", draft)
     write_text(figures, json.dumps(result, indent=1) + "\n")
-    return [page, picture, figures]
+    return [page, moving, picture, figures]
 
 
 def show_result(result: dict[str, Any], written: list[Path]) -> None:

@@ -9,6 +9,7 @@ from shared.body.pose import POSE_SIZE
 from shared.gait.gaits import TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
+from shared.record import pack
 from tests.float_twin.fixed import towards
 
 from .bars import integers, repeatable
@@ -18,6 +19,10 @@ HALF = integers(-(1 << 29), (1 << 29) - 1)
 WORD = integers(-(1 << 30), (1 << 30) - 1)
 PARAMS = block("caramelo")
 GAIT = compile_gait(TROT, PARAMS)
+
+
+def test_a_frame_has_room_for_a_whole_command():
+    assert len(pack(c.Command())) == c.COMMAND_SIZE
 
 
 @repeatable(300)

@@ -13,6 +13,7 @@ from typing import Any
 from firmware import link
 from firmware.gait import BoardStatus
 from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.planner.command import COMMAND_SIZE, Command
 from shared.planner.status import WALKING, Status
 
 from ...boards.build.records import place_of
@@ -102,8 +103,8 @@ class Sent:
         self.bytes.seek(0)
         sink.seek(0)
         port.readinto = self.readinto
-command, sensed, read = Sent(COMMAND, 13, 4), Sent(SENSED, 12, 2), Sent(READ, 1, 1)
-broken = Sent(COMMAND, 13, 4)
+command, sensed, read = Sent(COMMAND, {command_size}, 4), Sent(SENSED, 12, 2), Sent(READ, 1, 1)
+broken = Sent(COMMAND, {command_size}, 4)
 broken.bytes.seek(9)
 broken.bytes.write(b"1")
 nobody = io.BytesIO(b"")
@@ -141,10 +142,10 @@ def quiet():
 def nothing(*given):
     pass
 def order(mode, number):
-    command.put(0, mode)
-    command.put(1, number)
-    command.put(2, SPEED)
-    command.put(11, 1)
+    command.put({mode_at}, mode)
+    command.put({gait_at}, number)
+    command.put({speed_at}, SPEED)
+    command.put({balance_at}, 1)
     command.seal()
 
 for _ in range({idle}):
@@ -280,6 +281,8 @@ def gait_script(extent: Extent) -> str:
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.crawl_ticks),
         "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": place_of(BoardStatus, "flags"),
+        **{f"{name}_at": place_of(Command, name) for name in ("mode", "gait", "speed", "balance")},
+        "command_size": COMMAND_SIZE,
         "watched": [place_of(Status, name) for name in WATCHED],
         "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,

@@ -1,0 +1,68 @@
+"""The moving picture: well formed, everything in it, each body where the recording has it."""
+
+import xml.etree.ElementTree as Xml
+
+import numpy as np
+import pytest
+
+from sim2d import terrain
+from sim2d.moving import FRAMES_PER_S, PIXELS_PER_M, moving_svg
+from sim2d.run import simulate
+
+from .conftest import caramelo
+from .helpers import Stand
+
+SVG = "{http://www.w3.org/2000/svg}"
+HALF_M = (0.15, 0.035)
+
+
+@pytest.fixture(scope="module")
+def standing():
+    robot = caramelo()
+    return simulate(robot, Stand(robot.stand_pose_rad), terrain.gravel(seed=1, start_m=0.15), duration_s=2.0)
+
+
+def numbers(text):
+    return np.array([[float(number) for number in pair.split(",")] for pair in text.split()])
+
+
+def first_and_last(shape):
+    moving = shape.find(f"{SVG}animate")
+    frames = moving.get("values").split(";") if moving is not None else [shape.get("points")]
+    return numbers(frames[0]), numbers(frames[-1])
+
+
+def test_legs_are_where_the_recording_has_them(standing):
+    root = Xml.fromstring(moving_svg(standing, "it <stands>", HALF_M))
+    assert root.find(f"{SVG}title").text == "it <stands>"
+    legs = root.findall(f".//{SVG}polyline")
+    assert len(legs) == 4
+    for shape, leg in zip(legs, (1, 3, 0, 2), strict=True):  # the left ones behind
+        for row, points in zip((0, -1), first_and_last(shape), strict=True):
+            limb = np.array([standing.hip_xz_m[row, leg], standing.knee_xz_m[row, leg], standing.foot_xz_m[row, leg]])
+            across = (points - points[0]) / PIXELS_PER_M * (1, -1)
+            assert across == pytest.approx(limb - limb[0], abs=1.5 / PIXELS_PER_M)
+
+
+def test_it_lasts_as_long_as_the_walk_and_loops(standing):
+    root = Xml.fromstring(moving_svg(standing, "t", HALF_M))
+    moving = [*root.iter(f"{SVG}animate"), *root.iter(f"{SVG}animateTransform")]
+    assert {each.get("repeatCount") for each in moving} == {"indefinite"}
+    seconds = float(standing.time_s[-1] - standing.time_s[0])
+    for each in moving:
+        assert float(each.get("dur").removesuffix("s")) == pytest.approx(seconds, abs=0.01)
+        assert len(each.get("values").split(";")) == pytest.approx(seconds * FRAMES_PER_S, abs=2)
+
+
+def test_a_run_of_one_row_is_a_picture():
+    robot = caramelo(torso_half_height_m=0.25)  # its trunk lies on the ground at once
+    fallen = simulate(robot, Stand(robot.stand_pose_rad), terrain.flat(), duration_s=5.0)
+    root = Xml.fromstring(moving_svg(fallen, "t", HALF_M))
+    assert len(root.findall(f".//{SVG}polyline")) == 4
+    assert list(root.iter(f"{SVG}animate")) == []
+
+
+def test_ground_and_stones_are_there(standing):
+    root = Xml.fromstring(moving_svg(standing, "t", HALF_M))
+    shapes = len(standing.terrain.polylines) + len(standing.terrain.loose) + 1  # and the torso
+    assert len(root.findall(f".//{SVG}polygon")) == shapes
