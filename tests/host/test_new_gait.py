@@ -1,6 +1,7 @@
 """A gait is one entry in shared/gait/gaits.py: with that the command walks it, and says that nobody has tried it."""
 
 import json
+import re
 import subprocess
 import sys
 
@@ -13,8 +14,7 @@ from tests import ROOT
 
 LAST = '    ("crawl", MOVER_CRAWL, TROT),\n'
 # Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
-ROWS = "((240, _FR | _RR, 1), (80, 0, 1), (240, _FL | _RL, 1), (80, 0, 1))"
-PACE = f'    ("pace", MOVER_TABLE, ((30, 100, 100, 0), {ROWS})),\n'
+(PACE,) = re.findall(r'^    \("pace", .*\n', (ROOT / "CONTRIBUTING.md").read_text(), re.M)
 NO_TIME = '    ("pace", MOVER_TABLE, ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'
 # Runs the command with another text of shared/gait/gaits.py.
 WITH_GAITS = """
