@@ -131,7 +131,7 @@ def show_result(result: dict[str, Any], written: list[Path]) -> None:
     for name, value in facts(result):
         table.add_row(Text(name, style="bold"), value)
     torque = Table(box=None, pad_edge=False)
-    legs = sorted({name.partition("_")[0] for name in result["torque_rms_fraction"]})
+    legs = dict.fromkeys(name.partition("_")[0] for name in result["torque_rms_fraction"])
     for column in ("torque rms, % of stall", "hip", "thigh", "calf"):
         torque.add_column(column, justify="left" if column.startswith("torque") else "right")
     for leg in legs:
