@@ -13,7 +13,6 @@ from ..control.messages import Message
 from ..robot.model import Robot
 from ..util.errors import UserError
 
-REPEAT_S = 0.05
 DEAD_ZONE = 0.08
 # linux/input-event-codes.h
 EV_KEY, EV_ABS = 1, 3

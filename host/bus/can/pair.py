@@ -10,7 +10,6 @@ from shared.wire.framing import frame_block, frame_node, setpoint_group
 from .port import Port, PortCounters, Received
 
 REAR = 7  # first node of the second bus: 1 + 3 x leg + joint, legs FR, FL, RR, RL
-PER_BUS = 6
 
 
 def bus_of(node: int) -> int:

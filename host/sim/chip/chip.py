@@ -146,11 +146,6 @@ class Chip:
         """Have something done in a cycle to come."""
         return self.time.at(when, act)
 
-    def cycles_to_next_event(self) -> int | None:
-        """Return how many cycles can pass before anything happens by itself, None if nothing will."""
-        due = self.time.next_due()
-        return None if due is None else max(due - self.now, 0)
-
     def note(self, source: str, what: str) -> None:
         """Record that something happened now."""
         if source not in self.muted:

@@ -4,9 +4,9 @@ import pytest
 
 from host.boards.runtimes import Unix, Wasi
 from host.lab.parity.figures import allocations
-from host.lab.parity.frames import LARGEST_ON_STACK, deepest_frames, own_frames
 from tests.marks import NEEDS_UNIX
 
+from .frames import LARGEST_ON_STACK, deepest_frames, own_frames
 from .plant import plant
 
 

@@ -8,11 +8,11 @@ import re
 import sys
 from pathlib import Path
 
-from ...boards.build.lower import lowered_modules
-from ...boards.build.rewrite import rewrite
-from ...boards.build.rules import hot_arity
-from ...boards.build.source import Module, resolve
-from ...boards.runtimes.process import run_command
+from host.boards.build.lower import lowered_modules
+from host.boards.build.rewrite import rewrite
+from host.boards.build.rules import hot_arity
+from host.boards.build.source import Module, resolve
+from host.boards.runtimes.process import run_command
 
 LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
 
