@@ -23,8 +23,9 @@ from firmware.chip import (
 )
 from host.sim.chip.joint_board import JointBoard
 from shared.runtime import reg32
-from tests.firmware import chip_checks as checks
-from tests.firmware import on_chip
+
+from . import chip_checks as checks
+from . import on_chip
 
 
 def constants(module, **values):

@@ -15,8 +15,8 @@ from host.sim.chip.joint_board import JointBoard, Restart
 from shared.joint import faults as f
 from shared.wire import names as w
 from tests import ROOT
-from tests.firmware import chip_checks
 
+from . import chip_checks
 from .chip_checks import armed, clean
 from .on_chip import NODE, OnChip
 

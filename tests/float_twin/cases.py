@@ -10,8 +10,8 @@ from probe.robots import ATTITUDES, PARAMS
 
 from shared.gait.gaits import GAITS
 from shared.gait.table import MOVER_TABLE
-from tests.float_twin import body, fixed, leg, planner, reach, swing
 
+from . import body, fixed, leg, planner, reach, swing
 from .attitude import Attitude
 from .balance import ERROR_MAX_RAD, Balance
 from .gait import Gait

@@ -7,8 +7,8 @@ are roll, pitch, yaw with R = Rz(yaw) Rx(roll) Ry(pitch); legs FR, FL, RR, RL.
 import cmath
 import math
 
-from tests.float_twin import body as twin_body
-from tests.float_twin import leg as twin_leg
+from . import body as twin_body
+from . import leg as twin_leg
 
 
 def heading(seen, places, weights):

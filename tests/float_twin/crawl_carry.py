@@ -1,7 +1,6 @@
 """What the crawl carries and how it begins, in floats (m, rad, ticks; forces as parts of the own weight)."""
 
-from tests.float_twin import crawl, load
-
+from . import crawl, load
 from .fixed import limit
 
 OWN, LEAST, MOST, EMPTY = 1.0, 0.7, 2.5, 1.15

@@ -7,8 +7,7 @@ length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (comma
 
 import math
 
-from tests.float_twin import crawl, crawl_swing
-
+from . import crawl, crawl_swing
 from .crawl_plan import BodyMove
 from .fixed import limit
 

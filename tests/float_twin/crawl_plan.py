@@ -2,8 +2,7 @@
 
 import math
 
-from tests.float_twin import crawl
-
+from . import crawl
 from .fixed import limit
 
 

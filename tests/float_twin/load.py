@@ -2,7 +2,7 @@
 
 import math
 
-from tests.float_twin import leg as twin_leg
+from . import leg as twin_leg
 
 
 def foot(joints, side_l1, l2, l3):

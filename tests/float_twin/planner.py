@@ -7,8 +7,7 @@ senses with roll, pitch, attitude_ok, joints (12), joints_ok, none of them odd. 
 
 import math
 
-from tests.float_twin import body, goals, leg, reach
-
+from . import body, goals, leg, reach
 from .balance import Balance
 from .fixed import limit, towards
 from .swing import advance, lift

@@ -3,8 +3,8 @@
 import math
 
 from shared.gait.gaits import GAITS
-from tests.float_twin import attitude, leg, planner, reach, swing
 
+from . import attitude, leg, planner, reach, swing
 from .gait import Gait
 
 

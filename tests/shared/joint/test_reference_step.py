@@ -14,7 +14,8 @@ from shared.joint.feed import feed_bus
 from shared.joint.layout import SINE_SIZE, Foc, JointConfig
 from shared.joint.sine import fill_sine
 from shared.record import pack
-from tests.shared.joint import reference_step as reference
+
+from . import reference_step as reference
 
 FOC = Foc()
 fill_sine(FOC)
