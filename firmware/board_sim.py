@@ -6,7 +6,7 @@ The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``com
 
 from array import array
 
-from shared.joint.layout import Foc, JointIo
+from shared.joint.layout import CurrentLoop, JointIo
 from shared.runtime import zeros
 from shared.wire.names import REPLY_FIELDS, REPLY_LENGTH
 from shared.wire.receive import Link
@@ -58,20 +58,20 @@ class SimBoard:
     def _step(self):
         """Do what the chip's interrupt does: samples, rotor, control, compares."""
         c: Control = self._control
-        foc = c.foc
-        foc.raw[0] = self.raw[0]
-        foc.raw[1] = self.raw[1]
-        foc.raw[2] = self.raw[2]
-        wanted = take_step(foc, c.run, self.now_us & 0x3FFFFFFF, self.rotor)
+        loop = c.loop
+        loop.raw[0] = self.raw[0]
+        loop.raw[1] = self.raw[1]
+        loop.raw[2] = self.raw[2]
+        wanted = take_step(loop, c.run, self.now_us & 0x3FFFFFFF, self.rotor)
         if wanted == BRIDGE_OFF:
             self.bridge = 0
         elif wanted == BRIDGE_ON:
-            self._write_compares(foc)
+            self._write_compares(loop)
 
-    def _write_compares(self, foc: Foc):
-        self.compare[0] = foc.duty[0]
-        self.compare[1] = foc.duty[1]
-        self.compare[2] = foc.duty[2]
+    def _write_compares(self, loop: CurrentLoop):
+        self.compare[0] = loop.duty[0]
+        self.compare[1] = loop.duty[1]
+        self.compare[2] = loop.duty[2]
 
     def pwm_off(self):
         """Open all six switches."""
@@ -81,9 +81,9 @@ class SimBoard:
         """Do what the chip does: sensors, a motion tick, the bridge, the watchdog; return the gate driver's fault."""
         c: Control = self._control
         self._sense(c.io)
-        wanted = take_motion(c.foc, c.cfg, c.state, c.io, c.cal, c.run, self.driver)
+        wanted = take_motion(c.loop, c.settings, c.state, c.io, c.calibration, c.run, self.driver)
         if wanted == BRIDGE_ON:
-            self._write_compares(c.foc)
+            self._write_compares(c.loop)
             self.bridge = 1
         elif wanted == BRIDGE_OFF:
             self.bridge = 0
@@ -165,7 +165,7 @@ class SimBoard:
             if left >= 0:
                 return left
             if left == WANTS_REPLY:
-                identifier = write_reply(link, c.foc, c.cfg, c.state, self._reply, out)
+                identifier = write_reply(link, c.loop, c.settings, c.state, self._reply, out)
                 if identifier and self.can_send(identifier, out, REPLY_LENGTH) == 0:
                     c.run.unsent_frames = (c.run.unsent_frames + 1) & 0x3FFFFFFF
         return -1

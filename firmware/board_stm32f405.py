@@ -4,7 +4,7 @@ Everything is done on registers (chip*.py); of MicroPython it uses a timer's int
 the way into the ROM's loader. What stands for the chip is an address there, and a model of it on a computer.
 """
 
-from shared.joint.layout import Foc
+from shared.joint.layout import CurrentLoop
 from shared.runtime import bound, const, zeros
 from shared.wire.names import REPLY_FIELDS
 from shared.wire.receive import Link
@@ -129,9 +129,9 @@ class Stm32F405Board:
         interrupt, which also gets ``more`` (chip_probe.py).
         """
         c = control
-        self.millisecond = bound(millisecond, self._chip, c.foc, c.cfg, c.state, c.io, c.cal, c.run)
+        self.millisecond = bound(millisecond, self._chip, c.loop, c.settings, c.state, c.io, c.calibration, c.run)
         start_watchdog(self._chip)
-        self._timer.callback(bound(step, self._chip, c.foc, c.run, *more))
+        self._timer.callback(bound(step, self._chip, c.loop, c.run, *more))
         shift = 8 * (_TIM1_UP & 3)
         change(self._on.core, NVIC_PRIORITY_32 + (_TIM1_UP >> 2), 0xFF << shift, _SECOND << shift)
 
@@ -143,15 +143,15 @@ class Stm32F405Board:
         """Return what serves the bus: called without arguments, it returns what chip_joint.serve_bus does."""
         c = control
         reply = zeros(REPLY_FIELDS)
-        return bound(serve_bus, self._chip, frame, link, c.io, c.foc, c.cfg, c.state, c.run, reply, out)
+        return bound(serve_bus, self._chip, frame, link, c.io, c.loop, c.settings, c.state, c.run, reply, out)
 
     def feed_watchdog(self):
         """Put the watchdog off; for the self-test, a joint does it in ``millisecond``."""
         poke(self._chip, IWDG_KR_32, 0xAAAA)
 
-    def pwm_on(self, foc: Foc):
+    def pwm_on(self, loop: CurrentLoop):
         """Let the bridge follow the compares; for the self-test, a joint does it in ``millisecond``."""
-        write_compares(self._chip, foc)
+        write_compares(self._chip, loop)
         bridge_on(self._chip)
 
     def pwm_is_on(self):

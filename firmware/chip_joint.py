@@ -1,7 +1,7 @@
 """A joint's millisecond and its bus on the chip, each one hot function: what the main loop calls at its rates."""
 
 from shared.joint.calibration import Calibration
-from shared.joint.layout import Foc, JointConfig, JointIo, JointState
+from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState
 from shared.runtime import Ints, const, hot, reg32
 from shared.wire.names import REPLY_LENGTH
 from shared.wire.receive import Link
@@ -18,7 +18,13 @@ _MASK = const(0x3FFFFFFF)
 
 @hot
 def millisecond(
-    chip, foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun
+    chip,
+    loop: CurrentLoop,
+    settings: JointSettings,
+    state: JointState,
+    io: JointIo,
+    calibration: Calibration,
+    run: BoardRun,
 ) -> int:
     """Read the sensors, do a motion tick, do to the bridge what it says, feed the watchdog while current steps happen.
 
@@ -28,12 +34,12 @@ def millisecond(
     if driver < 0:
         run.failed_part = PART_MOTION
         driver = 0
-    wanted = take_motion(foc, cfg, state, io, cal, run, driver)
+    wanted = take_motion(loop, settings, state, io, calibration, run, driver)
     if run.failed_part or wanted == BRIDGE_OFF:
         run.bridge = 0
         outputs_off(chip)
     elif wanted == BRIDGE_ON:
-        write_compares(chip, foc)
+        write_compares(chip, loop)
         bridge_on(chip)
         if run.bridge == 0:  # an interrupt has switched it off in between
             outputs_off(chip)
@@ -46,7 +52,16 @@ def millisecond(
 
 @hot
 def serve_bus(
-    chip, frame, link: Link, io: JointIo, foc: Foc, cfg: JointConfig, state: JointState, run: BoardRun, reply: Ints, out
+    chip,
+    frame,
+    link: Link,
+    io: JointIo,
+    loop: CurrentLoop,
+    settings: JointSettings,
+    state: JointState,
+    run: BoardRun,
+    reply: Ints,
+    out,
 ) -> int:
     """Take at most FRAMES_MOST frames that have come; SYNC is answered. Return what take_frame leaves, or -1."""
     for _ in range(FRAMES_MOST):
@@ -57,7 +72,7 @@ def serve_bus(
         if left >= 0:
             return left
         if left == WANTS_REPLY:
-            identifier = write_reply(link, foc, cfg, state, reply, out)
+            identifier = write_reply(link, loop, settings, state, reply, out)
             if identifier and send(chip, identifier, out, REPLY_LENGTH) == 0:
                 run.unsent_frames = (run.unsent_frames + 1) & _MASK
     return -1

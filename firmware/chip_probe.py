@@ -3,7 +3,7 @@
 Timer 1 itself is the clock, at 168 MHz: it stood at the top when the interrupt was asked for.
 """
 
-from shared.joint.layout import Foc
+from shared.joint.layout import CurrentLoop
 from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot, reg32
 
@@ -41,15 +41,15 @@ def since_update(chip) -> int:
 
 
 @hot
-def probed(chip, foc: Foc, run: BoardRun, seen: Seen, timer) -> int:
+def probed(chip, loop: CurrentLoop, run: BoardRun, seen: Seen, timer) -> int:
     """Do what the interrupt does, and note it; return what became of the bridge."""
     entry = since_update(chip)
     before = run.last_us
-    bridge = interrupt(chip, foc, run, timer)
+    bridge = interrupt(chip, loop, run, timer)
     if run.stale_steps:
         seen.stale_samples += 1
     for phase in range(3):
-        raw = foc.raw[phase]
+        raw = loop.raw[phase]
         if raw < seen.raw_low[phase]:
             seen.raw_low[phase] = raw
         if raw > seen.raw_high[phase]:

@@ -5,7 +5,7 @@ Timer 1 counts up and down at 20 kHz; its update event comes at the top of each 
 the rest is got ready.
 """
 
-from shared.joint.layout import Foc
+from shared.joint.layout import CurrentLoop
 from shared.runtime import const, hot, reg16, reg32
 
 from .chip import (
@@ -39,7 +39,7 @@ _MASK = const(0x3FFFFFFF)
 
 
 @hot
-def interrupt(chip, foc: Foc, run: BoardRun, timer) -> int:
+def interrupt(chip, loop: CurrentLoop, run: BoardRun, timer) -> int:
     """Do one current step; return what became of the bridge. ``timer`` is what calls, and not needed."""
     c = reg32(chip)
     h = reg16(chip)
@@ -47,14 +47,14 @@ def interrupt(chip, foc: Foc, run: BoardRun, timer) -> int:
     now = c[TIM5_CNT_32] & _MASK
     settle(chip)
     c[SPI1_32 + SPI_DR_32] = READ_ANGLE
-    fresh = take_samples(chip, foc, run)
+    fresh = take_samples(chip, loop, run)
     word = spi_end(chip, SPI1_32)
     h[GPIOC_SET_16] = _ROTOR_BIT
-    bridge = take_step(foc, run, now, angle_of(word))
+    bridge = take_step(loop, run, now, angle_of(word))
     if bridge == BRIDGE_OFF or fresh == 0:
         return bridge_off(chip, run)
     if bridge == BRIDGE_ON:
-        write_compares(chip, foc)
+        write_compares(chip, loop)
     return bridge
 
 
@@ -76,8 +76,8 @@ def rotor_angle(chip) -> int:
 
 
 @hot
-def take_samples(chip, foc: Foc, run: BoardRun) -> int:
-    """Write the shunts' samples to foc.raw; return 0 after too many steps in a row without new ones, else 1."""
+def take_samples(chip, loop: CurrentLoop, run: BoardRun) -> int:
+    """Write the shunts' samples to loop.raw; return 0 after too many steps in a row without new ones, else 1."""
     c = reg32(chip)
     run.stale_steps += 1
     for _ in range(_SAMPLE_POLLS):
@@ -87,9 +87,9 @@ def take_samples(chip, foc: Foc, run: BoardRun) -> int:
             c[ADC3_SR_32] = _ALL_BUT_JEOC
             run.stale_steps = 0
             break
-    foc.raw[0] = c[ADC1_JDR1_32] & 0xFFF
-    foc.raw[1] = c[ADC2_JDR1_32] & 0xFFF
-    foc.raw[2] = c[ADC3_JDR1_32] & 0xFFF
+    loop.raw[0] = c[ADC1_JDR1_32] & 0xFFF
+    loop.raw[1] = c[ADC2_JDR1_32] & 0xFFF
+    loop.raw[2] = c[ADC3_JDR1_32] & 0xFFF
     if run.stale_steps > STALE_MOST:
         run.failed_part = PART_STEP
         return 0
@@ -97,12 +97,12 @@ def take_samples(chip, foc: Foc, run: BoardRun) -> int:
 
 
 @hot
-def write_compares(chip, foc: Foc) -> int:
+def write_compares(chip, loop: CurrentLoop) -> int:
     """Set the compares; they act from the next update event on, all at once. Return 0."""
     c = reg32(chip)
-    c[TIM1_CCR1_32] = foc.duty[0]
-    c[TIM1_CCR2_32] = foc.duty[1]
-    c[TIM1_CCR3_32] = foc.duty[2]
+    c[TIM1_CCR1_32] = loop.duty[0]
+    c[TIM1_CCR2_32] = loop.duty[1]
+    c[TIM1_CCR3_32] = loop.duty[2]
     return 0
 
 

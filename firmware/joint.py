@@ -71,12 +71,12 @@ _TO_NEXT_US = const(0x3FFFFC18)  # 2^30 less a millisecond, taken off: a sum bey
 
 
 class Joint:
-    """One joint on its board; its parameters are kept in ``settings`` (settings.py)."""
+    """One joint on its board; its parameters are kept in ``journal`` (settings.py)."""
 
-    def __init__(self, board, settings):
+    def __init__(self, board, journal):
         self.board = board
         self.control = Control(board)
-        self.parameters = Parameters(self.control, settings)
+        self.parameters = Parameters(self.control, journal)
         self.loaded = self.parameters.load()
         self.link = Link()
         self.service = Service(self, self.link, self.control, self.parameters, board.unique_id())
@@ -191,7 +191,7 @@ class Joint:
         state = self.control.state
         s[SLOW_STATUS_WINDING_TEMPERATURE] = report_temperature(state.winding)
         s[SLOW_STATUS_MCU_TEMPERATURE] = report_temperature(state.mcu)
-        s[SLOW_STATUS_BUS_VOLTAGE] = report_bus(self.control.cfg, state)
+        s[SLOW_STATUS_BUS_VOLTAGE] = report_bus(self.control.settings, state)
         s[SLOW_STATUS_LIMITS] = state.limits
         s[SLOW_STATUS_LOST_SYNC] = self.link.lost_syncs & 0xFF
         s[SLOW_STATUS_OVERRUNS] = self.control.run.late_steps & 0xFF

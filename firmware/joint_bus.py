@@ -1,6 +1,6 @@
 """What a frame does to a joint, and what is due to be told, hot and hardware-free; requests are served elsewhere."""
 
-from shared.joint.layout import REQUEST_ARM, Foc, JointConfig, JointIo, JointState
+from shared.joint.layout import REQUEST_ARM, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.report import report_current, report_position, report_velocity
 from shared.record import field, record
 from shared.runtime import Ints, const, hot
@@ -98,7 +98,7 @@ def use_setpoint(link: Link, io: JointIo) -> int:
 
 
 @hot
-def write_reply(link: Link, foc: Foc, cfg: JointConfig, state: JointState, reply: Ints, out) -> int:
+def write_reply(link: Link, loop: CurrentLoop, settings: JointSettings, state: JointState, reply: Ints, out) -> int:
     """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node.
 
     ``reply``: REPLY_FIELDS numbers to work on.
@@ -107,9 +107,9 @@ def write_reply(link: Link, foc: Foc, cfg: JointConfig, state: JointState, reply
         return 0
     reply[REPLY_POSITION] = NOT_AVAILABLE
     if state.homed:
-        reply[REPLY_POSITION] = report_position(cfg, state)
-    reply[REPLY_VELOCITY] = report_velocity(cfg, state)
-    reply[REPLY_CURRENT] = report_current(foc, cfg)
+        reply[REPLY_POSITION] = report_position(settings, state)
+    reply[REPLY_VELOCITY] = report_velocity(settings, state)
+    reply[REPLY_CURRENT] = report_current(loop, settings)
     encode_reply(out, reply)
     return REPLY_ID + link.node
 

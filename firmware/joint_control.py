@@ -6,7 +6,7 @@ is switched off first and looked into afterwards. After ``start`` nothing here a
 
 from shared.joint.calibration import Calibration
 from shared.joint.faults import FAULT_DRIVER_SETUP
-from shared.joint.layout import TORQUE_OFF, Foc, JointConfig, JointIo, JointState, LoopSettings
+from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE
 from shared.joint.tick import joint_reset, slow_tick
@@ -24,14 +24,14 @@ class Control:
 
     def __init__(self, board):
         self.board = board
-        self.foc = Foc()
-        fill_sine(self.foc)
-        self.loop = LoopSettings()
-        self.cfg = JointConfig()
+        self.loop = CurrentLoop()
+        fill_sine(self.loop)
+        self.loop_settings = LoopSettings()
+        self.settings = JointSettings()
         self.curve = zeros(CURVE_SIZE)
         self.state = JointState()
         self.io = JointIo()
-        self.cal = Calibration()
+        self.calibration = Calibration()
         self.run = BoardRun()
         self.run.late_after_us = board.STEP_US * _LATE_SHARE // 2
         self.run.last_us = -1
@@ -39,11 +39,11 @@ class Control:
 
     def start(self):
         """Set the driver up and let the interrupt begin, which first measures the current offsets."""
-        self.cfg.mcu_cal1 = self.board.MCU_CAL1
-        self.cfg.mcu_cal2 = self.board.MCU_CAL2
+        self.settings.mcu_cal1 = self.board.MCU_CAL1
+        self.settings.mcu_cal2 = self.board.MCU_CAL2
         wrong = self.board.driver_setup()
         rotor = self.board.read_rotor()
-        joint_reset(self.foc, self.cfg, self.state, rotor if rotor >= 0 else 0)
+        joint_reset(self.loop, self.settings, self.state, rotor if rotor >= 0 else 0)
         self.run.offset_steps = OFFSET_STEPS if wrong < 0 else -1
         if wrong >= 0:
             self.raise_fault(FAULT_DRIVER_SETUP, wrong)
@@ -89,7 +89,7 @@ class Control:
     def _temperatures(self):
         self.io.thermistor_raw = self.board.read_thermistor()
         self.io.mcu_raw = self.board.read_mcu()
-        slow_tick(self.cfg, self.state, self.io, self.curve)
+        slow_tick(self.settings, self.state, self.io, self.curve)
 
     def _slow(self):
         self._temperatures()

@@ -16,7 +16,7 @@ from shared.joint.faults import (
     FAULT_NONE,
     FAULT_OVERRUN,
 )
-from shared.joint.layout import TORQUE_OFF, Foc, JointConfig, JointIo, JointState
+from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.tick import motion_tick
 from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot
@@ -45,7 +45,7 @@ class BoardRun:
     e_stop_ms: int = field("ms", "an emergency stop lasts that long")
     unsent_frames: int = field("", "frames that found no free mailbox, modulo 2^30")
     steps_fed: int = field("", "steps when the watchdog was fed last")
-    masked_before: int = field("", "Foc.masked of the step before the last")
+    masked_before: int = field("", "CurrentLoop.masked of the step before the last")
 
 
 PART_STEP = const(1)  # values of FAULT_EXCEPTION
@@ -69,8 +69,8 @@ _E_STOP_MS = const(20)  # an emergency stop lasts that long after its last frame
 
 
 @hot
-def take_step(foc: Foc, run: BoardRun, now_us: int, rotor: int) -> int:
-    """Do a current step on foc.raw and the rotor's angle (-1: none) and return what becomes of the bridge.
+def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
+    """Do a current step on loop.raw and the rotor's angle (-1: none) and return what becomes of the bridge.
 
     The samples were taken where the duties of the last step began to act and those of the step before ended: what
     either left no time for is not used.
@@ -82,18 +82,18 @@ def take_step(foc: Foc, run: BoardRun, now_us: int, rotor: int) -> int:
     run.steps_since_motion += 1
     invalid = 0
     if rotor < 0:
-        rotor = foc.rotor
+        rotor = loop.rotor
         invalid = 1
-    masked = foc.masked
-    foc.masked = masked | run.masked_before
+    masked = loop.masked
+    loop.masked = masked | run.masked_before
     run.masked_before = masked
-    code = current_step(rotor, invalid, foc)
+    code = current_step(rotor, invalid, loop)
     if code:
-        code = current_repair(code, rotor, invalid, foc)
+        code = current_repair(code, rotor, invalid, loop)
     if run.offset_steps > 0:
-        run.raw_sum[0] += foc.raw[0]
-        run.raw_sum[1] += foc.raw[1]
-        run.raw_sum[2] += foc.raw[2]
+        run.raw_sum[0] += loop.raw[0]
+        run.raw_sum[1] += loop.raw[1]
+        run.raw_sum[2] += loop.raw[2]
         run.offset_steps -= 1
     if code or run.steps_since_motion > _MOTION_LATE_STEPS:
         run.bridge = 0
@@ -123,14 +123,20 @@ def note_stop(run: BoardRun, io: JointIo) -> int:
 
 @hot
 def take_motion(
-    foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration, run: BoardRun, driver: int
+    loop: CurrentLoop,
+    settings: JointSettings,
+    state: JointState,
+    io: JointIo,
+    calibration: Calibration,
+    run: BoardRun,
+    driver: int,
 ) -> int:
     """Do a motion tick on what ``io`` holds; return what becomes of the bridge. driver: its fault registers, 0 none."""
-    _watch_joint_encoder(foc, cfg, state, io, run)
+    _watch_joint_encoder(loop, settings, state, io, run)
     if driver:
         note_fault(run, io, FAULT_DRIVER, driver)
     stopped = _watch(run, io)
-    torque = motion_tick(foc, cfg, state, io, cal)
+    torque = motion_tick(loop, settings, state, io, calibration)
     run.steps_since_motion = 0
     if torque == TORQUE_OFF or stopped or driver:
         run.bridge = 0
@@ -142,7 +148,9 @@ def take_motion(
 
 
 @hot
-def _watch_joint_encoder(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, run: BoardRun) -> int:
+def _watch_joint_encoder(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, run: BoardRun
+) -> int:
     """Count what the joint's encoder left unanswered, get ready once offsets are measured; return hardware_ready.
 
     An encoder that does not answer is a fault, from when the offsets are measured on: by then it has started.
@@ -151,25 +159,25 @@ def _watch_joint_encoder(foc: Foc, cfg: JointConfig, state: JointState, io: Join
     if io.joint_valid:
         run.invalid_ms = 0
     if run.ready == 0 and run.offset_steps == 0 and run.steps >= OFFSET_STEPS:
-        _take_offsets(foc, cfg, io, run)
-        home_by_encoder(cfg, state, io)
+        _take_offsets(loop, settings, io, run)
+        home_by_encoder(settings, state, io)
     io.hardware_ready = run.ready
-    if cfg.has_joint_encoder and run.ready and run.invalid_ms > INVALID_MS:
+    if settings.has_joint_encoder and run.ready and run.invalid_ms > INVALID_MS:
         note_fault(run, io, FAULT_JOINT_ENCODER_LOST, run.invalid_ms)
     return io.hardware_ready
 
 
 @hot
-def _take_offsets(foc: Foc, cfg: JointConfig, io: JointIo, run: BoardRun) -> int:
+def _take_offsets(loop: CurrentLoop, settings: JointSettings, io: JointIo, run: BoardRun) -> int:
     """Use the offsets measured with the bridge off and return 1, or refuse to become ready and return 0."""
     for phase in range(3):
         mean = run.raw_sum[phase] // OFFSET_STEPS
-        if mean < 2048 - cfg.offset_spread or mean > 2048 + cfg.offset_spread:
+        if mean < 2048 - settings.offset_spread or mean > 2048 + settings.offset_spread:
             run.offset_steps = -1
             note_fault(run, io, FAULT_CURRENT_SENSE, mean - 2048)
             return 0
     shift = OFFSET_STEPS // 16
-    set_offsets(foc, run.raw_sum[0] // shift, run.raw_sum[1] // shift, run.raw_sum[2] // shift)
+    set_offsets(loop, run.raw_sum[0] // shift, run.raw_sum[1] // shift, run.raw_sum[2] // shift)
     run.ready = 1
     return 1
 

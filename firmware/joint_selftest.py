@@ -5,10 +5,9 @@ also switch with half the period for as long again: no current flows into a moto
 switching does to them.
 """
 
-
 from shared.joint.calibration import set_commutation
 from shared.joint.current import current_reset, current_step
-from shared.joint.layout import Foc
+from shared.joint.layout import CurrentLoop
 from shared.runtime import const
 
 from .chip_probe import Seen, probed
@@ -31,9 +30,9 @@ def measure(board, bridge=False):
     angle = board.read_rotor()
     control = Control(board)
     Parameters(control, Memory()).defaults()
-    set_commutation(control.foc, control.cfg)
-    current_reset(control.foc, max(angle, 0))
-    control.foc.trip_square = _NEVER  # offsets are not measured here
+    set_commutation(control.loop, control.settings)
+    current_reset(control.loop, max(angle, 0))
+    control.loop.trip_square = _NEVER  # offsets are not measured here
     seen = Seen()
     seen.gap_least_us = _LARGE
     _forget_samples(seen)
@@ -47,7 +46,7 @@ def measure(board, bridge=False):
         "steps": control.run.steps,
         "failed": control.run.failed_part,
         "stale": seen.stale_samples,
-        "bad_rotor": control.foc.glitches,
+        "bad_rotor": control.loop.glitches,
         "driver_fault": board.millisecond(),  # a motion tick, which takes note of failures and clears them
         "gap_least_us": seen.gap_least_us,
         "gap_most_us": seen.gap_most_us,
@@ -57,7 +56,7 @@ def measure(board, bridge=False):
         "thermistor": _counts(board.read_thermistor),
         "mcu": _counts(board.read_mcu),
         "joint": board.read_joint(),
-        "step_ns": _step_ns(board, control.foc),
+        "step_ns": _step_ns(board, control.loop),
     })  # fmt: skip
     return found
 
@@ -67,7 +66,7 @@ def _switched(board, control: Control, seen: Seen, driver):
     if driver != -1:
         return {"bridge_on": 0}
     _forget_samples(seen)
-    board.pwm_on(control.foc)  # compares in the middle, as current_reset left them
+    board.pwm_on(control.loop)  # compares in the middle, as current_reset left them
     _wait(board, control, 2 * STEPS)
     return {"bridge_on": board.pwm_is_on(), "on_low": _low(seen), "on_high": _high(seen)}
 
@@ -106,11 +105,11 @@ def _wait(board, control: Control, steps):
     return took
 
 
-def _step_ns(board, foc: Foc):
+def _step_ns(board, loop: CurrentLoop):
     """Return the mean time of one current step alone, interrupts included."""
     start = board.ticks_us()
     for _ in range(CALLS):
-        current_step(foc.rotor, 0, foc)
+        current_step(loop.rotor, 0, loop)
     return ((board.ticks_us() - start) & _MASK) * 1000 // CALLS
 
 

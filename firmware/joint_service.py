@@ -232,7 +232,7 @@ class Service:
             return RESULT_WRONG_STATE
         io.hash_ok = 1 if found_hash == PROTOCOL_HASH else 0
         io.session = session
-        result = drive_arm(self._control.cfg, self._control.state, io, purpose)
+        result = drive_arm(self._control.settings, self._control.state, io, purpose)
         if result == RESULT_OK:
             start_session(self._link, session)
             self.renew_challenge()
@@ -247,30 +247,31 @@ class Service:
         kind = index & ~CALIBRATE_AT_POSE
         if kind < CAL_FULL or kind > CAL_VERIFY:
             return RESULT_OUT_OF_RANGE
-        cal = self._control.cal
-        if begin_calibration(self._control.state, cal, kind) == 0:
+        calibration = self._control.calibration
+        if begin_calibration(self._control.state, calibration, kind) == 0:
             return RESULT_WRONG_STATE
-        cal.pose_given = 0
+        calibration.pose_given = 0
         if index & CALIBRATE_AT_POSE:
             pose = _signed(low)
             if pose == NOT_AVAILABLE:
                 return RESULT_OUT_OF_RANGE
-            cal.pose_given = 1
-            cal.pose = position_from_wire(pose, self._control.cfg.gear_q8)
+            calibration.pose_given = 1
+            calibration.pose = position_from_wire(pose, self._control.settings.gear_q8)
         return self._arm(MODE_CALIBRATING, PROTOCOL_HASH)
 
     def _home(self, index, low):
         c = self._control
-        if c.cfg.calibrated == 0:
+        if c.settings.calibrated == 0:
             return RESULT_NOT_CALIBRATED
         if index == HOME_STOP:
             return self._arm(MODE_HOMING, low)
         if index == HOME_ENCODER:
-            return RESULT_OK if home_by_encoder(c.cfg, c.state, c.io) else RESULT_NOT_HOMED
+            return RESULT_OK if home_by_encoder(c.settings, c.state, c.io) else RESULT_NOT_HOMED
         pose = _signed(low)
         if index != HOME_POSE or pose == NOT_AVAILABLE:
             return RESULT_OUT_OF_RANGE
-        return RESULT_OK if home_at(c.cfg, c.state, position_from_wire(pose, c.cfg.gear_q8)) else RESULT_NOT_HOMED
+        at = position_from_wire(pose, c.settings.gear_q8)
+        return RESULT_OK if home_at(c.settings, c.state, at) else RESULT_NOT_HOMED
 
     def _set_id(self, index, value):
         if value != self.board:

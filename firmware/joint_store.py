@@ -39,9 +39,9 @@ _RECORD = "<Hi"
 class Parameters:
     """Reads and writes the stored kind of parameters in the blocks of ``control``; ``node`` is the first of them."""
 
-    def __init__(self, control: Control, settings):
+    def __init__(self, control: Control, journal):
         self._control = control
-        self._settings = settings
+        self._journal = journal
         self.node = 0
 
     def get(self, parameter):
@@ -49,10 +49,10 @@ class Parameters:
         if parameter == PARAMETER_NODE_ID:
             return self.node
         if parameter < PARAMETER_THERMISTOR_RAW:
-            return value_at(self._control.loop, parameter - PARAMETER_CURRENT_KP)
+            return value_at(self._control.loop_settings, parameter - PARAMETER_CURRENT_KP)
         if parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
             return self._control.curve[parameter - PARAMETER_THERMISTOR_RAW]
-        return value_at(self._control.cfg, parameter - PARAMETER_POLE_PAIRS)
+        return value_at(self._control.settings, parameter - PARAMETER_POLE_PAIRS)
 
     def put(self, parameter, value):
         """Set one stored parameter; its limits are the caller's to check."""
@@ -60,14 +60,14 @@ class Parameters:
         if parameter == PARAMETER_NODE_ID:
             self.node = value
         elif parameter < PARAMETER_THERMISTOR_RAW:
-            set_at(control.loop, parameter - PARAMETER_CURRENT_KP, value)
-            set_loop(control.foc, control.loop)
+            set_at(control.loop_settings, parameter - PARAMETER_CURRENT_KP, value)
+            set_loop(control.loop, control.loop_settings)
         elif parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
             control.curve[parameter - PARAMETER_THERMISTOR_RAW] = value
         else:
-            set_at(control.cfg, parameter - PARAMETER_POLE_PAIRS, value)
+            set_at(control.settings, parameter - PARAMETER_POLE_PAIRS, value)
             if control.armed() == 0:
-                set_commutation(control.foc, control.cfg)
+                set_commutation(control.loop, control.settings)
 
     def take(self, values):
         """Set every stored parameter but the node, ``values`` by id from current_kp on; limits are the caller's."""
@@ -81,7 +81,7 @@ class Parameters:
     def load(self):
         """Read what is kept over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""
         self.defaults()
-        data = self._settings.get(KEY)
+        data = self._journal.get(KEY)
         if data is None:
             return MISSING
         if not _sound(data):
@@ -97,7 +97,7 @@ class Parameters:
 
     def save(self):
         """Keep all stored parameters; return 1, or 0 if that failed: then the old ones are still kept."""
-        return self._settings.put(KEY, self._packed())
+        return self._journal.put(KEY, self._packed())
 
     def _packed(self):
         stored = [parameter for parameter in range(PARAMETERS) if is_stored(parameter)]

@@ -54,7 +54,7 @@ def armed():
     return False
 
 
-def start(settings):
+def start(journal):
     """Serve the link for ever; a gait board keeps no settings."""
     import machine
     import pyb

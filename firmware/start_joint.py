@@ -28,25 +28,25 @@ def armed():
     return bool(machine.mem32[stm.TIM1 + stm.TIM_BDTR] & _MAIN_OUTPUT)
 
 
-def take_node(joint, settings):
-    """Make an id that was left in the settings that of the joint, and save it; return 1 if that was done.
+def take_node(joint, journal):
+    """Make an id that was left in the journal that of the joint, and save it; return 1 if that was done.
 
     Parameters that can't be read are left alone, as evidence: then the id stays where it is.
     """
-    data = settings.get(NODE)
+    data = journal.get(NODE)
     if not data or joint.loaded == BROKEN or not 1 <= data[0] <= 12:
         return 0
     joint.set_node(data[0])
-    return 1 if joint.parameters.save() and settings.put(NODE, b"") else 0
+    return 1 if joint.parameters.save() and journal.put(NODE, b"") else 0
 
 
-def start(settings):
+def start(journal):
     """Run the joint until something stops the program; the bridge is off afterwards whatever it was."""
     micropython.alloc_emergency_exception_buf(100)
     board = Stm32F405Board()
     try:
-        joint = Joint(board, settings)
-        take_node(joint, settings)
+        joint = Joint(board, journal)
+        take_node(joint, journal)
         gc.collect()
         joint.start()
         while True:

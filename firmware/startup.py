@@ -29,7 +29,7 @@ class Start:
         self.slot = slot  # 0 or 1
         self.header = parse_header(flash.view(slot_at(slot), HEADER))
         self.update = Update(flash, slot, self.header.board)
-        self.settings = Journal(flash)
+        self.journal = Journal(flash)
         self.stage = CHOSEN
         self.self_test = None  # "" when it passed
         self.error = ""
@@ -37,7 +37,7 @@ class Start:
 
     def settle(self):
         """Before anything runs: note and record that the loader took another slot than wished; make room."""
-        self.settings.tidy()
+        self.journal.tidy()
         wished = self.update.wished()
         if wished is None or wished[0] == self.slot:
             return
@@ -93,11 +93,11 @@ class Start:
     def note(self, sentence):
         """Add a line to the log, which loses its oldest lines; one that can't be written stops nothing."""
         lines = (self.log() + sentence + "\n")[-_LOG_BYTES:]
-        self.settings.put(LOG, lines.encode())
+        self.journal.put(LOG, lines.encode())
 
     def log(self):
         """Return the log's text."""
-        return (self.settings.get(LOG) or b"").decode()
+        return (self.journal.get(LOG) or b"").decode()
 
     def report(self):
         """Return what the host asks after a start, as a dictionary."""
@@ -122,7 +122,7 @@ class Start:
 
         self.stage = RUNNING
         print(STARTED, SLOTS[self.slot])
-        start_application(self.settings)
+        start_application(self.journal)
         raise RuntimeError("the application ended")
 
 

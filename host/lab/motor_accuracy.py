@@ -41,22 +41,22 @@ def accuracy(bldc: Bldc, seed: int = 0) -> dict[str, Any]:
 def _blocks(bldc: Bldc) -> Any:
     """Blocks for comparing: calibrated, at the nominal bus, and without shortest pulses, which floats do not have."""
     blocks = joint_blocks(bldc, JointSetup(-1.0, 1.9))
-    set_commutation(blocks.foc, blocks.cfg)
-    feed_bus(blocks.foc, blocks.cfg, round(bldc.drive.bus_voltage_V / blocks.units.volt_per_vu))
-    blocks.foc.pulse = 0
+    set_commutation(blocks.loop, blocks.settings)
+    feed_bus(blocks.loop, blocks.settings, round(bldc.drive.bus_voltage_V / blocks.units.volt_per_vu))
+    blocks.loop.pulse = 0
     return blocks
 
 
 def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
     blocks = _blocks(bldc)
-    foc, period = blocks.foc, blocks.foc.period
+    loop, period = blocks.loop, blocks.loop.period
     bus = 16 * bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     worst, outside = 0.0, 0
     for _ in range(VECTORS):
         length, angle = bus / sqrt(3) * sqrt(draw.random()), draw.uniform(0, tau)
         alpha, beta = round(length * cos(angle)), round(length * sin(angle))
-        svpwm(foc, alpha, beta)
-        for duty, want in zip(foc.duty, closed_form(alpha / bus, beta / bus), strict=True):
+        svpwm(loop, alpha, beta)
+        for duty, want in zip(loop.duty, closed_form(alpha / bus, beta / bus), strict=True):
             worst = max(worst, abs(duty / period - want))
             outside += not 0 <= duty <= period
     return worst, outside
@@ -64,48 +64,48 @@ def _svpwm_error(bldc: Bldc, draw: random.Random) -> tuple[float, int]:
 
 def _step_error(bldc: Bldc, draw: random.Random) -> float:
     blocks = _blocks(bldc)
-    foc, period, worst = blocks.foc, blocks.foc.period, 0.0
+    loop, period, worst = blocks.loop, blocks.loop.period, 0.0
     for _ in range(VECTORS):
         rotor = draw.randrange(16384)
         _draw_state(bldc, blocks, draw, rotor)
         want = _reference(bldc, blocks, rotor)
-        code = current_step(rotor, 0, foc)
+        code = current_step(rotor, 0, loop)
         if code:
-            current_repair(code, rotor, 0, foc)
-        for found, duty in zip(foc.duty, want, strict=True):
+            current_repair(code, rotor, 0, loop)
+        for found, duty in zip(loop.duty, want, strict=True):
             worst = max(worst, abs(found / period - duty))
     return worst
 
 
 def _draw_state(bldc: Bldc, blocks: Any, draw: random.Random, rotor: int) -> None:
     """Any rotor angle, phase currents up to 1.2 times the limit, references, integrals and feed-forward."""
-    foc, limit = blocks.foc, bldc.drive.current_limit_A
+    loop, limit = blocks.loop, bldc.drive.current_limit_A
     counts = 1.2 * limit / blocks.units.ampere_per_cu / 6
     angle = draw.uniform(0, tau)
     length = counts * draw.random()
     for phase in range(3):
-        foc.raw[phase] = round(2048 + length * cos(angle - phase * tau / 3))
-    foc.rotor = rotor
-    foc.masked = foc.tripped = foc.reference_d = 0
-    foc.reference_q = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
-    foc.integral_d = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
-    foc.integral_q = round(draw.uniform(-0.3, 0.3) * foc.voltage_limit * 8192)
-    foc.feed_d = round(draw.uniform(-0.1, 0.1) * foc.voltage_limit)
-    foc.feed_q = round(draw.uniform(-0.6, 0.6) * foc.voltage_limit)
+        loop.raw[phase] = round(2048 + length * cos(angle - phase * tau / 3))
+    loop.rotor = rotor
+    loop.masked = loop.tripped = loop.reference_d = 0
+    loop.reference_q = round(draw.uniform(-1, 1) * limit / blocks.units.ampere_per_cu)
+    loop.integral_d = round(draw.uniform(-0.3, 0.3) * loop.voltage_limit * 8192)
+    loop.integral_q = round(draw.uniform(-0.3, 0.3) * loop.voltage_limit * 8192)
+    loop.feed_d = round(draw.uniform(-0.1, 0.1) * loop.voltage_limit)
+    loop.feed_q = round(draw.uniform(-0.6, 0.6) * loop.voltage_limit)
 
 
 def _reference(bldc: Bldc, blocks: Any, rotor: int) -> tuple[float, float, float]:
     """The same step in floats: Clarke, Park, PI, limit with d first, inverse Park, min-max injection."""
-    foc = blocks.foc
-    a, b, c = (raw - 2048 for raw in foc.raw)
+    loop = blocks.loop
+    a, b, c = (raw - 2048 for raw in loop.raw)
     alpha, beta = 2.0 * (2 * a - b - c), 2 * sqrt(3) * (b - c)
     angle = bldc.motor.pole_pairs * rotor / 16384 * 2 * pi
     cosine, sine = cos(angle), sin(angle)
-    e_d = foc.reference_d - (cosine * alpha + sine * beta)
-    e_q = foc.reference_q - (cosine * beta - sine * alpha)
-    kp, ki = foc.kp / 8192, foc.ki / 8192
-    v_d = e_d * (kp + ki) + foc.integral_d / 8192 + foc.feed_d
-    v_q = e_q * (kp + ki) + foc.integral_q / 8192 + foc.feed_q
+    e_d = loop.reference_d - (cosine * alpha + sine * beta)
+    e_q = loop.reference_q - (cosine * beta - sine * alpha)
+    kp, ki = loop.kp / 8192, loop.ki / 8192
+    v_d = e_d * (kp + ki) + loop.integral_d / 8192 + loop.feed_d
+    v_q = e_q * (kp + ki) + loop.integral_q / 8192 + loop.feed_q
     bus = bldc.drive.bus_voltage_V / blocks.units.volt_per_vu
     most = bus / sqrt(3)
     v_d = max(-most, min(most, v_d))

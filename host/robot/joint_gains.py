@@ -10,7 +10,7 @@ from math import exp, pi
 
 from shared.joint.calibration import set_commutation
 from shared.joint.current import set_loop, set_offsets
-from shared.joint.layout import Foc, JointConfig, JointIo, JointState, LoopSettings
+from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
 from shared.record import pack
 
@@ -41,9 +41,9 @@ CURRENT_SHARE = 0.98  # of the limit may be asked for: noise and overshoot of th
 class JointBlocks:
     """The integer blocks of one joint, ready for joint_reset, and their units."""
 
-    foc: Foc
-    loop: LoopSettings
-    cfg: JointConfig
+    loop: CurrentLoop
+    loop_settings: LoopSettings
+    settings: JointSettings
     curve: list[int]
     units: Units
     state: JointState = field(default_factory=JointState)
@@ -51,7 +51,7 @@ class JointBlocks:
 
     def stored(self) -> list[int]:
         """Return the values of the parameters from current_kp on, by their ids (firmware/joint_store.py)."""
-        return [*pack(self.loop), *self.curve, *pack(self.cfg)]
+        return [*pack(self.loop_settings), *self.curve, *pack(self.settings)]
 
 
 def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> JointBlocks:
@@ -62,34 +62,34 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     if why := refusal(bldc, board):
         raise UserError(f"actuator.thermal.thermistor_25C_ohm {bldc.thermal.thermistor_25C_ohm:g}: use {why}")
     units = choose_units(bldc, board)
-    loop = _loop(bldc, board, units)
-    foc = Foc()
-    fill_sine(foc)
-    set_loop(foc, loop)
-    cfg = JointConfig()
+    loop_settings = _loop(bldc, board, units)
+    loop = CurrentLoop()
+    fill_sine(loop)
+    set_loop(loop, loop_settings)
+    settings = JointSettings()
     for part in (_electrical, _mechanics, _wire, _cascade, _protection, heat_places, _states, _calibration):
         for name, value in part(bldc, setup, board, units).items():
-            setattr(cfg, name, value)
-    _check_ranges(cfg)
-    set_commutation(foc, cfg)
-    set_offsets(foc, 2048 << 4, 2048 << 4, 2048 << 4)
-    return JointBlocks(foc, loop, cfg, list(curve(part_of(bldc, board))), units)
+            setattr(settings, name, value)
+    _check_ranges(settings)
+    set_commutation(loop, settings)
+    set_offsets(loop, 2048 << 4, 2048 << 4, 2048 << 4)
+    return JointBlocks(loop, loop_settings, settings, list(curve(part_of(bldc, board))), units)
 
 
 def _loop(bldc: Bldc, board: Board, units: Units) -> LoopSettings:
-    loop = LoopSettings()
+    loop_settings = LoopSettings()
     period = round(board.timer_hz / (2 * bldc.drive.pwm_hz))
     if not 500 <= period <= 7000:
         low, high = board.timer_hz / 14000, board.timer_hz / 1000
         raise UserError(f"actuator.drive.pwm_hz {bldc.drive.pwm_hz}: {low:.0f} .. {high:.0f} on this timer")
-    loop.pwm_period = period
-    loop.pwm_half = period * 8 + 8
-    loop.pwm_pulse = round(board.shortest_pulse_s * board.timer_hz / 2)
-    loop.pwm_window = round(board.settling_s * board.timer_hz)  # the sample is taken in the middle
-    loop.pwm_span = (period - 2 * max(loop.pwm_pulse, loop.pwm_window) - 1) * 16
-    loop.current_kp, loop.current_ki = step_gains(bldc, units.ampere_per_cu, units.volt_per_vu)
-    loop.trip_square = round(trip_A(bldc, board) / units.ampere_per_cu) ** 2
-    return loop
+    loop_settings.pwm_period = period
+    loop_settings.pwm_half = period * 8 + 8
+    loop_settings.pwm_pulse = round(board.shortest_pulse_s * board.timer_hz / 2)
+    loop_settings.pwm_window = round(board.settling_s * board.timer_hz)  # the sample is taken in the middle
+    loop_settings.pwm_span = (period - 2 * max(loop_settings.pwm_pulse, loop_settings.pwm_window) - 1) * 16
+    loop_settings.current_kp, loop_settings.current_ki = step_gains(bldc, units.ampere_per_cu, units.volt_per_vu)
+    loop_settings.trip_square = round(trip_A(bldc, board) / units.ampere_per_cu) ** 2
+    return loop_settings
 
 
 def _electrical(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[str, int]:
@@ -237,10 +237,10 @@ _RANGES = {
 }
 
 
-def _check_ranges(cfg: JointConfig) -> None:
+def _check_ranges(settings: JointSettings) -> None:
     for field_name, (low, high, name) in _RANGES.items():
-        value = getattr(cfg, field_name)
+        value = getattr(settings, field_name)
         if not low <= value <= high:
             raise UserError(f"{name}: gives {value} in the joint's integers, {low} .. {high} is allowed")
-    if cfg.position_min >= cfg.position_max:
+    if settings.position_min >= settings.position_max:
         raise UserError("joint limits: the lower one must be below the upper one")

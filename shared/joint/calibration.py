@@ -31,7 +31,7 @@ from .faults import (
     FAULT_CAL_SUM,
     FAULT_NONE,
 )
-from .layout import Foc, JointConfig, JointIo, JointState
+from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .sine import TABLE_HALF_STEP
 
 CAL_FULL = const(1)
@@ -96,324 +96,328 @@ _POLE_PAIRS_MOST = const(40)
 
 
 @hot
-def set_commutation(foc: Foc, cfg: JointConfig) -> int:
+def set_commutation(loop: CurrentLoop, settings: JointSettings) -> int:
     """Hand the stored direction, pole pairs and offset to the current step; return electrical_gain."""
-    foc.electrical_offset = cfg.elec_offset + TABLE_HALF_STEP
-    foc.electrical_gain = 4 * cfg.pole_pairs * cfg.direction
-    return foc.electrical_gain
+    loop.electrical_offset = settings.elec_offset + TABLE_HALF_STEP
+    loop.electrical_gain = 4 * settings.pole_pairs * settings.direction
+    return loop.electrical_gain
 
 
 @hot
-def calibration_start(cal: Calibration, kind: int) -> int:
+def calibration_start(calibration: Calibration, kind: int) -> int:
     """Begin a calibration of ``kind`` with the next tick; return PHASE_REST. pose_given and pose are the caller's."""
-    cal.kind = kind
-    cal.reason = FAULT_NONE
-    cal.reason_value = 0
-    cal.angle = 0
-    cal.moved = 0
-    cal.rotor_last = 0
-    cal.joint_moved = 0
-    cal.joint_last = 0
-    cal.moved_forward = 0
-    cal.joint_moved_forward = 0
-    cal.direction = 0
-    cal.pole_pairs = 0
-    cal.offset_reference = 0
-    cal.offset_sum = 0
-    cal.offset_count = 0
-    cal.offset_low = 0
-    cal.offset_high = 0
+    calibration.kind = kind
+    calibration.reason = FAULT_NONE
+    calibration.reason_value = 0
+    calibration.angle = 0
+    calibration.moved = 0
+    calibration.rotor_last = 0
+    calibration.joint_moved = 0
+    calibration.joint_last = 0
+    calibration.moved_forward = 0
+    calibration.joint_moved_forward = 0
+    calibration.direction = 0
+    calibration.pole_pairs = 0
+    calibration.offset_reference = 0
+    calibration.offset_sum = 0
+    calibration.offset_count = 0
+    calibration.offset_low = 0
+    calibration.offset_high = 0
     for phase in range(3):
-        cal.raw_sum[phase] = 0
+        calibration.raw_sum[phase] = 0
     for at in range(4):
-        cal.lowest[at] = 0xFFFF
-        cal.highest[at] = -0xFFFF
-    return _next(cal, PHASE_REST)
+        calibration.lowest[at] = 0xFFFF
+        calibration.highest[at] = -0xFFFF
+    return _next(calibration, PHASE_REST)
 
 
 @hot
-def calibration_abort(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
+def calibration_abort(loop: CurrentLoop, settings: JointSettings, calibration: Calibration) -> int:
     """End a calibration without a result, restore the commutation and the references; return PHASE_IDLE."""
-    cal.phase = PHASE_IDLE
-    cal.kind = 0
-    foc.reference_d = 0
-    foc.reference_q = 0
-    set_commutation(foc, cfg)
+    calibration.phase = PHASE_IDLE
+    calibration.kind = 0
+    loop.reference_d = 0
+    loop.reference_q = 0
+    set_commutation(loop, settings)
     return PHASE_IDLE
 
 
 @hot
-def calibration_needs_bridge(cal: Calibration) -> int:
+def calibration_needs_bridge(calibration: Calibration) -> int:
     """Return 1 while the field is on, 0 at rest and when idle: the bridge is off then."""
-    if cal.phase > PHASE_REST:
+    if calibration.phase > PHASE_REST:
         return 1
     return 0
 
 
 @hot
-def calibration_step(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
-    """Do one tick; return cal.phase, PHASE_IDLE when over. Then cal.reason is 0 or says what stood against it.
+def calibration_step(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration
+) -> int:
+    """Do one tick; return the phase, PHASE_IDLE when over. Then ``reason`` is 0 or says what stood against it.
 
     About 18 s for a full one, 5 s for a small one.
     """
-    phase = cal.phase
+    phase = calibration.phase
     if phase == PHASE_IDLE:
         return PHASE_IDLE
-    cal.phase_ticks += 1
+    calibration.phase_ticks += 1
     if phase == PHASE_REST:
-        _rest(foc, cfg, state, io, cal)
+        _rest(loop, settings, state, io, calibration)
     elif phase == PHASE_RAMP:
-        _ramp(foc, cfg, cal)
+        _ramp(loop, settings, calibration)
     elif phase == PHASE_SETTLE:
-        _settle(foc, cfg, io, cal)
+        _settle(loop, settings, io, calibration)
     else:
-        _turn(foc, cfg, io, cal)
-    if cal.phase == PHASE_IDLE:
-        calibration_abort(foc, cfg, cal)
-    return cal.phase
+        _turn(loop, settings, io, calibration)
+    if calibration.phase == PHASE_IDLE:
+        calibration_abort(loop, settings, calibration)
+    return calibration.phase
 
 
 @hot
-def _refuse(cal: Calibration, reason: int, value: int) -> int:
+def _refuse(calibration: Calibration, reason: int, value: int) -> int:
     """End with a reason, unless there is one already."""
-    if cal.reason == FAULT_NONE:
-        cal.reason = reason
-        cal.reason_value = value
-    cal.phase = PHASE_IDLE
+    if calibration.reason == FAULT_NONE:
+        calibration.reason = reason
+        calibration.reason_value = value
+    calibration.phase = PHASE_IDLE
     return reason
 
 
 @hot
-def _next(cal: Calibration, phase: int) -> int:
-    cal.phase = phase
-    cal.phase_ticks = 0
+def _next(calibration: Calibration, phase: int) -> int:
+    calibration.phase = phase
+    calibration.phase_ticks = 0
     return phase
 
 
 @hot
-def _extremes(cal: Calibration, place: int, value: int) -> int:
+def _extremes(calibration: Calibration, place: int, value: int) -> int:
     """Take in a value of the lowest and highest at ``place``; return how far apart these are."""
-    if value < cal.lowest[place]:
-        cal.lowest[place] = value
-    if value > cal.highest[place]:
-        cal.highest[place] = value
-    return cal.highest[place] - cal.lowest[place]
+    if value < calibration.lowest[place]:
+        calibration.lowest[place] = value
+    if value > calibration.highest[place]:
+        calibration.highest[place] = value
+    return calibration.highest[place] - calibration.lowest[place]
 
 
 @hot
-def _rest(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration) -> int:
     """Collect 256 readings with the bridge off, then check them and set the current offsets."""
-    if cal.phase_ticks == 1:
-        cal.rest_rotor = foc.rotor
-        cal.rest_joint = io.joint_raw
+    if calibration.phase_ticks == 1:
+        calibration.rest_rotor = loop.rotor
+        calibration.rest_joint = io.joint_raw
     for phase in range(3):
-        raw = foc.raw[phase]
-        cal.raw_sum[phase] = cal.raw_sum[phase] + raw
-        _extremes(cal, phase, raw)
-    _extremes(cal, _ROTOR, wrap_count(foc.rotor - cal.rest_rotor))
-    if cal.phase_ticks >> _REST_SHIFT == 0:
+        raw = loop.raw[phase]
+        calibration.raw_sum[phase] = calibration.raw_sum[phase] + raw
+        _extremes(calibration, phase, raw)
+    _extremes(calibration, _ROTOR, wrap_count(loop.rotor - calibration.rest_rotor))
+    if calibration.phase_ticks >> _REST_SHIFT == 0:
         return PHASE_REST
-    _check_rest(cfg, state, cal)
-    if cal.phase == PHASE_IDLE:
+    _check_rest(settings, state, calibration)
+    if calibration.phase == PHASE_IDLE:
         return PHASE_IDLE
     shift = _REST_SHIFT - 4
-    set_offsets(foc, cal.raw_sum[0] >> shift, cal.raw_sum[1] >> shift, cal.raw_sum[2] >> shift)
-    current_relax(foc)
-    return _next(cal, PHASE_RAMP)
+    set_offsets(loop, calibration.raw_sum[0] >> shift, calibration.raw_sum[1] >> shift, calibration.raw_sum[2] >> shift)
+    current_relax(loop)
+    return _next(calibration, PHASE_RAMP)
 
 
 @hot
-def _check_rest(cfg: JointConfig, state: JointState, cal: Calibration) -> int:
+def _check_rest(settings: JointSettings, state: JointState, calibration: Calibration) -> int:
     """Return FAULT_NONE if the currents, the supply and the rotor at rest are fit, else the first fault."""
     for phase in range(3):
-        offset = cal.raw_sum[phase] >> _REST_SHIFT
-        if offset > 2048 + cfg.offset_spread or offset < 2048 - cfg.offset_spread:
-            return _refuse(cal, FAULT_CAL_OFFSET, offset)
-        noise = cal.highest[phase] - cal.lowest[phase]
+        offset = calibration.raw_sum[phase] >> _REST_SHIFT
+        if offset > 2048 + settings.offset_spread or offset < 2048 - settings.offset_spread:
+            return _refuse(calibration, FAULT_CAL_OFFSET, offset)
+        noise = calibration.highest[phase] - calibration.lowest[phase]
         if noise > _NOISE_MOST:
-            return _refuse(cal, FAULT_CAL_NOISE, noise)
-    if state.bus < cfg.cal_bus_least or state.bus > cfg.cal_bus_most:
-        return _refuse(cal, FAULT_CAL_BUS, state.bus)
-    if state.rate > cfg.stall_rate or state.rate < -cfg.stall_rate:
-        return _refuse(cal, FAULT_CAL_MOVING, state.rate)
-    noise = cal.highest[_ROTOR] - cal.lowest[_ROTOR]
+            return _refuse(calibration, FAULT_CAL_NOISE, noise)
+    if state.bus < settings.cal_bus_least or state.bus > settings.cal_bus_most:
+        return _refuse(calibration, FAULT_CAL_BUS, state.bus)
+    if state.rate > settings.stall_rate or state.rate < -settings.stall_rate:
+        return _refuse(calibration, FAULT_CAL_MOVING, state.rate)
+    noise = calibration.highest[_ROTOR] - calibration.lowest[_ROTOR]
     if noise > _ENCODER_NOISE_MOST:
-        return _refuse(cal, FAULT_CAL_ENCODER, noise)
+        return _refuse(calibration, FAULT_CAL_ENCODER, noise)
     return FAULT_NONE
 
 
 @hot
-def _force(foc: Foc, cal: Calibration, current: int) -> int:
-    """Point the field at cal.angle with ``current`` on d, whatever the encoder says."""
-    foc.electrical_gain = 0
-    foc.electrical_offset = (cal.angle & 0xFFFF) + TABLE_HALF_STEP
-    foc.feed_d = 0
-    foc.feed_q = 0
-    foc.reference_q = 0
-    foc.reference_d = current
+def _force(loop: CurrentLoop, calibration: Calibration, current: int) -> int:
+    """Point the field at calibration.angle with ``current`` on d, whatever the encoder says."""
+    loop.electrical_gain = 0
+    loop.electrical_offset = (calibration.angle & 0xFFFF) + TABLE_HALF_STEP
+    loop.feed_d = 0
+    loop.feed_q = 0
+    loop.reference_q = 0
+    loop.reference_d = current
     return current
 
 
 @hot
-def _ramp(foc: Foc, cfg: JointConfig, cal: Calibration) -> int:
+def _ramp(loop: CurrentLoop, settings: JointSettings, calibration: Calibration) -> int:
     """Let the current grow while the field comes from a quarter turn back: no rotor stands exactly against both."""
-    cal.angle = (cal.phase_ticks << 6) - 16384
-    _force(foc, cal, cfg.cal_current * cal.phase_ticks >> _RAMP_SHIFT)
-    if cal.phase_ticks >> _RAMP_SHIFT:
-        _next(cal, PHASE_SETTLE)
-    return cal.phase
+    calibration.angle = (calibration.phase_ticks << 6) - 16384
+    _force(loop, calibration, settings.cal_current * calibration.phase_ticks >> _RAMP_SHIFT)
+    if calibration.phase_ticks >> _RAMP_SHIFT:
+        _next(calibration, PHASE_SETTLE)
+    return calibration.phase
 
 
 @hot
-def _settle(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
+def _settle(loop: CurrentLoop, settings: JointSettings, io: JointIo, calibration: Calibration) -> int:
     """Wait until the rotor has found the field, then check the current and start to turn."""
-    wanted = _force(foc, cal, cfg.cal_current)
-    if cal.phase_ticks < _SETTLE_TICKS:
+    wanted = _force(loop, calibration, settings.cal_current)
+    if calibration.phase_ticks < _SETTLE_TICKS:
         return PHASE_SETTLE
-    missing = wanted - foc.current_d
+    missing = wanted - loop.current_d
     if missing > wanted >> 2 or missing < -(wanted >> 2):
-        return _refuse(cal, FAULT_CAL_NO_CURRENT, foc.current_d)
-    wrong = current_sum(foc)
-    if wrong > cfg.sum_limit or wrong < -cfg.sum_limit:
-        return _refuse(cal, FAULT_CAL_SUM, wrong)
-    cal.rotor_last = foc.rotor
-    cal.joint_last = io.joint_raw
-    return _next(cal, PHASE_FORWARD)
+        return _refuse(calibration, FAULT_CAL_NO_CURRENT, loop.current_d)
+    wrong = current_sum(loop)
+    if wrong > settings.sum_limit or wrong < -settings.sum_limit:
+        return _refuse(calibration, FAULT_CAL_SUM, wrong)
+    calibration.rotor_last = loop.rotor
+    calibration.joint_last = io.joint_raw
+    return _next(calibration, PHASE_FORWARD)
 
 
 @hot
-def _turn(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
+def _turn(loop: CurrentLoop, settings: JointSettings, io: JointIo, calibration: Calibration) -> int:
     """Turn the field by one step, follow the encoders, and close the way when its end is reached."""
-    cal.moved += wrap_count(foc.rotor - cal.rotor_last)
-    cal.rotor_last = foc.rotor
-    cal.joint_moved += wrap_count(io.joint_raw - cal.joint_last)
-    cal.joint_last = io.joint_raw
-    if cal.phase >= PHASE_AGAIN:
-        _sample_offset(foc, cal)
+    calibration.moved += wrap_count(loop.rotor - calibration.rotor_last)
+    calibration.rotor_last = loop.rotor
+    calibration.joint_moved += wrap_count(io.joint_raw - calibration.joint_last)
+    calibration.joint_last = io.joint_raw
+    if calibration.phase >= PHASE_AGAIN:
+        _sample_offset(loop, calibration)
     travel = _SMALL_TRAVEL
     step = _SMALL_STEP
-    if cal.kind == CAL_FULL:
+    if calibration.kind == CAL_FULL:
         travel = _FULL_TRAVEL
         step = _FULL_STEP
-    if cal.phase == PHASE_BACK or cal.phase == PHASE_RETURN:
+    if calibration.phase == PHASE_BACK or calibration.phase == PHASE_RETURN:
         step = -step
-    if cal.angle + step < 0 or cal.angle + step > travel:
-        return _end_sweep(foc, cfg, io, cal, travel)
-    cal.angle += step
-    return _force(foc, cal, cfg.cal_current)
+    if calibration.angle + step < 0 or calibration.angle + step > travel:
+        return _end_sweep(loop, settings, io, calibration, travel)
+    calibration.angle += step
+    return _force(loop, calibration, settings.cal_current)
 
 
 @hot
-def _end_sweep(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration, travel: int) -> int:
-    phase = cal.phase
+def _end_sweep(loop: CurrentLoop, settings: JointSettings, io: JointIo, calibration: Calibration, travel: int) -> int:
+    phase = calibration.phase
     if phase == PHASE_FORWARD:
-        cal.moved_forward = cal.moved
-        cal.joint_moved_forward = cal.joint_moved
+        calibration.moved_forward = calibration.moved
+        calibration.joint_moved_forward = calibration.joint_moved
     if phase == PHASE_BACK:
-        _find_direction(cfg, cal, travel)
-        _check_joint_encoder(cfg, io, cal)
-        if cal.phase == PHASE_IDLE:
+        _find_direction(settings, calibration, travel)
+        _check_joint_encoder(settings, io, calibration)
+        if calibration.phase == PHASE_IDLE:
             return PHASE_IDLE
     if phase == PHASE_RETURN:
-        return _finish(foc, cfg, io, cal)
-    return _next(cal, phase + 1)
+        return _finish(loop, settings, io, calibration)
+    return _next(calibration, phase + 1)
 
 
 @hot
-def _find_direction(cfg: JointConfig, cal: Calibration, travel: int) -> int:
+def _find_direction(settings: JointSettings, calibration: Calibration, travel: int) -> int:
     """Direction and pole pairs from the first way, which must have come back to where it began."""
-    moved = cal.moved_forward
-    cal.direction = 1
+    moved = calibration.moved_forward
+    calibration.direction = 1
     if moved < 0:
-        cal.direction = -1
+        calibration.direction = -1
         moved = -moved
-    left = cal.moved
+    left = calibration.moved
     if moved < 64 or left > moved >> 2 or left < -(moved >> 2):
-        return _refuse(cal, FAULT_CAL_NOT_FREE, cal.moved_forward)
+        return _refuse(calibration, FAULT_CAL_NOT_FREE, calibration.moved_forward)
     pairs = (travel + moved + moved) // (moved << 2)
-    if cal.kind == CAL_FULL:
+    if calibration.kind == CAL_FULL:
         rest = travel - 4 * pairs * moved
         if rest > moved or rest < -moved or pairs < 1 or pairs > _POLE_PAIRS_MOST:
-            return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
-        if cfg.pole_pairs != 0 and cfg.pole_pairs != pairs:
-            return _refuse(cal, FAULT_CAL_POLE_PAIRS, pairs)
+            return _refuse(calibration, FAULT_CAL_POLE_PAIRS, pairs)
+        if settings.pole_pairs != 0 and settings.pole_pairs != pairs:
+            return _refuse(calibration, FAULT_CAL_POLE_PAIRS, pairs)
     else:
-        pairs = cfg.pole_pairs
+        pairs = settings.pole_pairs
         rest = travel - 4 * pairs * moved
         if rest > travel >> 2 or rest < -(travel >> 2):
-            return _refuse(cal, FAULT_CAL_NOT_FREE, cal.moved_forward)
-    cal.pole_pairs = pairs
-    if cal.kind == CAL_VERIFY and cal.direction != cfg.direction:
-        return _refuse(cal, FAULT_CAL_PHASE_ORDER, cal.direction)
+            return _refuse(calibration, FAULT_CAL_NOT_FREE, calibration.moved_forward)
+    calibration.pole_pairs = pairs
+    if calibration.kind == CAL_VERIFY and calibration.direction != settings.direction:
+        return _refuse(calibration, FAULT_CAL_PHASE_ORDER, calibration.direction)
     return FAULT_NONE
 
 
 @hot
-def _check_joint_encoder(cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
+def _check_joint_encoder(settings: JointSettings, io: JointIo, calibration: Calibration) -> int:
     """The joint must have moved by the rotor's way through the gear, within a quarter and 8 counts."""
-    if cfg.has_joint_encoder == 0 or cfg.gear_q8 < 1:
+    if settings.has_joint_encoder == 0 or settings.gear_q8 < 1:
         return 0
-    moved = cal.joint_moved_forward
+    moved = calibration.joint_moved_forward
     if moved < 0:
         moved = -moved
-    expected = (cal.moved_forward * cal.direction << 8) // cfg.gear_q8
+    expected = (calibration.moved_forward * calibration.direction << 8) // settings.gear_q8
     error = moved - expected
     if io.joint_valid == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
-        return _refuse(cal, FAULT_CAL_JOINT_ENCODER, cal.joint_moved_forward)
+        return _refuse(calibration, FAULT_CAL_JOINT_ENCODER, calibration.joint_moved_forward)
     return 0
 
 
 @hot
-def _sample_offset(foc: Foc, cal: Calibration) -> int:
+def _sample_offset(loop: CurrentLoop, calibration: Calibration) -> int:
     """Add one sample of field angle minus rotor angle, relative to the first."""
-    offset = cal.angle - 4 * cal.pole_pairs * cal.direction * foc.rotor
-    if cal.offset_count == 0:
-        cal.offset_reference = offset & 0xFFFF
-    offset = ((offset - cal.offset_reference + 0x8000) & 0xFFFF) - 0x8000
-    cal.offset_sum += offset
-    cal.offset_count += 1
-    if offset < cal.offset_low:
-        cal.offset_low = offset
-    if offset > cal.offset_high:
-        cal.offset_high = offset
+    offset = calibration.angle - 4 * calibration.pole_pairs * calibration.direction * loop.rotor
+    if calibration.offset_count == 0:
+        calibration.offset_reference = offset & 0xFFFF
+    offset = ((offset - calibration.offset_reference + 0x8000) & 0xFFFF) - 0x8000
+    calibration.offset_sum += offset
+    calibration.offset_count += 1
+    if offset < calibration.offset_low:
+        calibration.offset_low = offset
+    if offset > calibration.offset_high:
+        calibration.offset_high = offset
     return offset
 
 
 @hot
-def _finish(foc: Foc, cfg: JointConfig, io: JointIo, cal: Calibration) -> int:
+def _finish(loop: CurrentLoop, settings: JointSettings, io: JointIo, calibration: Calibration) -> int:
     """Check the offsets' spread, then write everything found, or compare it."""
-    spread = cal.offset_high - cal.offset_low
-    if spread > _SPREAD_MOST or cal.offset_count < 1:
-        return _refuse(cal, FAULT_CAL_SPREAD, spread)
-    cal.offset_found = (cal.offset_reference + cal.offset_sum // cal.offset_count) & 0xFFFF
-    if cal.kind == CAL_VERIFY:
-        change = ((cal.offset_found - cfg.elec_offset + 0x8000) & 0xFFFF) - 0x8000
-        if change > cfg.verify or change < -cfg.verify:
-            return _refuse(cal, FAULT_CAL_OFFSET_CHANGED, change)
-        return _next(cal, PHASE_IDLE)
-    cfg.elec_offset = cal.offset_found
-    cfg.direction = cal.direction
-    cfg.pole_pairs = cal.pole_pairs
-    cfg.calibrated = 1
-    if cfg.has_joint_encoder:
-        same = cal.moved_forward ^ cal.joint_moved_forward
-        cfg.joint_encoder_sign = cfg.joint_sign
+    spread = calibration.offset_high - calibration.offset_low
+    if spread > _SPREAD_MOST or calibration.offset_count < 1:
+        return _refuse(calibration, FAULT_CAL_SPREAD, spread)
+    calibration.offset_found = (
+        calibration.offset_reference + calibration.offset_sum // calibration.offset_count
+    ) & 0xFFFF
+    if calibration.kind == CAL_VERIFY:
+        change = ((calibration.offset_found - settings.elec_offset + 0x8000) & 0xFFFF) - 0x8000
+        if change > settings.verify or change < -settings.verify:
+            return _refuse(calibration, FAULT_CAL_OFFSET_CHANGED, change)
+        return _next(calibration, PHASE_IDLE)
+    settings.elec_offset = calibration.offset_found
+    settings.direction = calibration.direction
+    settings.pole_pairs = calibration.pole_pairs
+    settings.calibrated = 1
+    if settings.has_joint_encoder:
+        same = calibration.moved_forward ^ calibration.joint_moved_forward
+        settings.joint_encoder_sign = settings.joint_sign
         if same < 0:
-            cfg.joint_encoder_sign = -cfg.joint_sign
-    if cal.pose_given:
-        set_zeros(cfg, cal)
-    return _next(cal, PHASE_IDLE)
+            settings.joint_encoder_sign = -settings.joint_sign
+    if calibration.pose_given:
+        set_zeros(settings, calibration)
+    return _next(calibration, PHASE_IDLE)
 
 
 @hot
-def set_zeros(cfg: JointConfig, cal: Calibration) -> int:
-    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint; return cfg.zero.
+def set_zeros(settings: JointSettings, calibration: Calibration) -> int:
+    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint; return settings.zero.
 
     The joint encoder's zero is rounded to its count: the rotor's is exact.
     """
-    cfg.zero = (cal.rest_rotor - cal.pose * cfg.joint_sign) & 16383
-    if cfg.has_joint_encoder and cfg.gear_q8 > 0:
-        half = cfg.gear_q8 >> 1
-        angle = ((cal.pose << 8) + half) // cfg.gear_q8
-        cfg.joint_encoder_zero = (cal.rest_joint - angle * cfg.joint_encoder_sign) & 16383
-    return cfg.zero
+    settings.zero = (calibration.rest_rotor - calibration.pose * settings.joint_sign) & 16383
+    if settings.has_joint_encoder and settings.gear_q8 > 0:
+        half = settings.gear_q8 >> 1
+        angle = ((calibration.pose << 8) + half) // settings.gear_q8
+        settings.joint_encoder_zero = (calibration.rest_joint - angle * settings.joint_encoder_sign) & 16383
+    return settings.zero

@@ -19,7 +19,7 @@ from ..wire.names import (
     MODE_POSITION,
     MODE_VELOCITY,
 )
-from .layout import Foc, JointConfig, JointIo, JointState
+from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .profile import braking_rate, profile_reset, profile_step, slew_rate
 
 _INT16 = const(32767)
@@ -50,9 +50,9 @@ def current_from_wire(current: int, current_q14: int) -> int:
 
 
 @hot
-def cascade_reset(cfg: JointConfig, state: JointState) -> int:
+def cascade_reset(settings: JointSettings, state: JointState) -> int:
     """Start bumpless: trajectory at the measured position and rate, no integral, no current. Return 0."""
-    rate = saturate(state.velocity, -cfg.rate_max, cfg.rate_max)
+    rate = saturate(state.velocity, -settings.rate_max, settings.rate_max)
     position = saturate(state.position, -_POSITION_MOST, _POSITION_MOST)
     profile_reset(state, position, rate)
     state.target = position << 8
@@ -60,7 +60,7 @@ def cascade_reset(cfg: JointConfig, state: JointState) -> int:
     state.target_rate = 0
     state.target_ticks_left = 0
     state.home_rate = 0
-    state.target_age = cfg.extrapolate_ticks
+    state.target_age = settings.extrapolate_ticks
     state.rate_reference = rate
     state.current_reference = 0
     state.acceleration_feed = 0
@@ -70,44 +70,44 @@ def cascade_reset(cfg: JointConfig, state: JointState) -> int:
 
 
 @hot
-def cascade_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def cascade_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Do one tick in state.mode and return current_reference in cu, joint-signed, within +-current_limit.
 
     Modes without a set-point of their own (off, damping, calibrating) give 0.
     """
     mode = state.mode
-    feed = current_from_wire(io.current, cfg.current_q14)
+    feed = current_from_wire(io.current, settings.current_q14)
     if mode == MODE_POSITION:
-        follow_position(cfg, state, io)
-        return velocity_loop(cfg, state, feed)
+        follow_position(settings, state, io)
+        return velocity_loop(settings, state, feed)
     if mode == MODE_VELOCITY:
-        follow_velocity(cfg, state, rate_from_wire(io.velocity, cfg.rate_q8))
-        return velocity_loop(cfg, state, feed)
+        follow_velocity(settings, state, rate_from_wire(io.velocity, settings.rate_q8))
+        return velocity_loop(settings, state, feed)
     if mode == MODE_HOMING:
-        slew_rate(state, state.home_rate, cfg.accel)
+        slew_rate(state, state.home_rate, settings.accel)
         state.rate_reference = state.profile_rate
         state.current_reference = 0
-        return velocity_loop(cfg, state, 0)
+        return velocity_loop(settings, state, 0)
     if mode == MODE_IMPEDANCE:
-        return limit_current(cfg, state, guard_position(cfg, state, impedance(cfg, state, io)))
+        return limit_current(settings, state, guard_position(settings, state, impedance(settings, state, io)))
     if mode == MODE_CURRENT:
-        return limit_current(cfg, state, guard_position(cfg, state, feed))
-    return limit_current(cfg, state, 0)
+        return limit_current(settings, state, guard_position(settings, state, feed))
+    return limit_current(settings, state, 0)
 
 
 @hot
-def follow_position(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def follow_position(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Move the trajectory towards the position set-point and return rate_reference from the position loop.
 
     Position error limited to +-(2^18 - 1) rc, position_p 0 .. 4095: products below 2^30.
     """
-    rate = _move_target(cfg, state, io)
-    change = profile_step(state, state.target, rate, cfg.accel, cfg.rate_max)
-    _flag_profile(cfg, state, change)
+    rate = _move_target(settings, state, io)
+    change = profile_step(state, state.target, rate, settings.accel, settings.rate_max)
+    _flag_profile(settings, state, change)
     error = saturate((state.profile >> 8) - state.position, -_ERROR_MOST, _ERROR_MOST)
-    rate = state.profile_rate + (error * cfg.position_p >> 6)
-    state.rate_reference = saturate(rate, -cfg.rate_max, cfg.rate_max)
-    feed_acceleration(cfg, state, change)
+    rate = state.profile_rate + (error * settings.position_p >> 6)
+    state.rate_reference = saturate(rate, -settings.rate_max, settings.rate_max)
+    feed_acceleration(settings, state, change)
     return state.rate_reference
 
 
@@ -136,46 +136,46 @@ def glide(state: JointState, feed: int) -> int:
 
 
 @hot
-def follow_velocity(cfg: JointConfig, state: JointState, wanted: int) -> int:
+def follow_velocity(settings: JointSettings, state: JointState, wanted: int) -> int:
     """Slew rate_reference towards ``wanted``, slowing down in time before a position limit; return rate_reference.
 
     wanted: rate units within +-2^24. The trajectory starts anew wherever the joint is.
     """
-    top = cfg.rate_max
+    top = settings.rate_max
     if wanted > top or wanted < -top:
         state.limits = state.limits | LIMIT_VELOCITY
         wanted = saturate(wanted, -top, top)
-    room = saturate(cfg.position_max - state.position, -_POSITION_MOST, _POSITION_MOST)
+    room = saturate(settings.position_max - state.position, -_POSITION_MOST, _POSITION_MOST)
     if wanted > 0:
-        wanted = _slow_down(cfg, state, wanted, room)
-    room = saturate(state.position - cfg.position_min, -_POSITION_MOST, _POSITION_MOST)
+        wanted = _slow_down(settings, state, wanted, room)
+    room = saturate(state.position - settings.position_min, -_POSITION_MOST, _POSITION_MOST)
     if wanted < 0:
-        wanted = -_slow_down(cfg, state, 0 - wanted, room)
-    change = slew_rate(state, wanted, cfg.accel)
-    if change == cfg.accel or change == -cfg.accel:
+        wanted = -_slow_down(settings, state, 0 - wanted, room)
+    change = slew_rate(state, wanted, settings.accel)
+    if change == settings.accel or change == -settings.accel:
         state.limits = state.limits | LIMIT_ACCELERATION
     state.profile = saturate(state.position, -_POSITION_MOST, _POSITION_MOST) << 8
     state.rate_reference = state.profile_rate
-    feed_acceleration(cfg, state, change)
+    feed_acceleration(settings, state, change)
     return state.rate_reference
 
 
 @hot
-def feed_acceleration(cfg: JointConfig, state: JointState, change: int) -> int:
+def feed_acceleration(settings: JointSettings, state: JointState, change: int) -> int:
     """Return current_reference: the current for the trajectory's ``change`` of rate, smoothed over some four ticks.
 
-    change within +-65535 rate units a tick, cfg.inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory
+    change within +-65535 rate units a tick, inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory
     is a blow of up to the acceleration limit. Error 1 cu. Below 2^28.
     """
     fed = state.acceleration_feed
-    fed += (change * cfg.inertia >> 4) - fed >> 2
+    fed += (change * settings.inertia >> 4) - fed >> 2
     state.acceleration_feed = fed
     state.current_reference = fed + 8 >> 4
     return state.current_reference
 
 
 @hot
-def velocity_loop(cfg: JointConfig, state: JointState, feed_cu: int) -> int:
+def velocity_loop(settings: JointSettings, state: JointState, feed_cu: int) -> int:
     """Return current_reference: PI on the rate, plus the feed-forward and the acceleration's share already there.
 
     Rate error limited to +-(2^17 - 1), velocity_p 0 .. 8191 (Q12), velocity_i 0 .. 8191 (Q16). The
@@ -184,39 +184,39 @@ def velocity_loop(cfg: JointConfig, state: JointState, feed_cu: int) -> int:
     """
     error = saturate(state.rate_reference - state.velocity, -_RATE_ERROR_MOST, _RATE_ERROR_MOST)
     integral = state.velocity_integral
-    direct = saturate((error * cfg.velocity_p >> 12) + feed_cu + state.current_reference, -0xFFFFF, 0xFFFFF)
+    direct = saturate((error * settings.velocity_p >> 12) + feed_cu + state.current_reference, -0xFFFFF, 0xFFFFF)
     wanted = direct + (integral >> 12)
-    given = limit_current(cfg, state, wanted)
+    given = limit_current(settings, state, wanted)
     if given == wanted or (wanted - given ^ error) < 0:
         top = _CURRENT_MOST << 12
-        state.velocity_integral = saturate(integral + (error * cfg.velocity_i >> 4), -top, top)
+        state.velocity_integral = saturate(integral + (error * settings.velocity_i >> 4), -top, top)
     return given
 
 
 @hot
-def impedance(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def impedance(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Return stiffness x position error + damping x velocity error + feed-forward, in cu.
 
     Stiffness 1/16 A/turn and damping 1/256 A/(turn/s), each 0 .. 32767. The position error acts up to
     45 deg, larger ones as 45 deg; the sum is limited to 8 A. Error at most 4/4096 A plus the factors'.
     """
-    wanted = saturate(position_from_wire(io.position, cfg.gear_q8), cfg.position_min, cfg.position_max)
+    wanted = saturate(position_from_wire(io.position, settings.gear_q8), settings.position_min, settings.position_max)
     error = saturate(wanted - state.position, -0xFFFF, 0xFFFF)
-    angle = saturate(error * cfg.turn18_q14 >> 14, -_INT16, _INT16)
+    angle = saturate(error * settings.turn18_q14 >> 14, -_INT16, _INT16)
     current = io.stiffness * angle >> 10
-    slip = rate_from_wire(io.velocity, cfg.rate_q8) - state.velocity
-    slip = saturate(slip, -_ERROR_MOST, _ERROR_MOST) * cfg.wire_rate_q16 >> 16
+    slip = rate_from_wire(io.velocity, settings.rate_q8) - state.velocity
+    slip = saturate(slip, -_ERROR_MOST, _ERROR_MOST) * settings.wire_rate_q16 >> 16
     current += io.damping * saturate(slip, -_INT16, _INT16) >> 8
     current = saturate(current + io.current, -_INT16, _INT16)
-    return current_from_wire(current, cfg.current_q14)
+    return current_from_wire(current, settings.current_q14)
 
 
 @hot
-def guard_position(cfg: JointConfig, state: JointState, current_cu: int) -> int:
+def guard_position(settings: JointSettings, state: JointState, current_cu: int) -> int:
     """Return the current, but none that pushes further out beyond a position limit."""
-    room = state.position - cfg.position_min
+    room = state.position - settings.position_min
     if current_cu > 0:
-        room = cfg.position_max - state.position
+        room = settings.position_max - state.position
     if current_cu == 0 or room > 0:
         return current_cu
     state.limits = state.limits | LIMIT_POSITION
@@ -224,20 +224,20 @@ def guard_position(cfg: JointConfig, state: JointState, current_cu: int) -> int:
 
 
 @hot
-def limit_current(cfg: JointConfig, state: JointState, wanted_cu: int) -> int:
+def limit_current(settings: JointSettings, state: JointState, wanted_cu: int) -> int:
     """Return current_reference: ``wanted_cu``, within +-2^21, limited to current_limit and to what the bus bears.
 
-    Driving current falls linearly to 0 from under_start down to cfg.under, braking current (which
-    feeds the bus) from over_start up to cfg.over. Exact but for 1 cu.
+    Driving current falls linearly to 0 from under_start down to settings.under, braking current (which
+    feeds the bus) from over_start up to settings.over. Exact but for 1 cu.
     """
     limit = state.current_limit
     flag = LIMIT_CURRENT
     if state.velocity != 0 and (wanted_cu ^ state.velocity) < 0:
-        share = fall_q15(state.bus, cfg.over_start, cfg.over)
+        share = fall_q15(state.bus, settings.over_start, settings.over)
         if share < 0x8000:
             flag = LIMIT_OVER_VOLTAGE
     else:
-        share = fall_q15(state.bus, cfg.under_start, cfg.under)
+        share = fall_q15(state.bus, settings.under_start, settings.under)
         if share < 0x8000:
             flag = LIMIT_UNDER_VOLTAGE
     limit = limit * share >> 15
@@ -267,49 +267,49 @@ def fall_q15(value: int, start: int, end: int) -> int:
 
 
 @hot
-def damping_current(cfg: JointConfig, state: JointState) -> int:
+def damping_current(settings: JointSettings, state: JointState) -> int:
     """Return current_reference that only brakes: damp x rate against the motion, within damp_current. No set-point."""
     rate = saturate(state.velocity, -_RATE_ERROR_MOST, _RATE_ERROR_MOST)
-    top = cfg.damp_current
-    return limit_current(cfg, state, saturate(-(rate * cfg.damp >> 12), -top, top))
+    top = settings.damp_current
+    return limit_current(settings, state, saturate(-(rate * settings.damp >> 12), -top, top))
 
 
 @hot
-def write_current(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def write_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Hand current_reference to the current step, with the signs of the joint and the commutation; d stays 0."""
-    current = state.current_reference * cfg.joint_sign
-    if foc.electrical_gain < 0:
+    current = state.current_reference * settings.joint_sign
+    if loop.electrical_gain < 0:
         current = -current
-    foc.reference_d = 0
-    foc.reference_q = current
+    loop.reference_d = 0
+    loop.reference_q = current
     return current
 
 
 @hot
-def _move_target(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def _move_target(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Take a new set-point or go on at its velocity; move state.target and return its rate.
 
     Between set-points the goal moves on at the velocity feed-forward, for extrapolate_ticks at most, and stays there;
     until the first set-point it is where the joint was.
     """
-    top = cfg.rate_max
-    feed = saturate(rate_from_wire(io.velocity, cfg.rate_q8), -top, top)
+    top = settings.rate_max
+    feed = saturate(rate_from_wire(io.velocity, settings.rate_q8), -top, top)
     if state.sequence != state.seen_sequence:
         state.seen_sequence = state.sequence
-        _take_goal(state, position_from_wire(io.position, cfg.gear_q8))
-    elif state.target_age < cfg.extrapolate_ticks:
+        _take_goal(state, position_from_wire(io.position, settings.gear_q8))
+    elif state.target_age < settings.extrapolate_ticks:
         state.target_age += 1
         state.goal_position += feed
     else:
         feed = 0
-    goal = saturate(state.goal_position, cfg.position_min << 8, cfg.position_max << 8)
+    goal = saturate(state.goal_position, settings.position_min << 8, settings.position_max << 8)
     if goal != state.goal_position:
         state.goal_position = goal
         state.target_ticks_left = 0
         state.limits = state.limits | LIMIT_POSITION
         feed = 0
     move = glide(state, feed)
-    state.target = saturate(state.target, cfg.position_min << 8, cfg.position_max << 8)
+    state.target = saturate(state.target, settings.position_min << 8, settings.position_max << 8)
     return saturate(move, -top, top)
 
 
@@ -331,12 +331,12 @@ def _take_goal(state: JointState, goal_rc: int) -> int:
 
 
 @hot
-def _slow_down(cfg: JointConfig, state: JointState, rate: int, room_rc: int) -> int:
+def _slow_down(settings: JointSettings, state: JointState, rate: int, room_rc: int) -> int:
     """Return ``rate`` > 0, or less if only that can be braked away over ``room_rc``; 0 without room."""
     if room_rc <= 0:
         most = 0
     else:
-        most = braking_rate(saturate(room_rc << 8, 0, 0x1FFFFFFF), cfg.accel, cfg.rate_max)
+        most = braking_rate(saturate(room_rc << 8, 0, 0x1FFFFFFF), settings.accel, settings.rate_max)
     if most < rate:
         state.limits = state.limits | LIMIT_POSITION
         return most
@@ -344,11 +344,11 @@ def _slow_down(cfg: JointConfig, state: JointState, rate: int, room_rc: int) -> 
 
 
 @hot
-def _flag_profile(cfg: JointConfig, state: JointState, change: int) -> int:
+def _flag_profile(settings: JointSettings, state: JointState, change: int) -> int:
     """Flag the trajectory limiter: acceleration or speed at its limit."""
-    if change >= cfg.accel or change <= -cfg.accel:
+    if change >= settings.accel or change <= -settings.accel:
         state.limits = state.limits | LIMIT_ACCELERATION
-    top = cfg.rate_max
+    top = settings.rate_max
     if state.profile_rate >= top or state.profile_rate <= -top:
         state.limits = state.limits | LIMIT_VELOCITY
     return state.limits

@@ -6,14 +6,14 @@ phases), it calls nothing and reads each place once or twice; one array holds al
 table too, because handing over an array is dear. What is rare is left to ``current_repair``, and the
 step says so by its result:
 
-    code = current_step(rotor, invalid, foc)
-    if code: code = current_repair(code, rotor, invalid, foc)
+    code = current_step(rotor, invalid, loop)
+    if code: code = current_repair(code, rotor, invalid, loop)
     if code: switch the bridge off
 """
 
 from ..num.fixed import round_sqrt
 from ..runtime import const, hot
-from .layout import COSINE_AT, Foc, LoopSettings
+from .layout import COSINE_AT, CurrentLoop, LoopSettings
 from .svpwm import svpwm
 
 STEP_DONE = const(0)
@@ -29,48 +29,48 @@ _RAD_Q22 = const(402)  # rad per brad
 
 
 @hot
-def current_step(d: int, q: int, foc: Foc) -> int:
+def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
-    Reads raw, reference_d and _q, writes duty, current_d and _q, voltage_d and _q of ``foc``. Returns STEP_DONE, or
+    Reads raw, reference_d and _q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns STEP_DONE, or
     what current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
     than 13800, the sums of Park stay below 13800 * 32769 < 2^29, the currents within 27600 and their
-    squares below 2^30. The host chooses vu and checks that (foc.kp e + integral) stays below 2^30 for
+    squares below 2^30. The host chooses vu and checks that (loop.kp e + integral) stays below 2^30 for
     currents below the trip, and each voltage below 23170, so that the sum of their squares stays below 2^30.
     """
-    if (d - foc.rotor + _JUMP) & _JUMP_OUTSIDE | foc.masked | q:
+    if (d - loop.rotor + _JUMP) & _JUMP_OUTSIDE | loop.masked | q:
         return STEP_INPUT
-    foc.rotor = d
-    d = d * foc.electrical_gain + foc.electrical_offset
+    loop.rotor = d
+    d = d * loop.electrical_gain + loop.electrical_offset
     q = ((d & 63) - 32) * _RAD_Q22
     c = d >> 6 & 1023
-    s = foc.sine[c]
-    y = foc.sine[c + COSINE_AT]
+    s = loop.sine[c]
+    y = loop.sine[c + COSINE_AT]
     c = y - (s * q >> 22)
     s += y * q >> 22
-    x = (foc.raw[0] << 1) - foc.raw[1] - foc.raw[2] - foc.offset_alpha
-    y = ((foc.raw[1] - foc.raw[2]) * _SQRT3_Q14 - foc.offset_beta) >> 14
+    x = (loop.raw[0] << 1) - loop.raw[1] - loop.raw[2] - loop.offset_alpha
+    y = ((loop.raw[1] - loop.raw[2]) * _SQRT3_Q14 - loop.offset_beta) >> 14
     d = (c * x + s * y + 8192) >> 14
     q = (c * y - s * x + 8192) >> 14
-    foc.current_d = d
-    foc.current_q = q
-    if d * d + q * q > foc.trip_square:
+    loop.current_d = d
+    loop.current_q = q
+    if d * d + q * q > loop.trip_square:
         return STEP_TRIP
-    d = foc.reference_d - d
-    foc.integral_d = d * foc.ki + foc.integral_d
-    d = ((d * foc.kp + foc.integral_d + 4096) >> 13) + foc.feed_d
-    q = foc.reference_q - q
-    foc.integral_q = q * foc.ki + foc.integral_q
-    q = ((q * foc.kp + foc.integral_q + 4096) >> 13) + foc.feed_q
-    foc.voltage_d = d
-    foc.voltage_q = q
-    if d * d + q * q > foc.limit_square:
+    d = loop.reference_d - d
+    loop.integral_d = d * loop.ki + loop.integral_d
+    d = ((d * loop.kp + loop.integral_d + 4096) >> 13) + loop.feed_d
+    q = loop.reference_q - q
+    loop.integral_q = q * loop.ki + loop.integral_q
+    q = ((q * loop.kp + loop.integral_q + 4096) >> 13) + loop.feed_q
+    loop.voltage_d = d
+    loop.voltage_q = q
+    if d * d + q * q > loop.limit_square:
         return STEP_LIMIT
-    y = ((c * d - s * q) >> 11) * foc.gain_alpha >> 14
-    q = ((c * q + s * d) >> 11) * foc.gain_beta >> 14
+    y = ((c * d - s * q) >> 11) * loop.gain_alpha >> 14
+    q = ((c * q + s * d) >> 11) * loop.gain_beta >> 14
     d = y >> 1
     c = 0 - q - d
     s = q - d
@@ -84,172 +84,172 @@ def current_step(d: int, q: int, foc: Foc) -> int:
         d = y
     elif y < q:
         q = y
-    if d - q > foc.span_max:
+    if d - q > loop.span_max:
         return STEP_SHAPE
-    d = foc.half_period - ((d + q) >> 1)
-    foc.duty[0] = (y + d) >> 4
-    foc.duty[1] = (s + d) >> 4
-    foc.duty[2] = (c + d) >> 4
+    d = loop.half_period - ((d + q) >> 1)
+    loop.duty[0] = (y + d) >> 4
+    loop.duty[1] = (s + d) >> 4
+    loop.duty[2] = (c + d) >> 4
     return STEP_DONE
 
 
 @hot
-def current_repair(code: int, rotor: int, invalid: int, foc: Foc) -> int:
+def current_repair(code: int, rotor: int, invalid: int, loop: CurrentLoop) -> int:
     """Finish what ``current_step`` left with the same arguments; return STEP_DONE or STEP_TRIP.
 
     A rotor reading that jumps by more than 512 rc or failed its check is replaced by the last good
     one and counted. A phase that had no time to be sampled is the negative sum of the others; if
     two had none, the voltage of the last step is turned on with the rotor. A voltage vector that is
-    too long is cut, d first. After a trip all duties are equal, and foc.tripped tells the motion tick.
+    too long is cut, d first. After a trip all duties are equal, and loop.tripped tells the motion tick.
     """
     if code == STEP_INPUT:
-        if (rotor - foc.rotor + _JUMP) & _JUMP_OUTSIDE | invalid:
-            foc.glitches += 1
+        if (rotor - loop.rotor + _JUMP) & _JUMP_OUTSIDE | invalid:
+            loop.glitches += 1
             if invalid == 0:
-                foc.rotor_rejected = rotor
-            rotor = foc.rotor
-        if _complete_currents(foc) == 0:
-            foc.rotor = rotor
-            return turn_voltage(foc)
-        code = current_step(rotor, 0, foc)
+                loop.rotor_rejected = rotor
+            rotor = loop.rotor
+        if _complete_currents(loop) == 0:
+            loop.rotor = rotor
+            return turn_voltage(loop)
+        code = current_step(rotor, 0, loop)
     if code == STEP_LIMIT:
-        limit_voltage(foc)
-        return turn_voltage(foc)
+        limit_voltage(loop)
+        return turn_voltage(loop)
     if code == STEP_SHAPE:
-        return turn_voltage(foc)
+        return turn_voltage(loop)
     if code == STEP_TRIP:
-        foc.tripped = 1
-        _equal_duties(foc)
+        loop.tripped = 1
+        _equal_duties(loop)
     return code
 
 
 @hot
-def turn_voltage(foc: Foc) -> int:
+def turn_voltage(loop: CurrentLoop) -> int:
     """Write the duties for voltage_d and _q (no longer than voltage_limit) at the rotor's angle; return STEP_DONE."""
-    angle = foc.rotor * foc.electrical_gain + foc.electrical_offset
+    angle = loop.rotor * loop.electrical_gain + loop.electrical_offset
     rest = ((angle & 63) - 32) * _RAD_Q22
     index = angle >> 6 & 1023
-    sine0 = foc.sine[index]
-    cosine0 = foc.sine[index + COSINE_AT]
+    sine0 = loop.sine[index]
+    cosine0 = loop.sine[index + COSINE_AT]
     c = cosine0 - (sine0 * rest >> 22)
     s = sine0 + (cosine0 * rest >> 22)
-    d = foc.voltage_d
-    q = foc.voltage_q
-    svpwm(foc, (c * d - s * q) >> 11, (c * q + s * d) >> 11)
+    d = loop.voltage_d
+    q = loop.voltage_q
+    svpwm(loop, (c * d - s * q) >> 11, (c * q + s * d) >> 11)
     return STEP_DONE
 
 
 @hot
-def limit_voltage(foc: Foc) -> int:
+def limit_voltage(loop: CurrentLoop) -> int:
     """Cut voltage_d, voltage_q to the length voltage_limit, d first; return limited_steps.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
     """
-    limit = foc.voltage_limit
-    foc.limited_steps += 1
-    error = foc.reference_d - foc.current_d
-    v = foc.voltage_d
+    limit = loop.voltage_limit
+    loop.limited_steps += 1
+    error = loop.reference_d - loop.current_d
+    v = loop.voltage_d
     if v > limit or v < 0 - limit:  # not -limit: viper on x64 would negate the local itself
         if (v ^ error) >= 0:
-            foc.integral_d -= error * foc.ki
+            loop.integral_d -= error * loop.ki
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        foc.voltage_d = v
-    limit = round_sqrt(foc.limit_square - v * v)
-    error = foc.reference_q - foc.current_q
-    v = foc.voltage_q
+        loop.voltage_d = v
+    limit = round_sqrt(loop.limit_square - v * v)
+    error = loop.reference_q - loop.current_q
+    v = loop.voltage_q
     if v > limit or v < 0 - limit:
         if (v ^ error) >= 0:
-            foc.integral_q -= error * foc.ki
+            loop.integral_q -= error * loop.ki
         if v > 0:
             v = limit
         else:
             v = 0 - limit
-        foc.voltage_q = v
-    return foc.limited_steps
+        loop.voltage_q = v
+    return loop.limited_steps
 
 
 @hot
-def current_reset(foc: Foc, rotor: int) -> int:
+def current_reset(loop: CurrentLoop, rotor: int) -> int:
     """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties. Return 0."""
-    foc.rotor = rotor
-    foc.rotor_rejected = -1
-    foc.masked = 0
-    foc.glitches = 0
-    foc.limited_steps = 0
-    foc.tripped = 0
-    foc.current_d = 0
-    foc.current_q = 0
-    foc.reference_d = 0
-    foc.reference_q = 0
-    foc.feed_d = 0
-    foc.feed_q = 0
-    return current_relax(foc)
+    loop.rotor = rotor
+    loop.rotor_rejected = -1
+    loop.masked = 0
+    loop.glitches = 0
+    loop.limited_steps = 0
+    loop.tripped = 0
+    loop.current_d = 0
+    loop.current_q = 0
+    loop.reference_d = 0
+    loop.reference_q = 0
+    loop.feed_d = 0
+    loop.feed_q = 0
+    return current_relax(loop)
 
 
 @hot
-def current_relax(foc: Foc) -> int:
+def current_relax(loop: CurrentLoop) -> int:
     """Forget integrals and voltage and write equal duties: for a bridge that is off. Return 0."""
-    foc.integral_d = 0
-    foc.integral_q = 0
-    foc.voltage_d = 0
-    foc.voltage_q = 0
-    return _equal_duties(foc)
+    loop.integral_d = 0
+    loop.integral_q = 0
+    loop.voltage_d = 0
+    loop.voltage_q = 0
+    return _equal_duties(loop)
 
 
 @hot
-def set_loop(foc: Foc, loop: LoopSettings) -> int:
+def set_loop(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
     """Hand the stored settings to the current step; return 0."""
-    foc.kp = loop.current_kp
-    foc.ki = loop.current_ki
-    foc.period = loop.pwm_period
-    foc.half_period = loop.pwm_half
-    foc.span_max = loop.pwm_span
-    foc.pulse = loop.pwm_pulse
-    foc.window = loop.pwm_window
-    foc.trip_square = loop.trip_square
+    loop.kp = loop_settings.current_kp
+    loop.ki = loop_settings.current_ki
+    loop.period = loop_settings.pwm_period
+    loop.half_period = loop_settings.pwm_half
+    loop.span_max = loop_settings.pwm_span
+    loop.pulse = loop_settings.pwm_pulse
+    loop.window = loop_settings.pwm_window
+    loop.trip_square = loop_settings.trip_square
     return 0
 
 
 @hot
-def set_offsets(foc: Foc, a_q4: int, b_q4: int, c_q4: int) -> int:
+def set_offsets(loop: CurrentLoop, a_q4: int, b_q4: int, c_q4: int) -> int:
     """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
-    foc.offset_q4[0] = a_q4
-    foc.offset_q4[1] = b_q4
-    foc.offset_q4[2] = c_q4
-    foc.offset_alpha = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
-    foc.offset_beta = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
+    loop.offset_q4[0] = a_q4
+    loop.offset_q4[1] = b_q4
+    loop.offset_q4[2] = c_q4
+    loop.offset_alpha = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
+    loop.offset_beta = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
     return 0
 
 
 @hot
-def current_sum(foc: Foc) -> int:
+def current_sum(loop: CurrentLoop) -> int:
     """Return a + b + c of the last sample in counts; 0 within noise if the sensing is sound. Error 1/2 count."""
-    offsets = foc.offset_q4[0] + foc.offset_q4[1] + foc.offset_q4[2]
-    return foc.raw[0] + foc.raw[1] + foc.raw[2] - ((offsets + 8) >> 4)
+    offsets = loop.offset_q4[0] + loop.offset_q4[1] + loop.offset_q4[2]
+    return loop.raw[0] + loop.raw[1] + loop.raw[2] - ((offsets + 8) >> 4)
 
 
 @hot
-def _equal_duties(foc: Foc) -> int:
-    half = foc.period >> 1
+def _equal_duties(loop: CurrentLoop) -> int:
+    half = loop.period >> 1
     for phase in range(3):
-        foc.duty[phase] = half
+        loop.duty[phase] = half
     return 0
 
 
 @hot
-def _complete_currents(foc: Foc) -> int:
-    """Rebuild the one phase that foc.masked names from the others and clear the mask; 0 if it names more."""
-    masked = foc.masked
-    foc.masked = 0
+def _complete_currents(loop: CurrentLoop) -> int:
+    """Rebuild the one phase that loop.masked names from the others and clear the mask; 0 if it names more."""
+    masked = loop.masked
+    loop.masked = 0
     if masked == 0:
         return 1
     if masked & (masked - 1):
         return 0
-    wrong = current_sum(foc)
+    wrong = current_sum(loop)
     phase = masked >> 1
-    foc.raw[phase] = foc.raw[phase] - wrong
+    loop.raw[phase] = loop.raw[phase] - wrong
     return 1

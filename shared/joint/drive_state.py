@@ -46,8 +46,8 @@ from .layout import (
     TORQUE_DAMP,
     TORQUE_DRIVE,
     TORQUE_OFF,
-    JointConfig,
     JointIo,
+    JointSettings,
     JointState,
 )
 from .protection import report_cause
@@ -71,13 +71,13 @@ def drive_reset(state: JointState) -> int:
 
 
 @hot
-def drive_arm(cfg: JointConfig, state: JointState, io: JointIo, purpose: int) -> int:
+def drive_arm(settings: JointSettings, state: JointState, io: JointIo, purpose: int) -> int:
     """Ask for operation enabled; return RESULT_OK, or RESULT_* with the first reason against it.
 
     purpose: MODE_OFF to follow set-points, MODE_CALIBRATING or MODE_HOMING. Needs switch-on disabled, no
     cause of a fault, the protocol's hash and a session; to follow set-points also a calibrated and
     homed joint and a set-point not older than fresh_ticks, which in position and impedance mode
-    lies within cfg.near of the joint.
+    lies within settings.near of the joint.
     """
     if state.drive_state == STATE_FAULT or state.drive_state == STATE_FAULT_REACTION or state.cause:
         return RESULT_FAULT_PRESENT
@@ -87,7 +87,7 @@ def drive_arm(cfg: JointConfig, state: JointState, io: JointIo, purpose: int) ->
         return RESULT_WRONG_HASH
     if io.session == 0:
         return RESULT_NO_SESSION
-    reason = _purpose_result(cfg, state, io, purpose)
+    reason = _purpose_result(settings, state, io, purpose)
     if reason == RESULT_OK:
         state.purpose = purpose
         state.request = REQUEST_ARM
@@ -127,18 +127,18 @@ def drive_clear(state: JointState) -> int:
 
 
 @hot
-def drive_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Do one tick of the states after the protections have set state.cause; return state.torque."""
     _age_setpoint(state, io)
-    _watch_setpoints(cfg, state)
+    _watch_setpoints(settings, state)
     if state.drive_state == STATE_OPERATION_ENABLED and io.hardware_ready == 0:
         report_cause(state, FAULT_DRIVER_SETUP, 0)
     if _latches(state, io):
-        _enter_fault(cfg, state)
+        _enter_fault(settings, state)
     request = state.request
     drive = state.drive_state
     if drive == STATE_FAULT_REACTION or drive == STATE_QUICK_STOP_ACTIVE:
-        _react(cfg, state)
+        _react(settings, state)
     elif drive == STATE_FAULT:
         if request == REQUEST_CLEAR and state.cause == FAULT_NONE:
             _clear(state)
@@ -156,21 +156,21 @@ def drive_step(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 
 @hot
-def _purpose_result(cfg: JointConfig, state: JointState, io: JointIo, purpose: int) -> int:
+def _purpose_result(settings: JointSettings, state: JointState, io: JointIo, purpose: int) -> int:
     """Return whether the joint may drive for ``purpose``: RESULT_OK or what is missing."""
     if purpose == MODE_CALIBRATING:
         return RESULT_OK
-    if cfg.calibrated == 0:
+    if settings.calibrated == 0:
         return RESULT_NOT_CALIBRATED
     if purpose == MODE_HOMING:
         return RESULT_OK
     if state.homed == 0:
         return RESULT_NOT_HOMED
-    if state.setpoint_age > cfg.fresh_ticks or io.mode < MODE_POSITION or io.mode > MODE_IMPEDANCE:
+    if state.setpoint_age > settings.fresh_ticks or io.mode < MODE_POSITION or io.mode > MODE_IMPEDANCE:
         return RESULT_NO_SETPOINT
     if io.mode == MODE_POSITION or io.mode == MODE_IMPEDANCE:
-        away = position_from_wire(io.position, cfg.gear_q8) - state.position
-        if away > cfg.near or away < -cfg.near:
+        away = position_from_wire(io.position, settings.gear_q8) - state.position
+        if away > settings.near or away < -settings.near:
             return RESULT_FAR_FROM_SETPOINT
     return RESULT_OK
 
@@ -187,11 +187,11 @@ def _age_setpoint(state: JointState, io: JointIo) -> int:
 
 
 @hot
-def _watch_setpoints(cfg: JointConfig, state: JointState) -> int:
+def _watch_setpoints(settings: JointSettings, state: JointState) -> int:
     """Calibration and homing take no set-points and end by themselves; everything else needs them."""
     if state.drive_state != STATE_OPERATION_ENABLED or state.purpose != MODE_OFF:
         return 0
-    if state.setpoint_age <= cfg.watchdog_ticks:
+    if state.setpoint_age <= settings.watchdog_ticks:
         return 0
     state.limits = state.limits | LIMIT_WATCHDOG
     return report_cause(state, FAULT_WATCHDOG, state.setpoint_age)
@@ -215,7 +215,7 @@ def _latches(state: JointState, io: JointIo) -> int:
 
 
 @hot
-def _enter_fault(cfg: JointConfig, state: JointState) -> int:
+def _enter_fault(settings: JointSettings, state: JointState) -> int:
     """Latch the first cause; damp first if the joint was driving or damping and its sensing can be trusted."""
     drive = state.drive_state
     if drive == STATE_FAULT:
@@ -239,17 +239,17 @@ def _enter_fault(cfg: JointConfig, state: JointState) -> int:
 
 
 @hot
-def _react(cfg: JointConfig, state: JointState) -> int:
+def _react(settings: JointSettings, state: JointState) -> int:
     """Damp for the set time; a quick stop also ends when the joint stands."""
     state.reaction_ticks += 1
     if state.drive_state == STATE_FAULT_REACTION:
-        if state.reaction_ticks > cfg.damp_ticks:
+        if state.reaction_ticks > settings.damp_ticks:
             state.drive_state = STATE_FAULT
         return state.drive_state
     rate = state.velocity
     if rate < 0:
         rate = -rate
-    if rate < cfg.stall_rate or state.reaction_ticks > cfg.quick_ticks or state.request == REQUEST_DISARM:
+    if rate < settings.stall_rate or state.reaction_ticks > settings.quick_ticks or state.request == REQUEST_DISARM:
         _stand_down(state)
     state.request = REQUEST_NONE
     return state.drive_state

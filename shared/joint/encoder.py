@@ -6,7 +6,7 @@ to +-(2^30 - 2). state.position is the same, joint-signed, from the joint's zero
 
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .layout import Foc, JointConfig, JointIo, JointState
+from .layout import CurrentLoop, JointIo, JointSettings, JointState
 
 _TURNS_MOST = const(0x3FFFFFFE)
 _TURNS_IN_POSITION = const(32766)
@@ -36,31 +36,31 @@ def position_of(turns: int, fraction: int, zero: int, sign: int) -> int:
 
 
 @hot
-def encoder_reset(foc: Foc, cfg: JointConfig, state: JointState) -> int:
-    """Start at the rotor's angle foc.rotor in turn 0, at rest and not homed; return state.position."""
+def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
+    """Start at the rotor's angle loop.rotor in turn 0, at rest and not homed; return state.position."""
     state.turns = 0
-    state.fraction = foc.rotor
+    state.fraction = loop.rotor
     state.lag = 0
     state.rate = 0
     state.velocity = 0
     state.homed = 0
     state.range_exceeded = 0
     state.disagree_ticks = 0
-    state.position = position_of(0, foc.rotor, cfg.zero, cfg.joint_sign)
+    state.position = position_of(0, loop.rotor, settings.zero, settings.joint_sign)
     return state.position
 
 
 @hot
-def encoder_resync(foc: Foc, state: JointState) -> int:
+def encoder_resync(loop: CurrentLoop, state: JointState) -> int:
     """Follow the last rejected reading after the encoder was lost, with the bridge off; return 1 if there was one.
 
     Turns may have been missed: the joint is no longer homed.
     """
-    if foc.rotor_rejected < 0:
+    if loop.rotor_rejected < 0:
         return 0
-    foc.rotor = foc.rotor_rejected
-    foc.rotor_rejected = -1
-    state.fraction = foc.rotor
+    loop.rotor = loop.rotor_rejected
+    loop.rotor_rejected = -1
+    state.fraction = loop.rotor
     state.lag = 0
     state.rate = 0
     state.homed = 0
@@ -68,26 +68,26 @@ def encoder_resync(foc: Foc, state: JointState) -> int:
 
 
 @hot
-def encoder_step(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def encoder_step(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Take the rotor over once a millisecond: turns, fraction, position, rate, velocity; return state.position.
 
     Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns
     stops at +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
     """
-    moved = wrap_count(foc.rotor - state.fraction)
+    moved = wrap_count(loop.rotor - state.fraction)
     fraction = state.fraction + moved
     turns = saturate(state.turns + (fraction >> 14), -_TURNS_MOST, _TURNS_MOST)
     state.turns = turns
     state.fraction = fraction & 16383
     if turns > _TURNS_IN_POSITION or turns < -_TURNS_IN_POSITION:
         state.range_exceeded = 1
-    state.position = position_of(turns, fraction & 16383, cfg.zero, cfg.joint_sign)
-    state.velocity = track_rate(cfg, state, moved) * cfg.joint_sign
+    state.position = position_of(turns, fraction & 16383, settings.zero, settings.joint_sign)
+    state.velocity = track_rate(settings, state, moved) * settings.joint_sign
     return state.position
 
 
 @hot
-def track_rate(cfg: JointConfig, state: JointState, moved: int) -> int:
+def track_rate(settings: JointSettings, state: JointState, moved: int) -> int:
     """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return state.rate in rc/256 per tick.
 
     A second-order loop with both poles at the same place: the predicted position lags by state.lag; track_1
@@ -95,37 +95,37 @@ def track_rate(cfg: JointConfig, state: JointState, moved: int) -> int:
     but the encoder's rounding. The lag is limited to +-(2^18 - 1), so products stay below 2^30.
     """
     lag = saturate(state.lag + state.rate - (moved << 8), -_LAG_MOST, _LAG_MOST)
-    state.rate = saturate(state.rate - ((lag * cfg.track_2 + 2048) >> 12), -_RATE_MOST, _RATE_MOST)
-    state.lag = lag - ((lag * cfg.track_1 + 2048) >> 12)
+    state.rate = saturate(state.rate - ((lag * settings.track_2 + 2048) >> 12), -_RATE_MOST, _RATE_MOST)
+    state.lag = lag - ((lag * settings.track_1 + 2048) >> 12)
     return state.rate
 
 
 @hot
-def joint_count(cfg: JointConfig, raw: int) -> int:
+def joint_count(settings: JointSettings, raw: int) -> int:
     """Return the joint encoder's angle as rc of the rotor, joint-signed, from ``raw`` 0 .. 16383.
 
     Within half a joint turn of zero. Error at most 1/2 rc plus the gear's. Intermediates: 8192 *
     gear_q8 below 2^30 for gears up to 500:1.
     """
-    angle = wrap_count(raw - cfg.joint_encoder_zero) * cfg.joint_encoder_sign
-    return (angle * cfg.gear_q8 + 128) >> 8
+    angle = wrap_count(raw - settings.joint_encoder_zero) * settings.joint_encoder_sign
+    return (angle * settings.gear_q8 + 128) >> 8
 
 
 @hot
-def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    """Compare both encoders; return for how many ticks they have disagreed by more than cfg.disagree.
+def watch_encoders(settings: JointSettings, state: JointState, io: JointIo) -> int:
+    """Compare both encoders; return for how many ticks they have disagreed by more than settings.disagree.
 
     The difference is taken within half a joint turn, so any number of joint turns may have passed.
-    cfg.disagree is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
+    settings.disagree is below 8192 rc, half a rotor turn: a lost rotor turn is always seen.
     """
-    full = cfg.gear_q8 << 6
-    if cfg.has_joint_encoder == 0 or io.joint_valid == 0 or state.homed == 0 or full <= 0:
+    full = settings.gear_q8 << 6
+    if settings.has_joint_encoder == 0 or io.joint_valid == 0 or state.homed == 0 or full <= 0:
         state.disagree_ticks = 0
         return 0
-    error = joint_count(cfg, io.joint_raw) - state.position
+    error = joint_count(settings, io.joint_raw) - state.position
     error = (error + (full >> 1)) % full - (full >> 1)
     state.joint_error = error
-    if error > cfg.disagree or error < -cfg.disagree:
+    if error > settings.disagree or error < -settings.disagree:
         state.disagree_ticks += 1
     else:
         state.disagree_ticks = 0
@@ -133,36 +133,36 @@ def watch_encoders(cfg: JointConfig, state: JointState, io: JointIo) -> int:
 
 
 @hot
-def choose_turn(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
+def choose_turn(settings: JointSettings, state: JointState, expected_rc: int) -> int:
     """Set state.turns so that the position is nearest to ``expected_rc``; return what is left, expected minus position.
 
     expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the
     expectation was less than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.
     """
-    wanted = expected_rc * cfg.joint_sign + cfg.zero - state.fraction
+    wanted = expected_rc * settings.joint_sign + settings.zero - state.fraction
     state.turns = (wanted + 8192) >> 14
-    state.position = position_of(state.turns, state.fraction, cfg.zero, cfg.joint_sign)
+    state.position = position_of(state.turns, state.fraction, settings.zero, settings.joint_sign)
     state.range_exceeded = 0
     return expected_rc - state.position
 
 
 @hot
-def home_at(cfg: JointConfig, state: JointState, expected_rc: int) -> int:
+def home_at(settings: JointSettings, state: JointState, expected_rc: int) -> int:
     """Home on a known position (stop, stored pose, joint encoder); return 1, or 0 if it is ambiguous.
 
     Ambiguous: the nearest position the rotor's angle allows is more than home_tolerance away from
     the expected one, so that a neighbouring turn could be meant. Then state.homed becomes 0.
     """
-    left = choose_turn(cfg, state, expected_rc)
+    left = choose_turn(settings, state, expected_rc)
     state.homed = 0
-    if left <= cfg.home_tolerance and left >= -cfg.home_tolerance:
+    if left <= settings.home_tolerance and left >= -settings.home_tolerance:
         state.homed = 1
     return state.homed
 
 
 @hot
-def home_by_encoder(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def home_by_encoder(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Home by the joint encoder; return 1, or 0 if there is none, it is not valid, or it is ambiguous."""
-    if cfg.has_joint_encoder == 0 or io.joint_valid == 0:
+    if settings.has_joint_encoder == 0 or io.joint_valid == 0:
         return 0
-    return home_at(cfg, state, joint_count(cfg, io.joint_raw))
+    return home_at(settings, state, joint_count(settings, io.joint_raw))

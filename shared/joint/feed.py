@@ -7,7 +7,7 @@ The rotor's angle itself is led here by the age of its reading, so that the curr
 
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
-from .layout import Foc, JointConfig, JointState
+from .layout import CurrentLoop, JointSettings, JointState
 from .sine import TABLE_HALF_STEP
 
 _INV_SQRT3_Q15 = const(18919)
@@ -23,23 +23,23 @@ def bus_voltage(raw: int, gain_q12: int) -> int:
 
 
 @hot
-def feed_bus(foc: Foc, cfg: JointConfig, bus_vu: int) -> int:
+def feed_bus(loop: CurrentLoop, settings: JointSettings, bus_vu: int) -> int:
     """Set the modulator's gains and the longest vector for a bus of ``bus_vu``; return the bus used.
 
-    bus_vu: any; below bus_least (at least 64) that is used, so nothing is divided by 0. foc.period below 2^15.
+    bus_vu: any; below bus_least (at least 64) that is used, so nothing is divided by 0. loop.period below 2^15.
     Errors: voltage_limit 1/2 vu, gains half of their unit. Intermediates below 2^30.
     """
-    least = cfg.bus_least
+    least = settings.bus_least
     if least < 64:
         least = 64
     if bus_vu < least:
         bus_vu = least
     half = bus_vu >> 1
     limit = bus_vu * _INV_SQRT3_Q15 + 0x4000 >> 15
-    foc.gain_alpha = ((foc.period << 14) + half) // bus_vu
-    foc.gain_beta = ((foc.period * _HALF_SQRT3_Q15 >> 1) + half) // bus_vu
-    foc.voltage_limit = limit
-    foc.limit_square = limit * limit
+    loop.gain_alpha = ((loop.period << 14) + half) // bus_vu
+    loop.gain_beta = ((loop.period * _HALF_SQRT3_Q15 >> 1) + half) // bus_vu
+    loop.voltage_limit = limit
+    loop.limit_square = limit * limit
     return bus_vu
 
 
@@ -58,42 +58,42 @@ def dead_time_voltage(current_cu: int, dead_vu: int, zone_cu: int) -> int:
 
 
 @hot
-def lead_angle(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def lead_angle(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Set electrical_offset so that the last reading of the rotor gives the angle at the samples; return it in brad.
 
-    An answer of the encoder is one step old (cfg.age 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
+    An answer of the encoder is one step old (``age`` 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
     what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
     """
-    lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * cfg.age >> 16
-    if foc.electrical_gain < 0:
+    lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * settings.age >> 16
+    if loop.electrical_gain < 0:
         lead = 0 - lead
-    foc.electrical_offset = cfg.elec_offset + TABLE_HALF_STEP + lead
-    return foc.electrical_offset
+    loop.electrical_offset = settings.elec_offset + TABLE_HALF_STEP + lead
+    return loop.electrical_offset
 
 
 @hot
-def feed_voltages(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def feed_voltages(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Write feed_d and feed_q from the rotor's rate, the bus and the wanted current; return feed_q.
 
-    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, cfg.bemf, omega_l 0 .. 16383,
-    cfg.advance 0 .. 2047. Result within +-voltage_limit on each axis. Error at most 1/4096 of each part
+    Ranges: rate within +-(2^19 - 1), current within +-12288 cu, settings.bemf, omega_l 0 .. 16383,
+    settings.advance 0 .. 2047. Result within +-voltage_limit on each axis. Error at most 1/4096 of each part
     plus 4 vu. Intermediates: 2^16 * 16383, 2^16 * 12288 and 2^19 * 2047 are below 2^30.
     """
     rate = saturate(state.rate, -_RATE_MOST, _RATE_MOST)
-    current = saturate(foc.reference_q, -12288, 12288)
+    current = saturate(loop.reference_q, -12288, 12288)
     sign = 1
-    if foc.electrical_gain < 0:
+    if loop.electrical_gain < 0:
         sign = -1
-    omega_l = saturate((rate >> 3) * cfg.omega_l >> 12, -_OMEGA_L_MOST, _OMEGA_L_MOST) * sign
+    omega_l = saturate((rate >> 3) * settings.omega_l >> 12, -_OMEGA_L_MOST, _OMEGA_L_MOST) * sign
     d = -(omega_l * current >> 16)
-    q = ((rate >> 3) * cfg.bemf >> 16) * sign
-    q += dead_time_voltage(current, mul_q15(state.bus, cfg.dead), cfg.dead_zone)
-    ahead = (rate * cfg.advance >> 16) * sign
-    limit = foc.voltage_limit
+    q = ((rate >> 3) * settings.bemf >> 16) * sign
+    q += dead_time_voltage(current, mul_q15(state.bus, settings.dead), settings.dead_zone)
+    ahead = (rate * settings.advance >> 16) * sign
+    limit = loop.voltage_limit
     d = saturate(d, -limit, limit)
     q = saturate(q, -limit, limit)
     sine = sin_q15(ahead)
     cosine = cos_q15(ahead)
-    foc.feed_d = saturate((d * cosine - q * sine) >> 15, -limit, limit)
-    foc.feed_q = saturate((d * sine + q * cosine) >> 15, -limit, limit)
-    return foc.feed_q
+    loop.feed_d = saturate((d * cosine - q * sine) >> 15, -limit, limit)
+    loop.feed_q = saturate((d * sine + q * cosine) >> 15, -limit, limit)
+    return loop.feed_q

@@ -6,7 +6,7 @@ the rest. The rotor's angle at the stop must fit the stop's position, or homing 
 
 from ..runtime import hot
 from .encoder import home_at
-from .layout import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE, HOME_NO_STOP, HOME_SEEKING, JointConfig, JointState
+from .layout import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE, HOME_NO_STOP, HOME_SEEKING, JointSettings, JointState
 
 
 @hot
@@ -28,7 +28,7 @@ def homing_stop(state: JointState) -> int:
 
 
 @hot
-def homing_step(cfg: JointConfig, state: JointState) -> int:
+def homing_step(settings: JointSettings, state: JointState) -> int:
     """Watch for the stop before each tick of the cascade; return home_rate, the rate to ask for, 0 when over.
 
     At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then
@@ -37,32 +37,32 @@ def homing_step(cfg: JointConfig, state: JointState) -> int:
     state.home_rate = 0
     if state.home_result != HOME_SEEKING:
         return 0
-    if state.current_limit > cfg.home_current:
-        state.current_limit = cfg.home_current
+    if state.current_limit > settings.home_current:
+        state.current_limit = settings.home_current
     state.home_ticks += 1
-    if state.home_ticks > cfg.home_limit_ticks:
+    if state.home_ticks > settings.home_limit_ticks:
         state.home_result = HOME_NO_STOP
         return 0
     state.home_still_ticks += 1
-    if _pushes_at_rest(cfg, state) == 0:
+    if _pushes_at_rest(settings, state) == 0:
         state.home_still_ticks = 0
-    if state.home_still_ticks < cfg.home_ticks:
-        state.home_rate = cfg.home_rate
+    if state.home_still_ticks < settings.home_ticks:
+        state.home_rate = settings.home_rate
         return state.home_rate
     state.home_result = HOME_AMBIGUOUS
-    if home_at(cfg, state, cfg.stop):
+    if home_at(settings, state, settings.stop):
         state.home_result = HOME_DONE
     return 0
 
 
 @hot
-def _pushes_at_rest(cfg: JointConfig, state: JointState) -> int:
+def _pushes_at_rest(settings: JointSettings, state: JointState) -> int:
     rate = state.velocity
-    if rate > cfg.stall_rate or rate < -cfg.stall_rate:
+    if rate > settings.stall_rate or rate < -settings.stall_rate:
         return 0
     push = state.current_reference
-    if cfg.home_rate < 0:
+    if settings.home_rate < 0:
         push = -push
-    if push < cfg.home_current - (cfg.home_current >> 2):
+    if push < settings.home_current - (settings.home_current >> 2):
         return 0
     return 1

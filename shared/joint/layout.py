@@ -15,7 +15,7 @@ COSINE_AT = const(256)  # a quarter turn on in the table
 
 
 @record
-class Foc:
+class CurrentLoop:
     """What the current step works on. The first 32 places are the cheapest to reach: what every step needs is there."""
 
     raw: Ints = vector(3, "count", "phases a, b, c, written before each step; grow with current into the motor")
@@ -71,7 +71,7 @@ class LoopSettings:
 
 
 @record
-class JointConfig:
+class JointSettings:
     """What host/robot/joint_gains.py sets once; calibration may change what it found.
 
     Names and order are those of the parameters from pole_pairs on (host/protocol/parameters.toml).

@@ -39,7 +39,7 @@ from .faults import (
     FAULT_WINDING_HOT,
     damps_first,
 )
-from .layout import TORQUE_DRIVE, TORQUE_OFF, Foc, JointConfig, JointIo, JointState
+from .layout import TORQUE_DRIVE, TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
 from .thermal import i2t_step, mcu_t16, model_reset, model_step, thermistor_t16
 
 _TICKS_MOST = const(0xFFFF)
@@ -58,7 +58,7 @@ def report_cause(state: JointState, code: int, value: int) -> int:
 
 
 @hot
-def protect_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Look for causes once a millisecond, the most dangerous first; return state.cause.
 
     Times: over-current and emergency stop 1 tick, voltages bus_ticks, a lost encoder bad_ticks,
@@ -70,11 +70,11 @@ def protect_motion(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo) -
         report_cause(state, FAULT_EMERGENCY_STOP, 0)
     if io.hardware_fault:
         report_cause(state, io.hardware_fault, io.hardware_value)
-    _check_current(foc, cfg, state)
-    _check_encoders(foc, cfg, state)
-    _check_bus(cfg, state)
-    _check_motion(cfg, state)
-    _check_stall(cfg, state)
+    _check_current(loop, settings, state)
+    _check_encoders(loop, settings, state)
+    _check_bus(settings, state)
+    _check_motion(settings, state)
+    _check_stall(settings, state)
     if state.slow_cause:
         report_cause(state, state.slow_cause, state.slow_value)
     if state.raised:
@@ -94,17 +94,17 @@ def count_ticks(ticks: int, present: int) -> int:
 
 
 @hot
-def gather_heat(foc: Foc, state: JointState) -> int:
+def gather_heat(loop: CurrentLoop, state: JointState) -> int:
     """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
     if state.heat_ticks >= 300:
         return state.heat_sum
-    state.heat_sum += foc.current_d * foc.current_d + foc.current_q * foc.current_q >> 8
+    state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
     state.heat_ticks += 1
     return state.heat_sum
 
 
 @hot
-def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
+def protect_slow(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
     """Read both temperatures, advance the models, set derate, slow_limits, slow_cause; return state.derate (Q15).
 
     Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
@@ -112,17 +112,17 @@ def protect_slow(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) 
     """
     state.slow_cause = FAULT_NONE
     state.slow_limits = 0
-    winding_known = _read_winding(cfg, state, io, curve)
-    _read_mcu(cfg, state, io)
+    winding_known = _read_winding(settings, state, io, curve)
+    _read_mcu(settings, state, io)
     square = 0
     if state.heat_ticks > 0:
         square = state.heat_sum // state.heat_ticks
     state.heat_sum = 0
     state.heat_ticks = 0
-    model = model_step(cfg, state, square)
+    model = model_step(settings, state, square)
     if model > state.winding or winding_known == 0:
         state.winding = model
-    state.derate = _derate(cfg, state, square)
+    state.derate = _derate(settings, state, square)
     return state.derate
 
 
@@ -136,13 +136,13 @@ def _slow_cause(state: JointState, code: int, value: int) -> int:
 
 
 @hot
-def _read_winding(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
+def _read_winding(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
     """Set state.winding from the thermistor; return 0 if it is open or shorted."""
     raw = io.thermistor_raw
-    if raw >= cfg.open_raw:
+    if raw >= settings.open_raw:
         _slow_cause(state, FAULT_THERMISTOR_OPEN, raw)
         return 0
-    if raw <= cfg.short_raw:
+    if raw <= settings.short_raw:
         _slow_cause(state, FAULT_THERMISTOR_SHORT, raw)
         return 0
     state.winding = thermistor_t16(curve, raw)
@@ -153,40 +153,40 @@ def _read_winding(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints)
 
 
 @hot
-def _read_mcu(cfg: JointConfig, state: JointState, io: JointIo) -> int:
+def _read_mcu(settings: JointSettings, state: JointState, io: JointIo) -> int:
     raw = io.mcu_raw
-    state.mcu = mcu_t16(raw, cfg.mcu_cal1, cfg.mcu_cal2)
-    if raw <= 0 or raw >= 4095 or cfg.mcu_cal1 == cfg.mcu_cal2:
+    state.mcu = mcu_t16(raw, settings.mcu_cal1, settings.mcu_cal2)
+    if raw <= 0 or raw >= 4095 or settings.mcu_cal1 == settings.mcu_cal2:
         _slow_cause(state, FAULT_MCU_SENSOR, raw)
     return state.mcu
 
 
 @hot
-def _derate(cfg: JointConfig, state: JointState, square: int) -> int:
+def _derate(settings: JointSettings, state: JointState, square: int) -> int:
     """Return the share of the largest current that temperatures and I2t leave, in Q15, with its flags and faults."""
-    share = fall_q15(state.winding, cfg.winding_derate, cfg.winding_cut)
+    share = fall_q15(state.winding, settings.winding_derate, settings.winding_cut)
     if share < 0x8000:
         state.slow_limits = state.slow_limits | LIMIT_WINDING_TEMPERATURE
-    if state.winding >= cfg.winding_cut:
+    if state.winding >= settings.winding_cut:
         _slow_cause(state, FAULT_WINDING_HOT, state.winding)
-    mcu = fall_q15(state.mcu, cfg.mcu_derate, cfg.mcu_cut)
+    mcu = fall_q15(state.mcu, settings.mcu_derate, settings.mcu_cut)
     if mcu < 0x8000:
         state.slow_limits = state.slow_limits | LIMIT_MCU_TEMPERATURE
-    if state.mcu >= cfg.mcu_cut:
+    if state.mcu >= settings.mcu_cut:
         _slow_cause(state, FAULT_MCU_HOT, state.mcu)
     if mcu < share:
         share = mcu
-    left = _i2t_share(cfg, state, square)
+    left = _i2t_share(settings, state, square)
     if left < share:
         share = left
     return share
 
 
 @hot
-def _i2t_share(cfg: JointConfig, state: JointState, square: int) -> int:
-    excess = i2t_step(cfg, state, square)
-    most = cfg.current_max
-    lasting = cfg.i2t_current
+def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
+    excess = i2t_step(settings, state, square)
+    most = settings.current_max
+    lasting = settings.i2t_current
     if excess >= 0x8000 or lasting >= most or most < 1:
         return 0x8000
     state.slow_limits = state.slow_limits | LIMIT_I2T
@@ -194,86 +194,86 @@ def _i2t_share(cfg: JointConfig, state: JointState, square: int) -> int:
 
 
 @hot
-def _check_current(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Trip, voltage limit, sum of the phases; the last only under torque, so that calibration can measure offsets."""
-    if foc.tripped:
-        length = isqrt(foc.current_d * foc.current_d + foc.current_q * foc.current_q)
+    if loop.tripped:
+        length = isqrt(loop.current_d * loop.current_d + loop.current_q * loop.current_q)
         report_cause(state, FAULT_OVER_CURRENT, length)
-        foc.tripped = 0
-    if foc.limited_steps:
+        loop.tripped = 0
+    if loop.limited_steps:
         state.limits = state.limits | LIMIT_VOLTAGE
-        foc.limited_steps = 0
-    wrong = current_sum(foc)
+        loop.limited_steps = 0
+    wrong = current_sum(loop)
     present = 0
-    if foc.masked == 0 and (wrong > cfg.sum_limit or wrong < -cfg.sum_limit):
+    if loop.masked == 0 and (wrong > settings.sum_limit or wrong < -settings.sum_limit):
         present = 1
     state.sum_ticks = count_ticks(state.sum_ticks, present)
-    if state.sum_ticks >= cfg.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_CALIBRATING:
+    if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_CALIBRATING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
     return present
 
 
 @hot
-def _check_encoders(foc: Foc, cfg: JointConfig, state: JointState) -> int:
+def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """After any fault of an encoder the position is not trusted: the joint must be homed again."""
-    glitches = foc.glitches
-    foc.glitches = 0
-    if glitches >= cfg.glitch_steps:
+    glitches = loop.glitches
+    loop.glitches = 0
+    if glitches >= settings.glitch_steps:
         state.bad_ticks = count_ticks(state.bad_ticks, 1)
     elif state.bad_ticks > 0:
         state.bad_ticks -= 1
     if state.range_exceeded and state.homed:
         report_cause(state, FAULT_POSITION_RANGE, state.turns)
         state.homed = 0
-    if state.disagree_ticks >= cfg.disagree_ticks:
+    if state.disagree_ticks >= settings.disagree_ticks:
         report_cause(state, FAULT_ENCODER_DISAGREE, state.joint_error)
         state.homed = 0
-    if state.bad_ticks >= cfg.bad_ticks:
+    if state.bad_ticks >= settings.bad_ticks:
         report_cause(state, FAULT_ENCODER_LOST, glitches)
         state.homed = 0
         if state.torque == TORQUE_OFF:
-            encoder_resync(foc, state)
+            encoder_resync(loop, state)
     return glitches
 
 
 @hot
-def _check_bus(cfg: JointConfig, state: JointState) -> int:
+def _check_bus(settings: JointSettings, state: JointState) -> int:
     bus = state.bus
     present = 0
-    if bus < cfg.under:
+    if bus < settings.under:
         present = 1
     state.under_ticks = count_ticks(state.under_ticks, present)
-    if state.under_ticks >= cfg.bus_ticks:
+    if state.under_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_UNDER_VOLTAGE, bus)
     present = 0
-    if bus > cfg.over:
+    if bus > settings.over:
         present = 1
     state.over_ticks = count_ticks(state.over_ticks, present)
-    if state.over_ticks >= cfg.bus_ticks:
+    if state.over_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_OVER_VOLTAGE, bus)
     return bus
 
 
 @hot
-def _check_motion(cfg: JointConfig, state: JointState) -> int:
+def _check_motion(settings: JointSettings, state: JointState) -> int:
     """Over-speed in any state; beyond the hard position limit only when driving further out."""
     rate = state.velocity
-    if rate > cfg.rate_trip or rate < -cfg.rate_trip:
+    if rate > settings.rate_trip or rate < -settings.rate_trip:
         report_cause(state, FAULT_OVER_SPEED, rate)
     if state.torque != TORQUE_DRIVE or state.homed == 0:
         return 0
     position = state.position
-    if rate > 0 and position > cfg.position_max + cfg.position_margin:
+    if rate > 0 and position > settings.position_max + settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
-    if rate < 0 and position < cfg.position_min - cfg.position_margin:
+    if rate < 0 and position < settings.position_min - settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
     return rate
 
 
 @hot
-def _check_stall(cfg: JointConfig, state: JointState) -> int:
+def _check_stall(settings: JointSettings, state: JointState) -> int:
     """A stall is: asked to move, all the current there is, and standing. Holding a load is none."""
-    slow = cfg.stall_rate
+    slow = settings.stall_rate
     asked = state.rate_reference
     if asked < 0:
         asked = -asked
@@ -291,6 +291,6 @@ def _check_stall(cfg: JointConfig, state: JointState) -> int:
     if stalled:
         state.limits = state.limits | LIMIT_STALL
     state.stall_ticks = count_ticks(state.stall_ticks, stalled)
-    if state.stall_ticks >= cfg.stall_ticks:
+    if state.stall_ticks >= settings.stall_ticks:
         report_cause(state, FAULT_STALL, state.current_reference)
     return stalled

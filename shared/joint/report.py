@@ -2,7 +2,7 @@
 
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .layout import Foc, JointConfig, JointState
+from .layout import CurrentLoop, JointSettings, JointState
 
 _INT16 = const(32767)
 _INT13 = const(4095)
@@ -25,24 +25,24 @@ def position_to_wire(position_rc: int, gear_q8: int) -> int:
 
 
 @hot
-def report_position(cfg: JointConfig, state: JointState) -> int:
+def report_position(settings: JointSettings, state: JointState) -> int:
     """Return the joint's position in brad."""
-    return position_to_wire(state.position, cfg.gear_q8)
+    return position_to_wire(state.position, settings.gear_q8)
 
 
 @hot
-def report_velocity(cfg: JointConfig, state: JointState) -> int:
+def report_velocity(settings: JointSettings, state: JointState) -> int:
     """Return the joint's velocity in 1/4096 turn/s. Error below 1 plus 4 rate units."""
-    return saturate((state.velocity >> 2) * cfg.wire_rate_q16 >> 14, -_INT16, _INT16)
+    return saturate((state.velocity >> 2) * settings.wire_rate_q16 >> 14, -_INT16, _INT16)
 
 
 @hot
-def report_current(foc: Foc, cfg: JointConfig) -> int:
+def report_current(loop: CurrentLoop, settings: JointSettings) -> int:
     """Return the measured q current in 1/4096 A, positive when it drives the joint forward. Error below 1."""
-    current = foc.current_q * cfg.joint_sign
-    if foc.electrical_gain < 0:
+    current = loop.current_q * settings.joint_sign
+    if loop.electrical_gain < 0:
         current = 0 - current
-    return saturate(current * cfg.wire_current_q12 >> 12, -_INT16, _INT16)
+    return saturate(current * settings.wire_current_q12 >> 12, -_INT16, _INT16)
 
 
 @hot
@@ -52,6 +52,6 @@ def report_temperature(value_t16: int) -> int:
 
 
 @hot
-def report_bus(cfg: JointConfig, state: JointState) -> int:
+def report_bus(settings: JointSettings, state: JointState) -> int:
     """Return the bus voltage in 1/16 V, 0 .. 1023. Rounds down."""
-    return saturate(state.bus * cfg.wire_bus_q12 >> 12, 0, _UINT10)
+    return saturate(state.bus * settings.wire_bus_q12 >> 12, 0, _UINT10)

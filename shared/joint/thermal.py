@@ -8,7 +8,7 @@ between the windings lags behind the copper, so the hotter of sensor and model c
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from .cascade import fall_q15
-from .layout import JointConfig, JointState
+from .layout import JointSettings, JointState
 
 CURVE_POINTS = const(32)  # a power of two: a point is found by halving
 CURVE_SIZE = const(64)  # the points' ADC counts, growing, then their temperatures in t16
@@ -63,10 +63,10 @@ def model_reset(state: JointState, air_t16: int) -> int:
 
 
 @hot
-def model_step(cfg: JointConfig, state: JointState, square: int) -> int:
+def model_step(settings: JointSettings, state: JointState, square: int) -> int:
     """Advance the model one slow tick with the mean of i^2/256 (cu^2, 0 .. 2^19 - 1); return the winding in t16.
 
-    Ranges: cfg.heat 0 .. 2047 with heat_shift 0 .. 24, the leaks 0 .. 16383 with leak_shift 13 .. 30. Both
+    Ranges: settings.heat 0 .. 2047 with heat_shift 0 .. 24, the leaks 0 .. 16383 with leak_shift 13 .. 30. Both
     nodes stay within 0 .. 256 degrees above the air, state.air within +-2^13. Error of the end temperature below 1 K.
     Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
@@ -75,13 +75,13 @@ def model_step(cfg: JointConfig, state: JointState, square: int) -> int:
     winding = state.model_winding
     housing = state.model_housing
     flow = winding - housing
-    shift = cfg.leak_shift
-    heat = square * cfg.heat >> cfg.heat_shift
+    shift = settings.leak_shift
+    heat = square * settings.heat >> settings.heat_shift
     if heat > _NODE_MOST:
         heat = _NODE_MOST
     heat += scaled(heat, copper_share(state.air + (winding >> 14)), 14)
-    winding += heat - scaled(flow, cfg.winding_leak, shift)
-    housing += scaled(flow, cfg.housing_gain, shift) - scaled(housing, cfg.housing_leak, shift)
+    winding += heat - scaled(flow, settings.winding_leak, shift)
+    housing += scaled(flow, settings.housing_gain, shift) - scaled(housing, settings.housing_leak, shift)
     state.model_winding = _node(winding)
     state.model_housing = _node(housing)
     return state.air + (state.model_winding >> 14)
@@ -106,17 +106,17 @@ def scaled(value: int, factor: int, shift: int) -> int:
 
 
 @hot
-def i2t_step(cfg: JointConfig, state: JointState, square: int) -> int:
+def i2t_step(settings: JointSettings, state: JointState, square: int) -> int:
     """Add i^2 minus the lasting current's to state.i2t; return the share in Q15 of the excess current still allowed.
 
     square: i^2/256 in cu^2, 0 .. 2^19 - 1. 32768 up to half of i2t_max, then linearly to 0 at i2t_max
     (2 .. 2^29), where only i2t_current is left. Error 2^-14.
     """
-    current = cfg.i2t_current
+    current = settings.i2t_current
     total = state.i2t + square - (current * current >> 8)
     if total < 0:
         total = 0
-    top = cfg.i2t_max
+    top = settings.i2t_max
     if total > top:
         total = top
     state.i2t = total

@@ -27,124 +27,130 @@ from .layout import (
     TORQUE_DAMP,
     TORQUE_DRIVE,
     TORQUE_OFF,
-    Foc,
-    JointConfig,
+    CurrentLoop,
     JointIo,
+    JointSettings,
     JointState,
 )
 from .protection import gather_heat, protect_motion, protect_slow
 
 
 @hot
-def joint_reset(foc: Foc, cfg: JointConfig, state: JointState, rotor: int) -> int:
+def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, rotor: int) -> int:
     """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
 
-    ``state`` is zeros, fill_sine has filled its part of ``foc``.
+    ``state`` is zeros, fill_sine has filled its part of ``loop``.
     """
-    current_reset(foc, rotor)
-    set_commutation(foc, cfg)
-    encoder_reset(foc, cfg, state)
+    current_reset(loop, rotor)
+    set_commutation(loop, settings)
+    encoder_reset(loop, settings, state)
     drive_reset(state)
-    cascade_reset(cfg, state)
+    cascade_reset(settings, state)
     state.derate = 0x8000
     return 0
 
 
 @hot
-def motion_tick(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+def motion_tick(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration
+) -> int:
     """Do one millisecond; return state.torque: TORQUE_OFF means that the bridge must be off."""
     state.time_ms = (state.time_ms + 1) & 0x3FFFFFFF
     state.limits = state.slow_limits
-    _sense(foc, cfg, state, io)
-    protect_motion(foc, cfg, state, io)
+    _sense(loop, settings, state, io)
+    protect_motion(loop, settings, state, io)
     before = state.mode
-    drive_step(cfg, state, io)
+    drive_step(settings, state, io)
     if state.mode != before:
-        _change_mode(foc, cfg, state, cal, before)
-    _act(foc, cfg, state, io, cal)
+        _change_mode(loop, settings, state, calibration, before)
+    _act(loop, settings, state, io, calibration)
     return state.torque
 
 
 @hot
-def slow_tick(cfg: JointConfig, state: JointState, io: JointIo, curve: Ints) -> int:
+def slow_tick(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
     """Do what is due every 100 ms: temperatures, models, derating; return state.derate (Q15)."""
-    return protect_slow(cfg, state, io, curve)
+    return protect_slow(settings, state, io, curve)
 
 
 @hot
-def begin_calibration(state: JointState, cal: Calibration, kind: int) -> int:
+def begin_calibration(state: JointState, calibration: Calibration, kind: int) -> int:
     """Choose the calibration that arming for MODE_CALIBRATING will run; return its kind, 0 if one is running."""
     if state.mode == MODE_CALIBRATING:
         return 0
-    calibration_start(cal, kind)
+    calibration_start(calibration, kind)
     return kind
 
 
 @hot
-def _sense(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo) -> int:
-    encoder_step(foc, cfg, state)
-    watch_encoders(cfg, state, io)
-    state.bus = bus_voltage(io.bus_raw, cfg.bus_gain)
-    feed_bus(foc, cfg, state.bus)
-    gather_heat(foc, state)
-    limit = cfg.current_max * state.derate >> 15
+def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> int:
+    encoder_step(loop, settings, state)
+    watch_encoders(settings, state, io)
+    state.bus = bus_voltage(io.bus_raw, settings.bus_gain)
+    feed_bus(loop, settings, state.bus)
+    gather_heat(loop, state)
+    limit = settings.current_max * state.derate >> 15
     state.current_limit = limit
     return limit
 
 
 @hot
-def _change_mode(foc: Foc, cfg: JointConfig, state: JointState, cal: Calibration, before: int) -> int:
+def _change_mode(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, calibration: Calibration, before: int
+) -> int:
     """Leave the old mode cleanly and start the new one bumpless."""
     if before == MODE_CALIBRATING:
-        calibration_abort(foc, cfg, cal)
+        calibration_abort(loop, settings, calibration)
     if before == MODE_HOMING:
         homing_stop(state)
-    cascade_reset(cfg, state)
+    cascade_reset(settings, state)
     if state.mode == MODE_HOMING:
         homing_start(state)
     return state.mode
 
 
 @hot
-def _act(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration) -> int:
     """Do what the mode wants: calibrate, home, follow the set-points or brake; return what feed_voltages does."""
     if state.torque == TORQUE_DRIVE and state.mode == MODE_CALIBRATING:
-        return _calibrate(foc, cfg, state, io, cal)
+        return _calibrate(loop, settings, state, io, calibration)
     if state.torque == TORQUE_DRIVE:
         if state.mode == MODE_HOMING:
-            _home(cfg, state)
-        cascade_step(cfg, state, io)
+            _home(settings, state)
+        cascade_step(settings, state, io)
     elif state.torque == TORQUE_DAMP:
-        damping_current(cfg, state)
+        damping_current(settings, state)
     else:
         state.current_reference = 0
-        current_relax(foc)
-    write_current(foc, cfg, state)
-    lead_angle(foc, cfg, state)
-    return feed_voltages(foc, cfg, state)
+        current_relax(loop)
+    write_current(loop, settings, state)
+    lead_angle(loop, settings, state)
+    return feed_voltages(loop, settings, state)
 
 
 @hot
-def _calibrate(foc: Foc, cfg: JointConfig, state: JointState, io: JointIo, cal: Calibration) -> int:
+def _calibrate(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration
+) -> int:
     """One tick of calibration; when it is over, stand down, or raise its reason."""
     state.current_reference = 0
-    kind = cal.kind
-    running = calibration_step(foc, cfg, state, io, cal)
-    if calibration_needs_bridge(cal) == 0:
+    kind = calibration.kind
+    running = calibration_step(loop, settings, state, io, calibration)
+    if calibration_needs_bridge(calibration) == 0:
         state.torque = TORQUE_OFF
-        current_relax(foc)
+        current_relax(loop)
     if running == 0:
-        if kind != 0 and cal.reason != 0:
-            state.raised = cal.reason
-            state.raised_value = cal.reason_value
+        if kind != 0 and calibration.reason != 0:
+            state.raised = calibration.reason
+            state.raised_value = calibration.reason_value
         drive_disarm(state)
     return running
 
 
 @hot
-def _home(cfg: JointConfig, state: JointState) -> int:
+def _home(settings: JointSettings, state: JointState) -> int:
     """One tick of homing; when it is over, stand down, or raise the reason."""
-    homing_step(cfg, state)
+    homing_step(settings, state)
     result = state.home_result
     if result == HOME_NO_STOP:
         state.raised = FAULT_HOME_NO_STOP

@@ -17,7 +17,7 @@ from shared.wire import names as w
 from .on_chip import NODE, STEP_CYCLES, OnChip
 
 DEAD_CYCLES = 17  # 100 ns are 16.8
-SETTLED_CYCLES = 400  # 2.4 us: foc.window is 2.5 us from the compare, the low side comes on a dead time later
+SETTLED_CYCLES = 400  # 2.4 us: loop.window is 2.5 us from the compare, the low side comes on a dead time later
 PERIOD = 4200
 OPEN_DOUBTS = {("TIM1", "RCR")}  # told differently in two manuals; align_updates works with either reading
 
@@ -43,7 +43,7 @@ def started_without_complaint():
     joint.begin()
     clean(joint)
     assert (joint.state, joint.fault) == (w.STATE_SWITCH_ON_DISABLED, (0, 0))
-    assert [joint.control.foc.offset_q4[n] >> 4 for n in range(3)] == [2040, 2051, 2063]
+    assert [joint.control.loop.offset_q4[n] >> 4 for n in range(3)] == [2040, 2051, 2063]
     joint.run(110)  # the slow tick, with the driver's registers, is in it
     clean(joint)
     assert joint.fault == (0, 0)
@@ -128,7 +128,7 @@ def duties_are_at_the_pins():
     joint = armed()
     changes, begun = watch_gates(joint), joint.model.now
     seen = []
-    foc = joint.control.foc
+    loop = joint.control.loop
     joint.run(6)
     effects = {}
     for channel, value, _, acts in joint.model.tim1.effects:
@@ -144,7 +144,7 @@ def duties_are_at_the_pins():
             assert ons == [n * PERIOD - value + DEAD_CYCLES for n in (1, 3)]
             assert offs == [n * PERIOD + value for n in (1, 3)]
     assert len(set(seen)) > 20
-    assert [foc.duty[n] for n in range(3)] == [joint.model.tim1.value[f"CCR{n}"] for n in (1, 2, 3)]
+    assert [loop.duty[n] for n in range(3)] == [joint.model.tim1.value[f"CCR{n}"] for n in (1, 2, 3)]
 
 
 def samples_lie_in_the_low_sides(turns=(0, 20, 45), amps=1.5):
@@ -159,13 +159,13 @@ def samples_lie_in_the_low_sides(turns=(0, 20, 45), amps=1.5):
 def _samples_at(turn, amps):
     joint = armed()
     joint.goal = amps
-    joint.control.cfg.has_joint_encoder = 0  # it does not turn with the rotor here
+    joint.control.settings.has_joint_encoder = 0  # it does not turn with the rotor here
     used = {}
     real = joint_run.current_step
 
-    def noted(rotor, invalid, foc):
-        used.setdefault(joint.board.entries[-1] - joint.board.entry_cycles, foc.masked)
-        return real(rotor, invalid, foc)
+    def noted(rotor, invalid, loop):
+        used.setdefault(joint.board.entries[-1] - joint.board.entry_cycles, loop.masked)
+        return real(rotor, invalid, loop)
 
     begun, start = joint.model.now, joint.board.rotor_angle
     joint.board.rotor.angle = lambda cycle: start + turn * (cycle - begun) / STEP_CYCLES
@@ -195,12 +195,12 @@ def sensors_are_read():
     assert (joint.driver.read_rotor(), joint.driver.read_joint()) == (9001, 5003)  # the first words already
     joint.begin(4)
     io = joint.control.io
-    assert (joint.control.foc.rotor, io.joint_raw, io.joint_valid) == (9001, 5003, 1)
+    assert (joint.control.loop.rotor, io.joint_raw, io.joint_valid) == (9001, 5003, 1)
     assert (io.bus_raw, io.thermistor_raw, io.mcu_raw) == (2207, 1809, 977)
-    assert joint.control.foc.glitches == 0
+    assert joint.control.loop.glitches == 0
     board.rotor_angle, board.bus = 9011, 2210
     joint.run(3)
-    assert (joint.control.foc.rotor, io.bus_raw) == (9011, 2210)
+    assert (joint.control.loop.rotor, io.bus_raw) == (9011, 2210)
     clean(joint)
 
 
@@ -294,11 +294,11 @@ def a_trip_while_the_bridge_goes_on_wins():
     real = chip_joint.write_compares
     tripped = []
 
-    def late(chip, foc):
-        real(chip, foc)
+    def late(chip, loop):
+        real(chip, loop)
         if not joint.board.handling and not tripped:
             joint.board.shunts = [4000, 100, 2048]
-            while not foc.tripped:
+            while not loop.tripped:
                 joint.board.work(100)
             tripped.append(joint.model.now)
 

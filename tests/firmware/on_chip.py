@@ -54,8 +54,8 @@ class OnChip:
         """Hand the host's integers over, as writing the parameters does; the joint counts as calibrated."""
         c = self.control
         self.joint.parameters.take(BLOCKS.stored())
-        c.cfg.calibrated = 1
-        c.cfg.elec_offset = 7000
+        c.settings.calibrated = 1
+        c.settings.elec_offset = 7000
 
     def begin(self, ms=READY_MS):
         """Start the application, and go on until the offsets are measured."""

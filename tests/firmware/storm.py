@@ -36,7 +36,7 @@ class Storm:
         self.joint = Joint(board, Memory())
         control = self.joint.control
         self.joint.parameters.take(stored)
-        control.cfg.calibrated = 1
+        control.settings.calibrated = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
         self.sync = array("i", [0, SESSION])
         self.goal = array("i", [400, w.NO_CHANGE, w.NO_CHANGE, w.NO_CHANGE])
@@ -94,7 +94,7 @@ class Storm:
         for value in pack(state) if hasattr(state, "FIELDS") else state:  # an array in the VMs: nothing is taken
             self.note(value)
         for phase in range(3):
-            self.note(control.foc.duty[phase])
+            self.note(control.loop.duty[phase])
         drive = state.drive_state
         driving = state.torque == j.TORQUE_DRIVE and drive != w.STATE_OPERATION_ENABLED
         if driving or (self.board.bridge and drive not in TORQUE_STATES):

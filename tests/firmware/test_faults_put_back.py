@@ -118,9 +118,9 @@ def until_rxne(chip, spi):
     return -1
 
 
-def without_the_step_before(foc, run, now_us, rotor, real=joint_run.take_step):
+def without_the_step_before(loop, run, now_us, rotor, real=joint_run.take_step):
     run.masked_before = 0
-    return real(foc, run, now_us, rotor)
+    return real(loop, run, now_us, rotor)
 
 
 def no_pull_of_the_break(monkeypatch):

@@ -263,46 +263,46 @@ def test_home_at_a_pose_is_refused_while_ambiguous(bench):
     assert ask(bench, w.COMMAND_HOME, HOME_POSE, right)[0] == w.RESULT_OK
 
 
-def saved(settings, **changes):
-    joint = Joint(SimBoard(), settings)
+def saved(journal, **changes):
+    joint = Joint(SimBoard(), journal)
     for parameter, value in changes.items():
         joint.parameters.put(int(parameter[1:]), value)
     return joint
 
 
 def test_parameters_survive_a_power_cycle():
-    settings = Memory()
-    joint = saved(settings, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
+    journal = Memory()
+    joint = saved(journal, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
     assert joint.loaded == joint_store.MISSING
     assert joint.parameters.save() == 1
-    again = Joint(SimBoard(), settings)
+    again = Joint(SimBoard(), journal)
     assert again.loaded == joint_store.LOADED
     assert (again.parameters.get(ID["accel"]), again.parameters.node) == (777, 6)
 
 
 def test_every_broken_byte_is_noticed():
-    settings = Memory()
-    saved(settings, **{f"p{ID['accel']}": 777}).parameters.save()
-    whole = settings.get(joint_store.KEY)
+    journal = Memory()
+    saved(journal, **{f"p{ID['accel']}": 777}).parameters.save()
+    whole = journal.get(joint_store.KEY)
     for at in [*range(40), len(whole) // 2, len(whole) - 1]:
-        settings.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
-        joint = Joint(SimBoard(), settings)
+        journal.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        joint = Joint(SimBoard(), journal)
         assert joint.loaded == joint_store.BROKEN
         assert joint.parameters.get(ID["accel"]) == PARAMETER_DEFAULT[ID["accel"]]
-    settings.put(joint_store.KEY, whole[:17])
-    joint = Joint(SimBoard(), settings)
+    journal.put(joint_store.KEY, whole[:17])
+    joint = Joint(SimBoard(), journal)
     joint.start()
     assert joint.control.io.hardware_fault == f.FAULT_STORAGE
 
 
 def test_saving_that_fails_is_told(monkeypatch):
-    settings = Memory()
-    joint = saved(settings, **{f"p{ID['accel']}": 777})
+    journal = Memory()
+    joint = saved(journal, **{f"p{ID['accel']}": 777})
     joint.parameters.save()
     joint.parameters.put(ID["accel"], 778)
-    monkeypatch.setattr(settings, "put", lambda key, data: 0)
+    monkeypatch.setattr(journal, "put", lambda key, data: 0)
     assert joint.parameters.save() == 0
-    assert Joint(SimBoard(), settings).parameters.get(ID["accel"]) == 777
+    assert Joint(SimBoard(), journal).parameters.get(ID["accel"]) == 777
 
 
 @pytest.mark.parametrize(

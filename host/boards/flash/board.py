@@ -112,13 +112,13 @@ class Board:
 
     def set_node(self, node: int) -> None:
         """Leave the joint's id for its next start; BoardError if the settings are full."""
-        script = f"answer({{'yes': bool(start.settings.put('node', bytes([{node}])))}})"
+        script = f"answer({{'yes': bool(start.journal.put('node', bytes([{node}])))}})"
         if not self.link.ask(script, Truth).yes:
             raise BoardError(f"{self.link.port}: the id was not kept: reset the board, then flash again")
 
     def node_waits(self) -> bool:
         """Return True if the joint has not taken over the id that was left for it."""
-        return self.link.ask("answer({'yes': bool(start.settings.get('node'))})", Truth).yes
+        return self.link.ask("answer({'yes': bool(start.journal.get('node'))})", Truth).yes
 
     def log(self) -> str:
         """Return the board's log."""

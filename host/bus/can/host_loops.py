@@ -69,12 +69,12 @@ class HostLoops:
 
     def _setpoint(self, i: int, goal_brad: int, step_brad: float, reply: Sequence[int]) -> int:
         block = self._blocks[i]
-        state, cfg, io = block.state, block.cfg, block.io
-        rate = rate_from_wire(reply[w.REPLY_VELOCITY], cfg.rate_q8)
+        state, settings, io = block.state, block.settings, block.io
+        rate = rate_from_wire(reply[w.REPLY_VELOCITY], settings.rate_q8)
         state.velocity = rate
-        state.position = position_from_wire(reply[w.REPLY_POSITION], cfg.gear_q8)
+        state.position = position_from_wire(reply[w.REPLY_POSITION], settings.gear_q8)
         if not self._started[i]:
-            cascade_reset(cfg, state)
+            cascade_reset(settings, state)
             self._started[i] = True
         state.position += rate * MOTION_HZ // (256 * self._rate_hz)
         io.position = goal_brad
@@ -82,20 +82,22 @@ class HostLoops:
         state.sequence = (state.sequence + 1) & 0x3FFFFFFF
         before = state.profile_rate
         for _ in range(self._ticks):
-            wanted = follow_position(cfg, state, io)
+            wanted = follow_position(settings, state, io)
         if not self._current:
-            return (wanted >> 2) * cfg.wire_rate_q16 >> 14
+            return (wanted >> 2) * settings.wire_rate_q16 >> 14
         change = (state.profile_rate - before) // max(1, self._ticks)
-        state.current_reference = change * cfg.inertia >> 8
-        return velocity_loop(cfg, state, 0) * cfg.wire_current_q12 >> 12
+        state.current_reference = change * settings.inertia >> 8
+        return velocity_loop(settings, state, 0) * settings.wire_current_q12 >> 12
 
 
 def _slow_down(block: JointBlocks, position: float, velocity: float, cycle_ms: float) -> None:
     """Lower the gains by shares 0 .. 1; the integral is added up once a cycle."""
-    cfg, state = block.cfg, block.state
-    cfg.position_p = round(cfg.position_p * position)
-    cfg.velocity_p = round(cfg.velocity_p * velocity)
-    cfg.velocity_i = round(cfg.velocity_i * velocity * velocity * cycle_ms)  # kp w / 4: host/robot/joint_gains.py
+    settings, state = block.settings, block.state
+    settings.position_p = round(settings.position_p * position)
+    settings.velocity_p = round(settings.velocity_p * velocity)
+    settings.velocity_i = round(
+        settings.velocity_i * velocity * velocity * cycle_ms
+    )  # kp w / 4: host/robot/joint_gains.py
     # The joint itself knows its supply and its heat, and limits what it is told.
-    state.current_limit = cfg.current_max
-    state.bus = (cfg.under_start + cfg.over_start) // 2
+    state.current_limit = settings.current_max
+    state.bus = (settings.under_start + settings.over_start) // 2

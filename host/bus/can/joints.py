@@ -91,7 +91,7 @@ class CanJoints(Bus):
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
-        self._full_current = [block.cfg.current_max for block in self._blocks]
+        self._full_current = [block.settings.current_max for block in self._blocks]
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None

@@ -223,14 +223,14 @@ def registers_at_rest() -> dict[int, int]:
 
 def _blocks():  # type: ignore[no-untyped-def]
     blocks = joint_blocks(load_robot(ROBOT).actuator, JointSetup(-1.0, 1.9))  # type: ignore[arg-type]
-    blocks.cfg.calibrated, blocks.cfg.elec_offset = 1, 7000
+    blocks.settings.calibrated, blocks.settings.elec_offset = 1, 7000
     return blocks
 
 
 def _position() -> int:
     """Return where the encoders say that the joint is, as on the wire."""
     blocks = _blocks()
-    joint_reset(blocks.foc, blocks.cfg, blocks.state, ROTOR)
+    joint_reset(blocks.loop, blocks.settings, blocks.state, ROTOR)
     blocks.io.joint_raw, blocks.io.joint_valid = JOINT, 1
-    home_by_encoder(blocks.cfg, blocks.state, blocks.io)
-    return report_position(blocks.cfg, blocks.state)
+    home_by_encoder(blocks.settings, blocks.state, blocks.io)
+    return report_position(blocks.settings, blocks.state)

@@ -54,7 +54,7 @@ def robot_blocks() -> str:
     return (
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
         "from shared.sense.attitude import Attitude\n"
-        "from shared.joint.layout import SINE_SIZE, Foc, JointConfig\n"
+        "from shared.joint.layout import SINE_SIZE, CurrentLoop, JointSettings\n"
         "from shared.joint.sine import fill_sine\n"
         "from shared.body.params import Params\n"
         "from shared.record import unpack\n"
@@ -72,13 +72,13 @@ def robot_blocks() -> str:
         "    for at in range(len(values)):\n"
         "        made[at] = values[at]\n"
         "    return made\n\n\n"
-        "def _foc(values) -> Foc:\n"
-        "    made = Foc()\n"
+        "def _loop(values) -> CurrentLoop:\n"
+        "    made = CurrentLoop()\n"
         "    unpack(made, list(values) + [0] * SINE_SIZE)\n"
         "    fill_sine(made)\n"
         "    return made\n\n\n"
-        "def _config(values) -> JointConfig:\n"
-        "    made = JointConfig()\n"
+        "def _settings(values) -> JointSettings:\n"
+        "    made = JointSettings()\n"
         "    unpack(made, values)\n"
         "    return made\n\n\n"
         f"PARAMS = {_listing([pack(one) for one in params], '_params')}\n"
@@ -88,12 +88,12 @@ def robot_blocks() -> str:
 
 
 def _joint_blocks(**setup: Any) -> str:
-    """Return the text of foc, cfg and the thermistor curve of a joint of the robot that has brushless ones."""
+    """Return the text of loop, settings and the thermistor curve of a joint of the robot that has brushless ones."""
     actuator = load_robot("parallel").actuator
     assert isinstance(actuator, Bldc)
     blocks = joint_blocks(actuator, JointSetup(lower_rad=-1.0, upper_rad=1.9, **setup))
-    foc, cfg, curve = (tuple(pack(block)) for block in (blocks.foc, blocks.cfg, blocks.curve))
-    return f"(_foc({foc[:-SINE_SIZE]}), _config({cfg}), _block({curve})), "
+    loop, settings, curve = (tuple(pack(block)) for block in (blocks.loop, blocks.settings, blocks.curve))
+    return f"(_loop({loop[:-SINE_SIZE]}), _settings({settings}), _block({curve})), "
 
 
 def _with_legs(robot: Robot, **legs: Any) -> Robot:

@@ -93,8 +93,8 @@ class Bench:
         control = self.joint.control
         self.joint.parameters.take(self.blocks.stored())
         if calibrated:
-            control.cfg.calibrated = 1
-            control.cfg.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
+            control.settings.calibrated = 1
+            control.settings.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
 
     @property
     def state(self) -> JointState:
@@ -118,7 +118,7 @@ class Bench:
                 self.motor.supply_V = self.wrong.supply_V
             self.motor.warm(STEP_S * STEPS_PER_MS)
             self.sensors.read_slow(self.motor, self.board)
-            self.rejected += self.joint.control.foc.glitches
+            self.rejected += self.joint.control.loop.glitches
             self.joint.poll()
             self._ms += 1
             self._record()
@@ -127,7 +127,7 @@ class Bench:
         board, motor = self.board, self.motor
         board.now_us += round(STEP_S * 1e6)
         self._steps += 1
-        compare, period = board.compare, self.blocks.foc.period
+        compare, period = board.compare, self.blocks.loop.period
         duties = (compare[0] / period, compare[1] / period, compare[2] / period)  # the update event takes them over
         if board.handler is not None and not (self.late_every and self._steps % self.late_every == 0):
             self.sensors.read_fast(motor, board)

@@ -20,15 +20,15 @@ def calibrate(bldc: Bldc) -> Result:
         bench.run(100)
         if bench.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
             break
-    cfg, cal = bench.joint.control.cfg, bench.joint.control.cal
-    error = (cfg.elec_offset - true_rad / tau * 65536 + 32768) % 65536 - 32768
-    found = bool(cfg.calibrated and not cal.reason and result == w.RESULT_OK)
+    settings, calibration = bench.joint.control.settings, bench.joint.control.calibration
+    error = (settings.elec_offset - true_rad / tau * 65536 + 32768) % 65536 - 32768
+    found = bool(settings.calibrated and not calibration.reason and result == w.RESULT_OK)
     figures = {
-        "ok": found and abs(error) * 360 / 65536 < 5 and cfg.pole_pairs == bldc.motor.pole_pairs,
-        "pole_pairs": cfg.pole_pairs,
-        "direction": cfg.direction,
+        "ok": found and abs(error) * 360 / 65536 < 5 and settings.pole_pairs == bldc.motor.pole_pairs,
+        "pole_pairs": settings.pole_pairs,
+        "direction": settings.direction,
         "offset_error_elec_deg": round(error * 360 / 65536, 3),
         "duration_s": round(bench.time_s, 2),
-        "reason": "" if found else fault_sentence(cal.reason, cal.reason_value, bench.units),
+        "reason": "" if found else fault_sentence(calibration.reason, calibration.reason_value, bench.units),
     }
     return Result("calibrate", figures, bench)

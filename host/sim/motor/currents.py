@@ -81,7 +81,7 @@ def _axis_errors(bench: Bench, milliseconds: int) -> tuple[float, float]:
     for _ in range(milliseconds):
         bench.run(1)
         d += bench.motor.i_d
-        q += bench.motor.i_q - bench.joint.control.foc.reference_q * bench.units.ampere_per_cu
+        q += bench.motor.i_q - bench.joint.control.loop.reference_q * bench.units.ampere_per_cu
     return d / milliseconds, q / milliseconds
 
 
@@ -125,7 +125,7 @@ def stall(bldc: Bldc) -> Result:
         "torque_Nm": round(torque, 4),
         "torque_at_limit_Nm": round(wanted, 4),
         "max_phase_current_A": round(peak, 4),
-        "largest_reference_A": round(cold.joint.control.cfg.current_max * cold.units.ampere_per_cu, 4),
+        "largest_reference_A": round(cold.joint.control.settings.current_max * cold.units.ampere_per_cu, 4),
         "over_limit_percent": round(max(0.0, 100 * (peak / limit - 1)), 2),
         "max_winding_C": round(hottest, 2),
         "winding_cutoff_C": cut,

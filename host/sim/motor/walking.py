@@ -53,13 +53,13 @@ class JointMotor:
         state = blocks.state
         state.position = round(position_rad * self._per_rad)
         state.velocity = round(speed_rad_s * self._per_rad_s)
-        state.current_limit = round(blocks.cfg.current_max * self._share())
+        state.current_limit = round(blocks.settings.current_max * self._share())
         if goal_rad != self._goal_rad:
             self._take_goal(goal_rad)
         if self._cycle_ms % SETPOINT_MS == 0 and self._cycle_ms <= CYCLE_MS:
             self._send_setpoint()
         self._cycle_ms += 1
-        ampere = cascade_step(blocks.cfg, state, blocks.io) * blocks.units.ampere_per_cu
+        ampere = cascade_step(blocks.settings, state, blocks.io) * blocks.units.ampere_per_cu
         motor_Nm = ampere * self.bldc.motor.torque_constant_Nm_A * blocks.units.gear
         slow = max(-1.0, min(1.0, speed_rad_s / LOSS_SPEED_RAD_S))
         self.motor_Nm = motor_Nm
@@ -69,7 +69,7 @@ class JointMotor:
     def _take_goal(self, goal_rad: float) -> None:
         """Go straight to a goal in one planner cycle; the first starts the trajectory where the joint is."""
         if self._goal_rad is None:
-            cascade_reset(self.blocks.cfg, self.blocks.state)
+            cascade_reset(self.blocks.settings, self.blocks.state)
             self._goal_rad = goal_rad
         self._from_rad = self._sent_rad() if self._cycle_ms < CYCLE_MS else self._goal_rad
         self._slope_rad_s = (goal_rad - self._from_rad) / CYCLE_MS * 1000

@@ -21,11 +21,11 @@ def wanted(turns, fraction, sign):
 
 def step(encoder, blocks, turns, sign, moved):
     """One tick from ``turns`` turns and a fraction near the end that ``moved`` crosses."""
-    foc, cfg, state = blocks
+    loop, settings, state = blocks
     fraction = 16000 if moved > 0 else 300
-    state.turns, state.fraction, cfg.joint_sign = turns, fraction, sign
-    foc.rotor = (fraction + moved) & 16383
-    position = encoder.encoder_step(foc, cfg, state)
+    state.turns, state.fraction, settings.joint_sign = turns, fraction, sign
+    loop.rotor = (fraction + moved) & 16383
+    position = encoder.encoder_step(loop, settings, state)
     found = state.turns, state.fraction, position
     expected = wanted(turns + (fraction + moved >> 14), (fraction + moved) & 16383, sign)
     assert found == expected, f"{turns} turns, {moved} on: {found} instead of {expected}"
@@ -33,10 +33,10 @@ def step(encoder, blocks, turns, sign, moved):
 
 def choose(encoder, blocks, turns, sign):
     """Choose the turn for an expected position in turn ``turns``."""
-    _, cfg, state = blocks
-    state.fraction, cfg.joint_sign = 900, sign
+    _, settings, state = blocks
+    state.fraction, settings.joint_sign = 900, sign
     expected = sign * (turns * 16384 + 900 - ZERO)
-    left = encoder.choose_turn(cfg, state, checked.check(expected))
+    left = encoder.choose_turn(settings, state, checked.check(expected))
     found = left, state.turns, state.position
     assert found == (0, turns, expected), f"choosing {turns} turns: {found}"
 
@@ -44,9 +44,9 @@ def choose(encoder, blocks, turns, sign):
 def main():
     checked.install()
     from shared.joint import encoder
-    from shared.joint.layout import Foc, JointConfig, JointState
+    from shared.joint.layout import CurrentLoop, JointSettings, JointState
 
-    blocks = Foc(), JointConfig(), JointState()
+    blocks = CurrentLoop(), JointSettings(), JointState()
     blocks[1].zero = ZERO
     seams = checked.seams("shared.joint.encoder", -MOST, MOST)
     for turns in seams:

@@ -24,8 +24,13 @@ class Plant:
         self.setup = JointSetup(lower_rad=-1.0, upper_rad=1.9, inertia_kg_m2=inertia_kg_m2, **setup)
         self.board = Board()
         self.blocks: JointBlocks = joint_blocks(self.bldc, self.setup, self.board)
-        self.cal = Calibration()
-        self.foc, self.cfg, self.state, self.io = self.blocks.foc, self.blocks.cfg, self.blocks.state, self.blocks.io
+        self.calibration = Calibration()
+        self.loop, self.settings, self.state, self.io = (
+            self.blocks.loop,
+            self.blocks.settings,
+            self.blocks.state,
+            self.blocks.io,
+        )
         self.units = self.blocks.units
         motor = self.bldc.motor
         self.pp, self.r, self.l = motor.pole_pairs, motor.resistance_ohm, motor.inductance_H
@@ -45,15 +50,15 @@ class Plant:
         self.trips = 0
         self.ticks = 0
         if calibrated:
-            self.cfg.calibrated = 1
-            self.cfg.direction = direction
-            self.cfg.elec_offset = elec_offset_brad
+            self.settings.calibrated = 1
+            self.settings.direction = direction
+            self.settings.elec_offset = elec_offset_brad
         self.answer = self.rotor()  # of the encoder to the next read
         self.acting = [0.5, 0.5, 0.5]  # duties
         self.read_slow()
-        joint_reset(self.foc, self.cfg, self.state, self.rotor())
+        joint_reset(self.loop, self.settings, self.state, self.rotor())
         self.io.hardware_ready = self.io.hash_ok = self.io.session = 1
-        slow_tick(self.cfg, self.state, self.io, self.blocks.curve)
+        slow_tick(self.settings, self.state, self.io, self.blocks.curve)
 
     def rotor(self):
         return int(self.angle / math.tau * 16384) & 16383
@@ -81,7 +86,7 @@ class Plant:
             phases[1], phases[2] = phases[2], phases[1]
         scale = self.units.ampere_per_cu * 6
         for k in range(3):
-            self.foc.raw[k] = max(0, min(4095, round(phases[k] / scale + self.offsets[k])))
+            self.loop.raw[k] = max(0, min(4095, round(phases[k] / scale + self.offsets[k])))
 
     def voltages(self):
         duties = [duty * self.bus for duty in self.acting]
@@ -91,12 +96,12 @@ class Plant:
         return (2 * a - b - c) / 3, (b - c) / math.sqrt(3)
 
     def current_step(self):
-        self.acting = [self.foc.duty[k] / self.foc.period for k in range(3)]
+        self.acting = [self.loop.duty[k] / self.loop.period for k in range(3)]
         self.read_currents()
         rotor, self.answer = self.answer, self.rotor()
-        code = current_step(rotor, 0, self.foc)
+        code = current_step(rotor, 0, self.loop)
         if code:
-            code = current_repair(code, rotor, 0, self.foc)
+            code = current_repair(code, rotor, 0, self.loop)
         if code:
             self.bridge = False
             self.trips += 1
@@ -133,9 +138,9 @@ class Plant:
         self.read_slow()
         if setpoint and self.ticks % 5 == 0:
             self.io.sequence = (self.io.sequence + 1) & 0xFFFF
-        self.bridge = motion_tick(self.foc, self.cfg, self.state, self.io, self.cal) != j.TORQUE_OFF
+        self.bridge = motion_tick(self.loop, self.settings, self.state, self.io, self.calibration) != j.TORQUE_OFF
         if self.ticks % 100 == 99:
-            slow_tick(self.cfg, self.state, self.io, self.blocks.curve)
+            slow_tick(self.settings, self.state, self.io, self.blocks.curve)
         self.ticks += 1
 
     def current_A(self):

@@ -2,7 +2,7 @@
 
 Clarke and Park (amplitude-invariant, d along the rotor's flux), a PI controller for each axis with clamping as
 anti-windup, the voltage limit with d first, inverse Park, and space-vector modulation by min-max injection. Units as in
-shared/joint/layout.py. Works on any object with the fields of Foc.
+shared/joint/layout.py. Works on any object with the fields of CurrentLoop.
 """
 
 from math import isqrt
@@ -14,55 +14,55 @@ RAD_PER_BRAD_Q22 = 402
 JUMP_RC = 512  # a step; no rotor is as fast
 
 
-def step(foc, rotor, invalid):
+def step(loop, rotor, invalid):
     """Do one step; return whether the bridge may stay on."""
-    rotor = believed_rotor(foc, rotor, invalid)
-    known = complete_currents(foc)
-    foc.rotor = rotor
-    sine, cosine = sine_cosine(foc, rotor)
+    rotor = believed_rotor(loop, rotor, invalid)
+    known = complete_currents(loop)
+    loop.rotor = rotor
+    sine, cosine = sine_cosine(loop, rotor)
     if known:
-        foc.current_d, foc.current_q = park(*clarke(foc), sine, cosine)
-        if foc.current_d**2 + foc.current_q**2 > foc.trip_square:
-            foc.tripped = 1
-            foc.duty = [foc.period >> 1] * 3
+        loop.current_d, loop.current_q = park(*clarke(loop), sine, cosine)
+        if loop.current_d**2 + loop.current_q**2 > loop.trip_square:
+            loop.tripped = 1
+            loop.duty = [loop.period >> 1] * 3
             return False
-        control(foc)
-    modulate(foc, *inverse_park(foc.voltage_d, foc.voltage_q, sine, cosine))
+        control(loop)
+    modulate(loop, *inverse_park(loop.voltage_d, loop.voltage_q, sine, cosine))
     return True
 
 
-def believed_rotor(foc, rotor, invalid):
+def believed_rotor(loop, rotor, invalid):
     """Return the reading, or the one before if it failed its check or jumps; such a one is counted."""
-    jump = (rotor - foc.rotor + 8192) % 16384 - 8192
+    jump = (rotor - loop.rotor + 8192) % 16384 - 8192
     if not invalid and -JUMP_RC <= jump < JUMP_RC:
         return rotor
-    foc.glitches += 1
+    loop.glitches += 1
     if not invalid:
-        foc.rotor_rejected = rotor
-    return foc.rotor
+        loop.rotor_rejected = rotor
+    return loop.rotor
 
 
-def complete_currents(foc):
+def complete_currents(loop):
     """Rebuild a phase that had no time to be sampled, as the currents add up to 0; return False if two had none."""
-    missing = [phase for phase in range(3) if foc.masked >> phase & 1]
-    foc.masked = 0
+    missing = [phase for phase in range(3) if loop.masked >> phase & 1]
+    loop.masked = 0
     if len(missing) == 1:
-        foc.raw[missing[0]] -= sum(foc.raw) - (sum(foc.offset_q4) + 8 >> 4)
+        loop.raw[missing[0]] -= sum(loop.raw) - (sum(loop.offset_q4) + 8 >> 4)
     return len(missing) < 2
 
 
-def sine_cosine(foc, rotor):
+def sine_cosine(loop, rotor):
     """Return both in Q15 of the electrical angle: the table's nearest entry, turned on by the rest."""
-    angle = rotor * foc.electrical_gain + foc.electrical_offset  # half an entry is in the offset
+    angle = rotor * loop.electrical_gain + loop.electrical_offset  # half an entry is in the offset
     entry, rest_q22 = angle // 64 * 64, (angle % 64 - 32) * RAD_PER_BRAD_Q22
     sine, cosine = sin_q15(entry & 0xFFFF), cos_q15(entry & 0xFFFF)
     return sine + (cosine * rest_q22 >> 22), cosine - (sine * rest_q22 >> 22)
 
 
-def clarke(foc):
+def clarke(loop):
     """Return (2a - b - c, sqrt 3 (b - c)) in counts, which is three times the current."""
-    a, b, c = foc.raw
-    return 2 * a - b - c - foc.offset_alpha, (b - c) * SQRT3_Q14 - foc.offset_beta >> 14
+    a, b, c = loop.raw
+    return 2 * a - b - c - loop.offset_alpha, (b - c) * SQRT3_Q14 - loop.offset_beta >> 14
 
 
 def park(alpha, beta, sine, cosine):
@@ -70,19 +70,19 @@ def park(alpha, beta, sine, cosine):
     return cosine * alpha + sine * beta + 8192 >> 14, cosine * beta - sine * alpha + 8192 >> 14
 
 
-def control(foc):
+def control(loop):
     """Set the voltage: a PI controller for each axis, and no longer than the bus allows."""
-    error_d, error_q = foc.reference_d - foc.current_d, foc.reference_q - foc.current_q
-    foc.integral_d += error_d * foc.ki
-    foc.integral_q += error_q * foc.ki
-    foc.voltage_d = (error_d * foc.kp + foc.integral_d + 4096 >> 13) + foc.feed_d
-    foc.voltage_q = (error_q * foc.kp + foc.integral_q + 4096 >> 13) + foc.feed_q
-    if foc.voltage_d**2 + foc.voltage_q**2 > foc.limit_square:
-        foc.limited_steps += 1
-        foc.voltage_d, back_d = limited(foc.voltage_d, foc.voltage_limit, error_d)
-        foc.voltage_q, back_q = limited(foc.voltage_q, rounded_sqrt(foc.limit_square - foc.voltage_d**2), error_q)
-        foc.integral_d -= back_d * foc.ki
-        foc.integral_q -= back_q * foc.ki
+    error_d, error_q = loop.reference_d - loop.current_d, loop.reference_q - loop.current_q
+    loop.integral_d += error_d * loop.ki
+    loop.integral_q += error_q * loop.ki
+    loop.voltage_d = (error_d * loop.kp + loop.integral_d + 4096 >> 13) + loop.feed_d
+    loop.voltage_q = (error_q * loop.kp + loop.integral_q + 4096 >> 13) + loop.feed_q
+    if loop.voltage_d**2 + loop.voltage_q**2 > loop.limit_square:
+        loop.limited_steps += 1
+        loop.voltage_d, back_d = limited(loop.voltage_d, loop.voltage_limit, error_d)
+        loop.voltage_q, back_q = limited(loop.voltage_q, rounded_sqrt(loop.limit_square - loop.voltage_d**2), error_q)
+        loop.integral_d -= back_d * loop.ki
+        loop.integral_q -= back_q * loop.ki
 
 
 def limited(voltage, limit, error):
@@ -102,14 +102,14 @@ def inverse_park(d, q, sine, cosine):
     return cosine * d - sine * q >> 11, cosine * q + sine * d >> 11
 
 
-def modulate(foc, alpha, beta):
+def modulate(loop, alpha, beta):
     """Set the duties: the phases' voltages moved so that their extremes lie evenly about half the period."""
-    a = alpha * foc.gain_alpha >> 14  # 1/16 compare count
-    beta = beta * foc.gain_beta >> 14
+    a = alpha * loop.gain_alpha >> 14  # 1/16 compare count
+    beta = beta * loop.gain_beta >> 14
     phases = a, beta - (a >> 1), -beta - (a >> 1)
-    middle = foc.half_period - (max(phases) + min(phases) >> 1)
-    foc.duty = [possible(phase + middle >> 4, foc.pulse, foc.period) for phase in phases]
-    foc.masked = sum(1 << phase for phase in range(3) if foc.duty[phase] > foc.period - foc.window)
+    middle = loop.half_period - (max(phases) + min(phases) >> 1)
+    loop.duty = [possible(phase + middle >> 4, loop.pulse, loop.period) for phase in phases]
+    loop.masked = sum(1 << phase for phase in range(3) if loop.duty[phase] > loop.period - loop.window)
 
 
 def possible(duty, shortest, period):

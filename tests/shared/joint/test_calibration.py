@@ -22,10 +22,10 @@ def calibrate(kind, arrange=None, pose_rad=None, ticks=12000, **plant):
         arrange(p)
     for _ in range(5):
         p.tick(setpoint=False)
-    begin_calibration(p.state, p.cal, kind)
+    begin_calibration(p.state, p.calibration, kind)
     if pose_rad is not None:
-        p.cal.pose_given, p.cal.pose = 1, round(pose_rad / p.units.rad_per_rc)
-    assert drive_arm(p.cfg, p.state, p.io, w.MODE_CALIBRATING) == w.RESULT_OK
+        p.calibration.pose_given, p.calibration.pose = 1, round(pose_rad / p.units.rad_per_rc)
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_CALIBRATING) == w.RESULT_OK
     for tick in range(ticks):
         p.tick(setpoint=False)
         if tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
@@ -34,20 +34,20 @@ def calibrate(kind, arrange=None, pose_rad=None, ticks=12000, **plant):
 
 
 def offset_error(p, true):
-    return ((p.cfg.elec_offset - true + 32768) & 65535) - 32768
+    return ((p.settings.elec_offset - true + 32768) & 65535) - 32768
 
 
 @pytest.mark.parametrize(("offset", "direction", "sign"), [(12345, -1, 1), (50000, 1, -1)])
 def test_full_calibration_finds_everything(offset, direction, sign):
     p = calibrate(
-        c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 0),
+        c.CAL_FULL, lambda p: setattr(p.settings, "pole_pairs", 0),
         elec_offset_brad=offset, direction=direction, calibrated=False, sign=sign,
     )  # fmt: skip
     assert p.state.fault_code == 0
-    assert (p.cfg.calibrated, p.cfg.direction, p.cfg.pole_pairs) == (1, direction, 7)
+    assert (p.settings.calibrated, p.settings.direction, p.settings.pole_pairs) == (1, direction, 7)
     assert abs(offset_error(p, offset)) < 364  # 2 electrical degrees
-    assert p.cfg.joint_encoder_sign == sign  # it turns with the rotor here
-    assert p.foc.electrical_gain == 28 * direction
+    assert p.settings.joint_encoder_sign == sign  # it turns with the rotor here
+    assert p.loop.electrical_gain == 28 * direction
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
@@ -60,17 +60,17 @@ def test_small_calibration_moves_the_joint_by_little_more_than_a_degree_to_eithe
     p.offsets = [2048 + rng.uniform(-9, 9) for _ in range(3)]
     for _ in range(5):
         p.tick(setpoint=False)
-    begin_calibration(p.state, p.cal, c.CAL_SMALL)
-    drive_arm(p.cfg, p.state, p.io, w.MODE_CALIBRATING)
+    begin_calibration(p.state, p.calibration, c.CAL_SMALL)
+    drive_arm(p.settings, p.state, p.io, w.MODE_CALIBRATING)
     for _ in range(6000):
         p.tick(setpoint=False)
         far = max(far, abs(p.joint_rad() - start))
     assert p.state.fault_code == 0
     assert abs(offset_error(p, offset)) < 364
-    assert p.cfg.direction == direction
+    assert p.settings.direction == direction
     assert math.degrees(far) < 360 / 7 / 22 * 1.1
     for k in range(3):
-        assert abs(p.foc.offset_q4[k] / 16 - p.offsets[k]) < 1
+        assert abs(p.loop.offset_q4[k] / 16 - p.offsets[k]) < 1
 
 
 def test_the_pose_sets_both_zeros():
@@ -80,7 +80,7 @@ def test_the_pose_sets_both_zeros():
     p.angle = (zero_rad + 0.4) * 22
     p.read_slow()
     p.state.fraction = p.rotor()
-    assert home_by_encoder(p.cfg, p.state, p.io) == 1
+    assert home_by_encoder(p.settings, p.state, p.io) == 1
     assert p.state.position * p.units.rad_per_rc == pytest.approx(0.4, abs=2e-4)
 
 
@@ -88,38 +88,38 @@ def test_the_pose_sets_both_zeros():
     ("kind", "arrange", "code"),
     [
         (c.CAL_FULL, lambda p: setattr(p, "offsets", [2400, 2048, 2048]), f.FAULT_CAL_OFFSET),
-        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_bus_least", 7000), f.FAULT_CAL_BUS),
-        (c.CAL_FULL, lambda p: setattr(p.cfg, "cal_current", 0), f.FAULT_CAL_NOT_FREE),
+        (c.CAL_FULL, lambda p: setattr(p.settings, "cal_bus_least", 7000), f.FAULT_CAL_BUS),
+        (c.CAL_FULL, lambda p: setattr(p.settings, "cal_current", 0), f.FAULT_CAL_NOT_FREE),
         (c.CAL_FULL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
         (c.CAL_SMALL, lambda p: setattr(p, "blocked", True), f.FAULT_CAL_NOT_FREE),
-        (c.CAL_FULL, lambda p: setattr(p.cfg, "pole_pairs", 11), f.FAULT_CAL_POLE_PAIRS),
+        (c.CAL_FULL, lambda p: setattr(p.settings, "pole_pairs", 11), f.FAULT_CAL_POLE_PAIRS),
         (c.CAL_VERIFY, lambda p: setattr(p, "swapped", True), f.FAULT_CAL_PHASE_ORDER),
-        (c.CAL_VERIFY, lambda p: setattr(p.cfg, "elec_offset", 9000), f.FAULT_CAL_OFFSET_CHANGED),
+        (c.CAL_VERIFY, lambda p: setattr(p.settings, "elec_offset", 9000), f.FAULT_CAL_OFFSET_CHANGED),
         (c.CAL_SMALL, lambda p: setattr(p, "r", 30.0), f.FAULT_CAL_NO_CURRENT),
     ],
 )
 def test_refusals_have_a_reason_and_change_nothing(kind, arrange, code):
     p = Plant()
     arrange(p)
-    before = pack(p.cfg)
+    before = pack(p.settings)
     p = calibrate(kind, arrange)
     assert p.state.fault_code == code
-    assert pack(p.cfg) == before
-    assert (p.foc.reference_d, p.foc.reference_q) == (0, 0)
-    assert p.foc.electrical_gain == 4 * p.cfg.pole_pairs * p.cfg.direction
+    assert pack(p.settings) == before
+    assert (p.loop.reference_d, p.loop.reference_q) == (0, 0)
+    assert p.loop.electrical_gain == 4 * p.settings.pole_pairs * p.settings.direction
 
 
 def refused(prepare, each):
     """Run only the rest phase with readings of our own."""
     p = Plant()
-    begin_calibration(p.state, p.cal, c.CAL_FULL)
+    begin_calibration(p.state, p.calibration, c.CAL_FULL)
     prepare(p)
     for tick in range(260):
         for k in range(3):
-            p.foc.raw[k] = 2048
+            p.loop.raw[k] = 2048
         each(p, tick)
-        c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal)
-    return p.cal.reason, p.cal.reason_value
+        c.calibration_step(p.loop, p.settings, p.state, p.io, p.calibration)
+    return p.calibration.reason, p.calibration.reason_value
 
 
 def nothing(*_):
@@ -129,8 +129,8 @@ def nothing(*_):
 @pytest.mark.parametrize(
     ("prepare", "each", "reason", "value"),
     [
-        (nothing, lambda p, t: p.foc.raw.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
-        (nothing, lambda p, t: setattr(p.foc, "rotor", 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
+        (nothing, lambda p, t: p.loop.raw.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_CAL_NOISE, 30),
+        (nothing, lambda p, t: setattr(p.loop, "rotor", 100 + t % 12), f.FAULT_CAL_ENCODER, 11),
         (lambda p: setattr(p.state, "rate", 9000), nothing, f.FAULT_CAL_MOVING, 9000),
         (lambda p: setattr(p.state, "bus", 100), nothing, f.FAULT_CAL_BUS, 100),
     ],
@@ -145,12 +145,12 @@ def test_checks_at_rest(prepare, each, reason, value):
 
 def test_a_wrong_sum_under_current_is_refused():
     p = Plant()
-    p.cal.phase, p.cal.kind, p.cal.phase_ticks = c.PHASE_SETTLE, c.CAL_FULL, 511
+    p.calibration.phase, p.calibration.kind, p.calibration.phase_ticks = c.PHASE_SETTLE, c.CAL_FULL, 511
     for k, raw in enumerate((2400, 2100, 2100)):
-        p.foc.raw[k] = raw
-    p.foc.current_d = p.cfg.cal_current
-    assert c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal) == c.PHASE_IDLE
-    assert (p.cal.reason, p.cal.reason_value) == (f.FAULT_CAL_SUM, 456)
+        p.loop.raw[k] = raw
+    p.loop.current_d = p.settings.cal_current
+    assert c.calibration_step(p.loop, p.settings, p.state, p.io, p.calibration) == c.PHASE_IDLE
+    assert (p.calibration.reason, p.calibration.reason_value) == (f.FAULT_CAL_SUM, 456)
 
 
 def test_a_joint_encoder_that_does_not_follow_is_refused():
@@ -162,8 +162,8 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
     p = Stuck()
     for _ in range(5):
         p.tick(setpoint=False)
-    begin_calibration(p.state, p.cal, c.CAL_SMALL)
-    drive_arm(p.cfg, p.state, p.io, w.MODE_CALIBRATING)
+    begin_calibration(p.state, p.calibration, c.CAL_SMALL)
+    drive_arm(p.settings, p.state, p.io, w.MODE_CALIBRATING)
     for _ in range(4000):
         p.tick(setpoint=False)
     assert p.state.fault_code == f.FAULT_CAL_JOINT_ENCODER
@@ -171,18 +171,23 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
 
 def test_a_wide_spread_is_refused():
     p = Plant()
-    p.cal.kind, p.cal.phase, p.cal.offset_count, p.cal.offset_high = c.CAL_SMALL, c.PHASE_RETURN, 9, 20000
-    p.cal.rotor_last, p.cal.pole_pairs, p.cal.direction = p.rotor(), 7, 1
-    assert c.calibration_step(p.foc, p.cfg, p.state, p.io, p.cal) == c.PHASE_IDLE
-    assert p.cal.reason == f.FAULT_CAL_SPREAD
+    p.calibration.kind, p.calibration.phase, p.calibration.offset_count, p.calibration.offset_high = (
+        c.CAL_SMALL,
+        c.PHASE_RETURN,
+        9,
+        20000,
+    )
+    p.calibration.rotor_last, p.calibration.pole_pairs, p.calibration.direction = p.rotor(), 7, 1
+    assert c.calibration_step(p.loop, p.settings, p.state, p.io, p.calibration) == c.PHASE_IDLE
+    assert p.calibration.reason == f.FAULT_CAL_SPREAD
 
 
 def test_disarming_in_the_middle_restores_the_commutation():
     p = calibrate(c.CAL_SMALL, ticks=1500)
-    assert p.foc.electrical_gain == 0
-    before = pack(p.cfg)
+    assert p.loop.electrical_gain == 0
+    before = pack(p.settings)
     drive_disarm(p.state)
     p.tick(setpoint=False)
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
-    assert (p.foc.electrical_gain, p.foc.reference_d, p.cal.phase) == (28, 0, c.PHASE_IDLE)
-    assert pack(p.cfg) == before
+    assert (p.loop.electrical_gain, p.loop.reference_d, p.calibration.phase) == (28, 0, c.PHASE_IDLE)
+    assert pack(p.settings) == before

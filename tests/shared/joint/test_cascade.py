@@ -41,7 +41,7 @@ RATE = st.integers(-(1 << 19) + 1, (1 << 19) - 1)
 def make(**setup):
     blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
     blocks.state.bus = 6144
-    blocks.state.current_limit = blocks.cfg.current_max
+    blocks.state.current_limit = blocks.settings.current_max
     return blocks
 
 
@@ -50,7 +50,7 @@ MADE = make()
 
 @given(st.integers(-65536, 65536), INT16, INT16)
 def test_wire_units(position, velocity, current):
-    k, units = MADE.cfg, MADE.units
+    k, units = MADE.settings, MADE.units
     rc = cascade.position_from_wire(position, k.gear_q8)
     assert abs(rc * units.rad_per_rc - position / 65536 * math.tau) <= units.rad_per_rc
     rate = cascade.rate_from_wire(velocity, k.rate_q8)
@@ -62,14 +62,14 @@ def test_wire_units(position, velocity, current):
 @given(st.integers(-(1 << 29), (1 << 29) - 1), RATE, st.integers(-24315, 24315), st.integers(0, 12000))
 def test_reports_are_the_measured_values_in_the_wires_units(position, rate, current, bus):
     blocks = make(sign=-1)
-    foc, k, s, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
-    s.position, s.velocity, foc.current_q, s.bus = position, rate, current, bus
+    loop, k, s, units = blocks.loop, blocks.settings, blocks.state, blocks.units
+    s.position, s.velocity, loop.current_q, s.bus = position, rate, current, bus
     angle = position * units.rad_per_rc / math.tau * 65536
     assert abs(report.report_position(k, s) - max(-32767, min(32767, angle))) <= 1
     turns = rate * units.rad_s_per_rate / math.tau * 4096
     assert abs(report.report_velocity(k, s) - max(-32767, min(32767, turns))) <= 2 + abs(turns) * 2e-4
     ampere = -current * units.ampere_per_cu * 4096
-    assert abs(report.report_current(foc, k) - max(-32767, min(32767, ampere))) <= 1 + abs(ampere) * 1e-4
+    assert abs(report.report_current(loop, k) - max(-32767, min(32767, ampere))) <= 1 + abs(ampere) * 1e-4
     assert abs(report.report_bus(k, s) - min(1023, bus * units.volt_per_vu * 16)) <= 1
     assert report.report_temperature(current) == max(-4095, min(4095, current))
 
@@ -132,11 +132,11 @@ def test_a_moving_target_is_met_and_kept():
 @given(RATE, st.integers(-3000, 3000))
 def test_feed_forward_voltages(rate, current):
     blocks = make()
-    foc, cfg, state, units = blocks.foc, blocks.cfg, blocks.state, blocks.units
-    cfg.dead = 800
-    feed.feed_bus(foc, cfg, 6144)
-    foc.reference_q, state.rate = current, rate
-    feed.feed_voltages(foc, cfg, state)
+    loop, settings, state, units = blocks.loop, blocks.settings, blocks.state, blocks.units
+    settings.dead = 800
+    feed.feed_bus(loop, settings, 6144)
+    loop.reference_q, state.rate = current, rate
+    feed.feed_voltages(loop, settings, state)
     rad_s, motor = rate / RATE_PER_RAD_S, BLDC.motor
     d, q = twin.feed_voltages(
         rad_s,
@@ -144,33 +144,33 @@ def test_feed_forward_voltages(rate, current):
         motor.torque_constant_Nm_A / 1.5,
         rad_s * motor.pole_pairs * motor.inductance_H * units.ampere_per_cu,
         24 * 800 / 32768,
-        cfg.dead_zone,
+        settings.dead_zone,
         rad_s * motor.pole_pairs * 1.5e-4,
     )
-    limit = foc.voltage_limit
-    assert max(abs(foc.feed_d), abs(foc.feed_q)) <= limit
+    limit = loop.voltage_limit
+    assert max(abs(loop.feed_d), abs(loop.feed_q)) <= limit
     if math.hypot(d, q) / units.volt_per_vu < 0.99 * limit:
-        assert abs(foc.feed_d - d / units.volt_per_vu) < 10
-        assert abs(foc.feed_q - q / units.volt_per_vu) < 10
+        assert abs(loop.feed_d - d / units.volt_per_vu) < 10
+        assert abs(loop.feed_q - q / units.volt_per_vu) < 10
 
 
 @given(RATE, st.integers(0, 65535), st.sampled_from((-1, 1)))
 def test_the_angle_is_led_by_the_age_of_its_reading(rate, offset, direction):
     blocks = make()
-    foc, cfg, state = blocks.foc, blocks.cfg, blocks.state
-    cfg.elec_offset, cfg.direction, state.rate = offset, direction, rate
-    set_commutation(foc, cfg)
-    still = foc.electrical_offset
+    loop, settings, state = blocks.loop, blocks.settings, blocks.state
+    settings.elec_offset, settings.direction, state.rate = offset, direction, rate
+    set_commutation(loop, settings)
+    still = loop.electrical_offset
     brad_per_rate = BLDC.motor.pole_pairs * 1e-4 / RATE_PER_RAD_S / math.tau * 65536
     expected = twin.lead_angle(still, rate, brad_per_rate, direction)
-    assert feed.lead_angle(foc, cfg, state) == foc.electrical_offset
-    assert abs(foc.electrical_offset - expected) <= 1 + abs(rate) / 131072  # age is rounded
+    assert feed.lead_angle(loop, settings, state) == loop.electrical_offset
+    assert abs(loop.electrical_offset - expected) <= 1 + abs(rate) / 131072  # age is rounded
 
 
 @given(st.integers(-(1 << 17), 1 << 17), st.integers(-2000, 2000), st.integers(-40000000, 40000000))
 def test_velocity_loop(error, direct, integral):
     blocks = make()
-    s, k = blocks.state, blocks.cfg
+    s, k = blocks.state, blocks.settings
     s.rate_reference, s.velocity_integral = error, integral
     given_cu = cascade.velocity_loop(k, s, direct)
     kp, ki = k.velocity_p / 4096, k.velocity_i / 65536
@@ -188,12 +188,12 @@ def test_impedance(position, stiffness, damping, velocity, current, at, rate):
     b.velocity, b.current = velocity, current
     s.position, s.velocity = at, rate
     turn = math.tau / units.rad_per_rc
-    wanted = max(blocks.cfg.position_min / turn, min(blocks.cfg.position_max / turn, position / 65536))
+    wanted = max(blocks.settings.position_min / turn, min(blocks.settings.position_max / turn, position / 65536))
     error = max(-0.125, min(0.125, wanted - at / turn))
     slip = velocity / 4096 - rate * units.rad_s_per_rate / math.tau
     damped = max(-8.0, min(8.0, slip))
     expected = twin.impedance(stiffness / 16, damping / 256, error, damped, current / 4096)
-    result = cascade.impedance(blocks.cfg, s, b) * units.ampere_per_cu
+    result = cascade.impedance(blocks.settings, s, b) * units.ampere_per_cu
     assert abs(result) <= 8.26
     if abs(expected) < 7.9 and abs(slip) < 2.8:  # the difference of rates is limited to 2.84 turn/s
         assert abs(result - expected) <= 0.02 + stiffness / 16 * 2e-5 + damping / 256 * 2e-3
@@ -201,7 +201,7 @@ def test_impedance(position, stiffness, damping, velocity, current, at, rate):
 
 def test_limit_current_falls_with_the_bus_and_says_why():
     blocks = make()
-    s, k = blocks.state, blocks.cfg
+    s, k = blocks.state, blocks.settings
     top = s.current_limit
     assert cascade.limit_current(k, s, 5000) == top
     assert s.limits == LIMIT_CURRENT
@@ -219,12 +219,12 @@ def test_limit_current_falls_with_the_bus_and_says_why():
 @given(st.lists(st.integers(-65535, 65535), min_size=1, max_size=40))
 def test_the_accelerations_current_follows_its_twin_and_comes_back_to_nothing(changes):
     blocks = make()
-    inertia, fed = blocks.cfg.inertia / 256, 0.0
+    inertia, fed = blocks.settings.inertia / 256, 0.0
     for change in changes:
         fed = twin.smooth(fed, change * inertia)
-        assert abs(cascade.feed_acceleration(blocks.cfg, blocks.state, change) - fed) <= 1
+        assert abs(cascade.feed_acceleration(blocks.settings, blocks.state, change) - fed) <= 1
     for _ in range(100):
-        cascade.feed_acceleration(blocks.cfg, blocks.state, 0)
+        cascade.feed_acceleration(blocks.settings, blocks.state, 0)
     assert blocks.state.current_reference == 0
 
 
@@ -253,14 +253,14 @@ def test_a_motion_of_even_acceleration_sent_at_200_hz_has_even_acceleration():
     blocks, rates = make(), []
     accel = 500.0  # rate units a tick, half of what the trajectory may do
     blocks.state.homed = 1
-    cascade.cascade_reset(blocks.cfg, blocks.state)
-    gear = blocks.cfg.gear_q8
+    cascade.cascade_reset(blocks.settings, blocks.state)
+    gear = blocks.settings.gear_q8
     for tick in range(150):
         if tick % 5 == 0:
             blocks.io.position = round(accel * tick * tick / 2 / 256 * 1024 / gear)
-            blocks.io.velocity = round(accel * tick * 256 / blocks.cfg.rate_q8)
+            blocks.io.velocity = round(accel * tick * 256 / blocks.settings.rate_q8)
             blocks.state.sequence += 1
-        cascade.follow_position(blocks.cfg, blocks.state, blocks.io)
+        cascade.follow_position(blocks.settings, blocks.state, blocks.io)
         rates.append(blocks.state.profile_rate)
     changes = [b - a for a, b in pairwise(rates[20:])]
     assert max(abs(change - accel) for change in changes) < 0.8 * accel  # the wire's steps: 281
@@ -271,16 +271,16 @@ def test_a_motion_of_even_acceleration_sent_at_200_hz_has_even_acceleration():
 def test_damping_only_brakes(rate):
     blocks = make()
     blocks.state.velocity = rate
-    current = cascade.damping_current(blocks.cfg, blocks.state)
+    current = cascade.damping_current(blocks.settings, blocks.state)
     assert current * rate <= 0
-    assert abs(current) <= blocks.cfg.damp_current
+    assert abs(current) <= blocks.settings.damp_current
 
 
 @pytest.mark.parametrize(("position", "current", "given_cu"), [(-60000, -500, 0), (-60000, 500, 500), (120000, 500, 0)])
 def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
     blocks = make()
     blocks.state.position = position
-    assert cascade.guard_position(blocks.cfg, blocks.state, current) == given_cu
+    assert cascade.guard_position(blocks.settings, blocks.state, current) == given_cu
     assert bool(blocks.state.limits & LIMIT_POSITION) == (given_cu == 0)
 
 
@@ -288,11 +288,11 @@ def armed(mode=MODE_POSITION, **plant):
     p = Plant(elec_offset_brad=12345, direction=-1, **plant)
     for _ in range(3):
         p.tick()
-    assert home_by_encoder(p.cfg, p.state, p.io)
+    assert home_by_encoder(p.settings, p.state, p.io)
     p.io.mode = mode
     p.io.position = p.wire_position(p.joint_rad())
     p.tick()
-    assert drive_arm(p.cfg, p.state, p.io, MODE_OFF) == RESULT_OK
+    assert drive_arm(p.settings, p.state, p.io, MODE_OFF) == RESULT_OK
     for _ in range(5):
         p.tick()
     assert p.state.drive_state == STATE_OPERATION_ENABLED

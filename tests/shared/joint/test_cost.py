@@ -25,7 +25,7 @@ TICKS = 4800
 SCRIPT = """
 import gc, json, micropython, time
 from array import array
-from data import LOOP, CFG, CURVE, TICKS
+from data import LOOP_SETTINGS, SETTINGS, CURVE, TICKS
 from shared.joint.current import current_step
 from shared.joint.tick import motion_tick, slow_tick
 from trace import Trace
@@ -39,28 +39,28 @@ def best_us(call, count):
         best = min(best, time.ticks_diff(time.ticks_us(), start))
     return best
 
-trace = Trace(LOOP, CFG, CURVE)
+trace = Trace(LOOP_SETTINGS, SETTINGS, CURVE)
 digest = trace.run(TICKS)
-other = Trace(LOOP, CFG, CURVE)
-foc = other.at_rest()
-loop = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
+other = Trace(LOOP_SETTINGS, SETTINGS, CURVE)
+loop = other.at_rest()
+floats = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
 
 def integer(count):
     other.at_rest()
     for rotor in range(count):
-        current_step(rotor & 16383, 0, foc)
+        current_step(rotor & 16383, 0, loop)
 
 def floating(count):
-    step = loop.step
+    step = floats.step
     for _ in range(count):
         step(1.234, 0.5, -0.2, -0.3)
 
 def allocated(trace):
     before = micropython.mem_total()
     for rotor in range(200):
-        current_step(rotor, 0, foc)
-        motion_tick(trace.foc, trace.cfg, trace.state, trace.io, trace.cal)
-        slow_tick(trace.cfg, trace.state, trace.io, trace.curve)
+        current_step(rotor, 0, loop)
+        motion_tick(trace.loop, trace.settings, trace.state, trace.io, trace.calibration)
+        slow_tick(trace.settings, trace.state, trace.io, trace.curve)
     return micropython.mem_total() - before
 
 allocated(trace)
@@ -72,8 +72,8 @@ print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(tra
 
 def block_values():
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-    blocks.cfg.calibrated = 1
-    return pack(blocks.loop), pack(blocks.cfg), blocks.curve
+    blocks.settings.calibrated = 1
+    return pack(blocks.loop_settings), pack(blocks.settings), blocks.curve
 
 
 @pytest.fixture(scope="module")
@@ -92,8 +92,10 @@ def answer(tmp_path_factory):
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(rewrite(module, modules, "viper", "x64"))
     shutil.copy(ROOT / "tests/float_twin/joint_current.py", folder / "twin.py")
-    loop, cfg, curve = block_values()
-    (folder / "data.py").write_text(f"LOOP = {loop}\nCFG = {cfg}\nCURVE = {curve}\nTICKS = {TICKS}\n")
+    loop_settings, settings, curve = block_values()
+    (folder / "data.py").write_text(
+        f"LOOP_SETTINGS = {loop_settings}\nSETTINGS = {settings}\nCURVE = {curve}\nTICKS = {TICKS}\n"
+    )
     (folder / "main.py").write_text(SCRIPT)
     ran = subprocess.run([VM, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
     assert ran.returncode == 0, ran.stdout + ran.stderr

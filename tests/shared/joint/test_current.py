@@ -24,7 +24,7 @@ from shared.joint.current import (
     set_offsets,
 )
 from shared.joint.feed import feed_bus, lead_angle
-from shared.joint.layout import SINE_SIZE, Foc
+from shared.joint.layout import SINE_SIZE, CurrentLoop
 from shared.joint.sine import fill_sine
 from shared.num.fixed import cos_q15, sin_q15
 from shared.record import pack
@@ -39,17 +39,17 @@ SQRT3 = math.sqrt(3)
 @pytest.fixture
 def blocks():
     made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    current_reset(made.foc, 0)
-    made.foc.pulse = 0
-    feed_bus(made.foc, made.cfg, round(24 / made.units.volt_per_vu))
+    current_reset(made.loop, 0)
+    made.loop.pulse = 0
+    feed_bus(made.loop, made.settings, round(24 / made.units.volt_per_vu))
     for phase in range(3):
-        made.foc.raw[phase] = 2048
+        made.loop.raw[phase] = 2048
     return made
 
 
-def step(foc, rotor, invalid=0):
-    code = current_step(rotor, invalid, foc)
-    return (code, current_repair(code, rotor, invalid, foc)) if code else (code, code)
+def step(loop, rotor, invalid=0):
+    code = current_step(rotor, invalid, loop)
+    return (code, current_repair(code, rotor, invalid, loop)) if code else (code, code)
 
 
 def set_currents(blocks, i_d, i_q, rotor):
@@ -60,156 +60,156 @@ def set_currents(blocks, i_d, i_q, rotor):
     count = blocks.units.ampere_per_cu * 6
     phases = (alpha, SQRT3 / 2 * beta - alpha / 2, -SQRT3 / 2 * beta - alpha / 2)
     for k, ampere in enumerate(phases):
-        blocks.foc.raw[k] = round(ampere / count) + 2048
-    return [(blocks.foc.raw[k] - 2048) * count for k in range(3)]
+        blocks.loop.raw[k] = round(ampere / count) + 2048
+    return [(blocks.loop.raw[k] - 2048) * count for k in range(3)]
 
 
 def test_duties_within_a_thousandth_over_full_speed_and_current(blocks):
     """Every bus voltage, rotor angle, speed and current, with and without the voltage limit."""
     rng = random.Random(3)
-    foc, units = blocks.foc, blocks.units
+    loop, units = blocks.loop, blocks.units
     kp, ki = current_gains(BLDC)
     worst, seen = 0.0, set()
     for _ in range(6000):
         bus, rotor = rng.randint(18 * 256, 30 * 256), rng.randrange(16384)
-        feed_bus(foc, blocks.cfg, bus)
-        loop = twin.CurrentLoop(kp, ki / BLDC.drive.current_loop_hz, bus * units.volt_per_vu, 7, 0.0)
+        feed_bus(loop, blocks.settings, bus)
+        exact = twin.CurrentLoop(kp, ki / BLDC.drive.current_loop_hz, bus * units.volt_per_vu, 7, 0.0)
         i_q, w = rng.uniform(-2.2, 2.2), rng.uniform(-264, 264)
         i_ref = max(-2.0, min(2.0, i_q + rng.choice((0, 0.05, 0.3, 2)) * rng.uniform(-1, 1)))
-        limit = foc.voltage_limit
+        limit = loop.voltage_limit
         volts = w * BLDC.motor.torque_constant_Nm_A / 1.5 + 1.2 * i_q
-        foc.feed_q = max(-limit, min(limit, round(volts / units.volt_per_vu)))
-        foc.feed_d = max(-limit, min(limit, round(-w * 7 * 0.6e-3 * i_q / units.volt_per_vu)))
-        foc.reference_q = round(i_ref / units.ampere_per_cu)
-        foc.integral_d, foc.integral_q = rng.randint(-2000000, 2000000), rng.randint(-2000000, 2000000)
-        foc.rotor, foc.masked = rotor, 0
-        loop.feed_d, loop.feed_q = foc.feed_d * units.volt_per_vu, foc.feed_q * units.volt_per_vu
-        loop.q_ref = foc.reference_q * units.ampere_per_cu
-        loop.integral_d = foc.integral_d / 8192 * units.volt_per_vu
-        loop.integral_q = foc.integral_q / 8192 * units.volt_per_vu
+        loop.feed_q = max(-limit, min(limit, round(volts / units.volt_per_vu)))
+        loop.feed_d = max(-limit, min(limit, round(-w * 7 * 0.6e-3 * i_q / units.volt_per_vu)))
+        loop.reference_q = round(i_ref / units.ampere_per_cu)
+        loop.integral_d, loop.integral_q = rng.randint(-2000000, 2000000), rng.randint(-2000000, 2000000)
+        loop.rotor, loop.masked = rotor, 0
+        exact.feed_d, exact.feed_q = loop.feed_d * units.volt_per_vu, loop.feed_q * units.volt_per_vu
+        exact.q_ref = loop.reference_q * units.ampere_per_cu
+        exact.integral_d = loop.integral_d / 8192 * units.volt_per_vu
+        exact.integral_q = loop.integral_q / 8192 * units.volt_per_vu
         phases = set_currents(blocks, 0.0, i_q, rotor)
-        first, last = step(foc, rotor)
+        first, last = step(loop, rotor)
         assert last == STEP_DONE
         seen.add(first)
-        loop.step(rotor / 16384 * math.tau, *phases)
-        for k, expected in enumerate((loop.duty_a, loop.duty_b, loop.duty_c)):
-            worst = max(worst, abs(foc.duty[k] / foc.period - expected))
+        exact.step(rotor / 16384 * math.tau, *phases)
+        for k, expected in enumerate((exact.duty_a, exact.duty_b, exact.duty_c)):
+            worst = max(worst, abs(loop.duty[k] / loop.period - expected))
     assert seen == {STEP_DONE, STEP_LIMIT, STEP_SHAPE}
     assert worst < 0.001
 
 
 def test_sine_table_is_the_sine_and_a_quarter_turn_on_the_cosine():
-    foc = Foc()
-    assert fill_sine(foc) == 0
-    assert not any(pack(foc)[:-SINE_SIZE])
-    assert all(foc.sine[i] == sin_q15(i * 64) and foc.sine[i + 256] == cos_q15(i * 64) for i in range(1024))
+    loop = CurrentLoop()
+    assert fill_sine(loop) == 0
+    assert not any(pack(loop)[:-SINE_SIZE])
+    assert all(loop.sine[i] == sin_q15(i * 64) and loop.sine[i + 256] == cos_q15(i * 64) for i in range(1024))
 
 
 @given(st.integers(-20000, 20000), st.integers(-20000, 20000), st.integers(64, 14000))
 def test_limit_voltage_cuts_d_first(d, q, limit):
-    foc = Foc()
-    foc.voltage_d, foc.voltage_q, foc.voltage_limit, foc.limit_square = d, q, limit, limit * limit
-    limit_voltage(foc)
+    loop = CurrentLoop()
+    loop.voltage_d, loop.voltage_q, loop.voltage_limit, loop.limit_square = d, q, limit, limit * limit
+    limit_voltage(loop)
     expected_d, expected_q = twin.limit_voltage(d, q, limit)
-    assert foc.voltage_d == expected_d
-    assert abs(foc.voltage_q - expected_q) <= 0.5
+    assert loop.voltage_d == expected_d
+    assert abs(loop.voltage_q - expected_q) <= 0.5
 
 
 def test_integral_does_not_wind_up_behind_the_voltage_limit(blocks):
-    foc = blocks.foc
-    foc.reference_q = 2979
-    foc.feed_q = foc.voltage_limit
+    loop = blocks.loop
+    loop.reference_q = 2979
+    loop.feed_q = loop.voltage_limit
     for _ in range(2000):
-        assert step(foc, 0)[1] == STEP_DONE
-    assert abs(foc.integral_q) <= 8192
-    assert foc.limited_steps == 2000
+        assert step(loop, 0)[1] == STEP_DONE
+    assert abs(loop.integral_q) <= 8192
+    assert loop.limited_steps == 2000
 
 
 @given(st.lists(st.integers(0, 4095), min_size=3, max_size=3), st.integers(0, 16383), st.integers(-12288, 12288))
 def test_any_reading_gives_duties_within_the_period(raw, rotor, wanted):
     made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    foc = made.foc
-    current_reset(foc, rotor)
-    feed_bus(foc, made.cfg, 6144)
-    foc.reference_q = wanted
+    loop = made.loop
+    current_reset(loop, rotor)
+    feed_bus(loop, made.settings, 6144)
+    loop.reference_q = wanted
     for _ in range(4):
         for k in range(3):
-            foc.raw[k] = raw[k]
-        _, last = step(foc, rotor)
+            loop.raw[k] = raw[k]
+        _, last = step(loop, rotor)
         assert last in (STEP_DONE, STEP_TRIP)
-        assert all(0 <= foc.duty[k] <= foc.period for k in range(3))
-        assert math.hypot(foc.current_d, foc.current_q) <= 27600
+        assert all(0 <= loop.duty[k] <= loop.period for k in range(3))
+        assert math.hypot(loop.current_d, loop.current_q) <= 27600
 
 
 def test_trips_on_over_current_and_writes_equal_duties(blocks):
-    foc = blocks.foc
+    loop = blocks.loop
     set_currents(blocks, 0.0, 5.2, 0)
-    assert step(foc, 0) == (STEP_TRIP, STEP_TRIP)
-    assert foc.tripped == 1
-    assert len({foc.duty[k] for k in range(3)}) == 1
+    assert step(loop, 0) == (STEP_TRIP, STEP_TRIP)
+    assert loop.tripped == 1
+    assert len({loop.duty[k] for k in range(3)}) == 1
     set_currents(blocks, 0.0, 4.8, 0)
-    assert step(foc, 0)[1] == STEP_DONE
+    assert step(loop, 0)[1] == STEP_DONE
 
 
 @pytest.mark.parametrize("jump", [600, 4000, 8000, 15000])
 def test_a_rotor_glitch_is_replaced_and_counted(blocks, jump):
-    foc = blocks.foc
-    assert step(foc, 100) == (STEP_DONE, STEP_DONE)
-    assert step(foc, (100 + jump) & 16383) == (STEP_INPUT, STEP_DONE)
-    assert (foc.rotor, foc.glitches) == (100, 1)
-    assert step(foc, 120, invalid=1) == (STEP_INPUT, STEP_DONE)
-    assert (foc.rotor, foc.glitches) == (100, 2)
-    assert step(foc, 16000) == (STEP_DONE, STEP_DONE)  # through zero is no jump
-    assert foc.rotor == 16000
+    loop = blocks.loop
+    assert step(loop, 100) == (STEP_DONE, STEP_DONE)
+    assert step(loop, (100 + jump) & 16383) == (STEP_INPUT, STEP_DONE)
+    assert (loop.rotor, loop.glitches) == (100, 1)
+    assert step(loop, 120, invalid=1) == (STEP_INPUT, STEP_DONE)
+    assert (loop.rotor, loop.glitches) == (100, 2)
+    assert step(loop, 16000) == (STEP_DONE, STEP_DONE)  # through zero is no jump
+    assert loop.rotor == 16000
 
 
 @pytest.mark.parametrize("phase", [0, 1, 2])
 def test_a_phase_without_a_sample_is_rebuilt(blocks, phase):
-    foc = blocks.foc
-    set_offsets(foc, 2050 << 4, 2040 << 4, 2047 << 4)
+    loop = blocks.loop
+    set_offsets(loop, 2050 << 4, 2040 << 4, 2047 << 4)
     true = (2150, 1990, 1997)
     for k in range(3):
-        foc.raw[k] = true[k]
-    assert current_sum(foc) == 0
-    foc.raw[phase] = 17
-    foc.masked = 1 << phase
-    assert step(foc, 0)[1] == STEP_DONE
-    assert foc.raw[phase] == true[phase]
+        loop.raw[k] = true[k]
+    assert current_sum(loop) == 0
+    loop.raw[phase] = 17
+    loop.masked = 1 << phase
+    assert step(loop, 0)[1] == STEP_DONE
+    assert loop.raw[phase] == true[phase]
 
 
 def test_without_two_samples_the_voltage_turns_with_the_rotor(blocks):
-    foc = blocks.foc
-    foc.voltage_d, foc.voltage_q, foc.masked = 0, 3000, 0b110
-    foc.raw[1] = 4095
-    integral = foc.integral_q
-    assert step(foc, 300) == (STEP_INPUT, STEP_DONE)
-    assert (foc.integral_q, foc.voltage_q, foc.rotor) == (integral, 3000, 300)
+    loop = blocks.loop
+    loop.voltage_d, loop.voltage_q, loop.masked = 0, 3000, 0b110
+    loop.raw[1] = 4095
+    integral = loop.integral_q
+    assert step(loop, 300) == (STEP_INPUT, STEP_DONE)
+    assert (loop.integral_q, loop.voltage_q, loop.rotor) == (integral, 3000, 300)
     angle = 7 * 300 / 16384 * math.tau
     expected = twin.svpwm(-3000 * math.sin(angle), 3000 * math.cos(angle), 6144)
     for k in range(3):
-        assert abs(foc.duty[k] / foc.period - expected[k]) < 0.001
+        assert abs(loop.duty[k] / loop.period - expected[k]) < 0.001
 
 
 @given(st.lists(st.integers(1800 << 4, 2298 << 4), min_size=3, max_size=3))
 def test_offsets_are_taken_out(offsets):
     made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    foc = made.foc
-    current_reset(foc, 0)
-    feed_bus(foc, made.cfg, 6144)
-    set_offsets(foc, *offsets)
+    loop = made.loop
+    current_reset(loop, 0)
+    feed_bus(loop, made.settings, 6144)
+    set_offsets(loop, *offsets)
     for k in range(3):
-        foc.raw[k] = (offsets[k] + 8) >> 4
-    step(foc, 0)
-    assert abs(foc.current_d) <= 7
-    assert abs(foc.current_q) <= 7
-    assert abs(current_sum(foc)) <= 2
+        loop.raw[k] = (offsets[k] + 8) >> 4
+    step(loop, 0)
+    assert abs(loop.current_d) <= 7
+    assert abs(loop.current_q) <= 7
+    assert abs(current_sum(loop)) <= 2
 
 
 def locked_rotor_step(q_ref_A=2.0, steps=200):
     plant = Plant(elec_offset_brad=7000)
     plant.blocked = plant.bridge = True
-    feed_bus(plant.foc, plant.cfg, 6144)
-    plant.foc.reference_q = round(q_ref_A / plant.units.ampere_per_cu)
+    feed_bus(plant.loop, plant.settings, 6144)
+    plant.loop.reference_q = round(q_ref_A / plant.units.ampere_per_cu)
     seen = []
     for _ in range(steps):
         plant.current_step()
@@ -247,11 +247,11 @@ def held_speed(speed, direction, led):
     plant.bridge = True
     plant.inertia = 1e9
     plant.speed = speed
-    feed_bus(plant.foc, plant.cfg, 6144)
-    plant.foc.reference_q = round(math.copysign(1.0, speed) * direction / plant.units.ampere_per_cu)
+    feed_bus(plant.loop, plant.settings, 6144)
+    plant.loop.reference_q = round(math.copysign(1.0, speed) * direction / plant.units.ampere_per_cu)
     if led:
         plant.state.rate = round(speed * RATE_PER_RAD_S)
-        lead_angle(plant.foc, plant.cfg, plant.state)
+        lead_angle(plant.loop, plant.settings, plant.state)
     for _ in range(400):
         plant.current_step()
     mean_d = mean_q = 0.0
@@ -260,4 +260,4 @@ def held_speed(speed, direction, led):
         mean_d += plant.i_d / 200
         mean_q += plant.i_q / 200
     assert plant.trips == 0
-    return mean_d, mean_q - plant.foc.reference_q * plant.units.ampere_per_cu
+    return mean_d, mean_q - plant.loop.reference_q * plant.units.ampere_per_cu

@@ -25,15 +25,15 @@ class Joint:
 
     def __init__(self, calibrated=True):
         blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-        self.foc, self.cfg, self.state, self.io, self.curve = (
-            blocks.foc, blocks.cfg, blocks.state, blocks.io, blocks.curve,
+        self.loop, self.settings, self.state, self.io, self.curve = (
+            blocks.loop, blocks.settings, blocks.state, blocks.io, blocks.curve,
         )  # fmt: skip
-        self.cal = Calibration()
+        self.calibration = Calibration()
         self.units = blocks.units
-        self.cfg.calibrated = int(calibrated)
-        joint_reset(self.foc, self.cfg, self.state, 100)
+        self.settings.calibrated = int(calibrated)
+        joint_reset(self.loop, self.settings, self.state, 100)
         self.healthy()
-        slow_tick(self.cfg, self.state, self.io, self.curve)
+        slow_tick(self.settings, self.state, self.io, self.curve)
 
     def healthy(self):
         b = self.io
@@ -41,11 +41,11 @@ class Joint:
         b.e_stop = b.hardware_fault = 0
         b.bus_raw, b.thermistor_raw, b.mcu_raw = 2291, 2048, 980
         for k in range(3):
-            self.foc.raw[k] = 2048
+            self.loop.raw[k] = 2048
 
     def tick(self, count=1):
         for _ in range(count):
-            motion_tick(self.foc, self.cfg, self.state, self.io, self.cal)
+            motion_tick(self.loop, self.settings, self.state, self.io, self.calibration)
         return self.state.drive_state
 
     def setpoint(self, mode=w.MODE_POSITION, position=0):
@@ -53,11 +53,11 @@ class Joint:
         self.io.sequence = (self.io.sequence + 1) & 0xFFFF
 
     def arm(self, purpose=w.MODE_OFF):
-        return drive_arm(self.cfg, self.state, self.io, purpose)
+        return drive_arm(self.settings, self.state, self.io, purpose)
 
     def run(self):
         self.tick(2)
-        home_at(self.cfg, self.state, 100)
+        home_at(self.settings, self.state, 100)
         self.setpoint()
         self.tick()
         assert self.arm() == w.RESULT_OK
@@ -69,7 +69,7 @@ def test_arming_climbs_one_state_a_tick():
     joint = Joint()
     assert joint.state.drive_state == w.STATE_NOT_READY
     assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED
-    home_at(joint.cfg, joint.state, 100)
+    home_at(joint.settings, joint.state, 100)
     joint.setpoint()
     joint.tick()
     assert joint.arm() == w.RESULT_OK
@@ -91,7 +91,7 @@ def test_arming_climbs_one_state_a_tick():
 def test_arming_is_refused_with_a_reason(place, value, result):
     joint = Joint()
     joint.tick(2)
-    home_at(joint.cfg, joint.state, 100)
+    home_at(joint.settings, joint.state, 100)
     joint.setpoint()
     joint.tick()
     setattr(joint.io, place, value)
@@ -104,9 +104,9 @@ def test_arming_needs_calibration_homing_and_a_fresh_set_point():
     assert joint.arm() == w.RESULT_WRONG_STATE
     joint.tick(2)
     assert joint.arm() == w.RESULT_NOT_CALIBRATED
-    joint.cfg.calibrated = 1
+    joint.settings.calibrated = 1
     assert joint.arm() == w.RESULT_NOT_HOMED
-    home_at(joint.cfg, joint.state, 100)
+    home_at(joint.settings, joint.state, 100)
     assert joint.arm() == w.RESULT_NO_SETPOINT
     joint.setpoint()
     joint.tick(60)
@@ -168,7 +168,7 @@ def test_quick_stop_damps_until_the_joint_stands():
     joint = Joint().run()
     joint.state.velocity = joint.state.rate = 60000
     assert drive_quick_stop(joint.state) == w.RESULT_OK
-    joint.foc.rotor = 340
+    joint.loop.rotor = 340
     assert joint.tick() == w.STATE_QUICK_STOP_ACTIVE
     assert joint.state.torque == j.TORQUE_DAMP
     assert joint.state.current_reference < 0
@@ -180,7 +180,7 @@ def test_disarming_ends_the_torque_in_the_next_tick():
     joint = Joint().run()
     assert drive_disarm(joint.state) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED
-    assert (joint.state.torque, joint.foc.reference_q) == (j.TORQUE_OFF, 0)
+    assert (joint.state.torque, joint.loop.reference_q) == (j.TORQUE_OFF, 0)
 
 
 def test_the_first_cause_stays():
@@ -236,7 +236,7 @@ def disturb(joint, rng):
         joint.io.velocity, joint.io.current = rng.randint(-32768, 32767), rng.randint(-32768, 32767)
         joint.io.stiffness, joint.io.damping = rng.randint(0, 32767), rng.randint(0, 32767)
     elif choice < 8:
-        drive_arm(joint.cfg, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_CALIBRATING)))
+        drive_arm(joint.settings, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_CALIBRATING)))
     elif choice == 8:
         rng.choice((drive_disarm, drive_quick_stop))(joint.state)
     elif choice < 11:
@@ -246,30 +246,30 @@ def disturb(joint, rng):
         place, value = rng.choice(SENSOR_FAULTS)
         setattr(joint.io, place, value)
     elif choice == 12:
-        joint.foc.raw[rng.randrange(3)] = rng.randint(0, 4095)
+        joint.loop.raw[rng.randrange(3)] = rng.randint(0, 4095)
     elif choice == 13:
-        home_at(joint.cfg, joint.state, joint.state.position + rng.choice((0, 0, 6000)))
+        home_at(joint.settings, joint.state, joint.state.position + rng.choice((0, 0, 6000)))
     elif choice == 14:
-        begin_calibration(joint.state, joint.cal, rng.choice((CAL_FULL, CAL_SMALL, CAL_VERIFY)))
+        begin_calibration(joint.state, joint.calibration, rng.choice((CAL_FULL, CAL_SMALL, CAL_VERIFY)))
     elif choice == 15 and rng.random() < 0.2:
-        joint_reset(joint.foc, joint.cfg, joint.state, rng.randrange(16384))
+        joint_reset(joint.loop, joint.settings, joint.state, rng.randrange(16384))
     else:
-        slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
+        slow_tick(joint.settings, joint.state, joint.io, joint.curve)
 
 
 def check(joint, fault_before, drive_before):
-    s, foc = joint.state, joint.foc
+    s, loop = joint.state, joint.loop
     drive, torque = s.drive_state, s.torque
     if torque == j.TORQUE_DRIVE:
         assert drive == w.STATE_OPERATION_ENABLED
     elif torque == j.TORQUE_DAMP:
         assert drive in (w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
         assert s.current_reference * s.velocity <= 0
-        assert abs(s.current_reference) <= joint.cfg.damp_current
+        assert abs(s.current_reference) <= joint.settings.damp_current
     else:
-        assert (foc.reference_q, foc.reference_d) == (0, 0)
-    assert abs(foc.reference_q) <= joint.cfg.current_max
-    assert 0 <= foc.reference_d <= joint.cfg.cal_current
+        assert (loop.reference_q, loop.reference_d) == (0, 0)
+    assert abs(loop.reference_q) <= joint.settings.current_max
+    assert 0 <= loop.reference_d <= joint.settings.cal_current
     if joint.io.e_stop:
         assert drive == w.STATE_FAULT
     if drive_before == w.STATE_FAULT and drive == w.STATE_FAULT:
@@ -287,9 +287,9 @@ def test_random_frames_resets_and_sensor_faults_never_give_torque_where_there_mu
         for _ in range(rng.choice((1, 1, 2, 5, 40))):
             rotor += rng.uniform(-30, 30) * rng.choice((0, 1, 10))
             reading = int(rotor) & 16383 if rng.random() > 0.03 else rng.randrange(16384)
-            code = current_step(reading, 0, joint.foc)
+            code = current_step(reading, 0, joint.loop)
             if code:
-                current_repair(code, reading, 0, joint.foc)
+                current_repair(code, reading, 0, joint.loop)
             fault, drive = joint.state.fault_code, joint.state.drive_state
             told = pack(joint.io)
             joint.tick()

@@ -32,13 +32,13 @@ def joint():
 
 def make(**setup):
     blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
-    encoder.encoder_reset(blocks.foc, blocks.cfg, blocks.state)
+    encoder.encoder_reset(blocks.loop, blocks.settings, blocks.state)
     return blocks
 
 
 def turn_to(blocks, count):
-    blocks.foc.rotor = count & 16383
-    return encoder.encoder_step(blocks.foc, blocks.cfg, blocks.state)
+    blocks.loop.rotor = count & 16383
+    return encoder.encoder_step(blocks.loop, blocks.settings, blocks.state)
 
 
 def absolute(blocks):
@@ -143,15 +143,15 @@ def test_tracking_loop_has_no_error_at_constant_speed(joint, rate):
 def test_tracking_loop_stays_in_range_whatever_moves(moves):
     blocks = make()
     for moved in moves:
-        assert abs(encoder.track_rate(blocks.cfg, blocks.state, moved)) <= (1 << 19) - 1
+        assert abs(encoder.track_rate(blocks.settings, blocks.state, moved)) <= (1 << 19) - 1
 
 
 @given(st.integers(-(1 << 27), 1 << 27), st.integers(0, 16383), st.integers(0, 16383), st.integers(-8191, 8191))
 def test_choose_turn_finds_the_position_within_half_a_rotor_turn(true, zero, noise_at, error):
     blocks = make()
-    blocks.cfg.zero = zero
+    blocks.settings.zero = zero
     blocks.state.fraction = (true + zero) & 16383
-    left = encoder.choose_turn(blocks.cfg, blocks.state, true + error)
+    left = encoder.choose_turn(blocks.settings, blocks.state, true + error)
     assert blocks.state.position == true
     assert left == error
 
@@ -159,9 +159,9 @@ def test_choose_turn_finds_the_position_within_half_a_rotor_turn(true, zero, noi
 @given(st.integers(0, 16383), st.integers(0, 16383), st.sampled_from((-1, 1)))
 def test_joint_count(raw, zero, sign):
     blocks = make()
-    blocks.cfg.joint_encoder_zero, blocks.cfg.joint_encoder_sign = zero, sign
+    blocks.settings.joint_encoder_zero, blocks.settings.joint_encoder_sign = zero, sign
     expected = encoder.wrap_count(raw - zero) * sign * 22
-    assert encoder.joint_count(blocks.cfg, raw) == expected
+    assert encoder.joint_count(blocks.settings, raw) == expected
 
 
 def read_joint(blocks, position_rc):
@@ -174,41 +174,41 @@ def test_home_by_the_joint_encoder(position):
     blocks = make()
     blocks.state.fraction = position & 16383
     read_joint(blocks, position)
-    assert encoder.home_by_encoder(blocks.cfg, blocks.state, blocks.io) == 1
+    assert encoder.home_by_encoder(blocks.settings, blocks.state, blocks.io) == 1
     assert blocks.state.position == position
 
 
 def test_homing_is_refused_while_ambiguous(joint):
     joint.state.fraction = 8000
-    assert encoder.home_at(joint.cfg, joint.state, 8000 + 16384 * 3 + 4097) == 0
+    assert encoder.home_at(joint.settings, joint.state, 8000 + 16384 * 3 + 4097) == 0
     assert joint.state.homed == 0
-    assert encoder.home_at(joint.cfg, joint.state, 8000 + 16384 * 3 + 4096) == 1
+    assert encoder.home_at(joint.settings, joint.state, 8000 + 16384 * 3 + 4096) == 1
     assert joint.state.position == 8000 + 16384 * 3
-    assert encoder.home_by_encoder(joint.cfg, joint.state, joint.io) == 0
+    assert encoder.home_by_encoder(joint.settings, joint.state, joint.io) == 0
 
 
 @pytest.mark.parametrize("joint_turns", [-3, 0, 5])
 def test_disagreement_is_seen_below_half_a_rotor_turn(joint, joint_turns):
     """8.18 deg of a 22:1 joint are 8192 rc; the threshold lies below it."""
-    assert joint.cfg.disagree < 8192
+    assert joint.settings.disagree < 8192
     position = 20000
     joint.state.homed = 1
     joint.state.position = position + joint_turns * JOINT_TURN
     for off, expected in ((0, 0), (5900, 0), (6100, 1), (-6100, 1), (16384, 1), (-16384, 1)):
         joint.state.disagree_ticks = 0
         read_joint(joint, position + off)
-        assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == expected, off
+        assert encoder.watch_encoders(joint.settings, joint.state, joint.io) == expected, off
         assert abs(joint.state.joint_error - off) <= 22
 
 
 def test_a_joint_encoder_that_is_missing_or_invalid_is_not_compared(joint):
     joint.state.homed = 1
     read_joint(joint, 100000)
-    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 1
+    assert encoder.watch_encoders(joint.settings, joint.state, joint.io) == 1
     joint.io.joint_valid = 0
-    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 0
-    joint.io.joint_valid, joint.cfg.has_joint_encoder = 1, 0
-    assert encoder.watch_encoders(joint.cfg, joint.state, joint.io) == 0
+    assert encoder.watch_encoders(joint.settings, joint.state, joint.io) == 0
+    joint.io.joint_valid, joint.settings.has_joint_encoder = 1, 0
+    assert encoder.watch_encoders(joint.settings, joint.state, joint.io) == 0
 
 
 def test_long_rotation_back_and_forth_ends_where_it_began(joint):
@@ -224,5 +224,5 @@ def test_long_rotation_back_and_forth_ends_where_it_began(joint):
 
 
 def test_every_number_fits_a_boards_word(joint):
-    for block in (joint.foc, joint.cfg, joint.state, joint.io):
+    for block in (joint.loop, joint.settings, joint.state, joint.io):
         assert list(array("i", pack(block))) == pack(block)

@@ -28,8 +28,8 @@ def test_gains_are_those_of_the_bandwidth():
     assert (kp, ki) == (pytest.approx(0.6e-3 * w), pytest.approx(1.2 * w))
     blocks = joint_blocks(BLDC, SETUP)
     scale = blocks.units.ampere_per_cu / blocks.units.volt_per_vu * 8192
-    assert blocks.foc.kp == pytest.approx(kp * scale, abs=0.5)
-    assert blocks.foc.ki == pytest.approx(ki / 10000 * scale, abs=0.5)
+    assert blocks.loop.kp == pytest.approx(kp * scale, abs=0.5)
+    assert blocks.loop.ki == pytest.approx(ki / 10000 * scale, abs=0.5)
 
 
 @pytest.mark.parametrize("limit_A", [0.5, 2.0, 4.0])
@@ -41,13 +41,13 @@ def test_the_current_step_cannot_overflow_with_what_is_accepted(limit_A, bandwid
         motor={"inductance_H": henry},
     )
     blocks = joint_blocks(bldc, SETUP)
-    foc, units = blocks.foc, blocks.units
+    loop, units = blocks.loop, blocks.units
     error = (trip_A(bldc, Board()) + limit_A) / units.ampere_per_cu
     longest = Board().adc_volt * Board().bus_divider / math.sqrt(3) / units.volt_per_vu
-    total = (foc.kp + foc.ki) * error + 2 * longest * 8192
+    total = (loop.kp + loop.ki) * error + 2 * longest * 8192
     assert total < WORD
     assert total / 8192 + longest < AXIS_MOST_VU
-    assert foc.ki > 8
+    assert loop.ki > 8
 
 
 @pytest.mark.parametrize(

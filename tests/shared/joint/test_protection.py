@@ -32,17 +32,17 @@ def test_healthy_operation_has_no_fault_and_no_limit():
 
 
 def disagree(joint):
-    joint.cfg.has_joint_encoder = joint.io.joint_valid = 1
+    joint.settings.has_joint_encoder = joint.io.joint_valid = 1
     joint.io.joint_raw = 8192
 
 
 CASES = {
     "under-voltage": (lambda x: setattr(x.io, "bus_raw", 1700), f.FAULT_UNDER_VOLTAGE, 5, 4558),
     "over-voltage": (lambda x: setattr(x.io, "bus_raw", 2900), f.FAULT_OVER_VOLTAGE, 5, 7775),
-    "trip": (lambda x: setattr(x.foc, "tripped", 1), f.FAULT_OVER_CURRENT, 1, 0),
-    "current sum": (lambda x: x.foc.raw.__setitem__(0, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
+    "trip": (lambda x: setattr(x.loop, "tripped", 1), f.FAULT_OVER_CURRENT, 1, 0),
+    "current sum": (lambda x: x.loop.raw.__setitem__(0, 2148), f.FAULT_CURRENT_SENSE, 10, 100),
     "disagreement": (disagree, f.FAULT_ENCODER_DISAGREE, 5, None),
-    "over-speed": (lambda x: setattr(x.cfg, "rate_trip", -1), f.FAULT_OVER_SPEED, 1, 0),
+    "over-speed": (lambda x: setattr(x.settings, "rate_trip", -1), f.FAULT_OVER_SPEED, 1, 0),
     "raised": (lambda x: setattr(x.state, "raised", f.FAULT_HOME_NO_STOP), f.FAULT_HOME_NO_STOP, 1, 0),
     "range": (lambda x: setattr(x.state, "range_exceeded", 1), f.FAULT_POSITION_RANGE, 1, 0),
 }
@@ -63,7 +63,7 @@ def test_a_fault_is_found_in_its_time_with_its_value(name):
 def test_a_lost_encoder_is_a_fault_and_single_glitches_are_not(every, fault):
     joint = Joint().run()
     for tick in range(60):
-        joint.foc.glitches = 8 if tick % every == 0 else 1
+        joint.loop.glitches = 8 if tick % every == 0 else 1
         joint.setpoint()
         joint.tick()
     assert (joint.state.fault_code == f.FAULT_ENCODER_LOST) == fault
@@ -74,12 +74,12 @@ def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
     lost = [12000] * 10
     for _ in range(6):
         for reading in lost:
-            current_repair(current_step(reading, 0, joint.foc), reading, 0, joint.foc)
+            current_repair(current_step(reading, 0, joint.loop), reading, 0, joint.loop)
         joint.tick()
     assert joint.state.fault_code == f.FAULT_ENCODER_LOST
-    assert (joint.state.homed, joint.foc.rotor) == (0, 12000)
+    assert (joint.state.homed, joint.loop.rotor) == (0, 12000)
     for _ in range(4):
-        assert [current_step(12000, 0, joint.foc) for _ in range(10)] == [0] * 10
+        assert [current_step(12000, 0, joint.loop) for _ in range(10)] == [0] * 10
         joint.tick()
     assert drive_clear(joint.state) == w.RESULT_OK
     assert joint.tick() == w.STATE_SWITCH_ON_DISABLED
@@ -90,14 +90,14 @@ def test_after_a_lost_encoder_the_joint_follows_it_again_but_must_be_homed():
 
 def test_beyond_the_position_limit_is_a_fault_only_on_the_way_out():
     joint = Joint().run()
-    top = joint.cfg.position_max + joint.cfg.position_margin
-    home_at(joint.cfg, joint.state, top + 16384)
+    top = joint.settings.position_max + joint.settings.position_margin
+    home_at(joint.settings, joint.state, top + 16384)
     joint.state.rate = -50000
-    joint.foc.rotor = 16300
+    joint.loop.rotor = 16300
     joint.tick()
     assert joint.state.fault_code == 0
     joint.state.rate = 50000
-    joint.foc.rotor = 200
+    joint.loop.rotor = 200
     joint.tick()
     assert joint.state.fault_code == f.FAULT_POSITION_LIMIT
 
@@ -112,7 +112,7 @@ def test_stall_is_a_fault_after_its_time_and_holding_a_load_is_not():
         ticks += 1
     assert p.state.fault_code == f.FAULT_STALL
     assert 1000 <= ticks < 1200
-    assert abs(p.state.fault_value) == p.cfg.current_max
+    assert abs(p.state.fault_value) == p.settings.current_max
     p = armed()
     p.load_Nm = 0.12  # 1.75 A
     for _ in range(1500):
@@ -148,7 +148,7 @@ def test_swapped_phases_do_not_run_away():
 def test_temperature_faults(place, raw, code):
     joint = Joint().run()
     setattr(joint.io, place, raw)
-    slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
+    slow_tick(joint.settings, joint.state, joint.io, joint.curve)
     assert until_fault(joint, 2) == 1
     assert joint.state.fault_code == code
     assert joint.state.drive_state == w.STATE_FAULT_REACTION
@@ -161,20 +161,20 @@ def test_temperature_faults(place, raw, code):
 def test_heat_takes_the_current_back_linearly(place, raw, flag):
     joint = Joint().run()
     setattr(joint.io, place, raw)
-    share = slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
+    share = slow_tick(joint.settings, joint.state, joint.io, joint.curve)
     joint.tick()
     assert 0 < share < 0x8000
-    assert joint.state.current_limit == joint.cfg.current_max * share >> 15
+    assert joint.state.current_limit == joint.settings.current_max * share >> 15
     assert joint.state.limits & flag
     if place == "thermistor_raw":
-        span = joint.cfg.winding_cut - joint.cfg.winding_derate
-        expected = (joint.cfg.winding_cut - joint.state.winding) / span
+        span = joint.settings.winding_cut - joint.settings.winding_derate
+        expected = (joint.settings.winding_cut - joint.state.winding) / span
         assert share / 32768 == pytest.approx(expected, abs=1e-3)
 
 
 def test_a_limited_voltage_is_told_in_its_tick():
     joint = Joint().run()
-    joint.foc.limited_steps = 3
+    joint.loop.limited_steps = 3
     joint.tick()
     assert joint.state.limits & w.LIMIT_VOLTAGE
     joint.tick()
@@ -184,7 +184,7 @@ def test_a_limited_voltage_is_told_in_its_tick():
 def test_an_open_thermistor_is_never_cold():
     joint = Joint()
     joint.io.thermistor_raw = 4095
-    slow_tick(joint.cfg, joint.state, joint.io, joint.curve)
+    slow_tick(joint.settings, joint.state, joint.io, joint.curve)
     assert joint.state.winding >= 0
     assert joint.state.slow_cause == f.FAULT_THERMISTOR_OPEN
 
@@ -196,8 +196,8 @@ def test_the_model_derates_when_the_sensor_lags():
     shares = []
     for _ in range(4000):
         s.heat_sum, s.heat_ticks = 78000 * 2, 2
-        shares.append(slow_tick(joint.cfg, s, joint.io, joint.curve))
-    assert s.winding > max(cold, joint.cfg.winding_derate)
+        shares.append(slow_tick(joint.settings, s, joint.io, joint.curve))
+    assert s.winding > max(cold, joint.settings.winding_derate)
     assert shares[0] == 0x8000
     assert shares == sorted(shares, reverse=True)
     assert 0 < shares[-1] < 0x8000
@@ -212,12 +212,12 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
     """A thigh without a joint encoder is sent against a stop at ``stop_at`` rad."""
     p = Plant(elec_offset_brad=3000, has_joint_encoder=False, stop_rad=stop_rad, stop_towards=-1)
     p.angle = start_rad * 22
-    p.foc.rotor = p.rotor()
-    encoder_reset(p.foc, p.cfg, p.state)
+    p.loop.rotor = p.rotor()
+    encoder_reset(p.loop, p.settings, p.state)
     for _ in range(3):
         p.tick()
-    assert drive_arm(p.cfg, p.state, p.io, w.MODE_OFF) == w.RESULT_NOT_HOMED
-    assert drive_arm(p.cfg, p.state, p.io, w.MODE_HOMING) == w.RESULT_OK
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_NOT_HOMED
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_HOMING) == w.RESULT_OK
     for _ in range(20000):
         p.tick(setpoint=False)
         if stop_at is not None and p.joint_rad() <= stop_at:
@@ -245,10 +245,10 @@ def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
 
 def test_homing_gives_up_without_a_stop():
     p = Plant(has_joint_encoder=False)
-    p.cfg.home_limit_ticks = 300
+    p.settings.home_limit_ticks = 300
     for _ in range(3):
         p.tick()
-    drive_arm(p.cfg, p.state, p.io, w.MODE_HOMING)
+    drive_arm(p.settings, p.state, p.io, w.MODE_HOMING)
     for _ in range(400):
         p.tick()
     assert p.state.fault_code == f.FAULT_HOME_NO_STOP
@@ -256,6 +256,6 @@ def test_homing_gives_up_without_a_stop():
 
 def test_calibration_runs_one_at_a_time():
     joint = Joint()
-    assert begin_calibration(joint.state, joint.cal, 2) == 2
+    assert begin_calibration(joint.state, joint.calibration, 2) == 2
     joint.state.mode = w.MODE_CALIBRATING
-    assert begin_calibration(joint.state, joint.cal, 1) == 0
+    assert begin_calibration(joint.state, joint.calibration, 1) == 0

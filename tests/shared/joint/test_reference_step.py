@@ -11,15 +11,15 @@ from hypothesis import strategies as st
 
 from shared.joint import current
 from shared.joint.feed import feed_bus
-from shared.joint.layout import SINE_SIZE, Foc, JointConfig
+from shared.joint.layout import SINE_SIZE, CurrentLoop, JointSettings
 from shared.joint.sine import fill_sine
 from shared.record import pack
 
 from . import reference_step as reference
 
-FOC = Foc()
-fill_sine(FOC)
-CONFIG = JointConfig()
+LOOP = CurrentLoop()
+fill_sine(LOOP)
+CONFIG = JointSettings()
 SWING = (-2048, 2047)
 RANGES = {  # what a step may find; limits of the parameters are those of parameters.toml
     "rotor": (0, 16383), "moved": (-700, 700), "anywhere": (0, 3), "invalid": (0, 9), "masked": (0, 7),
@@ -32,43 +32,43 @@ RANGES = {  # what a step may find; limits of the parameters are those of parame
 }  # fmt: skip
 
 
-def copied(foc):
+def copied(loop):
     """Return a block of its own, but for the sine table."""
-    made = copy(foc)
-    made.raw, made.duty, made.offset_q4 = list(foc.raw), list(foc.duty), list(foc.offset_q4)
+    made = copy(loop)
+    made.raw, made.duty, made.offset_q4 = list(loop.raw), list(loop.duty), list(loop.offset_q4)
     return made
 
 
 def prepared(given):
     """Return a joint's block in the middle of its life, the rotor's reading and whether that failed its check."""
-    foc = copied(FOC)
-    for name in RANGES.keys() & {name for name, _ in Foc.FIELDS}:
-        setattr(foc, name, given[name])
-    foc.half_period = foc.period * 8 + 8
-    foc.span_max = (foc.period - 2 * max(foc.pulse, foc.window) - 1) * 16
-    foc.electrical_gain = 4 * given["pole_pairs"]
-    foc.masked = 0 if given["sampled"] else given["masked"]
-    foc.raw[:] = (2048 + (given[phase] >> given["shrunk"]) for phase in "abc")
-    current.set_offsets(foc, *(32768 + given[f"offset_{phase}"] for phase in "abc"))
-    feed_bus(foc, CONFIG, given["bus"])
+    loop = copied(LOOP)
+    for name in RANGES.keys() & {name for name, _ in CurrentLoop.FIELDS}:
+        setattr(loop, name, given[name])
+    loop.half_period = loop.period * 8 + 8
+    loop.span_max = (loop.period - 2 * max(loop.pulse, loop.window) - 1) * 16
+    loop.electrical_gain = 4 * given["pole_pairs"]
+    loop.masked = 0 if given["sampled"] else given["masked"]
+    loop.raw[:] = (2048 + (given[phase] >> given["shrunk"]) for phase in "abc")
+    current.set_offsets(loop, *(32768 + given[f"offset_{phase}"] for phase in "abc"))
+    feed_bus(loop, CONFIG, given["bus"])
     moved = given["moved"] if given["anywhere"] else given["moved"] * 12
-    return foc, given["rotor"] + moved & 16383, int(given["invalid"] == 0)
+    return loop, given["rotor"] + moved & 16383, int(given["invalid"] == 0)
 
 
-def step(module, foc, rotor, invalid):
+def step(module, loop, rotor, invalid):
     """Return (whether the bridge may stay on, what the block holds) after a step as the interrupt does it."""
-    code = first = module.current_step(rotor, invalid, foc)
+    code = first = module.current_step(rotor, invalid, loop)
     if code:
-        code = module.current_repair(code, rotor, invalid, foc)
-    return first, (code == current.STEP_DONE, pack(foc)[:-SINE_SIZE])
+        code = module.current_repair(code, rotor, invalid, loop)
+    return first, (code == current.STEP_DONE, pack(loop)[:-SINE_SIZE])
 
 
 def both(module, drawn):
     """Return the first code of the step, what it did and what the reference does."""
-    foc, rotor, invalid = prepared(drawn)
-    expected = copied(foc)
+    loop, rotor, invalid = prepared(drawn)
+    expected = copied(loop)
     on = reference.step(expected, rotor, invalid)
-    return *step(module, foc, rotor, invalid), (on, pack(expected)[:-SINE_SIZE])
+    return *step(module, loop, rotor, invalid), (on, pack(expected)[:-SINE_SIZE])
 
 
 def draws(count, seed=1):
@@ -96,10 +96,10 @@ def test_every_way_through_the_step_is_the_references():
     ("right", "wrong"),
     [
         ("+ 8192) >> 14", "+ 8000) >> 14"),
-        ("foc.integral_q + 4096", "foc.integral_q"),
+        ("loop.integral_q + 4096", "loop.integral_q"),
         ("d = y >> 1", "d = y // 2 + (y & 1)"),
-        ("& _JUMP_OUTSIDE | foc.masked | q:", "& _JUMP_OUTSIDE | foc.masked:"),
-        ("if (v ^ error) >= 0:\n            foc.integral_q", "if (v ^ error) < 0:\n            foc.integral_q"),
+        ("& _JUMP_OUTSIDE | loop.masked | q:", "& _JUMP_OUTSIDE | loop.masked:"),
+        ("if (v ^ error) >= 0:\n            loop.integral_q", "if (v ^ error) < 0:\n            loop.integral_q"),
         ("c = y - (s * q >> 22)", "c = y + (s * q >> 22)"),
         ("elif y < q:", "elif y > q:"),
         ("limit = round_sqrt(", "limit = isqrt("),

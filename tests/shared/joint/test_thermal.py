@@ -57,7 +57,7 @@ def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, d
         ohm = twin.silicon_ohm(celsius, ohm25) if kind == "ptc" else twin.ntc_ohm(celsius, ohm25, beta)
         raw = round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
         if blocks is not None:
-            assert blocks.cfg.short_raw < raw < blocks.cfg.open_raw
+            assert blocks.settings.short_raw < raw < blocks.settings.open_raw
             assert abs(thermal.thermistor_t16(blocks.curve, raw) / 16 - celsius) <= 1.1  # checked at whole degrees
 
 
@@ -121,7 +121,7 @@ def test_the_model_follows_its_twin(ampere, seconds):
     square = round(ampere / blocks.units.ampere_per_cu) ** 2 >> 8
     thermal.model_reset(blocks.state, 25 * 16)
     for _ in range(seconds * SLOW_HZ):
-        value = thermal.model_step(blocks.cfg, blocks.state, square)
+        value = thermal.model_step(blocks.settings, blocks.state, square)
         nodes.step(twin.copper_W(BLDC.motor.resistance_ohm, ampere, 25 + nodes.winding), 1 / SLOW_HZ)
     assert value / 16 == pytest.approx(25 + nodes.winding, abs=1.0)
 
@@ -134,7 +134,7 @@ def test_hot_copper_heats_more():
     square = round(ampere / blocks.units.ampere_per_cu) ** 2 >> 8
     thermal.model_reset(blocks.state, 25 * 16)
     for _ in range(6000 * SLOW_HZ):
-        value = thermal.model_step(blocks.cfg, blocks.state, square)
+        value = thermal.model_step(blocks.settings, blocks.state, square)
     assert value / 16 == pytest.approx(25 + cold_K / (1 - COPPER_PER_K * cold_K), abs=1.0)
 
 
@@ -149,17 +149,17 @@ def test_copper_share(t16):
 def test_the_model_stays_in_range(squares):
     blocks = make()
     for square in squares * 20:
-        value = thermal.model_step(blocks.cfg, blocks.state, square)
+        value = thermal.model_step(blocks.settings, blocks.state, square)
         assert 0 <= value <= 256 * 16
 
 
 def test_i2t_leaves_the_lasting_current_after_the_peak_time():
     blocks = make(continuous_A=1.2, peak_s=8.0)
     square = round(2.0 / blocks.units.ampere_per_cu) ** 2 >> 8
-    shares = [thermal.i2t_step(blocks.cfg, blocks.state, square) for _ in range(10 * SLOW_HZ)]
+    shares = [thermal.i2t_step(blocks.settings, blocks.state, square) for _ in range(10 * SLOW_HZ)]
     assert shares[: 4 * SLOW_HZ - 2] == [0x8000] * (4 * SLOW_HZ - 2)
     assert shares == sorted(shares, reverse=True)
     assert shares[8 * SLOW_HZ] == 0
-    rest = [thermal.i2t_step(blocks.cfg, blocks.state, 0) for _ in range(20 * SLOW_HZ)]
+    rest = [thermal.i2t_step(blocks.settings, blocks.state, 0) for _ in range(20 * SLOW_HZ)]
     assert rest[-1] == 0x8000
     assert math.isclose(rest.index(0x8000) / SLOW_HZ, 4.0 * (4.0 - 1.44) / 1.44, rel_tol=0.1)

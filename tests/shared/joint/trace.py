@@ -7,7 +7,7 @@ from shared.joint.current import current_repair, current_step, set_loop, set_off
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
 from shared.joint.feed import feed_bus
-from shared.joint.layout import Foc, JointConfig, JointIo, JointState, LoopSettings
+from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
 from shared.record import pack, unpack
@@ -18,29 +18,29 @@ MASK = 0x3FFFFFF
 class Trace:
     """Settings are given as lists of integers, so that the host's can be carried into a virtual machine."""
 
-    def __init__(self, loop, cfg, curve):
-        self.foc = Foc()
-        self.cfg = JointConfig()
+    def __init__(self, loop_settings, settings, curve):
+        self.loop = CurrentLoop()
+        self.settings = JointSettings()
         self.curve = array("i", curve)
         self.state = JointState()
         self.io = JointIo()
-        self.cal = Calibration()
-        settings = LoopSettings()
-        unpack(settings, loop)
-        unpack(self.cfg, cfg)
-        fill_sine(self.foc)
-        set_loop(self.foc, settings)
-        set_offsets(self.foc, 2048 << 4, 2048 << 4, 2048 << 4)
-        set_commutation(self.foc, self.cfg)
-        feed_bus(self.foc, self.cfg, 6144)
+        self.calibration = Calibration()
+        own = LoopSettings()
+        unpack(own, loop_settings)
+        unpack(self.settings, settings)
+        fill_sine(self.loop)
+        set_loop(self.loop, own)
+        set_offsets(self.loop, 2048 << 4, 2048 << 4, 2048 << 4)
+        set_commutation(self.loop, self.settings)
+        feed_bus(self.loop, self.settings, 6144)
         self.seed, self.digest, self.rotor, self.codes = 12345, 0, 100, 0
-        joint_reset(self.foc, self.cfg, self.state, 100)
+        joint_reset(self.loop, self.settings, self.state, 100)
         self.healthy()
 
     def at_rest(self):
         """Return what the current step works on, with the rotor at 0."""
-        self.foc.rotor = 0
-        return self.foc
+        self.loop.rotor = 0
+        return self.loop
 
     def draw(self, count):
         self.seed = (self.seed * 25 + 13849) & 0xFFFF
@@ -62,12 +62,12 @@ class Trace:
         for _ in range(count):
             self.rotor = (self.rotor + self.draw(160) - 80) & 16383
             for k in range(3):
-                self.foc.raw[k] = 1948 + self.draw(200)
+                self.loop.raw[k] = 1948 + self.draw(200)
             bad = 1 if self.draw(97) == 0 else 0
-            code = current_step(self.rotor, bad, self.foc)
+            code = current_step(self.rotor, bad, self.loop)
             if code:
                 self.codes |= 1 << code
-                current_repair(code, self.rotor, bad, self.foc)
+                current_repair(code, self.rotor, bad, self.loop)
 
     def tick(self, number):
         b = self.io
@@ -80,18 +80,18 @@ class Trace:
             self.healthy()
             drive_clear(self.state)
         if number % 400 == 150:
-            home_at(self.cfg, self.state, self.state.position)
-            begin_calibration(self.state, self.cal, 1 + number // 400 % 3)
+            home_at(self.settings, self.state, self.state.position)
+            begin_calibration(self.state, self.calibration, 1 + number // 400 % 3)
             b.position = 0
-            drive_arm(self.cfg, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
+            drive_arm(self.settings, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
         if number % 1300 == 1200:
             b.e_stop = 1
         self.steps(3)
-        motion_tick(self.foc, self.cfg, self.state, b, self.cal)
+        motion_tick(self.loop, self.settings, self.state, b, self.calibration)
         if number % 100 == 0:
             b.thermistor_raw = 400 + self.draw(2000)
-            slow_tick(self.cfg, self.state, b, self.curve)
-        for block in (self.foc, self.state, self.cfg, self.cal):
+            slow_tick(self.settings, self.state, b, self.curve)
+        for block in (self.loop, self.state, self.settings, self.calibration):
             self.take(pack(block)[:200])  # without the sine table, which nothing changes
 
     def run(self, ticks):

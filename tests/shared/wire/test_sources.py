@@ -15,7 +15,7 @@ from host.robot.file import load_robot
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import JointSetup
 from shared.joint import faults
-from shared.joint.layout import JointConfig, LoopSettings
+from shared.joint.layout import JointSettings, LoopSettings
 from shared.joint.thermal import CURVE_POINTS, CURVE_SIZE
 from shared.wire import access, names
 from shared.wire import parameters as table
@@ -191,14 +191,18 @@ def test_parameter_writes_are_refused_not_bent():
 def test_the_parameters_follow_the_joints_records():
     """Ids from current_kp and from pole_pairs on are the fields of two records: the application hands on a place."""
     names = [p.name for p in parameters.load()]
-    assert names[table.PARAMETER_POLE_PAIRS :] == [name for name, _ in JointConfig.FIELDS]
+    assert names[table.PARAMETER_POLE_PAIRS :] == [name for name, _ in JointSettings.FIELDS]
     assert names[table.PARAMETER_CURRENT_KP : table.PARAMETER_THERMISTOR_RAW] == [n for n, _ in LoopSettings.FIELDS]
 
 
 def test_defaults_are_the_robots_own_values():
     """But for what is measured on each joint: a fresh board is not calibrated."""
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-math.pi / 4, math.pi / 4))
-    wanted = {name: getattr(block, name) for block in (blocks.loop, blocks.cfg) for name, _ in type(block).FIELDS}
+    wanted = {
+        name: getattr(block, name)
+        for block in (blocks.loop_settings, blocks.settings)
+        for name, _ in type(block).FIELDS
+    }
     assert {p.name: p.default for p in parameters.load() if p.name in wanted} == wanted
     assert len(blocks.stored()) == table.PARAMETERS - table.PARAMETER_CURRENT_KP
 
@@ -215,7 +219,9 @@ def test_the_robots_own_values_are_within_the_limits():
     joints = [(kind, pair) for leg in range(4) for kind, pair in enumerate(robot.joint_limits_rad(leg))]
     for kind, (low, high) in joints:
         blocks = joint_blocks(robot.actuator, JointSetup(low, high, has_joint_encoder=kind != 1))
-        values = {n: getattr(block, n) for block in (blocks.loop, blocks.cfg) for n, _ in type(block).FIELDS}
+        values = {
+            n: getattr(block, n) for block in (blocks.loop_settings, blocks.settings) for n, _ in type(block).FIELDS
+        }
         values |= {f"thermistor_raw_{i}": raw for i, raw in enumerate(blocks.curve[:CURVE_POINTS])}
         values |= {f"thermistor_at_{i}": raw for i, raw in enumerate(blocks.curve[CURVE_POINTS:])}
         for name, raw in values.items():

@@ -19,13 +19,13 @@ from shared.joint.layout import LoopSettings
 
 from .draw import Range
 from .joint_robot import (
-    CAL,
-    CFG,
+    CALIBRATION,
     CURVE,
     FIELDS,
-    FOC,
     IO,
+    LOOP,
     MOTION,
+    SETTINGS,
     STATE,
     begin,
     live,
@@ -52,8 +52,8 @@ SOURCES = (
     "joint.tick",
 )
 
-LOOP = LoopSettings()
-BLOCKS = (FOC, CFG, STATE, IO, CAL)
+LOOP_SETTINGS = LoopSettings()
+BLOCKS = (LOOP, SETTINGS, STATE, IO, CALIBRATION)
 ROTOR = Range(0, 16383)
 CURRENT = Range(-12288, 12288)
 RATE = Range(-(1 << 18), (1 << 18) - 1)
@@ -72,26 +72,26 @@ def _stepping(values, dice):
         values[0] = (MOTION.rotor + MOTION.speed) & 16383
     values[1] = 1 if dice.below(20) == 0 else 0
     if dice.below(10) == 0:
-        FOC.masked = dice.bits(3)
+        LOOP.masked = dice.bits(3)
 
 
 def _tuned(values, dice):
     live(values, dice)
-    LOOP.current_kp = dice.bits(14)
-    LOOP.current_ki = dice.bits(12)
-    LOOP.pwm_period = dice.bits(12)
-    LOOP.pwm_half = LOOP.pwm_period * 8 + 8
-    LOOP.pwm_span = LOOP.pwm_period * 12
-    LOOP.pwm_pulse = dice.bits(8)
-    LOOP.pwm_window = dice.bits(9)
-    LOOP.trip_square = dice.bits(26)
+    LOOP_SETTINGS.current_kp = dice.bits(14)
+    LOOP_SETTINGS.current_ki = dice.bits(12)
+    LOOP_SETTINGS.pwm_period = dice.bits(12)
+    LOOP_SETTINGS.pwm_half = LOOP_SETTINGS.pwm_period * 8 + 8
+    LOOP_SETTINGS.pwm_span = LOOP_SETTINGS.pwm_period * 12
+    LOOP_SETTINGS.pwm_pulse = dice.bits(8)
+    LOOP_SETTINGS.pwm_window = dice.bits(9)
+    LOOP_SETTINGS.trip_square = dice.bits(26)
 
 
 def _repairing(values, dice):
     """What current_step left, with the arguments it was called with."""
     step = [0, 0]
     _stepping(step, dice)
-    values[0] = current.current_step(step[0], step[1], FOC)
+    values[0] = current.current_step(step[0], step[1], LOOP)
     values[1] = step[0]
     values[2] = step[1]
     if values[0] == 0 and dice.bits(1):
@@ -100,7 +100,7 @@ def _repairing(values, dice):
 
 def _lost(values, dice):
     live(values, dice)
-    FOC.rotor_rejected = dice.bits(14) if dice.bits(1) else -1
+    LOOP.rotor_rejected = dice.bits(14) if dice.bits(1) else -1
 
 
 def _turned(values, dice):
@@ -111,7 +111,7 @@ def _turned(values, dice):
 
 def _long_vector(values, dice):
     live(values, dice)
-    limit = FOC.voltage_limit
+    limit = LOOP.voltage_limit
     values[1] = (dice.below(2 * limit + 1) - limit) << 4
     values[2] = (dice.below(2 * limit + 1) - limit) << 3
 
@@ -125,45 +125,45 @@ def _gliding(values, dice):
 
 def _posed(values, dice):
     live(values, dice)
-    CAL.pose = dice.bits(18) - (1 << 17)
-    CAL.rest_rotor = dice.bits(14)
-    CAL.rest_joint = dice.bits(14)
+    CALIBRATION.pose = dice.bits(18) - (1 << 17)
+    CALIBRATION.rest_rotor = dice.bits(14)
+    CALIBRATION.rest_joint = dice.bits(14)
 
 
 def _calibrating(values, dice):
     """In the middle of a calibration: as many ticks of one as come up, then the probed one."""
-    if dice.below(30) == 0 or CAL.phase == calibration.PHASE_IDLE:
+    if dice.below(30) == 0 or CALIBRATION.phase == calibration.PHASE_IDLE:
         begin()
-        calibration.calibration_start(CAL, 1 + dice.below(3))
-        CAL.pose_given = dice.bits(1)
+        calibration.calibration_start(CALIBRATION, 1 + dice.below(3))
+        CALIBRATION.pose_given = dice.bits(1)
     if dice.bits(1):
         skip_ahead(dice)
     for _ in range(dice.below(30)):
         follow_field(dice)
-        calibration.calibration_step(FOC, CFG, STATE, IO, CAL)
+        calibration.calibration_step(LOOP, SETTINGS, STATE, IO, CALIBRATION)
     follow_field(dice)
 
 
 def skip_ahead(dice):
     """To near the end of any phase, as if all had gone well until then, or nearly all."""
-    travel = 262144 if CAL.kind == calibration.CAL_FULL else 32768
-    pairs = CFG.pole_pairs
+    travel = 262144 if CALIBRATION.kind == calibration.CAL_FULL else 32768
+    pairs = SETTINGS.pole_pairs
     phase = 1 + dice.below(calibration.PHASE_RETURN)
     back = phase == calibration.PHASE_BACK or phase == calibration.PHASE_RETURN
-    CAL.phase = phase
-    CAL.phase_ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
-    CAL.angle = 1280 if back else travel - 1280
-    CAL.moved = CAL.angle // (4 * pairs)
-    CAL.direction = 1
-    CAL.pole_pairs = pairs
-    CAL.moved_forward = travel // (4 * pairs)
-    CAL.joint_moved_forward = CAL.moved_forward * 256 // CFG.gear_q8
+    CALIBRATION.phase = phase
+    CALIBRATION.phase_ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
+    CALIBRATION.angle = 1280 if back else travel - 1280
+    CALIBRATION.moved = CALIBRATION.angle // (4 * pairs)
+    CALIBRATION.direction = 1
+    CALIBRATION.pole_pairs = pairs
+    CALIBRATION.moved_forward = travel // (4 * pairs)
+    CALIBRATION.joint_moved_forward = CALIBRATION.moved_forward * 256 // SETTINGS.gear_q8
     for axis in range(3):
-        CAL.raw_sum[axis] = 2048 * 250
+        CALIBRATION.raw_sum[axis] = 2048 * 250
     follow_field(dice)
-    CAL.rotor_last = FOC.rotor
-    CAL.joint_last = IO.joint_raw
-    CAL.rest_rotor = FOC.rotor
+    CALIBRATION.rotor_last = LOOP.rotor
+    CALIBRATION.joint_last = IO.joint_raw
+    CALIBRATION.rest_rotor = LOOP.rotor
     if dice.below(3) == 0:
         value = dice.bits(16) - 32768
         go_wrong(dice.below(4), value)
@@ -172,30 +172,30 @@ def skip_ahead(dice):
 def go_wrong(where, value):
     """One of what calibration has measured is anything."""
     if where == 0:
-        CAL.moved_forward = value
+        CALIBRATION.moved_forward = value
     elif where == 1:
-        CAL.moved = value
+        CALIBRATION.moved = value
     elif where == 2:
-        CAL.joint_moved_forward = value
+        CALIBRATION.joint_moved_forward = value
     else:
-        CAL.raw_sum[0] = value
+        CALIBRATION.raw_sum[0] = value
 
 
 def follow_field(dice):
     """The rotor goes where the field points, as a free one does, with the current that is asked for."""
-    pairs = CFG.pole_pairs
-    turned = CAL.angle // (4 * pairs) if pairs else 0
-    FOC.rotor = (turned + 100 + dice.bits(1)) & 16383
-    FOC.current_d = FOC.reference_d + dice.bits(3) - 4
-    IO.joint_raw = (turned * 256 // CFG.gear_q8) & 16383
+    pairs = SETTINGS.pole_pairs
+    turned = CALIBRATION.angle // (4 * pairs) if pairs else 0
+    LOOP.rotor = (turned + 100 + dice.bits(1)) & 16383
+    LOOP.current_d = LOOP.reference_d + dice.bits(3) - 4
+    IO.joint_raw = (turned * 256 // SETTINGS.gear_q8) & 16383
     STATE.rate = 0
-    STATE.bus = (CFG.cal_bus_least + CFG.cal_bus_most) >> 1
+    STATE.bus = (SETTINGS.cal_bus_least + SETTINGS.cal_bus_most) >> 1
     for phase in range(3):
-        FOC.raw[phase] = 2048 + dice.bits(2)
+        LOOP.raw[phase] = 2048 + dice.bits(2)
 
 
 def _probe(source, name, *arguments, fit=live, vectors=1):
-    watch = (FIELDS, STATE, CFG, CAL)
+    watch = (FIELDS, STATE, SETTINGS, CALIBRATION)
     return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit, begin=begin, vectors=vectors)
 
 
@@ -209,70 +209,70 @@ class Life(Probe):
 
 
 PROBES = (
-    _probe(current, "current_step", ROTOR, ROTOR, FOC, fit=_stepping, vectors=4),
-    _probe(current, "current_repair", ROTOR, ROTOR, ROTOR, FOC, fit=_repairing, vectors=2),
-    _probe(current, "turn_voltage", FOC),
-    _probe(current, "limit_voltage", FOC),
-    _probe(current, "current_reset", FOC, ROTOR),
-    _probe(current, "current_relax", FOC),
-    _probe(current, "set_offsets", FOC, OFFSET, OFFSET, OFFSET),
-    _probe(current, "current_sum", FOC),
-    _probe(current, "set_loop", FOC, LOOP, fit=_tuned),
-    _probe(svpwm, "svpwm", FOC, CURRENT, CURRENT, fit=_long_vector),
-    _probe(feed, "feed_bus", FOC, CFG, Range(-32768, 32767)),
-    _probe(feed, "lead_angle", FOC, CFG, STATE),
-    _probe(feed, "feed_voltages", FOC, CFG, STATE),
-    _probe(cascade, "cascade_reset", CFG, STATE),
-    _probe(cascade, "cascade_step", CFG, STATE, IO),
-    _probe(cascade, "follow_position", CFG, STATE, IO),
+    _probe(current, "current_step", ROTOR, ROTOR, LOOP, fit=_stepping, vectors=4),
+    _probe(current, "current_repair", ROTOR, ROTOR, ROTOR, LOOP, fit=_repairing, vectors=2),
+    _probe(current, "turn_voltage", LOOP),
+    _probe(current, "limit_voltage", LOOP),
+    _probe(current, "current_reset", LOOP, ROTOR),
+    _probe(current, "current_relax", LOOP),
+    _probe(current, "set_offsets", LOOP, OFFSET, OFFSET, OFFSET),
+    _probe(current, "current_sum", LOOP),
+    _probe(current, "set_loop", LOOP, LOOP_SETTINGS, fit=_tuned),
+    _probe(svpwm, "svpwm", LOOP, CURRENT, CURRENT, fit=_long_vector),
+    _probe(feed, "feed_bus", LOOP, SETTINGS, Range(-32768, 32767)),
+    _probe(feed, "lead_angle", LOOP, SETTINGS, STATE),
+    _probe(feed, "feed_voltages", LOOP, SETTINGS, STATE),
+    _probe(cascade, "cascade_reset", SETTINGS, STATE),
+    _probe(cascade, "cascade_step", SETTINGS, STATE, IO),
+    _probe(cascade, "follow_position", SETTINGS, STATE, IO),
     _probe(cascade, "glide", STATE, RATE, fit=_gliding),
-    _probe(cascade, "feed_acceleration", CFG, STATE, Range(-65535, 65535)),
-    _probe(cascade, "follow_velocity", CFG, STATE, Range(-(1 << 24), 1 << 24)),
-    _probe(cascade, "velocity_loop", CFG, STATE, CURRENT),
-    _probe(cascade, "impedance", CFG, STATE, IO),
-    _probe(cascade, "guard_position", CFG, STATE, CURRENT),
-    _probe(cascade, "limit_current", CFG, STATE, Range(-(1 << 21), 1 << 21)),
-    _probe(cascade, "damping_current", CFG, STATE),
-    _probe(cascade, "write_current", FOC, CFG, STATE),
-    _probe(encoder, "encoder_reset", FOC, CFG, STATE),
-    _probe(encoder, "encoder_resync", FOC, STATE, fit=_lost),
-    _probe(encoder, "encoder_step", FOC, CFG, STATE, fit=_turned, vectors=3),
-    _probe(encoder, "track_rate", CFG, STATE, Range(-8192, 8191)),
-    _probe(encoder, "joint_count", CFG, ROTOR),
-    _probe(encoder, "watch_encoders", CFG, STATE, IO),
-    _probe(encoder, "choose_turn", CFG, STATE, POSITION),
-    _probe(encoder, "home_at", CFG, STATE, POSITION),
-    _probe(encoder, "home_by_encoder", CFG, STATE, IO),
-    _probe(report, "report_position", CFG, STATE),
-    _probe(report, "report_velocity", CFG, STATE),
-    _probe(report, "report_current", FOC, CFG),
-    _probe(report, "report_bus", CFG, STATE),
+    _probe(cascade, "feed_acceleration", SETTINGS, STATE, Range(-65535, 65535)),
+    _probe(cascade, "follow_velocity", SETTINGS, STATE, Range(-(1 << 24), 1 << 24)),
+    _probe(cascade, "velocity_loop", SETTINGS, STATE, CURRENT),
+    _probe(cascade, "impedance", SETTINGS, STATE, IO),
+    _probe(cascade, "guard_position", SETTINGS, STATE, CURRENT),
+    _probe(cascade, "limit_current", SETTINGS, STATE, Range(-(1 << 21), 1 << 21)),
+    _probe(cascade, "damping_current", SETTINGS, STATE),
+    _probe(cascade, "write_current", LOOP, SETTINGS, STATE),
+    _probe(encoder, "encoder_reset", LOOP, SETTINGS, STATE),
+    _probe(encoder, "encoder_resync", LOOP, STATE, fit=_lost),
+    _probe(encoder, "encoder_step", LOOP, SETTINGS, STATE, fit=_turned, vectors=3),
+    _probe(encoder, "track_rate", SETTINGS, STATE, Range(-8192, 8191)),
+    _probe(encoder, "joint_count", SETTINGS, ROTOR),
+    _probe(encoder, "watch_encoders", SETTINGS, STATE, IO),
+    _probe(encoder, "choose_turn", SETTINGS, STATE, POSITION),
+    _probe(encoder, "home_at", SETTINGS, STATE, POSITION),
+    _probe(encoder, "home_by_encoder", SETTINGS, STATE, IO),
+    _probe(report, "report_position", SETTINGS, STATE),
+    _probe(report, "report_velocity", SETTINGS, STATE),
+    _probe(report, "report_current", LOOP, SETTINGS),
+    _probe(report, "report_bus", SETTINGS, STATE),
     _probe(thermal, "model_reset", STATE, Range(-1000, 4000)),
-    _probe(thermal, "model_step", CFG, STATE, SQUARE),
-    _probe(thermal, "i2t_step", CFG, STATE, SQUARE),
+    _probe(thermal, "model_step", SETTINGS, STATE, SQUARE),
+    _probe(thermal, "i2t_step", SETTINGS, STATE, SQUARE),
     _probe(homing, "homing_start", STATE),
     _probe(homing, "homing_stop", STATE),
-    _probe(homing, "homing_step", CFG, STATE),
+    _probe(homing, "homing_step", SETTINGS, STATE),
     _probe(protection, "report_cause", STATE, Range(0, 80), Range(-(1 << 23), (1 << 23) - 1)),
-    _probe(protection, "protect_motion", FOC, CFG, STATE, IO),
-    _probe(protection, "gather_heat", FOC, STATE),
-    _probe(protection, "protect_slow", CFG, STATE, IO, CURVE),
+    _probe(protection, "protect_motion", LOOP, SETTINGS, STATE, IO),
+    _probe(protection, "gather_heat", LOOP, STATE),
+    _probe(protection, "protect_slow", SETTINGS, STATE, IO, CURVE),
     _probe(drive_state, "drive_reset", STATE),
-    _probe(drive_state, "drive_arm", CFG, STATE, IO, PURPOSE),
+    _probe(drive_state, "drive_arm", SETTINGS, STATE, IO, PURPOSE),
     _probe(drive_state, "drive_disarm", STATE),
     _probe(drive_state, "drive_quick_stop", STATE),
     _probe(drive_state, "drive_clear", STATE),
-    _probe(drive_state, "drive_step", CFG, STATE, IO, vectors=2),
-    _probe(calibration, "set_commutation", FOC, CFG),
-    _probe(calibration, "calibration_start", CAL, Range(1, 3)),
-    _probe(calibration, "calibration_abort", FOC, CFG, CAL),
-    _probe(calibration, "calibration_needs_bridge", CAL),
-    _probe(calibration, "calibration_step", FOC, CFG, STATE, IO, CAL, fit=_calibrating),
-    _probe(calibration, "set_zeros", CFG, CAL, fit=_posed),
-    Probe("fill_sine", sine.fill_sine, (FOC,), watch=(FOC,), ticks=False),
-    _probe(tick, "joint_reset", FOC, CFG, STATE, ROTOR),
-    _probe(tick, "slow_tick", CFG, STATE, IO, CURVE),
-    _probe(tick, "begin_calibration", STATE, CAL, Range(1, 3)),
-    _probe(tick, "motion_tick", FOC, CFG, STATE, IO, CAL, vectors=2),
+    _probe(drive_state, "drive_step", SETTINGS, STATE, IO, vectors=2),
+    _probe(calibration, "set_commutation", LOOP, SETTINGS),
+    _probe(calibration, "calibration_start", CALIBRATION, Range(1, 3)),
+    _probe(calibration, "calibration_abort", LOOP, SETTINGS, CALIBRATION),
+    _probe(calibration, "calibration_needs_bridge", CALIBRATION),
+    _probe(calibration, "calibration_step", LOOP, SETTINGS, STATE, IO, CALIBRATION, fit=_calibrating),
+    _probe(calibration, "set_zeros", SETTINGS, CALIBRATION, fit=_posed),
+    Probe("fill_sine", sine.fill_sine, (LOOP,), watch=(LOOP,), ticks=False),
+    _probe(tick, "joint_reset", LOOP, SETTINGS, STATE, ROTOR),
+    _probe(tick, "slow_tick", SETTINGS, STATE, IO, CURVE),
+    _probe(tick, "begin_calibration", STATE, CALIBRATION, Range(1, 3)),
+    _probe(tick, "motion_tick", LOOP, SETTINGS, STATE, IO, CALIBRATION, vectors=2),
     Life("motion_tick:life", tick.motion_tick, BLOCKS, watch=(FIELDS, STATE), begin=begin, vectors=10),
 )

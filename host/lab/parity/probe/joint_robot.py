@@ -1,10 +1,9 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
-
 from shared.joint.calibration import Calibration
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
-from shared.joint.layout import SINE_SIZE, Foc, JointConfig, JointIo, JointState
+from shared.joint.layout import SINE_SIZE, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
 from shared.record import copy
@@ -14,13 +13,13 @@ from .draw import Range
 from .probe import Head, Pick
 from .robots import JOINTS
 
-FOC = Foc()
-FIELDS = Head(FOC, SINE_SIZE)  # without the sine table, which nothing changes
-CFG = JointConfig()
+LOOP = CurrentLoop()
+FIELDS = Head(LOOP, SINE_SIZE)  # without the sine table, which nothing changes
+SETTINGS = JointSettings()
 STATE = JointState()
 IO = JointIo()
-CAL = Calibration()
-FRESH = ((JointState(), STATE), (JointIo(), IO), (Calibration(), CAL))
+CALIBRATION = Calibration()
+FRESH = ((JointState(), STATE), (JointIo(), IO), (Calibration(), CALIBRATION))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
@@ -28,7 +27,7 @@ _WORD = Range(-32768, 32767)
 _PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_CALIBRATING)
 
 
-fill_sine(FOC)
+fill_sine(LOOP)
 
 
 class Motion:
@@ -50,24 +49,24 @@ def begin():
 
 def settings(which):
     """Load a joint's blocks: calibrated, hardware ready, a host there."""
-    foc, cfg, _ = JOINTS[which]
-    copy(foc, FOC)
-    copy(cfg, CFG)
+    loop, settings, _ = JOINTS[which]
+    copy(loop, LOOP)
+    copy(settings, SETTINGS)
     for fresh, block in FRESH:
         copy(fresh, block)
-    CFG.calibrated = 1
+    SETTINGS.calibrated = 1
     MOTION.rotor = MOTION.speed = 0
     MOTION.quiet = 60
     calm_inputs()
-    joint_reset(FOC, CFG, STATE, 0)
-    slow_tick(CFG, STATE, IO, CURVE)
+    joint_reset(LOOP, SETTINGS, STATE, 0)
+    slow_tick(SETTINGS, STATE, IO, CURVE)
 
 
 def calm_inputs():
     """Sensors and host as they should be."""
     IO.hash_ok = IO.session = IO.hardware_ready = IO.joint_valid = 1
     IO.e_stop = IO.hardware_fault = 0
-    IO.bus_raw = (CFG.under_start + CFG.over_start) * 2048 // CFG.bus_gain
+    IO.bus_raw = (SETTINGS.under_start + SETTINGS.over_start) * 2048 // SETTINGS.bus_gain
     IO.thermistor_raw = 2048
     IO.mcu_raw = 980
 
@@ -100,8 +99,8 @@ def wish(dice):
     elif STATE.drive_state == STATE_SWITCH_ON_DISABLED:
         STATE.homed = 1
         purpose = _PURPOSES[dice.below(len(_PURPOSES))]
-        if drive_arm(CFG, STATE, IO, purpose) == 0 and purpose == MODE_CALIBRATING:
-            begin_calibration(STATE, CAL, 1 + dice.below(3))
+        if drive_arm(SETTINGS, STATE, IO, purpose) == 0 and purpose == MODE_CALIBRATING:
+            begin_calibration(STATE, CALIBRATION, 1 + dice.below(3))
 
 
 def trouble(dice):
@@ -133,20 +132,20 @@ def something_fails(where, value):
 
 def one_millisecond(dice):
     """Two current steps with currents about as wanted, then the motion tick; the slow one now and then."""
-    push = FOC.voltage_q >> 7
+    push = LOOP.voltage_q >> 7
     MOTION.speed += push + dice.bits(3) - 4 - (MOTION.speed >> 4)
     MOTION.speed = max(-400, min(400, MOTION.speed))
     for _ in range(2):
         MOTION.rotor = (MOTION.rotor + MOTION.speed) & 16383
         read_currents(dice)
         invalid = 1 if dice.below(500) == 0 else 0
-        code = current_step(MOTION.rotor, invalid, FOC)
+        code = current_step(MOTION.rotor, invalid, LOOP)
         if code:
-            current_repair(code, MOTION.rotor, invalid, FOC)
-    IO.joint_raw = (MOTION.rotor * 256 // CFG.gear_q8 + dice.bits(1)) & 16383
-    motion_tick(FOC, CFG, STATE, IO, CAL)
+            current_repair(code, MOTION.rotor, invalid, LOOP)
+    IO.joint_raw = (MOTION.rotor * 256 // SETTINGS.gear_q8 + dice.bits(1)) & 16383
+    motion_tick(LOOP, SETTINGS, STATE, IO, CALIBRATION)
     if dice.below(50) == 0:
-        slow_tick(CFG, STATE, IO, CURVE)
+        slow_tick(SETTINGS, STATE, IO, CURVE)
 
 
 def read_currents(dice):
@@ -155,6 +154,6 @@ def read_currents(dice):
     half = 1 << (span - 1)
     a = dice.bits(span) - half
     b = dice.bits(span) - half
-    FOC.raw[0] = 2048 + a
-    FOC.raw[1] = 2048 + b
-    FOC.raw[2] = max(0, min(4095, 2048 - a - b))
+    LOOP.raw[0] = 2048 + a
+    LOOP.raw[1] = 2048 + b
+    LOOP.raw[2] = max(0, min(4095, 2048 - a - b))

@@ -62,8 +62,8 @@ class Inside:
     def _configure(self, stored):  # type: ignore[no-untyped-def]
         control = self.joint.control
         self.joint.parameters.take(stored)
-        control.cfg.calibrated = 1
-        control.cfg.elec_offset = 0
+        control.settings.calibrated = 1
+        control.settings.elec_offset = 0
 
     def _set_sensors(self, sensors):  # type: ignore[no-untyped-def]
         """Take the readings of bus voltage, thermistor and microcontroller."""
@@ -71,7 +71,7 @@ class Inside:
 
     def _note(self) -> None:
         control = self.joint.control
-        self.bridge, self.q_ref = self.board.bridge, control.foc.reference_q
+        self.bridge, self.q_ref = self.board.bridge, control.loop.reference_q
         self.resets, self.pairs = self.board.resets, self.board.pairs
 
     def frame(self, identifier, data, room):  # type: ignore[no-untyped-def]

@@ -211,7 +211,7 @@ def test_an_id_is_handed_to_the_joint(tmp_path):
 def test_the_log_loses_its_oldest_lines_and_no_more(board):
     with BoardLink(board.port) as link:
         found = Board(link)
-        link.run("for i in range(200):\n    start.note('line %d' % i)\n    start.settings.tidy()")
+        link.run("for i in range(200):\n    start.note('line %d' % i)\n    start.journal.tidy()")
         lines = found.log().splitlines()
     assert lines[-1] == "line 199"
     assert 50 < len(lines) < 200

@@ -94,9 +94,7 @@ def test_a_scenario_can_fail(monkeypatch):
     """A joint that may not be fast enough misses its step; a fault expected under another code is not found."""
     slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
     assert not scenarios.run_scenario(slow, "step").ok
-    monkeypatch.setitem(
-        faults.FAULTS, "bus-sag", faults.FaultCase(99, 10, faults.FAULTS["bus-sag"].begin)
-    )
+    monkeypatch.setitem(faults.FAULTS, "bus-sag", faults.FaultCase(99, 10, faults.FAULTS["bus-sag"].begin))
     assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
 
 
@@ -129,7 +127,7 @@ def d_error_percent(age):
     """The mean d current at nearly full speed under load, in percent of the rated current."""
     bench = Bench(BLDC, Load(torque_Nm=1.0), JointSetup(-3.1, 3.1))
     if age is not None:
-        bench.joint.control.cfg.age = age
+        bench.joint.control.settings.age = age
     bench.arm(w.MODE_VELOCITY, 0.0)
     bench.goal = 0.9 * BLDC.drive.speed_limit_rad_s
     bench.run(150)
@@ -145,7 +143,7 @@ def test_duties_act_for_the_whole_of_the_next_step():
     """The board's handler runs at the samples; what it writes is in the next step's voltage, no part of it in this."""
     bench = Bench(BLDC, Load(locked=True))
     bench.board.bridge, bench.fast = 1, []
-    compare, half = bench.board.compare, bench.blocks.foc.period // 2
+    compare, half = bench.board.compare, bench.blocks.loop.period // 2
 
     def write(a):
         compare[0], compare[1], compare[2] = a, half, half
