@@ -7,8 +7,8 @@ The host's motor model writes ``raw``, ``rotor``, ``joint``, ... and reads ``com
 from array import array
 
 from shared.joint.layout import CurrentLoop, JointIo
-from shared.runtime import zeros
-from shared.wire.names import REPLY_FIELDS, REPLY_LENGTH
+from shared.wire.codec import Reply
+from shared.wire.names import REPLY_LENGTH
 from shared.wire.receive import Link
 
 from .joint_bus import FRAMES_MOST, WANTS_REPLY, take_frame, write_reply
@@ -46,7 +46,7 @@ class SimBoard:
         self.resets = 0
         self.to_loader = False
         self.filters = 0
-        self._reply = zeros(REPLY_FIELDS)
+        self._reply = Reply()
         self._in = Frames()
         self.sent = Frames()
 

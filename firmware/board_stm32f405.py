@@ -5,8 +5,8 @@ the way into the ROM's loader. What stands for the chip is an address there, and
 """
 
 from shared.joint.layout import CurrentLoop
-from shared.runtime import bound, const, zeros
-from shared.wire.names import REPLY_FIELDS
+from shared.runtime import bound, const
+from shared.wire.codec import Reply
 from shared.wire.receive import Link
 
 from .chip import (
@@ -142,7 +142,7 @@ class Stm32F405Board:
     def listen(self, control: Control, link: Link, frame, out):
         """Return what serves the bus: called without arguments, it returns what chip_joint.serve_bus does."""
         c = control
-        reply = zeros(REPLY_FIELDS)
+        reply = Reply()
         return bound(serve_bus, self._chip, frame, link, c.io, c.loop, c.settings, c.state, c.run, reply, out)
 
     def feed_watchdog(self):

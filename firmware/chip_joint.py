@@ -2,7 +2,8 @@
 
 from shared.joint.calibration import Calibration
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState
-from shared.runtime import Ints, const, hot, reg32
+from shared.runtime import const, hot, reg32
+from shared.wire.codec import Reply
 from shared.wire.names import REPLY_LENGTH
 from shared.wire.receive import Link
 
@@ -60,7 +61,7 @@ def serve_bus(
     settings: JointSettings,
     state: JointState,
     run: BoardRun,
-    reply: Ints,
+    reply: Reply,
     out,
 ) -> int:
     """Take at most FRAMES_MOST frames that have come; SYNC is answered. Return what take_frame leaves, or -1."""

@@ -10,40 +10,20 @@ from array import array
 from shared.joint.faults import FAULT_DUPLICATE_ID, FAULT_STORAGE
 from shared.joint.report import report_bus, report_temperature
 from shared.runtime import const
-from shared.wire.codec import encode_fault, encode_heartbeat, encode_slow_status
+from shared.wire.codec import Fault, Heartbeat, SlowStatus, encode_fault, encode_heartbeat, encode_slow_status
 from shared.wire.framing import FILTERS, joint_filters
 from shared.wire.names import (
     COMMAND_REBOOT_TO_LOADER,
-    FAULT_CODE,
-    FAULT_FIELDS,
     FAULT_ID,
     FAULT_LENGTH,
-    FAULT_TICK,
-    FAULT_VALUE,
-    HEARTBEAT_FAULT,
-    HEARTBEAT_FIELDS,
-    HEARTBEAT_FIRMWARE_MAJOR,
-    HEARTBEAT_FIRMWARE_MINOR,
-    HEARTBEAT_FIRMWARE_PATCH,
     HEARTBEAT_ID,
     HEARTBEAT_LENGTH,
-    HEARTBEAT_MODE,
-    HEARTBEAT_PROTOCOL_HASH,
-    HEARTBEAT_SESSION,
-    HEARTBEAT_STATE,
     PROTOCOL_HASH,
     SERVICE_REQUEST_ID,
     SERVICE_RESPONSE_ID,
     SERVICE_RESPONSE_LENGTH,
-    SLOW_STATUS_BUS_VOLTAGE,
-    SLOW_STATUS_FIELDS,
     SLOW_STATUS_ID,
     SLOW_STATUS_LENGTH,
-    SLOW_STATUS_LIMITS,
-    SLOW_STATUS_LOST_SYNC,
-    SLOW_STATUS_MCU_TEMPERATURE,
-    SLOW_STATUS_OVERRUNS,
-    SLOW_STATUS_WINDING_TEMPERATURE,
 )
 from shared.wire.receive import FRAME_E_STOP, FRAME_REQUEST, FRAME_TWIN, Link, link_reset
 
@@ -83,9 +63,9 @@ class Joint:
         self._frame = array("H", [0] * 4)
         self._out = array("H", [0] * 4)
         self._filters = array("H", [0] * (2 * FILTERS))
-        self._status = array("i", [0] * SLOW_STATUS_FIELDS)
-        self._heartbeat = array("i", [0] * HEARTBEAT_FIELDS)
-        self._fault = array("i", [0] * FAULT_FIELDS)
+        self._status = SlowStatus()
+        self._heartbeat = Heartbeat()
+        self._fault = Fault()
         self._version = array("i", VERSION)
         self._due_us = 0
         self._told = Told()
@@ -175,34 +155,34 @@ class Joint:
     def _send_heartbeat(self):
         h = self._heartbeat
         state = self.control.state
-        h[HEARTBEAT_STATE] = state.drive_state
-        h[HEARTBEAT_MODE] = state.mode
-        h[HEARTBEAT_FAULT] = state.fault_code
-        h[HEARTBEAT_PROTOCOL_HASH] = PROTOCOL_HASH
-        h[HEARTBEAT_SESSION] = self.control.io.session
-        h[HEARTBEAT_FIRMWARE_MAJOR] = self._version[0]
-        h[HEARTBEAT_FIRMWARE_MINOR] = self._version[1]
-        h[HEARTBEAT_FIRMWARE_PATCH] = self._version[2]
+        h.state = state.drive_state
+        h.mode = state.mode
+        h.fault = state.fault_code
+        h.protocol_hash = PROTOCOL_HASH
+        h.session = self.control.io.session
+        h.firmware_major = self._version[0]
+        h.firmware_minor = self._version[1]
+        h.firmware_patch = self._version[2]
         encode_heartbeat(self._out, h)
         self._send(HEARTBEAT_ID + self.parameters.node, self._out, HEARTBEAT_LENGTH)
 
     def _send_slow_status(self):
         s = self._status
         state = self.control.state
-        s[SLOW_STATUS_WINDING_TEMPERATURE] = report_temperature(state.winding)
-        s[SLOW_STATUS_MCU_TEMPERATURE] = report_temperature(state.mcu)
-        s[SLOW_STATUS_BUS_VOLTAGE] = report_bus(self.control.settings, state)
-        s[SLOW_STATUS_LIMITS] = state.limits
-        s[SLOW_STATUS_LOST_SYNC] = self.link.lost_syncs & 0xFF
-        s[SLOW_STATUS_OVERRUNS] = self.control.run.late_steps & 0xFF
+        s.winding_temperature = report_temperature(state.winding)
+        s.mcu_temperature = report_temperature(state.mcu)
+        s.bus_voltage = report_bus(self.control.settings, state)
+        s.limits = state.limits
+        s.lost_sync = self.link.lost_syncs & 0xFF
+        s.overruns = self.control.run.late_steps & 0xFF
         encode_slow_status(self._out, s)
         self._send(SLOW_STATUS_ID + self.parameters.node, self._out, SLOW_STATUS_LENGTH)
 
     def _send_fault(self):
         state = self.control.state
-        self._fault[FAULT_CODE] = state.fault_code
-        self._fault[FAULT_VALUE] = state.fault_value
-        self._fault[FAULT_TICK] = state.fault_tick
+        self._fault.code = state.fault_code
+        self._fault.value = state.fault_value
+        self._fault.tick = state.fault_tick
         encode_fault(self._out, self._fault)
         self._send(FAULT_ID + self.parameters.node, self._out, FAULT_LENGTH)
 

@@ -3,14 +3,11 @@
 from shared.joint.layout import REQUEST_ARM, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.report import report_current, report_position, report_velocity
 from shared.record import field, record
-from shared.runtime import Ints, const, hot
-from shared.wire.codec import encode_reply
+from shared.runtime import const, hot
+from shared.wire.codec import Reply, encode_reply
 from shared.wire.names import (
     NOT_AVAILABLE,
-    REPLY_CURRENT,
     REPLY_ID,
-    REPLY_POSITION,
-    REPLY_VELOCITY,
     STATE_FAULT,
     STATE_FAULT_REACTION,
     STATE_READY,
@@ -98,18 +95,15 @@ def use_setpoint(link: Link, io: JointIo) -> int:
 
 
 @hot
-def write_reply(link: Link, loop: CurrentLoop, settings: JointSettings, state: JointState, reply: Ints, out) -> int:
-    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node.
-
-    ``reply``: REPLY_FIELDS numbers to work on.
-    """
+def write_reply(link: Link, loop: CurrentLoop, settings: JointSettings, state: JointState, reply: Reply, out) -> int:
+    """Write the reply to SYNC into the frame ``out``; return its identifier, 0 for a joint without a node."""
     if link.node == 0:
         return 0
-    reply[REPLY_POSITION] = NOT_AVAILABLE
+    reply.position = NOT_AVAILABLE
     if state.homed:
-        reply[REPLY_POSITION] = report_position(settings, state)
-    reply[REPLY_VELOCITY] = report_velocity(settings, state)
-    reply[REPLY_CURRENT] = report_current(loop, settings)
+        reply.position = report_position(settings, state)
+    reply.velocity = report_velocity(settings, state)
+    reply.current = report_current(loop, settings)
     encode_reply(out, reply)
     return REPLY_ID + link.node
 

@@ -15,7 +15,7 @@ from shared.joint.encoder import home_at, home_by_encoder
 from shared.joint.tick import begin_calibration
 from shared.runtime import const
 from shared.wire.access import is_stored, may_read, may_write
-from shared.wire.codec import decode_service_request, encode_service_response
+from shared.wire.codec import ServiceRequest, ServiceResponse, decode_service_request, encode_service_response
 from shared.wire.framing import NODES
 from shared.wire.identity import board_id, discover_delay_ms
 from shared.wire.names import (
@@ -48,18 +48,6 @@ from shared.wire.names import (
     RESULT_WRONG_CHALLENGE,
     RESULT_WRONG_KEY,
     RESULT_WRONG_STATE,
-    SERVICE_REQUEST_COMMAND,
-    SERVICE_REQUEST_FIELDS,
-    SERVICE_REQUEST_INDEX,
-    SERVICE_REQUEST_SEQUENCE,
-    SERVICE_REQUEST_SESSION,
-    SERVICE_REQUEST_VALUE,
-    SERVICE_RESPONSE_COMMAND,
-    SERVICE_RESPONSE_FIELDS,
-    SERVICE_RESPONSE_INDEX,
-    SERVICE_RESPONSE_RESULT,
-    SERVICE_RESPONSE_SEQUENCE,
-    SERVICE_RESPONSE_VALUE,
 )
 from shared.wire.parameters import (
     PARAMETER_BAD_FRAMES,
@@ -111,8 +99,8 @@ class Service:
         self._parameters = parameters
         self.board = board_id(unique_id)
         self._unique = array("i", [_three_bytes(unique_id, 3 * i) for i in range(4)])
-        self._request = array("i", [0] * SERVICE_REQUEST_FIELDS)
-        self._response = array("i", [0] * SERVICE_RESPONSE_FIELDS)
+        self._request = ServiceRequest()
+        self._response = ServiceResponse()
         self.frame = array("H", [0] * 4)
         self._last = array("H", [0] * 4)
         self._answered = False
@@ -133,7 +121,7 @@ class Service:
         r = self._request
         if decode_service_request(frame, r):
             return SILENT
-        command = r[SERVICE_REQUEST_COMMAND]
+        command = r.command
         if to_all and not self._is_for_all(command):
             return SILENT
         if not (self._answered and self._is_repeated(frame)):
@@ -142,7 +130,7 @@ class Service:
             self._answered = True
             self._answer(command, self._do(command))
         if command == COMMAND_DISCOVER:
-            self.discover_ms = discover_delay_ms(self.board, r[SERVICE_REQUEST_SEQUENCE])
+            self.discover_ms = discover_delay_ms(self.board, r.sequence)
             return ANSWER_LATER
         return ANSWER
 
@@ -150,7 +138,7 @@ class Service:
         if command == COMMAND_DISCOVER:
             return True
         if command == COMMAND_SET_ID or command == COMMAND_REBOOT_TO_LOADER:
-            return self._request[SERVICE_REQUEST_VALUE] == self.board
+            return self._request.value == self.board
         return False
 
     def _is_repeated(self, frame):
@@ -161,21 +149,21 @@ class Service:
 
     def _answer(self, command, result):
         response = self._response
-        response[SERVICE_RESPONSE_COMMAND] = command
-        response[SERVICE_RESPONSE_SEQUENCE] = self._request[SERVICE_REQUEST_SEQUENCE]
-        response[SERVICE_RESPONSE_RESULT] = result
+        response.command = command
+        response.sequence = self._request.sequence
+        response.result = result
         encode_service_response(self.frame, response)
 
     def _do(self, command):
         """Do one request; return RESULT_*. The answer's index and value are the request's unless set here."""
         r = self._request
-        index = r[SERVICE_REQUEST_INDEX]
-        value = r[SERVICE_REQUEST_VALUE]
-        self._response[SERVICE_RESPONSE_INDEX] = index
-        self._response[SERVICE_RESPONSE_VALUE] = value
+        index = r.index
+        value = r.value
+        self._response.index = index
+        self._response.value = value
         if command == COMMAND_DISCOVER:
-            self._response[SERVICE_RESPONSE_INDEX] = self._parameters.node
-            self._response[SERVICE_RESPONSE_VALUE] = self.board
+            self._response.index = self._parameters.node
+            self._response.value = self.board
             return RESULT_OK
         if command == COMMAND_READ_PARAMETER:
             return self._read(index)
@@ -227,7 +215,7 @@ class Service:
     def _arm(self, purpose, found_hash):
         """Ask the states for torque in the session of the request; nothing of it stays when refused."""
         io = self._control.io
-        session = self._request[SERVICE_REQUEST_SESSION]
+        session = self._request.session
         if self._control.armed():
             return RESULT_WRONG_STATE
         io.hash_ok = 1 if found_hash == PROTOCOL_HASH else 0
@@ -239,7 +227,7 @@ class Service:
         else:
             io.hash_ok = 0
             io.session = 0
-            self._response[SERVICE_RESPONSE_VALUE] = self._control.state.fault_code
+            self._response.value = self._control.state.fault_code
         return result
 
     def _calibrate(self, index, low):
@@ -290,7 +278,7 @@ class Service:
     def _read(self, parameter):
         result = may_read(parameter)
         if result == RESULT_OK:
-            self._response[SERVICE_RESPONSE_VALUE] = self._value(parameter)
+            self._response.value = self._value(parameter)
         return result
 
     def _value(self, parameter):

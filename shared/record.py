@@ -174,12 +174,13 @@ def set_at(values, at, new):
 
 
 def unpack(values, integers):
-    """Write integers into a record, or an array, in the order of its declaration; ValueError if too few or many."""
+    """Write integers into a record or array, in the order declared; return it. ValueError if too few or many."""
     left = list(integers)
     left.reverse()
     _take(values, left)
     if left:
         raise ValueError(f"{len(left)} integers too many")
+    return values
 
 
 def _take(values, left):

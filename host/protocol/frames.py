@@ -6,12 +6,14 @@ import sys
 from array import array
 from collections.abc import Callable
 from functools import cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from shared.record import pack, unpack
 from shared.wire import codec
 
 from . import dbc
 from .dbc import Message, Signal
+from .generate_codec import record_name
 
 if sys.byteorder != "little":  # the codec's words are the frame's bytes only on little-endian machines
     raise ImportError("the CAN protocol needs a little-endian machine")
@@ -29,8 +31,13 @@ class Kind(NamedTuple):
 
     message: Message
     instance: int
-    encode: Callable[[array[int], array[int]], int]
-    decode: Callable[[array[int], array[int]], int]
+    encode: Callable[[array[int], Any], int]
+    decode: Callable[[array[int], Any], int]
+
+    def values(self) -> Any:
+        """Return what the codec reads and writes: the message's record, else an array."""
+        made = getattr(codec, record_name(self.message.codec or self.message.name), None)
+        return made() if made else array("i", [0] * len(self.message.signals))
 
 
 def new_frame() -> Frame:
@@ -52,10 +59,10 @@ def kinds() -> dict[int, Kind]:
     return found
 
 
-def _pack(signals: tuple[Signal, ...], words: array[int], values: array[int]) -> int:
+def _pack(signals: tuple[Signal, ...], words: array[int], values: Any) -> int:
     """Do what the codec's encode does, for a frame that the core has none for."""
     whole = clipped = 0
-    for signal, raw in zip(signals, values, strict=True):
+    for signal, raw in zip(signals, pack(values), strict=True):
         limited = raw if raw == signal.special else max(signal.low, min(signal.high, raw))
         clipped += limited != raw
         whole |= (limited & (1 << signal.length) - 1) << signal.start
@@ -63,14 +70,16 @@ def _pack(signals: tuple[Signal, ...], words: array[int], values: array[int]) ->
     return clipped
 
 
-def _unpack(signals: tuple[Signal, ...], words: array[int], values: array[int]) -> int:
+def _unpack(signals: tuple[Signal, ...], words: array[int], values: Any) -> int:
     """Do what the codec's decode does, for a frame that the core has none for."""
-    whole, outside = sum(word << 16 * place for place, word in enumerate(words)), 0
-    for place, signal in enumerate(signals):
-        raw = whole >> signal.start & (1 << signal.length) - 1
-        values[place] = raw - (1 << signal.length) if signal.signed and raw >> signal.length - 1 else raw
-        outside += values[place] != signal.special and not signal.low <= values[place] <= signal.high
-    return outside
+    whole = sum(word << 16 * place for place, word in enumerate(words))
+    raws = [_signed(signal, whole >> signal.start & (1 << signal.length) - 1) for signal in signals]
+    unpack(values, raws)
+    return sum(raw != s.special and not s.low <= raw <= s.high for s, raw in zip(signals, raws, strict=True))
+
+
+def _signed(signal: Signal, raw: int) -> int:
+    return raw - (1 << signal.length) if signal.signed and raw >> signal.length - 1 else raw
 
 
 def encode(identifier: int, values: list[int]) -> tuple[bytes, int]:
@@ -79,7 +88,7 @@ def encode(identifier: int, values: list[int]) -> tuple[bytes, int]:
     For tools and tests; loops keep their own Frame and call the codec.
     """
     kind, frame = kinds()[identifier], new_frame()
-    clipped = kind.encode(frame.words, array("i", values))
+    clipped = kind.encode(frame.words, unpack(kind.values(), values))
     return bytes(frame.data[: kind.message.length]), clipped
 
 
@@ -88,10 +97,10 @@ def decode(identifier: int, data: bytes) -> tuple[list[int], int] | None:
     kind = kinds().get(identifier)
     if kind is None or len(data) < kind.message.length:
         return None
-    frame, values = new_frame(), array("i", [0] * len(kind.message.signals))
+    frame, values = new_frame(), kind.values()
     frame.data[: kind.message.length] = data[: kind.message.length]
     outside = kind.decode(frame.words, values)
-    return list(values), outside
+    return pack(values), outside
 
 
 def describe(identifier: int, data: bytes) -> dict[str, float | str] | None:

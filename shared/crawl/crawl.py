@@ -33,7 +33,7 @@ def crawl_start(
 ) -> int:
     """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
 
-    joints: 12 measured brad; goals: the 12 brad sent last. The map begins under the body,
+    joints: 12 measured brad within +-32768; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
     """
     sent = crawl.goals
@@ -66,7 +66,6 @@ def forget(crawl: Crawl) -> int:
     for axis in range(POSE_SIZE):
         path.integral[axis] = 0
         path.sag[axis] = 0
-    even.uneven = 0
     even.landed = 0
     even.even_steps = 0
     stage.ahead = 0
@@ -84,8 +83,7 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
     for axis in range(POSE_SIZE):
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
-    measure(crawl, joints)
-    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    roll_feet(crawl.params, joints, crawl.support, crawl.map)
     for at in range(JOINTS):
         map.feet[at] = sensing.level[at] << LF_BITS
         if at % 3 == 2:
@@ -122,19 +120,10 @@ def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
 
 
 @hot
-def measure(crawl: Crawl, joints: Ints) -> int:
-    """Copy 12 measured joints (brad), limited to +-32768; return 0."""
-    measured = crawl.measured
-    for joint in range(JOINTS):
-        measured[joint] = saturate(joints[joint], -32768, 32767)
-    return 0
-
-
-@hot
 def crawl_tick(
     crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int, ahead_lf: int, joints: Ints
 ) -> int:
-    """Take one tick: 12 measured joints (brad) in, 12 goals into ``joints``; return flags.
+    """Take one tick: 12 measured joints (brad within +-32768) in, 12 goals into ``joints``; return flags.
 
     sensing: the block of sense_legs after this tick's reading. ahead_lf: how far the command wants to go in
     this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
@@ -151,9 +140,8 @@ def crawl_tick(
 def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> int:
     """Bring the map, the forces and the weight up to date with what is measured; return 0."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
-    measure(crawl, measured)
     rebase(crawl)
-    roll_feet(crawl.params, crawl.measured, crawl.support, crawl.map)
+    roll_feet(crawl.params, measured, crawl.support, crawl.map)
     fit_body(crawl.params, sensing, crawl.support, crawl.map)
     follow_slips(crawl.params, crawl.support, crawl.map)
     follow_front_feet(crawl.support, crawl.map, crawl.footholds)

@@ -18,17 +18,29 @@ _SURE = const(3)  # landings on a slope until the next is expected there
 class Evenness:
     """How even the ground has been."""
 
-    uneven: int = field("lu", "farthest spread of the footholds' heights about their slope")
     landed: int = field("", "legs that have landed since the start")
     even_steps: int = field("", "legs that have landed in a row on even ground")
 
 
 @hot
 def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: int) -> int:
-    """Note how uneven the ground is where ``leg`` has landed, and for how many landings it was even; return that.
+    """Note whether the ground is even where ``leg`` has landed; return for how many landings it has been.
 
     Even is within a third of a drop's depth (8 mm of a leg of 240 mm) of a slope along the way: the trot's own
-    measure. A robot astride an edge stands on a slope too, but its front feet do not go on along it.
+    measure.
+    """
+    even.landed = even.landed + 1 & 0xFFFFFF
+    even.even_steps += 1
+    if off_even(map, swing, leg) > params.crawl.drop_depth // 3:
+        even.even_steps = 0
+    return even.even_steps
+
+
+@hot
+def off_even(map: Map, swing: Swing, leg: int) -> int:
+    """Return how far the footholds' heights spread about their slope, and a front ``leg``'s step is off it, lu.
+
+    A robot astride an edge stands on a slope too, but its front feet do not go on along it.
     """
     dx = feet_length(map)
     dz = feet_rise(map)
@@ -47,12 +59,7 @@ def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: in
             off = -off
         if off > uneven:
             uneven = off
-    even.uneven = uneven
-    even.landed = even.landed + 1 & 0xFFFFFF
-    even.even_steps += 1
-    if uneven > params.crawl.drop_depth // 3:
-        even.even_steps = 0
-    return even.even_steps
+    return uneven
 
 
 @hot

@@ -49,7 +49,6 @@ class Event:
 
     code: int = field("", "EVENT_NONE .. EVENT_WARP")
     leg: int = field("", "which")
-    x: int = field("lu", "where in the map")
     z: int = field("lu", "off the expected height")
     number: int = field("", "how many so far: a change is news")
 
@@ -70,7 +69,6 @@ class Crawl:
         self.event = Event()
         self.goals = zeros(JOINTS)  # brad, of the tick before
         self.jumps = zeros(JOINTS)  # bf, what is left of the jumps where stance and swing meet
-        self.measured = zeros(JOINTS)  # brad
         self.load = Load()
         self.weights = zeros(LEGS)
         self.point = zeros(2)

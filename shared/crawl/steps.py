@@ -50,14 +50,13 @@ def enter(crawl: Crawl, next: int) -> int:
 
 
 @hot
-def tell(crawl: Crawl, code: int, x_lf: int, z_lf: int) -> int:
-    """Keep an event of the present leg with a map x and a height off the expected one; return how many so far."""
+def tell(crawl: Crawl, code: int, z_lf: int) -> int:
+    """Keep an event of the present leg with a height off the expected one; return how many so far."""
     event = crawl.event
     stage = crawl.stage
     even = crawl.even
     event.code = code
     event.leg = stage.leg
-    event.x = x_lf >> LF_BITS
     event.z = z_lf >> LF_BITS
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
@@ -153,7 +152,6 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
     stage = crawl.stage
     support = crawl.support
     path = crawl.path
-    map = crawl.map
     step = _FULL_Q12 // params.crawl.share_ticks
     for other in range(LEGS):
         if other != leg:
@@ -164,7 +162,7 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
         return 0
     if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
-        tell(crawl, EVENT_WARP, map.feet[leg * 3], support.warp)
+        tell(crawl, EVENT_WARP, support.warp)
         lift_off(crawl, leg)
     elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
         lift_off(crawl, leg)
@@ -232,7 +230,7 @@ def swing_tick(crawl: Crawl, leg: int) -> int:
     x = map.seen[leg * 3]
     if feel_riser(crawl.params, crawl.contact, crawl.swing, x, stage.stage_tick):
         swing.risers += 1
-        tell(crawl, EVENT_RISER, x, map.seen[leg * 3 + 2] - swing.ground)
+        tell(crawl, EVENT_RISER, map.seen[leg * 3 + 2] - swing.ground)
         swing.place[0] = x - (params.crawl.riser_retreat << LF_BITS)
         swing.top = swing.place[2] + (params.crawl.clear_contact << LF_BITS)
         enter(crawl, LIFT)
@@ -278,7 +276,7 @@ def lower_tick(crawl: Crawl, leg: int) -> int:
     ):
         find_ground(crawl, leg)
     elif below > params.crawl.deepest:
-        tell(crawl, EVENT_NO_GROUND, swing.place[0], -below << LF_BITS)
+        tell(crawl, EVENT_NO_GROUND, -below << LF_BITS)
         land(crawl, leg)
     return 0
 
@@ -297,7 +295,7 @@ def free_shin(crawl: Crawl, leg: int) -> int:
     map = crawl.map
     swing = crawl.swing
     z = map.seen[leg * 3 + 2]
-    tell(crawl, EVENT_SHIN, swing.place[0], z - swing.ground)
+    tell(crawl, EVENT_SHIN, z - swing.ground)
     top = z + (params.crawl.shin_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
     if top < least:
@@ -321,7 +319,7 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
         tries = _TRIES_FRONT_STEP
     if rise <= edge or swing.tries >= tries:
         return land(crawl, leg)
-    tell(crawl, EVENT_STEP, swing.place[0], rise)
+    tell(crawl, EVENT_STEP, rise)
     further = params.crawl.edge_advance
     if leg < RR:
         swing.ground = z
@@ -351,7 +349,7 @@ def drop_front(crawl: Crawl, leg: int) -> int:
     behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
     if map.feet[other + 2] < low and map.feet[other] < behind:
         return 0
-    tell(crawl, EVENT_DROP, swing.place[0], swing.place[2] - swing.ground)
+    tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
     lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
@@ -367,7 +365,7 @@ def drop_hind(crawl: Crawl, leg: int) -> int:
     further = -params.crawl.edge_advance
     if swing.target[2] > map.feet[leg * 3 + 2] + (params.crawl.edge_height << LF_BITS):
         further = params.crawl.edge_advance
-    tell(crawl, EVENT_DROP, swing.place[0], swing.place[2] - swing.ground)
+    tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     top = swing.ground + (params.crawl.clear_contact << LF_BITS)
     lift_again(crawl, swing.place[0] + (further << LF_BITS), top)
     return 0
@@ -386,7 +384,7 @@ def land(crawl: Crawl, leg: int) -> int:
         map.feet[axis] = map.seen[axis]
     support.stance[leg] = 1
     support.share_q12[leg] = 0
-    tell(crawl, EVENT_LANDED, map.feet[leg * 3], map.feet[leg * 3 + 2] - swing.ground)
+    tell(crawl, EVENT_LANDED, map.feet[leg * 3 + 2] - swing.ground)
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
         footholds.taken[leg] = 1

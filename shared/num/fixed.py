@@ -14,7 +14,6 @@ _QUARTER_BRAD = const(0x4000)
 _EIGHTH_BRAD18 = const(0x8000)
 _QUARTER_BRAD18 = const(0x10000)
 _HALF_BRAD18 = const(0x20000)
-_TURN_MASK_BRAD18 = const(0x3FFFF)
 
 
 @hot
@@ -78,9 +77,8 @@ def atan2_brad18(y: int, x: int) -> int:
     """Return the angle of (x, y) in 1/2^18 turn, -131072 .. 131071; (0, 0) gives 0.
 
     Range: both within +-(2^30 - 1), in any common unit. Error at most 0.0025 deg = 1.8 units.
-    The ratio of the smaller to the larger side is formed in 18 bits by two divisions, so that
-    the larger may keep 18 to 21 bits; then one table of arctan with linear interpolation.
-    Largest intermediate: the smaller side, below 2^21, times 2^9, so below 2^30.
+    The ratio of the smaller to the larger side is formed in 18 bits by two divisions, so that the larger may keep 18
+    to 21 bits; then arctan by a table, linear between. Largest: the smaller side, below 2^21, times 2^9: below 2^30.
     """
     table = ATAN_BRAD18
     far = x
@@ -97,20 +95,15 @@ def atan2_brad18(y: int, x: int) -> int:
         return 0
     if far < 0x200000:
         while far < 0x20000:
-            far *= 16
-            near *= 16
+            far, near = far * 16, near * 16
     elif far >= 0x4000000:
-        far = ((far >> 1) + 128) >> 8
-        near = ((near >> 1) + 128) >> 8
+        far, near = ((far >> 1) + 128) >> 8, ((near >> 1) + 128) >> 8
     elif far >= 0x800000:
-        far = (far + 16) >> 5
-        near = (near + 16) >> 5
+        far, near = (far + 16) >> 5, (near + 16) >> 5
     else:
-        far = (far + 2) >> 2
-        near = (near + 2) >> 2
-    if near == far:
-        angle = _EIGHTH_BRAD18
-    else:
+        far, near = (far + 2) >> 2, (near + 2) >> 2
+    angle = _EIGHTH_BRAD18
+    if near != far:
         near *= 512
         high = near // far
         ratio = high * 512 + (near - high * far) * 512 // far
@@ -121,10 +114,8 @@ def atan2_brad18(y: int, x: int) -> int:
         angle = _QUARTER_BRAD18 - angle
     if x < 0:
         angle = _HALF_BRAD18 - angle
-    if y < 0:
+    if y < 0 or angle == _HALF_BRAD18:
         return -angle
-    if angle == _HALF_BRAD18:
-        return -_HALF_BRAD18
     return angle
 
 

@@ -10,8 +10,17 @@ from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import JointSetup
 from host.sim.chip.can_wire import Frame
 from host.sim.chip.joint_board import JointBoard
+from shared.record import unpack
 from shared.wire import names as w
-from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
+from shared.wire.codec import (
+    ServiceRequest,
+    ServiceResponse,
+    Sync,
+    decode_service_response,
+    encode_group,
+    encode_service_request,
+    encode_sync,
+)
 
 PARALLEL = load_robot("parallel").actuator
 BLOCKS = joint_blocks(PARALLEL, JointSetup(-1.0, 1.9))
@@ -94,7 +103,7 @@ class OnChip:
 
     def send_sync(self):
         frame = array("H", [0] * 4)
-        encode_sync(frame, array("i", [self.sync, SESSION]))
+        encode_sync(frame, unpack(Sync(), (self.sync, SESSION)))
         self.send(w.SYNC_ID, data(frame, w.SYNC_LENGTH))
         self.sync = (self.sync + 1) & 0xFF
 
@@ -102,14 +111,14 @@ class OnChip:
         """Send a request; return its result, None without an answer."""
         self.sequence = (self.sequence + 1) & 0xFF
         frame = array("H", [0] * 4)
-        encode_service_request(frame, array("i", [command, self.sequence, SESSION, index, value]))
+        encode_service_request(frame, unpack(ServiceRequest(), (command, self.sequence, SESSION, index, value)))
         self.heard.clear()
         self.send(w.SERVICE_REQUEST_ID + NODE, data(frame))
         self.run(ms)
-        answer = array("i", [0] * 5)
+        answer = ServiceResponse()
         for frame in self.from_joint(w.SERVICE_RESPONSE_ID + NODE):
             if decode_service_response(array("H", frame.data), answer) == 0:
-                return answer[w.SERVICE_RESPONSE_RESULT]
+                return answer.result
         return None
 
     def from_joint(self, identifier):

@@ -38,9 +38,11 @@ class Storm:
         self.joint.parameters.take(stored)
         control.settings.calibrated = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
-        self.sync = array("i", [0, SESSION])
+        self.sync = codec.Sync()
+        self.sync.session = SESSION
         self.goal = array("i", [400, w.NO_CHANGE, w.NO_CHANGE, w.NO_CHANGE])
-        self.ask = array("i", [0, 0, SESSION, 0, 0])
+        self.ask = codec.ServiceRequest()
+        self.ask.session = SESSION
         self.joint.set_node(1)
         self.joint.start()
 
@@ -155,15 +157,17 @@ class Storm:
                 codec.encode_group(self.frame, self.goal)
                 board.deliver(w.SETPOINT_CURRENT_ID, self.frame, 8)
                 self.sequence = (self.sequence + 1) & 0xFF
-                self.sync[0] = self.sequence
+                self.sync.counter = self.sequence
                 codec.encode_sync(self.frame, self.sync)
                 board.deliver(w.SYNC_ID, self.frame, w.SYNC_LENGTH)
             self.watched_millisecond()
 
     def request(self, command, index, value):
         self.requested = (self.requested + 1) & 0xFF
-        for place, part in enumerate((command, self.requested, SESSION, index, value)):
-            self.ask[place] = part
+        self.ask.command = command
+        self.ask.sequence = self.requested
+        self.ask.index = index
+        self.ask.value = value
         codec.encode_service_request(self.frame, self.ask)
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self.frame, 8)
 

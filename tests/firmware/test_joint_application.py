@@ -15,6 +15,7 @@ from host.robot.file import load_robot
 from host.sim.motor.bench import SESSION, Bench
 from shared.joint import faults as f
 from shared.joint import layout as j
+from shared.record import pack, unpack
 from shared.wire import codec
 from shared.wire import names as w
 from shared.wire.parameters import PARAMETER_DEFAULT, PARAMETER_NODE_ID, PARAMETER_UPTIME
@@ -38,12 +39,11 @@ def frames(board):
         found.append((identifier, array("H", frame)))
 
 
-def decoded(found, identifier, decode, count):
-    values = array("i", [0] * count)
+def decoded(found, identifier, decode, values):
     for known, frame in found:
         if known == identifier:
             assert decode(frame, values) == 0
-            return list(values)
+            return values
     return None
 
 
@@ -51,7 +51,7 @@ def ask(bench, command, index=0, value=0):
     """Send a request and return (result, index, value) of its answer."""
     result = bench.request(command, index, value)
     response = bench.joint.service._response
-    return result, response[w.SERVICE_RESPONSE_INDEX], response[w.SERVICE_RESPONSE_VALUE]
+    return result, response.index, response.value
 
 
 def deliver(bench, identifier, words=(0, 0, 0, 0), length=8):
@@ -74,13 +74,14 @@ def test_a_reply_and_status_say_what_is(bench):
     frames(bench.board)
     bench.run(220)
     found = frames(bench.board)
-    position = decoded(found, w.REPLY_ID + 1, codec.decode_reply, 3)[0]
+    position = decoded(found, w.REPLY_ID + 1, codec.decode_reply, codec.Reply()).position
     assert abs(position / 65536 * 360 - bench.motor.joint_rad * 57.29578) < 0.1
-    status = decoded(found, w.SLOW_STATUS_ID + 1, codec.decode_slow_status, 6)
-    assert abs(status[0] / 16 - 25) < 1
-    assert abs(status[2] / 16 - 24) < 0.2
-    beat = decoded(found, w.HEARTBEAT_ID + 1, codec.decode_heartbeat, 8)
-    assert beat[:5] == [w.STATE_OPERATION_ENABLED, w.MODE_POSITION, 0, w.PROTOCOL_HASH, SESSION]
+    status = decoded(found, w.SLOW_STATUS_ID + 1, codec.decode_slow_status, codec.SlowStatus())
+    assert abs(status.winding_temperature / 16 - 25) < 1
+    assert abs(status.bus_voltage / 16 - 24) < 0.2
+    beat = decoded(found, w.HEARTBEAT_ID + 1, codec.decode_heartbeat, codec.Heartbeat())
+    assert (beat.state, beat.mode, beat.fault) == (w.STATE_OPERATION_ENABLED, w.MODE_POSITION, 0)
+    assert (beat.protocol_hash, beat.session) == (w.PROTOCOL_HASH, SESSION)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +132,7 @@ def test_far_set_points_do_not_arm(bench):
 
 def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
     service = bench.joint.service
-    request = array("i", [w.COMMAND_WRITE_PARAMETER, 9, SESSION, ID["position_p"], 700])
+    request = unpack(codec.ServiceRequest(), (w.COMMAND_WRITE_PARAMETER, 9, SESSION, ID["position_p"], 700))
     frame = array("H", [0] * 4)
     codec.encode_service_request(frame, request)
     frames(bench.board)
@@ -153,8 +154,8 @@ def test_without_set_points_it_damps_coasts_and_latches(bench):
     assert (bench.state.drive_state, bench.state.fault_code) == (w.STATE_FAULT_REACTION, f.FAULT_WATCHDOG)
     bench.run(600)
     assert (bench.state.drive_state, bench.board.bridge) == (w.STATE_FAULT, 0)
-    record = decoded(frames(bench.board), w.FAULT_ID + 1, codec.decode_fault, 3)
-    assert record[0] == f.FAULT_WATCHDOG
+    record = decoded(frames(bench.board), w.FAULT_ID + 1, codec.decode_fault, codec.Fault())
+    assert record.code == f.FAULT_WATCHDOG
     assert bench.request(w.COMMAND_CLEAR_FAULT) == w.RESULT_OK
     bench.run(5)
     assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
@@ -186,7 +187,7 @@ def test_another_host_moves_nothing(bench):
     bench.mode = 0
     deliver(bench, w.SETPOINT_POSITION_ID, (4000, 0, 0, 0))
     frame = array("H", [0] * 4)
-    codec.encode_sync(frame, array("i", [3, SESSION + 1]))
+    codec.encode_sync(frame, unpack(codec.Sync(), (3, SESSION + 1)))
     bench.board.deliver(w.SYNC_ID, frame, 2)
     bench.run(2)
     assert bench.joint.control.io.sequence == sequence
@@ -200,7 +201,7 @@ def test_its_own_heartbeat_from_the_bus_means_a_twin(bench):
 
 def test_discovery_answers_after_its_delay_and_only_once(bench):
     frame, board = array("H", [0] * 4), bench.joint.service.board
-    codec.encode_service_request(frame, array("i", [w.COMMAND_DISCOVER, 200, 0, 0, 0]))
+    codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (w.COMMAND_DISCOVER, 200, 0, 0, 0)))
     frames(bench.board)
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
@@ -208,9 +209,9 @@ def test_discovery_answers_after_its_delay_and_only_once(bench):
     bench.run(delay + 3)
     found = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
     assert len(found) == 1
-    values = array("i", [0] * 5)
+    values = codec.ServiceResponse()
     codec.decode_service_response(found[0], values)
-    assert list(values) == [w.COMMAND_DISCOVER, 200, w.RESULT_OK, 1, board]
+    assert pack(values) == [w.COMMAND_DISCOVER, 200, w.RESULT_OK, 1, board]
 
 
 def test_a_node_is_set_by_the_boards_number_only(bench):
@@ -218,7 +219,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
     assert ask(bench, w.COMMAND_SET_ID, 4, board ^ 1)[0] == w.RESULT_WRONG_KEY
     assert ask(bench, w.COMMAND_SET_ID, 13, board)[0] == w.RESULT_OUT_OF_RANGE
     frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, array("i", [w.COMMAND_SET_ID, 77, 0, 4, board]))
+    codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (w.COMMAND_SET_ID, 77, 0, 4, board)))
     bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
     bench.run(1)
     assert bench.joint.parameters.node == 4
@@ -227,7 +228,7 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
 def test_commands_to_all_move_nobody_else(bench):
     frame = array("H", [0] * 4)
     for command in (w.COMMAND_REBOOT, w.COMMAND_ARM, w.COMMAND_SAVE_PARAMETERS, w.COMMAND_DISARM):
-        codec.encode_service_request(frame, array("i", [command, command, SESSION, 0, 0]))
+        codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (command, command, SESSION, 0, 0)))
         frames(bench.board)
         bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
         bench.run(1)

@@ -75,9 +75,9 @@ class Machine:
         if self.swing:
             self.swing.speed = 0.0
 
-    def tell(self, event, x, z):
+    def tell(self, event, z):
         """Note what has happened; anything but a landing ends even ground."""
-        self.events.append((event, self.leg, x, z))
+        self.events.append((event, self.leg, z))
         if event != LANDED:
             self.steps_even = 0
 
@@ -152,7 +152,7 @@ class Machine:
         if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle:
             return
         if self.ticks > move.ticks + k.warp_ticks:
-            self.tell(WARP, self.feet[leg][0], self.warp)
+            self.tell(WARP, self.warp)
             self.leave_ground(felt)
         elif not self.doubt.above(abs(error), 4 * NEWTON, FORCE_ROUNDING):
             self.leave_ground(felt)
@@ -236,7 +236,7 @@ class Machine:
         if self.runs_into(felt):
             seen = felt.seen[s.leg]
             s.hits += 1
-            self.tell(HIT, seen[0], seen[2] - s.expect)
+            self.tell(HIT, seen[2] - s.expect)
             s.place[0], s.top = seen[0] - k.hit_back, s.place[2] + k.raised
             self.enter(LIFT)
         elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
@@ -276,7 +276,7 @@ class Machine:
         elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.void, PLACE_ROUNDING):
             self.drop(felt)
         elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
-            self.tell(NOTHING, s.place[0], -below)
+            self.tell(NOTHING, -below)
             self.land(felt)
 
     def go_down(self, felt):
@@ -328,7 +328,7 @@ class Machine:
     def free_shin(self, felt, z):
         """Off the edge and on a little."""
         s, k = self.swing, self.k
-        self.tell(SHIN, s.place[0], z - s.expect)
+        self.tell(SHIN, z - s.expect)
         self.again_with_hip(felt, s.place[0] + k.advance, max(z + k.shin_raise, s.expect + k.clear))
 
     def touch(self, felt, z):
@@ -342,7 +342,7 @@ class Machine:
         if s.tries >= tries or not self.doubt.above(z - s.expect, k.high, PLACE_ROUNDING):
             self.land(felt)
             return
-        self.tell(HIGH, s.place[0], z - s.expect)
+        self.tell(HIGH, z - s.expect)
         x = s.place[0] + k.advance
         if s.leg < RR:
             s.expect = z
@@ -357,7 +357,7 @@ class Machine:
             s.dropped = True
             if self.other_is_down(s):
                 return
-        self.tell(VOID, s.place[0], s.place[2] - s.expect)
+        self.tell(VOID, s.place[2] - s.expect)
         if s.leg < RR:
             self.again_with_hip(felt, s.place[0] + k.advance_void, s.expect + k.clear)
         else:
@@ -375,7 +375,7 @@ class Machine:
         s, leg = self.swing, self.leg
         self.feet[leg] = list(felt.seen[leg])
         self.stands[leg], self.share[leg] = True, 0.0
-        self.tell(LANDED, self.feet[leg][0], self.feet[leg][2] - s.expect)
+        self.tell(LANDED, self.feet[leg][2] - s.expect)
         if leg < RR:
             self.prints[leg] = (self.prints[leg] + [list(self.feet[leg])])[-4:]
             self.on_print[leg] = True

@@ -369,7 +369,7 @@ class Pair:
             if other.stage in (twin.DOWN, twin.REST):
                 same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
         if other.events:
-            event, leg, _, _ = other.events[-1]
+            event, leg, _ = other.events[-1]
             same["event"] = [c.event.code, c.event.leg], [event, leg]
         for what, (core, exact) in same.items():
             if list_of(core) != list_of(exact):
@@ -401,7 +401,7 @@ class Pair:
             if feels(other):
                 pairs.append(("tare", [c.contact.tare_q12 / 4096], [s.tare]))
         if other.events:
-            pairs.append(("event", [v * self.unit_m for v in (c.event.x, c.event.z)], other.events[-1][2:]))
+            pairs.append(("event", [c.event.z * self.unit_m], other.events[-1][2:]))
         for what, core, exact in pairs:
             off = largest(core, exact) / (self.size if what not in ("shares", "tare", "tilt") else 1)
             if off > self.bounds[what]:

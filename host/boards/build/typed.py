@@ -11,10 +11,9 @@ from .lower import Lowering, lower
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, inline_constants, strip_pointers
 from .rules import aliases, check_hot
-from .source import Module, hot_functions, resolve
+from .source import Module, hot_functions
 
 NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64 would raise OverflowError
-_ARRAY = "list[int]"  # what zeros() makes on CPython
 _TABLE = "tuple[int, ...]"  # what table() leaves
 _ANY = "Any"
 _IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
@@ -43,7 +42,7 @@ def _typed(module: Module, kinds: Kinds) -> bytes:
         edits += _unmark(function, place)
         edits += _type_signature(function, place)
         known = Lowering(module, kinds, set(), place).known(function)
-        local = _locals(module, function, kinds.modules)
+        local = _locals(function)
         local |= {name: _TABLE for name in local if name in known and known[name].kind == "table"}
         names = "; ".join(f"{name}: {kind}" for name, kind in local.items() if name not in known or kind == _TABLE)
         if names:
@@ -79,54 +78,20 @@ def _unmark(function: ast.FunctionDef, place: Places) -> list[Edit]:
 
 
 def _type_signature(function: ast.FunctionDef, place: Places) -> list[Edit]:
-    arrays = {name for name, kind in _pointers(function) if kind == "ptr32"}
     edits = []
     for parameter in function.args.args:
         if isinstance(parameter.annotation, ast.Name) and parameter.annotation.id == "int":
             edits.append(Edit(place.start(parameter.annotation), len("int"), NUMBER))
         elif parameter.annotation is None:
-            kind = _ARRAY if parameter.arg in arrays else _ANY
-            edits.append(Edit(place.end(parameter), 0, f": {kind}"))
+            edits.append(Edit(place.end(parameter), 0, f": {_ANY}"))
     assert function.returns is not None  # check_hot saw to that
     edits.append(Edit(place.start(function.returns), len("int"), NUMBER))
     return edits
 
 
-def _pointers(function: ast.FunctionDef) -> list[tuple[str, str]]:
-    """Return the names that pointers are made of, each with its kind."""
-    calls = [node for node in ast.walk(function) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)]
-    return [(call.args[0].id, call.func.id) for call in calls  # type: ignore[attr-defined]
-            if call.func.id.startswith("ptr") and isinstance(call.args[0], ast.Name)]  # type: ignore[attr-defined]
-
-
-def _locals(module: Module, function: ast.FunctionDef, modules: dict[str, Module]) -> dict[str, str]:
-    """Return every local name with its type: a pointer's, else that of numbers."""
+def _locals(function: ast.FunctionDef) -> dict[str, str]:
+    """Return every local name with its type: anything for a pointer, which a frame or a table of the wire is."""
     given = {parameter.arg for parameter in function.args.args}
     stored = {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     pointers = aliases(function)
-    kinds = dict.fromkeys(sorted(stored - given), NUMBER)
-    for node in ast.walk(function):
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id in pointers:
-            kinds[node.targets[0].id] = _aliased(module, node.value, given, modules)
-    return kinds
-
-
-def _aliased(module: Module, call: ast.expr, given: set[str], modules: dict[str, Module]) -> str:
-    """Return the type of what ``ptr16(x)`` or ``ptr32(x)`` stands for."""
-    assert isinstance(call, ast.Call)
-    assert isinstance(call.func, ast.Name)
-    source = call.args[0]
-    if isinstance(source, ast.Name) and source.id not in given:
-        return _TABLE if _is_table(module, source.id, modules) else _ANY
-    return _ARRAY if call.func.id == "ptr32" else _ANY  # a frame is an array of the wire
-
-
-def _is_table(module: Module, name: str, modules: dict[str, Module]) -> bool:
-    found = resolve(module, name, modules)
-    if found is None:
-        return False
-    for node in found[0].tree.body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == found[1]:
-            call = node.value
-            return isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "table"
-    return False
+    return {name: _ANY if name in pointers else NUMBER for name in sorted(stored - given)}

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from math import tau
 
 from shared.wire import names as w
+from shared.wire.codec import Reply
 
 from ...robot.joint_units import Units
 from .guard import E_STOP, REACTIONS, Guard, Notice, worst
@@ -234,5 +235,5 @@ def _is_off(view: JointView, since_s: float) -> bool:
     return view.heartbeat_s > since_s and view.state not in TORQUE_STATES
 
 
-def _position(reply: Sequence[int]) -> int:
-    return 0 if reply[w.REPLY_POSITION] == w.NOT_AVAILABLE else reply[w.REPLY_POSITION]
+def _position(reply: Reply) -> int:
+    return 0 if reply.position == w.NOT_AVAILABLE else reply.position

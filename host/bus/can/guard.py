@@ -80,11 +80,11 @@ class Guard:
         if now - view.heartbeat_s > HEARTBEAT_S:
             text = f"{name} is not there: check its power, the CAN cable and both terminators"
             return [Notice(view.node, "missing", text, "refuse")]
-        theirs = view.heartbeat[w.HEARTBEAT_PROTOCOL_HASH]
+        theirs = view.heartbeat.protocol_hash
         if theirs != w.PROTOCOL_HASH:
             text = f"{name} speaks protocol {theirs:#06x}, this host {w.PROTOCOL_HASH:#06x}: flash the joint anew"
             return [Notice(view.node, "hash", text, "refuse")]
-        if view.heartbeat[w.HEARTBEAT_FAULT]:
+        if view.heartbeat.fault:
             return [Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "refuse")]
         return []
 
@@ -99,11 +99,11 @@ class Guard:
 
     def fault_text(self, view: JointView) -> str:
         """Return a joint's latched fault as a sentence with a hint."""
-        code = view.heartbeat[w.HEARTBEAT_FAULT]
-        known = view.fault[w.FAULT_CODE] == code
+        code = view.heartbeat.fault
+        known = view.fault.code == code
         if code and not known:
             return f"{fault_name(code)}; its fault record has not come yet, look again in a second"
-        return fault_sentence(code, view.fault[w.FAULT_VALUE] if known else 0, self._units)
+        return fault_sentence(code, view.fault.value if known else 0, self._units)
 
     def while_armed(self) -> list[Notice]:
         """Return what has happened since arming; called every cycle."""
@@ -118,15 +118,15 @@ class Guard:
 
     def _armed(self, view: JointView, now: float) -> Notice | None:
         name, heartbeat = joint_name(view.node), view.heartbeat
-        if heartbeat[w.HEARTBEAT_FAULT] == FAULT_DUPLICATE_ID:
+        if heartbeat.fault == FAULT_DUPLICATE_ID:
             return Notice(view.node, "duplicate", f"{name}: another board has the same node", "damp")
-        if heartbeat[w.HEARTBEAT_FAULT]:
+        if heartbeat.fault:
             return Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "damp")
-        if heartbeat[w.HEARTBEAT_SESSION] != self.link.session:
+        if heartbeat.session != self.link.session:
             return Notice(view.node, "reset", f"{name} was reset: look at its supply and its connector", "damp")
         if now - view.reply_s > SILENT_S:
             return Notice(view.node, "silent", f"{name} has not replied for {now - view.reply_s:.2f} s", "damp")
-        if view.status[w.SLOW_STATUS_LIMITS] & _HOT:
+        if view.status.limits & _HOT:
             return Notice(view.node, "hot", f"{name} gets hot and is held back: let the robot sit and cool", "sit")
         if view.node in self._lossy:
             return Notice(view.node, "loss", f"{name}: more than a tenth of its replies is lost", "sit")

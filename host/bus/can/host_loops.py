@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 
 from shared.joint.cascade import cascade_reset, follow_position, position_from_wire, rate_from_wire, velocity_loop
 from shared.wire import names as w
+from shared.wire.codec import Reply
 
 from ...robot.actuators import Drive
 from ...robot.joint_gains import JointBlocks
@@ -55,7 +56,7 @@ class HostLoops:
         self._ticks = self._milliseconds()
         for i, goal in enumerate(goals_brad):
             reply = views[i + 1].reply
-            if reply[w.REPLY_POSITION] == w.NOT_AVAILABLE:
+            if reply.position == w.NOT_AVAILABLE:
                 self._wanted[i] = w.NO_CHANGE
             else:
                 self._wanted[i] = self._setpoint(i, goal, steps_brad[i], reply)
@@ -67,12 +68,12 @@ class HostLoops:
         self._cycles += 1
         return self._cycles * MOTION_HZ // self._rate_hz - before
 
-    def _setpoint(self, i: int, goal_brad: int, step_brad: float, reply: Sequence[int]) -> int:
+    def _setpoint(self, i: int, goal_brad: int, step_brad: float, reply: Reply) -> int:
         block = self._blocks[i]
         state, settings, io = block.state, block.settings, block.io
-        rate = rate_from_wire(reply[w.REPLY_VELOCITY], settings.rate_q8)
+        rate = rate_from_wire(reply.velocity, settings.rate_q8)
         state.velocity = rate
-        state.position = position_from_wire(reply[w.REPLY_POSITION], settings.gear_q8)
+        state.position = position_from_wire(reply.position, settings.gear_q8)
         if not self._started[i]:
             cascade_reset(settings, state)
             self._started[i] = True

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from math import inf, tau
 
 from shared.wire import names as w
+from shared.wire.codec import SlowStatus
 from shared.wire.parameters import PARAMETER_CURRENT_MAX
 
 from ...robot.coupling import to_joint, to_motor
@@ -126,7 +127,7 @@ class CanJoints(Bus):
             self.run_for(2 * self.cycle.period_s)
 
     def _home(self) -> None:
-        lost = [n for n in self.link.nodes if self.link.views[n].reply[w.REPLY_POSITION] == w.NOT_AVAILABLE]
+        lost = [n for n in self.link.nodes if self.link.views[n].reply.position == w.NOT_AVAILABLE]
         if lost and self._pose is None:
             raise UserError(f"{joint_name(lost[0])} does not know its angle: put the robot into its sitting pose")
         motors = to_motor(self.robot, self._pose) if self._pose is not None else []
@@ -217,8 +218,8 @@ class CanJoints(Bus):
     def _measured(self) -> Measured:
         now, views = self.now(), [self.link.views[node] for node in self.link.nodes]
         self._count()
-        position = [_known(view.reply[w.REPLY_POSITION]) * _RAD_PER_BRAD for view in views]
-        speed = [_known(view.reply[w.REPLY_VELOCITY]) * _RAD_S_PER_WIRE for view in views]
+        position = [_known(view.reply.position) * _RAD_PER_BRAD for view in views]
+        speed = [_known(view.reply.velocity) * _RAD_S_PER_WIRE for view in views]
         drive = self.robot.actuator
         assert drive.kind == "bldc"
         amperes = drive.drive.current_limit_A
@@ -226,10 +227,10 @@ class CanJoints(Bus):
             time_s=now,
             position_rad=tuple(to_joint(self.robot, position)),
             speed_rad_s=tuple(to_joint(self.robot, speed)),
-            load=tuple(max(-1.0, min(1.0, _known(v.reply[w.REPLY_CURRENT]) / 4096 / amperes)) for v in views),
-            temperature_C=tuple(max(v.status[0], v.status[1]) / 16 for v in views),
-            voltage_V=tuple(v.status[w.SLOW_STATUS_BUS_VOLTAGE] / 16 for v in views),
-            error=tuple(self.cycle.guard.fault_text(v) if v.heartbeat[w.HEARTBEAT_FAULT] else "" for v in views),
+            load=tuple(max(-1.0, min(1.0, _known(v.reply.current) / 4096 / amperes)) for v in views),
+            temperature_C=tuple(_warmest_C(v.status) for v in views),
+            voltage_V=tuple(v.status.bus_voltage / 16 for v in views),
+            error=tuple(self.cycle.guard.fault_text(v) if v.heartbeat.fault else "" for v in views),
             age_s=tuple(now - v.reply_s if v.reply_s > -inf else inf for v in views),
             slow_age_s=tuple(now - v.status_s if v.status_s > -inf else inf for v in views),
             faults=tuple(Fault(ACTIONS[n.reaction], n.what, n.sentence) for n in self.cycle.notices),
@@ -375,3 +376,8 @@ def _host_loops(robot: Robot) -> HostLoops | None:
 
 def _known(raw: int) -> int:
     return 0 if raw == w.NOT_AVAILABLE else raw
+
+
+def _warmest_C(status: SlowStatus) -> float:
+    measured = (status.winding_temperature, status.mcu_temperature)
+    return max((raw for raw in measured if raw != w.NOT_AVAILABLE_13), default=0) / 16

@@ -10,8 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf
 
+from shared.record import pack, unpack
 from shared.wire import names as w
 from shared.wire.codec import (
+    Fault,
+    Heartbeat,
+    Reply,
+    ServiceRequest,
+    ServiceResponse,
+    SlowStatus,
+    Sync,
     decode_fault,
     decode_heartbeat,
     decode_reply,
@@ -38,10 +46,10 @@ class JointView:
     """What one joint said last, raw, and what of it was missing. ``heard_s`` is when it said anything at all."""
 
     node: int
-    reply: array = field(default_factory=lambda: array("i", [w.NOT_AVAILABLE] * w.REPLY_FIELDS))
-    status: array = field(default_factory=lambda: array("i", [0] * w.SLOW_STATUS_FIELDS))
-    heartbeat: array = field(default_factory=lambda: array("i", [0] * w.HEARTBEAT_FIELDS))
-    fault: array = field(default_factory=lambda: array("i", [0] * w.FAULT_FIELDS))
+    reply: Reply = field(default_factory=Reply)
+    status: SlowStatus = field(default_factory=SlowStatus)
+    heartbeat: Heartbeat = field(default_factory=Heartbeat)
+    fault: Fault = field(default_factory=Fault)
     heard_s: float = -inf
     reply_s: float = -inf
     status_s: float = -inf
@@ -56,7 +64,7 @@ class JointView:
     @property
     def state(self) -> int:
         """Return STATE_* of the last heartbeat."""
-        return int(self.heartbeat[w.HEARTBEAT_STATE])
+        return self.heartbeat.state
 
     @property
     def enabled(self) -> bool:
@@ -67,7 +75,7 @@ class JointView:
     def version(self) -> tuple[int, int, int]:
         """Return the firmware's version."""
         h = self.heartbeat
-        return h[w.HEARTBEAT_FIRMWARE_MAJOR], h[w.HEARTBEAT_FIRMWARE_MINOR], h[w.HEARTBEAT_FIRMWARE_PATCH]
+        return h.firmware_major, h.firmware_minor, h.firmware_patch
 
 
 @dataclass(frozen=True)
@@ -102,12 +110,13 @@ class JointLink:
         self.floods = 0  # times that more had come than was read at once
         self._in, self._out = new_frame(), new_frame()
         self._slots = array("i", [w.NO_CHANGE] * 4)
-        self._sync = array("i", [0, session])
-        self._answer = array("i", [0] * w.SERVICE_RESPONSE_FIELDS)
+        self._sync = Sync()
+        self._sync.session = session
+        self._answer = ServiceResponse()
         self._groups = sorted({(node - 1) // 4 for node in self.nodes})
         self._counting = False
         self._sequence = 37 * session & 0xFF  # another host's last request must not look like this one's first
-        self._request = array("i", [0] * w.SERVICE_REQUEST_FIELDS)
+        self._request = ServiceRequest()
 
     def alive(self) -> list[int]:
         """Return the nodes that have sent a heartbeat lately."""
@@ -118,8 +127,7 @@ class JointLink:
         """Send a request to a node, 0 for all, and return its sequence number; ``again`` repeats the last one's."""
         if not again:
             self._sequence = (self._sequence + 1) & 0xFF
-        for place, part in enumerate((command, self._sequence, self.session, index, value)):
-            self._request[place] = part
+        unpack(self._request, (command, self._sequence, self.session, index, value))
         self.clipped += encode_service_request(self._out.words, self._request)
         self.port.send(w.SERVICE_REQUEST_ID + node, self._out.data.tobytes())
         return self._sequence
@@ -139,7 +147,7 @@ class JointLink:
             view = self.views[node]
             if not view.answered:
                 view.lost += 1
-        self._sync[0] = self.syncs & 0xFF
+        self._sync.counter = self.syncs & 0xFF
         encode_sync(self._out.words, self._sync)
         self._counting = self.port.send(w.SYNC_ID, self._out.data[: w.SYNC_LENGTH].tobytes())
         self.syncs += 1
@@ -203,4 +211,4 @@ class JointLink:
 
     def _take_response(self, node: int, length: int) -> None:
         if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer):
-            self.responses.append(Response(node, *self._answer))
+            self.responses.append(Response(node, *pack(self._answer)))

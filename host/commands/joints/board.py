@@ -59,9 +59,9 @@ def calibrate(
         view = bus.link.views[node]
         bus.requests.challenged(node, w.COMMAND_CALIBRATE, kinds[kind], low=0)
         bus.run_for(0.5)
-        while view.heartbeat[w.HEARTBEAT_MODE] == w.MODE_CALIBRATING:
+        while view.heartbeat.mode == w.MODE_CALIBRATING:
             bus.run_for(0.1)
-        if view.heartbeat[w.HEARTBEAT_FAULT]:
+        if view.heartbeat.fault:
             raise UserError(bus.cycle.guard.fault_text(view), NOT_ACHIEVED)
         if kind != "verify":
             bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)

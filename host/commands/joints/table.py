@@ -13,6 +13,7 @@ HOMELESS = "does not know its angle yet: put the robot into its sitting pose; ar
 def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
     from math import isinf
 
+    from shared.record import pack
     from shared.wire import names as w
 
     from ...bus.can.service import joint_name
@@ -21,22 +22,22 @@ def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
     age_s = bus.now() - view.heartbeat_s
     if isinf(age_s) or age_s > 1.0:
         return {"joint": joint_name(view.node), "state": "not there", "fault": "check its power and the CAN cable"}
-    heartbeat = describe(w.HEARTBEAT_ID + view.node, encode(w.HEARTBEAT_ID + view.node, list(view.heartbeat))[0]) or {}
-    slow = describe(w.SLOW_STATUS_ID + view.node, encode(w.SLOW_STATUS_ID + view.node, list(view.status))[0]) or {}
-    position = view.reply[w.REPLY_POSITION]
+    heartbeat = describe(w.HEARTBEAT_ID + view.node, encode(w.HEARTBEAT_ID + view.node, pack(view.heartbeat))[0]) or {}
+    slow = describe(w.SLOW_STATUS_ID + view.node, encode(w.SLOW_STATUS_ID + view.node, pack(view.status))[0]) or {}
+    position = view.reply.position
     return {
         "joint": joint_name(view.node),
         "state": str(heartbeat["state"]).replace("_", " "),
         "mode": heartbeat["mode"],
         "motor_deg": None if position == w.NOT_AVAILABLE else round(position * 360 / 65536, 2),
-        "current_A": round(view.reply[w.REPLY_CURRENT] / 4096, 3),
+        "current_A": round(view.reply.current / 4096, 3),
         "bus_V": slow["bus_voltage"],
         "winding_C": slow["winding_temperature"],
         "board_C": slow["mcu_temperature"],
         "limits": slow["limits"],
         "lost": view.lost,
         "late": view.late,
-        "fault": bus.cycle.guard.fault_text(view) if view.heartbeat[w.HEARTBEAT_FAULT] else "none",
+        "fault": bus.cycle.guard.fault_text(view) if view.heartbeat.fault else "none",
         "remark": HOMELESS if position == w.NOT_AVAILABLE else "",
     }
 

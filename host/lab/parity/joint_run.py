@@ -23,8 +23,9 @@ from shared.joint.encoder import home_by_encoder
 from shared.joint.layout import JointState
 from shared.joint.report import report_position
 from shared.joint.tick import joint_reset
+from shared.record import unpack
 from shared.wire import names as w
-from shared.wire.codec import encode_group, encode_service_request, encode_sync
+from shared.wire.codec import ServiceRequest, Sync, encode_group, encode_service_request, encode_sync
 
 from ...boards.build.records import place_of
 from ...boards.runtimes.base import RuntimeFailure
@@ -187,14 +188,14 @@ def frames(beyond_brad: int) -> dict[int, tuple[int, bytes]]:
     """Return identifier and data of each frame by its number; the set-point lies so far from where the joint is."""
     frame = array("H", [0] * 4)
     made = {STOP: (w.E_STOP_ID, b"")}
-    encode_sync(frame, array("i", [0, SESSION]))
+    encode_sync(frame, unpack(Sync(), (0, SESSION)))
     made[SYNC] = w.SYNC_ID, frame.tobytes()[: w.SYNC_LENGTH]
     encode_group(frame, array("i", [_position() + beyond_brad] + [w.NO_CHANGE] * 3))
     made[SETPOINT] = w.SETPOINT_POSITION_ID, frame.tobytes()
     request = [w.COMMAND_ARM, 1, SESSION, 0, (RANDOM & 0x3FFF) << 16 | w.PROTOCOL_HASH]
-    encode_service_request(frame, array("i", request))
+    encode_service_request(frame, unpack(ServiceRequest(), request))
     made[ARM] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
-    encode_service_request(frame, array("i", [w.COMMAND_CLEAR_FAULT, 2, SESSION, 0, 0]))
+    encode_service_request(frame, unpack(ServiceRequest(), (w.COMMAND_CLEAR_FAULT, 2, SESSION, 0, 0)))
     made[CLEAR] = w.SERVICE_REQUEST_ID + NODE, frame.tobytes()
     return made
 

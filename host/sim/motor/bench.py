@@ -12,8 +12,17 @@ from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.settings import Memory
 from shared.joint.layout import JointState
+from shared.record import unpack
 from shared.wire import names as w
-from shared.wire.codec import decode_service_response, encode_group, encode_service_request, encode_sync
+from shared.wire.codec import (
+    ServiceRequest,
+    ServiceResponse,
+    Sync,
+    decode_service_response,
+    encode_group,
+    encode_service_request,
+    encode_sync,
+)
 
 from ...robot.actuators import Bldc
 from ...robot.joint_gains import JointBlocks, joint_blocks
@@ -162,7 +171,7 @@ class Bench:
         self._group(w.SETPOINT_POSITION_ID + self.mode - 1, round(self.goal * scale))
         if self.mode == w.MODE_POSITION and self.goal_speed:
             self._group(w.FEEDFORWARD_VELOCITY_ID, round(self.goal_speed * 4096 / tau))
-        encode_sync(self._frame, array("i", [self._sync, SESSION]))
+        encode_sync(self._frame, unpack(Sync(), (self._sync, SESSION)))
         self.board.deliver(w.SYNC_ID, self._frame, w.SYNC_LENGTH)
         self._sync = (self._sync + 1) & 0xFF
 
@@ -180,18 +189,18 @@ class Bench:
     def ask(self, command: int, index: int, value: int) -> int:
         """Send a service request as it is, let it be answered, and return RESULT_*."""
         self._sequence = (self._sequence + 1) & 0xFF
-        fields = array("i", [command, self._sequence, SESSION, index, value])
-        encode_service_request(self._frame, fields)
+        fields = (command, self._sequence, SESSION, index, value)
+        encode_service_request(self._frame, unpack(ServiceRequest(), fields))
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self._frame, 8)
         self._drop_sent()
         self.run(1)
-        answer, frame = array("i", [0] * 5), array("H", [0] * 4)
+        answer, frame = ServiceResponse(), array("H", [0] * 4)
         while True:
             identifier = self.board.sent.take(frame)
             if identifier < 0:
                 raise UserError(f"the simulated joint does not answer request {command}")
             if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer) == 0:
-                return answer[w.SERVICE_RESPONSE_RESULT]
+                return answer.result
 
     def _drop_sent(self) -> None:
         frame = array("H", [0] * 4)

@@ -148,7 +148,6 @@ def _soil_stage(dice):
     EVENT.code = dice.bits(3)
     EVENT.leg = dice.bits(2)
     EVENT.number = PREVIOUS.any(dice)
-    EVEN.uneven = PREVIOUS.any(dice)
     EVEN.landed = PREVIOUS.any(dice)
     EVEN.even_steps = PREVIOUS.any(dice)
 
@@ -163,7 +162,6 @@ def _soil(values, dice):
     for at in range(12):
         SENSING.level[at] = dice.bits(16) - 32768
         JOINTS[at] = dice.bits(14) - 8192
-        CRAWL.measured[at] = JOINTS[at]
         CRAWL.goals[at] = dice.bits(16) - 32768
         CRAWL.jumps[at] = _near(dice, bits)
         CRAWL.pose[at % 6] = dice.bits(14) - 8192
@@ -195,7 +193,6 @@ class _Walk:
             self.start(dice)
         self.ticks += 1
         for joint in range(12):
-            CRAWL.measured[joint] = JOINTS[joint]
             JOINTS[joint] += (GOALS[joint] - JOINTS[joint]) // 2 + dice.bits(5) - 16
         OWN.lateral_q12 = 0 if self.ticks // 400 & 1 else LATERAL_Q12
         sense_legs(PARAMS[0], JOINTS, values[3], values[4], SENSING)
@@ -340,6 +337,7 @@ PROBES = (
     _stateful(crawl_steps, "drop_hind", CRAWL, HIND),
     _stateful(crawl_steps, "land", CRAWL, LEG),
     _stateful(crawl_even, "note_landing", ROBOT, MAP, FOOT, EVEN, LEG),
+    _stateful(crawl_even, "off_even", MAP, FOOT, LEG),
     _stateful(crawl_even, "feet_length", MAP),
     _stateful(crawl_even, "feet_rise", MAP),
     _stateful(crawl_even, "expected_rise", ROBOT, MAP, EVEN, AHEAD),
@@ -348,7 +346,6 @@ PROBES = (
     _stateful(crawl, "start_map", CRAWL, SENSING, JOINTS, TILT, TILT),
     _stateful(crawl, "start_support", SENSING, SUPPORT),
     _stateful(crawl, "take_tilt", OWN, MAP, TILT, TILT),
-    _stateful(crawl, "measure", CRAWL, JOINTS),
     _stateful(crawl, "weigh", ROBOT, SENSING, SUPPORT),
     _stateful(crawl, "rebase", CRAWL),
     _stateful(crawl, "move_origin", MAP, FOOTHOLDS, PATH, FOOT, CONTACT, Range(0, 2), PLACE),

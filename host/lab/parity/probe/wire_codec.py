@@ -2,6 +2,7 @@
 
 from array import array
 
+from shared.record import size_of
 from shared.wire import codec
 
 from .draw import Range
@@ -10,15 +11,24 @@ from .probe import Block, Probe
 
 SOURCES = ("wire.codec",)
 
-FIELDS = 10
 WORD = Range(0, 65535)
 FRAME = Block(array("H", [0] * 4), (4, WORD))
-VALUES = Block(array("i", [0] * FIELDS), (FIELDS, INT30))
+VALUES = {
+    "sync": codec.Sync(),
+    "group": array("i", [0] * 4),
+    "fault": codec.Fault(),
+    "reply": codec.Reply(),
+    "slow_status": codec.SlowStatus(),
+    "heartbeat": codec.Heartbeat(),
+    "service_request": codec.ServiceRequest(),
+    "service_response": codec.ServiceResponse(),
+}
 
 
 def _codec(name):
-    arguments = (FRAME, VALUES)
-    return Probe(name, getattr(codec, name), arguments, watch=(FRAME.array, VALUES.array))
+    values = VALUES[name[7:]]  # behind "encode_" or "decode_"
+    block = Block(values, (size_of(values), INT30))
+    return Probe(name, getattr(codec, name), (FRAME, block), watch=(FRAME.array, values))
 
 
 PROBES = tuple([_codec(name) for name in sorted(dir(codec)) if name.startswith(("encode_", "decode_"))])

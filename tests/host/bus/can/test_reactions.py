@@ -15,7 +15,9 @@ from host.robot.poses import seated_pose_rad
 from host.sim.joints.sim_joint import SimJoint
 from host.sim.joints.sim_robot import SimRobot, power_off, sim_port
 from host.util.errors import UserError
+from shared.record import pack, unpack
 from shared.wire import names as w
+from shared.wire.codec import Heartbeat
 from tests.host.control.rig import AHEAD, SCRIPT, STAND, STILL, Silence
 
 from .robot import SESSION, Walker, variant
@@ -85,9 +87,9 @@ def forge_heartbeats(sim, node, field, value):
 
     def forged(identifier, data):
         if identifier == w.HEARTBEAT_ID + node:
-            values, _ = decode(identifier, data)
-            values[field] = value
-            data, _ = encode(identifier, list(values))
+            values = unpack(Heartbeat(), decode(identifier, data)[0])
+            setattr(values, field, value)
+            data, _ = encode(identifier, pack(values))
         return send(identifier, data)
 
     joint.send = forged
@@ -115,12 +117,12 @@ def test_a_missing_joint_keeps_the_robot_from_being_armed(seated):
 
 
 def test_another_protocol_keeps_the_robot_from_being_armed(seated):
-    forge_heartbeats(seated.sim, 4, w.HEARTBEAT_PROTOCOL_HASH, 0x1234)
+    forge_heartbeats(seated.sim, 4, "protocol_hash", 0x1234)
     refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: flash the joint anew")
 
 
 def test_mixed_firmware_keeps_the_robot_from_being_armed(seated):
-    forge_heartbeats(seated.sim, 7, w.HEARTBEAT_FIRMWARE_MINOR, 9)
+    forge_heartbeats(seated.sim, 7, "firmware_minor", 9)
     refused(seated, r"different firmware: .*on nodes 7.*flash all the same")
 
 
