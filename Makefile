@@ -10,7 +10,7 @@
 #   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
 
 PYTHON ?= python3
-EXTRAS ?= sim,web,record,firmware,test
+EXTRAS ?= sim,space,web,record,firmware,test
 JOBS ?= 2
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check

@@ -54,7 +54,9 @@ def picked():
     return runpy.run_path(str(ROOT / ".ci/requirements.py"))["requirements"]
 
 
-@pytest.mark.parametrize("extras", ["", "web,record,pi", "sim,web,record,firmware,test", "compile", "emulator", "lock"])
+@pytest.mark.parametrize(
+    "extras", ["", "web,record,pi", "sim,space,web,record,firmware,test", "compile", "emulator", "lock"]
+)
 def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, extras):
     extras = extras.split(",") if extras else []
     text = picked(LOCK, extras)

@@ -22,7 +22,7 @@ EXTRA_OF = {
     "micropython_unix": "test",
     "cantools": "test",
     "msgpack": "sim",
-    "mujoco": "test",
+    "mujoco": "space",
     "cmsisdsp": "test",
 }
 

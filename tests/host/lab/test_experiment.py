@@ -347,7 +347,7 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra test)")
+@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra space)")
 def test_all_experiments_run(run, tmp_path):
     """Everything once, one trial each, in both simulators."""
     code, out, _ = run("experiment", "all", "--gait", "paper-trot", "--trials", "1", "--jobs", "2", "--json",

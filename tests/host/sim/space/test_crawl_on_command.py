@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.lab.experiments.steps import space_ground

@@ -17,7 +17,7 @@ from host.sim.export.urdf import urdf
 from host.sim.space.grounds import GroundSpec, make_ground
 from sim2d import terrain
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 np = pytest.importorskip("numpy")
 
 ROBOTS = ("caramelo", "parallel")

@@ -5,7 +5,7 @@ The full list takes minutes: pytest -m slow tests/host/sim/space. Here one walk 
 
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.lab.experiments import goals, payload, ramp

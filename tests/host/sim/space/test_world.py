@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 
 import numpy as np
 
