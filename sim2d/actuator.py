@@ -39,13 +39,18 @@ class Drives(Actuator, Protocol):
 class PositionServos:
     """Eight position servos: duty = clip(error x stiffness / stall), torque = stall x duty - b x speed.
 
+    A drive with a speed loop damps within its stall torque.
+
     It has no integral term and no speed loop, so it sags under load, as the real one does.
     """
 
     def __init__(self, servos: Sequence[ServoModel]) -> None:
         if len(servos) != PLANAR_JOINTS:
             raise ValueError(f"actuator: {len(servos)} servos, must be {PLANAR_JOINTS}")
-        self._rows = [(i, s.stiffness_Nm_rad, s.stall_torque_Nm, s.damping_Nms_rad) for i, s in enumerate(servos)]
+        self._rows = []
+        for i, s in enumerate(servos):
+            inner, outer = (s.damping_Nms_rad, 0.0) if s.speed_loop else (0.0, s.damping_Nms_rad)
+            self._rows.append((i, s.stiffness_Nm_rad, s.stall_torque_Nm, inner, outer))
         self.given_Nm = [0.0] * PLANAR_JOINTS
         self.limit_Nm = [s.stall_torque_Nm for s in servos]
 
@@ -59,13 +64,13 @@ class PositionServos:
     ) -> None:
         """See ``Actuator``. Written without calls: this runs eight thousand times per simulated second."""
         given_Nm = self.given_Nm
-        for i, stiffness, stall, damping in self._rows:
-            drive = stiffness * (goal_rad[i] - position_rad[i])
+        for i, stiffness, stall, inner, outer in self._rows:
+            drive = stiffness * (goal_rad[i] - position_rad[i]) - inner * speed_rad_s[i]
             if drive > stall:
                 drive = stall
             elif drive < -stall:
                 drive = -stall
-            torque_Nm[i] = given_Nm[i] = drive - damping * speed_rad_s[i]
+            torque_Nm[i] = given_Nm[i] = drive - outer * speed_rad_s[i]
 
 
 class CalfOnTorso:

@@ -40,7 +40,10 @@ class Link:
 
 @dataclass(frozen=True)
 class ServoModel:
-    """A position servo seen from the joint: torque = clip(stiffness x error, +-stall) - damping x speed.
+    """A position drive seen from the joint: torque = clip(stiffness x error, +-stall) - damping x speed.
+
+    That is a servo, whose damping is its motor's own. With a ``speed_loop`` it is the controller that damps, with what
+    torque it has: torque = clip(stiffness x error - damping x speed, +-stall).
 
     All torques hold at ``nominal_voltage_V``. ``voltage_points`` are the datasheet's (volts, stall torque
     relative to nominal, no-load speed relative to nominal), rising; with none, both go with the voltage.
@@ -54,6 +57,7 @@ class ServoModel:
     coulomb_Nm: float
     nominal_voltage_V: float
     voltage_points: tuple[tuple[float, float, float], ...] = ()
+    speed_loop: bool = False
 
     def __post_init__(self) -> None:
         for name in ("stall_torque_Nm", "stiffness_Nm_rad", "damping_Nms_rad", "nominal_voltage_V"):

@@ -60,9 +60,15 @@ def test_imports_run_one_way():
 
 
 # The packages of the core, in the order of their imports: each imports itself and those above it.
-CORE = ("runtime", "record", "num", "body", "sense", "gait", "trot", "crawl", "planner", "wire", "joint")
-_ROBOT = ("body", "sense", "gait", "trot", "crawl", "planner")  # what a joint and the wire know nothing of
-BESIDE = {"trot": ("crawl",), "crawl": ("trot",), "wire": _ROBOT, "joint": _ROBOT}
+CORE = ("runtime", "record", "num", "body", "sense", "gait", "trot", "crawl", "stride", "planner", "wire", "joint")
+_ROBOT = ("body", "sense", "gait", "trot", "crawl", "stride", "planner")  # what a joint and the wire know nothing of
+BESIDE = {
+    "trot": ("crawl", "stride"),
+    "crawl": ("trot", "stride"),
+    "stride": ("gait", "trot", "crawl"),
+    "wire": _ROBOT,
+    "joint": _ROBOT,
+}
 
 
 # The folders of the host, in the order of their imports. What drives a robot (all up to records, and teleop) imports

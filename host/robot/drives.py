@@ -55,4 +55,5 @@ def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
         armature_kgm2=inertia,
         coulomb_Nm=drive.motor.coulomb_Nm * ratio,
         nominal_voltage_V=drive.drive.bus_voltage_V,
+        speed_loop=True,
     )

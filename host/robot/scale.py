@@ -16,6 +16,7 @@ from .crawl_tuning import fill_crawl
 from .drives import joint_drives
 from .mass import com_at_rest_m, lever_m
 from .model import JOINT_NAMES, Balance, Robot, Trot
+from .stride_tuning import fill_stride
 
 BRAD_PER_RAD = 65536 / (2 * pi)
 Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
@@ -106,6 +107,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     _compliance(params, robot, scale)
     _trot(params, robot, scale)
     fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
+    fill_stride(params, robot)
     if planar:
         params.lateral_q12 = 0
     return params

@@ -8,6 +8,7 @@
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
 from .crawl_setup import CrawlSetup
+from .stride_setup import StrideSetup
 
 LEGS = const(4)
 JOINTS = const(12)
@@ -105,6 +106,7 @@ class Params:
     tilt_step: int = field("brad", "how far a reading of roll or pitch may be from the one before")
     joint_near: int = field("brad / tick", "what every joint of a leg can turn, whatever the others do")
     crawl: CrawlSetup = part(CrawlSetup, "the crawl over obstacles")
+    stride: StrideSetup = part(StrideSetup, "the fast trot")
 
 
 LF_BITS = const(8)  # lf = lu / 2^8

@@ -13,7 +13,7 @@ segment that moves the body while legs swing needs the even profile.
 
 from ..body.params import Params
 from ..runtime import const
-from .table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
+from .table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
 
 _FR = const(1)
 _FL = const(2)
@@ -40,6 +40,7 @@ GAITS = (
     ("paper-trot", MOVER_TABLE, PAPER_TROT),
     ("trot", MOVER_TROT, TROT),
     ("crawl", MOVER_CRAWL, TROT),
+    ("fast-trot", MOVER_STRIDE, TROT),
 )
 GAIT_NAMES = tuple([entry[0] for entry in GAITS])
 
@@ -49,4 +50,7 @@ def gait_for(entry: tuple, params: Params) -> Gait:
     _, mover, table = entry
     gait = compile_gait(table, params)
     gait.mover = mover
+    if mover == MOVER_STRIDE:
+        for axis in range(3):
+            gait.speed_max[axis] = params.stride.speed_max[axis]
     return gait

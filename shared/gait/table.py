@@ -16,6 +16,7 @@ MAX_SEGMENTS = const(8)
 MOVER_TABLE = const(0)  # its table, blind
 MOVER_TROT = const(1)  # the trot that feels; where it is held up, the crawl
 MOVER_CRAWL = const(2)  # the crawl that feels; what it cannot follow, the trot
+MOVER_STRIDE = const(3)  # the fast trot
 
 
 @record

@@ -6,7 +6,7 @@ within -2^30 .. 2^30-1 for the stated ranges, so nothing here is ever a heap obj
 MicroPython. The errors in the docstrings are worst cases, checked in tests/shared/test_fixed.py.
 """
 
-from ..runtime import const, hot
+from ..runtime import Ints, const, hot
 from .tables import ATAN_BRAD18, SIN_Q16, SQRT_SEED
 
 _HALF_TURN_BRAD = const(0x8000)
@@ -197,3 +197,71 @@ def hypot(x: int, y: int) -> int:
         y = (y + 1) >> 1
         shift += 1
     return isqrt(x * x + y * y) << shift
+
+
+@hot
+def round_roots(squares: Ints, roots: Ints, count: int) -> int:
+    """Write the roots of ``count`` numbers, rounded to nearest, 0 of negative ones; return 0. Each as round_sqrt."""
+    table = SQRT_SEED
+    for at in range(count):
+        n = squares[at]
+        root = 0
+        if n > 0:
+            scaled = n
+            shift = 15
+            while scaled < 0x10000000:
+                scaled <<= 2
+                shift -= 1
+            root = table[(scaled >> 22) - 64]
+            root = (root + scaled // root) >> 1
+            root >>= 15 - shift
+            while root * root > n:
+                root -= 1
+            if n - root * root > root:
+                root += 1
+        roots[at] = root
+    return 0
+
+
+@hot
+def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> int:
+    """Write the angles of ``count`` points (x, y) in 1/2^18 turn; return 0. Each as atan2_brad18."""
+    table = ATAN_BRAD18
+    for at in range(count):
+        far = xs[at]
+        near = ys[at]
+        turned = 0
+        if far < 0:
+            far = -far
+            turned = 1
+        if near < 0:
+            near = -near
+            turned += 2
+        if near > far:
+            far, near = near, far
+            turned += 4
+        while far >= 0x200000:
+            far = (far >> 1) + 1 >> 1
+            near = (near >> 1) + 1 >> 1
+        while far < 0x20000 and far > 0:
+            far <<= 4
+            near <<= 4
+        angle = 0
+        if near == far and far > 0:
+            angle = _EIGHTH_BRAD18
+        elif far > 0:
+            near <<= 9
+            high = near // far
+            ratio = (high << 9) + ((near - high * far) << 9) // far
+            angle = table[ratio >> 10]
+            angle += ((table[(ratio >> 10) + 1] - angle) * (ratio & 1023) + 512) >> 10
+        if turned & 4:
+            angle = _QUARTER_BRAD18 - angle
+        if turned & 1:
+            angle = _HALF_BRAD18 - angle
+        if turned & 2:
+            angle = -angle
+        elif angle == _HALF_BRAD18:
+            angle = -_HALF_BRAD18
+        angles[at] = angle
+    return 0

@@ -7,7 +7,7 @@
 This is the one place that knows which is which; exchange.py says when they take over from each other.
 """
 
-from ..gait.table import MOVER_CRAWL, MOVER_TROT
+from ..gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TROT
 from ..runtime import hot
 from ..sense.sensed import Sensed
 from ..trot.trot import trot_start
@@ -15,6 +15,7 @@ from .command import Command
 from .handover import REASON_NONE
 from .state import PlannerState
 from .walk_crawl import start_crawl, stop_crawl, walk_crawl
+from .walk_stride import start_stride, stop_stride, walk_stride
 from .walk_table import walk_table
 from .walk_trot import walk_trot
 
@@ -37,6 +38,8 @@ def start_mover(planner: PlannerState, mover: int) -> int:
         start_crawl(planner)
     elif mover == MOVER_TROT:
         trot_start(planner.params, planner.walk)
+    elif mover == MOVER_STRIDE:
+        start_stride(planner)
     return mover
 
 
@@ -51,6 +54,8 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
             walk_trot(planner, planner.back, sensed)
         else:
             walk_trot(planner, command, sensed)
+    elif status.mover == MOVER_STRIDE:
+        walk_stride(planner, command, sensed)
     else:
         walk_table(planner, command, sensed)
     return REASON_NONE
@@ -62,4 +67,6 @@ def stop_mover(planner: PlannerState) -> int:
     status = planner.status
     if status.mover == MOVER_CRAWL:
         stop_crawl(planner)
+    elif status.mover == MOVER_STRIDE:
+        stop_stride(planner)
     return 0

@@ -9,6 +9,7 @@ from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock
 from ..runtime import zeros
 from ..sense.sensed import Sensed
+from ..stride.state import Stride
 from ..trot.trot import Trot
 from .command import Command
 from .goals import Past
@@ -51,6 +52,7 @@ class PlannerState:
         self.load = self.walk.load
         self.nav = self.walk.nav
         self.crawl = Crawl(params)
+        self.stride = Stride()
         self.fade = Fade()
         self.retreat = Retreat()
         self.back = Command()  # what the trot is told while it backs off

@@ -12,6 +12,7 @@ from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
 from ..sense.sensed import Sensed
+from ..stride.stride import stride_start
 from ..trot.trot import trot_reset
 from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
@@ -128,6 +129,7 @@ def settle(planner: PlannerState) -> int:
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     trot_reset(planner.params, planner.walk)
+    stride_start(planner.params, planner.stride)
     place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
     return 0
 

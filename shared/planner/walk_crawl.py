@@ -5,7 +5,7 @@ from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
-from ..gait.table import MOVER_TABLE, MOVER_TROT
+from ..gait.table import MOVER_STRIDE, MOVER_TABLE, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.legs import sense_legs
@@ -95,7 +95,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     gait = planner.gaits[wanted]
     if command.mode != MODE_WALK:
         return REASON_NONE
-    if gait.mover == MOVER_TABLE:
+    if gait.mover == MOVER_TABLE or gait.mover == MOVER_STRIDE:
         return REASON_COMMAND
     if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
         return REASON_NONE

@@ -13,6 +13,7 @@ from typing import Any
 from firmware import link
 from firmware.gait import BoardStatus
 from shared.gait.gaits import GAIT_NAMES, GAITS
+from shared.planner import status
 from shared.planner.command import COMMAND_SIZE, Command
 from shared.planner.status import WALKING, Status
 
@@ -169,6 +170,9 @@ for number in range(GAITS):
         cycle()
     gc.collect()
     states.append([board.planner.status[i] for i in {watched}] + [board.status[{flags}] >> 16])
+    order(1, number)
+    while board.planner.status[{watched}[0]] != {stands}:
+        quiet()
 order(2, 1)
 gc.collect()
 for _ in range(10):
@@ -284,7 +288,8 @@ def gait_script(extent: Extent) -> str:
         **{f"{name}_at": place_of(Command, name) for name in ("mode", "gait", "speed", "balance")},
         "command_size": COMMAND_SIZE,
         "watched": [place_of(Status, name) for name in WATCHED],
-        "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP, "standing": STANDING,
+        "stands": status.STANDING, "minute": 60 * scale_of(robot).rate_hz, "idle": IDLE, "limp": LIMP,
+        "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
         "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
     }  # fmt: skip

@@ -1,7 +1,8 @@
 """The robot as a MuJoCo model (MJCF): masses, joints, limits, the servo law and the ground it stands on.
 
 The servo is torque = clip(stiffness x error, +-stall) - damping x speed: a position actuator with a force
-range, and the damping in the joint. A calf driven from the body (paper B) is a tendon over thigh + calf.
+range, and the damping in the joint; a drive with a speed loop damps within its force range. A calf driven from the
+body (paper B) is a tendon over thigh + calf.
 It loads in its rest pose, which is also the keyframe "rest" with the goals that hold it.
 Contacts: hard feet (impratio 100, solimp .99 .999) creep below 0.01 mm in 20 s of standing.
 """
@@ -183,7 +184,8 @@ def _add_joint(body: Xml.Element, robot: Robot, leg: int, joint: int, servo: Ser
 
 
 def _passive(servo: ServoModel) -> dict[str, str]:
-    return {"damping": _number(servo.damping_Nms_rad), "armature": _number(servo.armature_kgm2),
+    own = 0.0 if servo.speed_loop else servo.damping_Nms_rad
+    return {"damping": _number(own), "armature": _number(servo.armature_kgm2),
             "frictionloss": _number(servo.coulomb_Nm), **_DRY}
 
 
@@ -201,9 +203,10 @@ def _add_drives(root: Xml.Element, robot: Robot, plane: PlanarRobot, voltage_V: 
             Xml.SubElement(tendon, "joint", joint=joint_name, coef="1")
             where = {"tendon": rod}
         stiffness, stall = servo.stiffness_Nm_rad, servo.stall_torque_Nm
+        damping = servo.damping_Nms_rad if servo.speed_loop else 0.0
         Xml.SubElement(actuators, "general", {
             "name": joint_name.removesuffix("_joint"), **where, "gaintype": "fixed", "biastype": "affine",
-            "gainprm": _number(stiffness), "biasprm": _vector((0, -stiffness, 0)),
+            "gainprm": _number(stiffness), "biasprm": _vector((0, -stiffness, -damping)),
             "forcerange": _vector((-stall, stall)),
         })
 

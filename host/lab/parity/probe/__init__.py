@@ -8,6 +8,7 @@ file's name to MODULES. Parity, cost, allocation, overflow and the table in the 
 MODULES = (
     "fixed",
     "leg",
+    "legs",
     "reach",
     "body",
     "swing",
@@ -28,6 +29,7 @@ MODULES = (
     "tipping",
     "ground",
     "trot",
+    "stride",
     "crawl",
     "planner",
     "wire_codec",

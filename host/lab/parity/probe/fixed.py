@@ -1,15 +1,20 @@
 """shared/num/fixed.py: the primitives, each over its whole stated range."""
 
 from shared.num import fixed
+from shared.runtime import zeros
 
 from .draw import Range
-from .probe import Probe
+from .probe import Block, Probe
 
 SOURCES = ("num.fixed",)
 
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
 ANGLE = Range(-(1 << 30), (1 << 30) - 16385)
 SIDE = Range(1 - (1 << 30), (1 << 30) - 1)
+SIDES = Block(zeros(4), (4, SIDE))
+OTHERS = Block(zeros(4), (4, SIDE))
+SQUARES = Block(zeros(4), (4, INT30))
+RESULTS = zeros(4)
 
 
 def _order(values, dice) -> None:
@@ -39,4 +44,6 @@ PROBES = (
     Probe("isqrt", fixed.isqrt, (INT30,), vectors=8),
     Probe("round_sqrt", fixed.round_sqrt, (INT30,), vectors=2),
     Probe("hypot", fixed.hypot, (Range(1 - (1 << 29), (1 << 29) - 1), Range(1 - (1 << 29), (1 << 29) - 1)), vectors=4),
+    Probe("round_roots", fixed.round_roots, (SQUARES, RESULTS, 4), watch=(RESULTS,), vectors=2),
+    Probe("arctans_brad18", fixed.arctans_brad18, (SIDES, OTHERS, RESULTS, 4), watch=(RESULTS,), vectors=2),
 )

@@ -5,8 +5,8 @@ from shared.body.params import Params
 from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS
-from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
-from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot
+from shared.gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE
+from shared.planner import exchange, movers, planner, walk_crawl, walk_stride, walk_table, walk_trot
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
@@ -32,6 +32,7 @@ SOURCES = (
     "planner.states",
     "planner.steps",
     "planner.walk_crawl",
+    "planner.walk_stride",
     "planner.walk_table",
     "planner.walk_trot",
 )
@@ -52,7 +53,7 @@ ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
 ANY_MODE = Range(-1, 4)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
-ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
+ANY_MOVER = Range(MOVER_TABLE, MOVER_STRIDE)
 TROT_GAIT = GAIT_NAMES.index("trot")
 CRAWL_GAIT = GAIT_NAMES.index("crawl")
 USUAL = 200  # vectors of a function, for which a walk has all its ticks
@@ -64,6 +65,10 @@ def restart(robot: Planner):
     own = (walk.body, walk.contact, walk.weights, robot.drive, robot.reached)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (robot.joints_past, robot.tilt_past)
+    stride = robot.stride
+    own += (stride.state, stride.measured, stride.before, stride.residual, stride.free_q4, stride.joints)
+    own += (stride.past_feet, stride.early, stride.stands, stride.load_q12, stride.feet)
+    own += (stride.starts, stride.ascent, stride.tops, stride.joints_before, stride.past_stands, stride.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
     robot.gait = robot.gaits[0]
@@ -189,6 +194,7 @@ FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
 POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
 BELIEVED = STATE + (row_of(ROBOTS[0].sensed), row_of(ROBOTS[1].sensed))
 RETREATS = (ROBOTS[0].back, ROBOTS[0].retreat, ROBOTS[1].back, ROBOTS[1].retreat)
+STRIDES = STATE + (ROBOTS[0].stride.state, ROBOTS[0].stride.feet, ROBOTS[1].stride.state, ROBOTS[1].stride.feet)
 WALKS_STATE = STATE + (ROBOTS[0].walk.state, ROBOTS[1].walk.state)
 
 
@@ -238,6 +244,11 @@ PARTS = (
     _part("walk_trot", walk_trot.walk_trot, (ROBOT, COMMAND, SENSED), STATE),
     _part("start_slowly", walk_trot.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
     _part("step_trot", walk_trot.step_trot, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
+    _part("start_stride", walk_stride.start_stride, (ROBOT,), STRIDES),
+    _part("walk_stride", walk_stride.walk_stride, (ROBOT, COMMAND, SENSED), STATE + STRIDES),
+    _part("follow_stride", walk_stride.follow_stride, (ROBOT, COMMAND), POSES),
+    _part("tell_stride", walk_stride.tell_stride, (ROBOT,), FEET),
+    _part("stop_stride", walk_stride.stop_stride, (ROBOT,), STATE),
     _part("start_crawl", walk_crawl.start_crawl, (ROBOT,), STATE),
     _part("walk_crawl", walk_crawl.walk_crawl, (ROBOT, COMMAND, SENSED), STATE, _crawling),
     _part("crawl_on", walk_crawl.crawl_on, (ROBOT, COMMAND, SENSED, BRAD, BRAD), STATE, _crawling),

@@ -1,0 +1,138 @@
+"""shared/stride: its parts in states that some ticks of anything bring about, for every robot and rate."""
+
+from shared.body.pose import POSE_SIZE
+from shared.gait.steps import SPEED_SIZE
+from shared.runtime import zeros
+from shared.sense.sensed import Sensed
+from shared.stride import clock, feel, feet, lead, react, state, steer, stride
+
+from .draw import Range
+from .draws import BRAD, LEG
+from .probe import Block, Pick, Probe
+from .robots import PARAMS
+
+SOURCES = ("stride.clock", "stride.feel", "stride.feet", "stride.lead", "stride.react", "stride.state", "stride.steer",
+           "stride.stride")
+
+FLAG = Range(0, 1)
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+SHARE = Range(0, 32767)
+PLACE = Range(-32767, 32767)
+SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
+POSE = Block(zeros(POSE_SIZE), (3, Range(-8191, 8191)), (3, BRAD))
+TURNED = Block(zeros(3), (3, INT30))
+TILT = Block(zeros(2), (2, BRAD))
+ANGLES = Block(zeros(12), (12, BRAD))
+HIP_FEET = Block(zeros(12), (12, PLACE))
+GOAL = zeros(12)
+SENSED = Sensed()
+WALK = state.Stride()
+ROBOT = Pick(*PARAMS)
+LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
+STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF
+ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
+
+
+def _begin():
+    for block in ALL + (WALK.hip_feet, WALK.past_stands, GOAL, SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid):
+        _clear(block)
+    state.stride_reset(PARAMS[0], WALK)
+
+
+def _clear(block):
+    row = Block(block).row
+    for at in range(len(row)):
+        row[at] = 0
+
+
+def _sense(dice):
+    """Joints mostly about where they were sent, sometimes anywhere; rates and tilts mostly small."""
+    valid = SENSED.valid
+    valid.joints = valid.tilt = valid.turned = 1 if dice.bits(5) else 0
+    far = dice.below(12) == 0
+    for joint in range(12):
+        SENSED.joints[joint] = BRAD.any(dice) if far else GOAL[joint] + dice.bits(9) - 256
+    for axis in range(2):
+        SENSED.tilt[axis] = BRAD.any(dice) if far else dice.bits(10) - 512
+    for axis in range(3):
+        SENSED.turned[axis] = INT30.any(dice) if far else dice.bits(11) - 1024
+
+
+def _live(values, dice):
+    """Two ticks of anything on the drawn robot."""
+    params = values[0]
+    if dice.below(40) == 0:
+        state.stride_reset(params, WALK)
+    SPEED.fill(dice)
+    POSE.fill(dice)
+    for axis in range(POSE_SIZE):
+        POSE.array[axis] >>= 3
+    for _ in range(2):
+        _sense(dice)
+        stride.stride_tick(params, WALK, SENSED, SPEED.array, POSE.array, 1 if dice.bits(5) else 0, GOAL)
+
+
+def _moving(values, dice):
+    """The same, with a foot of the drawn leg in the air, mostly far from where it was sent."""
+    _live(values, dice)
+    leg = values[2]
+    WALK.stands[leg] = 0
+    WALK.early[leg] = 0
+    WALK.state.known = 100
+    WALK.state.swing_q15 = SHARE.any(dice)
+    for at in range(8):
+        WALK.residual[at] = dice.bits(13) - 4096
+
+
+def _leg_moving(values, dice):
+    """For a function without a robot in its arguments."""
+    given = [PARAMS[dice.below(len(PARAMS))], WALK, values[1]]
+    _live(given, dice)
+
+
+def _done(values, dice):
+    _leg_moving([WALK, 0], dice)
+    WALK.state.still_q20 = dice.bits(22)
+
+
+def _moving_first(values, dice):
+    """With leg FR in the air."""
+    given = [values[0], WALK, 0]
+    _moving(given, dice)
+
+
+def _probe(name, module, arguments, watch=STATE, fit=_live, vectors=1):
+    return Probe(name, getattr(module, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
+
+
+PROBES = (
+    _probe("stride_reset", state, (ROBOT, WALK)),
+    _probe("feel", feel, (ROBOT, WALK, ANGLES, TURNED, FLAG), ALL),
+    _probe("see_speed", feel, (ROBOT, WALK, TURNED)),
+    _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
+    _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
+    _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE, FLAG)),
+    _probe("lean", steer, (ROBOT, WALK, TILT, TURNED, POSE)),
+    _probe("rise", steer, (ROBOT, WALK, PLACE)),
+    _probe("go_on", clock, (ROBOT, WALK, FLAG, FLAG)),
+    _probe("stand_all", clock, (WALK,), fit=_done),
+    _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("lift_on", react, (ROBOT, WALK)),
+    _probe("stand_feet", feet, (ROBOT, WALK)),
+    _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
+    Probe("cycloid_way_q15", feet.cycloid_way_q15, (SHARE,)),
+    _probe("swing_feet", feet, (ROBOT, WALK, POSE), fit=_moving_first),
+    _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
+    _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
+    _probe("share_load", lead, (ROBOT, WALK)),
+    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
+    _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.early)),
+    Probe("carry", lead.carry, (ROBOT, LEG, HIP_FEET, Range(0, 4096), ANGLES), watch=(ANGLES.array,)),
+    _probe("stride_start", stride, (ROBOT, WALK), (WALK.feet, WALK.joints)),
+    _probe("stride_tick", stride, (ROBOT, WALK, SENSED, SPEED, POSE, FLAG, GOAL), ALL + (GOAL,), vectors=4),
+    _probe("forget", stride, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
+    _probe("keep_past", stride, (ROBOT, WALK), (WALK.past_feet, WALK.past_stands)),
+    _probe("stride_done", stride, (WALK,), fit=_done),
+)

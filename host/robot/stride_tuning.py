@@ -1,0 +1,140 @@
+"""The fast trot's figures of a robot, from its file alone: times from sqrt(h/g) and drives' lags, lengths from the leg.
+
+The constants that are left are below, the same for every robot. They were found on Caramelo and Parallel in MuJoCo, on
+level ground and at steps of up to a fifth of the leg.
+"""
+
+from dataclasses import dataclass
+from math import hypot, pi, sqrt, tanh
+
+from shared.body.params import LF_BITS, Params
+
+from .drives import joint_drives
+from .mass import com_at_rest_m
+from .model import Robot
+
+GRAVITY_M_S2 = 9.81
+BUS_DELAY_S = 0.020  # from sending a goal to its acting (assumed: one 50 Hz tick)
+LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
+LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
+STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
+AHEAD_SHARE = 0.8  # of a swing: a foot's way along the ground is over when it comes down, though drives lag
+CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
+CAPTURE_MOST = 0.3  # of the height: the furthest such step
+LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs take a tilt back
+DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
+DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/stride/steer.py)
+FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
+LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
+TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
+HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
+HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
+HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
+SWING_SPEED = 1.4  # of what a thigh's no-load speed gives its foot: the knee helps
+FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried faster
+SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the speed ahead: aside, and of the feet when turning
+
+
+@dataclass(frozen=True)
+class StrideFigures:
+    """What the fast trot takes from a robot, SI."""
+
+    leg_m: float
+    height_m: float
+    length_m: float
+    rests_m: tuple[tuple[float, float], ...]
+    lag_s: float
+
+    @property
+    def tipping_s(self) -> float:
+        """Time constant of the robot's tipping over a support line."""
+        return sqrt(self.height_m / GRAVITY_M_S2)
+
+    @property
+    def swing_s(self) -> float:
+        """How long a foot is in the air."""
+        return self.tipping_s + LAGS_IN_SWING * self.lag_s
+
+    @property
+    def cycle_s(self) -> float:
+        """From a touchdown to the next of the same foot."""
+        return self.swing_s / (1 - STANCE_SHARE)
+
+    @property
+    def stance_s(self) -> float:
+        """How long a foot stands."""
+        return self.cycle_s * STANCE_SHARE
+
+    @property
+    def neutral_s(self) -> float:
+        """Foothold ahead of rest per speed, with which the pendulum goes on evenly."""
+        return self.tipping_s * tanh(self.cycle_s / 4 / self.tipping_s)
+
+    @property
+    def capture_s(self) -> float:
+        """Foothold further ahead per speed that is too much."""
+        return CAPTURE_SHARE * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
+
+    def fastest(self, joint_rad_s: float) -> tuple[float, float, float]:
+        """Return the fastest command, m/s ahead and aside and rad/s: what thighs turn a swinging foot at, and a trot's.
+
+        Along the ground a swing's fastest is 2 / (AHEAD_SHARE (1 - STANCE_SHARE)) - 1 times the body's speed.
+        """
+        peak = 2 / (AHEAD_SHARE * (1 - STANCE_SHARE)) - 1
+        swing_m_s = SWING_SPEED * joint_rad_s * self.height_m / peak
+        ahead_m_s = min(swing_m_s, FROUDE_SPEED * sqrt(GRAVITY_M_S2 * self.height_m))
+        return ahead_m_s, SIDE_SHARE * ahead_m_s, TURN_SHARE * ahead_m_s / hypot(*self.rests_m[0])
+
+
+def stride_figures(robot: Robot) -> StrideFigures:
+    """Return the figures of a robot."""
+    geometry, height_m, com_m, rests = robot.geometry, robot.stance.rest_height_m, com_at_rest_m(robot), []
+    calf = joint_drives(robot)[2]
+    for leg in range(4):
+        hip, foot = robot.hip_m(leg), robot.foot_m(leg, height_m)
+        rests.append((hip[0] + foot[0] + com_m[0], hip[1] + foot[1] + com_m[1]))
+    return StrideFigures(
+        geometry.thigh_m + geometry.calf_m, height_m, robot.hip_m(0)[0] - robot.hip_m(2)[0], tuple(rests),
+        calf.damping_Nms_rad / calf.stiffness_Nm_rad,
+    )
+
+
+def rolling(robot: Robot) -> float:
+    """Return the speed of a round foot's centre per speed of the body: it rolls on its radius."""
+    return 1 / (1 + robot.geometry.foot_radius_m / robot.stance.rest_height_m)
+
+
+def fill_stride(params: Params, robot: Robot) -> None:
+    """Write the figures as the core's integers at the rate of ``params`` (shared/body/stride_setup.py)."""
+    f, rate, setup = stride_figures(robot), params.rate_hz, params.stride
+    unit = 1 << params.length_shift
+    fine = unit << LF_BITS
+    setup.phase_step_q20 = round(2**20 / f.cycle_s / rate)
+    setup.stance_q20 = round(2**20 * STANCE_SHARE)
+    setup.swing_rate_q13 = round(2**13 / (1 - STANCE_SHARE))
+    setup.ahead_rate_q13 = round(2**13 / AHEAD_SHARE)
+    setup.swing_q8 = round(f.swing_s * rate * 256)
+    setup.height = round(f.height_m * unit)
+    setup.low_lift, setup.high_lift = round(LOW_LIFT * f.leg_m * unit), round(HIGH_LIFT * f.leg_m * unit)
+    setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
+    setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
+    setup.high_speed = round(HIGH_SPEED * f.leg_m / f.cycle_s / rate * fine)
+    setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
+    setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
+    setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)
+    setup.level_q12 = round(LEVEL_SHARE / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096)
+    setup.raise_q16 = round(65536 / 2 / f.cycle_s / rate)
+    setup.odometry_q10 = round(1024 / (1 + f.stance_s / 4 * rate))
+    setup.drift_q15 = round(DRIFT_SHARE / f.cycle_s / rate * 32768)
+    setup.drift_least = round(DRIFT_LEAST_M_S / rate * fine)
+    setup.heading_q16 = round(65536 / rate)
+    setup.rolling_q15 = round(32768 * rolling(robot))
+    setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
+    setup.lag_q8 = round(f.lag_s * rate * 256)
+    setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
+    setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))
+    for axis, value in enumerate(f.fastest(robot.actuator.fastest_rad_s)):
+        setup.speed_max[axis] = min((1 << 18) - 1, round(value / rate * (fine if axis < 2 else 1 << 18)))
+    for joint, drive in enumerate(joint_drives(robot)):
+        give = robot.mass_kg * GRAVITY_M_S2 / drive.stiffness_Nm_rad / unit * 65536 / 2 / pi
+        setup.sag_q16[joint] = min(32767, round(give * 65536))

@@ -1,0 +1,198 @@
+"""All four legs at once: forward and inverse kinematics with few calls, as a fast tick needs them.
+
+The same leg as in leg.py. What the legs take of sines, roots and arctangents is gathered and done in one loop each: a
+call costs as much as three of them.
+"""
+
+from ..num.fixed import arctans_brad18, round_roots
+from ..num.tables import SIN_Q16
+from ..runtime import Ints, const, hot, zeros
+from .params import JOINTS, LEGS, Params
+from .reach import reach_foot
+
+
+class LegsWork:
+    """What one loop hands to the next; nothing is remembered in it."""
+
+    def __init__(self) -> None:
+        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
+        self.squares = zeros(2 * LEGS)  # lu^2, what roots are taken of
+        self.roots = zeros(2 * LEGS)  # lu
+        self.drops = zeros(LEGS)  # lu, hip axis to foot across the leg's plane
+        self.lengths = zeros(LEGS)  # lu^2, thigh joint to foot
+        self.rises = zeros(4 * LEGS)  # y of what arctangents are taken of: three joints a leg, then the leads
+        self.runs = zeros(4 * LEGS)  # x
+        self.turns = zeros(4 * LEGS)  # the arctangents, 2^-18 turn
+
+
+_QUARTER = const(0x4000)
+_HALF = const(0x8000)
+
+
+@hot
+def legs_waves(joints: Ints, waves: Ints) -> int:
+    """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad; return 0.
+
+    Each as sin_q15 and cos_q15.
+    """
+    table = SIN_Q16
+    thigh = 0
+    for joint in range(JOINTS):
+        angle = joints[joint]
+        if joint % 3 == 1:
+            thigh = angle
+        elif joint % 3 == 2:
+            angle += thigh
+        index = angle >> 6 & 511
+        value = table[index]
+        value = value * 64 + (table[index + 1] - value) * (angle & 63) + 96 >> 7
+        if value > 32767:
+            value = 32767
+        if angle & _HALF:
+            value = -value
+        waves[joint] = value
+        angle += _QUARTER
+        index = angle >> 6 & 511
+        value = table[index]
+        value = value * 64 + (table[index + 1] - value) * (angle & 63) + 96 >> 7
+        if value > 32767:
+            value = 32767
+        if angle & _HALF:
+            value = -value
+        waves[joint + JOINTS] = value
+    return 0
+
+
+@hot
+def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> int:
+    """Write the four feet in the body, 12 lu, for 12 joints in brad (any value); return 0.
+
+    ``waves`` gets what legs_waves makes of the joints. Error as leg_forward. Intermediates below 32767 * 32767 + 2^14.
+    """
+    legs_waves(joints, waves)
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        upper = limb.thigh_length
+        lower = limb.calf_length
+        side = limb.hip_length
+        sine = waves[at]
+        cosine = waves[at + JOINTS]
+        drop = (upper * waves[at + JOINTS + 1] + 0x4000 >> 15) + (lower * waves[at + JOINTS + 2] + 0x4000 >> 15)
+        ahead = (upper * waves[at + 1] + 0x4000 >> 15) + (lower * waves[at + 2] + 0x4000 >> 15)
+        feet[at] = limb.hip[0] - ahead
+        feet[at + 1] = limb.hip[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+        feet[at + 2] = limb.hip[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+        at += 3
+    return 0
+
+
+@hot
+def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -> int:
+    """Write 12 joints in brad for the feet in ``hip_feet``, 12 lu from the hips; return why some were moved, or 0.
+
+    A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
+    """
+    squares = work.squares
+    lengths = work.lengths
+    flags = 0
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        if in_shell(params, leg, hip_feet) == 0:
+            flags |= reach_foot(params, leg, hip_feet, hip_feet)
+        y = hip_feet[at + 1]
+        z = hip_feet[at + 2]
+        side = limb.hip_length
+        squares[leg] = y * y + z * z - side * side
+        at += 3
+    round_roots(work.squares, work.drops, LEGS)
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        x = hip_feet[at]
+        length_sq = x * x
+        if squares[leg] > 0:
+            length_sq += squares[leg]
+        lengths[leg] = length_sq
+        squares[leg + LEGS] = length_sq - limb.inner_sq
+        squares[leg] = limb.outer_sq - length_sq
+        at += 3
+    round_roots(work.squares, work.roots, 2 * LEGS)
+    fill_turns(params, hip_feet, work)
+    finish_turns(params, work, joints)
+    return flags
+
+
+@hot
+def in_shell(params: Params, leg: int, hip_feet: Ints) -> int:
+    """Return 1 if the foot of ``leg``, lu from its hip, is surely within the leg's reach; else 0."""
+    at = leg * 3
+    limb = params.legs[leg]
+    x = hip_feet[at]
+    y = hip_feet[at + 1]
+    z = hip_feet[at + 2]
+    if x > 32767 or x < -32767 or y > 32767 or y < -32767 or z > 32767 or z < -32767:
+        return 0
+    across = (y * y >> 2) + (z * z >> 2)
+    quarter = across + (x * x >> 2)
+    if quarter > limb.longest * limb.longest >> 2 or quarter < (limb.shortest * limb.shortest >> 2) + 2:
+        return 0
+    if across < (limb.hip_length * limb.hip_length >> 2) + 2:
+        return 0
+    return 1
+
+
+@hot
+def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> int:
+    """Write what the joints' arctangents are taken of, and take them; return 0. Part of legs_inverse.
+
+    Of the hip: one arctangent of the product of two complex numbers. Of the thigh: towards the foot. Of the calf: half
+    its bend. The lead of the thigh before the foot's direction is half the bend too where thigh and calf are equal.
+    """
+    drops = work.drops
+    roots = work.roots
+    lengths = work.lengths
+    rises = work.rises
+    runs = work.runs
+    count = 3 * LEGS
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        drop = drops[leg]
+        y = hip_feet[at + 1]
+        z = hip_feet[at + 2]
+        side = limb.hip_length
+        rises[at] = y * drop + z * side
+        runs[at] = y * side - z * drop
+        rises[at + 1] = hip_feet[at]
+        runs[at + 1] = drop
+        rises[at + 2] = roots[leg]
+        runs[at + 2] = roots[leg + LEGS]
+        if limb.half_diff:
+            count = 4 * LEGS
+            rises[leg + 3 * LEGS] = roots[leg] * roots[leg + LEGS] >> 1
+            runs[leg + 3 * LEGS] = (lengths[leg] >> 1) + limb.half_diff
+        at += 3
+    return arctans_brad18(work.rises, work.runs, work.turns, count)
+
+
+@hot
+def finish_turns(params: Params, work: LegsWork, joints: Ints) -> int:
+    """Write the joints from the arctangents; return 0. Part of legs_inverse."""
+    turns = work.turns
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        bend = turns[at + 2] << 1
+        lead = turns[at + 2]
+        if limb.half_diff:
+            lead = turns[leg + 3 * LEGS]
+        if limb.knee < 0:
+            bend = -bend
+            lead = -lead
+        joints[at] = ((turns[at] + 2 >> 2) + _HALF & 0xFFFF) - _HALF
+        joints[at + 1] = ((2 - turns[at + 1] - lead >> 2) + _HALF & 0xFFFF) - _HALF
+        joints[at + 2] = ((bend + 2 >> 2) + _HALF & 0xFFFF) - _HALF
+        at += 3
+    return 0

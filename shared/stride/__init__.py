@@ -1,0 +1,1 @@
+"""The fast trot: diagonals in turn without a pause, footholds where the measured speed wants them."""

@@ -1,0 +1,72 @@
+"""Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it."""
+
+from ..body.params import LEGS, Params
+from ..runtime import const, hot
+from .feet import lift_off
+from .react import react
+from .state import Stride
+
+_CYCLE = const(0x100000)
+_DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
+_STILL_MAX = const(0x200000)
+
+
+@hot
+def go_on(params: Params, walk: Stride, still: int, moving: int) -> int:
+    """Go on in the cycle by one tick: who stands, who swings, who met something; return how many stand.
+
+    ``still`` 1: the command is to stand. ``moving`` 0: all stand, in the middle between two swings.
+    """
+    state = walk.state
+    setup = params.stride
+    step = setup.phase_step_q20
+    if moving == 0:
+        state.phase_q20 = (setup.stance_q20 >> 1) - (_CYCLE >> 2)
+        state.still_q20 = 0
+        return stand_all(walk)
+    state.phase_q20 = state.phase_q20 + step & _CYCLE - 1
+    if still == 0:
+        state.still_q20 = 0
+    elif state.still_q20 < _STILL_MAX:
+        state.still_q20 += step
+    stands = walk.stands
+    early = walk.early
+    state.swinging = 0
+    state.standing = 0
+    for leg in range(LEGS):
+        part = state.phase_q20
+        if _DIAGONALS >> leg & 1:
+            part = part + (_CYCLE >> 1) & _CYCLE - 1
+        part -= setup.stance_q20
+        if part < 0:
+            early[leg] = 0
+            stands[leg] = 1
+        else:
+            share = (part >> 5) * setup.swing_rate_q13 >> 13
+            if share > 32767:
+                share = 32767
+            state.swing_q15 = share
+            if early[leg] == 0:
+                if stands[leg]:
+                    lift_off(walk, leg)
+                    stands[leg] = 0
+                stands[leg] = react(params, walk, leg)
+        if stands[leg]:
+            state.standing += 1
+        else:
+            state.swinging |= 1 << leg
+    return state.standing
+
+
+@hot
+def stand_all(walk: Stride) -> int:
+    """All legs stand; return how many."""
+    state = walk.state
+    stands = walk.stands
+    early = walk.early
+    for leg in range(LEGS):
+        stands[leg] = 1
+        early[leg] = 0
+    state.swinging = 0
+    state.standing = LEGS
+    return LEGS

@@ -1,0 +1,112 @@
+"""What a foot in the air may meet, the ground too early or something in its way, and high swings after it."""
+
+from ..body.params import LF_BITS, Params
+from ..num.fixed import saturate
+from ..runtime import const, hot
+from .state import Stride
+
+_MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
+_RISEN = const(3277)  # 0.1 of a swing
+_FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are off the ground for sure
+_QUARTER_Q12 = const(1024)  # of the own weight
+
+
+@hot
+def react(params: Params, walk: Stride, leg: int) -> int:
+    """Look at one foot in the air; return 1 if it stands from now on, 0 if it swings on."""
+    state = walk.state
+    residual = walk.residual
+    ascent = walk.ascent
+    if state.known <= params.sent_ticks:
+        return 0
+    up = residual[leg * 2 + 1]
+    if state.swing_q15 <= _MIDDLE:
+        if state.swing_q15 > _RISEN and -up > ascent[leg]:
+            ascent[leg] = -up
+    else:
+        # 0.03 of the leg, and more where the ascent showed a lag of more than 0.015 of it
+        slack = saturate(ascent[leg] - params.leg_length * 15 // 1024, 0, 32767)
+        if up > params.leg_length * 31 // 1024 + slack + (slack >> 1):
+            return touch_early(params, walk, leg)
+    if state.swing_q15 > _RISEN:
+        held_up(params, walk, leg)
+    return 0
+
+
+@hot
+def held_up(params: Params, walk: Stride, leg: int) -> int:
+    """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
+
+    By 0.025 of the leg, or 0.06 while one of them may not have come off the ground yet. What the drives and the bus
+    lag, known or not, both feet of a diagonal lag alike: on level ground 0.02 and 0.05 were seen.
+    """
+    state = walk.state
+    setup = params.stride
+    residual = walk.residual
+    tops = walk.tops
+    if tops[leg] >= setup.high_lift:
+        return 0
+    behind = residual[6 - leg * 2] - residual[leg * 2]
+    if state.foot_speed[0] < 0:
+        behind = -behind
+    turn = state.turn_18
+    if turn < 0:
+        turn = -turn
+    most = params.leg_length * 61 >> 10
+    if state.swing_q15 > _FREE:
+        most = params.leg_length * 26 >> 10
+    if behind > most + (turn * setup.turn_side >> 10):
+        state.blocked += 1
+        state.high_left = setup.high_way
+        tops[leg] = setup.high_lift
+        return 1
+    return 0
+
+@hot
+def touch_early(params: Params, walk: Stride, leg: int) -> int:
+    """The foot stands from now on, where it was measured, but gives way by a quarter of what it met; return 1.
+
+    The next swings are high.
+    """
+    state = walk.state
+    setup = params.stride
+    measured = walk.measured
+    feet = walk.feet
+    early = walk.early
+    load_q12 = walk.load_q12
+    at = leg * 3
+    z = measured[at + 2] + (measured[at + 1] * state.tilt_q14[0] >> 14)
+    z -= measured[at] * state.tilt_q14[1] >> 14
+    met = z + setup.height
+    state.high_left = setup.high_way
+    given = met - (met >> 2)
+    small = params.leg_length * 36 >> 10
+    if met < small and met > -small:
+        given = met
+    feet[at] = measured[at] << LF_BITS
+    feet[at + 1] = measured[at + 1] << LF_BITS
+    feet[at + 2] = measured[at + 2] - given << LF_BITS
+    load_q12[leg] = _QUARTER_Q12
+    early[leg] = 2  # its goals are not led in this tick
+    state.touched += 1
+    return 1
+
+
+@hot
+def lift_on(params: Params, walk: Stride) -> int:
+    """Count down the way to go with high swings; return the top of the next swings, lu."""
+    state = walk.state
+    setup = params.stride
+    state.lift = setup.low_lift
+    if state.high_left:
+        state.lift = setup.high_lift
+        gone = 0
+        for axis in range(2):
+            speed = state.seen[axis]
+            if speed < 0:
+                speed = -speed
+            gone += speed
+        if gone < setup.high_slowest:
+            gone = setup.high_slowest
+        state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
+    return state.lift

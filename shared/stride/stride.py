@@ -1,0 +1,100 @@
+"""The fast trot, one tick of it.
+
+    measured -> speed, residuals -> steering -> who swings -> standing and swinging feet -> joints -> goals
+
+Raibert's footholds and the linear pendulum's capture point, from the legs' own odometry; standing feet follow a field
+of speeds, so that there is no pose to be behind of; whatever goes wrong is gone with the next swing.
+"""
+
+from ..body.leg import limit_joints
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..runtime import Ints, const, hot
+from ..sense.sensed import Sensed
+from .clock import go_on
+from .feel import feel
+from .feet import stand_feet, swing_feet
+from .lead import lead, share_load, solve
+from .react import lift_on
+from .state import Stride, stride_reset
+from .steer import lean, rise, steer
+
+_CYCLE_AND_HALF = const(0x180000)
+
+
+@hot
+def stride_start(params: Params, walk: Stride) -> int:
+    """Stand at rest, with nothing measured; return 0."""
+    stride_reset(params, walk)
+    solve(params, walk)
+    return 0
+
+
+@hot
+def stride_tick(params: Params, walk: Stride, sensed: Sensed, speed: Ints, pose: Ints, moving: int, goal: Ints) -> int:
+    """Plan one tick into ``goal`` (12 brad); return flags of legs out of reach or at their limits (reach.py, leg.py).
+
+    speed: lf / tick and yaw18 / tick, slewed, within 2^18; pose: POSE_SIZE, slewed, lengths within 32767. ``moving`` 0:
+    stand. Without measured joints, tilt or rates ``known`` is 0 in the state, and the trot goes by its commands.
+    """
+    valid = sensed.valid
+    state = walk.state
+    known = valid.joints & valid.tilt & valid.turned
+    still = 0
+    if speed[0] == 0 and speed[1] == 0 and speed[2] == 0:
+        still = 1
+    if known == 0:
+        forget(sensed)
+    feel(params, walk, sensed.joints, sensed.turned, known)
+    steer(params, walk, speed, sensed.turned, pose, moving)
+    lean(params, walk, sensed.tilt, sensed.turned, pose)
+    lift_on(params, walk)
+    go_on(params, walk, still, moving)
+    rise(params, walk, params.stride.height + pose[2])
+    stand_feet(params, walk)
+    if state.swinging:
+        swing_feet(params, walk, pose)
+    keep_past(params, walk)
+    flags = solve(params, walk)
+    share_load(params, walk)
+    lead(params, walk, goal)
+    for leg in range(LEGS):
+        flags |= limit_joints(params, leg, goal)
+    return flags
+
+
+@hot
+def forget(sensed: Sensed) -> int:
+    """Take tilt and rates that go with nothing else as level and still; return 0."""
+    tilt = sensed.tilt
+    turned = sensed.turned
+    for axis in range(2):
+        tilt[axis] = 0
+    for axis in range(3):
+        turned[axis] = 0
+    return 0
+
+
+@hot
+def keep_past(params: Params, walk: Stride) -> int:
+    """Keep the planned feet and who stands, for when the joints will have answered; return 0."""
+    state = walk.state
+    feet = walk.feet
+    past_feet = walk.past_feet
+    past_stands = walk.past_stands
+    to = state.ring_at * 2 * LEGS
+    for at in range(0, JOINTS, 3):
+        past_feet[to] = feet[at] >> LF_BITS
+        past_feet[to + 1] = feet[at + 2] >> LF_BITS
+        to += 2
+    past_stands[state.ring_at] = 15 - state.swinging
+    state.ring_at = state.ring_at + 1 & 15
+    return 0
+
+
+@hot
+def stride_done(walk: Stride) -> int:
+    """Return 1 when the trot may end in a stand: all feet stand, set down since the command is to stand; else 0."""
+    state = walk.state
+    if state.standing == LEGS and state.still_q20 > _CYCLE_AND_HALF:
+        return 1
+    return 0

@@ -1,0 +1,151 @@
+"""The fast trot in three dimensions: level ground, all three ways, steps, stopping, other gaits.
+
+Start offsets of 17 mm more than those the constants were found with; the slow tests walk the whole table.
+"""
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
+pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+
+from host.robot.file import load_robot
+from host.sim.export.ground import Ground
+from host.sim.space.grounds import GroundSpec, make_ground
+from host.sim.space.walk import SpaceWalker
+from host.sim.walk import WalkSpec
+from shared.gait.table import MOVER_TROT
+
+FLAT = Ground("flat")
+
+
+class Walk:
+    """A fast trot in the world: truth of every tick."""
+
+    def __init__(self, name, ground=FLAT, **more):
+        self.walker = SpaceWalker(WalkSpec(load_robot(name), "fast-trot", **more), ground)
+        self.walker.stand_up()
+        self.driver, self.rows, self.trunk = self.walker.driver, [], False
+
+    def command(self, ahead=0.0, aside=0.0, turn=0.0, **more):
+        self.driver.set_command(mode="walk", vx_m_s=ahead, vy_m_s=aside, wz_rad_s=turn, **more)
+
+    def go(self, seconds, until_m=None):
+        world = self.walker.world
+        for _ in range(round(seconds * self.driver.rate_hz)):
+            self.walker.tick()
+            self.rows.append((*world.position_m(), *world.attitude_rad()))
+            self.trunk = self.trunk or world.foot_loads_N()[1]
+            if self.trunk or (until_m is not None and self.rows[-1][0] > until_m):
+                break
+        return np.array(self.rows)
+
+    def steady(self, seconds):
+        """Return mean speeds ahead, aside, turning, and the mean tilt peak to peak of windows of 2 s, deg."""
+        rows, rate = np.array(self.rows)[-round(seconds * self.driver.rate_hz) :], self.driver.rate_hz
+        yaw, size = np.unwrap(rows[:, 5]), 2 * rate
+        ranges = [np.ptp(rows[at : at + size, 3:5], axis=0) for at in range(0, len(rows) - size + 1, size)]
+        step, turned = np.diff(rows[:, :2], axis=0), yaw[:-1]  # along the body, whatever way it has turned
+        ahead = np.sum(step[:, 0] * np.cos(turned) + step[:, 1] * np.sin(turned))
+        aside = np.sum(step[:, 1] * np.cos(turned) - step[:, 0] * np.sin(turned))
+        speeds = [float(part) * rate / (len(rows) - 1) for part in (ahead, aside, yaw[-1] - yaw[0])]
+        return speeds, np.degrees(np.mean(ranges, axis=0))
+
+
+LEVEL = [
+    ("caramelo", (0.2, 0.05, 0.5)),
+    ("parallel", (0.3, 0.1, 0.5)),
+    ("caramelo", (0.3, 0.0, 0.0)),
+    ("caramelo", (0.0, 0.12, 0.0)),
+    ("caramelo", (0.0, 0.0, 1.2)),
+    ("caramelo", (-0.25, 0.0, 0.0)),
+    ("parallel", (0.6, 0.0, 0.0)),
+    ("parallel", (0.0, 0.2, 0.0)),
+    ("parallel", (0.0, 0.0, 1.0)),
+    ("parallel", (-0.4, 0.0, 0.0)),
+]
+
+
+@pytest.mark.parametrize(("name", "speed"), LEVEL)
+def test_level_ground(name, speed):
+    """Within 5 % of the command and 5 deg of tilt peak to peak, its heading held, never held up."""
+    walk = Walk(name)
+    walk.command(*speed)
+    walk.go(9.0)
+    speeds, tilts = walk.steady(6.0)
+    for asked, got, unit in zip(speed, speeds, (0.01, 0.01, 0.02), strict=True):
+        assert got == pytest.approx(asked, rel=0.05, abs=unit)
+    assert max(tilts) < 5.0
+    assert not walk.trunk
+    assert walk.driver.planner.stride.state.blocked == 0
+
+
+CONDITIONS = [
+    ("caramelo", 0.3, {"friction": 0.6}),
+    ("caramelo", 0.3, {"voltage_V": 11.1}),
+    ("caramelo", 0.3, {"payload_kg": 0.8}),
+    ("caramelo", 0.2, {"bus_delay_s": 0.04}),
+    ("parallel", 0.6, {"friction": 0.6}),
+    ("parallel", 0.4, {"bus_delay_s": 0.04}),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "speed", "more"), CONDITIONS)
+def test_level_ground_otherwise(name, speed, more):
+    """Slippery, a low battery, a payload, a bus slower by a tick than the trot knows."""
+    walk = Walk(name, **more)
+    walk.command(speed)
+    walk.go(12.0)
+    speeds, tilts = walk.steady(8.0)
+    assert speeds[0] == pytest.approx(speed, rel=0.05)
+    assert max(tilts) < 5.0
+
+
+def crosses(name, speed, height_m, offset_m, friction):
+    """Return the seconds from 0.3 m before to 0.3 m behind a step up; None if it fell or got stuck."""
+    edge_m = 0.4 + offset_m
+    walk = Walk(name, make_ground(GroundSpec("step-up", height_m, start_m=edge_m)), friction=friction)
+    walk.command(speed)
+    x = walk.go(20.0, edge_m + 0.3)[:, 0]
+    if walk.trunk or x[-1] <= edge_m + 0.3:
+        return None
+    return (len(x) - int(np.argmax(x > edge_m - 0.3))) / walk.driver.rate_hz
+
+
+@pytest.mark.parametrize("height_m", [0.02, 0.03])
+def test_a_step_is_trotted_over(height_m):
+    seconds = crosses("caramelo", 0.15, height_m, 0.017, 0.9)
+    assert seconds is not None
+    assert seconds < 8.0
+
+
+@pytest.mark.slow
+def test_a_step_is_trotted_over_from_all_offsets():
+    seconds = [crosses("caramelo", 0.15, 0.03, 0.017 + 0.01 * n, (0.6, 0.9)[n % 2]) for n in range(10)]
+    assert sum(s is not None for s in seconds) >= 9
+
+
+def test_it_stops_to_a_stand_and_takes_a_pose():
+    walk = Walk("caramelo")
+    walk.command(0.2)
+    walk.go(2.0)
+    walk.driver.set_command(mode="stand", pose=(0.0, 0.0, 0.02, 0.0, 0.1, 0.0))
+    rows = walk.go(4.0)
+    assert walk.driver.state == "standing"
+    assert np.ptp(rows[-25:, 0]) < 0.002
+    assert rows[-1, 2] == pytest.approx(0.17 + 0.012 + 0.02, abs=0.005)
+    assert rows[-1, 4] == pytest.approx(0.1, abs=0.015)
+
+
+def test_gaits_take_over_from_each_other_by_a_stand():
+    walk = Walk("caramelo")
+    walk.command(0.2)
+    walk.go(2.0)
+    walk.command(0.05, gait="trot")
+    walk.go(7.0)
+    assert walk.driver.state == "walking"
+    assert walk.driver.planner.status.mover == MOVER_TROT
+    walk.command(0.2, gait="fast-trot")
+    walk.go(6.0)
+    assert walk.steady(2.0)[0][0] == pytest.approx(0.2, rel=0.05)
