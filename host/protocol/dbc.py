@@ -14,7 +14,6 @@ from pathlib import Path
 from shared.joint import faults
 
 SOURCE = Path(__file__).with_name("joints.dbc")
-ALL_NODES = Path(__file__).with_name("joints_all_nodes.dbc")  # made of it, one message an identifier, for other tools
 MAX_SIGNED_BITS, MAX_UNSIGNED_BITS = 31, 30  # what a small int of 32-bit MicroPython holds
 
 _MESSAGE = re.compile(r"BO_ (\d+) (\w+): (\d+) (\w+)$")

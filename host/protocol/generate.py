@@ -1,4 +1,4 @@
-"""Writes everything made from joints.dbc and parameters.toml: codec, names, limits, docs tables, expanded DBC.
+"""Writes everything made from joints.dbc and parameters.toml: codec, names, limits, docs tables.
 
 Run as ``python -m host.protocol.generate`` (``--check`` only compares). No line of the output depends on the machine.
 """
@@ -57,7 +57,6 @@ def outputs() -> dict[Path, str]:
         ROOT / "shared/wire/codec.py": wire_codec.render(messages),
         ROOT / "shared/wire/names.py": wire_names.render_names(messages, number),
         ROOT / "shared/wire/parameters.py": wire_names.render_parameters(table),
-        ROOT / "host/protocol/joints_all_nodes.dbc": wire_docs.expanded_dbc(messages),
         ROOT / DOCS: wire_docs.fill((ROOT / DOCS).read_text(), tables),
     }
 

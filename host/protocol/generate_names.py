@@ -14,6 +14,8 @@ WORDS = (
     ("slow_status", "limits", "LIMIT"),
 )
 
+FIRST_OF_GROUPS = "setpoint_position"  # a group's frames are all as long as its
+
 
 def _words(messages: list[Message], message: str, signal: str, prefix: str) -> list[str]:
     choices = next(s.choices for m in messages if m.name == message for s in m.signals if s.name == signal)
@@ -37,7 +39,9 @@ def render_names(messages: list[Message], protocol_hash: int) -> str:
         "\n# Identifier of node 0 or group 0, and length in bytes, of each kind of frame.",
     ]
     for m in messages:
-        parts += [f"{m.name.upper()}_ID = const(0x{m.identifier:03X})", f"{m.name.upper()}_LENGTH = const({m.length})"]
+        parts.append(f"{m.name.upper()}_ID = const(0x{m.identifier:03X})")
+        if m.signals and (not m.codec or m.name == FIRST_OF_GROUPS):  # a stop's length does not count
+            parts.append(f"{m.name.upper()}_LENGTH = const({m.length})")
     parts += ["\n# A slot or value that is not there; of fields of other than 16 bits with their length."]
     parts += _specials(messages)
     for message, signal, prefix in WORDS:
@@ -53,8 +57,10 @@ def _array(name: str, kind: str, values: list[int], comment: str) -> str:
 
 
 # Of the stored ones only those have a constant with which a record of the joint begins (firmware/joint_store.py), whose
-# further fields follow in the order of the ids, and what a program sets by itself
+# further fields follow in the order of the ids, and what a program sets by itself; of the rest not what lies between
+# the first and the last of the unique ids
 NAMED = ("NODE_ID", "CURRENT_KP", "THERMISTOR_RAW", "POLE_PAIRS", "CURRENT_MAX")
+BETWEEN = ("UNIQUE_ID_1", "UNIQUE_ID_2")
 
 
 def _constant(parameter: Parameter) -> str:
@@ -65,6 +71,7 @@ def _constant(parameter: Parameter) -> str:
 def render_parameters(parameters: list[Parameter]) -> str:
     flags = [ACCESS.index(p.access) | p.stored << 2 | (not p.zero) << 3 for p in parameters]
     named = [p for p in parameters if p.place == 0 and (not p.stored or _constant(p) in NAMED)]
+    named = [p for p in named if _constant(p) not in BETWEEN]
     ids = "\n".join(f"PARAMETER_{_constant(p)} = const({p.id})" for p in named)
     parts = [
         '"""Joint parameters: ids and limits. '

@@ -118,18 +118,3 @@ def limit_joints(params: Params, leg: int, joints: Ints) -> int:
             flags |= LIMIT_HIP << joint
         at += 1
     return flags
-
-
-@hot
-def calf_motor(thigh_brad: int, calf_brad: int) -> int:
-    """Return the calf motor's angle of a rod-driven leg, wrapped: thigh + calf (paper B, section II).
-
-    Both motors sit at the hip, so the calf motor sets the calf's angle against the body. Exact.
-    """
-    return (thigh_brad + calf_brad + 0x8000 & 0xFFFF) - 0x8000
-
-
-@hot
-def calf_joint(thigh_brad: int, motor_brad: int) -> int:
-    """Return the calf joint's angle from the motors' of a rod-driven leg: inverse of calf_motor. Exact."""
-    return (motor_brad - thigh_brad + 0x8000 & 0xFFFF) - 0x8000

@@ -31,15 +31,6 @@ _UNIT_HALF = const(16)
 
 
 @hot
-def load_even(block: Load, weight_q12: int) -> int:
-    """Let every foot carry a quarter, at once; return 0. weight: Q12 of the own weight, 0 .. 16383."""
-    for leg in range(LEGS):
-        block.wanted_q12[leg] = weight_q12 >> 2
-        block.force_q12[leg] = weight_q12 >> 2
-    return 0
-
-
-@hot
 def load_share(
     feet: Ints, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load
 ) -> int:

@@ -63,7 +63,6 @@ class Params:
     integral_max: int = field("brad", "limit of the balance's integral term")
     balance_max: int = field("brad", "limit of the roll and of the pitch correction as a whole")
     stride_max: int = field("lu", "longest travel of a foot along the ground in one stance")
-    balance_on: int = field("", "1: balance acts unless the command says otherwise")
     joint_top: Ints = vector(3, "brad / tick", "the fastest the motor turns its joint")
     legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
     sag_q16: Ints = vector(3, "brad / lu Q16", "sag that is fed forward, per lever at own weight")

@@ -13,8 +13,7 @@ SEATED = const(5)
 STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated")
 
 # Flags of a tick
-REACH_FLAGS = const(0x07)  # a foot was out of reach: TOO_FAR, TOO_NEAR, INSIDE_HIP
-LIMIT_FLAGS = const(0x38)  # a joint was at its limit: LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF
+# Bits 0 .. 2: a foot was out of reach, TOO_FAR, TOO_NEAR, INSIDE_HIP; 3 .. 5: a joint was at its limit, LIMIT_HIP ..
 NOT_DRIVEN = const(0x40)  # the joints are not to be held
 NO_ATTITUDE = const(0x80)  # balance was asked for and there is no attitude
 NO_JOINTS = const(0x100)  # standing up was asked for and the joints' positions are not known

@@ -7,8 +7,6 @@ from ..runtime import const
 PARAMETERS = const(174)
 PARAMETER_NODE_ID = const(0)
 PARAMETER_UNIQUE_ID_0 = const(1)
-PARAMETER_UNIQUE_ID_1 = const(2)
-PARAMETER_UNIQUE_ID_2 = const(3)
 PARAMETER_UNIQUE_ID_3 = const(4)
 PARAMETER_BUILD_ID = const(5)
 PARAMETER_FAULT_CODE = const(6)

@@ -35,8 +35,3 @@ def inverse(foot_m, side_l1_m, l2_m, l3_m, knee):
 def wrap(angle_rad):
     """Return the same angle within -pi <= angle < pi."""
     return (angle_rad + math.pi) % (2 * math.pi) - math.pi
-
-
-def calf_motor(thigh_rad, calf_rad):
-    """Return the angle of a calf motor that sits at the hip (paper B): it turns with neither joint alone."""
-    return wrap(thigh_rad + calf_rad)

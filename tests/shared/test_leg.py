@@ -12,8 +12,6 @@ from shared.body.leg import (
     LIMIT_CALF,
     LIMIT_HIP,
     LIMIT_THIGH,
-    calf_joint,
-    calf_motor,
     leg_forward,
     leg_inverse,
     limit_joints,
@@ -234,14 +232,6 @@ def test_joint_limits_act_and_are_reported(name, leg, angles):
         low, high = base.lowest[joint], base.highest[joint]
         assert joints[leg * 3 + joint] == min(max(angles[joint], low), high)
         assert bool(flags & bit) == (not low <= angles[joint] <= high)
-
-
-@repeatable(400)
-@given(integers(-32768, 32767), integers(-32768, 32767))
-def test_calf_coupling_has_an_inverse(thigh, calf):
-    motor = calf_motor(thigh, calf)
-    assert calf_joint(thigh, motor) == calf
-    assert abs(twin.wrap(rad(motor) - twin.calf_motor(rad(thigh), rad(calf)))) <= 1e-9
 
 
 @repeatable(400)

@@ -198,8 +198,6 @@ def test_forces_move_by_a_step_at_most():
     state.wanted_q12[:], state.force_q12[:] = [1000, 0, 2000, 1096], [1024] * 4
     load.load_slew(state, 100)
     assert state.force_q12 == [1000, 924, 1124, 1096]
-    load.load_even(state, 4096)
-    assert state.wanted_q12 == state.force_q12 == [1024] * 4
 
 
 @pytest.mark.parametrize("standing", [s for n in (2, 3, 4) for s in itertools.combinations(range(4), n)])

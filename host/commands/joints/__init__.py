@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 from .. import HARDWARE
-from . import board, compare, drive, figures, load, look, params, simulate
+from . import board, compare, dbc, drive, figures, load, look, params, simulate
 
 
 def register(app: typer.Typer) -> None:
@@ -23,6 +23,7 @@ def register(app: typer.Typer) -> None:
         "set-id": board.set_id,
         "calibrate": board.calibrate,
         "busload": load.busload,
+        "dbc": dbc.dbc,
         "compare": compare.compare,
         "figures": figures.figures,
         "sim": simulate.sim,

@@ -14,6 +14,7 @@ from ...bus.can.link import JointLink
 from ...bus.can.load import busload, default_schedule
 from ...bus.can.port import Port, Received
 from ...protocol import dbc, frames
+from ...protocol.generate_docs import expanded_dbc
 from ...robot.coupling import to_motor
 from ...robot.joint_gains import joint_blocks
 from ...robot.joint_setups import joint_setups
@@ -40,7 +41,7 @@ def codec_figure(count: int) -> Figure:
     """Compare random frames of each message with cantools, both ways; ModuleNotFoundError without it."""
     import cantools
 
-    database = cantools.database.load_file(str(dbc.ALL_NODES))
+    database = cantools.database.load_string(expanded_dbc(dbc.load()), "dbc")
     messages = [message for message in dbc.load() if message.signals]
     different = sum(_differs(database, message, random.Random(message.first), count) for message in messages)
     found = f"{different} of {count * len(messages)} differ ({count} of each of {len(messages)} types)"

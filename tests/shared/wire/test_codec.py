@@ -8,11 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host.protocol import dbc, frames
+from host.protocol.generate_docs import expanded_dbc
 from tests.float_twin import wire as twin
 
 MESSAGES = dbc.load()
 WITH_FIELDS = [m for m in MESSAGES if m.signals]
-LIBRARY = cantools.database.load_file(dbc.SOURCE.with_name("joints_all_nodes.dbc"))
+LIBRARY = cantools.database.load_string(expanded_dbc(MESSAGES), "dbc")
 CORE_LOW, CORE_HIGH = -(1 << 30), (1 << 30) - 1
 RANDOM_PER_KIND = 100_000  # of the long run: pytest -m slow tests/shared/wire
 

@@ -316,7 +316,7 @@ PROBES = (
     _stateful(crawl_goals, "solve_legs", CRAWL),
     _stateful(crawl_goals, "legs_goals", CRAWL, GOALS),
     _stateful(crawl_steps, "enter", CRAWL, Range(0, 5)),
-    _stateful(crawl_steps, "tell", CRAWL, Range(0, 7), PLACE, PLACE),
+    _stateful(crawl_steps, "tell", CRAWL, Range(0, 7), PLACE),
     _stateful(crawl_steps, "start_stages", CRAWL),
     _stateful(crawl_steps, "take_stage", CRAWL, AHEAD),
     _stateful(crawl_steps, "swing_stage", CRAWL, LEG),

@@ -34,6 +34,4 @@ PROBES = (
     ),
     Probe("plane_length", leg.plane_length, (ROBOT, LEG, ANY_FEET)),
     Probe("limit_joints", leg.limit_joints, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
-    Probe("calf_motor", leg.calf_motor, (BRAD, BRAD)),
-    Probe("calf_joint", leg.calf_joint, (BRAD, BRAD)),
 )

@@ -32,7 +32,6 @@ def _drawn(values, dice):
 
 
 PROBES = (
-    Probe("load_even", load.load_even, (BLOCK, FORCE), watch=(BLOCK.array,)),
     Probe(
         "load_share",
         load.load_share,

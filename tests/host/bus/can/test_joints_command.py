@@ -7,6 +7,7 @@ import pytest
 
 from host.bus.can.adapter import AdapterPort
 from host.cli import main
+from host.protocol.dbc import parse
 from host.robot.file import load_robot
 from host.sim.joints.gateway import Gateway
 from host.sim.joints.sim_robot import SimRobot
@@ -106,6 +107,16 @@ def test_busload_prints_the_schedule(capsys):
     code, out, _ = run(capsys, "busload", "--rate", "400", "--buses", "2")
     assert code == 0
     assert [out.count(words) for words in ("nodes 1 to 6, 400 Hz", "nodes 7 to 12, 400 Hz", "total")] == [1, 1, 2]
+
+
+def test_dbc_is_written_whole_to_the_terminal_or_a_file(capsys, tmp_path):
+    code, out, _ = run(capsys, "dbc")
+    assert code == 0
+    assert {m.name for m in parse(out)} > {"heartbeat_FR_hip", "setpoint_position_2", "e_stop"}
+    path = tmp_path / "joints.dbc"
+    assert json.loads(run(capsys, "dbc", "--out", str(path), "--json")[1])["bytes"] == len(out)
+    assert path.read_text() == out
+    assert run(capsys, "dbc", "--json")[0] == 2
 
 
 def test_set_id_refuses_a_node_that_is_taken(capsys):
