@@ -7,6 +7,7 @@ twelve angles back. Everything between those two conversions is the core's integ
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from shared.gait.table import MOVER_STRIDE
 from shared.planner import command as core
 from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
@@ -69,9 +70,13 @@ class Driver:
 
         The crawl takes its own time; the figure is that of the trot it gives way to.
         """
-        most = self.planner.gaits[gait_index(gait)].speed_max[0]
-        key = "vx_m_s" if most == self.planner.params.speed_max[0] else "stride_m"
-        return self.scale.metres_per_second(most), f"speed_limits.{key}"
+        walked = self.planner.gaits[gait_index(gait)]
+        most, key = walked.speed_max[0], "speed_limits.stride_m"
+        if most == self.planner.params.speed_max[0]:
+            key = "speed_limits.vx_m_s"
+        elif walked.mover == MOVER_STRIDE:
+            key = f"gait.advised_m_s.{gait}"
+        return self.scale.metres_per_second(most), key
 
     def set_command(self, **wish: object) -> None:
         """Change some of the command's fields for the ticks to come."""

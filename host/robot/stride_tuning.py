@@ -13,6 +13,7 @@ from .drives import joint_drives
 from .mass import com_at_rest_m
 from .model import Robot
 
+GAIT = "fast-trot"
 GRAVITY_M_S2 = 9.81
 BUS_DELAY_S = 0.020  # from sending a goal to its acting (assumed: one 50 Hz tick)
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
@@ -76,7 +77,7 @@ class StrideFigures:
         return CAPTURE_SHARE * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
 
     def fastest(self, joint_rad_s: float) -> tuple[float, float, float]:
-        """Return the fastest command, m/s ahead and aside and rad/s: what thighs turn a swinging foot at, and a trot's.
+        """Return the fastest that legs can do, m/s ahead and aside and rad/s: what thighs turn a swinging foot at.
 
         Along the ground a swing's fastest is 2 / (AHEAD_SHARE (1 - STANCE_SHARE)) - 1 times the body's speed.
         """
@@ -97,6 +98,20 @@ def stride_figures(robot: Robot) -> StrideFigures:
         geometry.thigh_m + geometry.calf_m, height_m, robot.hip_m(0)[0] - robot.hip_m(2)[0], tuple(rests),
         calf.damping_Nms_rad / calf.stiffness_Nm_rad,
     )
+
+
+def fastest(robot: Robot) -> tuple[float, float, float]:
+    """Return the fastest command, m/s ahead and aside and rad/s: what the legs can do and the robot file allows.
+
+    Where the file advises the gait up to a speed that is the limit, aside and turning in proportion; else its
+    speed_limits are, as of any gait.
+    """
+    able, limits = stride_figures(robot).fastest(robot.actuator.fastest_rad_s), robot.speed_limits
+    advised = robot.gait.advised_m_s.get(GAIT)
+    if advised is not None:
+        share = min(1.0, advised / able[0])
+        return able[0] * share, able[1] * share, able[2] * share
+    return min(able[0], limits.vx_m_s), min(able[1], limits.vy_m_s), min(able[2], limits.wz_rad_s)
 
 
 def rolling(robot: Robot) -> float:
@@ -133,7 +148,7 @@ def fill_stride(params: Params, robot: Robot) -> None:
     setup.lag_q8 = round(f.lag_s * rate * 256)
     setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
     setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))
-    for axis, value in enumerate(f.fastest(robot.actuator.fastest_rad_s)):
+    for axis, value in enumerate(fastest(robot)):
         setup.speed_max[axis] = min((1 << 18) - 1, round(value / rate * (fine if axis < 2 else 1 << 18)))
     for joint, drive in enumerate(joint_drives(robot)):
         give = robot.mass_kg * GRAVITY_M_S2 / drive.stiffness_Nm_rad / unit * 65536 / 2 / pi
