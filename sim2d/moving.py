@@ -11,7 +11,7 @@ import numpy as np
 from .recording import Array, Recording
 from .terrain import Point
 
-FRAMES_PER_S = 12
+FRAMES_PER_S = 25
 PIXELS_PER_M = 900
 WIDTH_M, BELOW_M, ABOVE_M = 0.9, 0.05, 0.06  # of the picture; what it shows under the lowest foot, over the torso
 TORSO, NEAR_LEG, FAR_LEG, STONE = "#2f4a6d", "#d2691e", "#c8b7a6", "#b5a184"  # the left legs are behind
