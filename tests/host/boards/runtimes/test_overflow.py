@@ -19,7 +19,7 @@ def test_no_intermediate_exceeds_what_is_promised(largest, bound):
 PRODUCT = "return (a * b_q15 + 0x4000) >> 15"
 PLANTED = [
     ("2^30", "num/fixed", PRODUCT, "return (a * b_q15 << 1) + 0x8000 >> 16", "outside -2^30 .. 2^30-1"),
-    ("one value only", "num/fixed", PRODUCT, "return (a * b_q15 + ((a == 23457) << 30) + 0x4000) >> 15", "outside"),
+    ("one value only", "num/fixed", PRODUCT, "return (a * b_q15 + ((a == 23457) << 31) + 0x4000) >> 15", "outside"),
     ("a float", "num/fixed", PRODUCT, "return int(a * b_q15 * 0.000030517578125)", "a float"),
     ("true division", "num/fixed", PRODUCT, "return a * b_q15 / 32768", "a float"),
     ("a shift by 32", "num/fixed", PRODUCT, "return (a * b_q15 + 0x4000) >> 32", "shifts by 0 .. 31"),
