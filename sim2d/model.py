@@ -9,6 +9,7 @@ import itertools
 import math
 from dataclasses import dataclass, field, replace
 
+GRAVITY_M_S2 = 9.81
 LEGS = ("FR", "FL", "RR", "RL")
 JOINTS = 12
 PLANAR_JOINTS = 8

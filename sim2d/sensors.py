@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .body import all_joints
-from .world import GRAVITY_M_S2, World
+from .model import GRAVITY_M_S2
+from .world import World
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,9 @@ from pymunk import batch
 
 from . import body
 from .actuator import Actuator, servos_of
-from .model import PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
+from .model import GRAVITY_M_S2, PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
 from .terrain import Terrain
 
-GRAVITY_M_S2 = 9.81
 ITERATIONS = 30
 COLLISION_SLOP_M = 1e-4
 # Share of an error that one sub-step leaves: joints (pins), contacts.

@@ -7,6 +7,8 @@ from sim2d.model import ServoModel
 from .actuators import Bldc, Servo
 from .model import Robot
 
+BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
+
 
 def joint_drives(robot: Robot) -> tuple[ServoModel, ServoModel, ServoModel]:
     """Return the drives of hip, thigh and calf as linear laws seen from their joints."""

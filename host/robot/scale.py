@@ -10,10 +10,11 @@ from math import ceil, degrees, floor, isqrt, pi, sqrt
 
 from shared.body.params import LEGS, LF_BITS, Gains, Params
 from shared.sense.attitude import Attitude, attitude_reset
+from sim2d.model import GRAVITY_M_S2
 
 from ..util.errors import UserError
 from .crawl_tuning import fill_crawl
-from .drives import joint_drives
+from .drives import BUS_DELAY_S, joint_drives
 from .mass import com_at_rest_m, lever_m
 from .model import JOINT_NAMES, Balance, Robot, Trot
 from .stride_tuning import fill_stride
@@ -24,8 +25,6 @@ YAW18 = 1 << 18
 # Limits of the core's fields, from the docstrings of shared/gait/steps.py and shared/num/pid.py.
 LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
-GRAVITY_M_S2 = 9.81
-BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
 LOAD_SLEW_S = 0.1  # a foot's expected load moves by half of the weight in this time (chosen in simulation)
 
 # The trot, from its simulation in three dimensions on Caramelo.

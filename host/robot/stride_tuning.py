@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from math import hypot, pi, sqrt, tanh
 
 from shared.body.params import LF_BITS, Params
+from sim2d.model import GRAVITY_M_S2
 
-from .drives import joint_drives
+from .drives import BUS_DELAY_S, joint_drives
 from .mass import com_at_rest_m
 from .model import Robot
 
 GAIT = "fast-trot"
-GRAVITY_M_S2 = 9.81
-BUS_DELAY_S = 0.020  # from sending a goal to its acting (assumed: one 50 Hz tick)
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
 LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap

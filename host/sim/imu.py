@@ -4,10 +4,11 @@ import random
 from collections.abc import Callable
 from math import degrees
 
+from sim2d.model import GRAVITY_M_S2
+
 from ..imu.base import INT16_MAX, Axes, Imu
 from ..robot.model import Robot
 
-GRAVITY_M_S2 = 9.81
 # MPU-6000/6050 product specification 3.4, section 6.1 and 6.2: 0.05 deg/s rms and 400 ug/sqrt(Hz), here at 44 Hz.
 GYRO_NOISE_DEG_S = 0.05
 ACCEL_NOISE_G = 0.0027

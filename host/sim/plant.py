@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import copysign
 
 from sim2d.actuator import Actuator, CalfOnTorso
-from sim2d.model import PLANAR_INDEX, PLANAR_JOINTS, ServoModel
+from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, ServoModel
 
 from ..bus.base import JOINTS
 from ..robot.model import Robot
@@ -120,7 +120,7 @@ class Plant(ABC):
 
     def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 9.81)
+        return (0.0, 0.0, 0.0), (0.0, 0.0, GRAVITY_M_S2)
 
     @abstractmethod
     def _run(self, steps: int) -> None:

@@ -3,8 +3,8 @@
 import math
 import struct
 
-from sim2d.model import PLANAR_JOINTS
-from sim2d.world import BODY_FIELDS, GRAVITY_M_S2, World
+from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
+from sim2d.world import BODY_FIELDS, World
 
 
 class Stand:

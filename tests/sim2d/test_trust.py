@@ -10,8 +10,9 @@ import pytest
 
 from sim2d import metrics, terrain
 from sim2d.body import planar
+from sim2d.model import GRAVITY_M_S2
 from sim2d.run import simulate
-from sim2d.world import GRAVITY_M_S2, World
+from sim2d.world import World
 from tests.float_twin.paper_trot import PERIOD_S, Balance, PaperTrot, cycloid, inverse, sample_times
 
 from .conftest import CALF_SERVO, THIGH_SERVO, caramelo

@@ -12,14 +12,13 @@ from dataclasses import dataclass, field
 from math import radians
 from xml.etree import ElementTree as Xml
 
-from sim2d.model import PlanarRobot, ServoModel
+from sim2d.model import GRAVITY_M_S2, PlanarRobot, ServoModel
 
 from ...robot.model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
 from ...robot.plane import planar_robot
 from ...robot.poses import rest_pose_rad
 from .ground import Ground
 
-GRAVITY_M_S2 = 9.81
 # The joints' end stops are this far outside the limits of the goals.
 STOP_MARGIN_RAD = radians(3.0)
 PAYLOAD_HALF_M = (0.06, 0.05, 0.025)

@@ -12,7 +12,7 @@ from typing import Any
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_POSITION
 from sim2d.actuator import CoupledDrives, Drives
-from sim2d.model import PLANAR_JOINTS
+from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.recording import Recording
 
 from ...robot.actuators import Bldc
@@ -26,7 +26,6 @@ SETPOINT_MS = 5  # 200 Hz on the bus
 LOSS_SPEED_RAD_S = 0.1  # below it the gear's loss fades out, so that it does not chatter at rest
 WIDE_RAD = 3.1
 SETTLE_S = 0.5  # not counted: the robot is put down
-GRAVITY_M_S2 = 9.81
 
 
 class JointMotor:

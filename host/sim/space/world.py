@@ -13,10 +13,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from sim2d.model import GRAVITY_M_S2
+
 from ...robot.actuators import Servo
 from ...robot.model import LEG_NAMES, Robot, Vector
 from ...robot.poses import rest_pose_rad
-from ..export.mjcf import GRAVITY_M_S2, ModelOptions, joint_names, mjcf
+from ..export.mjcf import ModelOptions, joint_names, mjcf
 
 Array = npt.NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from host.robot import stride_tuning as tuning
-from host.robot.drives import joint_drives
+from host.robot.drives import BUS_DELAY_S, joint_drives
+from sim2d.model import GRAVITY_M_S2 as G
 
-G = tuning.GRAVITY_M_S2
 LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
 TURN_MAX = 16383 / 2**18  # rad a tick
 
@@ -60,7 +60,7 @@ class FastTrot:
         self.give = [robot.mass_kg * G / drive.stiffness_Nm_rad for drive in drives]
         self.fastest = [math.floor(robot.actuator.fastest_rad_s * k * self.dt * 65536 / math.tau) * math.tau / 65536
                         for k in (1.0, 1.0, ratio)]
-        self.delay = 1 + math.floor(tuning.BUS_DELAY_S * rate_hz + 1e-9)
+        self.delay = 1 + math.floor(BUS_DELAY_S * rate_hz + 1e-9)
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
@@ -167,7 +167,7 @@ class FastTrot:
 
     def lean(self, tilt, rates, pose):
         """Write the tilt to come, the turns that level the body, and follow the pose along the ground."""
-        ahead_s = tuning.BUS_DELAY_S + self.dt / 2
+        ahead_s = BUS_DELAY_S + self.dt / 2
         self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
         gain = tuning.LEVEL_SHARE / self.f.tipping_s
         self.level = [limit(-gain * (tilt[i] - pose[i + 3]), TURN_MAX / self.dt) for i in range(2)]
