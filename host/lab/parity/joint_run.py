@@ -149,7 +149,9 @@ for name, frame in (("poll", 0), ("sync", {sync}), ("setpoint", {setpoint}), ("s
             bring(frame)
         cost(name, poll)
 states.append(run.state())
-run.millisecond()
+run.due()
+run.steps(1)
+run.settle()  # the millisecond is done: none falls into the stop's own poll
 bring({stop})
 cost("stop", poll)
 run.due()
