@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .c_holders import holder_type, holders_text
+from .c_holders import converted, holders_text
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
@@ -91,16 +91,9 @@ def _expose(module: Module, function: ast.FunctionDef) -> str:
     if not given:
         return f"CORE_EXPOSE_0({name})"
     blocks = module.blocks.get(function.name, {})
-    values = [f"CORE_NUMBER(a[{i}])" if p.annotation else _from_python(f"a[{i}]", blocks.get(p.arg))
+    values = [f"CORE_NUMBER(a[{i}])" if p.annotation else converted(f"a[{i}]", blocks.get(p.arg))
               for i, p in enumerate(given)]
     return f"CORE_EXPOSE_N({name}, {len(given)}, {', '.join(values)})"
-
-
-def _from_python(text: str, kind: str | None) -> str:
-    """Return an argument as a hot function takes it."""
-    if kind is None:
-        return text
-    return f"core_block({text})" if kind == "array" else f"&({holder_type(kind)}){{.object = {text}}}"
 
 
 def _module(exposed: list[tuple[Module, ast.FunctionDef]]) -> str:

@@ -9,7 +9,7 @@ the call is kept first, because C leaves the order of evaluation open and Python
 
 import ast
 
-from .c_holders import accessor, c_type, holder_type
+from .c_holders import ARRAY, accessor, c_type, converted
 from .rules import MARKS, aliases, hot_arity
 from .source import Module, resolve
 
@@ -267,13 +267,9 @@ class FunctionWriter:
 
     def _handed(self, node: ast.expr, kind: str | None) -> str:
         """Return ``node`` as a function takes it that wants a ``kind``."""
-        if kind is None:
-            return self._object(node)
-        if self._kind(node) == kind:
+        if kind is not None and self._kind(node) == kind:
             return self._known(node)
-        if kind == "array":
-            return f"core_block({self._object(node)})"
-        return f"&({holder_type(kind)}){{.object = {self._object(node)}}}"
+        return converted(self._object(node), kind)
 
     def _known(self, node: ast.expr) -> str:
         """Return an array or what holds arrays: a parameter, or an attribute of one."""
@@ -285,7 +281,7 @@ class FunctionWriter:
     def _object(self, node: ast.expr) -> str:
         """Return what is handed on as it is: a parameter, or an attribute or element of one."""
         kind = self._kind(node)
-        if kind and kind != "array":
+        if kind and kind != ARRAY:
             return f"{self._known(node)}->object"
         if isinstance(node, ast.Name):
             if node.id not in self._given or kind:
@@ -307,7 +303,7 @@ class FunctionWriter:
             name = c_name(found[0].name, found[1])
             self.tables[name] = found
             return f"({kind} *){name}"
-        return f"({kind} *){self._handed(node, 'array')}"
+        return f"({kind} *){self._handed(node, ARRAY)}"
 
     # values kept under a name
 
