@@ -10,8 +10,8 @@ import numpy as np
 
 from .recording import Array, Recording
 from .terrain import Point
+from .view import shown_rows, solid, turned
 
-FRAMES_PER_S = 25
 PIXELS_PER_M = 900
 WIDTH_M, BELOW_M, ABOVE_M = 0.9, 0.05, 0.06  # of the picture; what it shows under the lowest foot, over the torso
 TORSO, NEAR_LEG, FAR_LEG, STONE = "#2f4a6d", "#d2691e", "#c8b7a6", "#b5a184"  # the left legs are behind
@@ -20,7 +20,7 @@ _STYLE = "fill:none;stroke-linecap:round;stroke-linejoin:round"
 
 def moving_svg(recording: Recording, title: str, torso_half_m: tuple[float, float]) -> str:
     """Return the picture. ``torso_half_m``: half the torso's length and height; ``title``: read out and shown on it."""
-    rows = _frames(recording)
+    rows = shown_rows(recording)
     seconds = float(recording.time_s[rows[-1]] - recording.time_s[rows[0]])
     x, floor = recording.torso_x_m[rows], float(recording.foot_xz_m[rows, :, 1].min()) - recording.foot_radius_m
     bottom, top = floor - BELOW_M, float(recording.torso_z_m.max()) + torso_half_m[1] + ABOVE_M
@@ -42,13 +42,6 @@ def moving_svg(recording: Recording, title: str, torso_half_m: tuple[float, floa
         "</svg>",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
-
-
-def _frames(recording: Recording) -> Array:
-    """The rows that are shown."""
-    ends = recording.time_s[-1]
-    wanted = np.arange(recording.time_s[0], ends, 1 / FRAMES_PER_S)
-    return np.unique(np.searchsorted(recording.time_s, [*wanted, ends]))
 
 
 def _timing(seconds: float) -> str:
@@ -94,14 +87,10 @@ def _stone(recording: Recording, rows: Array, stone: int, bottom: float, height:
 
 def _turned(corners: Sequence[Point], places: Array, turns_rad: Array, bottom: float, height: int) -> list[str]:
     """Points of a body whose corners lie round its place, turned counter-clockwise, for each frame."""
-    frames = []
-    for place, turn in zip(places, turns_rad, strict=True):
-        cos, sin = np.cos(turn), np.sin(turn)
-        frames.append(_points(np.array(corners) @ np.array([[cos, sin], [-sin, cos]]) + place, bottom, height))
-    return frames
+    moves = zip(places, turns_rad, strict=True)
+    return [_points(turned(corners, place, turn), bottom, height) for place, turn in moves]
 
 
 def _ground(line: list[Point], bottom: float, height: int) -> str:
-    deep = bottom - 1.0
-    closed = np.array([*line, (line[-1][0], deep), (line[0][0], deep)])
-    return f'<polygon points="{_points(closed, bottom, height)}" fill="#d9cfc0" stroke="#8d7c62" stroke-width="2"/>'
+    points = _points(np.array(solid(line)), bottom, height)
+    return f'<polygon points="{points}" fill="#d9cfc0" stroke="#8d7c62" stroke-width="2"/>'

@@ -6,6 +6,7 @@ The page holds its data, style and script, so it plays without a network and can
 import html
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from string import Template
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from .recording import Array, Recording
+from .terrain import Point
 
 PAGE = Path(__file__).parent / "pages" / "walk.html"
 FRAMES_PER_S = 25
@@ -25,7 +27,7 @@ LEG_COLOURS = ("#d2691e", "#e9b88f", "#7a3e10", "#c99a72")
 def animation_html(recording: Recording, title: str, sentence: str, facts: list[tuple[str, str]],
                    torso_half_m: tuple[float, float]) -> str:
     """Return the page. ``facts`` are rows of its table; ``torso_half_m`` is half the torso's length and height."""
-    rows, ground = _rows(recording), _ground_below(recording)
+    rows, ground = shown_rows(recording), _ground_below(recording)
     data = {
         "time_s": _rounded(recording.time_s[rows], 3),
         "torso": _rounded(
@@ -40,7 +42,7 @@ def animation_html(recording: Recording, title: str, sentence: str, facts: list[
         "stall_Nm": _rounded(recording.stall_Nm, 3),
         "ground_z": _rounded(ground[rows], 4),
         "view_m": _rounded(_view_m(recording, ground, torso_half_m)[rows].max(axis=0), 3),
-        "terrain": [[[round(x, 4), round(z, 4)] for x, z in _solid(line)] for line in recording.terrain.polylines],
+        "terrain": [[[round(x, 4), round(z, 4)] for x, z in solid(line)] for line in recording.terrain.polylines],
         "stones": [[[round(x, 4), round(z, 4)] for x, z in stone.corners_m] for stone in recording.terrain.loose],
         "stone_moves": _stone_moves(recording, rows),
         "foot_radius_m": recording.foot_radius_m,
@@ -53,7 +55,7 @@ def animation_html(recording: Recording, title: str, sentence: str, facts: list[
     return page.substitute(title=html.escape(title), sentence=html.escape(sentence), data=text)
 
 
-def _rows(recording: Recording) -> Array:
+def shown_rows(recording: Recording) -> Array:
     """Indexes of the ticks shown, about FRAMES_PER_S of them a second, the last one included."""
     ticks = len(recording.time_s)
     seconds = float(recording.time_s[-1] - recording.time_s[0]) if ticks > 1 else 0.0
@@ -97,7 +99,13 @@ def _stone_moves(rec: Recording, rows: Array) -> list[list[list[float]]]:
     return moves
 
 
-def _solid(line: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def turned(corners_m: Sequence[Point], place_m: Array, turn_rad: float) -> Array:
+    """Return where the corners of a body are that lie round its place, turned counter-clockwise; n x 2."""
+    cos, sin = math.cos(turn_rad), math.sin(turn_rad)
+    return np.asarray(np.array(corners_m) @ np.array([[cos, sin], [-sin, cos]]) + place_m)
+
+
+def solid(line: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """A ground line closed far below, so that it can be filled."""
     deep = min(z for _, z in line) - 0.5
     return [*line, (line[-1][0], deep), (line[0][0], deep)]
@@ -129,7 +137,7 @@ def _draw_side(axes: Any, rec: Recording) -> None:
     body = np.concatenate([rec.hip_xz_m, rec.knee_xz_m, rec.foot_xz_m], axis=1)
     left, right = float(body[:, :, 0].min()) - 0.05, float(body[:, :, 0].max()) + 0.05
     for line in rec.terrain.polylines:
-        xs, zs = zip(*_solid(line), strict=True)
+        xs, zs = zip(*solid(line), strict=True)
         axes.fill(xs, zs, color="#d9cfc0", edgecolor="#8d7c62", linewidth=1.2)
     _draw_stones(axes, rec)
     for leg in range(4):
@@ -156,8 +164,7 @@ def _draw_stones(axes: Any, rec: Recording) -> None:
     """Loose stones: outlines where they lay at first, filled where they lie at the end."""
     for row, style in ((0, {"facecolor": "none", "alpha": 0.5}), (-1, {"facecolor": "#b5a184"})):
         for stone, (place, turn) in enumerate(zip(rec.stone_xz_m[row], rec.stone_turn_rad[row], strict=True)):
-            cos, sin = math.cos(turn), math.sin(turn)
-            corners = np.array(rec.terrain.loose[stone].corners_m) @ np.array([[cos, sin], [-sin, cos]]) + place
+            corners = turned(rec.terrain.loose[stone].corners_m, place, turn)
             axes.fill(corners[:, 0], corners[:, 1], edgecolor="#8d7c62", linewidth=0.6, **style)
 
 

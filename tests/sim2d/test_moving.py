@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sim2d import terrain
-from sim2d.moving import FRAMES_PER_S, PIXELS_PER_M, moving_svg
+from sim2d.moving import PIXELS_PER_M, moving_svg
 from sim2d.run import simulate
+from sim2d.view import FRAMES_PER_S
 
 from .conftest import caramelo
 from .helpers import Stand
