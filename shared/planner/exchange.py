@@ -5,7 +5,7 @@
 A gait of a table is walked by its table alone. A gait that feels has two movers, and says which of them goes first.
 """
 
-from ..gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE, MOVER_TROT
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from ..sense.legs import stands_level
@@ -13,7 +13,7 @@ from ..sense.sensed import Sensed
 from ..trot.navigate import navigate_reset
 from ..trot.trot import ADVICE_BEHIND
 from .command import MODE_WALK, Command
-from .handover import REASON_BEHIND, REASON_COMMAND, REASON_NONE, straight_on
+from .handover import REASON_BEHIND, REASON_COMMAND, REASON_NONE, exchanges, straight_on
 from .retreat import retreat_start, retreat_step
 from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
@@ -68,7 +68,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed, wanted
     if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
         status.waited = 0
         return 0
-    if gait.mover == MOVER_TABLE or gait.mover == MOVER_STRIDE or walker(planner) != MOVER_TROT:
+    if exchanges(gait.mover) == 0 or walker(planner) != MOVER_TROT:
         return 0
     reason = wait_for_crawl(planner, gait.mover)
     if reason == REASON_NONE:
@@ -133,7 +133,7 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     sensing = planner.sensing
     gait = planner.gaits[wanted_gait(planner, command)]
     keeps_on = straight_on(planner.params, command)
-    if command.mode != MODE_WALK or status.fallen or gait.mover == MOVER_TABLE or gait.mover == MOVER_STRIDE:
+    if command.mode != MODE_WALK or status.fallen or exchanges(gait.mover) == 0:
         keeps_on = 0
     if keeps_on == 0 or valid.joints == 0 or valid.tilt == 0:
         status.backs = 0

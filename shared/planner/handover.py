@@ -8,6 +8,7 @@ from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..crawl.map import Map
 from ..crawl.pose import BodyPath
 from ..gait.steps import Steps
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
@@ -27,6 +28,14 @@ class Fade:
     left: int = field("ticks", "to go; -1: the jump is still to be taken")
     ticks: int = field("ticks", "the whole fade")
     jump: Ints = vector(JOINTS, "brad", "by which the first goals differed; until it is taken, the goals sent last")
+
+
+@hot
+def exchanges(mover: int) -> int:
+    """Return 1 if the gaits of ``mover`` are walked by trot and crawl in turn, 0 if by their own mover alone."""
+    if mover == MOVER_TROT or mover == MOVER_CRAWL:
+        return 1
+    return 0
 
 
 @hot

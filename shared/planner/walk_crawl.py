@@ -5,7 +5,7 @@ from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
-from ..gait.table import MOVER_STRIDE, MOVER_TABLE, MOVER_TROT
+from ..gait.table import MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.legs import sense_legs
@@ -15,6 +15,7 @@ from .handover import (
     REASON_COMMAND,
     REASON_EVEN,
     REASON_NONE,
+    exchanges,
     fade_start,
     steps_from_crawl,
     straight_on,
@@ -95,7 +96,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     gait = planner.gaits[wanted]
     if command.mode != MODE_WALK:
         return REASON_NONE
-    if gait.mover == MOVER_TABLE or gait.mover == MOVER_STRIDE:
+    if exchanges(gait.mover) == 0:
         return REASON_COMMAND
     if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
         return REASON_NONE

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.crawl import state as at
-from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
+from shared.gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import exchange, handover, movers, planner, retreat, walk_crawl
 from shared.planner import status as n
@@ -345,3 +345,8 @@ def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
             planted.setattr(module, name, wrong)
             with pytest.raises(AssertionError):
                 restless(spied, 0)
+
+
+def test_only_what_trot_and_crawl_walk_is_exchanged():
+    movers = (MOVER_TABLE, MOVER_TROT, MOVER_CRAWL, MOVER_STRIDE)
+    assert [handover.exchanges(mover) for mover in movers] == [0, 1, 1, 0]

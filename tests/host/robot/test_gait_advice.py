@@ -9,6 +9,8 @@ from host.robot.gait_advice import UNTRIED, gait_advice, why_not_advised
 from shared.gait.gaits import GAIT_NAMES
 from tests import ROOT
 
+from .advice import advising
+
 DOCS = ROOT / "docs" / "gaits.md"
 
 
@@ -30,9 +32,7 @@ def test_advice_goes_up_to_a_speed():
 
 
 def test_a_gait_that_the_robot_file_does_not_name_has_not_been_tried():
-    robot = load_robot("caramelo")
-    untried = robot.model_copy(update={"gait": robot.gait.model_copy(update={"advised_m_s": {}, "not_advised": {}})})
-    assert set(gait_advice(untried).values()) == {UNTRIED}
+    assert set(gait_advice(advising("caramelo", {})).values()) == {UNTRIED}
 
 
 @pytest.mark.parametrize("name", robot_names())

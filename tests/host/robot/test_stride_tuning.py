@@ -3,14 +3,9 @@
 import pytest
 
 from host.control.planner import Driver
-from host.robot.file import load_robot
 from host.robot.stride_tuning import GAIT, fastest, stride_figures
 
-
-def advising(name, advised_m_s):
-    robot = load_robot(name)
-    gait = robot.gait.model_copy(update={"advised_m_s": advised_m_s, "not_advised": {}})
-    return robot.model_copy(update={"gait": gait})
+from .advice import advising
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])

@@ -359,6 +359,7 @@ PROBES = (
         watch=(TOLD, RETREAT),
         fit=_any_retreat,
     ),
+    Probe("exchanges", handover.exchanges, (Range(-1, 4),)),
     Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
     _stateful(crawl_even, "ground_even", EVEN),
     Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, MAP, PATH, LU, LU, STEPS), watch=(STEPS,),

@@ -9,28 +9,23 @@ import pytest
 pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
-from host.robot.file import load_robot
 from host.sim.export.ground import Ground
 from host.sim.space.grounds import GroundSpec, make_ground
 from host.sim.space.walk import SpaceWalker
 from host.sim.walk import WalkSpec
 from shared.gait.table import MOVER_TROT
 
+from ...robot.advice import advising
+
 FLAT = Ground("flat")
-
-
-def allowed(name):
-    """Return a robot whose file allows what its legs can do."""
-    robot = load_robot(name)
-    gait = robot.gait.model_copy(update={"advised_m_s": {"fast-trot": 3.0}, "not_advised": {}})
-    return robot.model_copy(update={"gait": gait})
+ABLE = {"fast-trot": 3.0}  # m/s: as fast as the legs can
 
 
 class Walk:
     """A fast trot in the world: truth of every tick."""
 
     def __init__(self, name, ground=FLAT, **more):
-        self.walker = SpaceWalker(WalkSpec(allowed(name), "fast-trot", **more), ground)
+        self.walker = SpaceWalker(WalkSpec(advising(name, ABLE), "fast-trot", **more), ground)
         self.walker.stand_up()
         self.driver, self.rows, self.trunk = self.walker.driver, [], False
 
