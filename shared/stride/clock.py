@@ -4,9 +4,8 @@ from ..body.params import LEGS, Params
 from ..runtime import const, hot
 from .feet import lift_off
 from .react import react
-from .state import Stride
+from .state import CYCLE_Q20, Stride
 
-_CYCLE = const(0x100000)
 _DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
 _STILL_MAX = const(0x200000)
 
@@ -21,10 +20,10 @@ def go_on(params: Params, walk: Stride, still: int, moving: int) -> int:
     setup = params.stride
     step = setup.phase_step_q20
     if moving == 0:
-        state.phase_q20 = (setup.stance_q20 >> 1) - (_CYCLE >> 2)
+        state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
         return stand_all(walk)
-    state.phase_q20 = state.phase_q20 + step & _CYCLE - 1
+    state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
     if still == 0:
         state.still_q20 = 0
     elif state.still_q20 < _STILL_MAX:
@@ -36,7 +35,7 @@ def go_on(params: Params, walk: Stride, still: int, moving: int) -> int:
     for leg in range(LEGS):
         part = state.phase_q20
         if _DIAGONALS >> leg & 1:
-            part = part + (_CYCLE >> 1) & _CYCLE - 1
+            part = part + (CYCLE_Q20 >> 1) & CYCLE_Q20 - 1
         part -= setup.stance_q20
         if part < 0:
             early[leg] = 0

@@ -5,6 +5,7 @@ from ..body.legs import legs_inverse
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..num.fixed import saturate, sin_q15
 from ..runtime import Ints, const, hot
+from .react import MET, MET_NOW
 from .state import Stride
 
 _ONE_Q12 = const(4096)
@@ -68,8 +69,8 @@ def lead(params: Params, walk: Stride, goal: Ints) -> int:
         led = lag
         if stands[leg] == 0:
             led = lag >> 1
-        if early[leg] == 2:
-            early[leg] = 1
+        if early[leg] == MET_NOW:
+            early[leg] = MET
             led = 0
         at = leg * 3
         for joint in range(3):

@@ -9,6 +9,14 @@ _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
 _RISEN = const(3277)  # 0.1 of a swing
 _FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are off the ground for sure
 _QUARTER_Q12 = const(1024)  # of the own weight
+# Of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
+_HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
+_LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
+_BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
+_BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
+_SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
+MET = const(1)  # of ``early``: it has met something in this swing
+MET_NOW = const(2)  # in this tick, whose goals are not led
 
 
 @hot
@@ -24,9 +32,8 @@ def react(params: Params, walk: Stride, leg: int) -> int:
         if state.swing_q15 > _RISEN and -up > ascent[leg]:
             ascent[leg] = -up
     else:
-        # 0.03 of the leg, and more where the ascent showed a lag of more than 0.015 of it
-        slack = saturate(ascent[leg] - params.leg_length * 15 // 1024, 0, 32767)
-        if up > params.leg_length * 31 // 1024 + slack + (slack >> 1):
+        slack = saturate(ascent[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
+        if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
             return touch_early(params, walk, leg)
     if state.swing_q15 > _RISEN:
         held_up(params, walk, leg)
@@ -37,8 +44,7 @@ def react(params: Params, walk: Stride, leg: int) -> int:
 def held_up(params: Params, walk: Stride, leg: int) -> int:
     """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
 
-    By 0.025 of the leg, or 0.06 while one of them may not have come off the ground yet. What the drives and the bus
-    lag, known or not, both feet of a diagonal lag alike: on level ground 0.02 and 0.05 were seen.
+    What the drives and the bus lag, known or not, both feet of a diagonal lag alike.
     """
     state = walk.state
     setup = params.stride
@@ -52,15 +58,16 @@ def held_up(params: Params, walk: Stride, leg: int) -> int:
     turn = state.turn_18
     if turn < 0:
         turn = -turn
-    most = params.leg_length * 61 >> 10
+    most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE:
-        most = params.leg_length * 26 >> 10
+        most = params.leg_length * _BEHIND_Q10 >> 10
     if behind > most + (turn * setup.turn_side >> 10):
         state.blocked += 1
         state.high_left = setup.high_way
         tops[leg] = setup.high_lift
         return 1
     return 0
+
 
 @hot
 def touch_early(params: Params, walk: Stride, leg: int) -> int:
@@ -80,14 +87,14 @@ def touch_early(params: Params, walk: Stride, leg: int) -> int:
     met = z + setup.height
     state.high_left = setup.high_way
     given = met - (met >> 2)
-    small = params.leg_length * 36 >> 10
+    small = params.leg_length * _SMALL_Q10 >> 10
     if met < small and met > -small:
         given = met
     feet[at] = measured[at] << LF_BITS
     feet[at + 1] = measured[at + 1] << LF_BITS
     feet[at + 2] = measured[at + 2] - given << LF_BITS
     load_q12[leg] = _QUARTER_Q12
-    early[leg] = 2  # its goals are not led in this tick
+    early[leg] = MET_NOW
     state.touched += 1
     return 1
 

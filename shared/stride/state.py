@@ -6,6 +6,7 @@ from ..body.pose import POSE_SIZE
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot, zeros
 
+CYCLE_Q20 = const(0x100000)
 DELAY_TICKS = const(16)  # what is kept of the past; params.sent_ticks is at most 15
 
 
@@ -33,7 +34,7 @@ class StrideState:
     high_left: int = field("lf", "way still to go with high swings")
     swinging: int = field("", "legs in the air, bits")
     standing: int = field("", "how many legs stand")
-    still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^22")
+    still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
     ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
     blocked: int = field("", "swings held up since the start")
     touched: int = field("", "feet that touched early since the start")
@@ -53,7 +54,7 @@ class Stride:
         self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
         self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
         self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
-        self.early = zeros(LEGS)  # 1: it met something in this swing
+        self.early = zeros(LEGS)  # react.MET...: it met something in this swing
         self.tops = zeros(LEGS)  # lu, of the present swings
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
         self.hip_feet = zeros(JOINTS)  # lu from the hips
@@ -74,7 +75,7 @@ def stride_reset(params: Params, walk: Stride) -> int:
     early = walk.early
     load_q12 = walk.load_q12
     posed = walk.posed
-    state.phase_q20 = (setup.stance_q20 >> 1) - 0x40000
+    state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
     state.heading_18 = 0
     state.lift = setup.low_lift

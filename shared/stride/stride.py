@@ -53,7 +53,7 @@ def stride_tick(params: Params, walk: Stride, sensed: Sensed, speed: Ints, pose:
     stand_feet(params, walk)
     if state.swinging:
         swing_feet(params, walk, pose)
-    keep_past(params, walk)
+    keep_past(walk)
     flags = solve(params, walk)
     share_load(params, walk)
     lead(params, walk, goal)
@@ -75,7 +75,7 @@ def forget(sensed: Sensed) -> int:
 
 
 @hot
-def keep_past(params: Params, walk: Stride) -> int:
+def keep_past(walk: Stride) -> int:
     """Keep the planned feet and who stands, for when the joints will have answered; return 0."""
     state = walk.state
     feet = walk.feet

@@ -133,6 +133,6 @@ PROBES = (
     _probe("stride_start", stride, (ROBOT, WALK), (WALK.feet, WALK.joints)),
     _probe("stride_tick", stride, (ROBOT, WALK, SENSED, SPEED, POSE, FLAG, GOAL), ALL + (GOAL,), vectors=4),
     _probe("forget", stride, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
-    _probe("keep_past", stride, (ROBOT, WALK), (WALK.past_feet, WALK.past_stands)),
+    _probe("keep_past", stride, (WALK,), (WALK.past_feet, WALK.past_stands), fit=_done),
     _probe("stride_done", stride, (WALK,), fit=_done),
 )
