@@ -25,36 +25,7 @@ Largest intermediate: 2^30 - 1.
 from ..num.fixed import saturate
 from ..record import field, record
 from ..runtime import Ints, hot, ptr16
-
-
-@hot
-def _limit_but(value: int, low: int, high: int, special: int) -> int:
-    """Return ``value`` limited to ``low .. high`` unless it is ``special``. Exact."""
-    if value == special:
-        return value
-    if value < low:
-        return low
-    if value > high:
-        return high
-    return value
-
-
-@hot
-def _differs(a: int, b: int) -> int:
-    """Return 1 if the two differ, else 0."""
-    if a == b:
-        return 0
-    return 1
-
-
-@hot
-def _outside(value: int, low: int, high: int, special: int) -> int:
-    """Return 1 if ``value`` is neither ``special`` nor within ``low .. high``, else 0."""
-    if value == special:
-        return 0
-    if value < low or value > high:
-        return 1
-    return 0
+from .limits import differs, limit_but, outside
 '''
 
 
@@ -107,7 +78,7 @@ def _literal(value: int) -> str:
 def _limited(signal: Signal, element: str) -> str:
     if signal.special is None:
         return f"saturate({element}, {_literal(signal.low)}, {signal.high})"
-    return f"_limit_but({element}, {signal.low}, {signal.high}, {signal.special})"
+    return f"limit_but({element}, {signal.low}, {signal.high}, {signal.special})"
 
 
 def _packed(signal: Signal, piece: Piece) -> str:
@@ -177,7 +148,7 @@ def _head(verb: str, name: str, messages: list[Message]) -> list[str]:
 def _encode(name: str, messages: list[Message]) -> str:
     elements = _elements(name, messages)
     limited = [f"    {s.name} = {_limited(s, element)}" for s, element in elements]
-    counts = [f"_differs({s.name}, {element})" for s, element in elements]
+    counts = [f"differs({s.name}, {element})" for s, element in elements]
     return "\n".join([*_head("encode", name, messages), *limited, *_words(messages[0]), *_sum(counts)]) + "\n"
 
 
@@ -188,7 +159,7 @@ def _open(signal: Signal) -> bool:
 
 def _outside(signal: Signal, element: str) -> str:
     special = signal.low if signal.special is None else signal.special
-    return f"_outside({element}, {signal.low}, {signal.high}, {special})"
+    return f"outside({element}, {signal.low}, {signal.high}, {special})"
 
 
 def _decode(name: str, messages: list[Message]) -> str:

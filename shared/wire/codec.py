@@ -11,36 +11,7 @@ Largest intermediate: 2^30 - 1.
 from ..num.fixed import saturate
 from ..record import field, record
 from ..runtime import Ints, hot, ptr16
-
-
-@hot
-def _limit_but(value: int, low: int, high: int, special: int) -> int:
-    """Return ``value`` limited to ``low .. high`` unless it is ``special``. Exact."""
-    if value == special:
-        return value
-    if value < low:
-        return low
-    if value > high:
-        return high
-    return value
-
-
-@hot
-def _differs(a: int, b: int) -> int:
-    """Return 1 if the two differ, else 0."""
-    if a == b:
-        return 0
-    return 1
-
-
-@hot
-def _outside(value: int, low: int, high: int, special: int) -> int:
-    """Return 1 if ``value`` is neither ``special`` nor within ``low .. high``, else 0."""
-    if value == special:
-        return 0
-    if value < low or value > high:
-        return 1
-    return 0
+from .limits import differs, limit_but, outside
 
 
 @record
@@ -128,8 +99,8 @@ def encode_sync(frame: Ints, values: Sync) -> int:
     words[2] = 0
     words[3] = 0
     return (
-        _differs(counter, values.counter)
-        + _differs(session, values.session)
+        differs(counter, values.counter)
+        + differs(session, values.session)
     )
 
 
@@ -137,19 +108,19 @@ def encode_sync(frame: Ints, values: Sync) -> int:
 def encode_group(frame: Ints, values: Ints) -> int:
     """Encode group, each slot -32767 .. 32767 or -32768 (no_change); return the number of values limited. Exact."""
     words = ptr16(frame)
-    slot_0 = _limit_but(values[0], -32767, 32767, -32768)
-    slot_1 = _limit_but(values[1], -32767, 32767, -32768)
-    slot_2 = _limit_but(values[2], -32767, 32767, -32768)
-    slot_3 = _limit_but(values[3], -32767, 32767, -32768)
+    slot_0 = limit_but(values[0], -32767, 32767, -32768)
+    slot_1 = limit_but(values[1], -32767, 32767, -32768)
+    slot_2 = limit_but(values[2], -32767, 32767, -32768)
+    slot_3 = limit_but(values[3], -32767, 32767, -32768)
     words[0] = slot_0 & 0xFFFF
     words[1] = slot_1 & 0xFFFF
     words[2] = slot_2 & 0xFFFF
     words[3] = slot_3 & 0xFFFF
     return (
-        _differs(slot_0, values[0])
-        + _differs(slot_1, values[1])
-        + _differs(slot_2, values[2])
-        + _differs(slot_3, values[3])
+        differs(slot_0, values[0])
+        + differs(slot_1, values[1])
+        + differs(slot_2, values[2])
+        + differs(slot_3, values[3])
     )
 
 
@@ -165,9 +136,9 @@ def encode_fault(frame: Ints, values: Fault) -> int:
     words[2] = tick & 0xFFFF
     words[3] = tick >> 16 & 0x3FFF
     return (
-        _differs(code, values.code)
-        + _differs(value, values.value)
-        + _differs(tick, values.tick)
+        differs(code, values.code)
+        + differs(value, values.value)
+        + differs(tick, values.tick)
     )
 
 
@@ -185,17 +156,17 @@ def decode_fault(frame: Ints, values: Fault) -> int:
 def encode_reply(frame: Ints, values: Reply) -> int:
     """Encode reply; return the number of values limited. Exact."""
     words = ptr16(frame)
-    position = _limit_but(values.position, -32767, 32767, -32768)
-    velocity = _limit_but(values.velocity, -32767, 32767, -32768)
-    current = _limit_but(values.current, -32767, 32767, -32768)
+    position = limit_but(values.position, -32767, 32767, -32768)
+    velocity = limit_but(values.velocity, -32767, 32767, -32768)
+    current = limit_but(values.current, -32767, 32767, -32768)
     words[0] = position & 0xFFFF
     words[1] = velocity & 0xFFFF
     words[2] = current & 0xFFFF
     words[3] = 0
     return (
-        _differs(position, values.position)
-        + _differs(velocity, values.velocity)
-        + _differs(current, values.current)
+        differs(position, values.position)
+        + differs(velocity, values.velocity)
+        + differs(current, values.current)
     )
 
 
@@ -213,8 +184,8 @@ def decode_reply(frame: Ints, values: Reply) -> int:
 def encode_slow_status(frame: Ints, values: SlowStatus) -> int:
     """Encode slow_status; return the number of values limited. Exact."""
     words = ptr16(frame)
-    winding_temperature = _limit_but(values.winding_temperature, -4095, 4095, -4096)
-    mcu_temperature = _limit_but(values.mcu_temperature, -4095, 4095, -4096)
+    winding_temperature = limit_but(values.winding_temperature, -4095, 4095, -4096)
+    mcu_temperature = limit_but(values.mcu_temperature, -4095, 4095, -4096)
     bus_voltage = saturate(values.bus_voltage, 0, 1023)
     limits = saturate(values.limits, 0, 4095)
     lost_sync = saturate(values.lost_sync, 0, 255)
@@ -224,12 +195,12 @@ def encode_slow_status(frame: Ints, values: SlowStatus) -> int:
     words[2] = (bus_voltage >> 6 & 0xF) | ((limits & 0xFFF) << 4)
     words[3] = (lost_sync & 0xFF) | ((overruns & 0xFF) << 8)
     return (
-        _differs(winding_temperature, values.winding_temperature)
-        + _differs(mcu_temperature, values.mcu_temperature)
-        + _differs(bus_voltage, values.bus_voltage)
-        + _differs(limits, values.limits)
-        + _differs(lost_sync, values.lost_sync)
-        + _differs(overruns, values.overruns)
+        differs(winding_temperature, values.winding_temperature)
+        + differs(mcu_temperature, values.mcu_temperature)
+        + differs(bus_voltage, values.bus_voltage)
+        + differs(limits, values.limits)
+        + differs(lost_sync, values.lost_sync)
+        + differs(overruns, values.overruns)
     )
 
 
@@ -263,14 +234,14 @@ def encode_heartbeat(frame: Ints, values: Heartbeat) -> int:
     words[2] = (session & 0xFF) | ((firmware_major & 0xFF) << 8)
     words[3] = (firmware_minor & 0xFF) | ((firmware_patch & 0xFF) << 8)
     return (
-        _differs(state, values.state)
-        + _differs(mode, values.mode)
-        + _differs(fault, values.fault)
-        + _differs(protocol_hash, values.protocol_hash)
-        + _differs(session, values.session)
-        + _differs(firmware_major, values.firmware_major)
-        + _differs(firmware_minor, values.firmware_minor)
-        + _differs(firmware_patch, values.firmware_patch)
+        differs(state, values.state)
+        + differs(mode, values.mode)
+        + differs(fault, values.fault)
+        + differs(protocol_hash, values.protocol_hash)
+        + differs(session, values.session)
+        + differs(firmware_major, values.firmware_major)
+        + differs(firmware_minor, values.firmware_minor)
+        + differs(firmware_patch, values.firmware_patch)
     )
 
 
@@ -287,8 +258,8 @@ def decode_heartbeat(frame: Ints, values: Heartbeat) -> int:
     values.firmware_minor = words[3] & 0xFF
     values.firmware_patch = words[3] >> 8
     return (
-        _outside(values.state, 0, 7, 0)
-        + _outside(values.mode, 0, 7, 0)
+        outside(values.state, 0, 7, 0)
+        + outside(values.mode, 0, 7, 0)
     )
 
 
@@ -306,11 +277,11 @@ def encode_service_request(frame: Ints, values: ServiceRequest) -> int:
     words[2] = value & 0xFFFF
     words[3] = value >> 16 & 0x7FFF
     return (
-        _differs(command, values.command)
-        + _differs(sequence, values.sequence)
-        + _differs(session, values.session)
-        + _differs(index, values.index)
-        + _differs(value, values.value)
+        differs(command, values.command)
+        + differs(sequence, values.sequence)
+        + differs(session, values.session)
+        + differs(index, values.index)
+        + differs(value, values.value)
     )
 
 
@@ -323,7 +294,7 @@ def decode_service_request(frame: Ints, values: ServiceRequest) -> int:
     values.session = words[1] & 0xFF
     values.index = words[1] >> 8
     values.value = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
-    return _outside(values.command, 1, 14, 1)
+    return outside(values.command, 1, 14, 1)
 
 
 @hot
@@ -340,11 +311,11 @@ def encode_service_response(frame: Ints, values: ServiceResponse) -> int:
     words[2] = value & 0xFFFF
     words[3] = value >> 16 & 0x7FFF
     return (
-        _differs(command, values.command)
-        + _differs(sequence, values.sequence)
-        + _differs(result, values.result)
-        + _differs(index, values.index)
-        + _differs(value, values.value)
+        differs(command, values.command)
+        + differs(sequence, values.sequence)
+        + differs(result, values.result)
+        + differs(index, values.index)
+        + differs(value, values.value)
     )
 
 
@@ -358,6 +329,6 @@ def decode_service_response(frame: Ints, values: ServiceResponse) -> int:
     values.index = words[1] >> 8
     values.value = (words[2]) + (((words[3] & 0x7FFF ^ 0x4000) - 0x4000) << 16)
     return (
-        _outside(values.command, 1, 14, 1)
-        + _outside(values.result, 0, 18, 0)
+        outside(values.command, 1, 14, 1)
+        + outside(values.result, 0, 18, 0)
     )

@@ -2,7 +2,7 @@
 
 from array import array
 
-from shared.wire import access, framing, identity, receive
+from shared.wire import access, framing, identity, limits, receive
 from shared.wire.names import HEARTBEAT_ID, SERVICE_REQUEST_ID, SETPOINT_POSITION_ID, SYNC_ID
 from shared.wire.parameters import PARAMETERS
 
@@ -10,11 +10,12 @@ from .draw import Range
 from .draws import INT30
 from .probe import Block, Probe
 
-SOURCES = ("wire.access", "wire.framing", "wire.identity", "wire.receive")
+SOURCES = ("wire.access", "wire.framing", "wire.identity", "wire.limits", "wire.receive")
 
 PARAMETER = Range(-2, PARAMETERS + 2)
 IDENTIFIER = Range(-2, 0x801)
 NODE = Range(0, 12)
+SMALL = Range(-1, 1)
 FRAME = Block(array("H", [0] * 4), (4, Range(0, 65535)))
 PAIRS = array("H", [0] * (2 * framing.FILTERS))
 LINK = receive.Link()
@@ -29,6 +30,14 @@ COMMON = (
     HEARTBEAT_ID + 1,
     SERVICE_REQUEST_ID,
 )
+
+
+def _order(values, dice):
+    """A range from low to high; now and then its ends, and the special value itself."""
+    if values[1] > values[2]:
+        values[1], values[2] = values[2], values[1]
+    if dice.below(2) == 0:
+        values[0] = values[1 + dice.below(3)]
 
 
 def _begin():
@@ -67,6 +76,9 @@ def _probe(source, name, arguments, watch=(), begin=None, fit=None, ticks=True, 
 
 
 PROBES = (
+    Probe("limit_but", limits.limit_but, (INT30, INT30, INT30, INT30), fit=_order),
+    Probe("differs", limits.differs, (SMALL, SMALL)),
+    Probe("outside", limits.outside, (INT30, INT30, INT30, INT30), fit=_order),
     _probe(access, "may_read", (PARAMETER,)),
     _probe(access, "may_write", (PARAMETER, INT30, Range(0, 1)), vectors=2),
     _probe(access, "is_stored", (PARAMETER,)),

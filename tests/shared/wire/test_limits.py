@@ -1,0 +1,19 @@
+"""Limits of a frame's fields against the same said otherwise, over all that a field can hold."""
+
+from hypothesis import given
+
+from shared.wire.limits import differs, limit_but, outside
+
+from ..bars import integers, repeatable
+
+FIELD = integers(-(1 << 30), (1 << 30) - 1)
+
+
+@repeatable(300)
+@given(FIELD, FIELD, FIELD, FIELD)
+def test_limits_are_kept_but_for_the_special_value(value, one, other, special):
+    low, high = sorted((one, other))
+    for drawn in (value, low, high, special):
+        wanted = drawn if drawn == special else sorted((low, drawn, high))[1]
+        assert limit_but(drawn, low, high, special) == wanted
+        assert outside(drawn, low, high, special) == differs(wanted, drawn) == int(wanted != drawn)
