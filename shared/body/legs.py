@@ -33,7 +33,7 @@ _HALF = const(0x8000)
 def legs_waves(joints: Ints, waves: Ints) -> int:
     """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad; return 0.
 
-    Each as sin_q15 and cos_q15.
+    Each as sin_q15 and cos_q15, the same lines twice: in an inner loop they take a third longer on CPython.
     """
     table = SIN_Q16
     thigh = 0
