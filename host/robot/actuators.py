@@ -134,7 +134,7 @@ class ServoBus(Table):
 
 
 class CanBus(Table):
-    """The joints' CAN bus or buses, with or without the position loop in the joint."""
+    """The joints' CAN bus or buses, and what holds a position: a spring in the joint, its cascade, or the host."""
 
     kind: Literal["can"]
     interface: Annotated[str, text(r"[a-z0-9_]{1,40}", "the name of a python-can interface, such as socketcan")]
@@ -142,7 +142,8 @@ class CanBus(Table):
     bitrate: Annotated[int, one_of(125000, 250000, 500000, 1000000)]
     rate_hz: Annotated[int, whole(20, 1000, "Hz")]
     loops: Annotated[
-        Literal["joint", "host-velocity", "host-current"], one_of("joint", "host-velocity", "host-current")
+        Literal["impedance", "joint", "host-velocity", "host-current"],
+        one_of("impedance", "joint", "host-velocity", "host-current"),
     ]
 
     @property

@@ -16,6 +16,7 @@ from shared.record import pack
 
 from ..util.errors import UserError
 from .actuators import Bldc
+from .drives import joint_model
 from .joint_heat import heat_places
 from .joint_units import (
     AXIS_MOST_VU,
@@ -74,6 +75,22 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     set_commutation(loop, settings)
     set_offsets(loop, 2048 << 4, 2048 << 4, 2048 << 4)
     return JointBlocks(loop, loop_settings, settings, list(curve(part_of(bldc, board))), units)
+
+
+def impedance_gains(bldc: Bldc) -> tuple[int, int]:
+    """Return stiffness and damping of a set-point in impedance mode, 1/16 A/turn and 1/256 A/(turn/s).
+
+    Those of the position and velocity bandwidths on the rotor's inertia, as drives.joint_model has them at the joint.
+    """
+    law, Nm_A = joint_model(bldc, 1.0), bldc.motor.torque_constant_Nm_A * bldc.gear.ratio
+    stiffness, damping = (2 * pi * value / Nm_A for value in (law.stiffness_Nm_rad, law.damping_Nms_rad))
+    gains = round(16 * stiffness), round(256 * damping)
+    if max(gains) > 32767:
+        raise UserError(
+            f"actuator.drive.velocity_bandwidth_hz {bldc.drive.velocity_bandwidth_hz:g}: gives a stiffness of "
+            f"{stiffness:.0f} A/turn and a damping of {damping:.0f} A/(turn/s); the bus carries 2047 and 127; lower it"
+        )
+    return gains
 
 
 def _loop(bldc: Bldc, board: Board, units: Units) -> LoopSettings:

@@ -1,7 +1,8 @@
-"""What differs between the twelve joints of a robot: limits at the motor, and whether there is a joint encoder."""
+"""What differs between the twelve joints of a robot: limits at the motor, what of the leg it turns, joint encoders."""
 
 from ..util.errors import UserError
 from .joint_units import JointSetup
+from .mass import leg_inertia_kg_m2
 from .model import Robot
 
 
@@ -9,7 +10,7 @@ def joint_setups(robot: Robot) -> list[JointSetup]:
     """Return what differs from joint to joint; a coupled calf's limits are its motor's."""
     if robot.actuator.kind != "bldc":
         raise UserError(f"{robot.name} has no CAN joints: its actuators are {robot.actuator.kind}s")
-    gear = robot.actuator.gear
+    gear, inertias = robot.actuator.gear, leg_inertia_kg_m2(robot)
     setups = []
     for leg in range(4):
         limits = robot.joint_limits_rad(leg)
@@ -17,5 +18,6 @@ def joint_setups(robot: Robot) -> list[JointSetup]:
             low, high = limits[joint]
             if joint == 2 and robot.calf_drive.coupled:
                 low, high = low + limits[1][0], high + limits[1][1]
-            setups.append(JointSetup(low, high, has_joint_encoder=joint != 1 or gear.thigh_encoder))
+            encoder = joint != 1 or gear.thigh_encoder
+            setups.append(JointSetup(low, high, has_joint_encoder=encoder, inertia_kg_m2=inertias[joint]))
     return setups

@@ -25,6 +25,36 @@ def lever_m(robot: Robot, joint: int) -> float:
     return (abs(foot_m[1]), abs(foot_m[0]), abs(foot_m[0] + robot.geometry.thigh_m * sin(thigh)))[joint]
 
 
+def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
+    """Return what the drives of hip, thigh and calf turn of a leg in the air, kg m2 about their axes, at rest.
+
+    A thigh takes the calf along as it is bent, or only the calf's mass at the knee where the calf's motor sits on the
+    body and holds it (paper B).
+    """
+    geometry, links = robot.geometry, robot.links
+    foot_m = robot.foot_m(0, robot.stance.rest_height_m)
+    _, thigh_rad, calf_rad = leg_inverse(geometry.links_m, robot.side(0), robot.knee_sign(0), foot_m) or (0.0, 0.0, 0.0)
+    calf = _about_joint(links.calf, 1)
+    thigh = _about_joint(links.thigh, 1)
+    if robot.calf_drive.coupled:
+        thigh += links.calf.mass_kg * geometry.thigh_m**2
+    else:
+        knee_x, knee_z = -geometry.thigh_m * sin(thigh_rad), -geometry.thigh_m * cos(thigh_rad)
+        x, z = _turned(links.calf, robot.knee_sign(0), thigh_rad + calf_rad)
+        thigh += links.calf.inertia_kg_m2[1] + links.calf.mass_kg * ((knee_x + x) ** 2 + (knee_z + z) ** 2)
+    hip = links.hip.inertia_kg_m2[0] + links.thigh.inertia_kg_m2[0] + links.calf.inertia_kg_m2[0]
+    hip_y = robot.hip_m(0)[1]
+    for mass_kg, (_, y, z) in _leg_parts(robot, 0):
+        hip += mass_kg * ((y - hip_y) ** 2 + z**2)
+    return hip, thigh, calf
+
+
+def _about_joint(link: Link, axis: int) -> float:
+    """Return a link's moment about its upper joint's axis, kg m2: parallel-axis theorem."""
+    across = sum(link.com_m[i] ** 2 for i in range(3) if i != axis)
+    return link.inertia_kg_m2[axis] + link.mass_kg * across
+
+
 def _leg_parts(robot: Robot, leg: int) -> list[tuple[float, Vector]]:
     """Return mass and centre, in the body, of hip, thigh and calf; the files' links are a left elbow leg's."""
     side, knee = robot.side(leg), robot.knee_sign(leg)

@@ -23,6 +23,7 @@ from .link import JointLink, JointView
 BRAD_PER_RAD = 65536 / tau
 _AT_REST = (0.0,) * 12
 TORQUE_STATES = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
+GAINS_AGAIN = 40  # cycles between two tellings of a spring's gains: a joint that came back has none
 DISARM_AGAIN = 4  # cycles between two tries: a joint answers within a millisecond, by a heartbeat
 JITTER_EDGES_S = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02)
 
@@ -52,7 +53,10 @@ class Timing:
 
 
 class Cycle:
-    """Sends ``rate_hz`` times a second. ``goals`` are motor angles, brad; None sends SYNC alone."""
+    """Sends ``rate_hz`` times a second. ``goals`` are motor angles, brad; None sends SYNC alone.
+
+    ``spring``: stiffness and damping with which the joints hold their goals; None: they hold them by their cascade.
+    """
 
     def __init__(
         self,
@@ -61,8 +65,10 @@ class Cycle:
         units: Units | None = None,
         loops: HostLoops | None = None,
         report: Callable[[Notice], None] | None = None,
+        spring: tuple[int, int] | None = None,
     ) -> None:
-        self.link, self.period_s, self.loops = link, 1 / rate_hz, loops
+        self.link, self.period_s, self.loops, self._spring = link, 1 / rate_hz, loops, spring
+        self._kind = w.SETPOINT_IMPEDANCE_ID if spring else w.SETPOINT_POSITION_ID
         self.guard = Guard(link, units)
         self.timing = Timing()
         self.armed = False
@@ -144,8 +150,11 @@ class Cycle:
             for i, step in enumerate(self._steps):
                 goals[i] += step
         brads = [round(goal) for goal in goals]
+        if self._spring is not None and (self._holding or self.link.syncs % GAINS_AGAIN == 0):
+            self.link.send_setpoints(w.IMPEDANCE_STIFFNESS_ID, [self._spring[0]] * 12)
+            self.link.send_setpoints(w.IMPEDANCE_DAMPING_ID, [self._spring[1]] * 12)
         if self.loops is None:
-            self.link.send_setpoints(w.SETPOINT_POSITION_ID, brads)
+            self.link.send_setpoints(self._kind, brads)
         else:
             steps = self._steps if moving else _AT_REST
             self.link.send_setpoints(self.loops.identifier, self.loops.setpoints(brads, steps, self.link.views))

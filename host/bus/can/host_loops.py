@@ -24,7 +24,8 @@ MOTION_HZ = 1000
 POSITION_HZ = 4.0  # largest bandwidth of the position loop
 VELOCITY_PER_HZ = 1 / 20  # largest bandwidth of the velocity loop per rate of the cycle
 SETPOINTS = {"host-velocity": w.SETPOINT_VELOCITY_ID, "host-current": w.SETPOINT_CURRENT_ID}
-KINDS = {"joint": "position", "host-velocity": "velocity", "host-current": "current"}  # of set-point, for busload
+# Kinds of set-point by where the loops are, for busload
+KINDS = {"impedance": "impedance", "joint": "position", "host-velocity": "velocity", "host-current": "current"}
 
 
 class HostLoops:

@@ -21,7 +21,7 @@ from shared.wire.codec import SlowStatus
 from shared.wire.parameters import PARAMETER_CURRENT_MAX
 
 from ...robot.coupling import to_joint, to_motor
-from ...robot.joint_gains import joint_blocks
+from ...robot.joint_gains import impedance_gains, joint_blocks
 from ...robot.joint_setups import joint_setups
 from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
@@ -88,7 +88,8 @@ class CanJoints(Bus):
         self.robot, self.port, self._pose = robot, port, pose_rad
         self._blocks = [joint_blocks(robot.actuator, setup) for setup in joint_setups(robot)]
         self.link = JointLink(port, session)
-        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, _host_loops(robot), report)
+        spring = impedance_gains(robot.actuator) if robot.bus.loops == "impedance" else None
+        self.cycle = Cycle(self.link, robot.bus.rate_hz, self._blocks[0].units, _host_loops(robot), report, spring)
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
@@ -368,7 +369,7 @@ def _host_loops(robot: Robot) -> HostLoops | None:
     bus, actuator = robot.bus, robot.actuator
     assert bus.kind == "can"
     assert actuator.kind == "bldc"
-    if bus.loops == "joint":
+    if bus.loops in ("impedance", "joint"):
         return None
     blocks = [joint_blocks(actuator, setup) for setup in joint_setups(robot)]
     return HostLoops(blocks, actuator.drive, bus.rate_hz, bus.loops)

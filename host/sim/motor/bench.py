@@ -25,7 +25,7 @@ from shared.wire.codec import (
 )
 
 from ...robot.actuators import Bldc
-from ...robot.joint_gains import JointBlocks, joint_blocks
+from ...robot.joint_gains import JointBlocks, impedance_gains, joint_blocks
 from ...robot.joint_units import Board, JointSetup
 from ...util.errors import UserError
 from .model import Load, Motor
@@ -167,10 +167,15 @@ class Bench:
 
     def send_setpoint(self) -> None:
         """Send ``goal`` (rad, rad/s or A as ``mode`` says), the speed fed forward if there is one, and SYNC."""
-        scale = {w.MODE_POSITION: 65536 / tau, w.MODE_VELOCITY: 4096 / tau, w.MODE_CURRENT: 4096.0}[self.mode]
+        turn = 65536 / tau
+        scale = {w.MODE_VELOCITY: 4096 / tau, w.MODE_CURRENT: 4096.0}.get(self.mode, turn)
         self._group(w.SETPOINT_POSITION_ID + self.mode - 1, round(self.goal * scale))
         if self.mode == w.MODE_POSITION and self.goal_speed:
             self._group(w.FEEDFORWARD_VELOCITY_ID, round(self.goal_speed * 4096 / tau))
+        if self.mode == w.MODE_IMPEDANCE:
+            stiffness, damping = impedance_gains(self.bldc)
+            self._group(w.IMPEDANCE_STIFFNESS_ID, stiffness)
+            self._group(w.IMPEDANCE_DAMPING_ID, damping)
         encode_sync(self._frame, unpack(Sync(), (self._sync, SESSION)))
         self.board.deliver(w.SYNC_ID, self._frame, w.SYNC_LENGTH)
         self._sync = (self._sync + 1) & 0xFF

@@ -10,15 +10,16 @@ from math import tau
 from typing import Any
 
 from shared.joint.cascade import cascade_reset, cascade_step
-from shared.wire.names import MODE_POSITION
+from shared.wire.names import MODE_IMPEDANCE, MODE_POSITION
 from sim2d.actuator import CoupledDrives, Drives
 from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.recording import Recording
 
 from ...robot.actuators import Bldc
-from ...robot.joint_gains import joint_blocks
+from ...robot.joint_gains import impedance_gains, joint_blocks
 from ...robot.joint_heat import COPPER_PER_K
 from ...robot.joint_units import JointSetup
+from ...robot.mass import leg_inertia_kg_m2
 from ...robot.model import Robot
 
 CYCLE_MS = 20  # between goals of a planner at 50 Hz; set-points go straight from one to the next
@@ -31,11 +32,13 @@ SETTLE_S = 0.5  # not counted: the robot is put down
 class JointMotor:
     """One drive: blocks of shared/joint with the motor's heat and energy beside them."""
 
-    def __init__(self, bldc: Bldc, inertia_kg_m2: float = 0.01) -> None:
+    def __init__(self, bldc: Bldc, inertia_kg_m2: float, spring: bool = False) -> None:
         self.blocks = joint_blocks(bldc, JointSetup(-WIDE_RAD, WIDE_RAD, inertia_kg_m2=inertia_kg_m2))
         self.bldc, u = bldc, self.blocks.units
         state, io = self.blocks.state, self.blocks.io
-        state.mode = io.mode = MODE_POSITION
+        state.mode = io.mode = MODE_IMPEDANCE if spring else MODE_POSITION
+        if spring:
+            io.stiffness, io.damping = impedance_gains(bldc)
         state.bus = round(bldc.drive.bus_voltage_V / u.volt_per_vu)
         self.winding_C = self.housing_C = 25.0
         self.motor_Nm = self.largest_Nm = self.hottest_C = 0.0
@@ -78,11 +81,9 @@ class JointMotor:
         return self._from_rad + self._slope_rad_s * min(self._cycle_ms, CYCLE_MS) / 1000
 
     def _send_setpoint(self) -> None:
-        """Hand over the angle on the way and its velocity, 0 once the goal is reached."""
+        """Hand over the angle on the way, as the bus does (bus/can/cycle.py)."""
         blocks = self.blocks
-        speed = self._slope_rad_s if self._cycle_ms < CYCLE_MS else 0.0
         blocks.io.position = round(self._sent_rad() / tau * 65536)
-        blocks.io.velocity = max(-32767, min(32767, round(speed / tau * 4096)))
         blocks.state.sequence = (blocks.state.sequence + 1) & 0xFFFF
 
     def _share(self) -> float:
@@ -122,8 +123,9 @@ class JointMotors:
     What they give is the motor's torque behind an ideal gear: that is what the current limit bounds.
     """
 
-    def __init__(self, bldc: Bldc) -> None:
-        self.motors = [JointMotor(bldc) for _ in range(PLANAR_JOINTS)]
+    def __init__(self, bldc: Bldc, thigh_kg_m2: float, calf_kg_m2: float, spring: bool) -> None:
+        inertias = (thigh_kg_m2, calf_kg_m2) * (PLANAR_JOINTS // 2)
+        self.motors = [JointMotor(bldc, inertia, spring) for inertia in inertias]
         self.limit_Nm = [bldc.torque_limit_Nm] * PLANAR_JOINTS
 
     @property
@@ -148,7 +150,9 @@ def joint_motors(robot: Robot) -> tuple[JointMotors, Drives]:
     """Return the drives of a robot with brushless joints, and those to simulate with (coupled calves)."""
     if not isinstance(robot.actuator, Bldc) or robot.calf_drive.ratio != 1.0:
         raise ValueError(f"{robot.name}: joint motors are for brushless joints with calf_drive.ratio 1")
-    motors = JointMotors(robot.actuator)
+    _, thigh_kg_m2, calf_kg_m2 = leg_inertia_kg_m2(robot)
+    spring = robot.bus.kind == "can" and robot.bus.loops == "impedance"
+    motors = JointMotors(robot.actuator, thigh_kg_m2, calf_kg_m2, spring)
     return motors, CoupledDrives(motors) if robot.calf_drive.coupled else motors
 
 

@@ -24,26 +24,25 @@ def goal(ms, start):
     return start + 0.25 * (1 - math.cos(math.tau * 1.5 * at))
 
 
-def full(load_Nm):
+def full(load_Nm, mode):
     """The firmware on the simulated bench, sent the same straight ways from goal to goal at 200 Hz."""
     bench = Bench(BLDC, Load(inertia_kg_m2=INERTIA))
     start = bench.motor.joint_rad
-    bench.arm(w.MODE_POSITION, start)
+    bench.arm(mode, start)
     bench.load.torque_Nm = load_Nm
     bench.run(-bench._ms % 5)  # a set-point is due with the first goal
     way, current = [], []
     for ms in range(MS):
         last, new = goal(max(0, ms - 20), start), goal(ms, start)
         bench.goal = last + (new - last) * (ms % 20) / 20
-        bench.goal_speed = (new - last) / 0.02
         bench.run(1)
         way.append(bench.motor.joint_rad - start)
         current.append(bench.motor.i_q)
     return way, current
 
 
-def reduced(load_Nm):
-    motor = JointMotor(BLDC, INERTIA)
+def reduced(load_Nm, mode):
+    motor = JointMotor(BLDC, INERTIA, mode == w.MODE_IMPEDANCE)
     inertia = INERTIA + BLDC.motor.rotor_inertia_kg_m2 * BLDC.gear.ratio**2
     position = speed = 0.0
     way, current = [], []
@@ -68,9 +67,10 @@ def slow(current):
     return np.fft.irfft(parts, len(current))
 
 
+@pytest.mark.parametrize("mode", [w.MODE_POSITION, w.MODE_IMPEDANCE])
 @pytest.mark.parametrize("load_Nm", [0.0, -1.0])
-def test_the_reduced_joint_moves_as_the_full_one_does(load_Nm):
-    (way, ampere), (other, other_ampere) = full(load_Nm), reduced(load_Nm)
+def test_the_reduced_joint_moves_as_the_full_one_does(load_Nm, mode):
+    (way, ampere), (other, other_ampere) = full(load_Nm, mode), reduced(load_Nm, mode)
     rms = math.sqrt(sum((a - b) ** 2 for a, b in zip(way, other, strict=True)) / MS)
     assert math.degrees(rms) < 0.5
     assert rms_A(slow(other_ampere)) == pytest.approx(rms_A(slow(ampere)), rel=0.05)
@@ -98,7 +98,7 @@ def test_a_robot_with_servos_gets_its_cost_too_and_nothing_back():
 
 
 def test_a_hot_winding_gets_less_current():
-    motor = JointMotor(BLDC)
+    motor = JointMotor(BLDC, INERTIA)
     motor.torque(0.0, 0.0, 0.0, 1e-3)
     cold = max(abs(motor.torque(1.0, 0.0, 0.0, 1e-3)) for _ in range(300))
     motor.winding_C = (BLDC.thermal.winding_derate_C + BLDC.thermal.winding_cutoff_C) / 2
