@@ -11,6 +11,7 @@ from ...sim.joints.sim_walk import SimWalk
 MOST_LAG_MS = 100
 # Where the loops run, Hz, buses: loops in current mode need the faster cycle (docs/joints.md)
 CASES = (
+    ("impedance", 200, 1),
     ("joint", 200, 1),
     ("host-velocity", 200, 1),
     ("joint", 400, 2),
