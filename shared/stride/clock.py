@@ -3,7 +3,7 @@
 from ..body.params import LEGS, Params
 from ..runtime import const, hot
 from .feet import lift_off
-from .react import react
+from .react import count_held, react
 from .state import CYCLE_Q20, Stride
 
 _DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
@@ -47,6 +47,7 @@ def go_on(params: Params, walk: Stride, still: int, moving: int) -> int:
             state.swing_q15 = share
             if early[leg] == 0:
                 if stands[leg]:
+                    count_held(params, walk, leg)
                     lift_off(walk, leg)
                     stands[leg] = 0
                 stands[leg] = react(params, walk, leg)

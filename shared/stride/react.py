@@ -1,9 +1,9 @@
 """What a foot in the air may meet, the ground too early or something in its way, and high swings after it."""
 
-from ..body.params import LF_BITS, Params
+from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .state import Stride
+from .state import CYCLE_Q20, Stride
 
 _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
 _RISEN = const(3277)  # 0.1 of a swing
@@ -15,6 +15,7 @@ _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
+_SWINGS_MAX = const(100)
 MET = const(1)  # of ``early``: it has met something in this swing
 MET_NOW = const(2)  # in this tick, whose goals are not led
 
@@ -50,8 +51,10 @@ def held_up(params: Params, walk: Stride, leg: int) -> int:
     setup = params.stride
     residual = walk.residual
     tops = walk.tops
+    held = walk.held
+    high = 0
     if tops[leg] >= setup.high_lift:
-        return 0
+        high = 1
     behind = residual[6 - leg * 2] - residual[leg * 2]
     if state.foot_speed[0] < 0:
         behind = -behind
@@ -59,14 +62,46 @@ def held_up(params: Params, walk: Stride, leg: int) -> int:
     if turn < 0:
         turn = -turn
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
-    if state.swing_q15 > _FREE:
+    if state.swing_q15 > _FREE and high == 0:
         most = params.leg_length * _BEHIND_Q10 >> 10
-    if behind > most + (turn * setup.turn_side >> 10):
+    if behind <= most + (turn * setup.turn_side >> 10):
+        return 0
+    held[leg] = 1
+    if high == 0:
         state.blocked += 1
         state.high_left = setup.high_way
         tops[leg] = setup.high_lift
-        return 1
-    return 0
+    return 1
+
+
+@hot
+def count_held(params: Params, walk: Stride, leg: int) -> int:
+    """Before a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+
+    A leg's swings that were held up are counted, less two for each that was not; the leg with most of them tells. The
+    measured speed alone would not: before a wall the feet that stand slip, and seem to go on.
+    """
+    state = walk.state
+    held = walk.held
+    jams = walk.jams
+    speed = state.foot_speed[0]
+    seen = state.seen[0]
+    if speed < 0:
+        speed = -speed
+        seen = -seen
+    count = jams[leg] - 2
+    if held[leg] or seen * 3 < speed:
+        count += 3
+    held[leg] = 0
+    jams[leg] = saturate(count, 0, _SWINGS_MAX)
+    most = 0
+    for other in range(LEGS):
+        if jams[other] > most:
+            most = jams[other]
+    state.held_ticks = 0
+    if speed:
+        state.held_ticks = most * CYCLE_Q20 // params.stride.phase_step_q20
+    return state.held_ticks
 
 
 @hot

@@ -38,6 +38,7 @@ class StrideState:
     ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
     blocked: int = field("", "swings held up since the start")
     touched: int = field("", "feet that touched early since the start")
+    held_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
 
 
 class Stride:
@@ -56,6 +57,8 @@ class Stride:
         self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
         self.early = zeros(LEGS)  # react.MET...: it met something in this swing
         self.tops = zeros(LEGS)  # lu, of the present swings
+        self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
+        self.jams = zeros(LEGS)  # swings that were, less two for each that was not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
         self.hip_feet = zeros(JOINTS)  # lu from the hips
         self.joints = zeros(JOINTS)  # brad that reach them
@@ -74,6 +77,8 @@ def stride_reset(params: Params, walk: Stride) -> int:
     stands = walk.stands
     early = walk.early
     load_q12 = walk.load_q12
+    held = walk.held
+    jams = walk.jams
     posed = walk.posed
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
@@ -85,6 +90,7 @@ def stride_reset(params: Params, walk: Stride) -> int:
     state.still_q20 = 0
     state.blocked = 0
     state.touched = 0
+    state.held_ticks = 0
     for axis in range(2):
         state.seen[axis] = 0
         state.drift_q8[axis] = 0
@@ -95,6 +101,8 @@ def stride_reset(params: Params, walk: Stride) -> int:
         stands[leg] = 1
         early[leg] = 0
         load_q12[leg] = 0
+        held[leg] = 0
+        jams[leg] = 0
         for axis in range(3):
             feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
     return 0

@@ -28,7 +28,7 @@ GOAL = zeros(12)
 SENSED = Sensed()
 WALK = state.Stride()
 ROBOT = Pick(*PARAMS)
-LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
+LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual, WALK.held, WALK.jams)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF
 ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
 
@@ -118,6 +118,7 @@ PROBES = (
     _probe("stand_all", clock, (WALK,), fit=_done),
     _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("stand_feet", feet, (ROBOT, WALK)),
