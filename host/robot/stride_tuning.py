@@ -16,12 +16,14 @@ from .model import Robot
 
 GAIT = "fast-trot"
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
+HIGHEST_LIFT = 0.45  # of the leg: of a foot that was held up in its last swing
 LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: a foot's way along the ground is over when it comes down, though drives lag
 CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
 CAPTURE_MOST = 0.3  # of the height: the furthest such step
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs take a tilt back
+HEADING_HZ = 2.0  # rad/s of turn per rad of heading that is missed
 DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
 DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/stride/steer.py)
 FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
@@ -130,6 +132,7 @@ def fill_stride(params: Params, robot: Robot) -> None:
     setup.swing_q8 = round(f.swing_s * rate * 256)
     setup.height = round(f.height_m * unit)
     setup.low_lift, setup.high_lift = round(LOW_LIFT * f.leg_m * unit), round(HIGH_LIFT * f.leg_m * unit)
+    setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(HIGH_SPEED * f.leg_m / f.cycle_s / rate * fine)
@@ -141,7 +144,7 @@ def fill_stride(params: Params, robot: Robot) -> None:
     setup.odometry_q10 = round(1024 / (1 + f.stance_s / 4 * rate))
     setup.drift_q15 = round(DRIFT_SHARE / f.cycle_s / rate * 32768)
     setup.drift_least = round(DRIFT_LEAST_M_S / rate * fine)
-    setup.heading_q16 = round(65536 / rate)
+    setup.heading_q16 = round(65536 * HEADING_HZ / rate)
     setup.rolling_q15 = round(32768 * rolling(robot))
     setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
     setup.lag_q8 = round(f.lag_s * rate * 256)

@@ -17,6 +17,7 @@ class StrideSetup:
     height: int = field("lu", "hips above the feet at rest")
     low_lift: int = field("lu", "top of a swing on even ground")
     high_lift: int = field("lu", "the same once something was met")
+    highest_lift: int = field("lu", "the same of a foot that was held up in its last swing")
     turn_side: int = field("256 lu ticks", "how much farther behind than its mate a foot may be, per turn, up to 2^15")
     high_way: int = field("lf", "way for which swings stay high")
     high_speed: int = field("lf / tick", "the fastest along x and y meanwhile")

@@ -54,12 +54,12 @@ def stand_feet(params: Params, walk: Stride) -> int:
 
 @hot
 def lift_off(walk: Stride, leg: int) -> int:
-    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come, and its top; return 0."""
+    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come; return 0."""
     state = walk.state
     feet = walk.feet
     starts = walk.starts
-    tops = walk.tops
     ascent = walk.ascent
+    short = walk.short
     at = leg * 3
     x = feet[at] >> LF_BITS
     y = feet[at + 1] >> LF_BITS
@@ -68,8 +68,8 @@ def lift_off(walk: Stride, leg: int) -> int:
     z += y * state.roll_q14 >> 14
     starts[at] = x + (z * state.pitch_q14 >> 14)
     starts[at + 2] = z - (x * state.pitch_q14 >> 14)
-    tops[leg] = state.lift
     ascent[leg] = 0
+    short[leg] = 0
     return 0
 
 
@@ -119,6 +119,7 @@ def swing_foot(params: Params, walk: Stride, leg: int, pose: Ints, share_q15: in
     setup = params.stride
     feet = walk.feet
     starts = walk.starts
+    short = walk.short
     rest = params.legs[leg].rest
     at = leg * 3
     x = rest[0] + params.com_x - pose[0]
@@ -129,7 +130,8 @@ def swing_foot(params: Params, walk: Stride, leg: int, pose: Ints, share_q15: in
     y += state.capture[1] + ((state.foot_speed[1] + turn_y >> 6) * setup.neutral_q8 >> 10)
     back = saturate((state.drive[0] - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - starts[at] + back, -_FAR, _FAR)
-    feet[at] = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
+    x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
+    feet[at] = x - short[leg] << LF_BITS
     back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
     feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS

@@ -38,6 +38,7 @@ def react(params: Params, walk: Stride, leg: int) -> int:
             return touch_early(params, walk, leg)
     if state.swing_q15 > _RISEN:
         held_up(params, walk, leg)
+    give_way(walk, leg)
     return 0
 
 
@@ -45,13 +46,16 @@ def react(params: Params, walk: Stride, leg: int) -> int:
 def held_up(params: Params, walk: Stride, leg: int) -> int:
     """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
 
-    What the drives and the bus lag, known or not, both feet of a diagonal lag alike.
+    What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
+    leaves of it comes again in every swing, and is usual.
     """
     state = walk.state
     setup = params.stride
     residual = walk.residual
     tops = walk.tops
     held = walk.held
+    peak = walk.peak
+    usual = walk.usual
     high = 0
     if tops[leg] >= setup.high_lift:
         high = 1
@@ -64,7 +68,9 @@ def held_up(params: Params, walk: Stride, leg: int) -> int:
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE and high == 0:
         most = params.leg_length * _BEHIND_Q10 >> 10
-    if behind <= most + (turn * setup.turn_side >> 10):
+    if behind > peak[leg]:
+        peak[leg] = behind
+    if behind <= most + usual[leg] + (turn * setup.turn_side >> 10):
         return 0
     held[leg] = 1
     if high == 0:
@@ -75,15 +81,34 @@ def held_up(params: Params, walk: Stride, leg: int) -> int:
 
 
 @hot
-def count_held(params: Params, walk: Stride, leg: int) -> int:
-    """Before a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+def give_way(walk: Stride, leg: int) -> int:
+    """A foot that is held up goes no further than it can and does not push; return how much less, lu.
 
-    A leg's swings that were held up are counted, less two for each that was not; the leg with most of them tells. The
-    measured speed alone would not: before a wall the feet that stand slip, and seem to go on.
+    It gets free by rising, and then goes on at its speed.
+    """
+    residual = walk.residual
+    held = walk.held
+    short = walk.short
+    short[leg] = 0
+    if held[leg]:
+        short[leg] = -residual[leg * 2]
+    return short[leg]
+
+
+@hot
+def count_held(params: Params, walk: Stride, leg: int) -> int:
+    """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+
+    After a swing that was held up it goes highest. A leg's swings that were held up are counted, less two for each that
+    was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet that stand
+    slip, and seem to go on.
     """
     state = walk.state
     held = walk.held
     jams = walk.jams
+    peak = walk.peak
+    usual = walk.usual
+    tops = walk.tops
     speed = state.foot_speed[0]
     seen = state.seen[0]
     if speed < 0:
@@ -92,6 +117,12 @@ def count_held(params: Params, walk: Stride, leg: int) -> int:
     count = jams[leg] - 2
     if held[leg] or seen * 3 < speed:
         count += 3
+    tops[leg] = state.lift
+    if held[leg]:
+        tops[leg] = params.stride.highest_lift
+    if held[leg] == 0:
+        usual[leg] += peak[leg] - usual[leg] >> 2
+    peak[leg] = 0
     held[leg] = 0
     jams[leg] = saturate(count, 0, _SWINGS_MAX)
     most = 0

@@ -58,6 +58,9 @@ class Stride:
         self.early = zeros(LEGS)  # react.MET...: it met something in this swing
         self.tops = zeros(LEGS)  # lu, of the present swings
         self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
+        self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
+        self.usual = zeros(LEGS)  # lu, the mean of that over swings that were not held up
+        self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # swings that were, less two for each that was not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
         self.hip_feet = zeros(JOINTS)  # lu from the hips
@@ -78,6 +81,9 @@ def stride_reset(params: Params, walk: Stride) -> int:
     early = walk.early
     load_q12 = walk.load_q12
     held = walk.held
+    short = walk.short
+    peak = walk.peak
+    usual = walk.usual
     jams = walk.jams
     posed = walk.posed
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
@@ -102,6 +108,9 @@ def stride_reset(params: Params, walk: Stride) -> int:
         early[leg] = 0
         load_q12[leg] = 0
         held[leg] = 0
+        short[leg] = 0
+        peak[leg] = 0
+        usual[leg] = 0
         jams[leg] = 0
         for axis in range(3):
             feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS

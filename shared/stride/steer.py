@@ -11,6 +11,8 @@ _LEAN_MAX = const(8191)  # rad Q14: feet are not turned level by more than 29 de
 _BRAD_18 = const(25736)  # 2 pi / 65536 * 2^18 in Q10
 _SPEED_MAX = const(262143)  # lf / tick
 _HEADING_MAX = const(131071)  # 2^-18 rad, half a radian
+_OFF_MAX = const(65535)  # lu
+_LATE_Q10 = const(31)  # 0.03 of the leg: how far from rest all feet together may be
 _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
@@ -36,6 +38,7 @@ def steer(params: Params, walk: Stride, speed: Ints, turned: Ints, pose: Ints, m
         state.drive[axis] = foot + (state.drift_q8[axis] >> 8)
         further = (-missed >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
+    wait_for_feet(params, walk, pose)
     posed = walk.posed
     turn = speed[2] + ((pose[5] - posed[5]) * _BRAD_18 >> 10)
     posed[5] = pose[5]
@@ -49,6 +52,28 @@ def steer(params: Params, walk: Stride, speed: Ints, turned: Ints, pose: Ints, m
             state.drive[axis] = 0
             state.drift_q8[axis] = 0
     return 0
+
+
+@hot
+def wait_for_feet(params: Params, walk: Stride, pose: Ints) -> int:
+    """While swings are high the body waits for feet that stay behind; return by how much it slows, lf / tick.
+
+    It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
+    too far from rest is taken back in half a cycle. Intermediates: 2^16 * 2^13.
+    """
+    state = walk.state
+    feet = walk.feet
+    if state.high_left == 0:
+        return 0
+    total = 0
+    for leg in range(LEGS):
+        rest = params.legs[leg].rest
+        total += (feet[leg * 3] >> LF_BITS) - rest[0]
+    most = params.leg_length * _LATE_Q10 >> 10
+    off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
+    slow = (saturate(off, -most, most) - off) * params.stride.raise_q16 >> 6
+    state.drive[0] -= slow
+    return slow
 
 
 @hot

@@ -7,7 +7,7 @@ of speeds, so that there is no pose to be behind of; whatever goes wrong is gone
 """
 
 from ..body.leg import limit_joints
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import LEGS, LF_BITS, Params
 from ..runtime import Ints, const, hot
 from ..sense.sensed import Sensed
 from .clock import go_on
@@ -76,16 +76,22 @@ def forget(sensed: Sensed) -> int:
 
 @hot
 def keep_past(walk: Stride) -> int:
-    """Keep the planned feet and who stands, for when the joints will have answered; return 0."""
+    """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered; return 0."""
     state = walk.state
     feet = walk.feet
+    stands = walk.stands
+    short = walk.short
     past_feet = walk.past_feet
     past_stands = walk.past_stands
     to = state.ring_at * 2 * LEGS
-    for at in range(0, JOINTS, 3):
+    at = 0
+    for leg in range(LEGS):
         past_feet[to] = feet[at] >> LF_BITS
+        if stands[leg] == 0:
+            past_feet[to] += short[leg]
         past_feet[to + 1] = feet[at + 2] >> LF_BITS
         to += 2
+        at += 3
     past_stands[state.ring_at] = 15 - state.swinging
     state.ring_at = state.ring_at + 1 & 15
     return 0

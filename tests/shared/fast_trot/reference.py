@@ -68,7 +68,9 @@ class FastTrot:
         self.heading = self.high_left = self.u = 0.0
         self.load, self.stands, self.early = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
+        self.highest = tuning.HIGHEST_LIFT * self.leg_m
         self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
+        self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.known, self.measured, self.free = 0, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
@@ -157,10 +159,14 @@ class FastTrot:
             self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
             self.drive[i] = foot + self.drift[i]
             self.capture[i] = limit(-missed * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
+        if self.high_left:
+            rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
+            off = sum(foot[0] for foot in self.feet) / 4 - rest
+            self.drive[0] += (off - limit(off, 31 / 1024 * self.leg_m)) * 2 / self.f.cycle_s
         turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
         if moving:
             self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)
-            turn += self.heading
+            turn += self.heading * tuning.HEADING_HZ
         else:
             self.drive, self.drift = [0.0, 0.0], [0.0, 0.0]
         self.turn = limit(turn, TURN_MAX / self.dt)
@@ -198,7 +204,7 @@ class FastTrot:
             if self.early[leg] == 0:
                 if self.stands[leg]:
                     self.starts[leg] = to_level(self.feet[leg], *self.then)
-                    self.tops[leg], self.ascent[leg], self.stands[leg] = self.lift, 0.0, 0
+                    self.begin_swing(leg)
                 self.stands[leg] = self.react(leg)
 
     def react(self, leg):
@@ -212,15 +218,30 @@ class FastTrot:
         elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent[leg] - 15 / 1024 * self.leg_m):
             self.touch_early(leg)
             return 1
+        if self.u > 0.1:
+            self.hold_up(leg)
+        self.short[leg] = -self.residual[leg][0] if self.held[leg] else 0.0
+        return 0
+
+    def begin_swing(self, leg):
+        self.tops[leg] = self.highest if self.held[leg] else self.lift
+        if not self.held[leg]:
+            self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
+        self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
+        self.ascent[leg], self.stands[leg] = 0.0, 0
+
+    def hold_up(self, leg):
+        high = self.tops[leg] >= self.high
         behind = self.residual[3 - leg][0] - self.residual[leg][0]
         if self.foot_speed[0] < 0:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
-        most = (61 if self.u <= 0.4 else 26) / 1024 * self.leg_m
-        held_up = behind > most + turning and self.u > 0.1
-        if held_up and self.tops[leg] < self.high:
-            self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
-        return 0
+        most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
+        self.peak[leg] = max(self.peak[leg], behind)
+        if behind > most + self.usual[leg] + turning:
+            self.held[leg] = True
+            if not high:
+                self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
 
     def touch_early(self, leg):
         x, y, z = self.measured[leg]
@@ -258,6 +279,7 @@ class FastTrot:
                     place.append(start + (target - start + back) * along - back * u)
                 start = self.starts[leg][2]
                 z = start + (-self.h - pose[2] - start) * down + self.tops[leg] * up
+                place[0] -= self.short[leg]
                 self.feet[leg] = to_body((*place, z), *self.then)
 
     # --- one tick
@@ -272,7 +294,9 @@ class FastTrot:
         self.go_on(moving)
         self.stand_feet(pose)
         self.swing_feet(pose)
-        self.past.append(([tuple(foot) for foot in self.feet], list(self.stands)))
+        short = [0.0 if stands else short for stands, short in zip(self.stands, self.short, strict=True)]
+        free = [(foot[0] + less, foot[1], foot[2]) for foot, less in zip(self.feet, short, strict=True)]
+        self.past.append((free, list(self.stands)))
         return self.goals()
 
     def goals(self):

@@ -118,5 +118,5 @@ def test_a_foot_that_meets_something_is_the_same_in_both():
     assert pair.walk.state.blocked + pair.walk.state.touched > 0
     assert pair.walk.state.high_left > 0
     assert pair.twin.high_left > 0
-    assert max(pair.walk.tops) == pair.params.stride.high_lift
+    assert max(pair.walk.tops) == pair.params.stride.highest_lift
     assert pair.worst_m < MOST_M
