@@ -117,6 +117,10 @@ def _actuator(robot: "Robot") -> str:
     if robot.actuator.kind == "servo":
         point = robot.actuator.nominal
         return f"{robot.actuator.model}, {point.stall_Nm:g} N m, {point.no_load_rpm:g} rpm at {point.voltage_V:g} V"
+    if robot.actuator.kind == "pd":
+        pd = robot.actuator
+        held = f"{pd.stiffness_Nm_rad:g} N m/rad and {pd.damping_Nms_rad:g} N m s/rad"
+        return f"{pd.model}, {pd.torque_Nm:g} N m, {pd.no_load_rad_s:g} rad/s, holds by {held}"
     joint = robot.actuator
     torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
     return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"

@@ -17,7 +17,7 @@ from .model import Robot
 from .values import show
 
 FOLDER = Path(__file__).parent / "files"
-UNION_KEYS = {"actuator": ("servo", "bldc"), "bus": ("dynamixel", "can")}
+UNION_KEYS = {"actuator": ("servo", "bldc", "pd"), "bus": ("dynamixel", "can", "none")}
 
 
 class RobotFileError(UserError):

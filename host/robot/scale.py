@@ -14,7 +14,7 @@ from sim2d.model import GRAVITY_M_S2
 
 from ..util.errors import UserError
 from .crawl_tuning import fill_crawl
-from .drives import BUS_DELAY_S, joint_drives
+from .drives import BUS_DELAY_S, STIFFNESS_KEYS, joint_drives
 from .mass import com_at_rest_m, lever_m
 from .model import JOINT_NAMES, Balance, Robot, Trot
 from .stride_tuning import fill_stride
@@ -231,7 +231,7 @@ def _too_soft(robot: Robot, joint: int, most: float) -> str:
     drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
     torque_Nm = robot.mass_kg * GRAVITY_M_S2 / 2 * lever_m(robot, joint)
     sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm
-    stiffer = {"servo": "actuator.duty_per_rad", "bldc": "actuator.drive.position_bandwidth_hz"}[robot.actuator.kind]
+    stiffer = STIFFNESS_KEYS[robot.actuator.kind]
     return (
         f"gait.sag_compensation: value {value:g}: allowed: at most {floor(100 * most) / 100:.2f}: "
         f"the {JOINT_NAMES[joint]} is too soft for {robot.mass_kg:.3g} kg; with half of it on one leg it sags by "
