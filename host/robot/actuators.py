@@ -31,7 +31,6 @@ class Servo(Table):
     p_gain: Annotated[int, whole(0, 16383)] = 0  # registers, of servos on a bus only
     i_gain: Annotated[int, whole(0, 16383)] = 0
     d_gain: Annotated[int, whole(0, 16383)] = 0
-    reads_position: Annotated[bool, yes_or_no()] = True
     duty_per_rad: Annotated[float, number(0.05, 200.0, "1/rad")]
     armature_kg_m2: Annotated[float, number(0.0, 1.0, "kg m2")]
     coulomb_Nm: Annotated[float, number(0.0, 10.0, "N m")]
@@ -153,11 +152,6 @@ class Bldc(Table):
         return self.motor.torque_constant_Nm_A * self.drive.current_limit_A * self.gear.ratio
 
     @property
-    def reads_position(self) -> bool:
-        """Its board reports the joint's angle."""
-        return True
-
-    @property
     def step_rad(self) -> float:
         """The step of its readings."""
         return 2 * pi / 2**self.gear.encoder_bits
@@ -204,11 +198,6 @@ class PdJoint(Table):
     def fastest_rad_s(self) -> float:
         """The fastest it turns."""
         return self.no_load_rad_s
-
-    @property
-    def reads_position(self) -> bool:
-        """Its board reports the joint's angle."""
-        return True
 
     @property
     def step_rad(self) -> float:

@@ -219,11 +219,9 @@ def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
 
 
 def servo_bus_is_usable(servo: Servo) -> Iterator[Complaint]:
-    """Servos on a bus hold a position by their registers, and tell theirs."""
+    """Servos on a bus hold a position by their registers."""
     if servo.p_gain == 0:
         yield "actuator.p_gain", servo.p_gain, "above 0 on a dynamixel bus: with 0 the servo holds nothing"
-    if not servo.reads_position:
-        yield "actuator.reads_position", servo.reads_position, "true on a dynamixel bus: its servos tell their position"
 
 
 def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:

@@ -8,28 +8,20 @@ from .model import Link, Robot
 
 def com_at_rest_m(robot: Robot) -> Vector:
     """Return the centre of mass in the body frame at rest, m; legs out of reach count as straight down."""
-    links = robot.links
-    parts = [(links.trunk.mass_kg, links.trunk.com_m)]
+    parts = [(robot.links.trunk.mass_kg, robot.links.trunk.com_m)]
     for leg in range(4):
-        parts += _leg_parts(robot, leg)
+        side, knee = robot.side(leg), robot.knee_sign(leg)
+        pose = leg_inverse(robot.geometry.links_m, side, knee, robot.foot_m(leg, robot.stance.rest_height_m))
+        parts += leg_parts(robot, leg, pose or (0.0, 0.0, 0.0))
     mass = sum(part[0] for part in parts)
     x, y, z = (sum(part[0] * part[1][axis] for part in parts) / mass for axis in range(3))
     return x, y, z
 
 
-def lever_m(robot: Robot, joint: int) -> float:
-    """Return how far from a joint's axis (0 hip, 1 thigh, 2 calf) the ground's push on a resting foot passes by, m."""
-    foot_m = robot.foot_m(0, robot.stance.rest_height_m)
-    pose = leg_inverse(robot.geometry.links_m, robot.side(0), robot.knee_sign(0), foot_m)
-    thigh = pose[1] if pose else 0.0
-    return (abs(foot_m[1]), abs(foot_m[0]), abs(foot_m[0] + robot.geometry.thigh_m * sin(thigh)))[joint]
-
-
-def _leg_parts(robot: Robot, leg: int) -> list[tuple[float, Vector]]:
+def leg_parts(robot: Robot, leg: int, joints_rad: Vector) -> list[tuple[float, Vector]]:
     """Return mass and centre, in the body, of hip, thigh and calf; the files' links are a left elbow leg's."""
     side, knee = robot.side(leg), robot.knee_sign(leg)
-    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
-    hip, thigh, calf = leg_inverse(robot.geometry.links_m, side, knee, foot_m) or (0.0, 0.0, 0.0)
+    hip, thigh, calf = joints_rad
     l1, l2, _ = robot.geometry.links_m
     knee_at = -l2 * sin(thigh), -l2 * cos(thigh)
     links = robot.links
