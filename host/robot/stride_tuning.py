@@ -32,6 +32,7 @@ HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after some
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
 SWING_ASKS = 1.5  # of a drive's no-load speed may the goals of a swing ask: what lags rounds them off
+STEP_LEG = 0.16  # of the leg: the highest step that every robot is to walk up
 SWING_POINTS = 25  # of a swing are looked at for that
 FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried faster
 SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the speed ahead: aside, and of the feet when turning
