@@ -180,7 +180,8 @@ class Bldc(Table):
 class PdJoint(Table):
     """Another's joint: its board holds a goal by a stiffness and a damping, with what torque it has.
 
-    torque = clip(stiffness x error - damping x speed, +-torque), at the shaft of the motor's gear.
+    torque = clip(stiffness x error - damping x speed, +-torque). Stiffness and damping are told of each joint alike;
+    torque, speed and armature are those at the shaft of the motor's gear.
     """
 
     kind: Literal["pd"]

@@ -69,12 +69,15 @@ def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
 
 
 def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
-    """Return another's joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far."""
+    """Return another's joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far.
+
+    Its board is told stiffness and damping of the joint itself.
+    """
     ratio = joint_per_motor
     return ServoModel(
         stall_torque_Nm=drive.torque_Nm / ratio,
-        stiffness_Nm_rad=drive.stiffness_Nm_rad / ratio**2,
-        damping_Nms_rad=drive.damping_Nms_rad / ratio**2,
+        stiffness_Nm_rad=drive.stiffness_Nm_rad,
+        damping_Nms_rad=drive.damping_Nms_rad,
         armature_kgm2=drive.armature_kg_m2 / ratio**2,
         coulomb_Nm=drive.coulomb_Nm / ratio,
         nominal_voltage_V=drive.voltage_V,
