@@ -29,6 +29,11 @@ def robot_names() -> list[str]:
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
+def driven_names() -> list[str]:
+    """Return the names of those that this software can drive; the others are simulated only."""
+    return [name for name in robot_names() if load_robot(name).bus.kind != "none"]
+
+
 def load_robot(name_or_path: str) -> Robot:
     """Return the robot of that name, or of the file if it ends in .toml; RobotFileError if anything is wrong."""
     path = find(name_or_path)
