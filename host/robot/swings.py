@@ -1,6 +1,7 @@
 """What the way of a foot in the air asks of the drives' speeds, and the most of something that they can do."""
 
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from .kinematics_si import Vector, leg_inverse
 from .model import Robot
@@ -26,7 +27,7 @@ def asked_speeds(robot: Robot, way_m: Sequence[tuple[float, float]], time_s: flo
     step_s = time_s / (len(poses) - 1)
     no_load = robot.actuator.fastest_rad_s * step_s
     hip, thigh, calf = (
-        max(abs(after[joint] - before[joint]) for before, after in zip(poses, poses[1:], strict=False)) / no_load
+        max(abs(after[joint] - before[joint]) for before, after in pairwise(poses)) / no_load
         for joint in range(3)
     )
     return hip, thigh, calf
