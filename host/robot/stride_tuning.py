@@ -5,15 +5,16 @@ level ground and at steps of up to a fifth of the leg.
 """
 
 from dataclasses import dataclass
-from math import cos, hypot, pi, sin, sqrt, tanh
+from math import cos, hypot, inf, pi, sin, sqrt, tanh
 
 from shared.body.params import LF_BITS, Params
 from sim2d.model import GRAVITY_M_S2
 
 from .drives import BUS_DELAY_S, joint_drives
+from .kinematics_si import Vector
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
-from .swings import asked_speeds, most
+from .swings import asked_speeds, most, poses_rad, within_limits
 
 GAIT = "fast-trot"
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
@@ -111,34 +112,45 @@ def stride_figures(robot: Robot) -> StrideFigures:
 
 
 def able(robot: Robot) -> tuple[float, str]:
-    """Return the fastest ahead that the legs can do, m/s, and what limits it."""
+    """Return the fastest ahead that the legs can do, m/s, and what limits it.
+
+    A joint that comes to its limit in a swing is held there, which does not slow the robot.
+    """
     figures = stride_figures(robot)
     froude_m_s = FROUDE_SPEED * sqrt(GRAVITY_M_S2 * figures.height_m)
     lift_m = LOW_LIFT * figures.leg_m
-    speed_m_s = most(froude_m_s, lambda v: _can_swing(robot, figures, v, lift_m))
+    speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= SWING_ASKS)
     if speed_m_s == froude_m_s:
         return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), beyond which nothing was tried"
-    return speed_m_s, _what_stops(robot, figures, speed_m_s * 1.01 + 0.001, lift_m)
+    return speed_m_s, _too_slow(_asked(robot, figures, speed_m_s * 1.01 + 0.001, lift_m))
 
 
 def highest_lift_m(robot: Robot) -> tuple[float, str]:
     """Return how high the top of a swing can be while the trot climbs, and what limits it."""
     figures = stride_figures(robot)
     speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), HIGH_LIFT * figures.leg_m
-    lift_m = most(wanted_m, lambda lift_m: _can_swing(robot, figures, speed_m_s, lift_m))
+
+    def can(lift_m: float) -> bool:
+        poses = poses_rad(robot, figures.swing(0.0, lift_m))
+        fits = poses is not None and within_limits(robot, poses)
+        return fits and max(_asked(robot, figures, speed_m_s, lift_m)) <= SWING_ASKS
+
+    lift_m = most(wanted_m, can)
     if lift_m == wanted_m:
         return lift_m, f"{HIGH_LIFT:g} of the leg, as the trot lifts it"
-    return lift_m, _what_stops(robot, figures, speed_m_s, lift_m * 1.01 + 0.0001)
+    asked = _asked(robot, figures, speed_m_s, lift_m * 1.01 + 0.0001)
+    return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
 
 
-def _can_swing(robot: Robot, figures: StrideFigures, speed_m_s: float, lift_m: float) -> bool:
-    asked = asked_speeds(robot, figures.swing(speed_m_s, lift_m), figures.swing_s)
-    return asked is not None and max(asked) <= SWING_ASKS
+def _asked(robot: Robot, figures: StrideFigures, speed_m_s: float, lift_m: float) -> Vector:
+    """Return what a swing asks of the drives' speeds; infinite out of reach."""
+    poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
+    return (inf, inf, inf) if poses is None else asked_speeds(robot, poses, figures.swing_s)
 
 
-def _what_stops(robot: Robot, figures: StrideFigures, speed_m_s: float, lift_m: float) -> str:
-    asked = asked_speeds(robot, figures.swing(speed_m_s, lift_m), figures.swing_s)
-    return "the joints' limits" if asked is None else f"the {JOINT_NAMES[asked.index(max(asked))]}'s speed"
+def _too_slow(asked: Vector) -> str:
+    """Return in words which joint is too slow, or that the legs are too short."""
+    return "the legs' reach" if max(asked) == inf else f"the {JOINT_NAMES[asked.index(max(asked))]}'s speed"
 
 
 def fastest(robot: Robot) -> tuple[float, float, float]:

@@ -6,24 +6,33 @@ from itertools import pairwise
 from .kinematics_si import Vector, leg_inverse
 from .model import Robot
 
+_LEG = 1
 _HALVINGS = 16  # of a range: 1.5e-5 of it is left
 
 
-def asked_speeds(robot: Robot, way_m: Sequence[tuple[float, float]], time_s: float) -> Vector | None:
-    """Return the largest speeds of hip, thigh and calf drive, of their no-load speeds; None beyond reach or limits.
-
-    ``way_m``: x ahead and z up of the foot's rest, at even times over ``time_s``, of a front left leg.
-    """
-    leg, ratio = 1, robot.calf_drive.ratio
-    x, y, z = robot.foot_m(leg, robot.stance.rest_height_m)
-    limits, poses = robot.joint_limits_rad(leg), []
+def poses_rad(robot: Robot, way_m: Sequence[tuple[float, float]]) -> list[Vector] | None:
+    """Return the joints of the front left leg along a way of its foot, x ahead and z up of rest; None out of reach."""
+    x, y, z = robot.foot_m(_LEG, robot.stance.rest_height_m)
+    poses = []
     for ahead, up in way_m:
         foot_m = x + ahead, y, z + up
-        pose = leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m)
-        if pose is None or any(not low <= q <= high for q, (low, high) in zip(pose, limits, strict=True)):
+        pose = leg_inverse(robot.geometry.links_m, robot.side(_LEG), robot.knee_sign(_LEG), foot_m)
+        if pose is None:
             return None
-        hip, thigh, calf = pose
-        poses.append((hip, thigh, (calf + thigh if robot.calf_drive.coupled else calf) / ratio))
+        poses.append(pose)
+    return poses
+
+
+def within_limits(robot: Robot, poses: Sequence[Vector]) -> bool:
+    """Return whether all joints stay within the limits of the front left leg."""
+    limits = robot.joint_limits_rad(_LEG)
+    return all(low <= q <= high for pose in poses for q, (low, high) in zip(pose, limits, strict=True))
+
+
+def asked_speeds(robot: Robot, joints_rad: Sequence[Vector], time_s: float) -> Vector:
+    """Return the largest speeds of hip, thigh and calf drive, of their no-load speeds, through poses at even times."""
+    ratio, coupled = robot.calf_drive.ratio, robot.calf_drive.coupled
+    poses = [(hip, thigh, (calf + thigh if coupled else calf) / ratio) for hip, thigh, calf in joints_rad]
     step_s = time_s / (len(poses) - 1)
     no_load = robot.actuator.fastest_rad_s * step_s
     hip, thigh, calf = (
