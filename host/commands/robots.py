@@ -94,8 +94,9 @@ def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
         ", ".join(f"{joint} {100 * share:.0f}" for joint, share in zip(JOINTS, found, strict=True))
         for found in (known.on_four, known.on_two)
     ]
+    sag = "folds up" if known.sag_m is None else f"sags {1000 * known.sag_m:.1f} mm"
     return [
-        ("stands on four legs", f"{shares[0]} % of stall torque; sags {1000 * known.sag_m:.1f} mm"),
+        ("stands on four legs", f"{shares[0]} % of stall torque; {sag}"),
         ("on two, as in a trot", f"{shares[1]} %"),
         ("walks level ground at", f"{known.flat_m_s:.2f} m/s, 0.25 sqrt(g h) or what its legs can"),
         ("its legs can", f"{known.able_m_s:.2f} m/s: {known.able_why}"),

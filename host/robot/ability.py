@@ -9,6 +9,7 @@ from math import sqrt
 
 from sim2d.model import GRAVITY_M_S2
 
+from .drives import STIFFNESS_KEYS
 from .kinematics_si import Vector
 from .model import JOINT_NAMES, Robot
 from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
@@ -25,9 +26,10 @@ TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torq
 
 @dataclass(frozen=True)
 class Ability:
-    """Shares are of the torque at standstill, for hip, thigh and calf; the sag is without what is fed forward."""
+    """Shares are of the torque at standstill, for hip, thigh and calf; the sag is without what is fed
+    forward, None if the legs fold up."""
 
-    sag_m: float
+    sag_m: float | None
     on_four: Vector
     on_two: Vector
     able_m_s: float
@@ -66,6 +68,9 @@ def cannot(robot: Robot, known: Ability) -> Iterator[str]:
             f"stall torque, and on four {known.on_four[worst]:.2g}: raise {more}, lower links.trunk.mass_kg, or raise "
             f"stance.rest_height_m"
         )
+    if known.sag_m is None:
+        stiffer = STIFFNESS_KEYS[robot.actuator.kind]
+        yield f"on four legs its joints give way until the legs fold up: raise {stiffer}, or lower links.trunk.mass_kg"
     if known.able_m_s == 0:
         yield (
             f"a swing takes {stride_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "

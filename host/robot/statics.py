@@ -7,7 +7,6 @@ the body at thigh + calf.
 
 from sim2d.model import GRAVITY_M_S2
 
-from ..util.errors import UserError
 from .coupling import to_motor
 from .drives import joint_drives
 from .kinematics_si import Vector, leg_forward, leg_inverse
@@ -47,26 +46,38 @@ def torque_shares(robot: Robot, pushes_N: list[float]) -> Vector:
     return hip, thigh, calf
 
 
-def sag_m(robot: Robot) -> float:
-    """Return how far the body sinks on four feet that do not slip, nothing being fed forward.
+def sag_m(robot: Robot) -> float | None:
+    """Return how far the body sinks on four feet that do not slip, nothing being fed forward; None if its legs fold up.
 
     The drives' springs and the weight find the least energy by Newton's method. Legs whose knees point alike let the
     body go back as it sinks; others can't.
     """
     down_m = back_m = 0.0
     for _ in range(_NEWTON):
-
-        def energy(down_steps: int, back_steps: int, at: tuple[float, float] = (down_m, back_m)) -> float:
-            return _energy_J(robot, at[0] + down_steps * _SHIFT_M, at[1] + back_steps * _SHIFT_M)
-
-        here = energy(0, 0)
-        slope = energy(1, 0) - energy(-1, 0), energy(0, 1) - energy(0, -1)
-        bend = energy(1, 0) + energy(-1, 0) - 2 * here, energy(0, 1) + energy(0, -1) - 2 * here
-        both = (energy(1, 1) - energy(1, -1) - energy(-1, 1) + energy(-1, -1)) / 4
-        twice = 2 * (bend[0] * bend[1] - both**2) / _SHIFT_M
-        down_m -= (bend[1] * slope[0] - both * slope[1]) / twice
-        back_m -= (bend[0] * slope[1] - both * slope[0]) / twice
+        found = _newton_step_m(robot, down_m, back_m)
+        if found is None:
+            return None
+        down_m, back_m = down_m + found[0], back_m + found[1]
     return down_m
+
+
+def _newton_step_m(robot: Robot, down_m: float, back_m: float) -> tuple[float, float] | None:
+    """Return the step from a moved body towards the least energy; None where there is no least, or no such pose."""
+    steps = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
+    energies = [_energy_J(robot, down_m + a * _SHIFT_M, back_m + b * _SHIFT_M) for a, b in steps]
+    known = [energy for energy in energies if energy is not None]
+    if len(known) < len(steps):
+        return None
+    here, lower, higher, behind, ahead, *corners = known
+    slope_down, slope_back = (lower - higher) / 2, (behind - ahead) / 2
+    bend_down, bend_back = lower + higher - 2 * here, behind + ahead - 2 * here
+    both = (corners[0] - corners[1] - corners[2] + corners[3]) / 4
+    firm = bend_down * bend_back - both**2
+    if firm <= 0 or bend_down <= 0:
+        return None
+    down = both * slope_back - bend_back * slope_down
+    back = both * slope_down - bend_down * slope_back
+    return down / firm * _SHIFT_M, back / firm * _SHIFT_M
 
 
 def _slope(robot: Robot, leg: int, pose: Vector, joint: int, push_N: float) -> float:
@@ -81,8 +92,11 @@ def _slope(robot: Robot, leg: int, pose: Vector, joint: int, push_N: float) -> f
     return (energies[0] - energies[1]) / (2 * _STEP)
 
 
-def _energy_J(robot: Robot, down_m: float, back_m: float) -> float:
-    """Return the energy of the drives' springs, whose goals are the rest pose, and of the weight, of a moved body."""
+def _energy_J(robot: Robot, down_m: float, back_m: float) -> float | None:
+    """Return the energy of the drives' springs, whose goals are the rest pose, and of the weight, of a moved body.
+
+    None where a leg is too long or too short for it.
+    """
     height_m, rest, now = robot.stance.rest_height_m, rest_pose_rad(robot), list[float]()
     trunk = robot.links.trunk
     weight_J = trunk.mass_kg * GRAVITY_M_S2 * (trunk.com_m[2] - down_m)
@@ -91,7 +105,7 @@ def _energy_J(robot: Robot, down_m: float, back_m: float) -> float:
         foot_m = x + back_m, y, z + down_m
         pose = leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m)
         if pose is None:
-            raise UserError(f"stance.rest_height_m: {height_m:g} m leaves the legs no room to sag")
+            return None
         now += pose
         weight_J += sum(mass * GRAVITY_M_S2 * (at[2] - down_m) for mass, at in leg_parts(robot, leg, pose))
     stiffness = [drive.stiffness_Nm_rad for drive in joint_drives(robot)] * 4

@@ -114,3 +114,11 @@ def test_legs_too_slow_for_a_step_on_the_spot_are_told():
     robot = robot.model_copy(update={"actuator": slow})
     (sentence,) = cannot(robot, ability(robot))
     assert "too short for" in sentence
+
+
+def test_joints_that_give_way_until_the_legs_fold_are_told():
+    robot = load_robot("solo12")
+    soft = robot.actuator.model_copy(update={"stiffness_Nm_rad": 0.5})
+    robot = robot.model_copy(update={"actuator": soft})
+    assert sag_m(robot) is None
+    assert "fold up: raise actuator.stiffness_Nm_rad" in next(iter(list(cannot(robot, ability(robot)))))
