@@ -9,6 +9,7 @@ from host.robot.file import load_robot, robot_names
 from host.robot.statics import push_on_two_N, pushes_on_four_N, sag_m, torques_Nm
 from host.robot.stride_tuning import SWING_ASKS, able, highest_lift_m, stride_figures
 from host.robot.swings import asked_speeds, most, poses_rad, within_limits
+from tests import ROOT
 
 G_M_S2 = 9.81
 
@@ -122,3 +123,34 @@ def test_joints_that_give_way_until_the_legs_fold_are_told():
     robot = robot.model_copy(update={"actuator": soft})
     assert sag_m(robot) is None
     assert "fold up: raise actuator.stiffness_Nm_rad" in next(iter(list(cannot(robot, ability(robot)))))
+
+
+def table(page, wanted):
+    """Return the cells of a page's table, by robot, whose head has a column that starts so."""
+    lines = (ROOT / "docs" / page).read_text().splitlines()
+    start = next(at for at, line in enumerate(lines) if line.startswith("| robot |") and wanted in line)
+    rows = []
+    for line in lines[start + 2 :]:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip(" `") for cell in line.strip("|").split("|")])
+    return {row[0]: row[1:] for row in rows}
+
+
+def test_the_page_of_robots_says_what_the_check_says():
+    shown = table("robots.md", "sags on four legs")
+    assert sorted(shown) == robot_names()
+    for name, cells in shown.items():
+        robot = load_robot(name)
+        known, leg_m = ability(robot), robot.geometry.thigh_m + robot.geometry.calf_m
+        assert cells == [
+            f"{robot.mass_kg:.1f}", f"{1000 * leg_m:.0f}", f"{1000 * known.sag_m:.1f}",
+            f"{100 * max(known.on_two):.0f}", f"{known.able_m_s:.2f}", f"{known.flat_m_s:.2f}",
+            f"{1000 * known.step_m:.0f}",
+        ]  # fmt: skip
+
+
+def test_the_page_of_robots_walks_at_what_is_advised():
+    for name, cells in table("robots.md", "walked, m/s").items():
+        assert float(cells[0]) == load_robot(name).gait.advised_m_s["fast-trot"]
+        assert float(cells[1]) == pytest.approx(float(cells[0]), rel=0.05)
