@@ -90,6 +90,9 @@ def check_robot(which: Which, as_json: Json = False) -> int:
 
 def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
     """Return what a robot can do, as rows of name and value with unit."""
+    from ..robot.ability import FLAT_FROUDE
+    from ..robot.stride_tuning import fastest, limit
+
     shares = [
         ", ".join(f"{joint} {100 * share:.0f}" for joint, share in zip(JOINTS, found, strict=True))
         for found in (known.on_four, known.on_two)
@@ -98,8 +101,9 @@ def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
     return [
         ("stands on four legs", f"{shares[0]} % of stall torque; {sag}"),
         ("on two, as in a trot", f"{shares[1]} %"),
-        ("walks level ground at", f"{known.flat_m_s:.2f} m/s, 0.25 sqrt(g h) or what its legs can"),
+        ("walks level ground at", f"{known.flat_m_s:.2f} m/s, {FLAT_FROUDE:g} sqrt(g h) or what its legs can"),
         ("its legs can", f"{known.able_m_s:.2f} m/s: {known.able_why}"),
+        ("its file allows", f"{fastest(robot)[0]:.2f} m/s: {limit(robot)}"),
         ("lifts a foot", f"{1000 * known.lift_m:.0f} mm while it climbs: {known.lift_why}"),
         ("steps up, at a trot", f"{1000 * known.step_m:.0f} mm"),
     ]
