@@ -1,14 +1,19 @@
 """`caramelo robots`: lists, shows and checks robot files."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..util.console import say, screen, write_json
+from ..util.errors import NOT_ACHIEVED
 from . import ROBOTS
 
 if TYPE_CHECKING:
+    from ..robot.ability import Ability
     from ..robot.model import Robot
+
+JOINTS = ("hip", "thigh", "calf")
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Which = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or a file ending in .toml.")]
@@ -53,11 +58,14 @@ def show_robot(which: Which, as_json: Json = False) -> None:
     _print_rows([*overview(robot), ("file", str(find(which)))])
 
 
-def check_robot(which: Which, as_json: Json = False) -> None:
-    """Check a robot file. What is wrong is told in one line: file, key, value, what is allowed; exit code 2.
+def check_robot(which: Which, as_json: Json = False) -> int:
+    """Check a robot file, and tell what the robot can do. What is wrong with the file is told in one line, exit code 2.
+
+    Exit code 1 if the robot can't carry itself: then one line says what it lacks, and which key to change.
 
     Example: caramelo robots check my.toml
     """
+    from ..robot.ability import ability, cannot
     from ..robot.file import RobotFileError, load_robot
 
     try:
@@ -66,10 +74,39 @@ def check_robot(which: Which, as_json: Json = False) -> None:
         if as_json:
             write_json({"ok": False, "file": which, "reason": str(error)})
         raise
+    known = ability(robot)
+    lacks = list(cannot(robot, known))
     if as_json:
-        write_json({"ok": True, "file": which, "name": robot.name, "derived": derived(robot)})
+        found = {"ok": not lacks, "file": which, "name": robot.name, "derived": derived(robot)}
+        write_json(found | {"ability": asdict(known), "lacks": lacks})
     else:
-        say(f'{which}: ok: "{robot.name}", {robot.mass_kg:.3f} kg')
+        verdict = "can't walk" if lacks else "ok"
+        say(f'{which}: {verdict}: "{robot.name}", {robot.mass_kg:.3f} kg')
+        _print_rows(ability_rows(robot, known))
+        for sentence in lacks:
+            say(sentence)
+    return NOT_ACHIEVED if lacks else 0
+
+
+def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
+    """Return what a robot can do, as rows of name and value with unit."""
+    from ..robot.ability import FLAT_FROUDE
+    from ..robot.stride_tuning import fastest, limit
+
+    shares = [
+        ", ".join(f"{joint} {100 * share:.0f}" for joint, share in zip(JOINTS, found, strict=True))
+        for found in (known.on_four, known.on_two)
+    ]
+    sag = "folds up" if known.sag_m is None else f"sags {1000 * known.sag_m:.1f} mm"
+    return [
+        ("stands on four legs", f"{shares[0]} % of stall torque; {sag}"),
+        ("on two, as in a trot", f"{shares[1]} %"),
+        ("walks level ground at", f"{known.flat_m_s:.2f} m/s, {FLAT_FROUDE:g} sqrt(g h) or what its legs can"),
+        ("its legs can", f"{known.able_m_s:.2f} m/s: {known.able_why}"),
+        ("its file allows", f"{fastest(robot)[0]:.2f} m/s: {limit(robot)}"),
+        ("lifts a foot", f"{1000 * known.lift_m:.0f} mm while it climbs: {known.lift_why}"),
+        ("steps up, at a trot", f"{1000 * known.step_m:.0f} mm"),
+    ]
 
 
 def derived(robot: "Robot") -> dict[str, Any]:
@@ -117,6 +154,10 @@ def _actuator(robot: "Robot") -> str:
     if robot.actuator.kind == "servo":
         point = robot.actuator.nominal
         return f"{robot.actuator.model}, {point.stall_Nm:g} N m, {point.no_load_rpm:g} rpm at {point.voltage_V:g} V"
+    if robot.actuator.kind == "pd":
+        pd = robot.actuator
+        held = f"{pd.stiffness_Nm_rad:g} N m/rad and {pd.damping_Nms_rad:g} N m s/rad"
+        return f"{pd.model}, {pd.torque_Nm:g} N m, {pd.no_load_rad_s:g} rad/s, holds by {held}"
     joint = robot.actuator
     torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
     return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"

@@ -37,6 +37,8 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
     ``port``: a serial port, or INTERFACE:CHANNEL of CAN, instead of the robot file's own; ``calibration``: a file
     instead of the robot's own.
     """
+    if robot.bus.kind == "none":
+        raise UserError(f'{robot.name}: this software can not drive it (bus.kind = "none"), it is simulated only')
     if robot.bus.kind == "can":
         return Hardware(can_joints(robot, port), Attitude(robot, _can_imu(robot, port or robot.bus.interface)))
     from ..bus.dynamixel.bus import ServoBus

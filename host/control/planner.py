@@ -18,6 +18,7 @@ from shared.sense.sensed import Sensed
 from ..robot.gait_names import gait_index
 from ..robot.model import Robot
 from ..robot.scale import brad, core_params, joints_rad, scale_of
+from ..robot.stride_tuning import limit
 
 MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
 
@@ -66,16 +67,16 @@ class Driver:
         return STATE_NAMES[self.planner.status.state]
 
     def speed_limit(self, gait: str) -> tuple[float, str]:
-        """Return the fastest command ahead that a gait walks, m/s, and the robot file's key that makes it so.
+        """Return the fastest command ahead that a gait walks, m/s, and what makes it so: a key, or what legs can't.
 
         The crawl takes its own time; the figure is that of the trot it gives way to.
         """
         walked = self.planner.gaits[gait_index(gait)]
         most, key = walked.speed_max[0], "speed_limits.stride_m"
-        if most == self.planner.params.speed_max[0]:
+        if walked.mover == MOVER_STRIDE:
+            key = limit(self.robot)
+        elif most == self.planner.params.speed_max[0]:
             key = "speed_limits.vx_m_s"
-        elif walked.mover == MOVER_STRIDE:
-            key = f"gait.advised_m_s.{gait}"
         return self.scale.metres_per_second(most), key
 
     def set_command(self, **wish: object) -> None:

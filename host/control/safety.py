@@ -80,8 +80,7 @@ class Safety:
                 yield Fault("sit", "tripped", f"{self.name(joint)}: {error}")
 
     def _hot(self, measured: Measured) -> Iterator[Fault]:
-        actuator = self.robot.actuator
-        hot_C = actuator.hot_C if actuator.kind == "servo" else actuator.thermal.winding_derate_C
+        hot_C = self.robot.actuator.sit_C
         for joint, heat_C in enumerate(measured.temperature_C):
             if heat_C > hot_C:
                 yield Fault(
@@ -89,8 +88,7 @@ class Safety:
                 )
 
     def _battery(self, measured: Measured) -> Iterator[Fault]:
-        actuator = self.robot.actuator
-        low_V = actuator.low_voltage_V if actuator.kind == "servo" else actuator.drive.under_voltage_V
+        low_V = self.robot.actuator.low_V
         volts = measured.battery_V
         if volts is None or volts >= low_V:
             self._low_since_s = inf

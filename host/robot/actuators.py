@@ -1,6 +1,9 @@
-"""The actuators and the bus of a robot file: position servos (paper A) or brushless joints (paper B)."""
+"""The actuators and the bus of a robot file: position servos (paper A), brushless joints (paper B), or others' joints.
 
-from math import pi
+Others' joints and servos without a bus can be simulated, and not driven.
+"""
+
+from math import inf, pi
 from typing import Annotated, Literal
 
 from .values import Table, number, one_of, text, whole, yes_or_no
@@ -25,9 +28,9 @@ class Servo(Table):
     kind: Literal["servo"]
     model: Annotated[str, text(r"[\x20-\x7e]{1,60}", "1 .. 60 printable characters")]
     counts_per_turn: Annotated[int, whole(256, 65536, "counts")]
-    p_gain: Annotated[int, whole(0, 16383)]
-    i_gain: Annotated[int, whole(0, 16383)]
-    d_gain: Annotated[int, whole(0, 16383)]
+    p_gain: Annotated[int, whole(0, 16383)] = 0  # registers, of servos on a bus only
+    i_gain: Annotated[int, whole(0, 16383)] = 0
+    d_gain: Annotated[int, whole(0, 16383)] = 0
     duty_per_rad: Annotated[float, number(0.05, 200.0, "1/rad")]
     armature_kg_m2: Annotated[float, number(0.0, 1.0, "kg m2")]
     coulomb_Nm: Annotated[float, number(0.0, 10.0, "N m")]
@@ -45,6 +48,31 @@ class Servo(Table):
     def nominal(self) -> SupplyPoint:
         """The supply point of the nominal voltage."""
         return next(point for point in self.supply if point.voltage_V == self.nominal_voltage_V)
+
+    @property
+    def step_rad(self) -> float:
+        """The step of its goals and of its readings."""
+        return 2 * pi / self.counts_per_turn
+
+    @property
+    def supply_V(self) -> float:
+        """The nominal supply."""
+        return self.nominal_voltage_V
+
+    @property
+    def least_V(self) -> float:
+        """The lowest supply that it is known to work at."""
+        return self.supply[0].voltage_V
+
+    @property
+    def low_V(self) -> float:
+        """Below it the robot sits down."""
+        return self.low_voltage_V
+
+    @property
+    def sit_C(self) -> float:
+        """Hotter, the robot sits down."""
+        return self.hot_C
 
 
 class Motor(Table):
@@ -123,6 +151,80 @@ class Bldc(Table):
         """Torque at the joint at the current limit, with an ideal gear."""
         return self.motor.torque_constant_Nm_A * self.drive.current_limit_A * self.gear.ratio
 
+    @property
+    def step_rad(self) -> float:
+        """The step of its readings."""
+        return 2 * pi / 2**self.gear.encoder_bits
+
+    @property
+    def supply_V(self) -> float:
+        """The nominal supply."""
+        return self.drive.bus_voltage_V
+
+    @property
+    def least_V(self) -> float:
+        """The lowest supply that it works at."""
+        return self.drive.under_voltage_V
+
+    @property
+    def low_V(self) -> float:
+        """Below it the robot sits down."""
+        return self.drive.under_voltage_V
+
+    @property
+    def sit_C(self) -> float:
+        """Hotter, the robot sits down."""
+        return self.thermal.winding_derate_C
+
+
+class PdJoint(Table):
+    """Another's joint: its board holds a goal by a stiffness and a damping, with what torque it has.
+
+    torque = clip(stiffness x error - damping x speed, +-torque). Stiffness and damping are told of each joint alike;
+    torque, speed and armature are those at the shaft of the motor's gear.
+    """
+
+    kind: Literal["pd"]
+    model: Annotated[str, text(r"[\x20-\x7e]{1,60}", "1 .. 60 printable characters")]
+    torque_Nm: Annotated[float, number(0.01, 1000.0, "N m")]
+    no_load_rad_s: Annotated[float, number(0.1, 200.0, "rad/s")]
+    stiffness_Nm_rad: Annotated[float, number(0.1, 1e5, "N m/rad")]
+    damping_Nms_rad: Annotated[float, number(0.001, 1000.0, "N m s/rad")]
+    armature_kg_m2: Annotated[float, number(0.0, 1.0, "kg m2")]
+    coulomb_Nm: Annotated[float, number(0.0, 10.0, "N m")]
+    encoder_bits: Annotated[int, whole(8, 20, "bits")]
+    voltage_V: Annotated[float, number(3.0, 100.0, "V")]
+
+    @property
+    def fastest_rad_s(self) -> float:
+        """The fastest it turns."""
+        return self.no_load_rad_s
+
+    @property
+    def step_rad(self) -> float:
+        """The step of its readings."""
+        return 2 * pi / 2**self.encoder_bits
+
+    @property
+    def supply_V(self) -> float:
+        """The nominal supply."""
+        return self.voltage_V
+
+    @property
+    def least_V(self) -> float:
+        """The lowest supply that it is known to work at: the nominal one."""
+        return self.voltage_V
+
+    @property
+    def low_V(self) -> float:
+        """Nothing is known of a supply too low."""
+        return 0.0
+
+    @property
+    def sit_C(self) -> float:
+        """Nothing is known of its heat."""
+        return inf
+
 
 class ServoBus(Table):
     """The servos' serial bus. Which id is which joint is calibration data, not part of the robot file."""
@@ -150,3 +252,9 @@ class CanBus(Table):
     def channels(self) -> tuple[str, ...]:
         """One bus, or two: of the front legs and of the rear legs."""
         return tuple(self.channel.split(","))
+
+
+class NoBus(Table):
+    """A robot that this software simulates, and can't drive."""
+
+    kind: Literal["none"]

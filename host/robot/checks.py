@@ -27,6 +27,7 @@ LONGEST_LEG_M = 1.0
 FARTHEST_FOOT_LU = 1 << 17
 HOST_CURRENT_HZ = 400  # with 200 Hz the robot falls in the simulator (caramelo joints compare)
 STEP_S = 0.001  # of the plane and of the simulated bus
+BUSES = {"servo": ("dynamixel", "none"), "bldc": ("can",), "pd": ("none",)}  # of each kind of actuator
 CURRENT_LOOP_PER_BANDWIDTH = 20  # one step of delay: more bandwidth loses the phase margin
 
 
@@ -43,7 +44,7 @@ def complaints(robot: Robot) -> Iterator[Complaint]:
     yield from poses_are_reachable(robot)
     if isinstance(robot.actuator, Servo):
         yield from servo_is_consistent(robot.actuator)
-    else:
+    elif isinstance(robot.actuator, Bldc):
         yield from joint_is_consistent(robot.actuator)
     yield from bus_suits_the_actuator(robot)
     yield from calf_suits_the_actuator(robot)
@@ -206,12 +207,21 @@ def joint_is_consistent(joint: Bldc) -> Iterator[Complaint]:
 
 
 def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
-    """Servos hang on a servo bus, brushless joints on CAN, which is at least as fast as the planner."""
-    wanted = "dynamixel" if robot.actuator.kind == "servo" else "can"
-    if robot.bus.kind != wanted:
-        yield "bus.kind", robot.bus.kind, f'"{wanted}" for actuator.kind = "{robot.actuator.kind}"'
+    """Servos hang on a servo bus or none, brushless joints on CAN, as fast as the planner; others' joints on none."""
+    wanted = BUSES[robot.actuator.kind]
+    if robot.bus.kind not in wanted:
+        allowed = " or ".join(f'"{kind}"' for kind in wanted)
+        yield "bus.kind", robot.bus.kind, f'{allowed} for actuator.kind = "{robot.actuator.kind}"'
     elif robot.bus.kind == "can":
         yield from can_bus_is_usable(robot.bus, robot.control.rate_hz)
+    elif isinstance(robot.actuator, Servo) and robot.bus.kind == "dynamixel":
+        yield from servo_bus_is_usable(robot.actuator)
+
+
+def servo_bus_is_usable(servo: Servo) -> Iterator[Complaint]:
+    """Servos on a bus hold a position by their registers."""
+    if servo.p_gain == 0:
+        yield "actuator.p_gain", servo.p_gain, "above 0 on a dynamixel bus: with 0 the servo holds nothing"
 
 
 def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
@@ -221,19 +231,21 @@ def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
 
 
 def simulators_can_step(robot: Robot) -> Iterator[Complaint]:
-    """A servo's damping does not overshoot the inertia that it brakes within the simulators' step (sim2d/model.py)."""
-    if not isinstance(robot.actuator, Servo):
+    """A drive's damping does not overshoot the inertia that it brakes within the simulators' step (sim2d/model.py)."""
+    actuator = robot.actuator
+    if isinstance(actuator, Bldc):
         return
+    volts = [point.voltage_V for point in actuator.supply] if isinstance(actuator, Servo) else [actuator.voltage_V]
     _, thigh, calf = joint_drives(robot)
     for name, link, servo, ratio in (
         ("thigh", robot.links.thigh, thigh, 1.0), ("calf", robot.links.calf, calf, robot.calf_drive.ratio),
     ):  # fmt: skip
-        damping = max(servo.at_voltage(point.voltage_V).damping_Nms_rad for point in robot.actuator.supply)
+        damping = max(servo.at_voltage(voltage_V).damping_Nms_rad for voltage_V in volts)
         least = (least_inertia_kgm2(damping, STEP_S) - link.inertia_kg_m2[1]) * ratio**2
-        if robot.actuator.armature_kg_m2 < least:
+        if actuator.armature_kg_m2 < least:
             why = f"with less the {name}'s damping overshoots in a step of {STEP_S:g} s"
             allowed = f"at least {least * 1.005:.3g}: {why}"
-            yield "actuator.armature_kg_m2", robot.actuator.armature_kg_m2, allowed
+            yield "actuator.armature_kg_m2", actuator.armature_kg_m2, allowed
 
 
 def can_bus_is_usable(bus: CanBus, control_hz: int) -> Iterator[Complaint]:

@@ -4,10 +4,15 @@ from math import pi
 
 from sim2d.model import ServoModel
 
-from .actuators import Bldc, Servo
+from .actuators import Bldc, PdJoint, Servo
 from .model import Robot
 
 BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
+STIFFNESS_KEYS = {  # which key of each kind of actuator makes its joints stiffer
+    "servo": "actuator.duty_per_rad",
+    "bldc": "actuator.drive.position_bandwidth_hz",
+    "pd": "actuator.stiffness_Nm_rad",
+}
 
 
 def joint_drives(robot: Robot) -> tuple[ServoModel, ServoModel, ServoModel]:
@@ -15,6 +20,8 @@ def joint_drives(robot: Robot) -> tuple[ServoModel, ServoModel, ServoModel]:
     drive, ratio = robot.actuator, robot.calf_drive.ratio
     if isinstance(drive, Servo):
         return servo_model(drive, 1.0), servo_model(drive, 1.0), servo_model(drive, ratio)
+    if isinstance(drive, PdJoint):
+        return pd_model(drive, 1.0), pd_model(drive, 1.0), pd_model(drive, ratio)
     return joint_model(drive, 1.0), joint_model(drive, 1.0), joint_model(drive, ratio)
 
 
@@ -57,5 +64,22 @@ def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
         armature_kgm2=inertia,
         coulomb_Nm=drive.motor.coulomb_Nm * ratio,
         nominal_voltage_V=drive.drive.bus_voltage_V,
+        speed_loop=True,
+    )
+
+
+def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
+    """Return another's joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far.
+
+    Its board is told stiffness and damping of the joint itself.
+    """
+    ratio = joint_per_motor
+    return ServoModel(
+        stall_torque_Nm=drive.torque_Nm / ratio,
+        stiffness_Nm_rad=drive.stiffness_Nm_rad,
+        damping_Nms_rad=drive.damping_Nms_rad,
+        armature_kgm2=drive.armature_kg_m2 / ratio**2,
+        coulomb_Nm=drive.coulomb_Nm / ratio,
+        nominal_voltage_V=drive.voltage_V,
         speed_loop=True,
     )

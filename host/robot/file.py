@@ -17,7 +17,7 @@ from .model import Robot
 from .values import show
 
 FOLDER = Path(__file__).parent / "files"
-UNION_KEYS = {"actuator": ("servo", "bldc"), "bus": ("dynamixel", "can")}
+UNION_KEYS = {"actuator": ("servo", "bldc", "pd"), "bus": ("dynamixel", "can", "none")}
 
 
 class RobotFileError(UserError):
@@ -27,6 +27,11 @@ class RobotFileError(UserError):
 def robot_names() -> list[str]:
     """Return the names of the robots that come with the software, sorted."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def driven_names() -> list[str]:
+    """Return the names of those that this software can drive; the others are simulated only."""
+    return [name for name in robot_names() if load_robot(name).bus.kind != "none"]
 
 
 def load_robot(name_or_path: str) -> Robot:

@@ -8,21 +8,18 @@ from .model import Link, Robot
 
 def com_at_rest_m(robot: Robot) -> Vector:
     """Return the centre of mass in the body frame at rest, m; legs out of reach count as straight down."""
-    links = robot.links
-    parts = [(links.trunk.mass_kg, links.trunk.com_m)]
+    parts = [(robot.links.trunk.mass_kg, robot.links.trunk.com_m)]
     for leg in range(4):
-        parts += _leg_parts(robot, leg)
+        parts += leg_parts(robot, leg, rest_leg_rad(robot, leg))
     mass = sum(part[0] for part in parts)
     x, y, z = (sum(part[0] * part[1][axis] for part in parts) / mass for axis in range(3))
     return x, y, z
 
 
-def lever_m(robot: Robot, joint: int) -> float:
-    """Return how far from a joint's axis (0 hip, 1 thigh, 2 calf) the ground's push on a resting foot passes by, m."""
-    foot_m = robot.foot_m(0, robot.stance.rest_height_m)
-    pose = leg_inverse(robot.geometry.links_m, robot.side(0), robot.knee_sign(0), foot_m)
-    thigh = pose[1] if pose else 0.0
-    return (abs(foot_m[1]), abs(foot_m[0]), abs(foot_m[0] + robot.geometry.thigh_m * sin(thigh)))[joint]
+def rest_leg_rad(robot: Robot, leg: int) -> Vector:
+    """Return hip, thigh and calf of a leg at rest, straight down if its foot is out of reach."""
+    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
+    return leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m) or (0.0, 0.0, 0.0)
 
 
 def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
@@ -32,8 +29,8 @@ def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
     body and holds it (paper B).
     """
     geometry, links = robot.geometry, robot.links
-    foot_m = robot.foot_m(0, robot.stance.rest_height_m)
-    _, thigh_rad, calf_rad = leg_inverse(geometry.links_m, robot.side(0), robot.knee_sign(0), foot_m) or (0.0, 0.0, 0.0)
+    pose = rest_leg_rad(robot, 0)
+    _, thigh_rad, calf_rad = pose
     calf = _about_joint(links.calf, 1)
     thigh = _about_joint(links.thigh, 1)
     if robot.calf_drive.coupled:
@@ -44,7 +41,7 @@ def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
         thigh += links.calf.inertia_kg_m2[1] + links.calf.mass_kg * ((knee_x + x) ** 2 + (knee_z + z) ** 2)
     hip = links.hip.inertia_kg_m2[0] + links.thigh.inertia_kg_m2[0] + links.calf.inertia_kg_m2[0]
     hip_y = robot.hip_m(0)[1]
-    for mass_kg, (_, y, z) in _leg_parts(robot, 0):
+    for mass_kg, (_, y, z) in leg_parts(robot, 0, pose):
         hip += mass_kg * ((y - hip_y) ** 2 + z**2)
     return hip, thigh, calf
 
@@ -55,11 +52,10 @@ def _about_joint(link: Link, axis: int) -> float:
     return link.inertia_kg_m2[axis] + link.mass_kg * across
 
 
-def _leg_parts(robot: Robot, leg: int) -> list[tuple[float, Vector]]:
+def leg_parts(robot: Robot, leg: int, joints_rad: Vector) -> list[tuple[float, Vector]]:
     """Return mass and centre, in the body, of hip, thigh and calf; the files' links are a left elbow leg's."""
     side, knee = robot.side(leg), robot.knee_sign(leg)
-    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
-    hip, thigh, calf = leg_inverse(robot.geometry.links_m, side, knee, foot_m) or (0.0, 0.0, 0.0)
+    hip, thigh, calf = joints_rad
     l1, l2, _ = robot.geometry.links_m
     knee_at = -l2 * sin(thigh), -l2 * cos(thigh)
     links = robot.links

@@ -1,6 +1,6 @@
 """A robot as its file describes it: frozen tables of SI numbers, one class per table of the TOML file.
 
-The actuators and buses are in robot_actuators.py. Attributes have the file's names; angles are degrees in the
+The actuators and buses are in actuators.py. Attributes have the file's names; angles are degrees in the
 file (``_deg``), and properties give them in radians (``_rad``).
 Legs FR, FL, RR, RL = 0..3; joints hip, thigh, calf = 0..2; x forward, y left, z up; docs/robot-files.md.
 """
@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from .actuators import Bldc, CanBus, Servo, ServoBus
+from .actuators import Bldc, CanBus, NoBus, PdJoint, Servo, ServoBus
 from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
@@ -227,8 +227,8 @@ class Robot(Table):
     joint_limits: JointLimits
     links: Links
     calf_drive: CalfDrive
-    actuator: Annotated[Servo | Bldc, Field(discriminator="kind")]
-    bus: Annotated[ServoBus | CanBus, Field(discriminator="kind")]
+    actuator: Annotated[Servo | Bldc | PdJoint, Field(discriminator="kind")]
+    bus: Annotated[ServoBus | CanBus | NoBus, Field(discriminator="kind")]
     control: Control
     speed_limits: SpeedLimits
     body_limits: BodyLimits

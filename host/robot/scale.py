@@ -14,9 +14,10 @@ from sim2d.model import GRAVITY_M_S2
 
 from ..util.errors import UserError
 from .crawl_tuning import fill_crawl
-from .drives import BUS_DELAY_S, joint_drives
-from .mass import com_at_rest_m, lever_m
+from .drives import BUS_DELAY_S, STIFFNESS_KEYS, joint_drives
+from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Balance, Robot, Trot
+from .statics import push_on_two_N, torques_Nm
 from .stride_tuning import fill_stride
 
 BRAD_PER_RAD = 65536 / (2 * pi)
@@ -229,9 +230,9 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
 def _too_soft(robot: Robot, joint: int, most: float) -> str:
     """Return what the softest joint does while its leg carries half of the robot, and up to what can be compensated."""
     drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
-    torque_Nm = robot.mass_kg * GRAVITY_M_S2 / 2 * lever_m(robot, joint)
+    torque_Nm = abs(torques_Nm(robot, 0, push_on_two_N(robot))[joint])
     sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm
-    stiffer = {"servo": "actuator.duty_per_rad", "bldc": "actuator.drive.position_bandwidth_hz"}[robot.actuator.kind]
+    stiffer = STIFFNESS_KEYS[robot.actuator.kind]
     return (
         f"gait.sag_compensation: value {value:g}: allowed: at most {floor(100 * most) / 100:.2f}: "
         f"the {JOINT_NAMES[joint]} is too soft for {robot.mass_kg:.3g} kg; with half of it on one leg it sags by "

@@ -5,14 +5,16 @@ level ground and at steps of up to a fifth of the leg.
 """
 
 from dataclasses import dataclass
-from math import hypot, pi, sqrt, tanh
+from math import cos, hypot, inf, pi, sin, sqrt, tanh
 
 from shared.body.params import LF_BITS, Params
 from sim2d.model import GRAVITY_M_S2
 
 from .drives import BUS_DELAY_S, joint_drives
+from .kinematics_si import Vector
 from .mass import com_at_rest_m
-from .model import Robot
+from .model import JOINT_NAMES, Robot
+from .swings import asked_speeds, most, poses_rad, within_limits
 
 GAIT = "fast-trot"
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
@@ -32,7 +34,9 @@ TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal 
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
-SWING_SPEED = 1.4  # of what a thigh's no-load speed gives its foot: the knee helps
+SWING_ASKS = 1.5  # of a drive's no-load speed may the goals of a swing ask: what lags rounds them off
+STEP_LEG = 0.16  # of the leg: the highest step that every robot is to walk up
+SWING_POINTS = 25  # of a swing are looked at for that
 FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried faster
 SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the speed ahead: aside, and of the feet when turning
 
@@ -77,15 +81,23 @@ class StrideFigures:
         """Foothold further ahead per speed that is too much."""
         return CAPTURE_SHARE * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
 
-    def fastest(self, joint_rad_s: float) -> tuple[float, float, float]:
-        """Return the fastest that legs can do, m/s ahead and aside and rad/s: what thighs turn a swinging foot at.
+    @property
+    def climbing_m_s(self) -> float:
+        """The fastest while swings are high."""
+        return HIGH_SPEED * self.leg_m / self.cycle_s
 
-        Along the ground a swing's fastest is 2 / (AHEAD_SHARE (1 - STANCE_SHARE)) - 1 times the body's speed.
+    def swing(self, speed_m_s: float, lift_m: float) -> list[tuple[float, float]]:
+        """Return where a foot in the air is sent, x ahead and z up of its rest, at SWING_POINTS even times.
+
+        As shared/stride/feet.py plans it for a body at an even speed: a cycloid along the ground, a cosine up.
         """
-        peak = 2 / (AHEAD_SHARE * (1 - STANCE_SHARE)) - 1
-        swing_m_s = SWING_SPEED * joint_rad_s * self.height_m / peak
-        ahead_m_s = min(swing_m_s, FROUDE_SPEED * sqrt(GRAVITY_M_S2 * self.height_m))
-        return ahead_m_s, SIDE_SHARE * ahead_m_s, TURN_SHARE * ahead_m_s / hypot(*self.rests_m[0])
+        start_m, way = speed_m_s * (self.neutral_s - self.stance_s), []
+        for point in range(SWING_POINTS):
+            share = point / (SWING_POINTS - 1)
+            turn = 2 * pi * min(1.0, share / AHEAD_SHARE)
+            gone_m = speed_m_s * (self.cycle_s * (turn - sin(turn)) / (2 * pi) - self.swing_s * share)
+            way.append((start_m + gone_m, lift_m * (1 - cos(2 * pi * share)) / 2))
+        return way
 
 
 def stride_figures(robot: Robot) -> StrideFigures:
@@ -101,18 +113,75 @@ def stride_figures(robot: Robot) -> StrideFigures:
     )
 
 
+def able(robot: Robot) -> tuple[float, str]:
+    """Return the fastest ahead that the legs can do, m/s, and what limits it.
+
+    A joint that comes to its limit in a swing is held there, which does not slow the robot.
+    """
+    figures = stride_figures(robot)
+    froude_m_s = FROUDE_SPEED * sqrt(GRAVITY_M_S2 * figures.height_m)
+    lift_m = LOW_LIFT * figures.leg_m
+    speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= SWING_ASKS)
+    if speed_m_s == froude_m_s:
+        return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), beyond which nothing was tried"
+    return speed_m_s, _too_slow(_asked(robot, figures, speed_m_s * 1.01 + 0.001, lift_m))
+
+
+def highest_lift_m(robot: Robot) -> tuple[float, str]:
+    """Return how high the top of a swing can be while the trot climbs, and what limits it."""
+    figures = stride_figures(robot)
+    speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), HIGH_LIFT * figures.leg_m
+
+    def can(lift_m: float) -> bool:
+        poses = poses_rad(robot, figures.swing(0.0, lift_m))
+        fits = poses is not None and within_limits(robot, poses)
+        return fits and max(_asked(robot, figures, speed_m_s, lift_m)) <= SWING_ASKS
+
+    lift_m = most(wanted_m, can)
+    if lift_m == wanted_m:
+        return lift_m, f"{HIGH_LIFT:g} of the leg, as the trot lifts it"
+    asked = _asked(robot, figures, speed_m_s, lift_m * 1.01 + 0.0001)
+    return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
+
+
+def _asked(robot: Robot, figures: StrideFigures, speed_m_s: float, lift_m: float) -> Vector:
+    """Return what a swing asks of the drives' speeds; infinite out of reach."""
+    poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
+    return (inf, inf, inf) if poses is None else asked_speeds(robot, poses, figures.swing_s)
+
+
+def _too_slow(asked: Vector) -> str:
+    """Return in words which joint is too slow, or that the legs are too short."""
+    return "the legs' reach" if max(asked) == inf else f"the {JOINT_NAMES[asked.index(max(asked))]}'s speed"
+
+
 def fastest(robot: Robot) -> tuple[float, float, float]:
     """Return the fastest command, m/s ahead and aside and rad/s: what the legs can do and the robot file allows.
 
     Where the file advises the gait up to a speed that is the limit, aside and turning in proportion; else its
     speed_limits are, as of any gait.
     """
-    able, limits = stride_figures(robot).fastest(robot.actuator.fastest_rad_s), robot.speed_limits
+    ahead_m_s, limits = able(robot)[0], robot.speed_limits
     advised = robot.gait.advised_m_s.get(GAIT)
     if advised is not None:
-        share = min(1.0, advised / able[0])
-        return able[0] * share, able[1] * share, able[2] * share
-    return min(able[0], limits.vx_m_s), min(able[1], limits.vy_m_s), min(able[2], limits.wz_rad_s)
+        return _all_ways(robot, min(ahead_m_s, advised))
+    aside_m_s, turn_rad_s = _all_ways(robot, ahead_m_s)[1:]
+    return min(ahead_m_s, limits.vx_m_s), min(aside_m_s, limits.vy_m_s), min(turn_rad_s, limits.wz_rad_s)
+
+
+def _all_ways(robot: Robot, ahead_m_s: float) -> tuple[float, float, float]:
+    """Return the speeds ahead, aside and of turning that go with one ahead."""
+    radius_m = hypot(*stride_figures(robot).rests_m[0])
+    return ahead_m_s, SIDE_SHARE * ahead_m_s, TURN_SHARE * ahead_m_s / radius_m
+
+
+def limit(robot: Robot) -> str:
+    """Return what limits the fast trot's speed ahead: a key of the robot file, or what its legs can't."""
+    most_m_s, why = able(robot)
+    advised, allowed = robot.gait.advised_m_s.get(GAIT), robot.speed_limits.vx_m_s
+    if advised is not None:
+        return f"gait.advised_m_s.{GAIT}" if advised < most_m_s else why
+    return "speed_limits.vx_m_s" if allowed < most_m_s else why
 
 
 def rolling(robot: Robot) -> float:

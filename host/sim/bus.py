@@ -23,8 +23,7 @@ class SimulatedBus(Bus):
         super().__init__()
         self.plant = PlanePlant(robot, seated_pose_rad(robot), seed) if plant is None else plant
         self._clock, self._start_s = clock, clock()
-        actuator = robot.actuator
-        self._supply_V = actuator.nominal_voltage_V if actuator.kind == "servo" else actuator.drive.bus_voltage_V
+        self._supply_V = robot.actuator.supply_V
 
     def open(self) -> None:
         """See Bus: nothing to connect."""

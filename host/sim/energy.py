@@ -3,6 +3,7 @@
 A servo's motor: current = torque x stall current / stall torque (data sheet), winding resistance = voltage /
 stall current, power = current^2 x resistance + torque x speed, never below 0 (no drive feeds the battery).
 A brushless joint: q current = torque / (gear x torque constant), three windings lose 3/2 R i^2, the gear its share.
+Of others' joints ("pd") the windings are not known: what they lose is missing, only mechanical power is counted.
 """
 
 import tomllib
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..robot.actuators import Bldc, Servo
+from ..robot.actuators import Bldc, PdJoint, Servo
 from ..robot.model import Robot
 
 Array = np.ndarray[Any, Any]
@@ -30,10 +31,7 @@ def mean_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
     Rows of twelve drives' torques and of twelve joints' speeds.
     """
     torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
-    if isinstance(robot.actuator, Servo):
-        drives_W = _servos_W(robot.actuator, torque, speed)
-    else:
-        drives_W = _joints_W(robot.actuator, torque, speed)
+    drives_W = _drives_W(robot.actuator, torque, speed)
     return round(drives_W + float(taken()["computer"]["power_W"]), 3)
 
 
@@ -42,8 +40,17 @@ def drives_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
     torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
     if isinstance(robot.actuator, Servo):
         standby_W = 12 * taken()["servo"]["standby_current_A"] * robot.actuator.nominal.voltage_V
-        return _servos_W(robot.actuator, torque, speed) - float(standby_W)
-    return _joints_W(robot.actuator, torque, speed) - 12 * float(taken()["bldc"]["board_W"])
+        return _drives_W(robot.actuator, torque, speed) - float(standby_W)
+    return _drives_W(robot.actuator, torque, speed) - 12 * float(taken()["bldc"]["board_W"])
+
+
+def _drives_W(actuator: Servo | Bldc | PdJoint, torque: Array, speed: Array) -> float:
+    if isinstance(actuator, Servo):
+        return _servos_W(actuator, torque, speed)
+    if isinstance(actuator, Bldc):
+        return _joints_W(actuator, torque, speed)
+    drawn_W = np.maximum(0.0, torque * speed)
+    return float(drawn_W.sum(axis=1).mean()) + 12 * float(taken()["bldc"]["board_W"])
 
 
 def _at_motors(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> tuple[Array, Array]:

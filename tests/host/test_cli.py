@@ -15,6 +15,7 @@ import typer
 from packaging.requirements import Requirement
 
 from host import cli, commands
+from host.robot.file import robot_names
 from host.util import extras
 from host.util.console import progress, write_json
 from host.util.errors import UserError
@@ -109,13 +110,13 @@ def test_installed_command_passes_the_exit_code_on():
     assert one_line(done.stderr).startswith("caramelo: robot \"nobody\"")
 
 
-def test_robots_lists_both(run):
+def test_robots_lists_all(run):
     code, out, _ = run("robots")
     assert code == 0
     assert "caramelo" in out
     assert "parallel" in out
     names = [robot["name"] for robot in json.loads(one_line(run("robots", "--json")[1]))["robots"]]
-    assert names == ["caramelo", "parallel"]
+    assert names == robot_names()
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
@@ -133,14 +134,36 @@ def test_robots_show_gives_everything_as_json(run, name):
 def test_robots_check_says_yes_or_why_not(run, tmp_path):
     path = tmp_path / "my.toml"
     path.write_text((ROOT / "host/robot/files/caramelo.toml").read_text())
-    assert run("robots", "check", str(path))[:2] == (0, f'{path}: ok: "caramelo", 2.204 kg\n')
-    assert json.loads(run("robots", "check", str(path), "--json")[1])["ok"] is True
+    code, out, _ = run("robots", "check", str(path))
+    assert code == 0
+    assert out.startswith(f'{path}: ok: "caramelo", 2.204 kg\n')
+    found = json.loads(one_line(run("robots", "check", str(path), "--json")[1]))
+    assert (found["ok"], found["lacks"]) == (True, [])
+    assert f"sags {1000 * found['ability']['sag_m']:.1f} mm" in out
     path.write_text("name = 3")
     code, out, err = run("robots", "check", str(path), "--json")
     assert code == 2
     answer = json.loads(one_line(out))
     assert answer["ok"] is False
     assert one_line(err) == f"caramelo: {answer['reason']}"
+
+
+def test_robots_check_tells_what_a_robot_can_not_carry_and_which_key_to_change(run, tmp_path):
+    """Its servos give 2.5 N m, of which a calf that carries half of the robot takes 40 %; with 0.9 N m it is 112 %."""
+    path = tmp_path / "weak.toml"
+    text = (ROOT / "host/robot/files/caramelo.toml").read_text()
+    path.write_text(text.replace("stall_Nm = 2.5 ", "stall_Nm = 0.9 ").replace("stall_Nm = 2.3 ", "stall_Nm = 0.8 "))
+    code, out, _ = run("robots", "check", str(path))
+    assert code == 1
+    assert out.startswith(f"{path}: can't walk: ")
+    last = out.splitlines()[-1]
+    for words in ("standing on two legs", "the calf needs 1.1 times", "actuator.supply.stall_Nm", "trunk.mass_kg"):
+        assert words in last
+    code, out, _ = run("robots", "check", str(path), "--json")
+    assert code == 1
+    found = json.loads(one_line(out))
+    assert found["ok"] is False
+    assert found["lacks"] == [last]
 
 
 def app_that_raises(error):

@@ -6,7 +6,6 @@ The path is the core's own cycloid (shared/gait/swing.py), sampled evenly, sent 
 is where the encoders put it. Its time ends when the foot comes within ARRIVED_M of where it stays.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +16,6 @@ from shared.gait.swing import cycloid_q15, lift_q15, swing_phase_q16
 from sim2d import terrain
 from sim2d.world import World
 
-from ...robot.actuators import Servo
 from ...robot.kinematics_si import Vector, leg_forward, leg_inverse
 from ...robot.model import Robot
 from ...robot.plane import planar_robot
@@ -99,9 +97,8 @@ def path_goals(robot: Robot, target_m: tuple[float, float]) -> list[Vector]:
 
 def _encoder(robot: Robot) -> Callable[[Sequence[float]], Vector]:
     """Return what rounds three joint angles to what the encoders tell."""
-    actuator = robot.actuator
-    counts = actuator.counts_per_turn if isinstance(actuator, Servo) else 2**actuator.gear.encoder_bits
-    steps = (math.tau / counts, math.tau / counts, math.tau / counts * robot.calf_drive.ratio)
+    step_rad = robot.actuator.step_rad
+    steps = (step_rad, step_rad, step_rad * robot.calf_drive.ratio)
 
     def rounded(angles: Sequence[float]) -> Vector:
         hip, thigh, calf = (round(a / s) * s for a, s in zip(angles, steps, strict=True))

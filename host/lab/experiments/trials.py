@@ -10,7 +10,6 @@ import numpy as np
 from sim2d.recording import Recording
 from sim2d.terrain import Terrain
 
-from ...robot.actuators import Servo
 from ...robot.model import Robot
 from ...sim.energy import mean_power_W
 from ...sim.export.ground import Ground
@@ -105,12 +104,8 @@ def trial_conditions(robot: Robot, seed: int) -> dict[str, float]:
     """Return what a trial draws by its seed: supply, bus delay and friction, and the seed itself."""
     ranges, draw = assumptions()["trial"], random.Random(f"trial {seed}")
     drop = draw.uniform(0.0, ranges["voltage_drop"])
-    if isinstance(robot.actuator, Servo):
-        nominal_V, lowest_V = robot.actuator.nominal_voltage_V, robot.actuator.supply[0].voltage_V
-    else:
-        nominal_V, lowest_V = robot.actuator.drive.bus_voltage_V, robot.actuator.drive.under_voltage_V
     return {
-        "voltage_V": max(lowest_V, nominal_V * (1 - drop)),
+        "voltage_V": max(robot.actuator.least_V, robot.actuator.supply_V * (1 - drop)),
         "bus_delay_s": draw.uniform(*ranges["delay_s"]),
         "friction": draw.uniform(*ranges["friction"]),
         "seed": seed,

@@ -13,7 +13,7 @@ from shared.body.params import Params
 from shared.num import fixed
 from shared.runtime import zeros
 
-from ...robot.file import load_robot, robot_names
+from ...robot.file import driven_names, load_robot
 from ...robot.kinematics_si import Vector, leg_forward
 from ...robot.scale import core_params, rad
 
@@ -42,7 +42,7 @@ def accuracies(samples: int = SAMPLES) -> Iterator[Accuracy]:
     yield _figure("cosine", "LSB of Q15", _sine_errors(fixed.cos_q15, 0.25), 1.0)
     yield _figure("arctangent", "deg", _arctangent_errors(samples), 0.0025, _cmsis("arm_atan2_q15", _cmsis_arctangent))
     yield _figure("square root", "away from floor", _root_errors(samples), 0.0, _cmsis("arm_sqrt_q15", _cmsis_root))
-    for name in robot_names():
+    for name in driven_names():
         yield _figure(f"inverse kinematics, {name}", "mm", _leg_errors(name, samples), 0.05)
         yield _figure(f"body pose at the foot, {name}", "mm", _body_errors(name, samples), 0.08)
 

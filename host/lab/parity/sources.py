@@ -9,7 +9,7 @@ from shared.record import pack
 
 from ... import ROOT
 from ...robot.actuators import Bldc
-from ...robot.file import load_robot, robot_names
+from ...robot.file import driven_names, load_robot
 from ...robot.joint_gains import joint_blocks
 from ...robot.joint_units import JointSetup
 from ...robot.model import Robot
@@ -45,8 +45,8 @@ def add_floats(tree: Path, root: Path = ROOT) -> bool:
 
 
 def robot_blocks() -> str:
-    """Return a module with every robot file as the core's blocks: a VM cannot read the files itself."""
-    robots = [load_robot(name) for name in robot_names()]
+    """Return a module with every robot that is driven as the core's blocks: a VM cannot read the files itself."""
+    robots = [load_robot(name) for name in driven_names()]
     params = [core_params(robot, rate_hz) for robot in robots for rate_hz in RATES_HZ]
     params += [core_params(_with_legs(robots[0], **legs)) for legs in OTHER_LEGS]
     attitudes = [attitude_block(robot, rate_hz) for robot in robots for rate_hz in RATES_HZ]

@@ -108,7 +108,8 @@ def _add_leg(
             size = {"radius": f"{plane.shank_radius_m:.9g}", "length": f"{length_m:.9g}"}
             _shape(body, "limb", "cylinder", size, (0, 0, -length_m / 2))
         hinge = _joint(root, f"{child}_joint", "revolute", parent, child, places[joint])
-        _limit(hinge, robot.joint_limits_rad(leg)[joint], servos[joint], joint)
+        fastest_rad_s = robot.actuator.fastest_rad_s * (robot.calf_drive.ratio if joint == 2 else 1.0)
+        _limit(hinge, robot.joint_limits_rad(leg)[joint], servos[joint], joint, fastest_rad_s)
         parent = child
     # the foot's shape is the calf's: a reader may give a link with a shape and no inertia a mass of its own
     _shape(body, "foot", "sphere", {"radius": f"{plane.foot_radius_m:.9g}"}, (0, 0, -calf_m))
@@ -116,9 +117,11 @@ def _add_leg(
     _fixed(root, f"{name}_foot_joint", parent, f"{name}_foot", (0, 0, -calf_m))
 
 
-def _limit(hinge: Xml.Element, limits_rad: tuple[float, float], servo: ServoModel, joint: int) -> None:
+def _limit(
+    hinge: Xml.Element, limits_rad: tuple[float, float], servo: ServoModel, joint: int, fastest_rad_s: float
+) -> None:
     Xml.SubElement(hinge, "axis", xyz="1 0 0" if joint == 0 else "0 1 0")
     low, high = limits_rad
     Xml.SubElement(hinge, "limit", lower=f"{low:.9g}", upper=f"{high:.9g}", effort=f"{servo.stall_torque_Nm:.9g}",
-                   velocity=f"{servo.no_load_speed_rad_s:.9g}")
+                   velocity=f"{fastest_rad_s:.9g}")
     Xml.SubElement(hinge, "dynamics", damping=f"{servo.damping_Nms_rad:.9g}", friction=f"{servo.coulomb_Nm:.9g}")

@@ -162,7 +162,7 @@ def transport(robot: Robot, recording: Recording, payload_kg: float, motors: Joi
     The plane's eight drives and no electronics. The torque is the motor's behind an ideal gear, which the current
     limit bounds; a gear driven backwards resists with its own loss on top. Regeneration counts what braking motors
     give back at its full worth: the best any circuit could do; a supply that cannot take it back pays the figure
-    without. Servos feed nothing back.
+    without. Servos feed nothing back. Nothing is told of robots that are only simulated: their currents are not known.
     """
     way_m = float(recording.torso_x_m[-1] - recording.torso_x_m[0])
     if motors is None:
@@ -175,7 +175,7 @@ def transport(robot: Robot, recording: Recording, payload_kg: float, motors: Joi
         drawn = sum(motor.drawn_J for motor in motors.motors)
         returned = sum(motor.returned_J for motor in motors.motors)
     weight_N = (robot.mass_kg + payload_kg) * GRAVITY_M_S2
-    forward = way_m > 0.01
+    forward = way_m > 0.01 and robot.bus.kind != "none"
     return {
         "energy_per_metre_J": round(drawn / way_m, 3) if forward else None,
         "energy_per_metre_regenerating_J": round((drawn - returned) / way_m, 3) if forward else None,

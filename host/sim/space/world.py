@@ -168,6 +168,6 @@ class World:
 def _resolutions(robot: Robot) -> tuple[Array, Array | None]:
     """Return the steps of the measured joint angles and, for servos, of the goals, rad."""
     if isinstance(robot.actuator, Servo):
-        step = math.tau / robot.actuator.counts_per_turn * np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
+        step = robot.actuator.step_rad * np.array([1.0, 1.0, robot.calf_drive.ratio] * 4)
         return step, step
-    return np.full(12, math.tau / 2**robot.actuator.gear.encoder_bits), None
+    return np.full(12, robot.actuator.step_rad), None

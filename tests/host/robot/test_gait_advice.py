@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from host.robot.file import load_robot, robot_names
+from host.robot.file import driven_names, load_robot
 from host.robot.gait_advice import UNTRIED, gait_advice, why_not_advised
 from shared.gait.gaits import GAIT_NAMES
 from tests import ROOT
@@ -14,7 +14,7 @@ from .advice import advising
 DOCS = ROOT / "docs" / "gaits.md"
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", driven_names())
 def test_the_robots_that_come_along_have_tried_every_gait(name):
     robot = load_robot(name)
     advice = gait_advice(robot)
@@ -35,7 +35,7 @@ def test_a_gait_that_the_robot_file_does_not_name_has_not_been_tried():
     assert set(gait_advice(advising("caramelo", {})).values()) == {UNTRIED}
 
 
-@pytest.mark.parametrize("name", robot_names())
+@pytest.mark.parametrize("name", driven_names())
 def test_the_docs_say_of_every_gait_what_the_robot_file_says(name):
     text = " ".join(re.sub(r"[ |\n]+", " ", DOCS.read_text()).split())
     robot = load_robot(name)

@@ -39,15 +39,18 @@ def other(number, dice):
 
 def build_everything(robot):
     """Make what the commands make of a robot before they run it."""
-    from host.commands.robots import derived, overview
+    from host.commands.robots import ability_rows, derived, overview
     from host.control.planner import Driver
     from host.control.safety import torque_limit
+    from host.robot.ability import ability, cannot
     from host.robot.plane import planar_robot
     from host.robot.scale import attitude_block
     from host.sim.export.mjcf import mjcf
     from host.sim.export.urdf import urdf
 
     overview(robot), derived(robot)
+    known = ability(robot)
+    ability_rows(robot, known), list(cannot(robot, known))
     for planar in (False, True):
         driver = Driver(robot, planar=planar)
         for gait in GAIT_NAMES:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from host.robot.actuators import Bldc, CanBus, Servo
 from host.robot.checks import complaints, reachable_heights
-from host.robot.file import FOLDER, RobotFileError, load_robot, robot_names
+from host.robot.file import FOLDER, RobotFileError, driven_names, load_robot, robot_names
 from host.robot.kinematics_si import leg_forward, leg_inverse
 from host.robot.model import KNEE_CONFIGURATIONS, LEG_NAMES
 
@@ -20,10 +20,11 @@ UNIT_OF_SUFFIX = {
     "C": "degrees C", "Nm": "N m", "ohm": "ohm", "H": "H", "K": "K", "g": "g", "rpm": "rpm", "kg_m2": "kg m2",
     "m_s": "m/s", "m_s2": "m/s2", "rad_s": "rad/s", "rad_s2": "rad/s2", "deg_s": "deg/s", "1_s": "1/s",
     "per_rad": "1/rad", "J_K": "J/K", "K_W": "K/W", "Nm_A": "N m/A", "Nm_rad": "N m/rad", "bits": "bits",
-    "per_g": "counts per g", "per_deg_s": "counts per deg/s",
+    "Nms_rad": "N m s/rad", "per_g": "counts per g", "per_deg_s": "counts per deg/s",
 }  # fmt: skip
 SOURCES = (
-    "paper", "configuration", "datasheet", "measured", "simulated", "assumed", "chosen", "derived from the paper",
+    "paper", "configuration", "urdf", "menagerie", "datasheet", "measured", "simulated", "assumed", "chosen", "derived",
+    "derived from the paper",
 )  # fmt: skip
 
 
@@ -53,8 +54,10 @@ def test_robots_load_and_are_named_like_their_file(name):
     assert not list(complaints(robot))
 
 
-def test_both_robots_are_there():
-    assert robot_names() == ["caramelo", "parallel"]
+def test_the_robots_are_there():
+    assert driven_names() == ["caramelo", "parallel"]
+    others = ["mini-cheetah", "pupper", "solo12", "spotmicro", "unitree-a1"]
+    assert [name for name in robot_names() if name not in driven_names()] == others
     assert isinstance(load_robot("caramelo").actuator, Servo)
     assert isinstance(load_robot("parallel").actuator, Bldc)
     assert isinstance(load_robot("parallel").bus, CanBus)
@@ -118,7 +121,8 @@ def test_torque_of_a_parallel_joint():
 @pytest.mark.parametrize("name", robot_names())
 @pytest.mark.parametrize("knees", KNEE_CONFIGURATIONS)
 def test_every_knee_configuration_loads_and_mirrors_its_limits(tmp_path, name, knees):
-    robot = load_robot(str(changed(tmp_path, '"full-elbow"', f'"{knees}"', name)))
+    own = load_robot(name).geometry.knee_configuration
+    robot = load_robot(str(changed(tmp_path, f'"{own}"', f'"{knees}"', name)))
     front, rear = {"full-elbow": (-1, -1), "full-knee": (1, 1), "elbow-knee": (-1, 1), "knee-elbow": (1, -1)}[knees]
     assert [robot.knee_sign(leg) for leg in range(4)] == [front, front, rear, rear]
     for leg in range(4):
@@ -202,8 +206,8 @@ BAD_VALUES = [
     ("kd_s = 0.006", "kd_s = 0.3", "balance.kd_s: value 0.3:", "at most 0.16 at 50 Hz"),
     ("nominal_voltage_V = 12.0", "nominal_voltage_V = 13", "actuator.nominal_voltage_V: value 13.0:", "11.1, 12.0,"),
     ("voltage_V = 14.8", "voltage_V = 11.8", "actuator.supply: value [11.1, 12.0, 11.8]:", "rising"),
-    ('kind = "servo"', 'kind = "stepper"', 'actuator.kind: value "stepper":', '"servo", "bldc"'),
-    ('kind = "servo"', "# no kind", "actuator.kind: value missing:", '"servo", "bldc"'),
+    ('kind = "servo"', 'kind = "stepper"', 'actuator.kind: value "stepper":', '"servo", "bldc", "pd"'),
+    ('kind = "servo"', "# no kind", "actuator.kind: value missing:", '"servo", "bldc", "pd"'),
     ("baud = 4000000", "baud = 4000001", "bus.baud: value 4000001:", "4000000"),
     ('axes = ["+x", "+y", "+z"]', 'axes = ["+x", "+y", "-z"]', "imu.axes: value ['+x', '+y', '-z']:", "right-handed"),
     ('name = "caramelo" ', 'name = "My Robot" ', 'name: value "My Robot":', "lower-case"),
@@ -267,7 +271,7 @@ def test_servos_do_not_hang_on_can(tmp_path):
     text = text[: text.index(start)] + can[can.index(start) : can.index(end)] + text[text.index(end) :]
     path = tmp_path / "mixed.toml"
     path.write_text(text)
-    assert refusal(path) == f'{path}: bus.kind: value "can": allowed: "dynamixel" for actuator.kind = "servo"'
+    assert refusal(path) == f'{path}: bus.kind: value "can": allowed: "dynamixel" or "none" for actuator.kind = "servo"'
 
 
 @pytest.mark.parametrize(
@@ -308,7 +312,7 @@ def test_a_value_where_a_table_belongs(tmp_path, table, value):
 
 def test_a_file_that_is_not_there_lists_the_known_robots(tmp_path):
     path = tmp_path / "none.toml"
-    assert refusal(path) == f"{path}: no such file: robots known by name are caramelo, parallel"
+    assert refusal(path) == f"{path}: no such file: robots known by name are {', '.join(robot_names())}"
 
 
 def test_a_folder_is_not_a_file(tmp_path):
@@ -319,6 +323,6 @@ def test_a_folder_is_not_a_file(tmp_path):
 
 def test_an_unknown_name_is_answered_with_the_nearest():
     assert refusal(Path("caramello")) == (
-        'robot "caramello": unknown, did you mean caramelo?: allowed: caramelo, parallel, '
+        f'robot "caramello": unknown, did you mean caramelo?: allowed: {", ".join(robot_names())}, '
         "or the path of a file ending in .toml"
     )

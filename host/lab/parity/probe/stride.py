@@ -28,14 +28,9 @@ GOAL = zeros(12)
 SENSED = Sensed()
 WALK = state.Stride()
 ROBOT = Pick(*PARAMS)
-<<<<<<< HEAD
-LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual, WALK.held, WALK.jams)
-STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF
-=======
 LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
->>>>>>> stride
 ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
 
 
@@ -126,10 +121,7 @@ PROBES = (
     _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
-<<<<<<< HEAD
-=======
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
->>>>>>> stride
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("stand_feet", feet, (ROBOT, WALK)),

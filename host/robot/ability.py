@@ -1,0 +1,78 @@
+"""What a robot can do before it walks, from its file alone: what standing takes, how fast it walks, how high it steps.
+
+`caramelo robots check` prints it. Torques: host/robot/statics.py; speeds and lifts: host/robot/stride_tuning.py.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import sqrt
+
+from sim2d.model import GRAVITY_M_S2
+
+from .drives import STIFFNESS_KEYS
+from .kinematics_si import Vector
+from .model import JOINT_NAMES, Robot
+from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
+from .stride_tuning import STEP_LEG, able, highest_lift_m, stride_figures
+
+FLAT_FROUDE = 0.25  # of sqrt(g h): the speed on level ground that every robot is to walk
+MOST_TORQUE = 1.0  # of stall while two legs carry; a robot just below walks in 3-D, one above goes down
+TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torque
+    "servo": "actuator.supply.stall_Nm",
+    "bldc": "actuator.drive.current_limit_A",
+    "pd": "actuator.torque_Nm",
+}
+
+
+@dataclass(frozen=True)
+class Ability:
+    """Shares are of the torque at standstill, for hip, thigh and calf; the sag is without what is fed
+    forward, None if the legs fold up."""
+
+    sag_m: float | None
+    on_four: Vector
+    on_two: Vector
+    able_m_s: float
+    able_why: str
+    flat_m_s: float
+    lift_m: float
+    lift_why: str
+    step_m: float
+
+
+def ability(robot: Robot) -> Ability:
+    """Return what a robot can do."""
+    figures = stride_figures(robot)
+    able_m_s, able_why = able(robot)
+    lift_m, lift_why = highest_lift_m(robot)
+    return Ability(
+        sag_m=sag_m(robot),
+        on_four=torque_shares(robot, pushes_on_four_N(robot)),
+        on_two=torque_shares(robot, [push_on_two_N(robot)] * 4),
+        able_m_s=able_m_s,
+        able_why=able_why,
+        flat_m_s=min(able_m_s, FLAT_FROUDE * sqrt(GRAVITY_M_S2 * figures.height_m)),
+        lift_m=lift_m,
+        lift_why=lift_why,
+        step_m=min(lift_m, STEP_LEG * figures.leg_m),
+    )
+
+
+def cannot(robot: Robot, known: Ability) -> Iterator[str]:
+    """Yield in a sentence what keeps a robot from walking, and which key of its file to change; nothing if it can."""
+    more = TORQUE_KEYS[robot.actuator.kind]
+    worst = max(range(3), key=known.on_two.__getitem__)
+    if known.on_two[worst] > MOST_TORQUE:
+        yield (
+            f"standing on two legs, as in a trot, the {JOINT_NAMES[worst]} needs {known.on_two[worst]:.2g} times its "
+            f"stall torque, and on four {known.on_four[worst]:.2g}: raise {more}, lower links.trunk.mass_kg, or raise "
+            f"stance.rest_height_m"
+        )
+    if known.sag_m is None:
+        stiffer = STIFFNESS_KEYS[robot.actuator.kind]
+        yield f"on four legs its joints give way until the legs fold up: raise {stiffer}, or lower links.trunk.mass_kg"
+    if known.able_m_s == 0:
+        yield (
+            f"a swing takes {stride_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "
+            f"on the spot: faster drives, or a higher stance.rest_height_m"
+        )

@@ -1,0 +1,53 @@
+"""What the way of a foot in the air asks of the drives' speeds, and the most of something that they can do."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
+from .kinematics_si import Vector, leg_inverse
+from .model import Robot
+
+_LEG = 1
+_HALVINGS = 16  # of a range: 1.5e-5 of it is left
+
+
+def poses_rad(robot: Robot, way_m: Sequence[tuple[float, float]]) -> list[Vector] | None:
+    """Return the joints of the front left leg along a way of its foot, x ahead and z up of rest; None out of reach."""
+    x, y, z = robot.foot_m(_LEG, robot.stance.rest_height_m)
+    poses = []
+    for ahead, up in way_m:
+        foot_m = x + ahead, y, z + up
+        pose = leg_inverse(robot.geometry.links_m, robot.side(_LEG), robot.knee_sign(_LEG), foot_m)
+        if pose is None:
+            return None
+        poses.append(pose)
+    return poses
+
+
+def within_limits(robot: Robot, poses: Sequence[Vector]) -> bool:
+    """Return whether all joints stay within the limits of the front left leg."""
+    limits = robot.joint_limits_rad(_LEG)
+    return all(low <= q <= high for pose in poses for q, (low, high) in zip(pose, limits, strict=True))
+
+
+def asked_speeds(robot: Robot, joints_rad: Sequence[Vector], time_s: float) -> Vector:
+    """Return the largest speeds of hip, thigh and calf drive, of their no-load speeds, through poses at even times."""
+    ratio, coupled = robot.calf_drive.ratio, robot.calf_drive.coupled
+    poses = [(hip, thigh, (calf + thigh if coupled else calf) / ratio) for hip, thigh, calf in joints_rad]
+    step_s = time_s / (len(poses) - 1)
+    no_load = robot.actuator.fastest_rad_s * step_s
+    hip, thigh, calf = (
+        max(abs(after[joint] - before[joint]) for before, after in pairwise(poses)) / no_load
+        for joint in range(3)
+    )
+    return hip, thigh, calf
+
+
+def most(highest: float, can: Callable[[float], bool]) -> float:
+    """Return the largest value within 0 .. ``highest`` that can be done; what more of cannot, less may."""
+    if can(highest):
+        return highest
+    low, high = 0.0, highest
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (middle, high) if can(middle) else (low, middle)
+    return low
