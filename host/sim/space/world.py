@@ -34,6 +34,7 @@ class World:
         self.data = mujoco.MjData(self.model)
         first = self.model.joint(joint_names()[0])
         self._q, self._v = int(first.qposadr[0]), int(first.dofadr[0])
+        self._trunk = self.model.body("trunk").id
         self._steps_per_tick = round(1 / rate_hz / options.dt_s)
         self._delay_steps = round(bus_delay_s / options.dt_s)
         self._sent: deque[tuple[int, Array]] = deque()
@@ -79,6 +80,10 @@ class World:
         if self._goal_step_rad is not None:
             goal = np.round(goal / self._goal_step_rad) * self._goal_step_rad
         self._sent.append((self._step + self._delay_steps, goal))
+
+    def push(self, force_N: tuple[float, float]) -> None:
+        """Push the middle of the trunk, N ahead and to the left in the ground's axes, until told otherwise."""
+        self.data.xfrc_applied[self._trunk, :2] = force_N
 
     def advance(self) -> None:
         """Run one control period; goals act from the sub-step they arrive at."""
