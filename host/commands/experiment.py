@@ -42,7 +42,7 @@ def experiment(
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json; caramelo experiment goals --robot parallel --only flat,steps
     """
-    from ..lab.experiments.goals import gait_of
+    from ..lab.experiments.goals import GAIT
     from ..lab.experiments.run import names_of, run_experiment, write_outcomes
     from ..lab.experiments.trials import Options, space_is_there
     from ..robot.file import load_robot
@@ -53,7 +53,7 @@ def experiment(
 
     check_folder("--out", out)
     names, data = names_of(what), load_robot(robot)
-    chosen = gait or (gait_of(data) if what == "goals" else data.gait.default)
+    chosen = gait or (GAIT if what == "goals" else data.gait.default)
     gait_index(chosen)
     if which not in SETS:
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")

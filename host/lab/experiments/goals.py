@@ -22,7 +22,7 @@ from .data import assumptions, goal_tables
 from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, drawn, supply_V, trials
 from .verdicts import carries, share, sum_up, within
 
-GAIT = "fast-trot"  # what the figures are wanted of, where a robot's file advises it
+GAIT = "fast-trot"  # what the figures are wanted of
 SPEED_SHARE = 0.05  # how far a speed may be off its command
 TILT_DEG, YAW_DEG, SIDE_M = 5.0, 2.0, 0.03  # peak to peak; the last two per 1.5 m
 STEADY_S = 12.0  # a walk on level ground: longer than twice START_S, which the steady figures leave out
@@ -51,11 +51,6 @@ class Wanted:
     payloads_kg: tuple[float, ...]
     load_kg: float
     table: dict[str, Any]
-
-
-def gait_of(robot: Robot) -> str:
-    """Return the gait that the figures are wanted of."""
-    return GAIT if GAIT in robot.gait.advised_m_s else robot.gait.default
 
 
 def wanted(robot: Robot, gait: str) -> Wanted:

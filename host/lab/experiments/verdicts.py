@@ -87,12 +87,14 @@ def sum_up(title: str, options: Options, rows: list[Row]) -> Found:
     for row in rows:
         met, told = row.case.judge(row.answers) if row.case.judge else (None, "")
         walks = [answer for series in row.answers.values() for answer in series]
+        failures = [answer.figures["reason"] for answer in walks if not answer.ok]
         found.append({
             "case": row.case.name, **row.case.facts, "in": list(row.answers), "met": met, "figure": told,
             "wanted": row.case.wanted, "walks": len(walks), "paper": row.case.paper,
-            "failures": [answer.figures["reason"] for answer in walks if not answer.ok],
+            "failures": failures,
         })
-        text.append((row.case.name, " ".join(row.answers), WORDS[met], told, row.case.wanted, str(len(walks)),
+        why = f"; {failures[0]}" if met is False and failures else ""
+        text.append((row.case.name, " ".join(row.answers), WORDS[met], told + why, row.case.wanted, str(len(walks)),
                      str(row.case.paper or "")))
     return Found({"rows": found}, [_table(f"{title}, gait {options.gait}", text)])
 
