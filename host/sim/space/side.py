@@ -47,7 +47,6 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         outcome=rec.outcome,
         real_time_factor=real_time_factor,
         notes=rec.notes,
-        calf_on_torso=spec.robot.calf_drive.coupled,
     )
 
 
