@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..util.console import screen, write_error, write_json
+from ..util.console import screen, tell_written, write_error, write_json
 from ..util.errors import UserError
 from . import CHECKS
 
@@ -74,8 +74,7 @@ def experiment(
     if as_json:
         write_json(outcomes[0].found.result if what != "all" else {o.name: o.found.result for o in outcomes})
     else:
-        for path in written:
-            screen().print(f"wrote {path}", soft_wrap=True)
+        tell_written(written)
 
 
 def show_tables(tables: "list[Rows]") -> None:

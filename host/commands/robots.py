@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import say, screen, write_json
+from ..util.console import print_table, say, write_json
 from . import ROBOTS
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def list_robots(context: typer.Context, as_json: Json = False) -> None:
     if as_json:
         write_json({"robots": [{"name": robot.name, "description": robot.description} for robot in robots]})
         return
-    _print_rows([(robot.name, robot.description) for robot in robots])
+    print_table((), [(robot.name, robot.description) for robot in robots])
 
 
 def show_robot(which: Which, as_json: Json = False) -> None:
@@ -50,7 +50,7 @@ def show_robot(which: Which, as_json: Json = False) -> None:
     if as_json:
         write_json({**robot.model_dump(mode="json"), "derived": derived(robot)})
         return
-    _print_rows([*overview(robot), ("file", str(find(which)))])
+    print_table((), [*overview(robot), ("file", str(find(which)))])
 
 
 def check_robot(which: Which, as_json: Json = False) -> None:
@@ -120,13 +120,3 @@ def _actuator(robot: "Robot") -> str:
     joint = robot.actuator
     torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
     return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"
-
-
-def _print_rows(rows: list[tuple[str, str]]) -> None:
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in rows:
-        table.add_row(Text(name, style="bold"), Text(value))
-    screen().print(table)

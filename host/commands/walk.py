@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import progress, screen, write_json
+from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
 
@@ -124,24 +124,14 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 
 def show_result(result: dict[str, Any], written: list[Path]) -> None:
     """Print the walk's figures as tables, and how it ended."""
-    from rich.table import Table
     from rich.text import Text
 
     from ..sim.walk import facts
 
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in facts(result):
-        table.add_row(Text(name, style="bold"), value)
-    torque = Table(box=None, pad_edge=False)
-    legs = dict.fromkeys(name.partition("_")[0] for name in result["torque_rms_fraction"])
-    for column in ("torque rms, % of stall", "hip", "thigh", "calf"):
-        torque.add_column(column, justify="left" if column.startswith("torque") else "right")
-    for leg in legs:
-        shares = [result["torque_rms_fraction"][f"{leg}_{joint}"] for joint in ("hip", "thigh", "calf")]
-        torque.add_row(leg, *(f"{100 * share:.0f}" for share in shares))
-    console = screen()
-    console.print(table)
-    console.print(torque)
-    console.print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    shares = result["torque_rms_fraction"]
+    torques = [(leg, *(f"{100 * shares[f'{leg}_{joint}']:>4.0f}" for joint in ("hip", "thigh", "calf")))
+               for leg in dict.fromkeys(name.partition("_")[0] for name in shares)]
+    print_table((), facts(result))
+    print_table(("torque rms, % of stall", " hip", "thigh", "calf"), torques)
+    screen().print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
+    tell_written(written)
