@@ -9,18 +9,14 @@ from typing import Protocol
 
 from .model import PLANAR_JOINTS, PlanarRobot, ServoModel
 
+Told = Sequence[float]
+Given = MutableSequence[float]
+
 
 class Actuator(Protocol):
     """All eight drives of the plane."""
 
-    def torques(
-        self,
-        goal_rad: Sequence[float],
-        position_rad: Sequence[float],
-        speed_rad_s: Sequence[float],
-        dt_s: float,
-        torque_Nm: MutableSequence[float],
-    ) -> None:
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
         """Write into ``torque_Nm`` what acts on each joint for the coming ``dt_s``; positive about +y."""
 
 
@@ -54,14 +50,7 @@ class PositionServos:
         self.given_Nm = [0.0] * PLANAR_JOINTS
         self.limit_Nm = [s.stall_torque_Nm for s in servos]
 
-    def torques(
-        self,
-        goal_rad: Sequence[float],
-        position_rad: Sequence[float],
-        speed_rad_s: Sequence[float],
-        dt_s: float,
-        torque_Nm: MutableSequence[float],
-    ) -> None:
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
         """See ``Actuator``. Written without calls: this runs eight thousand times per simulated second."""
         given_Nm = self.given_Nm
         for i, stiffness, stall, inner, outer in self._rows:
@@ -86,14 +75,7 @@ class CalfOnTorso:
         self._position = [0.0] * PLANAR_JOINTS
         self._speed = [0.0] * PLANAR_JOINTS
 
-    def torques(
-        self,
-        goal_rad: Sequence[float],
-        position_rad: Sequence[float],
-        speed_rad_s: Sequence[float],
-        dt_s: float,
-        torque_Nm: MutableSequence[float],
-    ) -> None:
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
         """See ``Actuator``; joint angles and joint torques outside, motor ones inside."""
         _to_motor(goal_rad, self._goal)
         _to_motor(position_rad, self._position)

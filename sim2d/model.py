@@ -6,7 +6,6 @@ Legs FR, FL, RR, RL = 0..3; joints hip, thigh, calf; a joint's index is leg * 3 
 """
 
 import itertools
-import math
 from dataclasses import dataclass, field, replace
 
 GRAVITY_M_S2 = 9.81
@@ -178,13 +177,6 @@ class PlanarRobot:
             return self.torso_with_hips
         bar = Link(payload_kg, payload_kg * self.payload_half_length_m**2 / 3, 0.0, self.payload_height_m)
         return combine([(self.torso_with_hips, 0.0, 0.0), (bar, 0.0, 0.0)])
-
-    def foot_in_hip_frame(self, thigh_rad: float, calf_rad: float) -> tuple[float, float]:
-        """Return the foot centre (x, z) from the hip for an upright torso: paper A's FK in the plane."""
-        both = thigh_rad + calf_rad
-        x = -self.thigh_length_m * math.sin(thigh_rad) - self.calf_length_m * math.sin(both)
-        z = -self.thigh_length_m * math.cos(thigh_rad) - self.calf_length_m * math.cos(both)
-        return x, z
 
 
 def _point(mass_kg: float) -> Link:

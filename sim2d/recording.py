@@ -62,15 +62,6 @@ class Recording:
     outcome: Outcome
     real_time_factor: float
     notes: tuple[Note, ...] = ()
-    calf_on_torso: bool = False
-
-    @property
-    def drive_rad(self) -> Array:
-        """The angles of the drives' shafts: a calf's motor on the torso has that of thigh and calf together."""
-        angles = self.joint_rad.copy()
-        if self.calf_on_torso:
-            angles[:, CALF::3] += angles[:, THIGH::3]
-        return angles
 
     def digest(self) -> str:
         """SHA-256 of every array's bytes: equal for equal runs on the same machine."""
@@ -151,7 +142,6 @@ class Log:
             settings={"robot": robot.name, "terrain": world.terrain.name, **settings},
             outcome=outcome,
             real_time_factor=simulated_s / wall_s if wall_s > 0 else 0.0,
-            calf_on_torso=robot.calf_on_torso,
         )
 
 

@@ -90,6 +90,27 @@ def ramp(angle_deg: float, start_m: float = 0.35, length_m: float = 0.8, plateau
     return Terrain("ramp", _ground(corners), friction, (), corners[-1][0] + RUN_OUT_M)
 
 
+def slope(angle_deg: float, start_m: float = 0.35, length_m: float = 0.8, friction: float = 1.0) -> Terrain:
+    """Up a slope of ``length_m`` along the ground onto a plateau; with an angle < 0 down from one."""
+    _check("angle_deg", angle_deg, -40.0, 40.0)
+    _check_start(start_m)
+    _check("length_m", length_m, 0.1, 4.0)
+    angle = math.radians(angle_deg)
+    corners = [(start_m, 0.0), (start_m + length_m * math.cos(angle), length_m * math.sin(angle))]
+    return Terrain("slope", _ground(corners), friction, (), corners[-1][0] + RUN_OUT_M)
+
+
+def stairs(height_m: float, start_m: float = 0.35, tread_m: float = 0.25, count: int = 8,
+           friction: float = 1.0) -> Terrain:
+    """So many steps of ``height_m`` up, ``tread_m`` from edge to edge; with height < 0 down."""
+    _check("height_m", height_m, -0.3, 0.3)
+    _check_start(start_m)
+    _check("length_m", tread_m, 0.05, 2.0)
+    edges = [start_m + i * tread_m for i in range(count)]
+    corners = [(x, (i + up) * height_m) for i, x in enumerate(edges) for up in (0, 1)]
+    return Terrain("stairs", _ground(corners), friction, (), edges[-1] + RUN_OUT_M)
+
+
 def step(height_m: float, start_m: float = 0.35, length_m: float | None = 0.6, friction: float = 1.0) -> Terrain:
     """A step up and, ``length_m`` later, down again; with length None only up; with height < 0 down first."""
     _check("height_m", height_m, -0.3, 0.3)

@@ -4,12 +4,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import screen, write_json
+from ..util.console import print_table, screen, write_json
 from ..util.errors import NOT_ACHIEVED
 from . import CHECKS
 
 if TYPE_CHECKING:
-    from rich.console import Console
 
     from ..lab.parity.bench import Bench
 
@@ -75,7 +74,7 @@ def bench(
 
 
 def _teleop(seconds: float, presses: int, as_json: bool) -> int:
-    from rich.table import Table
+    from rich.text import Text
 
     from ..lab.teleop.bench import run_bench
     from ..util.progress import write_step
@@ -84,13 +83,10 @@ def _teleop(seconds: float, presses: int, as_json: bool) -> int:
     if as_json:
         write_json(found.as_dict())
     else:
-        table = Table("figure", "measured", "at most", "", "", box=None, pad_edge=False)
-        for row in found.rows:
-            style = None if row.reached else "red"
-            table.add_row(row.what, f"{row.value:g}", f"{row.at_most:g}", row.unit, row.detail, style=style)
+        rows = [(Text(row.what, style="" if row.reached else "red"), f"{row.value:g}", f"{row.at_most:g}", row.unit,
+                 row.detail) for row in found.rows]
+        print_table(("figure", "measured", "at most", "", ""), rows, TELEOP_WIDTH)
         console = screen()
-        console.width = max(console.width, TELEOP_WIDTH)
-        console.print(table, soft_wrap=True)
         for name, reason in found.skipped.items():
             console.print(f"{name}: skipped: {reason}", soft_wrap=True)
     return 0 if all(row.reached for row in found.rows) else NOT_ACHIEVED
@@ -114,17 +110,15 @@ def _summary(found: "Bench") -> dict[str, Any]:
 
 
 def _print(found: "Bench") -> None:
-    from rich.table import Table
-
     from ..lab.parity.bench import LOOP_TURNS, TICK_US
 
     console = screen()
-    console.width = max(console.width, WIDTH)
-    table = Table("function", *HEADS, box=None, pad_edge=False)
-    for name, row in found.cost.items():
-        table.add_row(name, *(_cell(column, row.get(column)) for column in COLUMNS))
-    console.print(table, soft_wrap=True)
-    _print_accuracy(console, found)
+    rows = [(name, *(_cell(column, row.get(column)) for column in COLUMNS)) for name, row in found.cost.items()]
+    print_table(("function", *HEADS), rows, WIDTH)
+    console.print()
+    print_table(("error of", "worst", "median", "at most", "CMSIS-DSP q15", ""), [
+        (a.name, f"{a.worst:.2g}", f"{a.median:.2g}", f"{a.bar:g}", "" if a.cmsis is None else f"{a.cmsis:.3g}", a.unit)
+        for a in found.accuracy])
     console.print(f"\nwhole tick, us (wanted: at most {TICK_US:g})")
     for title, column in (("CPython", "cpython_us"), ("CPython, compiled", "compiled_us")):
         ticks = ", ".join(f"{walk} {us:.0f}" for walk, us in found.ticks(column).items())
@@ -147,17 +141,6 @@ def _print(found: "Bench") -> None:
         console.print(f"{name}: skipped: {reason}", soft_wrap=True)
     for sentence in found.missed:
         console.print(sentence, style="red", soft_wrap=True)
-
-
-def _print_accuracy(console: "Console", found: "Bench") -> None:
-    from rich.table import Table
-
-    table = Table("error of", "worst", "median", "at most", "CMSIS-DSP q15", "", box=None, pad_edge=False)
-    for a in found.accuracy:
-        cmsis = "" if a.cmsis is None else f"{a.cmsis:.3g}"
-        table.add_row(a.name, f"{a.worst:.2g}", f"{a.median:.2g}", f"{a.bar:g}", cmsis, a.unit)
-    console.print()
-    console.print(table)
 
 
 def _cell(column: str, figure: float | None) -> str:

@@ -5,13 +5,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..util.console import screen, write_error, write_json
+from ..util.console import screen, tell_written, write_error, write_json
+from ..util.errors import UserError
 from . import CHECKS
 
 if TYPE_CHECKING:
-    from ..lab.experiments.outcome import Outcome
+    from ..lab.experiments.case import Table as Rows
 
 WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of these; goals: the figures to reach."
+
+SETS = ("chosen", "held-out")
+SET_HELP = "Seeds and start offsets: chosen, with which the constants were found, or held-out, which chose nothing."
 
 
 def register(app: typer.Typer) -> None:
@@ -25,6 +29,8 @@ def experiment(
     gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
     trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case, else each one's own.")] = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes to run trials in.")] = 1,
+    only: Annotated[str, typer.Option(metavar="GROUPS", help="Of goals: these groups only, with commas between.")] = "",
+    which: Annotated[str, typer.Option("--set", metavar="SET", help=SET_HELP)] = "chosen",
     three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write report.html, PNG and JSON files here.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
@@ -34,8 +40,9 @@ def experiment(
     The same trials give the same figures whatever --jobs is. Exit code 0 if it ran, whatever came out.
 
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
-    caramelo experiment all --trials 3 --jobs 4 --json
+    caramelo experiment all --trials 3 --jobs 4 --json; caramelo experiment goals --robot parallel --only flat,steps
     """
+    from ..lab.experiments.goals import GAIT
     from ..lab.experiments.run import names_of, run_experiment, write_outcomes
     from ..lab.experiments.trials import Options, space_is_there
     from ..robot.file import load_robot
@@ -46,33 +53,37 @@ def experiment(
 
     check_folder("--out", out)
     names, data = names_of(what), load_robot(robot)
-    chosen = gait or data.gait.default
+    chosen = gait or (GAIT if what == "goals" else data.gait.default)
     gait_index(chosen)
+    if which not in SETS:
+        raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
+    if only and what != "goals":
+        raise UserError(f"--only {only}: experiment {what} has no groups; it is for goals")
     in_space = three_d and space_is_there()
     if three_d and not in_space:
         write_error(f"MuJoCo is not installed, so the 3-D columns stay empty: {how_to_get('mujoco')}")
-    options = Options(data, chosen, trials, jobs, in_space)
+    groups = tuple(filter(None, only.split(",")))
+    options = Options(data, chosen, trials, jobs, in_space, which == "held-out", groups)
     outcomes = []
     for name in names:
         with cases(f"{name} ({chosen})") as tell:
             outcomes.append(run_experiment(name, options, tell))
         if not as_json:
-            show_outcome(outcomes[-1])
+            show_tables(outcomes[-1].found.tables)
     written = write_outcomes(options, outcomes, out) if out else []
     if as_json:
-        write_json(outcomes[0].result if what != "all" else {outcome.name: outcome.result for outcome in outcomes})
+        write_json(outcomes[0].found.result if what != "all" else {o.name: o.found.result for o in outcomes})
     else:
-        for path in written:
-            screen().print(f"wrote {path}", soft_wrap=True)
+        tell_written(written)
 
 
-def show_outcome(outcome: "Outcome") -> None:
+def show_tables(tables: "list[Rows]") -> None:
     """Print an experiment's tables."""
     from rich.table import Table
     from rich.text import Text
 
     console = screen()
-    for table in outcome.tables:
+    for table in tables:
         shown = Table(title=table.title, title_justify="left", box=None, padding=(0, 2, 0, 0))
         for column in table.head:
             shown.add_column(column, overflow="fold")

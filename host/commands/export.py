@@ -13,7 +13,7 @@ Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write h
 Payload = Annotated[float, typer.Option(metavar="KG", min=0.0, max=20.0, help="Load on the body, kg.")]
 Voltage = Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V; without it nominal.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: what was written and how big it is.")]
-GROUND_HELP = "flat, ramp, step (up and down), step-up, step-down, box, stones, gravel, angled, left."
+GROUND_HELP = "As for caramelo walk --in space."
 
 
 def register(app: typer.Typer) -> None:
@@ -42,7 +42,7 @@ def export_mjcf(
     """
     from ..robot.file import load_robot
     from ..sim.export.mjcf import ModelOptions, mjcf
-    from ..sim.space.grounds import GroundSpec, make_ground
+    from ..sim.grounds import GroundSpec, make_ground
 
     ground = make_ground(GroundSpec(terrain, height, angle, seed=seed))
     options = ModelOptions(ground, payload, friction, _checked_voltage(voltage, robot))

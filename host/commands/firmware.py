@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..util.console import progress, screen, write_json, write_note
+from ..util.console import print_table, progress, screen, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.files import check_folder, write_bytes, write_text
 from . import HARDWARE
@@ -108,14 +108,9 @@ def measure(
 
 
 def _print_paths(role: str, figures: "RoleFigures", heap_bytes: int) -> None:
-    from rich.table import Table
-
-    shown = Table(f"{role}, instructions", "middle", "dearest", "at most", "", box=None, pad_edge=False)
-    for path in figures.paths:
-        verdict = "" if path.ok else "too dear"
-        shown.add_row(path.name, str(path.median), str(path.most), str(path.budget), verdict)
+    print_table((f"{role}, instructions", "middle", "dearest", "at most", ""), [
+        (path.name, path.median, path.most, path.budget, "" if path.ok else "too dear") for path in figures.paths])
     console = screen()
-    console.print(shown)
     free = f"heap of {heap_bytes} bytes: {figures.free} free after set-up, {figures.left} after the run"
     console.print(free + f", at least {figures.least_free} wanted", soft_wrap=True)
     for sentence in figures.complaints:
@@ -155,12 +150,6 @@ def _build(role: str, robot: str, micropython: Path, out: Path, jobs: int) -> "B
 
 
 def _print(role: str, built: "Built", table: "list[Row]", out: Path) -> None:
-    from rich.table import Table
-
-    shown = Table("memory", "what", "bytes", "budget", "room", box=None, pad_edge=False)
-    for row in table:
-        budget = f"{'>=' if row.least else '<='} {row.budget}"
-        shown.add_row(row.memory, row.what, str(row.bytes), budget, str(row.room))
     about = built.image.about
     console = screen()
     console.soft_wrap = True
@@ -168,4 +157,5 @@ def _print(role: str, built: "Built", table: "list[Row]", out: Path) -> None:
         f"{out / role}.caramelo: {about.board}, version {about.version}, build {about.build}, "
         f"MicroPython {about.micropython}; for a bare board {role}.dfu and {role}.hex"
     )
-    console.print(shown)
+    print_table(("memory", "what", "bytes", "budget", "room"), [
+        (row.memory, row.what, row.bytes, f"{'>=' if row.least else '<='} {row.budget}", row.room) for row in table])

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import progress, say, screen, write_json, write_note
+from ..util.console import print_table, progress, say, screen, tell_written, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.files import check_folder
 from . import WALK
@@ -73,17 +73,10 @@ def record_facts(record: "Record") -> dict[str, Any]:
 
 
 def _show(facts: dict[str, Any]) -> None:
-    from rich.table import Table
-
     console = screen()
     end = "whole" if facts["whole"] else "cut off: read up to where it was cut"
     console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines, {end}")
-    table = Table(box=None, pad_edge=False)
-    for column in ("channel", "messages"):
-        table.add_column(column)
-    for topic, count in facts["messages"].items():
-        table.add_row(topic, str(count))
-    console.print(table)
+    print_table(("channel", "messages"), facts["messages"].items())
     for change in facts["states"]:
         console.print(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}")
     for fault in facts["faults"]:
@@ -107,7 +100,7 @@ def plot(
         raise UserError(f"{target}: is the record itself: name the picture with --out")
     write_note("drawing")
     plot_png(record, target)
-    screen().print(f"wrote {target}", soft_wrap=True)
+    tell_written([target])
 
 
 def export(
@@ -129,8 +122,7 @@ def export(
     record = _read(file, {})
     with progress(f"writing {record.counts.total()} rows", record.path.stat().st_size) as show:
         written = export_csv(record, out or record.path.with_suffix(""), show)
-    for path in written:
-        screen().print(f"wrote {path}", soft_wrap=True)
+    tell_written(written)
 
 
 def replay(file: File, as_json: Json = False) -> int:

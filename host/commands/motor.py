@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import progress, screen, write_json
+from ..util.console import print_table, progress, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED
 from . import HARDWARE
 
@@ -94,13 +94,10 @@ def selftest(
     if as_json:
         write_json({"ok": ok, "figures": [vars(row) for row in rows]})
         return 0 if ok else NOT_ACHIEVED
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table("figure", "found", "allowed", "", box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red"))
-    screen().print(table)
+    print_table(("figure", "found", "allowed", ""), [
+        (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
     return 0 if ok else NOT_ACHIEVED
 
 
@@ -126,13 +123,6 @@ def _draw(results: "list[Result]", out: Path) -> list[Path]:
 
 
 def _print(figures: dict[str, dict[str, Any]], written: list[Path]) -> None:
-    from rich.table import Table
-
-    console = screen()
-    table = Table("scenario", "figure", "value", box=None, pad_edge=False)
-    for name, row in figures.items():
-        for i, (key, value) in enumerate(row.items()):
-            table.add_row(name if i == 0 else "", key, str(value))
-    console.print(table)
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    print_table(("scenario", "figure", "value"), [
+        ("" if i else name, key, value) for name, row in figures.items() for i, (key, value) in enumerate(row.items())])
+    tell_written(written)

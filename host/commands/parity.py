@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import screen, write_json
+from ..util.console import print_table, screen, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import CHECKS
 
@@ -78,8 +78,6 @@ def show_memory(as_json: bool) -> int:
     from dataclasses import asdict
     from pathlib import Path
 
-    from rich.table import Table
-
     from ..lab.parity.sources import gather
     from ..lab.parity.table import measure_rows
 
@@ -88,10 +86,8 @@ def show_memory(as_json: bool) -> int:
     if as_json:
         write_json({"functions": [asdict(row) for row in rows]})
     else:
-        table = Table("function", "bits", "frame in bytecode", "kept", "as viper", box=None, pad_edge=False)
-        for row in rows:
-            table.add_row(row.name, *map(str, (row.bits, row.frame, row.kept, row.viper)))
-        screen().print(table)
+        print_table(("function", "bits", "frame in bytecode", "kept", "as viper"),
+                    [(row.name, row.bits, row.frame, row.kept, row.viper) for row in rows])
     return NOT_ACHIEVED if any(row.kept or row.viper for row in rows) else 0
 
 
@@ -125,18 +121,15 @@ def _summary(reports: "list[Report]", broken: list[str], covered: Any) -> dict[s
 
 
 def _print(reports: "list[Report]", broken: list[str], covered: Any) -> None:
-    from rich.table import Table
-
-    table = Table("runtime", "version", "bits", "emitter", "vectors", "digest", "s", "", box=None, pad_edge=False)
+    rows: list[tuple[object, ...]] = []
     for report in reports:
-        about = (report.version, str(report.word_bits), report.runtime.emitter, str(report.vectors), report.digest)
+        about = (report.version, report.word_bits, report.runtime.emitter, report.vectors, report.digest)
         if report.skipped:
-            table.add_row(report.runtime.name, "", "", report.runtime.emitter, "", "", "", f"skipped: {report.skipped}")
+            rows.append((report.runtime.name, "", "", report.runtime.emitter, "", "", "", f"skipped: {report.skipped}"))
         else:
-            table.add_row(report.runtime.name, *about, f"{report.seconds:.1f}", _verdict(report, reports[0]))
+            rows.append((report.runtime.name, *about, f"{report.seconds:.1f}", _verdict(report, reports[0])))
+    print_table(("runtime", "version", "bits", "emitter", "vectors", "digest", "s", ""), rows, 130)
     console = screen()
-    console.width = max(console.width, 130)
-    console.print(table, soft_wrap=True)
     for sentence in broken:
         console.print(sentence, soft_wrap=True)
     if covered is not None:

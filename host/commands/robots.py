@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import say, screen, write_json
+from ..util.console import print_table, say, write_json
 from ..util.errors import NOT_ACHIEVED
 from . import ROBOTS
 
@@ -41,7 +41,7 @@ def list_robots(context: typer.Context, as_json: Json = False) -> None:
     if as_json:
         write_json({"robots": [{"name": robot.name, "description": robot.description} for robot in robots]})
         return
-    _print_rows([(robot.name, robot.description) for robot in robots])
+    print_table((), [(robot.name, robot.description) for robot in robots])
 
 
 def show_robot(which: Which, as_json: Json = False) -> None:
@@ -55,7 +55,7 @@ def show_robot(which: Which, as_json: Json = False) -> None:
     if as_json:
         write_json({**robot.model_dump(mode="json"), "derived": derived(robot)})
         return
-    _print_rows([*overview(robot), ("file", str(find(which)))])
+    print_table((), [*overview(robot), ("file", str(find(which)))])
 
 
 def check_robot(which: Which, as_json: Json = False) -> int:
@@ -82,7 +82,7 @@ def check_robot(which: Which, as_json: Json = False) -> int:
     else:
         verdict = "can't walk" if lacks else "ok"
         say(f'{which}: {verdict}: "{robot.name}", {robot.mass_kg:.3f} kg')
-        _print_rows(ability_rows(robot, known))
+        print_table((), ability_rows(robot, known))
         for sentence in lacks:
             say(sentence)
     return NOT_ACHIEVED if lacks else 0
@@ -161,13 +161,3 @@ def _actuator(robot: "Robot") -> str:
     joint = robot.actuator
     torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
     return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"
-
-
-def _print_rows(rows: list[tuple[str, str]]) -> None:
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in rows:
-        table.add_row(Text(name, style="bold"), Text(value))
-    screen().print(table)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import progress, screen, write_error, write_json
+from ..util.console import make_table, print_table, progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
 
@@ -127,7 +127,8 @@ def scan(
     if as_json:
         write_json({"port": name, "servos": rows, "warning": warning, "budget": cost.as_dict()})
     else:
-        _table(("id", "joint", "model", "baud"), [(r["id"], r["joint"] or "-", r["name"], r["baud"]) for r in rows])
+        cells = [(r["id"], r["joint"] or "-", r["name"], r["baud"]) for r in rows]
+        print_table(("id", "joint", "model", "baud"), cells)
         screen().print(f"{len(rows)} servos on {name}\n{cost.sentence()}", soft_wrap=True)
         if 1 < len(rows) < JOINTS:
             write_error(f"warning: a robot has {JOINTS} servos: check cables; servos that share an id count as one")
@@ -160,7 +161,7 @@ def status(
         write_json({"servos": [{"joint": joint, "id": servo, **(asdict(s) if s else {})} for joint, servo, s in rows]})
     else:
         head = ("joint", "id", "position", "load", "V", "C", "torque", "error")
-        _table(head, [(joint, servo, *_status_cells(s)) for joint, servo, s in rows])
+        print_table(head, [(joint, servo, *_status_cells(s)) for joint, servo, s in rows])
     return 0 if all(s and not s.error for _, _, s in rows) else NOT_ACHIEVED
 
 
@@ -270,7 +271,7 @@ def _joint_table(bus: "ServoBus", measured: "Measured") -> Any:
     ]
     c = bus.counters
     caption = f"{c.sent} asked, {c.answered} answered, {c.lost} lost, {c.corrupted} damaged, {c.wrong} wrong"
-    return _make_table(("joint", "deg", "load", "V", "C", "error"), cells, caption)
+    return make_table(("joint", "deg", "load", "V", "C", "error"), cells, caption)
 
 
 def torque(
@@ -380,16 +381,3 @@ def budget(
     else:
         screen().print(cost.sentence(), soft_wrap=True)
     return 0 if cost.fits else NOT_ACHIEVED
-
-
-def _make_table(head: tuple[str, ...], rows: list[tuple[Any, ...]], caption: str = "") -> Any:
-    from rich.table import Table
-
-    table = Table(*head, box=None, pad_edge=False, caption=caption or None, caption_justify="left")
-    for row in rows:
-        table.add_row(*map(str, row))
-    return table
-
-
-def _table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
-    screen().print(_make_table(head, rows))

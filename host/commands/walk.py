@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import progress, screen, write_json
+from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
 
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
 
 WORLDS = ("plane", "space")
 FILES = ("walk.html", "walk.svg", "path.png", "walk.json")  # what --out gets
-TERRAIN_HELP = "flat, stones, gravel, ramp, step (up and down), step-up, step-down, box."
+TERRAIN_HELP = (
+    "flat, stones, gravel, ramp (up and down), slope-up, slope-down, step (up and down), step-up, step-down, box, "
+    "stairs-up, stairs-down; in space also angled and left: a step met askew, and one under the left legs only."
+)
 
 
 def register(app: typer.Typer) -> None:
@@ -30,9 +33,9 @@ def walk(
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
     terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
-    height: Annotated[float | None, typer.Option(metavar="M", help="Height of the step, box or stones, m.")] = None,
+    height: Annotated[float | None, typer.Option(metavar="M", help="Height of a step, box or stones, m.")] = None,
     angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
-    length: Annotated[float | None, typer.Option(metavar="M", help="Length of the step or box, m.")] = None,
+    length: Annotated[float | None, typer.Option(metavar="M", help="Length of step, box, slope, tread, m.")] = None,
     start: Annotated[float, typer.Option(metavar="M", help="Where the obstacle begins, m ahead of the body.")] = 0.35,
     distance: Annotated[float, typer.Option(metavar="M", help="How far to walk, m.")] = 1.5,
     payload: Annotated[float, typer.Option(metavar="KG", help="Load on the body, kg.")] = 0.0,
@@ -54,21 +57,20 @@ def walk(
     """
     from ..robot.actuators import Bldc
     from ..robot.file import load_robot
+    from ..sim.grounds import STONES, GroundSpec
     from ..sim.motor.walking import joint_motors, transport
     from ..sim.walk import WalkSpec, judged, run_walk, walk_result
     from ..util.files import check_folder
 
     check_folder("--out", out)
     data = load_robot(robot)
+    if terrain in STONES and length is None:
+        length = max(0.1, distance)
     spec = WalkSpec(
         robot=data,
         gait=gait or data.gait.default,
         speed_m_s=speed,
-        terrain=terrain,
-        height_m=height,
-        angle_deg=angle,
-        length_m=length,
-        start_m=start,
+        ground=GroundSpec(terrain, height, angle, start, length, seed),
         distance_m=distance,
         payload_kg=payload,
         friction=friction,
@@ -108,7 +110,7 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
     from ..sim.walk import facts
     from ..util.files import atomic_path, write_text
 
-    title = f"{spec.robot.name}: {spec.gait} over {spec.terrain}"
+    title = f"{spec.robot.name}: {spec.gait} over {spec.ground.name}"
     page, moving, picture, figures = (out / name for name in FILES)
     size_m = spec.robot.links.trunk.size_m
     half_m = size_m[0] / 2, size_m[2] / 2
@@ -122,24 +124,14 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 
 def show_result(result: dict[str, Any], written: list[Path]) -> None:
     """Print the walk's figures as tables, and how it ended."""
-    from rich.table import Table
     from rich.text import Text
 
     from ..sim.walk import facts
 
-    table = Table(show_header=False, box=None, pad_edge=False)
-    for name, value in facts(result):
-        table.add_row(Text(name, style="bold"), value)
-    torque = Table(box=None, pad_edge=False)
-    legs = dict.fromkeys(name.partition("_")[0] for name in result["torque_rms_fraction"])
-    for column in ("torque rms, % of stall", "hip", "thigh", "calf"):
-        torque.add_column(column, justify="left" if column.startswith("torque") else "right")
-    for leg in legs:
-        shares = [result["torque_rms_fraction"][f"{leg}_{joint}"] for joint in ("hip", "thigh", "calf")]
-        torque.add_row(leg, *(f"{100 * share:.0f}" for share in shares))
-    console = screen()
-    console.print(table)
-    console.print(torque)
-    console.print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
-    for path in written:
-        console.print(f"wrote {path}", soft_wrap=True)
+    shares = result["torque_rms_fraction"]
+    torques = [(leg, *(f"{100 * shares[f'{leg}_{joint}']:>4.0f}" for joint in ("hip", "thigh", "calf")))
+               for leg in dict.fromkeys(name.partition("_")[0] for name in shares)]
+    print_table((), facts(result))
+    print_table(("torque rms, % of stall", " hip", "thigh", "calf"), torques)
+    screen().print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
+    tell_written(written)

@@ -5,17 +5,21 @@ advances only when told to, by simulated time, so the same calls give the same m
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import copysign
+from typing import TYPE_CHECKING
 
-from sim2d.actuator import Actuator, CalfOnTorso
+from sim2d.actuator import Actuator, CalfOnTorso, Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, ServoModel
 
 from ..bus.base import JOINTS
 from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
+
+if TYPE_CHECKING:
+    from sim2d.sensors import Sensed
 
 DT_S = 0.001
 LONGEST_STEP_S = 0.25  # a paused program must not make up for an hour of physics
@@ -55,14 +59,7 @@ class SwitchedServos:
         self._rows = list(zip(range(PLANAR_JOINTS), PLANAR_INDEX, models, strict=True))
         self._drives = drives
 
-    def torques(
-        self,
-        goal_rad: Sequence[float],
-        position_rad: Sequence[float],
-        speed_rad_s: Sequence[float],
-        dt_s: float,
-        torque_Nm: MutableSequence[float],
-    ) -> None:
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
         """See Actuator; in motor angles where calves are coupled."""
         for i, joint, model in self._rows:
             torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
@@ -78,10 +75,14 @@ class Hinge:
     position_rad: float = 0.0
     speed_rad_s: float = 0.0
 
-    def step(self, drives: Drives, joint: int, dt_s: float) -> None:
+    def driven(self, drives: Drives, joint: int, dt_s: float) -> None:
+        """Advance by one sub-step with the joint's own servo."""
+        goal_rad = drives.goal_rad[joint]
+        self.step(servo_torque_Nm(self.model, drives, joint, goal_rad, self.position_rad, self.speed_rad_s), dt_s)
+
+    def step(self, torque_Nm: float, dt_s: float) -> None:
         """Advance by one sub-step: torque, then friction that can only brake, then the stops."""
-        torque = servo_torque_Nm(self.model, drives, joint, drives.goal_rad[joint], self.position_rad, self.speed_rad_s)
-        speed = self.speed_rad_s + torque / self.inertia_kg_m2 * dt_s
+        speed = self.speed_rad_s + torque_Nm / self.inertia_kg_m2 * dt_s
         braked = abs(speed) - self.model.coulomb_Nm / self.inertia_kg_m2 * dt_s
         speed = copysign(max(0.0, braked), speed)
         low, high = self.limits_rad
@@ -169,27 +170,56 @@ class JointPlant(Plant):
     def _run(self, steps: int) -> None:
         for joint, hinge in enumerate(self._hinges):
             for _ in range(steps):
-                hinge.step(self.drives, joint, DT_S)
+                hinge.driven(self.drives, joint, DT_S)
             self.position_rad[joint], self.speed_rad_s[joint] = hinge.position_rad, hinge.speed_rad_s
 
 
-class PlanePlant(Plant):
-    """A robot on flat ground in the sagittal plane; its hips are hinges that the plane does not know."""
+class PlaneBody:
+    """A robot on flat ground in the sagittal plane, moved by ``motors``; its hips are hinges the plane knows not."""
 
-    def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
+    def __init__(self, robot: Robot, pose_rad: Sequence[float], motors: Actuator, seed: int) -> None:
         from sim2d.run import clamped
         from sim2d.sensors import Sensors
         from sim2d.terrain import flat
         from sim2d.world import World
 
-        super().__init__(robot, pose_rad)
         plane = planar_robot(robot)
-        models = joint_models(robot)
-        servos: Actuator = SwitchedServos([models[joint] for joint in PLANAR_INDEX], self.drives)
-        self.world = World(plane, flat(), actuator=CalfOnTorso(servos) if plane.calf_on_torso else servos, dt_s=DT_S)
-        self._pose_rad, self._start = tuple(pose_rad), clamped(plane, pose_rad)
+        self.world = World(plane, flat(), actuator=CalfOnTorso(motors) if plane.calf_on_torso else motors, dt_s=DT_S)
+        self._robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
+        self.position_rad, self.speed_rad_s = list(pose_rad), [0.0] * JOINTS
         self.put_back()
         self._sensors = Sensors(self.world, seed)
+
+    def put_back(self) -> None:
+        """Put the robot down as it was at the start."""
+        self.world.place(self._start)
+        self._hinges = hinges(self._robot, self._pose_rad)[0::3]
+        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
+
+    def sensed(self, time_s: float) -> "Sensed":
+        """Return what sensors on the body tell."""
+        return self._sensors.read(self.world.state(), [0.0] * 4, time_s)
+
+    def run(self, goal_rad: Sequence[float], steps: int, turn: Callable[[int, Hinge], None]) -> None:
+        """Advance by so many sub-steps towards twelve goals; ``turn`` moves a hip, by its joint, one sub-step."""
+        self.world.advance([goal_rad[joint] for joint in PLANAR_INDEX], steps)
+        for i, joint in enumerate(PLANAR_INDEX):
+            self.position_rad[joint], self.speed_rad_s[joint] = self.world.position_rad[i], self.world.speed_rad_s[i]
+        for joint, hinge in zip(range(0, JOINTS, 3), self._hinges, strict=True):
+            for _ in range(steps):
+                turn(joint, hinge)
+            self.position_rad[joint], self.speed_rad_s[joint] = hinge.position_rad, hinge.speed_rad_s
+
+
+class PlanePlant(Plant):
+    """A robot on flat ground in the sagittal plane."""
+
+    def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
+        super().__init__(robot, pose_rad)
+        models = joint_models(robot)
+        self._body = PlaneBody(robot, pose_rad, SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives), seed)
+        self.world, self.position_rad, self.speed_rad_s = (
+            self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
@@ -197,22 +227,13 @@ class PlanePlant(Plant):
 
     def put_back(self) -> None:
         """See Plant."""
-        self.world.place(self._start)
-        self._hinges = hinges(self.robot, self._pose_rad)[0::3]
-        self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
+        self._body.put_back()
 
     def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
         """See Plant; the plane turns about y only."""
-        sensed = self._sensors.read(self.world.state(), [0.0] * 4, self.time_s)
+        sensed = self._body.sensed(self.time_s)
         force_x, force_z = sensed.specific_force_m_s2
         return (0.0, sensed.pitch_rate_rad_s, 0.0), (force_x, 0.0, force_z)
 
     def _run(self, steps: int) -> None:
-        self.world.advance([self.drives.goal_rad[joint] for joint in PLANAR_INDEX], steps)
-        for i, joint in enumerate(PLANAR_INDEX):
-            self.position_rad[joint] = self.world.position_rad[i]
-            self.speed_rad_s[joint] = self.world.speed_rad_s[i]
-        for leg, hinge in enumerate(self._hinges):
-            for _ in range(steps):
-                hinge.step(self.drives, 3 * leg, DT_S)
-            self.position_rad[3 * leg], self.speed_rad_s[3 * leg] = hinge.position_rad, hinge.speed_rad_s
+        self._body.run(self.drives.goal_rad, steps, lambda joint, hinge: hinge.driven(self.drives, joint, DT_S))

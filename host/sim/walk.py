@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sim2d import metrics, terrain
+from sim2d import metrics
 from sim2d.actuator import Drives
 from sim2d.recording import Recording
 from sim2d.run import Sensed, simulate
@@ -17,29 +17,36 @@ from ..robot.gait_names import gait_index
 from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
+from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
 
-TERRAINS = ("flat", "stones", "gravel", "ramp", "step", "step-up", "step-down", "box")
-DEFAULT_HEIGHT_M = {"stones": 0.012, "gravel": 0.012, "step": 0.02, "step-up": 0.02, "step-down": 0.02, "box": 0.02}
+# What a walk's way counts: ahead and to the left in m, turning to the left in rad.
+WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
 
 ENOUGH = 0.5  # of the commanded speed, where nothing was in the way
 _FASTER = 1.001  # a command is limited if it is beyond the limit by more than the core's rounding
 
 
 @dataclass(frozen=True)
-class WalkSpec:
-    """A walk to simulate. ``height_m`` None: the terrain's own; ``start_m``: where the obstacle begins.
+class Push:
+    """A force on the trunk's middle, N ahead and to the left, for ``seconds`` from ``at_s`` after the start."""
 
-    ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
+    at_s: float
+    force_N: tuple[float, float]
+    seconds: float = 0.1
+
+
+@dataclass(frozen=True)
+class WalkSpec:
+    """A walk to simulate. ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
+
+    ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead and pushes are in
+    space only.
     """
 
     robot: Robot
     gait: str
     speed_m_s: float = 0.05
-    terrain: str = "flat"
-    height_m: float | None = None
-    angle_deg: float = 5.34
-    length_m: float | None = None
-    start_m: float = 0.35
+    ground: GroundSpec = FLAT
     distance_m: float = 1.5
     payload_kg: float = 0.0
     friction: float = 0.9
@@ -49,28 +56,21 @@ class WalkSpec:
     seed: int = 0
     limit_s: float | None = None
     stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
+    way: str = "ahead"
+    push: Push | None = None
 
     def __post_init__(self) -> None:
         gait_index(self.gait)
-        if self.terrain not in TERRAINS:
-            raise UserError(f"--terrain {self.terrain}: no such terrain; there are {', '.join(TERRAINS)}")
-        self._check("--speed", self.speed_m_s, 0.005, 1.0, "m/s")
+        self._check("--speed", self.speed_m_s, 0.005, 1.0 if self.way == "ahead" else 5.0, "m/s")
         self._check("--distance", self.distance_m, 0.05, 20.0, "m")
         self._check("--payload", self.payload_kg, 0.0, 20.0, "kg")
         self._check("--friction", self.friction, 0.05, 2.0, "")
         self._check("--bus-delay", self.bus_delay_s, 0.0, 0.5, "s")
-        if self.height_m is not None and self.terrain not in DEFAULT_HEIGHT_M:
-            raise UserError(f"--height: {self.terrain} has none; it is for {', '.join(DEFAULT_HEIGHT_M)}")
 
     @staticmethod
     def _check(flag: str, value: float, low: float, high: float, unit: str) -> None:
         if not (math.isfinite(value) and low <= value <= high):
             raise UserError(f"{flag} {value:g}: allowed {low:g} .. {high:g} {unit}".rstrip())
-
-    @property
-    def height(self) -> float:
-        """The obstacle's height, m; 0 where there is none."""
-        return DEFAULT_HEIGHT_M.get(self.terrain, 0.0) if self.height_m is None else self.height_m
 
     @property
     def time_limit_s(self) -> float:
@@ -98,35 +98,19 @@ class PlannerController:
         return goals
 
 
-def make_terrain(spec: WalkSpec) -> terrain.Terrain:
-    """Return the ground of a walk; the terrain's friction is 1, so the foot's own decides (see sim2d)."""
-    height, start = spec.height, spec.start_m
-    makers: dict[str, Callable[[], terrain.Terrain]] = {
-        "flat": terrain.flat,
-        "stones": lambda: terrain.stones(spec.seed, height, start, max(0.1, spec.distance_m)),
-        "gravel": lambda: terrain.gravel(spec.seed, height, start, max(0.1, spec.distance_m)),
-        "ramp": lambda: terrain.ramp(spec.angle_deg, start),
-        "step": lambda: terrain.step(height, start, spec.length_m or 0.6),
-        "step-up": lambda: terrain.step(height, start, None),
-        "step-down": lambda: terrain.step(-height, start, None),
-        "box": lambda: terrain.box(height, start, spec.length_m or 0.06),
-    }
-    try:
-        return makers[spec.terrain]()
-    except ValueError as error:
-        raise UserError(f"--terrain {spec.terrain}: {error}") from error
-
-
 def run_walk(
     spec: WalkSpec,
     progress: Callable[[float], None] | None = None,
-    ground: terrain.Terrain | None = None,
     actuator: Drives | None = None,
 ) -> Recording:
-    """Simulate the walk; the same spec, the same recording.
+    """Simulate the walk in the plane; the same spec, the same recording.
 
-    ``ground`` takes the place of the terrain named, ``actuator`` that of the drives as linear laws (robot/drives.py).
+    ``actuator`` takes the place of the drives as linear laws (robot/drives.py). UserError for what the plane has not.
     """
+    if spec.ground.name in ONLY_SPACE:
+        raise UserError(f"--terrain {spec.ground.name}: the plane has no left and right; it is for --in space")
+    if spec.way != "ahead" or spec.push:
+        raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
     controller = PlannerController(spec)
     robot = planar_robot(spec.robot, foot_friction=spec.friction)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
@@ -134,7 +118,7 @@ def run_walk(
         recording = simulate(
             robot,
             controller,
-            make_terrain(spec) if ground is None else ground,
+            make_terrain(spec.ground),
             duration_s=spec.time_limit_s,
             distance_m=spec.distance_m,
             payload_kg=spec.payload_kg,
@@ -157,8 +141,8 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     return {
         "robot": spec.robot.name,
         "gait": spec.gait,
-        "terrain": spec.terrain,
-        "height_m": spec.height,
+        "terrain": spec.ground.name,
+        "height_m": spec.ground.height,
         "payload_kg": spec.payload_kg,
         "commanded_speed_m_s": spec.speed_m_s,
         "mean_speed_m_s": round(metrics.mean_speed_m_s(recording), 5),

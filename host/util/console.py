@@ -6,12 +6,13 @@ A text may come from a file, a board or the network and hold what a terminal obe
 import json
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console
+    from rich.table import Table
 
 # rich is imported where it is used: with --json nothing needs it.
 
@@ -41,6 +42,33 @@ def _console(file: TextIO) -> "Console":
                 yield segment if segment.control else Segment(plain(segment.text), segment.style)
 
     return PlainConsole(file=file, highlight=False, markup=False, emoji=False)
+
+
+def make_table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> "Table":
+    """Return rows of cells (rich's Text, or whatever str() tells) below a head; without a head the first is bold."""
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(*head, box=None, pad_edge=False, show_header=bool(head), caption=caption or None,
+                  caption_justify="left")
+    if not head:
+        table.add_column(style="bold")
+    for row in rows:
+        table.add_row(*(cell if isinstance(cell, Text) else str(cell) for cell in row))
+    return table
+
+
+def print_table(head: Sequence[str], rows: Iterable[Sequence[object]], width: int = 0) -> None:
+    """Print a table on stdout (see make_table), where the terminal is narrower in ``width`` columns nevertheless."""
+    console = screen()
+    console.width = max(console.width, width)
+    console.print(make_table(head, rows), soft_wrap=bool(width))
+
+
+def tell_written(paths: Iterable[object]) -> None:
+    """Print which files were written."""
+    for path in paths:
+        screen().print(f"wrote {path}", soft_wrap=True)
 
 
 def say(text: str) -> None:

@@ -10,7 +10,6 @@ from firmware import link
 from firmware.gait import GaitBoard
 from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import MISSING, STUCK
-from host.boards.gait_board import GaitBoardLink
 from host.protocol.gait_frames import frame
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot
@@ -23,6 +22,7 @@ from shared.sense.sensed import Sensed
 from sim2d import terrain
 from sim2d.run import simulate
 
+from .gait_board_link import GaitBoardLink
 from .gait_vm import start_gait_vm
 
 ROBOT = load_robot("caramelo")
@@ -112,11 +112,11 @@ def test_a_stuck_sensor_is_a_fault_too(loop):
 @pytest.mark.parametrize("ticks", [0, 5, 100, 180, 250])
 def test_stop_works_from_every_state_and_needs_a_reset(loop, ticks):
     loop.run(ticks)
-    loop.link.stop()
+    loop.link.send(link.STOP)
     answer = loop.run(1)
     assert (answer.state, answer.flags & application.STOPPED) == ("limp", application.STOPPED)
     assert loop.run(50).state == "limp"
-    loop.link.reset()
+    loop.link.send(link.RESET)
     assert loop.run(1, command=False).state == "limp"
     assert loop.run(5).state in ("rising", "walking")
 

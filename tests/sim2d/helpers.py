@@ -3,6 +3,9 @@
 import math
 import struct
 
+import numpy as np
+
+from sim2d.metrics import duration_s
 from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.world import BODY_FIELDS, World
 
@@ -61,6 +64,13 @@ def torso_height_m(world: World) -> float:
     return world.parts.bodies[0].local_to_world(world.parts.torso_origin_m).y
 
 
+def foot_in_hip_frame(robot, thigh_rad, calf_rad):
+    """Return the foot centre (x, z) from the hip for an upright torso: paper A's FK in the plane."""
+    both = thigh_rad + calf_rad
+    x = -robot.thigh_length_m * math.sin(thigh_rad) - robot.calf_length_m * math.sin(both)
+    return x, -robot.thigh_length_m * math.cos(thigh_rad) - robot.calf_length_m * math.cos(both)
+
+
 def static_sag_m(robot, load_N) -> float:
     """How far one hip sinks over a foot that carries ``load_N`` straight up: two springs, solved by iteration.
 
@@ -69,8 +79,33 @@ def static_sag_m(robot, load_N) -> float:
     thigh_goal, calf_goal = robot.stand_pose_rad[1:3]
     thigh, calf = thigh_goal, calf_goal
     for _ in range(200):
-        x, _ = robot.foot_in_hip_frame(thigh, calf)
+        x, _ = foot_in_hip_frame(robot, thigh, calf)
         knee_x = -robot.thigh_length_m * math.sin(thigh)
         thigh = thigh_goal - load_N * x / robot.thigh_servo.stiffness_Nm_rad
         calf = calf_goal - load_N * (x - knee_x) / robot.calf_servo.stiffness_Nm_rad
-    return robot.foot_in_hip_frame(thigh, calf)[1] - robot.foot_in_hip_frame(thigh_goal, calf_goal)[1]
+    return foot_in_hip_frame(robot, thigh, calf)[1] - foot_in_hip_frame(robot, thigh_goal, calf_goal)[1]
+
+
+def foot_slip_m(rec):
+    """Slip of each foot from row to row (n - 1, 4): the part of its path that rolling does not explain, >= 0.
+
+    Rolling about +y by an angle moves the foot's centre by radius x angle along the ground. Rows in which the
+    foot does not touch at both ends count 0.
+    """
+    turn = rec.torso_pitch_rad[:, None] + rec.joint_rad[:, 1::3] + rec.joint_rad[:, 2::3]
+    moved = np.diff(rec.foot_xz_m, axis=0)
+    rolled = rec.foot_radius_m * np.diff(turn, axis=0)
+    along = np.hypot(moved[:, :, 0], moved[:, :, 1]) * np.sign(moved[:, :, 0])
+    standing = rec.contact[1:] & rec.contact[:-1]
+    return np.abs(along - rolled) * standing
+
+
+def foot_skate_m(rec, cycle_s, min_load_N=0.0):
+    """Worst foot's slip per gait cycle, while it carries at least ``min_load_N``.
+
+    Feet that carry next to nothing slide by Coulomb's law; a foot under load must not.
+    """
+    load = rec.foot_force_N[:, :, 1]
+    carrying = (load[1:] >= min_load_N) & (load[:-1] >= min_load_N)
+    cycles = duration_s(rec) / cycle_s
+    return float((foot_slip_m(rec) * carrying).sum(axis=0).max() / cycles) if cycles > 0 else 0.0

@@ -8,7 +8,7 @@ import numpy as np
 import pymunk
 import pytest
 
-from sim2d import metrics, terrain
+from sim2d import terrain
 from sim2d.body import planar
 from sim2d.model import GRAVITY_M_S2
 from sim2d.run import simulate
@@ -16,7 +16,7 @@ from sim2d.world import World
 from tests.float_twin.paper_trot import PERIOD_S, Balance, PaperTrot, cycloid, inverse, sample_times
 
 from .conftest import CALF_SERVO, THIGH_SERVO, caramelo
-from .helpers import Limp, Stand, energy_J, static_sag_m, torso_height_m
+from .helpers import Limp, Stand, energy_J, foot_skate_m, foot_slip_m, static_sag_m, torso_height_m
 
 FRICTIONLESS = {
     "thigh_servo": replace(THIGH_SERVO, coulomb_Nm=0.0),
@@ -212,8 +212,8 @@ def walk():
 
 
 def test_joints_stay_closed_and_nothing_sinks_in(walk):
-    assert metrics.max_joint_opening_m(walk) < 1e-4
-    assert metrics.max_penetration_m(walk) < 1e-3
+    assert walk.joint_opening_m.max() < 1e-4
+    assert walk.penetration_m.max() < 1e-3
 
 
 @pytest.mark.parametrize(("slop_m", "sinks"), [(1e-4, False), (0.1, True)])
@@ -228,14 +228,14 @@ def test_a_dropped_robot_comes_up_again_but_not_with_pymunks_default_slop(robot,
 def test_loaded_feet_do_not_skate(walk):
     """A foot that carries half of its equal share of the weight, in metres per cycle of 2 s."""
     half_share_N = caramelo().mass_kg * GRAVITY_M_S2 / 8
-    assert metrics.foot_skate_m(walk, 2.0, min_load_N=half_share_N) < 0.005
+    assert foot_skate_m(walk, 2.0, min_load_N=half_share_N) < 0.005
 
 
 def test_feet_that_slide_slide_by_coulombs_law(walk):
     """Inside the friction cone a foot creeps less than 2 mm per cycle; what else it slides, it slides on the cone."""
     sideways, load = np.abs(walk.foot_force_N[:, :, 0]), walk.foot_force_N[:, :, 1]
     inside = sideways < 0.95 * caramelo().foot_friction * load
-    creep = metrics.foot_slip_m(walk) * inside[1:] * inside[:-1]
+    creep = foot_slip_m(walk) * inside[1:] * inside[:-1]
     assert creep.sum(axis=0).max() / 10 < 0.002
     assert np.all(sideways <= caramelo().foot_friction * load * (1 + 1e-6) + 1e-9)
 

@@ -4,9 +4,9 @@ from typing import Annotated, Any
 
 import typer
 
-from ...util.console import screen, write_json
+from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
-from .options import Json, RobotName, print_table
+from .options import Json, RobotName
 
 # Key of a row: its heading and its form
 COLUMNS = {

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ...util.console import screen, write_json
+from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.extras import how_to_get
-from .options import Json, RobotName, print_table
+from .options import Json, RobotName
 
 
 def figures(

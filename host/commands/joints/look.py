@@ -8,9 +8,9 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ...util.console import screen, write_json
+from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
-from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints, print_table
+from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints
 from .table import rows_of, table
 
 

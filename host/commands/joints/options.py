@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...util.console import screen, write_error
+from ...util.console import write_error
 from ...util.errors import UserError
 
 if TYPE_CHECKING:
@@ -53,12 +53,3 @@ def joints(robot: str, interface: str | None, channel: str | None, simulated: bo
         if simulated:
             robot_sim.close()
         port.close()
-
-
-def print_table(head: tuple[str, ...], rows: list[tuple[Any, ...]]) -> None:
-    from rich.table import Table
-
-    table = Table(*head, box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*map(str, row))
-    screen().print(table)

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ...util.console import screen, write_json
-from .options import Channel, Interface, Json, Node, RobotName, Sim, joints, print_table
+from ...util.console import print_table, screen, write_json
+from .options import Channel, Interface, Json, Node, RobotName, Sim, joints
 
 
 def get(

@@ -62,14 +62,15 @@ def rows_of(bus: "CanJoints") -> list[dict[str, Any]]:
 def table(rows: list[dict[str, Any]], plotted: str = "", curves: Sequence[str] = ()) -> Any:
     """Return the rows as a table, with a curve each where there are any."""
     from rich.console import Group
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table("joint", *_COLUMNS.values(), *filter(None, [plotted]), box=None, pad_edge=False)
+    from ...util.console import make_table
+
+    shown = []
     for i, row in enumerate(rows):
         cells = (row.get(key) for key in _COLUMNS)
-        shown = ["-" if v is None else f"{v:.1f}" if isinstance(v, float) else str(v) for v in cells]
-        table.add_row(str(row["joint"]).replace("node ", ""), *shown, *curves[i : i + 1])
+        told = ["-" if v is None else f"{v:.1f}" if isinstance(v, float) else str(v) for v in cells]
+        shown.append((str(row["joint"]).replace("node ", ""), *told, *curves[i : i + 1]))
     wrong = [Text(f"{row['joint']}: {row['fault']}") for row in rows if row["fault"] != "none"]
     wrong += [Text(f"{row['joint']}: {row['remark']}") for row in rows if row.get("remark")]
-    return Group(table, *wrong)
+    return Group(make_table(("joint", *_COLUMNS.values(), *filter(None, [plotted])), shown), *wrong)

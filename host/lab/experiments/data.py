@@ -1,4 +1,4 @@
-"""The numbers the experiments are compared with, and those they rest on, from the two data files."""
+"""The numbers the experiments are compared with, and those they rest on, from the data files."""
 
 import tomllib
 from functools import cache
@@ -18,3 +18,9 @@ def papers() -> dict[str, Any]:
 def assumptions() -> dict[str, Any]:
     """Return what the figures rest on (assumptions.toml)."""
     return tomllib.loads((_HERE / "assumptions.toml").read_text(encoding="utf-8"))
+
+
+@cache
+def goal_tables() -> dict[str, Any]:
+    """Return what robots are to reach (goals.toml)."""
+    return tomllib.loads((_HERE / "goals.toml").read_text(encoding="utf-8"))

@@ -22,6 +22,7 @@ from ...robot.plane import planar_robot
 from ...robot.poses import rest_pose_rad
 from ...util.errors import UserError
 from .data import papers
+from .trials import Answer
 
 ARRIVED_M = 0.001
 _LEG = 1  # front left: outward is +y
@@ -51,15 +52,23 @@ class Swing:
 
 @dataclass(frozen=True)
 class AirTrial:
-    """One noisy trial; in the plane without the way sideways."""
+    """One noisy trial."""
 
     robot: Robot
     target_m: tuple[float, float]
     conditions: dict[str, float]
     in_space: bool
 
-    def run(self) -> Swing:
-        """Simulate it."""
+    def run(self) -> Answer:
+        """Simulate it; the plane tells no way sideways."""
+        swing = self.swing()
+        figures = {"ok": True, **swing.figures()}
+        if not self.in_space:
+            del figures["y_final_m"]
+        return Answer(figures, swing)
+
+    def swing(self) -> Swing:
+        """Return the swing."""
         goals = path_goals(self.robot, self.target_m if self.in_space else (self.target_m[0], 0.0))
         move = _space_mover(self) if self.in_space else _plane_mover(self)
         rest = self.robot.foot_m(_LEG, self.robot.stance.rest_height_m)

@@ -1,180 +1,280 @@
-"""The figures this project wants to reach, each beside what the papers' robot did, in the plane and in space.
+"""The figures to reach, for any robot: what its table in goals.toml says, else the general one, by the robot's size.
 
-Not an experiment of the papers: it gathers the same trials to say of each goal whether it is met.
+Most are in space. What is wanted of the same gait in the plane is the group `plane`.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from ...robot.model import KNEE_CONFIGURATIONS
-from ...sim.export.ground import Ground, extrude
-from ...sim.walk import WalkSpec
-from . import payload, ramp, steps
-from .data import assumptions
-from .outcome import Outcome, Table, rate
-from .trials import Answer, Options, PlaneTrial, SpaceTrial, trial_conditions
+from sim2d.model import GRAVITY_M_S2
 
-Trial = PlaneTrial | SpaceTrial
-# What a goal says of its answers: met, not met, or None where it is only reported; and a figure.
-Verdict = tuple[bool | None, str]
+from ...control.planner import Driver
+from ...robot.model import KNEE_CONFIGURATIONS, Robot
+from ...sim.grounds import GroundSpec, make_terrain
+from ...sim.walk import Push, WalkSpec
+from ...util.errors import UserError
+from .case import Case, Experiment, Judge
+from .counts import LIMIT_S, load_specs, step_specs
+from .data import assumptions, goal_tables
+from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, drawn, trials
+from .verdicts import carries, share, sum_up, within
 
-SEEDS = 10
-FLAT_SEEDS = 3
+GAIT = "fast-trot"  # what the figures are wanted of
+SPEED_SHARE = 0.05  # how far a speed may be off its command
+TILT_DEG, YAW_DEG, SIDE_M = 5.0, 2.0, 0.03  # peak to peak; the last two per 1.5 m
+STEADY_S = 12.0  # a walk on level ground: longer than twice START_S, which the steady figures leave out
+STEP_START_M = 0.5  # so that the robot walks where the time over the edge begins
+STEP_MEDIAN_S, HIGH_MEDIAN_S = 6.0, 30.0
+DELAYS_S = (0.02, 0.04, 0.06)
+PUSH_AT_S, PUSH_WATCH_S = 3.0, 4.0
+STONES_M, PLANE_STONES_M = 0.020, 0.012
+SLOPE_DEG = 10.0
+STAIR_TREAD_M = 0.25
 
 
 @dataclass(frozen=True)
-class Goal:
-    """One figure to reach, the trials it takes, and how they are judged."""
+class Wanted:
+    """What is wanted of one robot, SI: see goals.toml."""
 
-    where: str
-    name: str
-    paper: str
-    trials: list[Trial]
-    judge: Callable[[list[Answer]], Verdict]
-
-
-def every(answers: list[Answer]) -> Verdict:
-    """Met if all trials passed."""
-    return all(answer.ok for answer in answers), rate(answers)
-
-
-def nearly(answers: list[Answer]) -> Verdict:
-    """Met if 95 % passed."""
-    return sum(answer.ok for answer in answers) >= 0.95 * len(answers), rate(answers)
+    flat_m_s: float
+    aside_m_s: float
+    back_m_s: float
+    turn_rad_s: float
+    climb_m_s: float
+    stones_m_s: float
+    step_m: float
+    high_m: float
+    stair_m: float
+    payloads_kg: tuple[float, ...]
+    load_kg: float
+    table: dict[str, Any]
 
 
-def reported(answers: list[Answer]) -> Verdict:
-    """Only told."""
-    return None, rate(answers)
+def wanted(robot: Robot, gait: str) -> Wanted:
+    """Return what is wanted of a robot."""
+    tables = goal_tables()
+    table = tables["general"] | tables.get(robot.name, {})
+    froude_m_s = math.sqrt(GRAVITY_M_S2 * robot.stance.rest_height_m)
+    leg_m = robot.geometry.thigh_m + robot.geometry.calf_m
+    hip, foot = robot.hip_m(0), robot.foot_m(0, robot.stance.rest_height_m)
+    flat_m_s = table.get("flat_m_s", min(table["flat_of_froude"] * froude_m_s, Driver(robot).speed_limit(gait)[0]))
+
+    def either(key: str, whole: float, share_key: str) -> float:
+        return float(table.get(key, table[share_key] * whole))
+
+    return Wanted(
+        flat_m_s, either("aside_m_s", flat_m_s, "aside_of_flat"), either("back_m_s", flat_m_s, "back_of_flat"),
+        either("turn_rad_s", flat_m_s / math.hypot(hip[0] + foot[0], hip[1] + foot[1]), "turn_of_flat"),
+        either("climb_m_s", froude_m_s, "climb_of_froude"), either("stones_m_s", froude_m_s, "stones_of_froude"),
+        either("step_m", leg_m, "step_of_leg"), either("high_m", leg_m, "high_of_leg"),
+        either("stair_m", leg_m, "stair_of_leg"),
+        tuple(table.get("payloads_kg", [part * robot.mass_kg for part in table["payloads_of_mass"]])),
+        either("load_kg", robot.mass_kg, "load_of_mass"), table,
+    )
 
 
-def within(**limits: tuple[float, float]) -> Callable[[list[Answer]], Verdict]:
-    """Return a judge: met if all trials passed and every figure of theirs lies in its limits."""
-
-    def judge(answers: list[Answer]) -> Verdict:
-        met, parts = all(answer.ok for answer in answers), []
-        for key, (low, high) in limits.items():
-            values = [float(answer.figures[key]) for answer in answers]
-            met = met and all(low <= value <= high for value in values)
-            told = f"{min(values):.4g}" if len(values) == 1 else f"{min(values):.4g} .. {max(values):.4g}"
-            parts.append(f"{key} {told}")
-        return met, f"{rate(answers)}, {', '.join(parts)}"
-
-    return judge
+Group = Callable[[Options, Wanted], list[Case]]
 
 
-def carries(most: float) -> Callable[[list[Answer]], Verdict]:
-    """Return a judge: met if one knee configuration at least walks with no joint above ``most`` of stall."""
-    return partial(_carries, most)
+def _level(options: Options, speed: float, usual: int = 3, **more: Any) -> list[WalkSpec]:
+    """Return walks on level ground, STEADY_S long, at both frictions."""
+    spec = WalkSpec(options.robot, options.gait, speed, distance_m=min(20.0, STEADY_S * speed), **more)
+    return [replace(spec, friction=friction, seed=seed) for _, friction, seed in options.starts(usual)]
 
 
-def _carries(most: float, answers: list[Answer]) -> Verdict:
-    worst = [payload.verdict([answer]) for answer in answers]
-    good = [case["passed"] == 1 and case["torque_rms_fraction"] <= most for case in worst]
-    told = [f"{knees} {'walks' if case['passed'] else 'fails'} {100 * case['torque_rms_fraction']:.0f} %"
-            for knees, case in zip(KNEE_CONFIGURATIONS, worst, strict=True)]
-    return any(good), ", ".join(told)
+def _space(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
+    return Case(name, {SPACE: trials(SPACE, list(specs))}, limits, judge)
 
 
-def plane_goals(options: Options) -> list[Goal]:
-    """Return what is wanted in the plane."""
-
-    def flat(speed: float) -> list[Trial]:
-        return [PlaneTrial(WalkSpec(options.robot, options.gait, speed, seed=seed))
-                for seed in range(options.count(FLAT_SEEDS))]
-
-    stones: list[Trial] = [PlaneTrial(WalkSpec(options.robot, options.gait, terrain="stones", seed=seed))
-                           for seed in range(options.count(SEEDS))]
-    goals = [
-        Goal("plane", "flat at 0.05 m/s: 0.0485 .. 0.0515 m/s", "0.033 m/s", flat(0.05),
-             within(speed_m_s=(0.0485, 0.0515))),
-        Goal("plane", "flat at 0.10 m/s: at least 0.09 m/s", "-", flat(0.10), within(speed_m_s=(0.09, 0.11))),
-        Goal("plane", "pitch range on fixed stones of 12 mm: at most 5 deg", "13 deg", stones,
-             within(pitch_range_deg=(0.0, 5.0))),
-    ]
-    goals += [Goal("plane", f"{angle:g} deg {kind}", "5.34 deg", _ramp(options, angle, kind, "plane"), judge)
-              for angle, judge in ((10.0, every), (15.0, reported)) for kind in ramp.KINDS]
-    goals += _steps(options, "plane", "up", {0.02: every, 0.03: every, 0.04: every, 0.05: nearly, 0.06: reported})
-    goals += _steps(options, "plane", "box", {0.04: every})
-    loads = [payload.trial(options, knees, 2.0, 0, False) for knees in KNEE_CONFIGURATIONS]
-    goals.append(Goal("plane", "2 kg over 1.5 m, no joint above 40 % of stall rms", "failed", loads,
-                      carries(assumptions()["payload"]["largest_torque_rms"])))
-    return goals
+def _about(speed: float, part: float = SPEED_SHARE) -> tuple[float, float]:
+    return speed * (1 - part), speed * (1 + part)
 
 
-def _ramp(options: Options, angle_deg: float, kind: str, where: str) -> list[Trial]:
-    ground = ramp.slope(angle_deg, kind)
-    specs = [WalkSpec(options.robot, options.gait, distance_m=ground.finish_x_m or 1.5,
-                      **trial_conditions(options.robot, seed))  # type: ignore[arg-type]
-             for seed in range(options.count(SEEDS))]
-    if where == "plane":
-        return [PlaneTrial(spec, ground) for spec in specs]
-    return [SpaceTrial(spec, extrude(ground)) for spec in specs]
+def flat(options: Options, want: Wanted) -> list[Case]:
+    """Return level ground at the speed wanted, with its cost, and at a third and a sixth of it."""
+    speed = want.flat_m_s
+    straight = partial(within, roll_range_deg=(0, TILT_DEG), pitch_range_deg=(0, TILT_DEG),
+                       yaw_drift_deg=(-YAW_DEG, YAW_DEG), side_drift_m=(-SIDE_M, SIDE_M))
+    limits = f"within 5 %, tilt {TILT_DEG:g} deg, yaw {YAW_DEG:g} deg, {1000 * SIDE_M:g} mm aside in 1.5 m"
+    slow = [_space(f"flat at {part:.3g} m/s", _level(options, part), limits, straight(speed_m_s=_about(part)))
+            for part in (speed / 3, speed / 6)]
+    fast = _space(f"flat at {speed:.3g} m/s", _level(options, speed), limits, straight(speed_m_s=_about(speed)))
+    most = want.table["cost_most"]
+    cost = Case(f"cost of transport at {speed:.3g} m/s", fast.trials, f"at most {most:g}" if most else "",
+                within(judged=bool(most), cost_of_transport=(0, most)))
+    return [fast, *slow, cost]
 
 
-def _steps(
-    options: Options, where: str, kind: str, judges: dict[float, Callable[[list[Answer]], Verdict]]
-) -> list[Goal]:
-    paper = {0.02: "passed", 0.04: "sometimes", 0.05: "hard"} if kind in ("up", "down") else {}
-    return [
-        Goal(where, f"{kind} {1000 * height_m:.0f} mm, all starts and frictions", paper.get(height_m, "-"),
-             [steps.trial(options, (where, kind, height_m), i, offset_m, friction)
-              for i, (offset_m, friction) in enumerate(steps.conditions(options))], judge)
-        for height_m, judge in judges.items()
-    ]
+def conditions(options: Options, want: Wanted) -> list[Case]:
+    """Return level ground with what differs from day to day; the robot is not told of a delay."""
+    speed, least = want.flat_m_s, want.table["conditions_least"]
+    judge = within(least, bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
+                   pitch_range_deg=(0, TILT_DEG))
+    found: list[tuple[str, dict[str, Any]]] = [(f"{1000 * delay_s:.0f} ms of bus delay", {"bus_delay_s": delay_s})
+                                               for delay_s in DELAYS_S]
+    found += [(f"{volts:g} V", {"voltage_V": volts}) for volts in want.table["voltages_V"]]
+    found += [(f"{load_kg:.2g} kg of payload", {"payload_kg": load_kg}) for load_kg in want.payloads_kg]
+    limits = f"within 5 %, tilt {TILT_DEG:g} deg"
+    low = _level(options, speed / 6, voltage_V=options.robot.actuator.least_V, bus_delay_s=DELAYS_S[-1])
+    return [_space(f"flat at {speed:.3g} m/s, {name}", _level(options, speed, **more), limits, judge)
+            for name, more in found] + [
+        _space(f"flat at {speed / 6:.3g} m/s, lowest voltage and 60 ms", low, "no fall", share(1.0))]
 
 
-def space_goals(options: Options) -> list[Goal]:
-    """Return what is wanted in three dimensions."""
-    flat = Ground("flat")
+def ways(options: Options, want: Wanted) -> list[Case]:
+    """Return sideways, turning and backwards."""
+    part = want.table["ways_within"]
+    asked = (("sideways", "left", want.aside_m_s, "m/s"), ("turning", "turn", want.turn_rad_s, "rad/s"),
+             ("backwards", "back", want.back_m_s, "m/s"))
+    return [_space(f"{name} at {speed:.3g} {unit}", _level(options, speed, way=way), f"within {100 * (1 - part):.3g} %",
+                   within(speed_m_s=_about(speed, 1 - part))) for name, way, speed, unit in asked]
 
-    def walk(speed: float = 0.05, **more: Any) -> list[Trial]:
-        return [SpaceTrial(WalkSpec(options.robot, options.gait, speed, seed=seed, **more), flat)
-                for seed in range(options.count(FLAT_SEEDS))]
 
-    goals = [
-        Goal("3-D", "flat at 0.05 m/s: speed, tilt, yaw and sideways drift", "0.033 m/s, 8.7 and 8.3 deg", walk(),
-             within(speed_m_s=(0.048, 0.055), roll_range_deg=(0, 3.5), pitch_range_deg=(0, 3.5),
-                    yaw_drift_deg=(-3, 3), side_drift_m=(-0.03, 0.03))),
-        Goal("3-D", "flat at 0.10 m/s: at least 0.09 m/s", "-", walk(0.10), within(speed_m_s=(0.09, 0.12))),
-        Goal("3-D", "supply 11.1 V and 60 ms of bus delay: no fall", "-", walk(voltage_V=11.1, bus_delay_s=0.06),
-             every),
-        Goal("3-D", "2 kg over 1.5 m in a knee configuration: no fall", "failed",
-             [payload.trial(options, knees, 2.0, 0, True) for knees in KNEE_CONFIGURATIONS], carries(1.0)),
-    ]
-    goals += [Goal("3-D", f"10 deg {kind}", "5.34 deg", _ramp(options, 10.0, kind, "3-D"), every)
-              for kind in ramp.KINDS]
+def at_a_trot(answer: Answer) -> bool:
+    """Return whether a walk arrived and never went over to the crawl."""
+    return answer.ok and all(change["to"] != "crawl" for change in answer.figures["gait_changes"])
+
+
+def steps(options: Options, want: Wanted) -> list[Case]:
+    """Return steps at a trot, each kind."""
+    least = want.table["step_least"]
+    judge = share(least, at_a_trot, ("crossing_s", STEP_MEDIAN_S))
+    limits = f"{100 * least:g} % at a trot, median {STEP_MEDIAN_S:g} s over the edge"
+    return [_step(options, want, kind, want.step_m, limits, judge) for kind in ("up", "down", "over", "angled", "left")]
+
+
+def _step(options: Options, want: Wanted, kind: str, height_m: float, limits: str, judge: Judge, **more: Any) -> Case:
+    specs = step_specs(options, kind, height_m, want.climb_m_s, start_m=STEP_START_M, **more)
+    return _space(f"{kind} {1000 * height_m:.0f} mm at {want.climb_m_s:.3g} m/s", specs, limits, judge)
+
+
+def low(options: Options, want: Wanted) -> list[Case]:
+    """Return steps of four fifths of the height, all of which are to be passed in some way."""
+    return [_step(options, want, kind, 0.8 * want.step_m, "all arrive", share(1.0)) for kind in ("up", "down", "over")]
+
+
+def high(options: Options, want: Wanted) -> list[Case]:
+    """Return steps for which the crawl is allowed."""
+    least = want.table["high_least"] or None
+    limits = f"{100 * least:g} %, median {HIGH_MEDIAN_S:g} s over the edge" if least else ""
+    return [_step(options, want, kind, want.high_m, limits, share(least, most_median=("crossing_s", HIGH_MEDIAN_S)))
+            for kind in ("up", "down")]
+
+
+def bars(options: Options, want: Wanted) -> list[Case]:
+    """Return bars across the way, 40 to 80 % of the step high."""
+    specs = [spec for part in (0.4, 0.6, 0.8) for length_m in (0.03, 0.12)
+             for spec in step_specs(options, "box", part * want.step_m, want.climb_m_s, 1, STEP_START_M, length_m)]
+    return [_space("bars 40 .. 80 % of the step high, 30 and 120 mm deep", specs, "", share(None))]
+
+
+def stairs(options: Options, want: Wanted) -> list[Case]:
+    """Return eight steps up, and down."""
+    least, found = want.table["stair_least"] or None, []
     for kind in ("up", "down"):
-        goals += _steps(options, "3-D", kind, {0.04: every, 0.05: nearly, 0.06: reported})
-    goals += _steps(options, "3-D", "over", {0.04: every, 0.05: nearly})
-    for kind in ("angled", "left"):
-        goals += _steps(options, "3-D", kind, {0.02: reported, 0.04: reported})
-    return goals
+        specs = []
+        for offset_m, friction, seed in options.starts(5):
+            ground = GroundSpec(f"stairs-{kind}", want.stair_m, start_m=STEP_START_M + offset_m, length_m=STAIR_TREAD_M)
+            specs.append(WalkSpec(options.robot, options.gait, want.climb_m_s, ground, friction=friction, seed=seed,
+                                  distance_m=make_terrain(ground).finish_x_m or 1.0, limit_s=2 * LIMIT_S))
+        found.append(_space(f"stairs of 8 steps of {1000 * want.stair_m:.0f} mm {kind}", specs,
+                            f"{100 * least:g} %" if least else "", share(least)))
+    return found
 
 
-def goals(options: Options) -> list[Goal]:
-    """Return all goals that can be judged here."""
-    return plane_goals(options) + (space_goals(options) if options.in_space else [])
+def pushes(options: Options, want: Wanted) -> list[Case]:
+    """Return pushes from all sides, at all instants of a stride, of a robot that walks slowly and fast."""
+    least, newton = want.table["push_least"] or None, want.table["push_m_s"] * options.robot.mass_kg / 0.1
+    found = []
+    for speed in (want.flat_m_s / 6, want.flat_m_s * 2 / 3):
+        spec, specs, count = WalkSpec(options.robot, options.gait, speed, distance_m=20.0), [], len(options.seeds(20))
+        for offset_m, _, seed in options.starts(20)[:count]:
+            turn = math.tau * offset_m / STRIDE_M
+            push = Push(PUSH_AT_S + 0.5 * (0.618 * seed % 1), (newton * math.cos(turn), newton * math.sin(turn)))
+            specs.append(replace(spec, seed=seed, push=push, limit_s=push.at_s + PUSH_WATCH_S))
+        name = f"push of {want.table['push_m_s']:g} m/s at {speed:.3g} m/s"
+        found.append(_space(name, specs, f"{100 * least:g} % do not fall" if least else "",
+                            share(least, lambda answer: not answer.figures["falls"])))
+    return found
 
 
-def tasks(options: Options) -> list[Trial]:
-    """Return all goals' trials."""
-    return [trial for goal in goals(options) for trial in goal.trials]
+def stones(options: Options, want: Wanted) -> list[Case]:
+    """Return stones, another ground each."""
+    spec = WalkSpec(options.robot, options.gait, want.stones_m_s, limit_s=LIMIT_S)
+    specs = [replace(spec, seed=seed, ground=GroundSpec("stones", STONES_M, start_m=0.25, length_m=1.8, seed=seed),
+                     friction=FRICTIONS[seed % 2]) for seed in options.seeds(10)]
+    least = want.table["stones_least"]
+    return [_space(f"stones of {1000 * STONES_M:g} mm at {want.stones_m_s:.3g} m/s", specs, f"{100 * least:g} %",
+                   share(least))]
 
 
-def evaluate(options: Options, answers: list[Answer]) -> Outcome:
-    """Return one row for each goal."""
-    rows, text, at = [], [], 0
-    words = {True: "met", False: "not met", None: "reported"}
-    for goal in goals(options):
-        own = answers[at : at + len(goal.trials)]
-        at += len(goal.trials)
-        met, told = goal.judge(own)
-        failures = [answer.figures["reason"] for answer in own if not answer.ok]
-        rows.append({"where": goal.where, "goal": goal.name, "met": met, "figure": told, "paper": goal.paper,
-                     "failures": failures})
-        text.append((goal.where, goal.name, words[met], told, goal.paper))
-    table = Table(f"Goals, gait {options.gait}", ("", "", "", "figure", "paper"), text)
-    return Outcome("goals", "Figures to reach", {"experiment": "goals", "gait": options.gait, "goals": rows}, [table])
+def _slopes(options: Options, want: Wanted, where: str, angle_deg: float, least: float | None) -> list[Case]:
+    found = []
+    for kind in ("up", "down"):
+        ground = GroundSpec(f"slope-{kind}", angle_deg=angle_deg)
+        spec = WalkSpec(options.robot, options.gait, want.flat_m_s / 6, ground,
+                        distance_m=make_terrain(ground).finish_x_m or 1.5)
+        walks = trials(where, [drawn(spec, seed) for seed in options.seeds(5)])
+        name = f"slope of {angle_deg:g} deg {kind}"
+        found.append(Case(name, {where: walks}, "all arrive" if least else "", share(least)))
+    return found
+
+
+def slopes(options: Options, want: Wanted) -> list[Case]:
+    """Return slopes up and down."""
+    return _slopes(options, want, SPACE, SLOPE_DEG, 1.0)
+
+
+def load(options: Options, want: Wanted, where: str = SPACE) -> list[Case]:
+    """Return 1.5 m with a load in each knee configuration; in the plane no joint may be above 40 % of stall."""
+    most = 1.0 if where == SPACE else assumptions()["payload"]["largest_torque_rms"]
+    walks = [Trial(load_specs(options, knees, want.load_kg)[0], where) for knees in KNEE_CONFIGURATIONS]
+    return [Case(f"{want.load_kg:.3g} kg over 1.5 m", {where: walks},
+                 f"one knee configuration arrives, joints at most {100 * most:g} % of stall rms", carries(most))]
+
+
+def plane(options: Options, want: Wanted) -> list[Case]:
+    """Return what is wanted in the plane."""
+    def case(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
+        return Case(name, {PLANE: trials(PLANE, list(specs))}, limits, judge)
+
+    found = [case(f"flat at {speed:.3g} m/s", _level(options, speed), "within 5 %",
+                  within(speed_m_s=_about(speed))) for speed in (want.flat_m_s, want.flat_m_s / 3, want.flat_m_s / 6)]
+    spec = WalkSpec(options.robot, options.gait, want.flat_m_s / 6)
+    rough = [replace(spec, seed=seed, ground=GroundSpec("stones", PLANE_STONES_M, length_m=spec.distance_m, seed=seed))
+             for seed in options.seeds(10)]
+    found.append(case(f"fixed stones of {1000 * PLANE_STONES_M:g} mm", rough, "pitch within 5 deg",
+                      within(pitch_range_deg=(0, 5.0))))
+    found += _slopes(options, want, PLANE, SLOPE_DEG, 1.0) + _slopes(options, want, PLANE, 15.0, None)
+    for kind, height_m, least in (("up", 0.4 * want.step_m, 1.0), ("up", 0.8 * want.step_m, 1.0),
+                                  ("up", want.step_m, 0.95), ("up", want.high_m, None),
+                                  ("box", 0.8 * want.step_m, 1.0)):
+        specs = step_specs(options, kind, height_m, want.climb_m_s, start_m=STEP_START_M)
+        name = f"{kind} {1000 * height_m:.0f} mm at {want.climb_m_s:.3g} m/s"
+        found.append(case(name, specs, f"{100 * least:g} %" if least else "", share(least)))
+    return found + load(options, want, PLANE)
+
+
+GROUPS: dict[str, Group] = {group.__name__: group for group in (
+    flat, conditions, ways, steps, low, high, bars, stairs, pushes, stones, slopes, load, plane)}
+
+
+def cases(options: Options) -> list[Case]:
+    """Return the cases of the groups asked for, or raise UserError; without MuJoCo those of the plane."""
+    unknown = [name for name in options.only if name not in GROUPS]
+    if unknown:
+        raise UserError(f"--only {unknown[0]}: no such group of goals; there are {', '.join(GROUPS)}")
+    names = options.only or tuple(GROUPS)
+    want = wanted(options.robot, options.gait)
+    return [replace(case, facts={"group": name}) for name in names if options.in_space or name == PLANE
+            for case in GROUPS[name](options, want)]
+
+
+def _sum_up(options: Options, rows: list[Any]) -> Any:
+    return sum_up(f"Goals of {options.robot.name}, {'held-out' if options.held_out else 'chosen'} set", options, rows)
+
+
+EXPERIMENT = Experiment("Figures to reach", cases, _sum_up)

@@ -8,7 +8,7 @@ import numpy as np
 from sim2d.recording import Recording
 
 from .foot_in_air import Swing
-from .trials import Answer
+from .trials import PLANE, SPACE, Answer
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -47,19 +47,17 @@ def swings(cases: list[tuple[str, Swing]], target: Path) -> None:
 
 
 def attitudes(cases: list[tuple[str, Answer]], target: Path) -> None:
-    """Draw pitch, and roll where there is one, over time: one strip for each case that kept its recording."""
-    kept = [(name, answer) for name, answer in cases if answer.recording is not None]
-    figure = _figure(10, 0.6 + 1.7 * max(1, len(kept)))
-    grid = figure.subplots(max(1, len(kept)), 1, squeeze=False)
-    for axes, (name, answer) in zip(grid[:, 0], kept, strict=False):
+    """Draw pitch, and roll where there is one, over time: one strip for each case."""
+    figure = _figure(10, 0.6 + 1.7 * len(cases))
+    grid = figure.subplots(len(cases), 1, squeeze=False)
+    for axes, (name, answer) in zip(grid[:, 0], cases, strict=True):
         for what, degrees, colour in _angles(answer.recording):
-            axes.plot(answer.recording.time_s, degrees, color=colour, linewidth=0.9, label=what)  # type: ignore[union-attr]
+            axes.plot(answer.recording.time_s, degrees, color=colour, linewidth=0.9, label=what)
         axes.set_ylabel("deg")
         axes.set_title(f"{name}: {answer.figures['reason']}", fontsize=9, loc="left")
         axes.grid(alpha=0.3)
-    if kept:
-        grid[0, 0].legend(loc="upper right", ncols=2, fontsize=8)
-        grid[-1, 0].set_xlabel("time, s")
+    grid[0, 0].legend(loc="upper right", ncols=2, fontsize=8)
+    grid[-1, 0].set_xlabel("time, s")
     figure.savefig(target, dpi=100)
 
 
@@ -70,43 +68,24 @@ def _angles(recording: Any) -> list[tuple[str, Any, str]]:
     return [("roll (3-D)", angles[:, 0], _COLOURS[1]), ("pitch (3-D)", angles[:, 1], _COLOURS[0])]
 
 
-def pass_rates(x_label: str, lines: dict[str, list[tuple[float, float]]], target: Path) -> None:
-    """Draw the share of trials passed over height or slope: a panel for each simulator, a line for each kind."""
-    places = list(dict.fromkeys(name.partition(" ")[0] for name in lines))
-    figure = _figure(5.5 * len(places), 4)
-    grid = figure.subplots(1, len(places), squeeze=False, sharey=True)
-    for axes, place in zip(grid[0], places, strict=True):
-        for i, (name, points) in enumerate((n, p) for n, p in lines.items() if n.partition(" ")[0] == place):
-            xs, shares = zip(*points, strict=True)
-            # lines that lie on each other stay visible: thick below thin
-            axes.plot(xs, [100 * share for share in shares], marker="o", markersize=9 - 1.5 * i, linewidth=5 - 0.9 * i,
-                      color=_COLOURS[i], label=name.partition(" ")[2])
-        axes.set_xlabel(x_label)
-        axes.set_title({"plane": "in the plane (sim2d)", "3-D": "in 3-D (MuJoCo)"}[place])
-        axes.set_ylim(-5, 105)
-        axes.grid(alpha=0.3)
-        axes.legend()
-    grid[0][0].set_ylabel("passed, %")
-    figure.savefig(target, dpi=100)
+Lines = dict[str, list[tuple[float, float]]]  # points by name
 
 
-def loads(plane: dict[str, list[tuple[float, float]]], space: dict[str, list[tuple[float, float]]], limit: float,
-          target: Path) -> None:
-    """Draw the most loaded joint's torque over the payload, a line for each knee configuration."""
-    panels = [("in the plane (sim2d)", plane)]
-    if any(space.values()):
-        panels.append(("in 3-D (MuJoCo)", space))
+def lines(panels: dict[str, Lines], x_label: str, y_label: str, limit: float | None, target: Path) -> None:
+    """Draw a panel for each simulator, a line for each kind, and a limit, if there is one, across."""
     figure = _figure(5.5 * len(panels), 4)
     grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
-    for axes, (title, lines) in zip(grid[0], panels, strict=True):
-        for i, (name, points) in enumerate(lines.items()):
-            kilograms, shares = zip(*points, strict=True)
-            axes.plot(kilograms, [100 * share for share in shares], marker="o", color=_COLOURS[i], label=name)
-        axes.axhline(100 * limit, color="#a33b5e", linestyle="--", linewidth=1)
-        axes.set_xlabel("payload, kg")
-        axes.set_title(title)
+    for axes, (place, named) in zip(grid[0], panels.items(), strict=True):
+        for i, (name, points) in enumerate(named.items()):
+            # lines that lie on each other stay visible: thick below thin
+            axes.plot(*zip(*points, strict=True), marker="o", markersize=9 - 1.2 * i, linewidth=5 - 0.75 * i,
+                      color=_COLOURS[i], label=name)
+        if limit is not None:
+            axes.axhline(limit, color="#a33b5e", linestyle="--", linewidth=1)
+        axes.set_xlabel(x_label)
+        axes.set_title({PLANE: "in the plane (sim2d)", SPACE: "in 3-D (MuJoCo)"}[place])
         axes.grid(alpha=0.3)
         axes.legend()
-    grid[0][0].set_ylabel("most loaded joint, torque rms, % of stall")
-    grid[0][0].set_ylim(bottom=0)
+    grid[0][0].set_ylabel(y_label)
+    grid[0][0].set_ylim(bottom=-5)
     figure.savefig(target, dpi=100)

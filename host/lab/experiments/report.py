@@ -8,7 +8,7 @@ from pathlib import Path
 from sim2d.view import animation_html
 
 from ...robot.model import Robot
-from .outcome import Film, Outcome, Table
+from .case import Film, Found, Table
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 1150px; margin: 2rem auto; padding: 0 1rem }
@@ -22,11 +22,14 @@ iframe { width: 100%; height: 640px; border: 1px solid #ccd3dd } summary { curso
 """
 
 
-def report_html(robot: Robot, gait: str, outcomes: Sequence[Outcome], folder: Path) -> str:
+Section = tuple[str, str, Found, list[Film]]  # an experiment's name, title, figures and films
+
+
+def report_html(robot: Robot, gait: str, sections: Sequence[Section], folder: Path) -> str:
     """Return the page; the pictures are taken from ``folder``."""
     title = f"Experiments: {robot.name}, gait {gait}"
-    parts = [_section(robot, outcome, folder) for outcome in outcomes]
-    contents = "".join(f'<li><a href="#{o.name}">{html.escape(o.title)}</a></li>' for o in outcomes)
+    parts = [_section(robot, *section, folder) for section in sections]
+    contents = "".join(f'<li><a href="#{name}">{html.escape(told)}</a></li>' for name, told, _, _ in sections)
     intro = ("Plane: the project's own simulator of the sagittal plane. 3-D: the independent check in MuJoCo, with the "
              "same planner and servo law. Paper: what the papers measured on their robots.")
     return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
@@ -34,15 +37,15 @@ def report_html(robot: Robot, gait: str, outcomes: Sequence[Outcome], folder: Pa
             f"<h1>{html.escape(title)}</h1><p>{intro}</p><ul>{contents}</ul>\n{''.join(parts)}</body></html>\n")
 
 
-def _section(robot: Robot, outcome: Outcome, folder: Path) -> str:
-    parts = [f'<section id="{outcome.name}"><h2>{html.escape(outcome.title)}</h2>']
-    parts += [_table(table) for table in outcome.tables]
-    for picture in outcome.pictures:
+def _section(robot: Robot, name: str, title: str, found: Found, films: list[Film], folder: Path) -> str:
+    parts = [f'<section id="{name}"><h2>{html.escape(title)}</h2>']
+    parts += [_table(table) for table in found.tables]
+    for picture in found.pictures:
         data = base64.b64encode((folder / picture.name).read_bytes()).decode()
         caption = html.escape(picture.caption)
         parts.append(f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
                      f"<figcaption>{caption}</figcaption></figure>\n")
-    parts += [_film(robot, film) for film in outcome.films]
+    parts += [_film(robot, film) for film in films]
     return "".join(parts) + "</section>\n"
 
 

@@ -2,36 +2,55 @@
 
 import json
 from collections.abc import Sequence
-from importlib import import_module
+from dataclasses import dataclass
 from pathlib import Path
 
 from ...util.errors import UserError
 from ...util.files import atomic_path, write_text
 from ...util.progress import Tell
-from .outcome import Outcome
+from . import counts, goals, requirements, samples
+from .case import Answers, Case, Experiment, Film, Found, Row, films
 from .pool import run_all
 from .report import report_html
 from .trials import Options
 
-# The papers' experiments, which `all` runs, and this project's own list of figures to reach.
-PAPERS = ("table1", "table2", "ramp", "steps", "payload", "requirements")
-NAMES = (*PAPERS, "goals")
+PAPERS = {**samples.EXPERIMENTS, **counts.EXPERIMENTS, "requirements": requirements.EXPERIMENT}
+EXPERIMENTS: dict[str, Experiment] = {**PAPERS, "goals": goals.EXPERIMENT}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """An experiment that has run."""
+
+    name: str
+    title: str
+    found: Found
+    films: list[Film]
 
 
 def names_of(what: str) -> tuple[str, ...]:
-    """Return the experiments asked for, or raise UserError."""
-    if what != "all" and what not in NAMES:
-        raise UserError(f"experiment {what}: no such experiment; there are {', '.join(NAMES)} and all")
-    return PAPERS if what == "all" else (what,)
+    """Return the experiments asked for, or raise UserError; all are those of the papers."""
+    if what != "all" and what not in EXPERIMENTS:
+        raise UserError(f"experiment {what}: no such experiment; there are {', '.join(EXPERIMENTS)} and all")
+    return tuple(PAPERS) if what == "all" else (what,)
 
 
 def run_experiment(name: str, options: Options, tell: Tell) -> Outcome:
     """Run one experiment; ``tell`` hears how many trials of how many are ready. The outcome depends on no timing."""
-    module = import_module(f"{__package__}.{name}")
-    tasks = module.tasks(options)
-    answers = run_all(tasks, options.jobs, lambda ready: tell(ready, len(tasks), ""))
-    outcome: Outcome = module.evaluate(options, answers)
-    return outcome
+    experiment = EXPERIMENTS[name]
+    cases = experiment.cases(options)
+    trials = {id(trial): trial for case in cases for series in case.trials.values() for trial in series}
+    answers = run_all(list(trials.values()), options.jobs, lambda ready: tell(ready, len(trials), ""))
+    by_trial = dict(zip(trials, answers, strict=True))
+    rows = [Row(case, _answers(case, by_trial)) for case in cases]
+    found = experiment.sum_up(options, rows)
+    head = {"experiment": name, "robot": options.robot.name, "gait": options.gait}
+    return Outcome(name, experiment.title, Found(head | found.result, found.tables, found.pictures),
+                   [film for row in rows for film in films(row)])
+
+
+def _answers(case: Case, by_trial: dict[int, object]) -> Answers:
+    return {where: [by_trial[id(trial)] for trial in series] for where, series in case.trials.items()}  # type: ignore[misc]
 
 
 def write_outcomes(options: Options, outcomes: Sequence[Outcome], folder: Path) -> list[Path]:
@@ -39,12 +58,13 @@ def write_outcomes(options: Options, outcomes: Sequence[Outcome], folder: Path) 
     written = []
     for outcome in outcomes:
         figures = folder / f"{outcome.name}.json"
-        write_text(figures, json.dumps(outcome.result, indent=1, allow_nan=False) + "\n")
+        write_text(figures, json.dumps(outcome.found.result, indent=1, allow_nan=False) + "\n")
         written.append(figures)
-        for picture in outcome.pictures:
+        for picture in outcome.found.pictures:
             with atomic_path(folder / picture.name) as draft:
                 picture.draw(draft)
             written.append(folder / picture.name)
     page = folder / "report.html"
-    write_text(page, report_html(options.robot, options.gait, outcomes, folder))
+    sections = [(outcome.name, outcome.title, outcome.found, outcome.films) for outcome in outcomes]
+    write_text(page, report_html(options.robot, options.gait, sections, folder))
     return [*written, page]

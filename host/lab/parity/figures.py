@@ -71,17 +71,6 @@ def public_functions(sources: Path, source: str) -> list[str]:
     return found
 
 
-def unregistered(sources: Path, work: Path) -> list[str]:
-    """Return the public functions of shared/ that have no vectors; marks and declarations need none."""
-    known = {promise.name for promise in promises(sources, work).values()}
-    missing = []
-    for path in sorted((sources / "shared").rglob("*.py")):
-        source = path.relative_to(sources / "shared").as_posix().removesuffix(".py").replace("/", ".")
-        if source not in ("runtime", "record", "sense.sensed"):
-            missing += [f"{source}.{name}" for name in public_functions(sources, source)]
-    return [name for name in missing if name not in known]
-
-
 def fuel(sources: Path, work: Path) -> dict[str, int]:
     """Return what one call of each function costs in the WASI VM, exact: the same in every run."""
     runtime = Wasi()

@@ -15,12 +15,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any, Protocol
 
 from ...control.pacer import figures_ms
 from ...util.errors import NOT_ACHIEVED, UserError
+from . import browser
 from .watched import Status, Watched, free_port
 
 MOST_CPU_SHARE = 0.25
@@ -61,85 +63,18 @@ class Bench:
 
 
 class Source(Protocol):
-    """Somebody who drives: pushes a stick, lets it go, pulls the stop."""
+    """Somebody who drives: pushes a stick, lets it go, pulls the stop, stands up, forgets the stop."""
 
-    name: str
-
-    def push(self) -> None:
-        """Move the sticks."""
-
-    def let_go(self) -> None:
-        """Let them go."""
-
-    def stop(self) -> None:
-        """Emergency stop."""
-
-    def stand(self) -> None:
-        """Stand up."""
-
-    def reset(self) -> None:
-        """Forget the stop."""
+    def __call__(self, what: str) -> None:
+        """Do one of push, let go, stop, stand, reset."""
 
 
-class TerminalKeys:
-    """Keys typed into the command's own terminal."""
-
-    name = "keyboard"
-
-    def __init__(self, teleop: Watched) -> None:
-        self._teleop = teleop
-
-    def push(self) -> None:
-        """See Source."""
-        self._teleop.keys("w")
-
-    def let_go(self) -> None:
-        """A digit sets the speed share, and the sticks to rest."""
-        self._teleop.keys("5")
-
-    def stop(self) -> None:
-        """See Source."""
-        self._teleop.keys(" ")
-
-    def stand(self) -> None:
-        """See Source."""
-        self._teleop.keys("t")
-
-    def reset(self) -> None:
-        """See Source."""
-        self._teleop.keys("r")
-
-
-class Script:
-    """Lines of JSON on the socket."""
-
-    name = "script"
-
-    def __init__(self, teleop: Watched) -> None:
-        self._teleop = teleop
-
-    def _drive(self, vx_m_s: float) -> None:
-        self._teleop.say(type="drive", vx_m_s=vx_m_s, vy_m_s=0, wz_rad_s=0, pose=[0] * 6)
-
-    def push(self) -> None:
-        """See Source."""
-        self._drive(0.02)
-
-    def let_go(self) -> None:
-        """See Source."""
-        self._drive(0.0)
-
-    def stop(self) -> None:
-        """See Source."""
-        self._teleop.say(type="stop")
-
-    def stand(self) -> None:
-        """See Source."""
-        self._teleop.say(type="posture", posture="stand")
-
-    def reset(self) -> None:
-        """See Source."""
-        self._teleop.say(type="reset")
+KEYS = {"push": "w", "let go": "5", "stop": " ", "stand": "t", "reset": "r"}  # a digit sets the sticks to rest
+LINES: dict[str, dict[str, Any]] = {
+    **{what: {"type": "drive", "vx_m_s": speed, "vy_m_s": 0, "wz_rad_s": 0, "pose": [0] * 6}
+       for what, speed in (("push", 0.02), ("let go", 0.0))},
+    "stop": {"type": "stop"}, "stand": {"type": "posture", "posture": "stand"}, "reset": {"type": "reset"},
+}
 
 
 def run_bench(seconds: float, presses: int, done: Callable[[str], None]) -> Bench:
@@ -151,7 +86,7 @@ def run_bench(seconds: float, presses: int, done: Callable[[str], None]) -> Benc
         for name, opener in SOURCES.items():
             done(name)
             try:
-                bench.rows += _latencies(Path(folder), opener, presses)
+                bench.rows += _latencies(Path(folder), name, opener, presses)
             except Skipped as why:
                 bench.skipped[name] = str(why)
         done(f"{MESSAGES} bad messages")
@@ -185,26 +120,24 @@ class Skipped(Exception):
 @contextmanager
 def _keyboard(folder: Path) -> Iterator[tuple[Watched, Source]]:
     with Watched(folder, terminal=True) as teleop:
-        yield teleop, TerminalKeys(teleop)
+        yield teleop, lambda what: teleop.keys(KEYS[what])
 
 
 @contextmanager
 def _script(folder: Path) -> Iterator[tuple[Watched, Source]]:
     with Watched(folder) as teleop:
-        yield teleop, Script(teleop)
+        yield teleop, lambda what: teleop.say(**LINES[what])
 
 
-def _page(kind: str) -> Callable[[Path], Any]:
+def _page(act: Callable[[Any, str], None]) -> Callable[[Path], Any]:
     @contextmanager
     def opener(folder: Path) -> Iterator[tuple[Watched, Source]]:
-        from . import browser
-
         if why := browser.missing():
             raise Skipped(why)
         with ExitStack() as stack:
             teleop = stack.enter_context(Watched(folder))
             page = stack.enter_context(browser.open_page(teleop.url))
-            yield teleop, getattr(browser, kind)(page)
+            yield teleop, partial(act, page)
 
     return opener
 
@@ -212,29 +145,29 @@ def _page(kind: str) -> Callable[[Path], Any]:
 SOURCES: dict[str, Callable[[Path], Any]] = {
     "keyboard": _keyboard,
     "script": _script,
-    "page, key": _page("PageKeys"),
-    "page, stick and STOP": _page("PageStick"),
-    "page, gamepad": _page("PagePad"),
+    "page, key": _page(browser.by_key),
+    "page, stick and STOP": _page(browser.by_stick),
+    "page, gamepad": _page(browser.by_pad),
 }
 
 
-def _latencies(folder: Path, opener: Callable[[Path], Any], presses: int) -> list[Row]:
+def _latencies(folder: Path, name: str, opener: Callable[[Path], Any], presses: int) -> list[Row]:
     """Return how long sticks and stops of a source take to the packet."""
     chance = Random("pauses")
     with opener(folder) as (teleop, source):
-        source.stand()
+        source("stand")
         teleop.wait(lambda status: status["state"] == "standing", STAND_S)
         steered_s = [_press(teleop, source, chance) for _ in range(presses)]
         stopped_s = [_stop(teleop, source, chance) for _ in range(presses)]
-        if source.name.startswith("page"):
+        if name.startswith("page"):
             figures = teleop.stop()
             steered = figures["command_to_packet_ms"]["web"]
             stopped = figures["stop_to_packet_ms"]["web"]
         else:
             steered, stopped = figures_ms(steered_s), figures_ms(stopped_s)
     return [
-        _latency(f"{source.name}: stick to packet", steered, COMMAND_MS),
-        _latency(f"{source.name}: stop to torque off", stopped, STOP_MS),
+        _latency(f"{name}: stick to packet", steered, COMMAND_MS),
+        _latency(f"{name}: stop to torque off", stopped, STOP_MS),
     ]
 
 
@@ -247,10 +180,10 @@ def _press(teleop: Watched, source: Source, chance: Random) -> float:
     """Push the stick at any moment of a tick, and let it go; return how long the push took, s."""
     time.sleep(chance.uniform(0.02, 0.06))
     pushed_s = time.monotonic()
-    source.push()
+    source("push")
     status = teleop.wait(_since("steered_at_s", pushed_s))
     let_go_s = time.monotonic()
-    source.let_go()
+    source("let go")
     teleop.wait(_since("steered_at_s", let_go_s))
     taken_s: float = status["timing"]["steered_at_s"] - pushed_s
     return taken_s
@@ -258,13 +191,13 @@ def _press(teleop: Watched, source: Source, chance: Random) -> float:
 
 def _stop(teleop: Watched, source: Source, chance: Random) -> float:
     """Pull the stop while the robot rises, and reset it."""
-    source.stand()
+    source("stand")
     teleop.wait(lambda status: status["armed"], STAND_S)
     time.sleep(chance.uniform(0.02, 0.06))
     pulled_s = time.monotonic()
-    source.stop()
+    source("stop")
     status = teleop.wait(_since("stopped_at_s", pulled_s))
-    source.reset()
+    source("reset")
     teleop.wait(lambda status: status["stop"] is None)
     taken_s: float = status["timing"]["stopped_at_s"] - pulled_s
     return taken_s

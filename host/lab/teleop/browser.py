@@ -15,6 +15,7 @@ FLAGS = (
     "--disable-component-update",
     "--disable-sync",
 )
+KEYS = {"push": "w", "let go": "w", "stop": "Space", "stand": "t", "reset": "r"}
 DESK = {"width": 1280, "height": 900}
 # A gamepad that the caller moves: window.pad is what the browser would tell.
 FAKE_PAD = """
@@ -59,71 +60,36 @@ def open_page(url: str) -> Iterator[Any]:
         yield page
 
 
-class PageKeys:
-    """The page's keyboard."""
-
-    name = "page, key"
-
-    def __init__(self, page: Any) -> None:
-        self.page = page
-
-    def push(self) -> None:
-        """Move the sticks."""
-        self.page.keyboard.down("w")
-
-    def let_go(self) -> None:
-        """Let them go."""
-        self.page.keyboard.up("w")
-
-    def stop(self) -> None:
-        """Emergency stop."""
-        self.page.keyboard.press("Space")
-
-    def stand(self) -> None:
-        """Stand up."""
-        self.page.keyboard.press("t")
-
-    def reset(self) -> None:
-        """Forget the stop."""
-        self.page.keyboard.press("r")
+def by_key(page: Any, what: str) -> None:
+    """Do one of push, let go, stop, stand, reset with the page's keyboard."""
+    keys = page.keyboard
+    {"push": keys.down, "let go": keys.up}.get(what, keys.press)(KEYS[what])
 
 
-class PageStick(PageKeys):
-    """The page's left stick and its STOP button."""
-
-    name = "page, stick and STOP"
-
-    def push(self) -> None:
-        """See PageKeys."""
-        box = self.page.locator("#walk").bounding_box()
+def by_stick(page: Any, what: str) -> None:
+    """Do it with the page's left stick and its STOP button."""
+    if what == "push":
+        box = page.locator("#walk").bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-        self.page.mouse.move(x, y - box["height"] / 3)
-        self.page.mouse.down()
-
-    def let_go(self) -> None:
-        """See PageKeys."""
-        self.page.mouse.up()
-
-    def stop(self) -> None:
-        """See PageKeys."""
-        self.page.locator("#stop").click()
+        page.mouse.move(x, y - box["height"] / 3)
+        page.mouse.down()
+    elif what == "let go":
+        page.mouse.up()
+    elif what == "stop":
+        page.locator("#stop").click()
+    else:
+        by_key(page, what)
 
 
-class PagePad(PageKeys):
-    """The browser's gamepad, whose dead-man button is held."""
-
-    name = "page, gamepad"
-
-    def push(self) -> None:
-        """See PageKeys."""
-        self.page.evaluate("pad.buttons[4].pressed = true; pad.axes[1] = -1")
-
-    def let_go(self) -> None:
-        """See PageKeys."""
-        self.page.evaluate("pad.axes[1] = 0")
-
-    def stop(self) -> None:
-        """See PageKeys."""
-        self.page.evaluate("pad.buttons[1].pressed = true")
-        self.page.wait_for_timeout(60)
-        self.page.evaluate("pad.buttons[1].pressed = false")
+def by_pad(page: Any, what: str) -> None:
+    """Do it with the browser's gamepad, whose dead-man button is held."""
+    if what == "push":
+        page.evaluate("pad.buttons[4].pressed = true; pad.axes[1] = -1")
+    elif what == "let go":
+        page.evaluate("pad.axes[1] = 0")
+    elif what == "stop":
+        page.evaluate("pad.buttons[1].pressed = true")
+        page.wait_for_timeout(60)
+        page.evaluate("pad.buttons[1].pressed = false")
+    else:
+        by_key(page, what)

@@ -58,8 +58,7 @@ class AdcCommon(Peripheral):
         Register("CDR", 0x08, 0, 0),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.sensors_on_at = 0
 
     def clocked(self, register: str) -> bool:
@@ -105,8 +104,7 @@ class Adc(Peripheral):
         Register("DR", 0x4C, 0, 0),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.samples: list[Sample] = []
         self.awaited: set[str] = set()
         self._idle()

@@ -57,8 +57,7 @@ class BxCan(Peripheral):
         *(Register(f"F{bank}R{n + 1}", 0x240 + 8 * bank + 4 * n) for bank in range(BANKS) for n in range(2)),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.wire = CanWire(self)
         self.received: list[tuple[int, int, Frame]] = []
         self._start_values()

@@ -23,8 +23,7 @@ class Nvic(Peripheral):
     read_sizes: ClassVar = (1, 2, 4)
     write_sizes: ClassVar = (1, 2, 4)
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.reset()
 
     def reset(self) -> None:
@@ -228,8 +227,7 @@ class SysTick(Peripheral):
         Register("CALIB", 0x1C, 0x4000_0000 | 21_000 - 1, 0),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self._due: Due | None = None
         self.zero_at, self.left, self.counted = 0, 0, False
 
@@ -292,8 +290,7 @@ class Dwt(Peripheral):
     write_sizes: ClassVar = (1, 2, 4)
     registers: ClassVar = (Register("CTRL", 0x00, 0x4000_0000, 0x003F_FFFF), Register("CYCCNT", 0x04))
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.origin = 0
 
     def write_CTRL(self, old: int, new: int) -> None:

@@ -21,8 +21,7 @@ class Counter(Peripheral):
         Register("ARR", 0x2C, ALL, ALL),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.reset()
 
     def reset(self) -> None:

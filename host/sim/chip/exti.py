@@ -22,8 +22,7 @@ class Exti(Peripheral):
         *(Register(name, 4 * n, 0, LINES) for n, name in enumerate(("IMR", "EMR", "RTSR", "FTSR", "SWIER", "PR"))),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self._watched: set[str] = set()
 
     def reset(self) -> None:

@@ -45,8 +45,7 @@ class Flash(Peripheral):
         Register("OPTCR", 0x14, 0x0FFF_AAED, 0x0FFF_FFEF),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.contents = bytearray(b"\xff" * SIZE)
         self.step: Callable[[str, int, int], None] | None = None
         self.changed: Callable[[int, int], None] | None = None

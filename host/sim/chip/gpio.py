@@ -32,8 +32,7 @@ class Gpio(Peripheral):
         Register("AFRH", 0x24),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.letter = self.name[-1]
         self._reset_values()
 

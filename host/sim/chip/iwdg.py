@@ -23,8 +23,7 @@ class Iwdg(Peripheral):
         Register("SR", 0x0C, 0, 0),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self._due: Due | None = None
         self.running, self.unlocked = False, False
         self.busy_until = {"PR": 0, "RLR": 0}

@@ -60,6 +60,10 @@ class Peripheral:
                 self._readers[register.offset] = reader
             if writer := getattr(self, f"write_{register.name}", None):
                 self._writers[register.offset] = writer
+        self.power_up()
+
+    def power_up(self) -> None:
+        """Set up what the block has besides registers."""
 
     def reset(self) -> None:
         """Put every register to its reset value. Subclasses stop what they have under way first."""

@@ -32,8 +32,7 @@ class Spi(Peripheral):
         Register("I2SPR", 0x20, 2, 0x3FF),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.slaves: list[SpiSlave] = []
         self.frames: list[tuple[int, int, int, int]] = []
         self._due: list[Due] = []

@@ -53,8 +53,7 @@ class Tim(Peripheral):
         Register("DMAR", 0x4C),
     )
 
-    def __init__(self, *args: object, **more: object) -> None:
-        super().__init__(*args, **more)  # type: ignore[arg-type]
+    def power_up(self) -> None:
         self.out = OutputStage(self)
         self._due: list[Due] = []
         self._watching_break = False

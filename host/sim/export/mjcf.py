@@ -14,6 +14,7 @@ from xml.etree import ElementTree as Xml
 
 from sim2d.model import GRAVITY_M_S2, PlanarRobot, ServoModel
 
+from ...robot.coupling import to_motor
 from ...robot.model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
 from ...robot.plane import planar_robot
 from ...robot.poses import rest_pose_rad
@@ -219,9 +220,6 @@ def _add_rest(root: Xml.Element, robot: Robot, options: ModelOptions) -> None:
             places += [*block.centre_m, *block.quaternion]
     if not options.on_a_stand:
         places += [*_trunk_m(robot, options), 1.0, 0.0, 0.0, 0.0]
-    goals = list(pose)
-    if robot.calf_drive.coupled:
-        for calf in range(2, len(goals), 3):
-            goals[calf] += goals[calf - 1]
+    goals = to_motor(robot, pose)
     keys = Xml.SubElement(root, "keyframe")
     Xml.SubElement(keys, "key", name="rest", qpos=_vector([*places, *pose]), ctrl=_vector(goals))

@@ -5,13 +5,13 @@ gear's loss opposes the motion. tests/host/sim/motor compares it with the full m
 the same current below 15 Hz within 5 %. Energy is counted with and without what braking motors give back.
 """
 
-from collections.abc import MutableSequence, Sequence
+from collections.abc import Sequence
 from math import tau
 from typing import Any
 
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_IMPEDANCE, MODE_POSITION
-from sim2d.actuator import CoupledDrives, Drives
+from sim2d.actuator import CoupledDrives, Drives, Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.recording import Recording
 
@@ -133,14 +133,7 @@ class JointMotors:
         """See sim2d.actuator.Drives."""
         return [motor.motor_Nm for motor in self.motors]
 
-    def torques(
-        self,
-        goal_rad: Sequence[float],
-        position_rad: Sequence[float],
-        speed_rad_s: Sequence[float],
-        dt_s: float,
-        torque_Nm: MutableSequence[float],
-    ) -> None:
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
         """See sim2d.actuator.Actuator."""
         for i, motor in enumerate(self.motors):
             torque_Nm[i] = motor.torque(goal_rad[i], position_rad[i], speed_rad_s[i], dt_s)

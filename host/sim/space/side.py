@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,19 +10,10 @@ from sim2d.recording import Recording
 
 from ...robot.model import Robot
 from ...util.errors import UserError
-from ..export.ground import Ground, extrude, stones
-from ..walk import WalkSpec, make_terrain
+from ..grounds import FLAT, STONES, make_terrain
+from ..walk import WalkSpec
 from .walk import SpaceRecording, figures, walk_in_space
 from .world import Array
-
-STONES = ("stones", "gravel")  # lie in space as nowhere in the plane: the view shows the floor under them
-
-
-def ground_of(spec: WalkSpec) -> Ground:
-    """Return the ground of a walk: the plane's drawn out sideways, or stones strewn over the floor."""
-    if spec.terrain not in STONES:
-        return extrude(make_terrain(spec))
-    return stones(spec.seed, spec.height, spec.start_m, max(0.1, spec.distance_m), loose=spec.terrain == "gravel")
 
 
 def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> Recording:
@@ -52,12 +42,11 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         stone_turn_rad=np.zeros((count, 0)),
         stall_Nm=rec.stall_Nm,
         foot_radius_m=spec.robot.geometry.foot_radius_m,
-        terrain=make_terrain(replace(spec, terrain="flat", height_m=None) if spec.terrain in STONES else spec),
-        settings={"robot": spec.robot.name, "terrain": spec.terrain, "seed": spec.seed},
+        terrain=make_terrain(FLAT if spec.ground.name in STONES else spec.ground),  # of stones the floor under them
+        settings={"robot": spec.robot.name, "terrain": spec.ground.name, "seed": spec.seed},
         outcome=rec.outcome,
         real_time_factor=real_time_factor,
         notes=rec.notes,
-        calf_on_torso=spec.robot.calf_drive.coupled,
     )
 
 
@@ -65,7 +54,7 @@ def run_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None
     """Simulate the walk; return its recording from the side, and the figures that only space has."""
     began_s = time.perf_counter()
     try:
-        rec = walk_in_space(spec, ground_of(spec), progress)
+        rec = walk_in_space(spec, progress)
     except (ValueError, ArithmeticError) as error:
         raise UserError(f"walk: {error}") from error
     taken_s = time.perf_counter() - began_s

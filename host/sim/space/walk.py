@@ -20,10 +20,10 @@ from ...imu.attitude import Attitude
 from ...robot.model import JOINT_NAMES, LEG_NAMES
 from ...robot.plane import planar_robot
 from ...util.errors import NOT_ACHIEVED, UserError
-from ..export.ground import Ground
 from ..export.mjcf import ModelOptions, drives
+from ..grounds import make_ground
 from ..imu import SimulatedImu
-from ..walk import WalkSpec
+from ..walk import WAYS, WalkSpec
 from .world import Array, World
 
 # (dt_s, impratio): the fast one is twice as fast, and a gait's figures stay the same.
@@ -31,6 +31,7 @@ FAST, EXACT = (0.002, 10.0), (0.001, 100.0)
 FALL_TILT_RAD = math.radians(45.0)
 _SETTLE_S = 0.5
 _STANDING_UP_S = 20.0
+_ASIDE = {"ahead": (0.0, 1.0), "back": (0.0, 1.0), "left": (1.0, 0.0), "turn": (0.0, 0.0)}  # across each of WAYS
 
 
 @dataclass(frozen=True)
@@ -49,6 +50,12 @@ class SpaceRecording:
     flags: int
     outcome: Outcome
     notes: tuple[Note, ...] = ()
+    way: str = "ahead"
+
+    def gone(self) -> Array:
+        """Return how far it has come along its way at each instant, m, or rad where it turns."""
+        places = np.column_stack((self.position_m[:, :2], self.attitude_rad[:, 2]))
+        return np.asarray((places - places[0]) @ np.array(WAYS[self.way], dtype=float))
 
     def digest(self) -> str:
         """SHA-256 of every array: equal for equal runs on the same machine."""
@@ -58,9 +65,10 @@ class SpaceRecording:
 class SpaceWalker:
     """The planner with its senses in a World, tick by tick."""
 
-    def __init__(self, spec: WalkSpec, ground: Ground, fast: bool = True) -> None:
+    def __init__(self, spec: WalkSpec, fast: bool = True) -> None:
         self.driver = Driver(spec.robot)
-        options = ModelOptions(ground, spec.payload_kg, spec.friction, spec.voltage_V, *(FAST if fast else EXACT))
+        exact = FAST if fast else EXACT
+        options = ModelOptions(make_ground(spec.ground), spec.payload_kg, spec.friction, spec.voltage_V, *exact)
         self.world = World(spec.robot, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
         self.goals, self.flags = [0.0] * 12, 0
@@ -98,20 +106,26 @@ class _Log:
     def __init__(self, walker: SpaceWalker, spec: WalkSpec) -> None:
         self._walker, self._spec = walker, spec
         self._rows: list[tuple[object, ...]] = []
-        self._start_s, start_x_m = walker.world.time_s, float(walker.world.position_m()[0])
-        self.referee = Referee(start_x_m, spec.distance_m, spec.time_limit_s, spec.stuck_after_s, FALL_TILT_RAD)
+        world = walker.world
+        self._start_s, self._start = world.time_s, (*world.position_m()[:2], world.attitude_rad()[2])
+        self._yaw_rad, self.time_s = self._start[2], 0.0
+        self.referee = Referee(0.0, spec.distance_m, spec.time_limit_s, spec.stuck_after_s, FALL_TILT_RAD)
 
     def add(self, progress: Callable[[float], None] | None) -> Outcome | None:
         """Keep the present instant; return how the walk ended, None while it goes on."""
         world = self._walker.world
         loads, trunk, deepest = world.foot_loads_N()
         time_s, place, attitude = world.time_s - self._start_s, world.position_m(), world.attitude_rad()
+        self.time_s = time_s
+        self._yaw_rad += math.remainder(attitude[2] - self._yaw_rad, math.tau)
+        gone = sum(share * (now - start) for share, now, start in zip(
+            WAYS[self._spec.way], (float(place[0]), float(place[1]), self._yaw_rad), self._start, strict=True))
         self._rows.append((time_s, place, attitude, world.true_joints_rad(), np.array(self._walker.goals),
                            world.drive_torques_Nm(), loads, deepest))
         if progress is not None:
-            progress(self.referee.progress(time_s, float(place[0])))
+            progress(self.referee.progress(time_s, gone))
         tilt_rad = math.acos(max(-1.0, min(1.0, math.cos(attitude[0]) * math.cos(attitude[1]))))
-        return self.referee.judge(time_s, float(place[0]), tilt_rad, trunk)
+        return self.referee.judge(time_s, gone, tilt_rad, trunk)
 
     def close(self, outcome: Outcome) -> SpaceRecording:
         """Return the recording."""
@@ -121,19 +135,23 @@ class _Log:
         attitude[:, 2] = np.unwrap(attitude[:, 2])
         stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
         return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
-                              self._walker.flags, outcome, tuple(self._walker.watch.notes))
+                              self._walker.flags, outcome, tuple(self._walker.watch.notes), self._spec.way)
 
 
 def walk_in_space(
-    spec: WalkSpec, ground: Ground, progress: Callable[[float], None] | None = None, fast: bool = True
+    spec: WalkSpec, progress: Callable[[float], None] | None = None, fast: bool = True
 ) -> SpaceRecording:
-    """Simulate the walk over ``ground``; the same spec gives the same recording on the same machine."""
-    walker = SpaceWalker(spec, ground, fast)
+    """Simulate the walk; the same spec gives the same recording on the same machine."""
+    walker = SpaceWalker(spec, fast)
     walker.stand_up()
-    log = _Log(walker, spec)
-    walker.driver.set_command(mode="walk", vx_m_s=spec.speed_m_s)
+    log, push = _Log(walker, spec), spec.push
+    ahead, left, turn = (spec.speed_m_s * share for share in WAYS[spec.way])
+    walker.driver.set_command(mode="walk", vx_m_s=ahead, vy_m_s=left, wz_rad_s=turn)
     outcome = log.add(progress)
     while outcome is None:
+        if push is not None:
+            pushed = 0 <= log.time_s - push.at_s < push.seconds - 1e-9
+            walker.world.push(push.force_N if pushed else (0.0, 0.0))
         walker.tick()
         outcome = log.add(progress)
     return log.close(outcome)
@@ -143,14 +161,16 @@ def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
     """Return the walk's figures for JSON.
 
     ``mean_speed_m_s`` and the ``whole`` ranges are of the whole way; ``speed_m_s``, the other ranges and the torques
-    leave out the first ``skip_s``, in which the robot starts. Yaw and sideways drift are per 1.5 m of way.
+    leave out the first ``skip_s``, in which the robot starts. Yaw and sideways drift are per 1.5 m of way. Where the
+    way is a turn, speeds are rad/s and the distance is rad.
     """
     rec, seconds = recording, float(recording.time_s[-1])
     first = int(np.searchsorted(rec.time_s, skip_s)) if seconds > 2 * skip_s else 0
-    way_m = rec.position_m[:, 0] - rec.position_m[0, 0]
+    way_m = rec.gone()
     degrees = np.degrees(rec.attitude_rad)
     steady_s = max(1e-9, seconds - float(rec.time_s[first]))
     gone_m = float(way_m[-1])
+    aside_m = float((rec.position_m[-1, :2] - rec.position_m[0, :2]) @ np.array(_ASIDE[rec.way]))
     per_course = 1.5 / gone_m if gone_m > 0.05 else 0.0
     torque = np.sqrt(np.mean(rec.torque_Nm[first:] ** 2, axis=0)) / rec.stall_Nm
     names = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
@@ -164,7 +184,7 @@ def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
         "whole_roll_range_deg": round(float(np.ptp(degrees[:, 0])), 3),
         "whole_pitch_range_deg": round(float(np.ptp(degrees[:, 1])), 3),
         "yaw_drift_deg": round(float(degrees[-1, 2] - degrees[0, 2]) * per_course, 2),
-        "side_drift_m": round(float(rec.position_m[-1, 1] - rec.position_m[0, 1]) * per_course, 4),
+        "side_drift_m": round(aside_m * per_course, 4),
         "torque_rms_fraction": {name: round(float(share), 4) for name, share in zip(names, torque, strict=True)},
         "penetration_mm": round(1000 * float(rec.penetration_m.max()), 3),
         "gait_changes": notes_json(rec.notes),

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from sim2d.model import GRAVITY_M_S2
 
 from ...robot.actuators import Servo
+from ...robot.coupling import to_motor
 from ...robot.model import LEG_NAMES, Robot, Vector
 from ...robot.poses import rest_pose_rad
 from ..export.mjcf import ModelOptions, joint_names, mjcf
@@ -34,6 +35,7 @@ class World:
         self.data = mujoco.MjData(self.model)
         first = self.model.joint(joint_names()[0])
         self._q, self._v = int(first.qposadr[0]), int(first.dofadr[0])
+        self._trunk = self.model.body("trunk").id
         self._steps_per_tick = round(1 / rate_hz / options.dt_s)
         self._delay_steps = round(bus_delay_s / options.dt_s)
         self._sent: deque[tuple[int, Array]] = deque()
@@ -41,7 +43,6 @@ class World:
         self._kind = self._kinds()
         self._resolution_rad, self._goal_step_rad = _resolutions(robot)
         self._limits_rad = np.array([robot.joint_limits_rad(leg)[joint] for leg in range(4) for joint in range(3)])
-        self._coupled = robot.calf_drive.coupled
         self._rest()
 
     def _kinds(self) -> npt.NDArray[np.int64]:
@@ -69,9 +70,7 @@ class World:
 
     def _act(self, goal_rad: Array) -> None:
         """Hand a goal to the drives; a coupled calf's drive holds thigh + calf."""
-        self.data.ctrl[:] = goal_rad
-        if self._coupled:
-            self.data.ctrl[2::3] += goal_rad[1::3]
+        self.data.ctrl[:] = to_motor(self.robot, goal_rad.tolist())
 
     def send(self, goal_rad: Sequence[float]) -> None:
         """Send twelve goals: limited as the drives would, in their register's steps, acting after the bus delay."""
@@ -79,6 +78,10 @@ class World:
         if self._goal_step_rad is not None:
             goal = np.round(goal / self._goal_step_rad) * self._goal_step_rad
         self._sent.append((self._step + self._delay_steps, goal))
+
+    def push(self, force_N: tuple[float, float]) -> None:
+        """Push the middle of the trunk, N ahead and to the left in the ground's axes, until told otherwise."""
+        self.data.xfrc_applied[self._trunk, :2] = force_N
 
     def advance(self) -> None:
         """Run one control period; goals act from the sub-step they arrive at."""
@@ -142,10 +145,9 @@ class World:
 
     def drive_torques_Nm(self) -> Array:
         """Return what the twelve drives give, each at its own shaft's joint: force less damping."""
-        speeds = np.array(self.data.qvel[self._v : self._v + 12])
+        speeds = np.array(to_motor(self.robot, self.data.qvel[self._v : self._v + 12].tolist()))
         damping = self.model.dof_damping[self._v : self._v + 12].copy()
-        if self._coupled:
-            speeds[2::3] += speeds[1::3]
+        if self.robot.calf_drive.coupled:
             damping[2::3] = self.model.tendon_damping
         return np.asarray(self.data.actuator_force - damping * speeds)
 

@@ -1,28 +1,30 @@
 """`caramelo experiment` and `caramelo export`: figures that depend on no timing, whole files, plain errors."""
 
-import importlib
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from host.lab.experiments import compare, steps, table1
+from host.lab.experiments import compare, counts, goals, requirements, run
+from host.lab.experiments.case import Case, Found, Row
 from host.lab.experiments.data import assumptions, papers
-from host.lab.experiments.outcome import Outcome
+from host.lab.experiments.foot_in_air import AirTrial
 from host.lab.experiments.pool import run_all
-from host.lab.experiments.requirements import inspection
-from host.lab.experiments.trials import Answer, Options, PlaneTrial, trial_conditions, with_knees
+from host.lab.experiments.run import EXPERIMENTS
+from host.lab.experiments.trials import PLANE, STRIDE_M, Answer, Options, Trial, trial_conditions, with_knees
+from host.lab.experiments.verdicts import everywhere, share, within
 from host.robot.file import load_robot
-from host.sim.energy import mean_power_W
 from host.sim.walk import WalkSpec
 from tests.interrupts import hear_ctrl_c
 from tests.waiting import PATIENCE_S, wait_until
 
-np = pytest.importorskip("numpy")
+pytest.importorskip("numpy")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 pytest.importorskip("scipy", reason="scipy is not installed (extra sim)")
 
@@ -66,62 +68,23 @@ def test_no_p_value_where_nothing_varies():
     assert compare.t_test(compare.sample([1.0]), compare.sample([2.0, 3.0])) is None
 
 
-# --- energy
-
-
-def test_a_stalled_servo_draws_its_data_sheets_power():
-    """One servo stalled at 12 V: 12 V x 1.4 A, plus twelve servos' standby and the computer."""
-    torque = np.zeros((5, 12))
-    torque[:, 1] = 2.5
-    rest = 12 * 0.1 * 12.0 + 5.0
-    assert mean_power_W(ROBOT, torque * 0, torque * 0) == pytest.approx(rest)
-    assert mean_power_W(ROBOT, torque, torque * 0) == pytest.approx(rest + 12 * 1.4)
-
-
-def test_a_driven_joint_takes_mechanical_power_and_a_braked_one_gives_none_back():
-    torque, speed = np.zeros((4, 12)), np.zeros((4, 12))
-    torque[:, 0], speed[:, 0] = 1.0, 2.0
-    current = 1.4 / 2.5
-    rest = mean_power_W(ROBOT, torque * 0, torque * 0)
-    assert mean_power_W(ROBOT, torque, speed) == pytest.approx(rest + current**2 * 12 / 1.4 + 2.0, abs=2e-3)
-    assert mean_power_W(ROBOT, torque, -10 * speed) == pytest.approx(rest)
-
-
-def test_the_rods_ratio_lowers_the_calf_motors_torque_not_its_power():
-    torque, speed = np.zeros((2, 12)), np.zeros((2, 12))
-    torque[:, 2], speed[:, 2] = 1.0, 1.0
-    ratio = ROBOT.calf_drive.ratio
-    rest = mean_power_W(ROBOT, torque * 0, torque * 0)
-    copper = (ratio * 1.4 / 2.5) ** 2 * 12 / 1.4
-    assert mean_power_W(ROBOT, torque, speed) == pytest.approx(rest + copper + 1.0, abs=2e-3)
-
-
-def test_a_calfs_motor_on_the_body_turns_with_thigh_and_calf():
-    """While only the thigh turns, both motors do; while the calf turns back as far, its motor rests."""
-    robot = load_robot("parallel")
-    torque, speed = np.zeros((2, 12)), np.zeros((2, 12))
-    torque[:, 2], speed[:, 1] = 1.0, 3.0
-    drive = robot.actuator
-    held = mean_power_W(robot, torque, speed * 0)
-    assert mean_power_W(robot, torque, speed) == pytest.approx(held + 3.0 / drive.gear.efficiency, abs=2e-3)
-    speed[:, 2] = -3.0
-    assert mean_power_W(robot, torque, speed) == pytest.approx(held, abs=2e-3)
+# --- requirements
 
 
 def test_inspecting_takes_longer_and_more_when_slower():
+    """Judged by the simulator that needs more; 15 lanes of 7.07 m, turning between them at 0.4 rad/s."""
     def walked(speed_m_s, power_W):
         walk = Answer({"ok": True, "mean_speed_m_s": speed_m_s, "power_W": power_W})
         easy = Answer({"ok": True, "mean_speed_m_s": 0.2, "power_W": 1.0})
-        return inspection(ROBOT, {"plane": [easy], "3-D": [walk]})
+        return requirements.inspection(ROBOT, {"plane": [easy], "3-D": [walk]})
 
-    fast, slow, hungry = walked(0.05, 20.0), walked(0.01, 20.0), walked(0.05, 200.0)
-    lanes, side = 15, 50**0.5
-    assert fast["data"]["time_s"] == round(lanes * side / 0.05 + 14 * np.pi / 0.4)
-    assert fast["met"]
-    assert not slow["met"]
-    assert not hungry["met"]
-    assert fast["data"]["simulator"] == "3-D"
-    assert not inspection(ROBOT, {"plane": [Answer({"ok": False})]})["met"]
+    assert requirements.coverage(ROBOT, 0.05, 20.0)["time_s"] == round(15 * 50**0.5 / 0.05 + 14 * math.pi / 0.4)
+    met, told = walked(0.05, 20.0)
+    assert met
+    assert "(3-D)" in told
+    assert not walked(0.01, 20.0)[0]
+    assert not walked(0.05, 200.0)[0]
+    assert not requirements.inspection(ROBOT, {"plane": [Answer({"ok": False})]})[0]
 
 
 # --- trials
@@ -143,31 +106,33 @@ def test_every_knee_configuration_stands(knees):
     signs = [robot.knee_sign(leg) for leg in range(4)]
     assert signs == {"full-elbow": [-1] * 4, "full-knee": [1] * 4, "elbow-knee": [-1, -1, 1, 1],
                      "knee-elbow": [1, 1, -1, -1]}[knees]
-    assert PlaneTrial(WalkSpec(robot, "paper-trot", distance_m=0.05)).run().ok
+    assert Trial(WalkSpec(robot, "paper-trot", distance_m=0.05)).run().ok
 
 
 def test_offsets_go_across_a_stride_at_both_frictions():
-    tried = steps.conditions(Options(ROBOT, "trot"))
+    tried = Options(ROBOT, "trot").starts(10)
     assert len(tried) == 20
-    assert len({offset for offset, _ in tried}) == 10
-    assert {friction for _, friction in tried} == {0.6, 0.9}
-    assert max(offset for offset, _ in tried) < steps.STRIDE_M
+    assert len({offset for offset, _, _ in tried}) == 10
+    assert {friction for _, friction, _ in tried} == {0.6, 0.9}
+    assert max(offset for offset, _, _ in tried) < STRIDE_M
 
 
-def test_a_failed_step_tells_where_it_started_and_why():
-    tried = [(0.0, 0.6), (0.05, 0.9)]
-    row = steps.verdict(tried, [Answer({"ok": True, "reason": "arrived"}), Answer({"ok": False, "reason": "fell"})])
-    assert row == {"passed": 1, "trials": 2, "failures": [{"offset_m": 0.05, "friction": 0.9, "reason": "fell"}]}
+def test_the_held_out_set_shares_no_seed_and_no_offset_with_the_chosen_one():
+    """Whatever the numbers of trials of the two are."""
+    chosen, held_out = (
+        [start for count in range(1, 41) for start in Options(ROBOT, "trot", held_out=held).starts(count)]
+        for held in (False, True)
+    )
+    for part in (0, 2):
+        assert not {start[part] for start in chosen} & {start[part] for start in held_out}
 
 
 def test_answers_are_the_same_for_any_number_of_jobs():
-    options = Options(ROBOT, "paper-trot", trials=2, in_space=False)
-    tasks = table1.tasks(options)
     heard = []
-    one = table1.evaluate(options, run_all(tasks, 1, lambda done: None)).result
-    two = table1.evaluate(options, run_all(tasks, 2, heard.append)).result
+    one, two = (run.run_experiment("table1", Options(ROBOT, "paper-trot", trials=2, jobs=jobs, in_space=False),
+                                   lambda done, count, _: heard.append(done)).found.result for jobs in (1, 2))
     assert one == two
-    assert heard == [1, 2, 3, 4]
+    assert heard == [1, 2, 3, 4] * 2
 
 
 class Broken:
@@ -182,7 +147,7 @@ def test_an_error_in_a_trial_is_not_swallowed():
 
 def test_the_foot_in_the_air_is_as_measured():
     """Without the hip: highest point and time as the real robot's (paper: 47.6 mm; median time 0.557 s)."""
-    case = table1.AirTrial(ROBOT, (0.05, 0.0), {"voltage_V": 12.0, "bus_delay_s": 0.02}, in_space=False).run().figures()
+    case = AirTrial(ROBOT, (0.05, 0.0), {"voltage_V": 12.0, "bus_delay_s": 0.02}, in_space=False).run().figures
     assert case["z_max_m"] == pytest.approx(0.0476, abs=0.001)
     assert case["time_s"] == pytest.approx(0.557, abs=0.015)
     assert case["x_final_m"] == pytest.approx(0.05, abs=0.001)
@@ -191,67 +156,117 @@ def test_the_foot_in_the_air_is_as_measured():
 CANNED = {
     "mean_speed_m_s": 0.04, "speed_m_s": 0.041, "pitch_range_deg": 3.0, "roll_range_deg": 4.0, "power_W": 30.0,
     "whole_pitch_range_deg": 3.5, "whole_roll_range_deg": 4.5, "yaw_drift_deg": 1.0, "side_drift_m": 0.01,
-    "torque_rms_fraction": {"FR_calf": 0.3, "FR_thigh": 0.35}, "reason": "arrived",
+    "torque_rms_fraction": {"FR_calf": 0.3, "FR_thigh": 0.35}, "gait_changes": [], "falls": 0, "crossing_s": 5.0,
+    "cost_of_transport": 1.0, "reason": "arrived", "seed": 0, "start_m": 0.35, "friction": 0.6,
 }
-FELL = Answer({**CANNED, "ok": False, "reason": "fell at 3.00 s"})
 ARRIVED = Answer({**CANNED, "ok": True})
+FELL = Answer({**CANNED, "ok": False, "falls": 1, "crossing_s": None, "reason": "fell at 3.00 s"})
 
 
-def evaluated(name, answer_of, in_space=True):
-    """Return an experiment's outcome for made-up answers, one for each of its tasks."""
-    module = importlib.import_module(f"host.lab.experiments.{name}")
-    options = Options(ROBOT, "paper-trot", trials=2, in_space=in_space)
-    tasks = module.tasks(options)
-    outcome = module.evaluate(options, [answer_of(task) for task in tasks])
-    json.dumps(outcome.result, allow_nan=False)
-    for table in outcome.tables:
+def summed_up(name, answer_of, in_space=True, **more):
+    """Return an experiment's figures for made-up answers, one for each of its trials."""
+    options = Options(ROBOT, "paper-trot", trials=2, in_space=in_space, **more)
+    rows = [Row(case, {where: [answer_of(trial) for trial in series] for where, series in case.trials.items()})
+            for case in EXPERIMENTS[name].cases(options)]
+    found = EXPERIMENTS[name].sum_up(options, rows)
+    json.dumps(found.result, allow_nan=False)
+    for table in found.tables:
         assert all(len(row) == len(table.head) for row in table.rows), table.title
         assert all(isinstance(cell, str) for row in table.rows for cell in row), table.title
-    return outcome.result
+    return found.result
 
 
 @pytest.mark.parametrize("in_space", [True, False])
 @pytest.mark.parametrize("name", ["table2", "ramp", "steps", "payload", "requirements", "goals"])
 def test_every_experiment_sums_up_success_and_failure(name, in_space):
-    good = json.dumps(evaluated(name, lambda task: ARRIVED, in_space))
-    bad = json.dumps(evaluated(name, lambda task: FELL, in_space))
-    assert good != bad
+    assert summed_up(name, lambda trial: ARRIVED, in_space) != summed_up(name, lambda trial: FELL, in_space)
 
 
-def test_steps_json_is_as_promised():
-    """One failure in one group: height, kind, gait, counts, and the failure's offset, friction and reason."""
-    def answer_of(task):
-        wrong = isinstance(task, PlaneTrial) and task.spec.friction == 0.6 and "box" in task.ground.name
-        return FELL if wrong and task.spec.seed == 1 else ARRIVED
+def test_a_failed_step_tells_where_it_started_and_why():
+    """One failure in one kind: counts, and the failure's seed, start, friction and reason."""
+    def answer_of(trial):
+        spec = trial.spec
+        wrong = spec.ground.name == "box" and (spec.friction, spec.seed) == (0.6, 1)
+        return replace(FELL, figures={**FELL.figures, "seed": 1, "start_m": spec.ground.start_m}) if wrong else ARRIVED
 
-    rows = evaluated("steps", answer_of, in_space=False)["results"]
+    rows = summed_up("steps", answer_of, in_space=False)["results"]
     assert len(rows) == 15
+    failure = {"seed": 1, "start_m": 0.35, "friction": 0.6, "reason": "fell at 3.00 s"}
     for row in rows:
-        failed = [{"offset_m": 0.05, "friction": 0.6, "reason": "fell at 3.00 s"}] if row["kind"] == "box" else []
-        assert row == {"height_m": row["height_m"], "kind": row["kind"], "gait": "paper-trot",
-                       "passed": 4 - len(failed), "trials": 4, "failures": failed, "three_d": None}
+        failed = [failure] if row["kind"] == "box" else []
+        plane = row["plane"]
+        assert (plane["passed"], plane["trials"], plane["failures"]) == (4 - len(failed), 4, failed)
+        assert row["three_d"] is None
 
 
-def test_table2_json_is_as_promised():
-    cases = evaluated("table2", lambda task: ARRIVED)["cases"]
-    assert len(cases) == 4
+def test_table2_has_a_sample_of_every_figure_of_those_that_arrived():
+    cases = summed_up("table2", lambda trial: ARRIVED)["cases"]
+    assert [case["case"] for case in cases] == [case["name"] for case in papers()["table2"]["case"]]
     for case in cases:
-        assert {"name", "n", "speed_m_s", "pitch_range_deg", "paper"} <= set(case)
-        assert case["speed_m_s"] == {"mean": 0.04, "sd": 0.0}
-        assert case["roll_range_deg"] == {"mean": 4.5, "sd": 0.0}
-
-
-def test_a_case_in_which_nobody_arrives_has_no_figures():
-    case = evaluated("table2", lambda task: FELL)["cases"][0]
-    assert case["passed"] == 0
-    assert case["speed_m_s"] is None
+        assert case["plane"]["speed_m_s"] == {"mean": 0.04, "sd": 0.0}
+        assert case["three_d"]["roll_range_deg"] == {"mean": 4.5, "sd": 0.0}
+        assert case["paper"]["roll_range_deg"]["mean"] > 5
+    fallen = summed_up("table2", lambda trial: FELL)["cases"][0]["plane"]
+    assert (fallen["passed"], fallen["speed_m_s"]) == (0, None)
 
 
 def test_requirements_are_met_or_not_by_their_figures():
-    met = [row["met"] for row in evaluated("requirements", lambda task: ARRIVED)["requirements"]]
-    assert met == [False] + [True] * 7  # at 0.04 m/s and 30 W the battery is empty before 50 m2
-    failed = [row["met"] for row in evaluated("requirements", lambda task: FELL)["requirements"]]
+    """At 0.04 m/s and 30 W the battery is empty before 50 m2; mass and torque need no walk."""
+    met = [row["met"] for row in summed_up("requirements", lambda trial: ARRIVED)["rows"]]
+    assert met == [False] + [True] * 7
+    failed = [row["met"] for row in summed_up("requirements", lambda trial: FELL)["rows"]]
     assert failed == [False, False, False, False, True, False, True, False]
+
+
+def test_a_case_is_judged_by_its_limits():
+    """The judges can say no: to a fall, to a figure outside, to one failure in ten, to who is too slow."""
+    slow = Answer({**ARRIVED.figures, "speed_m_s": 0.03, "crossing_s": 7.0})
+    judge = within(speed_m_s=(0.04, 0.05))
+    assert [judge({"3-D": [answer]})[0] for answer in (ARRIVED, slow, FELL)] == [True, False, False]
+    assert within(judged=False, speed_m_s=(0.04, 0.05))({"3-D": [FELL]})[0] is None
+    assert share(0.95)({"3-D": [ARRIVED] * 19 + [FELL]})[0] is True
+    assert share(0.95)({"3-D": [ARRIVED] * 9 + [FELL]})[0] is False
+    assert share(None)({"3-D": [FELL]})[0] is None
+    assert share(0.5, most_median=("crossing_s", 6.0))({"3-D": [ARRIVED, FELL]})[0] is True
+    assert share(0.5, most_median=("crossing_s", 6.0))({"3-D": [slow, FELL]})[0] is False
+    assert share(0.5, most_median=("crossing_s", 6.0))({"3-D": [FELL]}) == (False, "0/1, median inf s")
+    assert everywhere({"plane": [ARRIVED], "3-D": [ARRIVED, FELL]}) == (False, "1/1 plane, 1/2 3-D")
+
+
+def test_a_step_taken_by_the_crawl_is_not_taken_at_a_trot():
+    crawled = Answer({**ARRIVED.figures, "gait_changes": [{"to": "crawl"}]})
+    assert goals.at_a_trot(ARRIVED)
+    assert not goals.at_a_trot(crawled)
+    assert not goals.at_a_trot(FELL)
+
+
+def test_any_robot_has_its_goals():
+    """One that no table names has them by its size and its gait's own limit; groups can be asked for one by one."""
+    stranger = ROBOT.model_copy(update={"name": "stranger"})
+    want, own = (goals.wanted(robot, "fast-trot") for robot in (stranger, ROBOT))
+    assert (own.flat_m_s, own.step_m, own.table["push_least"]) == (0.30, 0.05, 0.95)
+    assert want.flat_m_s == pytest.approx(min(0.25 * math.sqrt(9.81 * 0.17), 0.30), rel=0.01)
+    assert want.step_m == pytest.approx(0.16 * 0.24)
+    rows = goals.cases(Options(stranger, "fast-trot", 1, only=("steps", "stairs")))
+    assert {row.facts["group"] for row in rows} == {"steps", "stairs"}
+    assert goals.cases(Options(ROBOT, "fast-trot", 1, in_space=False, only=("steps",))) == []
+
+
+def test_a_trial_of_two_cases_runs_once(monkeypatch):
+    class Counts:
+        ran = 0
+
+        def run(self):
+            Counts.ran += 1
+            return ARRIVED
+
+    trial = Counts()
+    both = [Case(name, {PLANE: [trial]}) for name in ("one", "two")]
+    made = replace(EXPERIMENTS["goals"], cases=lambda options: both, sum_up=lambda options, rows: Found(
+        {"answers": [answer.ok for row in rows for answer in row.answers[PLANE]]}, []))
+    monkeypatch.setitem(EXPERIMENTS, "goals", made)
+    outcome = run.run_experiment("goals", Options(ROBOT, "trot"), lambda done, count, _: None)
+    assert (outcome.found.result["answers"], Counts.ran) == ([True, True], 1)
 
 
 # --- the command
@@ -264,12 +279,11 @@ class Arrives:
 
 def test_a_line_a_case_tells_on_stderr_how_far_it_is(run, monkeypatch):
     """Minutes of silence were taken for a hang when the output went into a file."""
-    from host.lab.experiments import steps
-
-    monkeypatch.setattr(steps, "tasks", lambda options: [Arrives()] * 3)
-    monkeypatch.setattr(steps, "evaluate", lambda options, answers: Outcome("steps", "", {"trials": len(answers)}, []))
+    cases = [Case("steps", {PLANE: [Arrives() for _ in range(3)]})]
+    made = replace(EXPERIMENTS["steps"], cases=lambda options: cases, sum_up=lambda options, rows: Found({}, []))
+    monkeypatch.setitem(EXPERIMENTS, "steps", made)
     code, out, err = run("experiment", "steps", "--gait", "crawl", "--json")
-    assert (code, json.loads(out)) == (0, {"trials": 3})
+    assert (code, json.loads(out)) == (0, {"experiment": "steps", "robot": "caramelo", "gait": "crawl"})
     assert err.splitlines()[-3:] == [f"steps (crawl): {number} of 3" for number in (1, 2, 3)]
 
 
@@ -278,7 +292,7 @@ def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     code, out, _ = run("experiment", "table1", "--trials", "2", "--no-3d", "--json", "--out", str(tmp_path / "new"))
     assert code == 0
     result = json.loads(out)
-    assert [case["target_m"] for case in result["cases"]] == [[0.05, 0.03], [0.03, 0.05]]
+    assert [case["case"] for case in result["cases"]] == ["to x 0.05, y 0.03 m", "to x 0.03, y 0.05 m"]
     assert result["cases"][0]["three_d"] is None
     assert result["cases"][0]["paper"]["z_max_m"]["mean"] == 0.047568
     names = sorted(path.name for path in (tmp_path / "new").iterdir())
@@ -293,6 +307,9 @@ def test_wrong_words_are_told_in_one_line(run):
     for arguments, told in (
         (("experiment", "table3"), "there are table1, table2"),
         (("experiment", "ramp", "--gait", "gallop"), "no such gait"),
+        (("experiment", "ramp", "--only", "flat"), "it is for goals"),
+        (("experiment", "goals", "--only", "flat,moon"), "there are flat, conditions"),
+        (("experiment", "goals", "--set", "best"), "allowed chosen or held-out"),
         (("export", "mjcf", "--terrain", "moon"), "no such ground"),
         (("export", "urdf", "--voltage", "40"), "allowed 11.1 .. 14.8 V"),
         (("export", "urdf", "--json"), "--out FILE"),
@@ -355,6 +372,6 @@ def test_all_experiments_run(run, tmp_path):
     assert code == 0
     result = json.loads(out)
     assert set(result) == {"table1", "table2", "ramp", "steps", "payload", "requirements"}
-    assert {row["kind"] for row in result["steps"]["results"]} == {"up", "down", "box"}
-    assert len(result["requirements"]["requirements"]) == 8
+    assert {row["kind"] for row in result["steps"]["results"]} == set(counts.STEPS)
+    assert len(result["requirements"]["rows"]) == 8
     assert (tmp_path / "report.html").stat().st_size > 100_000

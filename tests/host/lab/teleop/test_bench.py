@@ -19,7 +19,7 @@ def test_a_figure_is_reached_or_not():
 
 
 def test_keys_typed_into_the_terminal_reach_the_servos(tmp_path):
-    steered, stopped = bench._latencies(tmp_path, bench.SOURCES["keyboard"], 3)
+    steered, stopped = bench._latencies(tmp_path, "keyboard", bench.SOURCES["keyboard"], 3)
     assert (steered.what, stopped.what) == ("keyboard: stick to packet", "keyboard: stop to torque off")
     assert 0 < steered.value < 2000
     assert 0 < stopped.value < 2000

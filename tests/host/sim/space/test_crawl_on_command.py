@@ -7,9 +7,8 @@ import pytest
 pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
-from host.lab.experiments.steps import space_ground
 from host.robot.file import load_robot
-from host.sim.export.ground import Ground
+from host.sim.grounds import FLAT, GroundSpec
 from host.sim.space.walk import SpaceWalker
 from host.sim.walk import WalkSpec
 from shared.crawl.state import STILL
@@ -23,7 +22,7 @@ BEFORE_AND_ASTRIDE = [("up", 0.03, 0.26), ("up", 0.05, 0.26), ("down", 0.05, 0.3
 
 def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
     """Command the crawl ``at_m`` into a walk at 0.05 m/s; return if it fell, and how long it waited, s."""
-    walker = SpaceWalker(WalkSpec(ROBOT, gait), ground)
+    walker = SpaceWalker(WalkSpec(ROBOT, gait, ground=ground))
     walker.stand_up()
     driver, world = walker.driver, walker.world
     start_m, commanded, began = world.position_m()[0], None, None
@@ -42,13 +41,13 @@ def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
 
 @pytest.mark.parametrize(("kind", "height_m", "at_m"), BEFORE_AND_ASTRIDE)
 def test_commanded_at_an_edge_it_waits_for_level_feet_or_backs_off(kind, height_m, at_m):
-    fell, waited_s = crawl_from(space_ground(kind, height_m, 0.4), at_m)
+    fell, waited_s = crawl_from(GroundSpec(f"step-{kind}", height_m, start_m=0.4), at_m)
     assert not fell
     assert waited_s is not None
 
 
 @pytest.mark.parametrize("gait", ["trot", "paper-trot"])
 def test_on_a_floor_it_begins_within_a_cycle_or_two(gait):
-    fell, waited_s = crawl_from(Ground("flat"), 0.08, 20.0, gait)
+    fell, waited_s = crawl_from(FLAT, 0.08, 20.0, gait)
     assert not fell
     assert waited_s < 4.5

@@ -9,23 +9,21 @@ import pytest
 pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
-from host.sim.export.ground import Ground
-from host.sim.space.grounds import GroundSpec, make_ground
+from host.sim.grounds import GroundSpec
 from host.sim.space.walk import SpaceWalker
 from host.sim.walk import WalkSpec
 from shared.gait.table import MOVER_TROT
 
 from ...robot.advice import advising
 
-FLAT = Ground("flat")
 ABLE = {"fast-trot": 3.0}  # m/s: as fast as the legs can
 
 
 class Walk:
     """A fast trot in the world: truth of every tick."""
 
-    def __init__(self, name, ground=FLAT, **more):
-        self.walker = SpaceWalker(WalkSpec(advising(name, ABLE), "fast-trot", **more), ground)
+    def __init__(self, name, **more):
+        self.walker = SpaceWalker(WalkSpec(advising(name, ABLE), "fast-trot", **more))
         self.walker.stand_up()
         self.driver, self.rows, self.trunk = self.walker.driver, [], False
 
@@ -107,7 +105,7 @@ def test_level_ground_otherwise(name, speed, more):
 def crosses(name, speed, height_m, offset_m, friction):
     """Return the seconds from 0.3 m before to 0.3 m behind a step up; None if it fell or got stuck."""
     edge_m = 0.4 + offset_m
-    walk = Walk(name, make_ground(GroundSpec("step-up", height_m, start_m=edge_m)), friction=friction)
+    walk = Walk(name, ground=GroundSpec("step-up", height_m, start_m=edge_m), friction=friction)
     walk.command(speed)
     x = walk.go(20.0, edge_m + 0.3)[:, 0]
     if walk.trunk or x[-1] <= edge_m + 0.3:
@@ -134,7 +132,7 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
 
     Over steps that it takes the count came to 1.8 s, before walls to 3 s within 5 s.
     """
-    walk = Walk(name, make_ground(GroundSpec("step-up", 0.12, start_m=0.5)), friction=0.6)
+    walk = Walk(name, ground=GroundSpec("step-up", 0.12, start_m=0.5), friction=0.6)
     walk.command(speed)
     held_s = []
     for _ in range(10):

@@ -14,7 +14,7 @@ from host.robot.poses import rest_pose_rad
 from host.sim.export.ground import extrude
 from host.sim.export.mjcf import STOP_MARGIN_RAD, ModelOptions, joint_names, mjcf
 from host.sim.export.urdf import urdf
-from host.sim.space.grounds import GroundSpec, make_ground
+from host.sim.grounds import GroundSpec, make_ground
 from sim2d import terrain
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")

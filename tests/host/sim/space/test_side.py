@@ -1,7 +1,6 @@
 """A walk in space as the plane records it: its points are MuJoCo's own, its figures and files those of any walk."""
 
 import json
-from dataclasses import replace
 
 import pytest
 
@@ -15,7 +14,8 @@ from host.commands.walk import FILES
 from host.robot.file import load_robot
 from host.robot.model import LEG_NAMES
 from host.sim.export.mjcf import ModelOptions
-from host.sim.space.side import ground_of, run_in_space, side_view
+from host.sim.grounds import GroundSpec
+from host.sim.space.side import run_in_space, side_view
 from host.sim.space.walk import SpaceRecording
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
@@ -42,7 +42,7 @@ def frozen(world, robot, rng):
 def test_the_feet_are_where_mujoco_has_them(name):
     robot, rng = load_robot(name), np.random.default_rng(5)
     spec = WalkSpec(robot, "trot")
-    world = World(robot, ModelOptions(ground_of(spec)), 50)
+    world = World(robot, ModelOptions(), 50)
     for _ in range(20):
         seen = side_view(spec, frozen(world, robot, rng), 1.0)
         feet = [world.data.geom(f"{leg}_foot").xpos[[0, 2]] for leg in LEG_NAMES]
@@ -66,14 +66,7 @@ def test_another_world_is_refused(run):
     assert run("walk", "--in", "hyperspace") == (2, "", "caramelo: --in hyperspace: allowed plane or space\n")
 
 
-@pytest.mark.parametrize("terrain", ["stones", "gravel", "ramp", "box", "step-down"])
-def test_every_terrain_of_the_plane_is_a_ground_in_space(terrain):
-    spec = WalkSpec(load_robot("caramelo"), "trot", terrain=terrain)
-    assert ground_of(spec).blocks
-    assert ground_of(replace(spec, seed=1)) == ground_of(replace(spec, seed=1))
-
-
 def test_a_walk_that_falls_over_in_space_says_so():
-    spec = WalkSpec(load_robot("caramelo"), "paper-trot", terrain="step-up", height_m=0.06, limit_s=20.0, start_m=0.3)
+    spec = WalkSpec(load_robot("caramelo"), "paper-trot", ground=GroundSpec("step-up", 0.06, start_m=0.3), limit_s=20.0)
     recording, _ = run_in_space(spec)
     assert not recording.outcome.ok

@@ -1,0 +1,107 @@
+"""The records of an experiment: its cases before it ran, a row for each when it has, and what it hands over."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sim2d.recording import Recording
+
+from ...control.gait_changes import change_lines
+from .pool import Task
+from .trials import PLANE, Answer, Options
+
+# A case's answers by simulator; a case says that it is met, is not, or only reports (None), and its figure in words.
+Answers = Mapping[str, list[Answer]]
+Judge = Callable[[Answers], tuple[bool | None, str]]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row: its trials by simulator, its limit in words and who judges it, the papers' figures, and more for JSON.
+
+    A trial that stands in several cases of an experiment, the same object, runs once.
+    """
+
+    name: str
+    trials: Mapping[str, Sequence[Task]]
+    wanted: str = ""
+    judge: Judge | None = None
+    paper: Any = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A case and its answers, by simulator."""
+
+    case: Case
+    answers: Answers
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table for people: title, head, rows of text."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A PNG: its file's name, a caption, and who draws it into a path."""
+
+    name: str
+    caption: str
+    draw: Callable[[Path], None]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What an experiment says of its rows: figures for JSON, tables for people, pictures."""
+
+    result: dict[str, Any]
+    tables: list[Table]
+    pictures: list[Picture] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """A table of cases and what is made of their answers."""
+
+    title: str
+    cases: Callable[[Options], list[Case]]
+    sum_up: Callable[[Options, list[Row]], Found]
+
+
+@dataclass(frozen=True)
+class Film:
+    """A walk in the plane to be animated."""
+
+    title: str
+    recording: Recording
+    facts: list[tuple[str, str]]
+
+
+def films(row: Row) -> list[Film]:
+    """Return the films of a row: of the answers that kept a recording of the plane."""
+    kept = [answer for answer in row.answers.get(PLANE, []) if isinstance(answer.recording, Recording)]
+    return [Film(row.case.name, answer.recording, [
+        ("speed", f"{answer.figures['mean_speed_m_s']:.4f} m/s"),
+        ("pitch range", f"{answer.figures['pitch_range_deg']:.1f} deg"),
+        *change_lines(answer.figures["gait_changes"]),
+        ("outcome", str(answer.figures["reason"])),
+    ]) for answer in kept]
+
+
+def rate(answers: Sequence[Answer]) -> str:
+    """Return how many of some trials passed, as text."""
+    return f"{sum(answer.ok for answer in answers)}/{len(answers)}" if answers else "-"
+
+
+def by_simulator(row: Row, counted: Callable[[list[Answer]], dict[str, Any]]) -> dict[str, Any]:
+    """Return a row for JSON: its name and facts, what is counted in each simulator, and the papers' figures."""
+    parts = {key: counted(row.answers[where]) if row.answers.get(where) else None
+             for key, where in (("plane", PLANE), ("three_d", "3-D"))}
+    return {"case": row.case.name, **row.case.facts, **parts, "paper": row.case.paper}
