@@ -16,6 +16,7 @@ from ..bus.base import JOINTS
 from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
+from .imu import Motion
 
 DT_S = 0.001
 LONGEST_STEP_S = 0.25  # a paused program must not make up for an hour of physics
@@ -118,7 +119,7 @@ class Plant(ABC):
     def put_back(self) -> None:
         """Lift the robot and put it down as it was at the start."""
 
-    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    def inertial(self) -> Motion:
         """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
         return (0.0, 0.0, 0.0), (0.0, 0.0, GRAVITY_M_S2)
 
@@ -191,6 +192,11 @@ class PlanePlant(Plant):
         self.put_back()
         self._sensors = Sensors(self.world, seed)
 
+    @property
+    def x_m(self) -> float:
+        """Where the body is."""
+        return float(self.world.parts.bodies[0].position.x)
+
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
         raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
@@ -201,7 +207,7 @@ class PlanePlant(Plant):
         self._hinges = hinges(self.robot, self._pose_rad)[0::3]
         self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
 
-    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    def inertial(self) -> Motion:
         """See Plant; the plane turns about y only."""
         sensed = self._sensors.read(self.world.state(), [0.0] * 4, self.time_s)
         force_x, force_z = sensed.specific_force_m_s2
