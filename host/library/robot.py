@@ -1,7 +1,7 @@
 """`Robot`: walks, poses and joints of a robot in a few lines, in simulation as on hardware (docs/python.md)."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import copysign, cos, hypot, isfinite, radians, sin
+from math import copysign, cos, hypot, inf, isfinite, radians, sin
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
@@ -66,6 +66,7 @@ class Robot:
         self._gait = self._known_gait(gait or self._file.gait.default)
         self._run: Run | None = None
         self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
+        self._joint_rad_s: float | None = None  # in a loop over stream: the fastest that its joints may turn
 
     # --- from opening to closing
 
@@ -324,67 +325,88 @@ class Robot:
             run.sticks = None
 
     def _standing(self) -> Run:
-        """Return the run of a robot that stands, or is on its way back from a stream."""
+        """Return the run of a robot that stands, or will after what a stream has left it at."""
         run = self._opened
         if run.sensed.fault:
             raise Fault(run.sensed.fault)
-        if run.sensed.state not in ("standing", "standing up"):
+        if run.sensed.state in ("disarmed", "sitting"):
             raise Error(f"the robot does not stand, it is {run.sensed.state}: call stand() first")
-        run.until(self._stands, STAND_MOST_S, "stand")
+        self._halt()
         return run
 
     def _stands(self, now: Sensed) -> bool:
         return now.state == "standing" and not self._opened.supervisor.stream.active
 
-    # --- joints
+    # --- a loop of one's own
 
     def stream(
-        self, hz: float = 50.0, *, joint_rad_s: float | None = None, seconds: float | None = None
+        self, hz: float = 50.0, *, seconds: float | None = None, joint_rad_s: float | None = None
     ) -> Iterator[Sensed]:
-        """Yield what is sensed ``hz`` times a second; in the block ``set_joints`` moves the joints of a standing robot.
+        """Yield what is sensed ``hz`` times a second; in the loop ``set_speed`` drives, or ``set_joints`` moves joints.
 
-        ``hz`` 5 .. the planner's rate, and rounded so that its period is whole ticks. ``joint_rad_s``: the fastest that
-        a joint may turn, without it the speed at which the robot stands up ([stand] of its file). It ends after
-        ``seconds``, or when the loop is left.
+        ``hz`` 5 .. the planner's rate, rounded so that its period is whole ticks. It ends after ``seconds``, or when
+        the loop is left. ``joint_rad_s``: the fastest that ``set_joints`` may turn a joint; without it the speed at
+        which the robot stands up ([stand] of its file).
 
-        Every tick checks: no joint goes beyond its limits nor turns faster. Without ``set_joints`` for 0.3 s, and at
-        the end, the joints go back to the stance.
+        Every tick checks: no joint goes beyond its limits nor turns faster. Nothing set for 0.3 s, and the robot stops
+        walking, and the joints go back to the stance; so they do at the end.
         """
         run = self._opened
         joints = run.supervisor.stream
         hz = finite("hz", hz, SLOWEST_HZ, run.rate_hz, "Hz")
         fastest = joints.fastest_rad_s
         asked = joints.usual_rad_s if joint_rad_s is None else finite("joint_rad_s", joint_rad_s, 0.0, fastest, "rad/s")
-        until_s = LONGEST_S * 24 if seconds is None else finite("seconds", seconds, 0.0, LONGEST_S * 24, "s")
-        return self._stream(run, round(run.rate_hz / hz), asked, round(until_s * hz))
+        until_s = inf if seconds is None else finite("seconds", seconds, 0.0, LONGEST_S, "s")
+        return self._stream(run, round(run.rate_hz / hz), asked, until_s * hz - 0.5)
 
-    def _stream(self, run: Run, every: int, joint_rad_s: float, count: int) -> Iterator[Sensed]:
+    def _stream(self, run: Run, every: int, joint_rad_s: float, most: float) -> Iterator[Sensed]:
         self._standing()
-        joints = run.supervisor.stream
-        run.do(lambda: joints.begin(run.supervisor.goals, joint_rad_s, run.loop.clock()))
+        self._joint_rad_s = joint_rad_s
+        count = 0
         try:
-            for _ in range(count):
+            while count < most:
+                count += 1
                 for _ in range(every):
                     run.tick()
+                run.sticks = None
                 yield run.sensed
         finally:
+            self._joint_rad_s = run.sticks = None
             if self._run is run:
-                run.do(joints.end)
+                run.do(run.supervisor.stream.end)
+
+    def set_speed(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, wz_rad_s: float = 0.0) -> None:
+        """Walk so until the next turn of a loop over ``stream``; the ranges are those of ``walk``."""
+        self._streaming("set_speed")
+        if self._opened.supervisor.stream.active:
+            raise Error("set_speed: set_joints has the joints; leave its loop first")
+        self._opened.sticks = self._sticks(vx_m_s, vy_m_s, wz_rad_s)
 
     def set_joints(self, goals_rad: Goals) -> tuple[str, ...]:
-        """Set goals, rad, in a loop over ``stream``; return the names of the joints that were limited.
+        """Set joint goals, rad, in a loop over ``stream``; return the names of the joints that were limited.
 
         Twelve angles in the order of JOINT_NAMES, or a mapping of some of those names: the others keep their goals.
-        BadValue, and nothing changes, for anything but finite numbers.
+        BadValue, and nothing changes, for anything but finite numbers. The robot stands while its joints are set.
         """
-        run = self._opened
+        run, joint_rad_s = self._opened, self._streaming("set_joints")
         joints = run.supervisor.stream
-        if not joints.open:
-            raise Error("set_joints: only within a loop `for sensed in robot.stream():`")
-        goals = _angles(goals_rad, joints.wished)
+        if not joints.open and run.sensed.state != "standing":
+            raise Error(f"set_joints: the robot does not stand, it is {run.sensed.state}")
+        goals = _angles(goals_rad, joints.wished or run.sensed.goals_rad)
         limited: list[int] = []
-        run.do(lambda: limited.extend(joints.wish(goals, run.loop.clock())))
+
+        def wish() -> None:
+            if not joints.open:
+                joints.begin(run.supervisor.goals, joint_rad_s, run.loop.clock())
+            limited.extend(joints.wish(goals, run.loop.clock()))
+
+        run.do(wish)
         return tuple(JOINT_NAMES[joint] for joint in limited)
+
+    def _streaming(self, what: str) -> float:
+        if self._joint_rad_s is None:
+            raise Error(f"{what}: only within a loop `for sensed in robot.stream():`")
+        return self._joint_rad_s
 
 
 def _angles(goals_rad: object, before_rad: Sequence[float]) -> list[float]:

@@ -98,6 +98,7 @@ def test_a_limit_passed_and_a_jump_are_found(robot, row, words):
 )
 def test_what_is_wrong_is_named_and_changes_nothing(robot, goals, words):
     for _ in robot.stream(seconds=0.1):
+        robot.set_joints({"FR_hip": 0.1})
         before = list(robot._opened.supervisor.stream.wished)
         with pytest.raises(BadValue, match=words):
             robot.set_joints(goals)
@@ -179,3 +180,31 @@ def test_a_block_left_in_the_middle_of_a_stream_sits_down_from_there():
         program()
     assert robot._place.hardware.bus.stops == 0
     assert complaints(robot, written(robot), 2.0) == []
+
+
+def test_a_speed_is_walked_until_nothing_is_set(robot):
+    """The arbiter's dead-man stops a walk; its 0.3 s and a cycle of the trot (1.12 s) later it stands."""
+    states = []
+    for number, now in enumerate(robot.stream(hz=10, seconds=4.0)):
+        if number < 10:
+            robot.set_speed(0.05)
+        states.append(now.state)
+    assert states[5:10] == ["walking"] * 5
+    assert states[-1] == "standing"
+    assert robot.odometry.x_m > 0.02
+
+
+def test_one_either_walks_or_sets_joints(robot):
+    for _ in robot.stream(seconds=0.04):
+        robot.set_joints({"FR_hip": 0.1})
+        with pytest.raises(Error, match="set_joints has the joints"):
+            robot.set_speed(0.05)
+    for now in robot.stream(seconds=0.4):
+        robot.set_speed(0.05)
+        if now.state == "walking":
+            with pytest.raises(Error, match="does not stand, it is walking"):
+                robot.set_joints({"FR_hip": 0.1})
+    robot.turn(deg=3)
+    assert robot.sensed.state == "standing"
+    with pytest.raises(Error, match="set_speed: only within a loop"):
+        robot.set_speed(0.05)
