@@ -11,6 +11,7 @@ from host.control.odometry import Odometry  # noqa: E402
 from host.library.errors import BadValue, Error, Fault, NotAchieved  # noqa: E402
 from host.library.robot import Robot  # noqa: E402
 from host.library.sensed import JOINT_NAMES, LEG_NAMES, Sensed  # noqa: E402
+from host.robot.file import find as robot_path  # noqa: E402
 from host.robot.file import robot_names  # noqa: E402
 
 __all__ = [
@@ -24,4 +25,5 @@ __all__ = [
     "Robot",
     "Sensed",
     "robot_names",
+    "robot_path",
 ]

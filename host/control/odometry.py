@@ -7,7 +7,7 @@ what a foot slips, or rolls on its round end, stays in it. A metre in either sim
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import atan2, cos, sin
+from math import atan2, cos, degrees, sin
 
 from ..robot.kinematics_si import leg_forward
 from ..robot.model import Robot
@@ -31,6 +31,9 @@ class Odometry:
     vx_m_s: float = 0.0
     vy_m_s: float = 0.0
     wz_rad_s: float = 0.0
+
+    def __str__(self) -> str:
+        return f"x {self.x_m:.3f} m, y {self.y_m:.3f} m, yaw {degrees(self.yaw_rad):.1f} deg"
 
 
 class LegOdometry:
