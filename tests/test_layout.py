@@ -17,7 +17,7 @@ MAY_IMPORT = {
     "firmware": ("shared",),
     "sim2d": ("shared",),
     "host": ("shared", "sim2d", "firmware"),
-    "caramelo": ("host",),
+    "caramelo": ("host", "shared"),
     "tests": ("shared", "firmware", "sim2d", "host", "caramelo"),
 }
 # What a MicroPython board has; the core needs one of them.
