@@ -1,29 +1,19 @@
 """Walking robots from Python: `from caramelo import Robot` (docs/python.md).
 
-Everything that is meant to be used from outside is named here; what else is installed may change at any time.
+What is meant to be used from outside is named in names.py; what else is installed may change at any time. The names are
+imported when they are asked for: the command line needs none of them.
 """
 
-from host.boards.core import use_core
+import importlib
+from typing import TYPE_CHECKING, Any
 
-use_core()  # before anything of the core is imported
+if TYPE_CHECKING:
+    from .names import *  # noqa: F403
+else:
 
-from host.control.odometry import Odometry  # noqa: E402
-from host.library.errors import BadValue, Error, Fault, NotAchieved  # noqa: E402
-from host.library.robot import Robot  # noqa: E402
-from host.library.sensed import JOINT_NAMES, LEG_NAMES, Sensed  # noqa: E402
-from host.robot.file import find as robot_path  # noqa: E402
-from host.robot.file import robot_names  # noqa: E402
-
-__all__ = [
-    "JOINT_NAMES",
-    "LEG_NAMES",
-    "BadValue",
-    "Error",
-    "Fault",
-    "NotAchieved",
-    "Odometry",
-    "Robot",
-    "Sensed",
-    "robot_names",
-    "robot_path",
-]
+    def __getattr__(name: str) -> Any:
+        """Return one of the names, or raise AttributeError."""
+        names = importlib.import_module(f"{__name__}.names")
+        if name != "__all__" and name not in names.__all__:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        return getattr(names, name)

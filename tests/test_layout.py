@@ -90,7 +90,7 @@ def against_the_order(root: Path, folder: str) -> list[str]:
             continue
         for name in imports(path, root):
             parts = name.split(".")
-            if parts[0] != folder or parts[1:] in ([], ["ROOT"]) or parts[1] == own:
+            if parts[0] != folder or parts[1:] in ([], ["ROOT"], ["NAME"]) or parts[1] == own:
                 continue
             if parts[1] not in order[: order.index(own)] or parts[1] in beside.get(own, ()):
                 wrong.append(f"{path.relative_to(root)}: {name}")
