@@ -13,7 +13,6 @@ from collections.abc import Collection
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PROJECT = "caramelo"
 
 
 def canonical(name: str) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 ALWAYS = ("tests/test_layout.py", "tests/test_waiting.py")
 OF_A_DOC, OF_THE_REST = "tests/test_docs.py", "tests/test_setup.py"
-CODE = ("host", "shared", "firmware", "sim2d")
+CODE = ("host", "shared", "firmware", "sim2d", "caramelo", "examples")
 
 
 def changed() -> list[str]:

@@ -53,7 +53,7 @@ def _print_version(wanted: bool) -> None:
     if wanted:
         from importlib.metadata import version
 
-        say(version("caramelo"))
+        say(version("caramelo-robot"))
         raise typer.Exit
 
 

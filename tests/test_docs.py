@@ -12,7 +12,7 @@ from tests import ROOT
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 SPAN = re.compile(r"`([^`\n]+)`")
 LINK = re.compile(r"\]\(([^)#:]+)\)")
-FILE = re.compile(r"(?<![\w./-])(?:docs|host|shared|sim2d|firmware|tests)/[\w./-]*\w")
+FILE = re.compile(r"(?<![\w./-])(?:docs|host|shared|sim2d|firmware|tests|examples|caramelo)/[\w./-]*\w")
 COMMENT = re.compile(r"(\s{2,}|\s#).*")
 MADE = ("host/robot/files/my.toml",)
 

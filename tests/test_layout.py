@@ -10,14 +10,15 @@ import pytest
 
 from tests import ROOT
 
-FOLDERS = ("shared", "firmware", "sim2d", "host", "tests")
+FOLDERS = ("shared", "firmware", "sim2d", "host", "caramelo", "tests")
 # A folder may import itself and these.
 MAY_IMPORT = {
     "shared": (),
     "firmware": ("shared",),
     "sim2d": ("shared",),
     "host": ("shared", "sim2d", "firmware"),
-    "tests": ("shared", "firmware", "sim2d", "host"),
+    "caramelo": ("host", "shared"),
+    "tests": ("shared", "firmware", "sim2d", "host", "caramelo"),
 }
 # What a MicroPython board has; the core needs one of them.
 BOARD_MODULES = {
@@ -73,10 +74,10 @@ BESIDE = {
 
 # The folders of the host, in the order of their imports. What drives a robot (all up to records, and teleop) imports
 # neither what stands in for hardware nor what measures: a robot needs neither.
-HOST = ("util", "robot", "protocol", "bus", "imu", "control", "records", "boards", "sim", "teleop", "lab")
+HOST = ("util", "robot", "protocol", "bus", "imu", "control", "records", "boards", "sim", "teleop", "lab", "library")
 HOST = (*HOST, "commands", "cli", "__main__")
 ORDERS = {"shared": (CORE, BESIDE), "host": (HOST, {"teleop": ("sim",)})}
-DRIVES = (*HOST[: HOST.index("boards")], "teleop")
+DRIVES = (*HOST[: HOST.index("boards")], "teleop", "library")
 
 
 def against_the_order(root: Path, folder: str) -> list[str]:
@@ -89,7 +90,7 @@ def against_the_order(root: Path, folder: str) -> list[str]:
             continue
         for name in imports(path, root):
             parts = name.split(".")
-            if parts[0] != folder or parts[1:] in ([], ["ROOT"]) or parts[1] == own:
+            if parts[0] != folder or parts[1:] in ([], ["ROOT"], ["NAME"]) or parts[1] == own:
                 continue
             if parts[1] not in order[: order.index(own)] or parts[1] in beside.get(own, ()):
                 wrong.append(f"{path.relative_to(root)}: {name}")
@@ -165,6 +166,7 @@ def test_all_folders_are_looked_at():
         ("sim2d/run.py", "from host.robot.file import load_robot", "host.robot.file.load_robot"),
         ("sim2d/run.py", "import firmware.joint", "firmware.joint"),
         ("host/cli.py", "from tests import conftest", "tests.conftest"),
+        ("host/cli.py", "from caramelo import Robot", "caramelo.Robot"),
     ],
 )
 def test_an_import_the_wrong_way_is_found(tmp_path, file, line, name):

@@ -3,11 +3,8 @@
 import os
 import re
 import runpy
-import shutil
 import subprocess
-import sys
 import tomllib
-import zipfile
 from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
 
@@ -132,24 +129,6 @@ def test_the_lock_names_no_host():
 )
 def test_an_address_in_the_lock_is_found(line):
     assert addresses(LOCK + line)
-
-
-def test_a_wheel_has_every_file_of_the_packages(tmp_path):
-    """It lacked the systemd unit: a file that is no Python has to be named in pyproject.toml."""
-    packages = ("host", "shared", "sim2d", "firmware")
-    wanted = set()
-    for package in packages:
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
-        wanted |= {path.relative_to(tmp_path).as_posix() for path in (tmp_path / package).rglob("*") if path.is_file()}
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, tmp_path)
-    build = "from setuptools import build_meta; print(build_meta.build_wheel('dist'))"
-    done = subprocess.run([sys.executable, "-c", build], cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    with zipfile.ZipFile(tmp_path / "dist" / done.stdout.split()[-1]) as wheel:
-        held = set(wheel.namelist())
-    assert "host/teleop/service/caramelo.service" in wanted
-    assert wanted - held == set()
 
 
 def test_pi_needs_neither_simulator_nor_tests():

@@ -12,18 +12,20 @@ import sys
 import sysconfig
 from pathlib import Path
 
+from shared import __name__ as PACKAGE  # "shared" in a checkout, "caramelo.shared" when installed
+
 from .. import ROOT
 from ..util.console import write_error
 
 SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
 _RULES = ("typed.py", "native_core.py")  # of host/boards/build: another way to compile makes another core
 _NAME = re.compile("[0-9a-f]{16}")
-_INSIDE = Path("shared", "planner", "planner.py")
+_INSIDE = Path(*PACKAGE.split("."), "planner", "planner.py")
 
 
 def sources_id(root: Path = ROOT) -> str:
     """Return what names the core made of ``root``/shared by this Python."""
-    total = hashlib.sha256((sysconfig.get_config_var("SOABI") or sys.version).encode())
+    total = hashlib.sha256(f"{sysconfig.get_config_var('SOABI') or sys.version} {PACKAGE}".encode())
     files = [(root, path) for path in sorted((root / "shared").rglob("*.py"))]
     for top, path in files + [(ROOT, ROOT / "host/boards/build" / name) for name in _RULES]:
         total.update(path.relative_to(top).as_posix().encode() + b"\0" + path.read_bytes())
@@ -55,29 +57,27 @@ def find_core(root: Path = ROOT) -> Path | None:
 
 
 def use_core() -> bool:
-    """Put the core's machine code before its sources for this process and those it starts; return if it is used.
+    """Put the core's machine code in the place of its sources for this process; return if it is used.
 
     Not where a part of shared/ is already imported: half of each would not fit.
     """
-    if any(name.startswith("shared.") for name in sys.modules):
+    if any(name.startswith(f"{PACKAGE}.") for name in sys.modules):
         return False
     core = find_core()
     if core is None:
         return False
-    _forget()
-    sys.path.insert(0, str(core))
+    places = sys.modules[PACKAGE].__path__
+    sources = list(places)
+    places[:] = [str(core.joinpath(*PACKAGE.split(".")))]
+    sys.path.append(str(core))  # what its modules have in common lies beside the package
     try:
-        importlib.import_module("shared.num.fixed")
+        importlib.import_module(f"{PACKAGE}.num.fixed")
     except ImportError as error:
-        _forget()
+        for name in [name for name in sys.modules if name.startswith(f"{PACKAGE}.")]:
+            del sys.modules[name]
+        places[:] = sources
         sys.path.remove(str(core))
         write_error(f"the compiled core cannot be loaded ({error}); the sources run instead. To make it anew: "
                     "caramelo core remove, then caramelo core build")
         return False
     return True
-
-
-def _forget() -> None:
-    """Let shared be looked for anew."""
-    for name in [name for name in sys.modules if name == "shared" or name.startswith("shared.")]:
-        del sys.modules[name]

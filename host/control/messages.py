@@ -39,6 +39,11 @@ class Drive:
         """True if it asks for a walk."""
         return bool(self.vx_m_s or self.vy_m_s or self.wz_rad_s)
 
+    def message(self) -> Message:
+        """Return the message that says so."""
+        speeds = {"vx_m_s": self.vx_m_s, "vy_m_s": self.vy_m_s, "wz_rad_s": self.wz_rad_s}
+        return {"type": "drive", **speeds, "pose": list(self.pose)}
+
     @classmethod
     def of(cls, message: Message) -> "Drive":
         """Return the sticks of a checked message."""

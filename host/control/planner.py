@@ -79,6 +79,12 @@ class Driver:
             key = "speed_limits.vx_m_s"
         return self.scale.metres_per_second(most), key
 
+    def fastest(self, gait: str) -> tuple[float, float, float]:
+        """Return the fastest commands that a gait walks: ahead and aside, m/s, and turning, rad/s."""
+        ahead, aside, turning = self.planner.gaits[gait_index(gait)].speed_max
+        scale = self.scale
+        return scale.metres_per_second(ahead), scale.metres_per_second(aside), scale.rad_per_second(turning)
+
     def set_command(self, **wish: object) -> None:
         """Change some of the command's fields for the ticks to come."""
         self.command = replace(self.command, **wish)  # type: ignore[arg-type]

@@ -14,6 +14,7 @@ from ..robot.model import LEG_NAMES, Robot
 from ..util.errors import UserError
 from .arbiter import Arbiter
 from .gait_changes import GaitWatch, advice, crawl_event, exchange_phase
+from .joint_stream import JointStream
 from .messages import Drive
 from .notices import Notices
 from .planner import Driver
@@ -60,6 +61,7 @@ class Supervisor:
         self.driver = Driver(robot, rate_hz)
         self.arbiter = Arbiter(gait=robot.gait.default)
         self.safety = Safety(robot)
+        self.stream = JointStream(robot, self.driver.rate_hz)
         self.measured = Measured()
         self.attitude: Attitude = None
         self.goals: list[float] = []
@@ -85,10 +87,8 @@ class Supervisor:
         self._go_on_resetting()
         self._check_stop()
         self._command(sticks, now_s)
-        joints = self.measured.position_rad if self.measured.complete else None
-        roll_rad, pitch_rad = self.attitude or (None, None)
-        self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
-        self.goals = self.driver.step()
+        self._feel()
+        self.goals = self.stream.goals(self.driver.step(), now_s)
         self._watch_gait()
         self._notices.look(self.driver.flags, self.armed)
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
@@ -97,6 +97,15 @@ class Supervisor:
             self._limit_torque()
             self.bus.write(self.goals)
         self._note(now_s)
+
+    def _feel(self) -> None:
+        """Tell the planner what is sensed, but nothing of joints that somebody else moves: it would answer to them."""
+        if self.stream.active:
+            self.driver.sense(None)
+            return
+        joints = self.measured.position_rad if self.measured.complete else None
+        roll_rad, pitch_rad = self.attitude or (None, None)
+        self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
 
     def _watch_gait(self) -> None:
         """Keep why trot and crawl were last exchanged; forgotten once it stands."""
@@ -118,9 +127,14 @@ class Supervisor:
         crawls = exchange_phase(self.driver)
         return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
 
+    def leave(self) -> None:
+        """Sit down and let go, in the ticks to come; nobody drives any more."""
+        self.leaving, self.arbiter.posture, self.arbiter.driver = True, "rest", None
+
     def stop_now(self) -> None:
         """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
         self.bus.emergency_stop()
+        self.stream.drop()
         self.armed, self._stopped, self._limit, self._resetting = False, True, None, None
 
     def reset(self) -> None:
@@ -173,6 +187,7 @@ class Supervisor:
         if (limp and self.armed) or (self.arbiter.stop is not None and not self._stopped):
             self.stop_now()
         elif damp and self.armed:
+            self.stream.drop()
             self.armed, self._limit = False, None
         if (limp or damp) and self._resetting is None:
             self.arbiter.posture = "rest"
@@ -196,6 +211,10 @@ class Supervisor:
     def _mode(self, posture: str, sticks: Drive) -> str:
         if not self.armed:
             return "limp"
+        if posture != "stand":
+            self.stream.end()
+        if self.stream.active:
+            return "stand"
         if posture == "stand":
             return "walk" if sticks.moves else "stand"
         seated = self.driver.state == "seated"

@@ -1,13 +1,12 @@
 """What the loop records each tick: the state of the supervisor, turned into the channels' messages."""
 
 import hashlib
-from pathlib import Path
 from typing import Any
 
-import shared
 from shared.gait.gaits import GAIT_NAMES
 from shared.record import pack
 
+from .. import ROOT
 from ..control.gait_changes import gait_now, margin_m
 from ..control.loop import Loop
 from ..control.supervisor import Supervisor
@@ -30,7 +29,7 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
 def core_fingerprint() -> str:
     """Return a hash of the core's sources: another core may walk otherwise."""
     digest = hashlib.sha256()
-    root = Path(next(iter(shared.__path__)))
+    root = ROOT / "shared"
     for path in sorted(root.rglob("*.py")):
         digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

@@ -21,6 +21,7 @@ from .rotation import PARTS, claim, make_room, next_part
 
 SYNC_S = 0.25
 MOST_WAITING = 5000  # messages the loop may be ahead of the disk: ten seconds
+KEEP_UP_S = 0.01
 CLOSE_S = 5.0  # for what is still waiting at the end
 CHUNK = 1 << 16  # bytes before compression; a chunk is also closed at each sync
 ROBOT = "robot"
@@ -77,6 +78,11 @@ class Recorder:
             self._queue.put_nowait((topic, self._epoch_ns + int(time_s * 1e9), values))
         except queue.Full:
             self.dropped += 1
+
+    def keep_up(self) -> None:
+        """Wait for the disk if it is far behind, as who makes ticks faster than time goes by has to."""
+        while self._queue.qsize() > MOST_WAITING // 2 and self._thread.is_alive():
+            time.sleep(KEEP_UP_S)
 
     def close(self) -> None:
         """Write what is waiting, and the index. A disk that hangs is given five seconds, and then left to itself."""

@@ -80,6 +80,10 @@ class Scale:
         """Return a turning speed in 2^-18 rad per tick."""
         return round(turn_rad_s * YAW18 / self.rate_hz)
 
+    def rad_per_second(self, turn_yaw18_per_tick: float) -> float:
+        """Return a turning speed in rad/s."""
+        return turn_yaw18_per_tick * self.rate_hz / YAW18
+
 
 def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
     """Return the robot's scale at its own rate, or at another."""

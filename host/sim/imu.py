@@ -14,7 +14,7 @@ GYRO_NOISE_DEG_S = 0.05
 ACCEL_NOISE_G = 0.0027
 GYRO_BIAS_DEG_S = (1.2, -0.8, 0.5)  # the specification allows 20 (assumed)
 
-Motion = tuple[tuple[float, float, float], tuple[float, float, float]]
+Motion = tuple[tuple[float, float, float], tuple[float, float, float]]  # turning speed, specific force
 
 
 class SimulatedImu(Imu):

@@ -17,6 +17,7 @@ from ..bus.base import JOINTS
 from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
+from .imu import Motion
 
 if TYPE_CHECKING:
     from sim2d.sensors import Sensed
@@ -119,7 +120,7 @@ class Plant(ABC):
     def put_back(self) -> None:
         """Lift the robot and put it down as it was at the start."""
 
-    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    def inertial(self) -> Motion:
         """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
         return (0.0, 0.0, 0.0), (0.0, 0.0, GRAVITY_M_S2)
 
@@ -221,6 +222,11 @@ class PlanePlant(Plant):
         self.world, self.position_rad, self.speed_rad_s = (
             self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
+    @property
+    def x_m(self) -> float:
+        """Where the body is."""
+        return float(self.world.parts.bodies[0].position.x)
+
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
         raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
@@ -229,7 +235,7 @@ class PlanePlant(Plant):
         """See Plant."""
         self._body.put_back()
 
-    def inertial(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    def inertial(self) -> Motion:
         """See Plant; the plane turns about y only."""
         sensed = self._body.sensed(self.time_s)
         force_x, force_z = sensed.specific_force_m_s2

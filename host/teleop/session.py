@@ -14,17 +14,17 @@ from typing import Any
 
 from ..control import priority
 from ..control.arbiter import Client
-from ..control.checks import start_checks
 from ..control.hardware import Hardware
 from ..control.loop import Loop
 from ..control.messages import Message
+from ..control.opening import open_supervisor
 from ..control.supervisor import Supervisor
 from ..control.telemetry import Extra, StartCheck, status
 from ..imu.attitude import Attitude
 from ..robot.file import find
 from ..robot.model import Robot
 from ..util.console import write_error
-from ..util.errors import NOT_ACHIEVED, UserError
+from ..util.errors import UserError
 from .ending import end_all
 from .gamepad import Gamepad, open_gamepad
 from .hub import Hub
@@ -87,7 +87,8 @@ class Session:
             # Before the emulated servos start: they inherit it, as they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
             parts = stack.enter_context(self._hardware)
-            supervisor = self._open(stack, parts)
+            self._attitude = parts.attitude
+            supervisor = open_supervisor(stack, self.robot, parts, self._note)
             loop = Loop(supervisor, self._after_tick)
             hub = Hub(self._gate(loop), loop.drop)
             stack.callback(hub.close)
@@ -110,32 +111,6 @@ class Session:
         self._say("ready")
         self._add_screen()
         loop.run(hub)
-
-    def _open(self, stack: ExitStack, parts: Hardware) -> Supervisor:
-        """Open the joints and the sensor, and check them in order."""
-        stack.enter_context(parts.bus)
-        attitude: Attitude | None = parts.attitude
-        self._attitude = parts.attitude
-        try:
-            parts.attitude.open()
-            stack.callback(parts.attitude.close)
-        except UserError as error:
-            attitude = None
-            self._say(f"note  attitude: {error}")
-        for check in start_checks(self.robot, parts.bus, attitude):
-            self._note(check)
-            if not check.ok:
-                raise UserError(f"{check.name}: {check.result}: the robot stays as it is", NOT_ACHIEVED)
-        sense = attitude.update if attitude else lambda: None
-
-        def put_back() -> None:
-            parts.put_back()
-            if attitude is not None:
-                attitude.align()
-
-        # A robot that can't turn would be taken for one that is held up.
-        rates = (lambda: attitude.rates_rad_s) if attitude is not None and parts.turns else (lambda: None)
-        return Supervisor(self.robot, parts.bus, sense, put_back=put_back, rates=rates)
 
     def _note(self, check: StartCheck) -> None:
         self.extra.checks.append(check)
@@ -220,9 +195,8 @@ class Session:
         """Sit down and let go, then end; a second signal ends the loop at once."""
         now_s = loop.clock()
         self._leave_s = self._leave_s or now_s
-        supervisor = loop.supervisor
-        supervisor.leaving, supervisor.arbiter.posture, supervisor.arbiter.driver = True, "rest", None
-        if not supervisor.armed or now_s - self._leave_s > LEAVING_S:
+        loop.supervisor.leave()
+        if not loop.supervisor.armed or now_s - self._leave_s > LEAVING_S:
             loop.end()
 
     def _publish(self, loop: Loop, hub: Hub) -> None:

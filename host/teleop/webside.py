@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from .. import NAME
 from ..bus.base import Fault
 from ..control.supervisor import Supervisor
 from ..util.child import end_child
@@ -67,7 +68,7 @@ class WebProcess:
         os.ftruncate(self._errors, 0)
         # A session of its own: Ctrl-C in the terminal is the loop's to handle.
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "host.teleop.web", str(theirs.fileno())],
+            [sys.executable, "-m", f"{NAME}.teleop.web", str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,

@@ -41,4 +41,5 @@ def how_to_get(library: str) -> str:
     extra = EXTRA_OF[library]
     if (ROOT / "Makefile").exists() and (ROOT / "pyproject.toml").exists():
         return f"run make setup EXTRAS={extra} in the project's folder"
-    return f"run pip install 'caramelo[{extra}]', with the wheel's file in place of the name if you installed from one"
+    wheel = "with the wheel's file in place of the name if you installed from one"
+    return f"run pip install 'caramelo-robot[{extra}]', {wheel}"

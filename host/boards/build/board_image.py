@@ -48,7 +48,7 @@ def build_board_image(
     loader = build_loader(out)
     images = [_binary(elf) for elf in elves]
     protocol = PROTOCOL_HASH if role == "joint" else None
-    image = make_image(role, BOARD[role], version("caramelo"), protocol, number, images, loader)
+    image = make_image(role, BOARD[role], version("caramelo-robot"), protocol, number, images, loader)
     return Built(image, {**measure(elves[0], out), "loader": len(loader)})
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 from ... import ROOT
 from ...util.errors import UserError
 from ...util.extras import how_to_get
+from ..core import PACKAGE
 from .source import BuildError, Module, read_modules
 from .typed import typed_modules
 
@@ -41,33 +42,46 @@ def why_not() -> str | None:
     return None
 
 
-def build_core(target: Path, root: Path = ROOT) -> None:
-    """Compile ``root``/shared into the new folder ``target``. UserError with the compiler's last words if it fails."""
+def build_core(target: Path, root: Path = ROOT, package: str = PACKAGE) -> None:
+    """Compile ``root``/shared, to be imported as ``package``, into the new folder ``target``.
+
+    UserError with the compiler's last words if it fails.
+    """
     missing = why_not()
     if missing:
         raise UserError(f"the core cannot be compiled here: {missing}")
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".core-", dir=target.parent) as folder:
         work, new = Path(folder, "work"), Path(folder, "new")
-        paths = _write_typed(root, work)
-        _run_mypyc(work, paths)
-        shutil.copytree(root / "shared", new / "shared", ignore=shutil.ignore_patterns("__pycache__"))
+        _run_mypyc(work, _write_typed(root, work, package))
+        _copy_shared(root, new, package)
         suffix = sysconfig.get_config_var("EXT_SUFFIX")
-        for made in [*work.glob(f"*{suffix}"), *(work / "shared").rglob(f"*{suffix}")]:
+        for made in [*work.glob(f"*{suffix}"), *(work / package.partition(".")[0]).rglob(f"*{suffix}")]:
             shutil.copy(made, new / made.relative_to(work))
         new.rename(target)
 
 
-def _write_typed(root: Path, work: Path) -> list[str]:
+def _copy_shared(root: Path, to: Path, package: str) -> Path:
+    """Copy the sources to where ``package`` is looked for below ``to``, and return that folder."""
+    place = to.joinpath(*package.split("."))
+    shutil.copytree(root / "shared", place, ignore=shutil.ignore_patterns("__pycache__"))
+    for above in place.relative_to(to).parents:
+        if above.parts:
+            (to / above / "__init__.py").touch()
+    return place
+
+
+def _write_typed(root: Path, work: Path, package: str) -> list[str]:
     """Write the package with types; return the paths of what is to be compiled."""
-    shutil.copytree(root / "shared", work / "shared", ignore=shutil.ignore_patterns("__pycache__"))
+    place = _copy_shared(root, work, package)
     modules = read_modules(root, ("shared",))
     paths = []
     try:
-        for name, text in typed_modules(modules).items():
+        for name, text in typed_modules(modules, package).items():
             if _is_compiled(modules[name]):
-                (work / modules[name].path).write_bytes(text)
-                paths.append(modules[name].path)
+                path = place / Path(modules[name].path).relative_to("shared")
+                path.write_bytes(text)
+                paths.append(path.relative_to(work).as_posix())
     except BuildError as error:
         raise UserError(str(error)) from error
     return paths

@@ -4,10 +4,13 @@ Everything is read from the syntax tree, nothing is imported, so a broken module
 """
 
 import ast
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
 PACKAGES = ("shared", "firmware")
+# A board has the folders as a checkout has them; installed on a computer they lie below `caramelo` (setup.py).
+_BELOW = re.compile(rb"(?m)^(\s*from )caramelo\.(?=(?:shared|firmware|host)\b)")
 
 
 class BuildError(Exception):
@@ -95,7 +98,7 @@ def resolve(module: Module, name: str, modules: dict[str, Module]) -> tuple[Modu
 
 def _read(root: Path, path: Path) -> Module:
     relative = path.relative_to(root).as_posix()
-    text = path.read_bytes()
+    text = _BELOW.sub(rb"\1", path.read_bytes())
     try:
         tree = ast.parse(text, relative)
     except SyntaxError as error:

@@ -19,18 +19,21 @@ _ANY = "Any"
 _IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
 
 
-def typed_modules(modules: dict[str, Module]) -> dict[str, bytes]:
-    """Return the text of every module but packages with types, by name; BuildError with file, line and the rule."""
+def typed_modules(modules: dict[str, Module], package: str = "shared") -> dict[str, bytes]:
+    """Return the text of every module but packages with types, by name; BuildError with file, line and the rule.
+
+    ``package``: what the core is imported as.
+    """
     for module in lower(modules).values():
         for function in hot_functions(module.tree):
             check_hot(module, function, modules)
     kinds = Kinds(modules)
-    return {name: _typed(module, kinds) for name, module in modules.items() if not module.is_package}
+    return {name: _typed(module, kinds, package) for name, module in modules.items() if not module.is_package}
 
 
-def _typed(module: Module, kinds: Kinds) -> bytes:
+def _typed(module: Module, kinds: Kinds, package: str) -> bytes:
     place = Places(module.text)
-    declares = "; from typing import ClassVar; from shared.record import Field" if records_of(module.tree) else ""
+    declares = f"; from typing import ClassVar; from {package}.record import Field" if records_of(module.tree) else ""
     edits = [beside(module, module.tree, _IMPORTS + declares, place)]
     for declared in records_of(module.tree):
         layout = kinds.layouts.find(module, declared.name)

@@ -4,9 +4,11 @@ import shutil
 from pathlib import Path
 
 from ...util.errors import UserError
-from ..core import find_core
+from ..core import PACKAGE, find_core
 from .base import RuntimeFailure
 from .cpython import CPython
+
+HERE = "shared"  # what the core is called in the folders that runtimes start from
 
 
 class Compiled(CPython):
@@ -23,10 +25,10 @@ class Compiled(CPython):
     def prepare(self, sources: Path, work: Path) -> Path:
         from ..build.native_core import build_core
 
-        tree, built = work / "compiled", find_core(sources)
+        tree, built = work / "compiled", find_core(sources) if PACKAGE == HERE else None
         try:
             if built is None:
-                build_core(tree, sources)
+                build_core(tree, sources, HERE)
             else:
                 shutil.copytree(built, tree)
         except UserError as error:

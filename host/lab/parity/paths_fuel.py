@@ -141,7 +141,7 @@ def _gait(work: Path) -> dict[str, list[int]]:
 def _sources(role: str, work: Path) -> Path:
     """Write what a board of this role runs, as it is, and return the folder."""
     modules = read_modules(ROOT)
-    files = {modules[name].path: (ROOT / modules[name].path).read_bytes() for name in select(modules, role)}
+    files = {modules[name].path: modules[name].text for name in select(modules, role)}
     files |= {path: text.encode() for path, text in generated_modules(role, ROBOT).items()}
     write_tree(files, work / "sources")
     return work / "sources"

@@ -20,6 +20,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Protocol
 
+from ... import NAME
 from ...control.pacer import figures_ms
 from ...util.errors import NOT_ACHIEVED, UserError
 from . import browser
@@ -96,7 +97,7 @@ def run_bench(seconds: float, presses: int, done: Callable[[str], None]) -> Benc
 
 def _walk(seconds: float) -> list[Row]:
     """Walk with the page being served and watched by one script."""
-    command = [sys.executable, "-m", "host.cli", "teleop", "--sim", "--web", "--listen", f"127.0.0.1:{free_port()}"]
+    command = [sys.executable, "-m", f"{NAME}.cli", "teleop", "--sim", "--web", "--listen", f"127.0.0.1:{free_port()}"]
     command += ["--measure", f"{seconds:g}", "--json"]
     done = subprocess.run(command, capture_output=True, text=True)
     if not done.stdout:

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
+from ... import NAME
 from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
 
@@ -49,7 +50,7 @@ class Watched:
         self.port, self._path = free_port(), str(folder / "teleop.sock")
         self.url, self.host = f"http://127.0.0.1:{self.port}", f"127.0.0.1:{self.port}"
         self._terminal = self._open_terminal() if terminal else None
-        command = [sys.executable, "-m", "host.cli", "teleop", *sim, "--web", "--listen", f"{host}:{self.port}"]
+        command = [sys.executable, "-m", f"{NAME}.cli", "teleop", *sim, "--web", "--listen", f"{host}:{self.port}"]
         command += ["--socket", self._path, *options, *([] if terminal else ["--json"])]
         if self._terminal is None:
             self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)

@@ -1,6 +1,5 @@
 """Starts the emulator in a process of its own and talks to it: its port, its orders, its inertial sensor."""
 
-import importlib
 import json
 import os
 import select
@@ -12,6 +11,7 @@ from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Self
 
+from ... import NAME
 from ...imu.base import Imu, ImuError, ImuLate
 from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
@@ -42,8 +42,8 @@ class Emulator:
     def start(self) -> None:
         """Start it and wait for the port's name; ModuleNotFoundError if the simulator is not installed."""
         if "bench" not in self._options:
-            importlib.import_module("sim2d.world")
-        command = [sys.executable, "-m", "host.sim.servos", *self._options]
+            from sim2d import world  # noqa: F401
+        command = [sys.executable, "-m", f"{NAME}.sim.servos", *self._options]
         # A session of its own: Ctrl-C in the terminal must not take the servos away before they are let go.
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True

@@ -1,0 +1,1 @@
+"""The robot for one's own programs: what `from caramelo import Robot` gives."""

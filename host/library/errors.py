@@ -1,0 +1,47 @@
+"""What goes wrong, in the library's words: every exception that it raises on purpose is a caramelo.Error."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from ..util.errors import UserError
+from ..util.extras import missing_library
+
+_FLAG = re.compile(r"(?<!\S)--([a-z][a-z-]*)")  # an option of the command line
+
+
+class Error(Exception):
+    """Anything that the library refuses or does not achieve; the text is one sentence."""
+
+
+class BadValue(Error, ValueError):
+    """An argument that is not allowed: which, its value, and what is. Nothing has moved."""
+
+
+class NotAchieved(Error):
+    """The robot did not do what it was told: what it did instead, and why."""
+
+
+class Fault(Error):
+    """The robot stopped by itself, or was stopped: the first cause. It stays so until ``reset``."""
+
+
+@contextmanager
+def own_words() -> Iterator[None]:
+    """Turn what the command line would say into an Error: options are called as the library's arguments are."""
+    try:
+        yield
+    except UserError as error:
+        raise Error(_FLAG.sub(lambda found: found[1].replace("-", "_"), str(error))) from None
+    except ModuleNotFoundError as error:
+        missing = missing_library(error)
+        if missing is None:
+            raise
+        raise Error(str(missing)) from None
+
+
+def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
+    """Return a number within its range, or raise BadValue that names it."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
+        raise BadValue(f"{name} {value!r}: allowed {low:.4g} .. {high:.4g} {unit}".rstrip())
+    return float(value)

@@ -1,0 +1,98 @@
+"""Where a robot is: its hardware and its clock, by the place's name.
+
+``sim``: the sagittal plane, in simulated time. ``space``: three dimensions (MuJoCo, extra `space`), in simulated time.
+``servos``: Dynamixel servos on a serial port. ``can``: brushless joints on a CAN bus.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from ..control.hardware import Hardware, real
+from ..imu.absent import AbsentImu
+from ..imu.attitude import Attitude
+from ..imu.choose import open_source
+from ..robot.model import Robot
+from .errors import BadValue
+
+PLACES = ("sim", "space", "servos", "can")
+BUS_OF = {"servos": "dynamixel", "can": "can"}
+NO_IMU = "the robot was opened without an inertial sensor: the body is not kept level"
+
+Pose = tuple[float, float, float]  # x and y in m, yaw in rad
+
+
+class SimulatedClock:
+    """Monotonic seconds that pass only when told to."""
+
+    def __init__(self) -> None:
+        self._now_s = time.monotonic()  # records show when it was, as on a robot
+
+    def __call__(self) -> float:
+        return self._now_s
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass."""
+        self._now_s += seconds
+
+
+@dataclass(frozen=True)
+class Place:
+    """``advance`` lets simulated time pass; None where it passes by itself. ``truth``: where a simulated body is."""
+
+    hardware: Hardware
+    clock: Callable[[], float] = time.monotonic
+    advance: Callable[[float], None] | None = None
+    truth: Callable[[], Pose] | None = None
+
+
+def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
+    """Return a place; BadValue if there is none of that name, or the robot has no such bus.
+
+    ``port`` and ``calibration``: see control/hardware.py; ``imu``: "" for the usual one, None for none, or where it is.
+    """
+    if name not in PLACES:
+        raise BadValue(f"place {name!r}: allowed {', '.join(PLACES)}")
+    if name in BUS_OF:
+        return _real(name, robot, port, calibration, imu)
+    if port is not None or calibration is not None or imu != "":
+        raise BadValue(f"place {name!r}: port, calibration and imu are for servos and can only")
+    return _plane(robot) if name == "sim" else _space(robot)
+
+
+def _real(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
+    if robot.bus.kind != BUS_OF[name]:
+        other = next(place for place, kind in BUS_OF.items() if kind == robot.bus.kind)
+        raise BadValue(f"place {name!r}: the joints of {robot.name} are {other!r}")
+    parts = real(robot, port, calibration)
+    if imu is None:
+        parts = replace(parts, attitude=Attitude(robot, AbsentImu(NO_IMU)))
+    elif imu:
+        parts = replace(parts, attitude=Attitude(robot, open_source(robot, imu)))
+    return Place(parts)
+
+
+def _plane(robot: Robot) -> Place:
+    from ..robot.poses import seated_pose_rad
+    from ..sim.bus import SimulatedBus
+    from ..sim.imu import SimulatedImu
+    from ..sim.plant import PlanePlant
+
+    clock = SimulatedClock()
+    plant = PlanePlant(robot, seated_pose_rad(robot))
+    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
+    parts = Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back, turns=False)
+    return Place(parts, clock, clock.advance, lambda: (plant.x_m, 0.0, 0.0))
+
+
+def _space(robot: Robot) -> Place:
+    from ..sim.bus import SimulatedBus
+    from ..sim.imu import SimulatedImu
+    from ..sim.space.plant import SpacePlant
+
+    clock = SimulatedClock()
+    plant = SpacePlant(robot)
+    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
+    parts = Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back)
+    return Place(parts, clock, clock.advance, plant.pose)

@@ -1,0 +1,434 @@
+"""`Robot`: walks, poses and joints of a robot in a few lines, in simulation as on hardware (docs/python.md)."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import copysign, cos, hypot, inf, isfinite, radians, sin
+from numbers import Real
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from ..control.messages import Drive
+from ..control.odometry import Odometry
+from ..robot.file import load_robot
+from ..robot.gait_advice import gait_advice
+from .errors import BadValue, Error, Fault, NotAchieved, finite, own_words
+from .places import Place, find_place
+from .run import Run
+from .sensed import JOINT_NAMES, Sensed
+
+# Generous: a crawl sets down four feet before it stands. Who waits longer than this learns why (chosen).
+STAND_MOST_S, STOP_MOST_S, RESET_MOST_S, ALIGN_MOST_S = 20.0, 30.0, 2.0, 5.0
+SLOWEST_TURN = 0.15  # of the fastest: what is left of the turning speed near the angle (chosen)
+TURN_BRAKE_RAD = 0.3  # so far from the angle it begins to turn slower (chosen)
+TURNED_RAD = radians(1.0)  # so near to the angle it is there (chosen)
+SLOWEST_HZ = 5.0  # a stream slower than that would meet its own dead-man
+LONGEST_S = 3600.0
+
+Goals = Sequence[float] | Mapping[str, float]
+
+
+class Robot:
+    """One robot in one place. Nothing moves before ``stand``; the end of a ``with`` block sits it down.
+
+    Args:
+        place: ``sim`` (the sagittal plane), ``space`` (three dimensions, extra `space`), ``servos`` or ``can``; or a
+            Place of one's own (host/library/places.py), for which port, calibration and imu are not asked.
+        robot: a robot's name, or the path of a robot file ending in .toml.
+        gait: a gait's name; without it the robot file's own.
+        port: of servos the serial port, of CAN ``INTERFACE:CHANNEL``; without it the robot file's own.
+        calibration: the servos' calibration file; without it the robot's own.
+        imu: ``i2c``, a gait board's port or a recording; ``""`` is the usual one, None none at all.
+        record: an MCAP file to write, or a folder for one; needs the extra `record`.
+
+    In ``sim`` and ``space`` time passes only in calls that wait, as fast as it is computed, and the same calls give the
+    same motion. With servos and CAN the control loop runs in a thread of its own.
+
+    Every error is a caramelo.Error: BadValue for a wrong argument (nothing has moved), NotAchieved, Fault for a robot
+    that stopped by itself or was stopped.
+    """
+
+    def __init__(
+        self,
+        place: str | Place = "sim",
+        robot: str | Path = "caramelo",
+        *,
+        gait: str | None = None,
+        port: str | None = None,
+        calibration: str | Path | None = None,
+        imu: str | None = "",
+        record: str | Path | None = None,
+    ) -> None:
+        with own_words():
+            self._file = load_robot(str(robot))
+            path = None if calibration is None else Path(calibration)
+            self._place = find_place(place, self._file, port, path, imu) if isinstance(place, str) else place
+        self._record = None if record is None else Path(record)
+        self._gait = self._known_gait(gait or self._file.gait.default)
+        self._run: Run | None = None
+        self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
+        self._joint_rad_s: float | None = None  # in a loop over stream: the fastest that its joints may turn
+
+    # --- from opening to closing
+
+    def open(self) -> Self:
+        """Connect to the joints and check them, without moving any; Error if a check fails. `with` does it."""
+        if self._run is not None:
+            raise Error("the robot is open already")
+        with own_words():
+            self._run = Run(self._file, self._place, self._record)
+        self._run.send({"type": "gait", "gait": self._gait})
+        self._run.tick()
+        return self
+
+    def close(self) -> None:
+        """Sit down, let the joints go, end the record; at once let go where it can't sit. May be called twice."""
+        run, self._run = self._run, None
+        if run is not None:
+            run.close()
+
+    def __enter__(self) -> Self:
+        return self if self._run is not None else self.open()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        try:
+            self.close()
+        except Error:
+            if error is None:
+                raise  # else the block's own error is the first cause
+
+    @property
+    def _opened(self) -> Run:
+        if self._run is None:
+            raise Error("the robot is not open: write `with Robot(...) as robot:`, or call open()")
+        return self._run
+
+    # --- what is known
+
+    @property
+    def name(self) -> str:
+        """The robot file's name."""
+        return self._file.name
+
+    @property
+    def sensed(self) -> Sensed:
+        """What was known after the last tick: joints, attitude, state, battery."""
+        return self._opened.sensed
+
+    @property
+    def odometry(self) -> Odometry:
+        """Where the robot has walked to since it was opened, by dead reckoning with its legs and the gyro.
+
+        Feet that stand are taken to stay where they are: a slip stays in it. In ``sim``, the plane, nothing can turn;
+        there it turns as the legs would have it. ``truth`` is what a simulated body really did.
+        """
+        return self._opened.sensed.odometry
+
+    @property
+    def truth(self) -> tuple[float, float, float]:
+        """Where a simulated body is: x and y in m, yaw in rad. Error on hardware, where nobody knows."""
+        if self._place.truth is None:
+            raise Error("truth: only a simulator knows where the robot is; ask odometry")
+        return self._place.truth()
+
+    @property
+    def joint_limits_rad(self) -> tuple[tuple[float, float], ...]:
+        """Lowest and highest angle of the twelve joints, in the order of JOINT_NAMES."""
+        return tuple(limit for leg in range(4) for limit in self._file.joint_limits_rad(leg))
+
+    @property
+    def gaits(self) -> dict[str, str]:
+        """Every gait's name with why it is not advised for this robot, "" if it is."""
+        return gait_advice(self._file)
+
+    @property
+    def gait(self) -> str:
+        """The gait of the walks to come; set it to another's name."""
+        return self._gait
+
+    @gait.setter
+    def gait(self, name: str) -> None:
+        self._gait = self._known_gait(name)
+        if self._run is not None:
+            self._run.send({"type": "gait", "gait": self._gait})
+
+    def _known_gait(self, name: str) -> str:
+        if name not in self.gaits:
+            raise BadValue(f"gait {name!r}: allowed {', '.join(self.gaits)}")
+        return name
+
+    # --- postures
+
+    def stand(self) -> None:
+        """Stand up and return once the robot stands; at first it holds still until the gyro's bias is known."""
+        run = self._opened
+        attitude = self._place.hardware.attitude
+        run.until(lambda now: attitude.state != "aligning" or now.state != "disarmed", ALIGN_MOST_S, "attitude")
+        run.send({"type": "posture", "posture": "stand"})
+        run.until(self._stands, STAND_MOST_S, "stand")
+
+    def sit(self) -> None:
+        """Sit down, let the joints go, and return once they are."""
+        run = self._opened
+        run.sticks = None
+        run.send({"type": "posture", "posture": "rest"})
+        run.until(lambda now: now.state == "disarmed", STAND_MOST_S, "sit")
+
+    def pose(
+        self,
+        x_m: float = 0.0,
+        y_m: float = 0.0,
+        z_m: float = 0.0,
+        roll_deg: float = 0.0,
+        pitch_deg: float = 0.0,
+        yaw_deg: float = 0.0,
+    ) -> None:
+        """Hold the body shifted and turned from its stance, also in the walks to come, and return once it is there.
+
+        The robot stands. Ranges are the robot file's [body_limits]; one that the legs do not reach is held at the
+        nearest, which ``sensed.remark`` tells.
+        """
+        limits = self._file.body_limits
+        shift_m = [finite(n, v, -m, m, "m") for n, v, m in
+                   (("x_m", x_m, limits.x_m), ("y_m", y_m, limits.y_m), ("z_m", z_m, limits.z_m))]  # fmt: skip
+        angles = (("roll_deg", roll_deg, limits.roll_deg), ("pitch_deg", pitch_deg, limits.pitch_deg),
+                  ("yaw_deg", yaw_deg, limits.yaw_deg))  # fmt: skip
+        turn = [radians(finite(name, value, -most, most, "deg")) for name, value, most in angles]
+        run = self._standing()
+        before, self._pose = self._pose, (shift_m[0], shift_m[1], shift_m[2], turn[0], turn[1], turn[2])
+        way = [abs(now - then) for now, then in zip(self._pose, before, strict=True)]
+        seconds = max(max(way[:3]) / limits.shift_m_s, max(way[3:]) / limits.turn_rad_s)
+        run.sticks = Drive(pose=self._pose)
+        for _ in range(round(seconds * run.rate_hz) + 1):
+            run.tick()
+        run.sticks = None
+
+    def stop(self) -> None:
+        """Emergency stop: let the joints go at once, from any thread. It stays so until ``reset``.
+
+        A software stop is not a power cut: keep a switch within reach.
+        """
+        self._opened.emergency_stop()
+
+    def reset(self) -> None:
+        """Forget a stop or a fault that is over; Fault if it is not. A simulated robot that fell is put on its feet."""
+        run = self._opened
+        run.send({"type": "reset"})
+        for _ in range(round(RESET_MOST_S * run.rate_hz)):
+            try:
+                run.tick()
+                return
+            except Fault as fault:
+                last = fault
+        raise last
+
+    # --- walking
+
+    def walk(
+        self,
+        vx_m_s: float = 0.0,
+        vy_m_s: float = 0.0,
+        wz_rad_s: float = 0.0,
+        *,
+        seconds: float | None = None,
+        distance_m: float | None = None,
+    ) -> None:
+        """Walk ahead, to the left and turning (to the left is positive), then stop; return once the robot stands.
+
+        For a time, or over a distance by ``odometry``: exactly one of them. BadValue for more than robot and gait walk;
+        NotAchieved if the distance takes five times as long as it should, and 20 s.
+        """
+        sticks = self._sticks(vx_m_s, vy_m_s, wz_rad_s)
+        if (seconds is None) == (distance_m is None):
+            raise BadValue("walk: give either seconds or distance_m")
+        if seconds is not None:
+            seconds = finite("seconds", seconds, 0.0, LONGEST_S, "s")
+            self._walk_for(sticks, seconds)
+            return
+        distance_m = finite("distance_m", distance_m, 0.0, 1000.0, "m")
+        speed_m_s = hypot(sticks.vx_m_s, sticks.vy_m_s)
+        if sticks.wz_rad_s or not speed_m_s:
+            raise BadValue("distance_m: only straight ahead or aside, with a speed; a curve is walked for seconds")
+        self._walk_way(sticks, distance_m, 20.0 + 5.0 * distance_m / speed_m_s)
+
+    def turn(self, deg: float, wz_rad_s: float | None = None) -> None:
+        """Turn on the spot by an angle, to the left if it is positive, by ``odometry``; return once the robot stands.
+
+        ``wz_rad_s``: the fastest it turns; without it as fast as robot and gait can.
+        """
+        angle_rad = radians(finite("deg", deg, -3600.0, 3600.0, "deg"))
+        most = self._fastest()[2]
+        most = most if wz_rad_s is None else finite("wz_rad_s", wz_rad_s, 0.01, most, "rad/s")
+        run = self._standing()
+        start_rad, most_s = run.sensed.odometry.yaw_rad, 20.0 + 5.0 * abs(angle_rad) / most
+
+        def there(now: Sensed) -> bool:
+            left_rad = angle_rad - (now.odometry.yaw_rad - start_rad)
+            share = max(SLOWEST_TURN, min(1.0, abs(left_rad) / TURN_BRAKE_RAD))
+            run.sticks = Drive(wz_rad_s=copysign(most * share, left_rad), pose=self._pose)
+            return abs(left_rad) < TURNED_RAD
+
+        try:
+            run.until(there, most_s, f"turn by {deg:g} deg")
+        finally:
+            run.sticks = None
+        self._halt()
+
+    def _sticks(self, vx_m_s: float, vy_m_s: float, wz_rad_s: float) -> Drive:
+        most = self._fastest()
+        return Drive(
+            finite("vx_m_s", vx_m_s, -most[0], most[0], f"m/s by {self.gait}"),
+            finite("vy_m_s", vy_m_s, -most[1], most[1], f"m/s by {self.gait}"),
+            finite("wz_rad_s", wz_rad_s, -most[2], most[2], f"rad/s by {self.gait}"),
+            self._pose,
+        )
+
+    def _fastest(self) -> tuple[float, float, float]:
+        return self._opened.supervisor.driver.fastest(self.gait)
+
+    def _walk_for(self, sticks: Drive, seconds: float) -> None:
+        run = self._standing()
+        run.sticks = sticks
+        try:
+            for _ in range(round(seconds * run.rate_hz)):
+                run.tick()
+        finally:
+            run.sticks = None
+        self._halt()
+
+    def _walk_way(self, sticks: Drive, distance_m: float, most_s: float) -> None:
+        run = self._standing()
+        start, speed = run.sensed.odometry, hypot(sticks.vx_m_s, sticks.vy_m_s)
+        ahead, left = sticks.vx_m_s / speed, sticks.vy_m_s / speed
+        c, s = cos(start.yaw_rad), sin(start.yaw_rad)
+        east, north = c * ahead - s * left, s * ahead + c * left  # the way in the odometry's axes
+
+        def gone_m() -> float:
+            now = run.sensed.odometry
+            return (now.x_m - start.x_m) * east + (now.y_m - start.y_m) * north
+
+        run.sticks = sticks
+        try:
+            run.until(lambda now: gone_m() >= distance_m, most_s, f"walk {distance_m:g} m")
+        except NotAchieved as error:
+            raise NotAchieved(f"{error}; {gone_m():.3f} m were walked") from None
+        finally:
+            run.sticks = None
+        self._halt()
+
+    def _halt(self) -> None:
+        """Stop walking and return once the robot stands."""
+        run = self._opened
+        run.sticks = Drive(pose=self._pose)
+        try:
+            run.until(self._stands, STOP_MOST_S, "stop")
+        finally:
+            run.sticks = None
+
+    def _standing(self) -> Run:
+        """Return the run of a robot that stands, or will after what a stream has left it at."""
+        run = self._opened
+        if run.sensed.fault:
+            raise Fault(run.sensed.fault)
+        if run.sensed.state in ("disarmed", "sitting"):
+            raise Error(f"the robot does not stand, it is {run.sensed.state}: call stand() first")
+        self._halt()
+        return run
+
+    def _stands(self, now: Sensed) -> bool:
+        return now.state == "standing" and not self._opened.supervisor.stream.active
+
+    # --- a loop of one's own
+
+    def stream(
+        self, hz: float = 50.0, *, seconds: float | None = None, joint_rad_s: float | None = None
+    ) -> Iterator[Sensed]:
+        """Yield what is sensed ``hz`` times a second; in the loop ``set_speed`` drives, or ``set_joints`` moves joints.
+
+        ``hz`` 5 .. the planner's rate, rounded so that its period is whole ticks. It ends after ``seconds``, or when
+        the loop is left. ``joint_rad_s``: the fastest that ``set_joints`` may turn a joint; without it the speed at
+        which the robot stands up ([stand] of its file).
+
+        Every tick checks: no joint goes beyond its limits nor turns faster. Nothing set for 0.3 s, and the robot stops
+        walking, and the joints go back to the stance; so they do at the end.
+        """
+        run = self._opened
+        joints = run.supervisor.stream
+        hz = finite("hz", hz, SLOWEST_HZ, run.rate_hz, "Hz")
+        fastest = joints.fastest_rad_s
+        asked = joints.usual_rad_s if joint_rad_s is None else finite("joint_rad_s", joint_rad_s, 0.0, fastest, "rad/s")
+        until_s = inf if seconds is None else finite("seconds", seconds, 0.0, LONGEST_S, "s")
+        return self._stream(run, round(run.rate_hz / hz), asked, until_s * hz - 0.5)
+
+    def _stream(self, run: Run, every: int, joint_rad_s: float, most: float) -> Iterator[Sensed]:
+        self._standing()
+        self._joint_rad_s = joint_rad_s
+        count = 0
+        try:
+            while count < most:
+                count += 1
+                for _ in range(every):
+                    run.tick()
+                run.sticks = None
+                yield run.sensed
+        finally:
+            self._joint_rad_s = run.sticks = None
+            if self._run is run:
+                run.do(run.supervisor.stream.end)
+
+    def set_speed(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, wz_rad_s: float = 0.0) -> None:
+        """Walk so until the next turn of a loop over ``stream``; the ranges are those of ``walk``."""
+        self._streaming("set_speed")
+        if self._opened.supervisor.stream.active:
+            raise Error("set_speed: set_joints has the joints; leave its loop first")
+        self._opened.sticks = self._sticks(vx_m_s, vy_m_s, wz_rad_s)
+
+    def set_joints(self, goals_rad: Goals) -> tuple[str, ...]:
+        """Set joint goals, rad, in a loop over ``stream``; return the names of the joints that were limited.
+
+        Twelve angles in the order of JOINT_NAMES, or a mapping of some of those names: the others keep their goals.
+        BadValue, and nothing changes, for anything but finite numbers. The robot stands while its joints are set.
+        """
+        run, joint_rad_s = self._opened, self._streaming("set_joints")
+        joints = run.supervisor.stream
+        if not joints.open and run.sensed.state != "standing":
+            raise Error(f"set_joints: the robot does not stand, it is {run.sensed.state}")
+        goals = _angles(goals_rad, joints.wished or run.sensed.goals_rad)
+        limited: list[int] = []
+
+        def wish() -> None:
+            if not joints.open:
+                joints.begin(run.supervisor.goals, joint_rad_s, run.loop.clock())
+            limited.extend(joints.wish(goals, run.loop.clock()))
+
+        run.do(wish)
+        return tuple(JOINT_NAMES[joint] for joint in limited)
+
+    def _streaming(self, what: str) -> float:
+        if self._joint_rad_s is None:
+            raise Error(f"{what}: only within a loop `for sensed in robot.stream():`")
+        return self._joint_rad_s
+
+
+def _angles(goals_rad: object, before_rad: Sequence[float]) -> list[float]:
+    """Return twelve finite angles, or raise BadValue."""
+    if isinstance(goals_rad, Mapping):
+        for name in goals_rad:
+            if name not in JOINT_NAMES:
+                raise BadValue(f"set_joints: joint {name!r}: allowed {', '.join(JOINT_NAMES)}")
+        goals_rad = [goals_rad.get(name, before) for name, before in zip(JOINT_NAMES, before_rad, strict=True)]
+    try:
+        goals = list(goals_rad)  # type: ignore[call-overload]
+    except TypeError:
+        raise BadValue(f"set_joints: {type(goals_rad).__name__}: allowed 12 angles, or angles by joint name") from None
+    if len(goals) != len(JOINT_NAMES):
+        raise BadValue(f"set_joints: {len(goals)} values: allowed 12")
+    return [_angle(name, goal) for name, goal in zip(JOINT_NAMES, goals, strict=True)]
+
+
+def _angle(name: str, goal: object) -> float:
+    try:
+        if isinstance(goal, Real) and isfinite(angle := float(goal)):
+            return angle
+    except OverflowError:
+        pass  # an integer beyond all floats
+    raise BadValue(f"set_joints: {name} {str(goal)[:40]}: allowed a finite angle in rad")

@@ -1,0 +1,150 @@
+"""An open robot: its supervisor, its ticks, what is known after each, and the record of it."""
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+
+from ..control.arbiter import Client
+from ..control.loop import Loop
+from ..control.messages import Drive, Message
+from ..control.odometry import LegOdometry
+from ..control.opening import open_supervisor
+from ..robot.model import Robot
+from .errors import Error, Fault, NotAchieved
+from .places import Place
+from .sensed import Sensed
+from .ticks import SimulatedTicks, ThreadTicks, Ticks
+
+CLIENT = Client("script")
+# Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
+LEAVING_S = 20.0
+
+
+class Run:
+    """From start-up checks to letting go. ``sticks``: what is driven, told anew in every tick that is waited for."""
+
+    def __init__(self, robot: Robot, place: Place, record: Path | None) -> None:
+        self.robot, self.place = robot, place
+        self.sticks: Drive | None = None
+        self.sensed = Sensed()
+        self._stack = ExitStack()
+        self._log: Callable[[Loop], None] = lambda loop: None
+        with ExitStack() as opened:
+            self.supervisor = open_supervisor(opened, robot, place.hardware, sleep=place.advance or time.sleep)
+            self.rate_hz = self.supervisor.driver.rate_hz
+            self._odometry = LegOdometry(robot, self.rate_hz)
+            self.loop = Loop(self.supervisor, self._after_tick, place.clock)
+            if record is not None:
+                self._add_record(opened, record)
+            self._ticks = self._make_ticks()
+            self._ticks.start()
+            self._stack = opened.pop_all()
+
+    def _make_ticks(self) -> Ticks:
+        if self.place.advance is not None:
+            return SimulatedTicks(self.loop, self.place.advance)
+        return ThreadTicks(self.loop, self.place.hardware.bus.emergency_stop)
+
+    def _add_record(self, stack: ExitStack, path: Path) -> None:
+        from ..records.log import LoopLog, about
+        from ..records.recorder import Recorder, record_path
+
+        recorder = Recorder(record_path(path), about(self.robot, self.supervisor))
+        stack.callback(recorder.close)
+        log, simulated = LoopLog(recorder), self.place.advance is not None
+
+        def tick(loop: Loop) -> None:
+            log.tick(loop)
+            if simulated:
+                recorder.keep_up()
+
+        self._log = tick
+
+    def _after_tick(self, loop: Loop) -> None:
+        supervisor = loop.supervisor
+        measured, attitude = supervisor.measured, supervisor.attitude
+        rates = self.place.hardware.attitude.rates_rad_s if attitude is not None else None
+        swinging = supervisor.driver.planner.status.swinging if supervisor.driver.state == "walking" else 0
+        stands = supervisor.armed and supervisor.driver.state in ("standing", "walking")
+        if stands and measured.complete and not supervisor.stream.active:
+            turn = rates[2] if rates is not None and self.place.hardware.turns else None
+            self._odometry.update(measured.position_rad, swinging, attitude, turn)
+        else:
+            self._odometry.lost()
+        self.sensed = Sensed(
+            time_s=loop.clock(),
+            state=supervisor.state,
+            fault=self._fault(),
+            remark=supervisor.remark,
+            joints_rad=measured.position_rad,
+            speed_rad_s=measured.speed_rad_s,
+            goals_rad=tuple(supervisor.goals),
+            load=measured.load,
+            age_s=measured.age_s,
+            attitude_rad=attitude,
+            rates_rad_s=rates,
+            swinging=tuple(bool(swinging >> leg & 1) for leg in range(4)),
+            temperature_C=measured.temperature_C,
+            battery_V=measured.battery_V,
+            odometry=self._odometry.now,
+        )
+        self._log(loop)
+        self._ticks.ticked()
+
+    def _fault(self) -> str:
+        stop = self.supervisor.arbiter.stop
+        return "emergency stop" if stop is not None else self.supervisor.safety.sentence
+
+    def send(self, message: Message) -> None:
+        """Have the loop take a message; Error if it refuses."""
+        if not self._ticks.do(lambda: self.loop.receive(CLIENT, message)):
+            raise Error(f"refused: {self.supervisor.arbiter.refusal}")
+
+    def do(self, what: Callable[[], object]) -> None:
+        """Call something between two ticks."""
+        self._ticks.do(what)
+
+    def tick(self) -> Sensed:
+        """Say again what is driven and return what is known after the next tick; Fault if the robot has stopped."""
+        if self.sticks is not None:
+            self.send(self.sticks.message())
+        self._ticks.wait()
+        if self.sensed.fault:
+            self.sticks = None
+            raise Fault(self.sensed.fault)
+        return self.sensed
+
+    def until(self, done: Callable[[Sensed], bool], most_s: float, what: str) -> None:
+        """Tick until it is done; NotAchieved, with the reason, after a time."""
+        for _ in range(round(most_s * self.rate_hz)):
+            if done(self.sensed):
+                return
+            self.tick()
+        reason = self.supervisor.reason(self.loop.clock())
+        raise NotAchieved(f"{what}: not within {most_s:.3g} s: {reason or self.sensed.state}")
+
+    def emergency_stop(self) -> None:
+        """Let go at once; may be called from another thread."""
+        self.place.hardware.bus.emergency_stop()
+        self._ticks.do(lambda: self.loop.receive(CLIENT, {"type": "stop"}))
+        self._ticks.wait()
+
+    def close(self) -> None:
+        """Sit down, let go, and end everything; let go at once where sitting down is not possible."""
+        try:
+            self._sit_down()
+        except BaseException:
+            self.place.hardware.bus.emergency_stop()
+            raise
+        finally:
+            self._ticks.close()
+            self._stack.close()
+
+    def _sit_down(self) -> None:
+        self._ticks.do(self.supervisor.leave)
+        for _ in range(round(LEAVING_S * self.rate_hz)):
+            if not self.supervisor.armed:
+                return
+            self._ticks.wait()
+        raise NotAchieved(f"the robot has not sat down within {LEAVING_S:g} s and was let go where it is")

@@ -1,0 +1,151 @@
+"""Who lets the loop tick: whoever waits, in simulated time; a thread of its own, on hardware.
+
+On hardware the joints hear from the host in every tick, whatever the program is busy with. All that is asked of the
+robot is done between two ticks, by the thread that ticks, so nothing needs a lock.
+"""
+
+import queue
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from concurrent.futures import Future
+from math import inf
+from typing import Any, TypeVar
+
+from ..control import priority
+from ..control.loop import Loop
+from .errors import Error, own_words
+
+Answer = TypeVar("Answer")
+TICK_MOST_S = 5.0  # a loop that has not ticked for so long hangs: a bus waits no longer than a tick
+
+
+class Ticks(ABC):
+    """Ticks of one loop; ``do`` calls something between two of them and returns its answer."""
+
+    came_s = inf  # see control/loop.py, Source
+
+    def start(self) -> None:
+        """Begin; what is called after each tick may be called from now on."""
+        return
+
+    def ticked(self) -> None:
+        """A tick is over, and all that is to be known of it is."""
+        return
+
+    @abstractmethod
+    def do(self, what: Callable[[], Answer]) -> Answer:
+        """Call it between two ticks."""
+
+    @abstractmethod
+    def wait(self) -> None:
+        """Return after the next tick; Error if there are no more."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """No more ticks; may be called twice."""
+
+
+class SimulatedTicks(Ticks):
+    """Time passes when somebody waits for it, as fast as it is computed."""
+
+    def __init__(self, loop: Loop, advance: Callable[[float], None]) -> None:
+        self._loop, self._advance = loop, advance
+
+    def poll(self, timeout_s: float) -> None:
+        """See Source: nothing comes from elsewhere."""
+
+    def do(self, what: Callable[[], Answer]) -> Answer:
+        """See Ticks."""
+        with own_words():
+            return what()
+
+    def wait(self) -> None:
+        """See Ticks."""
+        with own_words():
+            self._loop.tick(self)
+        self._advance(self._loop.pacer.period_s)
+
+    def close(self) -> None:
+        """See Ticks."""
+
+
+class ThreadTicks(Ticks):
+    """The loop in a thread; ``stop`` is called there if it fails."""
+
+    def __init__(self, loop: Loop, stop: Callable[[], None]) -> None:
+        self._loop, self._stop = loop, stop
+        self._asked: queue.SimpleQueue[tuple[Callable[[], Any], Future[Any]]] = queue.SimpleQueue()
+        self._ticked = threading.Condition()
+        self._failure: BaseException | None = None
+        self._thread = threading.Thread(target=self._run, name="caramelo loop", daemon=True)
+
+    def start(self) -> None:
+        """See Ticks."""
+        self._thread.start()
+
+    def _run(self) -> None:
+        priority.ask()  # of this thread alone
+        try:
+            self._loop.run(self)
+        except BaseException as error:  # whoever waits is told; the joints must not go on without a loop
+            self._failure = error
+            self._stop()
+        with self._ticked:
+            self._ticked.notify_all()
+
+    def poll(self, timeout_s: float) -> None:
+        """See Source: do what has been asked for, and wait for it up to a time."""
+        try:
+            while True:
+                what, answer = self._asked.get(timeout=timeout_s) if timeout_s > 0 else self._asked.get_nowait()
+                timeout_s = 0.0
+                self._answer(what, answer)
+        except queue.Empty:
+            return
+
+    @staticmethod
+    def _answer(what: Callable[[], Any], answer: "Future[Any]") -> None:
+        try:
+            answer.set_result(what())
+        except Exception as error:
+            answer.set_exception(error)
+
+    def ticked(self) -> None:
+        """See Ticks; called by the loop's thread."""
+        with self._ticked:
+            self._ticked.notify_all()
+
+    def do(self, what: Callable[[], Answer]) -> Answer:
+        """See Ticks; Error if the loop has ended or hangs."""
+        answer: Future[Answer] = Future()
+        self._asked.put((what, answer))
+        try:
+            with own_words():
+                self._check()
+                return answer.result(TICK_MOST_S)
+        except TimeoutError:
+            raise self._gone() from None
+
+    def wait(self) -> None:
+        """See Ticks."""
+        with self._ticked:
+            ticked = self._thread.is_alive() and self._ticked.wait(TICK_MOST_S)
+        self._check()
+        if not ticked:
+            raise self._gone()
+
+    def _check(self) -> None:
+        if not self._thread.is_alive() or self._failure is not None:
+            raise self._gone() from self._failure
+
+    def _gone(self) -> Error:
+        why = f"has ended: {self._failure}" if self._failure else f"has not ticked for {TICK_MOST_S:g} s"
+        return Error(f"the control loop {why}; the joints have been let go")
+
+    def close(self) -> None:
+        """See Ticks."""
+        self._loop.end()
+        self._asked.put((lambda: None, Future()))  # it wakes up
+        if threading.current_thread() is not self._thread:
+            self._thread.join(TICK_MOST_S)

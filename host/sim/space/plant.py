@@ -1,0 +1,100 @@
+"""The robot in three dimensions behind simulated joints: a Plant in MuJoCo, whose drives can be off or limited."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+
+from ...bus.base import JOINTS
+from ...robot.model import Robot
+from ...robot.poses import seated_pose_rad
+from ...util.errors import UserError
+from ..export.ground import Ground
+from ..export.mjcf import ModelOptions
+from ..imu import Motion
+from ..plant import DT_S, Plant
+from .walk import FAST
+from .world import World
+
+
+class SwitchedWorld(World):
+    """A world in which the robot waits seated, each of its drives off, and goals act at once."""
+
+    def __init__(self, robot: Robot, ground: Ground) -> None:
+        dt_s, impratio = FAST
+        super().__init__(robot, ModelOptions(ground, dt_s=dt_s, impratio=impratio), robot.control.rate_hz)
+        self._gain, self._bias = self.model.actuator_gainprm.copy(), self.model.actuator_biasprm.copy()
+        self.stall_Nm = self.model.actuator_forcerange[:, 1].copy()
+
+    def _rest(self) -> None:
+        """Put the robot seated on the floor below x = 0."""
+        mujoco.mj_resetData(self.model, self.data)
+        super()._rest()
+        pose = np.array(seated_pose_rad(self.robot))
+        self.data.qpos[self._q : self._q + JOINTS] = pose
+        self.data.qpos[self._q - 5] -= self.robot.stance.rest_height_m - self.robot.stance.sit_height_m
+        mujoco.mj_forward(self.model, self.data)
+
+    def put_back(self) -> None:
+        """Lift the robot and put it down seated; the time goes on."""
+        self._rest()
+
+    def drive(self, goal_rad: Sequence[float], on: Sequence[bool], limit: Sequence[float]) -> None:
+        """Tell the drives their goals, which of them give torque, and up to what share of their stall torque."""
+        self._act(np.asarray(goal_rad, dtype=float))
+        gives = np.asarray(on, dtype=float)[:, None]
+        self.model.actuator_gainprm[:], self.model.actuator_biasprm[:] = self._gain * gives, self._bias * gives
+        most = self.stall_Nm * np.asarray(limit, dtype=float)
+        self.model.actuator_forcerange[:] = np.stack([-most, most], axis=1)
+
+    def run_until(self, time_s: float) -> None:
+        """Go on to a time, in whole steps."""
+        self._run_to(int(time_s / self.options.dt_s + 1e-6))
+
+    def motion_since(self) -> Motion:
+        """Return the motion as ``motion`` does, and begin the mean of the next control period."""
+        motion = self.motion()
+        self._remember()
+        return motion
+
+    def joint_speeds_rad_s(self) -> list[float]:
+        """Return the twelve joints' speeds."""
+        speeds: list[float] = self.data.qvel[self._v : self._v + JOINTS].tolist()
+        return speeds
+
+
+class SpacePlant(Plant):
+    """A robot that waits seated on some ground. Off, a drive turns freely but for its friction and damping."""
+
+    def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
+        super().__init__(robot, seated_pose_rad(robot))
+        self.world = SwitchedWorld(robot, Ground("flat") if ground is None else ground)
+
+    def push(self, joint: int, angle_rad: float) -> None:
+        """See Plant."""
+        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+
+    def pose(self) -> tuple[float, float, float]:
+        """Return where the body is, x and y in m, and its yaw, rad."""
+        x_m, y_m, _ = self.world.position_m().tolist()
+        return x_m, y_m, self.world.attitude_rad()[2]
+
+    def put_back(self) -> None:
+        """See Plant."""
+        self.world.put_back()
+        self._look()
+
+    def inertial(self) -> Motion:
+        """See Plant."""
+        return self.world.motion_since()
+
+    def _run(self, steps: int) -> None:
+        drives = self.drives
+        self.world.drive(drives.goal_rad, drives.on, drives.limit)
+        self.world.run_until(self.time_s + steps * DT_S)
+        self._look()
+
+    def _look(self) -> None:
+        self.position_rad[:] = self.world.joints_rad().tolist()
+        self.speed_rad_s[:] = self.world.joint_speeds_rad_s()
+        self.drives.load[:] = (self.world.data.actuator_force / self.world.stall_Nm).tolist()
