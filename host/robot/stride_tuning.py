@@ -26,6 +26,7 @@ CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
 CAPTURE_MOST = 0.3  # of the height: the furthest such step
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs take a tilt back
 HEADING_HZ = 2.0  # rad/s of turn per rad of heading that is missed
+SLOPE_CYCLES = 1.0  # in which the ground's slope is believed
 DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
 DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/stride/steer.py)
 FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
@@ -214,6 +215,7 @@ def fill_stride(params: Params, robot: Robot) -> None:
     setup.drift_q15 = round(DRIFT_SHARE / f.cycle_s / rate * 32768)
     setup.drift_least = round(DRIFT_LEAST_M_S / rate * fine)
     setup.heading_q16 = round(65536 * HEADING_HZ / rate)
+    setup.slope_q15 = round(32768 / (1 + SLOPE_CYCLES * f.cycle_s * rate))
     setup.rolling_q15 = round(32768 * rolling(robot))
     setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
     setup.lag_q8 = round(f.lag_s * rate * 256)

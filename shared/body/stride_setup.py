@@ -31,6 +31,7 @@ class StrideSetup:
     drift_q15: int = field("Q15 / tick", "integral of the speed's error")
     drift_least: int = field("lf / tick", "limit of that at rest")
     heading_q16: int = field("Q16 / tick", "turn per error of the heading")
+    slope_q15: int = field("Q15 / tick", "how fast a slope of the ground is believed")
     rolling_q15: int = field("Q15", "speed of a round foot's centre per speed of the body")
     tilt_lead_q8: int = field("ticks Q8", "from measuring the tilt to the middle of the tick in which goals act")
     lag_q8: int = field("ticks Q8", "drives' lag: damping over stiffness")

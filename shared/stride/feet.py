@@ -7,6 +7,7 @@ turn, and sink as it rises. What went wrong in a stance is gone with the next sw
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
+from .ground import ground_z
 from .state import Stride
 
 _PER_TURN_Q15 = const(5215)  # 1 / (2 pi)
@@ -151,6 +152,7 @@ def settle_foot(walk: Stride, leg: int, lifted: int, low: int, down_q15: int) ->
     at = leg * 3
     x = saturate(feet[at] >> LF_BITS, -_WIDE, _WIDE)
     y = saturate(feet[at + 1] >> LF_BITS, -_WIDE, _WIDE)
+    low += ground_z(walk, x, y)
     z = starts[at + 2] + mul_q15(saturate(low - starts[at + 2], -_FAR, _FAR), down_q15) + lifted
     z = saturate(z, -_FAR, _FAR)
     feet[at] = x - (z * state.pitch_q14 >> 14) << LF_BITS

@@ -3,6 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
+from .ground import ground_z, level_z
 from .state import CYCLE_Q20, Stride
 
 _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
@@ -148,9 +149,7 @@ def touch_early(params: Params, walk: Stride, leg: int) -> int:
     early = walk.early
     load_q12 = walk.load_q12
     at = leg * 3
-    z = measured[at + 2] + (measured[at + 1] * state.tilt_q14[0] >> 14)
-    z -= measured[at] * state.tilt_q14[1] >> 14
-    met = z + setup.height
+    met = level_z(walk, leg) + setup.height - ground_z(walk, measured[at], measured[at + 1])
     state.high_left = setup.high_way
     given = met - (met >> 2)
     small = params.leg_length * _SMALL_Q10 >> 10

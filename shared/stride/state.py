@@ -29,6 +29,7 @@ class StrideState:
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
     pitch_q14: int = field("rad Q14", "the same about y")
     tilt_q14: Ints = vector(2, "rad Q14", "roll and pitch as measured")
+    slope_q20: Ints = vector(2, "Q20", "rise of the ground per way forward and left, of late")
     swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
     lift: int = field("lu", "top of the next swings")
     high_left: int = field("lf", "way still to go with high swings")
@@ -98,6 +99,7 @@ def stride_reset(params: Params, walk: Stride) -> int:
     state.touched = 0
     state.held_ticks = 0
     for axis in range(2):
+        state.slope_q20[axis] = 0
         state.seen[axis] = 0
         state.drift_q8[axis] = 0
     for axis in range(POSE_SIZE):

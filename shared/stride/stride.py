@@ -13,6 +13,7 @@ from ..sense.sensed import Sensed
 from .clock import go_on
 from .feel import feel
 from .feet import stand_feet, swing_feet
+from .ground import feel_slope
 from .lead import lead, share_load, solve
 from .react import lift_on
 from .state import Stride, stride_reset
@@ -47,6 +48,8 @@ def stride_tick(params: Params, walk: Stride, sensed: Sensed, speed: Ints, pose:
     feel(params, walk, sensed.joints, sensed.turned, known)
     steer(params, walk, speed, sensed.turned, pose, moving)
     lean(params, walk, sensed.tilt, sensed.turned, pose)
+    if state.known:
+        feel_slope(params, walk)
     lift_on(params, walk)
     go_on(params, walk, still, moving)
     rise(params, walk, params.stride.height + pose[2])

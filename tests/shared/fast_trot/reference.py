@@ -74,7 +74,7 @@ class FastTrot:
         self.known, self.measured, self.free = 0, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
-        self.joints = None
+        self.joints, self.slope = None, [0.0, 0.0]
         self.posed = [0.0] * 6
 
     # --- one leg
@@ -146,6 +146,25 @@ class FastTrot:
             for i, axis in enumerate((0, 2)):
                 self.free[leg][i] += share * (wanted[leg][axis] - self.free[leg][i])
                 self.residual[leg][i] = feet[leg][axis] - self.free[leg][i]
+
+    def feel_slope(self):
+        """Follow the slope of the measured feet that stand: a step of normalized least mean squares."""
+        x, y = self.tilt
+        feet = [(*foot[:2], foot[2] + foot[1] * x - foot[0] * y) for foot in self.measured]
+        feet = [foot for foot, stands in zip(feet, self.stands, strict=True) if stands]
+        if len(feet) < 2:
+            return
+        middle = [sum(foot[i] for foot in feet) / len(feet) for i in range(3)]
+        arms = [[p - q for p, q in zip(foot, middle, strict=True)] for foot in feet]
+        off = [z - x * self.slope[0] - y * self.slope[1] for x, y, z in arms]
+        square = sum(x * x + y * y for x, y, _ in arms)
+        share = self.dt / (self.dt + tuning.SLOPE_CYCLES * self.f.cycle_s)
+        for i in range(2):
+            step = sum(e * arm[i] for e, arm in zip(off, arms, strict=True)) / square
+            self.slope[i] = limit(self.slope[i] + share * limit(step, 0.5), 0.3)
+
+    def ground_z(self, x, y):
+        return x * self.slope[0] + y * self.slope[1]
 
     # --- what is wanted
 
@@ -245,7 +264,7 @@ class FastTrot:
 
     def touch_early(self, leg):
         x, y, z = self.measured[leg]
-        met = z + y * self.tilt[0] - x * self.tilt[1] + self.h
+        met = z + y * self.tilt[0] - x * self.tilt[1] + self.h - self.ground_z(x, y)
         given = met if abs(met) < 36 / 1024 * self.leg_m else 0.75 * met
         self.feet[leg] = [x, y, z - given]
         self.load[leg], self.early[leg] = 0.25, 2
@@ -278,8 +297,9 @@ class FastTrot:
                     start = self.starts[leg][i]
                     place.append(start + (target - start + back) * along - back * u)
                 start = self.starts[leg][2]
-                z = start + (-self.h - pose[2] - start) * down + self.tops[leg] * up
                 place[0] -= self.short[leg]
+                low = self.ground_z(*place) - self.h - pose[2]
+                z = start + (low - start) * down + self.tops[leg] * up
                 self.feet[leg] = to_body((*place, z), *self.then)
 
     # --- one tick
@@ -290,6 +310,8 @@ class FastTrot:
         self.feel(senses)
         self.steer(speed, senses.rates, pose, moving)
         self.lean(senses.tilt, senses.rates, pose)
+        if self.known:
+            self.feel_slope()
         self.lift_on()
         self.go_on(moving)
         self.stand_feet(pose)

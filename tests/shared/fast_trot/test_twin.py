@@ -82,7 +82,7 @@ def wander(pair, seconds, seed, gap=(5.0, 5.2)):
             wanted = [0.0] * 3
         for axis, most in enumerate((0.3, 0.3, 1.5)):
             speed[axis] += max(-most / rate, min(most / rate, wanted[axis] - speed[axis]))
-        tilt = [max(-300, min(300, t + rng.randint(-9, 9))) for t in tilt]
+        tilt = [max(-150, min(150, t + rng.randint(-9, 9))) for t in tilt]  # the twin knows no reach of legs
         pose = [round(900 * math.sin(n / rate + axis) * min(1.0, n / rate)) for axis in range(6)]
         known = not gap[0] < n / rate < gap[1]
         pair.tick(speed, tilt, [rng.randint(-200, 200) for _ in range(3)], known, pose, n > rate // 2)

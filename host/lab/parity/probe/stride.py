@@ -4,15 +4,15 @@ from shared.body.pose import POSE_SIZE
 from shared.gait.steps import SPEED_SIZE
 from shared.runtime import zeros
 from shared.sense.sensed import Sensed
-from shared.stride import clock, feel, feet, lead, react, state, steer, stride
+from shared.stride import clock, feel, feet, ground, lead, react, state, steer, stride
 
 from .draw import Range
 from .draws import BRAD, LEG
 from .probe import Block, Pick, Probe
 from .robots import PARAMS
 
-SOURCES = ("stride.clock", "stride.feel", "stride.feet", "stride.lead", "stride.react", "stride.state", "stride.steer",
-           "stride.stride")
+PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "stride")
+SOURCES = tuple(["stride." + part for part in PARTS])
 
 FLAG = Range(0, 1)
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
@@ -123,6 +123,10 @@ PROBES = (
     _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("feel_slope", ground, (ROBOT, WALK)),
+    _probe("follow_slope", ground, (ROBOT, WALK.state.slope_q20, FLAG, INT30), (WALK.state,), fit=None),
+    _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
+    _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("stand_feet", feet, (ROBOT, WALK)),
     _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),

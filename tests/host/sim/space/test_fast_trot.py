@@ -142,6 +142,18 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
     assert max(held_s) > 3.0
 
 
+@pytest.mark.parametrize(("name", "speed", "angle_deg"), [("caramelo", 0.15, 10.0), ("parallel", 0.2, 10.0)])
+def test_a_slope_is_walked_up_and_down_at_its_speed(name, speed, angle_deg):
+    """The next feet come down on the slope of those that stand: without it was half as fast."""
+    spec = GroundSpec("ramp", angle_deg=angle_deg, start_m=0.4)
+    walk = Walk(name, ground=spec)
+    walk.command(speed)
+    walk.go(2.0 / speed, 1.4)
+    assert not walk.trunk
+    assert walk.rows[-1][0] > 1.4
+    assert len(walk.rows) / walk.driver.rate_hz < 1.4 / speed + 3.0
+
+
 def test_it_stops_to_a_stand_and_takes_a_pose():
     walk = Walk("caramelo")
     walk.command(0.2)

@@ -1,0 +1,84 @@
+"""How the ground lies under the feet that stand: its slope, which the next feet come down on.
+
+Single footholds are not remembered, their plane is: a foot that meets an edge tips the trunk, and a memory would keep
+the tip; a slope lasts.
+"""
+
+from ..body.params import LEGS, Params
+from ..num.fixed import saturate
+from ..runtime import Ints, const, hot
+from .state import Stride
+
+_MOST_Q20 = const(314573)  # 0.3, 17 deg
+_STEP_Q14 = const(8191)
+_FAR = const(32767)
+
+
+@hot
+def feel_slope(params: Params, walk: Stride) -> int:
+    """Follow the slope of the measured feet that stand, in level axes; return how many stand.
+
+    Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
+    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
+    """
+    state = walk.state
+    measured = walk.measured
+    stands = walk.stands
+    slope_q20 = state.slope_q20
+    middle_x = 0
+    middle_y = 0
+    middle_z = 0
+    count = 0
+    for leg in range(LEGS):
+        if stands[leg]:
+            middle_x += measured[leg * 3]
+            middle_y += measured[leg * 3 + 1]
+            middle_z += level_z(walk, leg)
+            count += 1
+    if count < 2:
+        return count
+    middle_x = middle_x // count
+    middle_y = middle_y // count
+    middle_z = middle_z // count
+    along_x = 0
+    along_y = 0
+    square = 0
+    for leg in range(LEGS):
+        if stands[leg]:
+            x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
+            y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
+            off = level_z(walk, leg) - middle_z - (x * (slope_q20[0] >> 6) >> 14) - (y * (slope_q20[1] >> 6) >> 14)
+            off = saturate(off, -_FAR, _FAR)
+            x >>= 5
+            y >>= 5
+            along_x += off * x
+            along_y += off * y
+            square += x * x + y * y
+    square = (square >> 9) + 1
+    follow_slope(params, state.slope_q20, 0, along_x // square)
+    follow_slope(params, state.slope_q20, 1, along_y // square)
+    return count
+
+
+@hot
+def follow_slope(params: Params, slope_q20: Ints, axis: int, off_q14: int) -> int:
+    """Move one slope by its share of what it is off, any 30 bits; return it, Q20, within 0.3."""
+    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.stride.slope_q15 >> 9
+    slope_q20[axis] = saturate(slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
+    return slope_q20[axis]
+
+
+@hot
+def level_z(walk: Stride, leg: int) -> int:
+    """Return the height of a measured foot in level axes, lu."""
+    state = walk.state
+    measured = walk.measured
+    at = leg * 3
+    return measured[at + 2] + (measured[at + 1] * state.tilt_q14[0] >> 14) - (measured[at] * state.tilt_q14[1] >> 14)
+
+
+@hot
+def ground_z(walk: Stride, x: int, y: int) -> int:
+    """Return how much higher than below the body the ground is expected at a place, lu; x, y within +-65535."""
+    state = walk.state
+    return (x * (state.slope_q20[0] >> 6) >> 14) + (y * (state.slope_q20[1] >> 6) >> 14)
