@@ -82,8 +82,10 @@ def wander(pair, seconds, seed, gap=(5.0, 5.2)):
             wanted = [0.0] * 3
         for axis, most in enumerate((0.3, 0.3, 1.5)):
             speed[axis] += max(-most / rate, min(most / rate, wanted[axis] - speed[axis]))
-        tilt = [max(-150, min(150, t + rng.randint(-9, 9))) for t in tilt]  # the twin knows no reach of legs
-        pose = [round(900 * math.sin(n / rate + axis) * min(1.0, n / rate)) for axis in range(6)]
+        tilt = [max(-150, min(150, t + rng.randint(-9, 9))) for t in tilt]
+        # a body that does not tilt as it is told has its feet turned on and on, and the twin knows no reach of legs
+        most = (900, 900, 900, 200, 200, 900)
+        pose = [round(top * math.sin(n / rate + axis) * min(1.0, n / rate)) for axis, top in enumerate(most)]
         known = not gap[0] < n / rate < gap[1]
         pair.tick(speed, tilt, [rng.randint(-200, 200) for _ in range(3)], known, pose, n > rate // 2)
 
