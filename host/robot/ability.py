@@ -16,7 +16,7 @@ from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
 from .stride_tuning import STEP_LEG, able, highest_lift_m, stride_figures
 
 FLAT_FROUDE = 0.25  # of sqrt(g h): the speed on level ground that every robot is to walk
-MOST_TORQUE = 1.0  # of stall while two legs carry; a robot just below walks in 3-D, one above goes down
+MOST_TORQUE = 1.0  # of stall while two legs carry; Caramelo with weaker servos walks at 0.9 and not at 1.1
 TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torque
     "servo": "actuator.supply.stall_Nm",
     "bldc": "actuator.drive.current_limit_A",
@@ -26,8 +26,10 @@ TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torq
 
 @dataclass(frozen=True)
 class Ability:
-    """Shares are of the torque at standstill, for hip, thigh and calf; the sag is without what is fed
-    forward, None if the legs fold up."""
+    """Shares are of the torque at standstill, for hip, thigh and calf.
+
+    The sag is without what is fed forward; None if the legs fold up.
+    """
 
     sag_m: float | None
     on_four: Vector

@@ -153,4 +153,4 @@ def test_the_page_of_robots_says_what_the_check_says():
 def test_the_page_of_robots_walks_at_what_is_advised():
     for name, cells in table("robots.md", "walked, m/s").items():
         assert float(cells[0]) == load_robot(name).gait.advised_m_s["fast-trot"]
-        assert float(cells[1]) == pytest.approx(float(cells[0]), rel=0.05)
+        assert 0.9 < float(cells[1]) / float(cells[0]) <= 1  # its start is slower

@@ -208,6 +208,7 @@ BAD_VALUES = [
     ("voltage_V = 14.8", "voltage_V = 11.8", "actuator.supply: value [11.1, 12.0, 11.8]:", "rising"),
     ('kind = "servo"', 'kind = "stepper"', 'actuator.kind: value "stepper":', '"servo", "bldc", "pd"'),
     ('kind = "servo"', "# no kind", "actuator.kind: value missing:", '"servo", "bldc", "pd"'),
+    ("p_gain = 850", "p_gain = 0", "actuator.p_gain: value 0:", "above 0 on a dynamixel bus"),
     ("baud = 4000000", "baud = 4000001", "bus.baud: value 4000001:", "4000000"),
     ('axes = ["+x", "+y", "+z"]', 'axes = ["+x", "+y", "-z"]', "imu.axes: value ['+x', '+y', '-z']:", "right-handed"),
     ('name = "caramelo" ', 'name = "My Robot" ', 'name: value "My Robot":', "lower-case"),
@@ -245,10 +246,19 @@ BAD_JOINTS = [
     ("[actuator.gear] ", "[actuator.gears] ", "actuator.gears: value {", "did you mean gear?"),
 ]  # fmt: skip
 
+BAD_OTHERS = [
+    ("no_load_rad_s = 21.0", "no_load_rad_s = 0", "actuator.no_load_rad_s: value 0:", "0.1 .. 200 rad/s"),
+    ("stiffness_Nm_rad = 100.0", "stifness_Nm_rad = 100.0", "actuator.stifness_Nm_rad: value 100.0:", "did you mean"),
+    ("armature_kg_m2 = 0.01", "armature_kg_m2 = 1e-4", "actuator.armature_kg_m2: value 0.0001:", "overshoots"),
+    ('kind = "none"', 'kind = "can"', "bus.interface: value missing:", "must be there"),
+]
+
 
 @pytest.mark.parametrize(
     ("robot", "old", "new", "start", "words"),
-    [("caramelo", *bad) for bad in BAD_VALUES] + [("parallel", *bad) for bad in BAD_JOINTS],
+    [("caramelo", *bad) for bad in BAD_VALUES]
+    + [("parallel", *bad) for bad in BAD_JOINTS]
+    + [("unitree-a1", *bad) for bad in BAD_OTHERS],
 )
 def test_a_bad_value_is_refused_in_one_line(tmp_path, robot, old, new, start, words):
     path = changed(tmp_path, old, new, robot)
