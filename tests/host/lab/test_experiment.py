@@ -303,6 +303,17 @@ def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     assert "src=\"http" not in page
 
 
+@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra space)")
+def test_goals_print_one_object_with_a_row_for_each_case(run):
+    """Sideways, turning and backwards, each at both frictions: the fast trot does what it is told."""
+    code, out, _ = run("experiment", "goals", "--only", "ways", "--set", "held-out", "--trials", "1", "--json")
+    result = json.loads(out)
+    assert (code, result["gait"], len(result["rows"])) == (0, goals.GAIT, 3)
+    for row in result["rows"]:
+        assert (row["group"], row["in"], row["met"], row["walks"]) == ("ways", ["3-D"], True, 2)
+        assert row["figure"].startswith("2/2, speed")
+
+
 def test_wrong_words_are_told_in_one_line(run):
     for arguments, told in (
         (("experiment", "table3"), "there are table1, table2"),
