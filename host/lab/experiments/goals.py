@@ -104,7 +104,7 @@ def flat(options: Options, want: Wanted) -> list[Case]:
     fast = _space(f"flat at {speed:.3g} m/s", _level(options, speed), limits, straight(speed_m_s=_about(speed)))
     most = want.table["cost_most"]
     cost = Case(f"cost of transport at {speed:.3g} m/s", fast.trials, f"at most {most:g}" if most else "",
-                within(judged=bool(most), cost_of_transport=(0, most)))
+                within(judged=bool(most), cost_of_transport=(0, most or math.inf)))
     return [fast, *slow, cost]
 
 

@@ -224,6 +224,8 @@ def test_a_case_is_judged_by_its_limits():
     judge = within(speed_m_s=(0.04, 0.05))
     assert [judge({"3-D": [answer]})[0] for answer in (ARRIVED, slow, FELL)] == [True, False, False]
     assert within(judged=False, speed_m_s=(0.04, 0.05))({"3-D": [FELL]})[0] is None
+    nowhere = Answer({**FELL.figures, "cost_of_transport": None})
+    assert within(cost_of_transport=(0, 1.6))({"3-D": [nowhere]}) == (False, "0/1, cost inf .. inf")
     assert share(0.95)({"3-D": [ARRIVED] * 19 + [FELL]})[0] is True
     assert share(0.95)({"3-D": [ARRIVED] * 9 + [FELL]})[0] is False
     assert share(None)({"3-D": [FELL]})[0] is None
