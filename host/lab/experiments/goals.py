@@ -16,7 +16,7 @@ from ...robot.model import KNEE_CONFIGURATIONS, Robot
 from ...sim.grounds import GroundSpec, make_terrain
 from ...sim.walk import Push, WalkSpec
 from ...util.errors import UserError
-from .case import Case, Experiment, Judge
+from .case import Case, Experiment, Found, Judge, Row
 from .counts import LIMIT_S, load_specs, step_specs
 from .data import assumptions, goal_tables
 from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, drawn, trials
@@ -104,7 +104,7 @@ def flat(options: Options, want: Wanted) -> list[Case]:
     fast = _space(f"flat at {speed:.3g} m/s", _level(options, speed), limits, straight(speed_m_s=_about(speed)))
     most = want.table["cost_most"]
     cost = Case(f"cost of transport at {speed:.3g} m/s", fast.trials, f"at most {most:g}" if most else "",
-                within(judged=bool(most), cost_of_transport=(0, most)))
+                within(judged=bool(most), cost_of_transport=(0, most or math.inf)))
     return [fast, *slow, cost]
 
 
@@ -273,7 +273,7 @@ def cases(options: Options) -> list[Case]:
             for case in GROUPS[name](options, want)]
 
 
-def _sum_up(options: Options, rows: list[Any]) -> Any:
+def _sum_up(options: Options, rows: list[Row]) -> Found:
     return sum_up(f"Goals of {options.robot.name}, {'held-out' if options.held_out else 'chosen'} set", options, rows)
 
 

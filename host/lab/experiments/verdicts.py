@@ -43,14 +43,18 @@ def share(least: float | None, ok: Callable[[Answer], bool] = lambda answer: ans
 def within(least: float = 1.0, judged: bool = True, **limits: tuple[float, float]) -> Judge:
     """Return a judge: met if this share of the trials arrived with every figure in its limits; else it reports."""
 
+    def figure(answer: Answer, key: str) -> float:
+        value = answer.figures[key]
+        return math.inf if value is None else float(value)  # who came nowhere has no figure for each metre
+
     def good(answer: Answer) -> bool:
-        return answer.ok and all(low <= float(answer.figures[key]) <= high for key, (low, high) in limits.items())
+        return answer.ok and all(low <= figure(answer, key) <= high for key, (low, high) in limits.items())
 
     def judge(answers: Answers) -> tuple[bool | None, str]:
         walks = [answer for series in answers.values() for answer in series]
         parts = [f"{sum(map(good, walks))}/{len(walks)}"]
         for key in limits:
-            values = [float(answer.figures[key]) for answer in walks]
+            values = [figure(answer, key) for answer in walks]
             name, unit = TOLD[key]
             parts.append(f"{name} {min(values):.3g} .. {max(values):.3g}{unit}")
         return (sum(map(good, walks)) >= least * len(walks)) if judged else None, ", ".join(parts)

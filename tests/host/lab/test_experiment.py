@@ -224,6 +224,8 @@ def test_a_case_is_judged_by_its_limits():
     judge = within(speed_m_s=(0.04, 0.05))
     assert [judge({"3-D": [answer]})[0] for answer in (ARRIVED, slow, FELL)] == [True, False, False]
     assert within(judged=False, speed_m_s=(0.04, 0.05))({"3-D": [FELL]})[0] is None
+    nowhere = Answer({**FELL.figures, "cost_of_transport": None})
+    assert within(cost_of_transport=(0, 1.6))({"3-D": [nowhere]}) == (False, "0/1, cost inf .. inf")
     assert share(0.95)({"3-D": [ARRIVED] * 19 + [FELL]})[0] is True
     assert share(0.95)({"3-D": [ARRIVED] * 9 + [FELL]})[0] is False
     assert share(None)({"3-D": [FELL]})[0] is None
@@ -301,6 +303,17 @@ def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     page = (tmp_path / "new" / "report.html").read_text()
     assert "data:image/png;base64," in page
     assert "src=\"http" not in page
+
+
+@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra space)")
+def test_goals_print_one_object_with_a_row_for_each_case(run):
+    """Sideways, turning and backwards, each at both frictions: the fast trot does what it is told."""
+    code, out, _ = run("experiment", "goals", "--only", "ways", "--set", "held-out", "--trials", "1", "--json")
+    result = json.loads(out)
+    assert (code, result["gait"], len(result["rows"])) == (0, goals.GAIT, 3)
+    for row in result["rows"]:
+        assert (row["group"], row["in"], row["met"], row["walks"]) == ("ways", ["3-D"], True, 2)
+        assert row["figure"].startswith("2/2, speed")
 
 
 def test_wrong_words_are_told_in_one_line(run):
