@@ -116,7 +116,7 @@ def check_closed(queue: list[Requirement], names: set[str]) -> None:
 
 def addresses(text: str) -> list[str]:
     """Return what a lock file must not hold: addresses, index options, paths."""
-    return re.findall(r"\S*://\S*|--?[a-z][a-z-]*(?= )|@ \S+|/\S+/\S+", text)
+    return re.findall(r"\S*://\S*|(?<!\S)--?[a-z][a-z-]*(?= )|@ \S+|/\S+/\S+", text)
 
 
 def test_the_lock_names_no_host():

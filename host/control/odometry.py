@@ -2,7 +2,7 @@
 
 Per tick the motion of the standing feet in the body's level frame is fitted by a turn and a shift of the body: the turn
 is the gyro's where it is known, else the least-squares one of the feet (planar Procrustes). This is dead reckoning:
-what a foot slips, or rolls on its round end, stays in it. A metre in either simulator is told within 6 %.
+what a foot slips, or rolls on its round end, stays in it. A metre in the simulators is told within 6 %.
 """
 
 from collections.abc import Sequence

@@ -344,15 +344,15 @@ def test_progress_shows_a_bar_on_a_terminal():
 def test_a_missing_extra_is_told_by_make_in_a_checkout_and_by_pip_elsewhere(monkeypatch, tmp_path):
     assert extras.how_to_get("pymunk") == "run make setup EXTRAS=sim in the project's folder"
     monkeypatch.setattr(extras, "ROOT", tmp_path)
-    assert extras.how_to_get("pymunk").startswith("run pip install 'caramelo[sim]'")
+    assert extras.how_to_get("pymunk").startswith("run pip install 'caramelo-robot[sim]'")
     assert "make" not in str(extras.missing_library(ModuleNotFoundError("no", name="aiohttp")))
 
 
 def test_every_library_is_assigned_to_the_extra_that_installs_it():
     wanted_by = {}
-    for line in requires("caramelo"):
+    for line in requires("caramelo-robot"):
         wanted = Requirement(line)
-        for extra in metadata("caramelo").get_all("Provides-Extra"):
+        for extra in metadata("caramelo-robot").get_all("Provides-Extra"):
             if wanted.marker and f'extra == "{extra}"' in str(wanted.marker):
                 wanted_by.setdefault(wanted.name.lower().replace("-", "_"), extra)
     distributions = packages_distributions()

@@ -1,6 +1,7 @@
 """The library's Robot: what it refuses and in which words, what it does when something goes wrong, what it records."""
 
 import json
+import sys
 from math import degrees, inf, nan
 
 import pytest
@@ -244,3 +245,11 @@ def test_a_record_holds_every_tick(tmp_path, run):
     assert json.loads(out)["messages"]["/joints"] == loop.pacer.ticks
     with pytest.raises(Error, match=r"walk.mcap: the file exists"):
         Robot("sim", record=path).open()
+
+
+def test_what_is_not_installed_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    for name in [name for name in sys.modules if name.startswith("host.sim.space")]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(Error, match="this needs mujoco, which is not installed: run "):
+        Robot("space")
