@@ -6,7 +6,7 @@ the tip; a slope lasts.
 
 from ..body.params import LEGS, Params
 from ..num.fixed import saturate
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
 from .state import Stride
 
 _MOST_Q20 = const(314573)  # 0.3, 17 deg
@@ -21,10 +21,8 @@ def feel_slope(params: Params, walk: Stride) -> int:
     Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
     mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
-    state = walk.state
     measured = walk.measured
     stands = walk.stands
-    slope_q20 = state.slope_q20
     middle_x = 0
     middle_y = 0
     middle_z = 0
@@ -47,7 +45,7 @@ def feel_slope(params: Params, walk: Stride) -> int:
         if stands[leg]:
             x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
             y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
-            off = level_z(walk, leg) - middle_z - (x * (slope_q20[0] >> 6) >> 14) - (y * (slope_q20[1] >> 6) >> 14)
+            off = level_z(walk, leg) - middle_z - ground_z(walk, x, y)
             off = saturate(off, -_FAR, _FAR)
             x >>= 5
             y >>= 5
@@ -55,17 +53,18 @@ def feel_slope(params: Params, walk: Stride) -> int:
             along_y += off * y
             square += x * x + y * y
     square = (square >> 9) + 1
-    follow_slope(params, state.slope_q20, 0, along_x // square)
-    follow_slope(params, state.slope_q20, 1, along_y // square)
+    follow_slope(params, walk, 0, along_x // square)
+    follow_slope(params, walk, 1, along_y // square)
     return count
 
 
 @hot
-def follow_slope(params: Params, slope_q20: Ints, axis: int, off_q14: int) -> int:
+def follow_slope(params: Params, walk: Stride, axis: int, off_q14: int) -> int:
     """Move one slope by its share of what it is off, any 30 bits; return it, Q20, within 0.3."""
+    state = walk.state
     step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.stride.slope_q15 >> 9
-    slope_q20[axis] = saturate(slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
-    return slope_q20[axis]
+    state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
+    return state.slope_q20[axis]
 
 
 @hot

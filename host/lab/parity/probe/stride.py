@@ -124,7 +124,7 @@ PROBES = (
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("feel_slope", ground, (ROBOT, WALK)),
-    _probe("follow_slope", ground, (ROBOT, WALK.state.slope_q20, FLAG, INT30), (WALK.state,), fit=None),
+    _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
     _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
     _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
     _probe("lift_on", react, (ROBOT, WALK)),
