@@ -6,6 +6,7 @@ With CARAMELO_WHEEL=compiled in the environment the wheel also has the core comp
 
 import ast
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -57,6 +58,8 @@ class Below(build_py):
 
     def run(self) -> None:
         """See setuptools."""
+        if not self.editable_mode:
+            shutil.rmtree(self.build_lib, ignore_errors=True)  # else a wheel has what an earlier one had, too
         super().run()
         if COMPILED:
             subprocess.run([sys.executable, "-c", COMPILE], cwd=self.build_lib, check=True)
