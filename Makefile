@@ -6,6 +6,7 @@
 #   make renew      writes all that is generated, and the budgets of costs and sizes, from the sources as they are
 #   make core       compiles the control core for this computer: ten times as fast (needs a C compiler)
 #   make setup-pi   what a Raspberry Pi runs, without simulator, firmware tools and tests
+#   make wheel      a wheel with the core compiled for this computer, in dist; without it: pip wheel --no-deps .
 #   make lock       writes constraints.txt again from pyproject.toml (needs the network)
 #   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
 
@@ -17,7 +18,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
-.PHONY: setup setup-pi demo test check renew core lock pi-wheels clean
+.PHONY: setup setup-pi demo test check renew core wheel lock pi-wheels clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -63,6 +64,10 @@ renew: setup
 core:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile
 	$(BIN)/caramelo core build
+
+wheel:
+	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile
+	CARAMELO_WHEEL=compiled $(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 
 lock:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),lock

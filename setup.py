@@ -1,14 +1,18 @@
 """What is packed: a wheel has everything below the one name `caramelo`, and what it imports is renamed on the way.
 
 In a checkout the folders are packages of their own, as on a board, and so they are after `pip install --editable`.
+With CARAMELO_WHEEL=compiled in the environment the wheel also has the core compiled, for this Python and machine alone.
 """
 
 import ast
+import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
-from setuptools import find_packages, setup
+from setuptools import Distribution, find_packages, setup
 from setuptools.command.build_py import build_py
 
 NAME = "caramelo"
@@ -21,6 +25,12 @@ DATA = {
 }
 ONLY_FOR_VMS = "host/lab/parity/probe/"  # is copied to where the folders are packages of their own
 EDITABLE = "editable_wheel" in sys.argv
+COMPILED = os.environ.get("CARAMELO_WHEEL") == "compiled" and "bdist_wheel" in sys.argv
+COMPILE = """
+from caramelo.host.boards.build.native_core import build_core
+from caramelo.host.boards.core import PACKED, sources_id
+build_core(PACKED / sources_id())
+"""
 
 
 def renamed(text: str, file: str) -> str:
@@ -35,8 +45,24 @@ def renamed(text: str, file: str) -> str:
     return b"".join(lines).decode()
 
 
+class ForThisMachine(Distribution):
+    """Says whether the wheel has machine code."""
+
+    def has_ext_modules(self) -> bool:
+        """See setuptools."""
+        return COMPILED
+
+
 class Below(build_py):
-    """Builds as usual, but for the imports."""
+    """Builds as usual, but for the imports, and compiles the core if that was asked for."""
+
+    def run(self) -> None:
+        """See setuptools."""
+        if not self.editable_mode:
+            shutil.rmtree(self.build_lib, ignore_errors=True)  # else a wheel has what an earlier one had, too
+        super().run()
+        if COMPILED:
+            subprocess.run([sys.executable, "-c", COMPILE], cwd=self.build_lib, check=True)
 
     def build_module(self, module: Any, module_file: Any, package: Any) -> Any:
         """See setuptools."""
@@ -54,4 +80,5 @@ setup(
     package_dir={} if EDITABLE else {above + folder: folder for folder in FOLDERS},
     package_data={key if key == NAME else above + key: patterns for key, patterns in DATA.items()},
     cmdclass={"build_py": Below},
+    distclass=ForThisMachine,
 )

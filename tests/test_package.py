@@ -185,6 +185,26 @@ def test_boards_get_the_same_from_a_wheel_as_from_a_checkout(installed):
 
 
 @pytest.mark.slow
+def test_a_wheel_for_this_machine_has_the_core_compiled(source, tmp_path, monkeypatch):
+    """It is found by what it was made of, so it is used as long as it fits the sources beside it."""
+    from host.boards.build.native_core import why_not
+
+    if why_not():
+        pytest.skip(str(why_not()))
+    monkeypatch.setenv("CARAMELO_WHEEL", "compiled")
+    made = build("build_wheel", source, tmp_path)
+    assert f"cp{sys.version_info.major}{sys.version_info.minor}" in made.name
+    with zipfile.ZipFile(made) as held:
+        held.extractall(tmp_path / "unpacked")
+    script = "from caramelo import Robot; import caramelo.shared.body.leg as leg; print(leg.__file__)"
+    environment = {name: value for name, value in os.environ.items() if name != "CARAMELO_CORE"}
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path / "unpacked", env=environment,
+                          capture_output=True, text=True, check=True)  # fmt: skip
+    assert "/caramelo/cores/" in done.stdout
+    assert done.stdout.strip().endswith(".so")
+
+
+@pytest.mark.slow
 def test_what_is_typed_is_seen_by_a_type_checker(installed):
     out = installed("python", "-m", "mypy", "--strict", "--cache-dir=/dev/null", "-c",
                     "from caramelo import Robot; x: float = Robot().odometry.x_m; Robot().turn(deg=1.0)")  # fmt: skip

@@ -18,6 +18,7 @@ from .. import ROOT
 from ..util.console import write_error
 
 SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
+PACKED = ROOT / "cores"  # of a wheel that was built with one
 _RULES = ("typed.py", "native_core.py")  # of host/boards/build: another way to compile makes another core
 _NAME = re.compile("[0-9a-f]{16}")
 _INSIDE = Path(*PACKAGE.split("."), "planner", "planner.py")
@@ -50,10 +51,10 @@ def find_core(root: Path = ROOT) -> Path | None:
 
     Nor is there any if CARAMELO_CORE is "source".
     """
-    if os.environ.get(SWITCH) == "source" or not kept_cores():
+    if os.environ.get(SWITCH) == "source" or not (PACKED.is_dir() or kept_cores()):
         return None
-    core = home() / sources_id(root)
-    return core if core in kept_cores() else None
+    name = sources_id(root)
+    return next((core for core in (home() / name, PACKED / name) if (core / _INSIDE).is_file()), None)
 
 
 def use_core() -> bool:

@@ -1,7 +1,7 @@
 """Who lets the loop tick: whoever waits, in simulated time; a thread of its own, on hardware.
 
 On hardware the joints hear from the host in every tick, whatever the program is busy with. All that is asked of the
-robot is done between two ticks, by the thread that ticks, so nothing needs a lock.
+robot is done between two ticks, by the thread that ticks.
 """
 
 import queue
@@ -51,20 +51,21 @@ class SimulatedTicks(Ticks):
 
     def __init__(self, loop: Loop, advance: Callable[[float], None]) -> None:
         self._loop, self._advance = loop, advance
+        self._alone = threading.RLock()  # a stop may come from another thread
 
     def poll(self, timeout_s: float) -> None:
         """See Source: nothing comes from elsewhere."""
 
     def do(self, what: Callable[[], Answer]) -> Answer:
         """See Ticks."""
-        with own_words():
+        with self._alone, own_words():
             return what()
 
     def wait(self) -> None:
         """See Ticks."""
-        with own_words():
+        with self._alone, own_words():
             self._loop.tick(self)
-        self._advance(self._loop.pacer.period_s)
+            self._advance(self._loop.pacer.period_s)
 
     def close(self) -> None:
         """See Ticks."""

@@ -2,6 +2,7 @@
 
 import json
 import sys
+import threading
 from math import degrees, inf, nan
 
 import pytest
@@ -13,7 +14,7 @@ from host.robot.file import load_robot
 from host.robot.poses import seated_pose_rad
 from host.util.errors import UserError
 from tests.host.library.places import prompt
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE_S, wait_until
 
 
 @pytest.fixture
@@ -253,3 +254,26 @@ def test_what_is_not_installed_is_told(monkeypatch):
         monkeypatch.delitem(sys.modules, name)
     with pytest.raises(Error, match="this needs mujoco, which is not installed: run "):
         Robot("space")
+
+
+@pytest.mark.parametrize("real_time", [False, True])
+def test_a_stop_from_another_thread_ends_a_walk(real_time):
+    with Robot(prompt(real_time=real_time)) as robot:
+        robot.stand()
+        walks = threading.Event()
+
+        def stop():
+            walks.wait(PATIENCE_S)
+            robot.stop()
+
+        def walk():
+            for _ in robot.stream():
+                robot.set_speed(0.05)
+                walks.set()
+
+        other = threading.Thread(target=stop)
+        other.start()
+        with pytest.raises(Fault, match="emergency stop"):
+            walk()
+        other.join(PATIENCE_S)
+        assert not bus_of(robot).holds
