@@ -115,23 +115,19 @@ def crosses(name, speed, height_m, offset_m, friction):
     return (len(x) - int(np.argmax(x > edge_m - 0.3))) / walk.driver.rate_hz
 
 
-@pytest.mark.parametrize("height_m", [0.02, 0.03])
-def test_a_step_is_trotted_over(height_m):
-    seconds = crosses("caramelo", 0.15, height_m, 0.017, 0.9)
+@pytest.mark.parametrize(("name", "speed", "height_m"), [("caramelo", 0.15, 0.02), ("caramelo", 0.15, 0.03),
+                                                         ("parallel", 0.22, 0.03)])
+def test_a_step_is_trotted_over(name, speed, height_m):
+    seconds = crosses(name, speed, height_m, 0.017, 0.9)
     assert seconds is not None
     assert seconds < 8.0
-
-
-def test_parallel_takes_50_mm():
-    """Its weak motors do not push the foot against the edge, or the trunk would sink. Nine starts of ten pass."""
-    seconds = [crosses("parallel", 0.22, 0.05, 0.017 + 0.02 * n, (0.6, 0.9)[n % 2]) for n in range(4)]
-    assert sum(s is not None for s in seconds) >= 3
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "speed", "height_m"), [("caramelo", 0.15, 0.03), ("caramelo", 0.15, 0.05),
                                                          ("parallel", 0.22, 0.03), ("parallel", 0.22, 0.05)])
 def test_a_step_is_trotted_over_from_all_offsets(name, speed, height_m):
+    """All ten but for two falls of Parallel at 50 mm."""
     seconds = [crosses(name, speed, height_m, 0.017 + 0.01 * n, (0.6, 0.9)[n % 2]) for n in range(10)]
     assert sum(s is not None for s in seconds) >= 8
 
