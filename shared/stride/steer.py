@@ -12,7 +12,7 @@ _BRAD_18 = const(25736)  # 2 pi / 65536 * 2^18 in Q10
 _SPEED_MAX = const(262143)  # lf / tick
 _HEADING_MAX = const(131071)  # 2^-18 rad, half a radian
 _OFF_MAX = const(65535)  # lu
-_LATE_Q10 = const(31)  # 0.03 of the leg: how far from rest all feet together may be
+_LATE_Q10 = const(8)  # 0.008 of the leg: how far from rest all feet together may be
 _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
@@ -21,7 +21,8 @@ def steer(params: Params, walk: Stride, speed: Ints, turned: Ints, pose: Ints, m
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured; return 0.
 
     A round foot's centre goes slower than the body. Speed: the command, an integral of what was missed of it. Heading:
-    turned back by what was turned wrong; the pose's yaw is turned to. ``moving`` 0: the feet stay.
+    turned back by what was turned wrong; the pose's yaw is turned to. While swings are high nothing is integrated: what
+    held the body up would make it lunge once it is over. ``moving`` 0: the feet stay.
     Intermediates: 2^18 * 2^10, 2^17 * 2^12.
     """
     state = walk.state
@@ -34,7 +35,10 @@ def steer(params: Params, walk: Stride, speed: Ints, turned: Ints, pose: Ints, m
         if told < 0:
             told = -told
         most = (told * _MORE_Q8 >> 8) + setup.drift_least << 8
-        state.drift_q8[axis] = saturate(state.drift_q8[axis] + (missed * setup.drift_q15 >> 7), -most, most)
+        drift = saturate(state.drift_q8[axis] + (missed * setup.drift_q15 >> 7), -most, most)
+        if state.high_left:
+            drift = 0
+        state.drift_q8[axis] = drift
         state.drive[axis] = foot + (state.drift_q8[axis] >> 8)
         further = (-missed >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
@@ -59,7 +63,7 @@ def wait_for_feet(params: Params, walk: Stride, pose: Ints) -> int:
     """While swings are high the body waits for feet that stay behind; return by how much it slows, lf / tick.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
-    too far from rest is taken back in half a cycle. Intermediates: 2^16 * 2^13.
+    too far from rest is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
     feet = walk.feet
@@ -71,7 +75,7 @@ def wait_for_feet(params: Params, walk: Stride, pose: Ints) -> int:
         total += (feet[leg * 3] >> LF_BITS) - rest[0]
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
-    slow = (saturate(off, -most, most) - off) * params.stride.raise_q16 >> 6
+    slow = (saturate(off, -most, most) - off) * params.stride.raise_q16 >> 4
     state.drive[0] -= slow
     return slow
 

@@ -176,12 +176,14 @@ class FastTrot:
             missed = foot - self.seen[i]
             most = 0.3 * abs(speed[i]) + tuning.DRIFT_LEAST_M_S
             self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
+            if self.high_left:
+                self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
             self.capture[i] = limit(-missed * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
-            self.drive[0] += (off - limit(off, 31 / 1024 * self.leg_m)) * 2 / self.f.cycle_s
+            self.drive[0] += (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
         turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
         if moving:
             self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)
