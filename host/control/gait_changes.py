@@ -49,6 +49,7 @@ def change_reason(driver: Driver) -> str:
     return {
         handover.REASON_NONE: "",
         handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
+        handover.REASON_HELD: "held up: its swings meet something again and again",
         handover.REASON_COMMAND: "the crawl was commanded"
         if crawls
         else "a gait or a way was commanded that is not the crawl's",

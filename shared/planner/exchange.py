@@ -5,7 +5,7 @@
 A gait of a table is walked by its table alone. A gait that feels has two movers, and says which of them goes first.
 """
 
-from ..gait.table import MOVER_CRAWL, MOVER_TROT
+from ..gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from ..sense.legs import stands_level
@@ -13,12 +13,13 @@ from ..sense.sensed import Sensed
 from ..trot.navigate import navigate_reset
 from ..trot.trot import ADVICE_BEHIND
 from .command import MODE_WALK, Command
-from .handover import REASON_BEHIND, REASON_COMMAND, REASON_NONE, exchanges, straight_on
+from .handover import REASON_BEHIND, REASON_COMMAND, REASON_HELD, REASON_NONE, exchanges, straight_on
 from .retreat import retreat_start, retreat_step
 from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
 from .steps import use_gait, wanted_gait
 
+_HELD_S = const(3)  # of swings held up; over a step that it gets over at most 1.8 s were seen, before walls more than 3
 _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 
@@ -68,18 +69,33 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed, wanted
     if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
         status.waited = 0
         return 0
-    if exchanges(gait.mover) == 0 or walker(planner) != MOVER_TROT:
+    walks = walker(planner)
+    if exchanges(gait.mover) == 0 or walks == MOVER_TABLE:
         return 0
-    reason = wait_for_crawl(planner, gait.mover)
+    if walks == MOVER_STRIDE:
+        reason = held_up_for_good(planner)
+    else:
+        reason = wait_for_crawl(planner, gait.mover)
     if reason == REASON_NONE:
         return 0
     if valid.joints == 0 or valid.tilt == 0:
         status.flags |= BLIND
         return 0
     status.reason = reason
-    if reason == REASON_BEHIND:
+    if reason == REASON_BEHIND or reason == REASON_HELD:
         return back_off(planner)
     return 1
+
+
+@hot
+def held_up_for_good(planner: PlannerState) -> int:
+    """Return REASON_HELD if the fast trot has been held up for longer than over any step it takes, else REASON_NONE."""
+    params = planner.params
+    stride = planner.stride
+    state = stride.state
+    if state.held_ticks > params.rate_hz * _HELD_S:
+        return REASON_HELD
+    return REASON_NONE
 
 
 @hot
@@ -130,7 +146,6 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """
     valid = sensed.valid
     status = planner.status
-    sensing = planner.sensing
     gait = planner.gaits[wanted_gait(planner, command)]
     keeps_on = straight_on(planner.params, command)
     if command.mode != MODE_WALK or status.fallen or exchanges(gait.mover) == 0:
@@ -141,7 +156,19 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, sensing.moved_x, standing, planner.retreat, planner.back):
+    if retreat_step(planner.params, command, moved_ahead(planner), standing, planner.retreat, planner.back):
         status.backs = 0
         return 1
     return 0
+
+
+@hot
+def moved_ahead(planner: PlannerState) -> int:
+    """Return how far the trot that walks has come ahead in the last tick by its odometry, lf."""
+    status = planner.status
+    sensing = planner.sensing
+    stride = planner.stride
+    state = stride.state
+    if status.mover == MOVER_STRIDE:
+        return state.seen[0]
+    return sensing.moved_x

@@ -8,7 +8,7 @@ from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..crawl.map import Map
 from ..crawl.pose import BodyPath
 from ..gait.steps import Steps
-from ..gait.table import MOVER_CRAWL, MOVER_TROT
+from ..gait.table import MOVER_TABLE
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
@@ -19,6 +19,7 @@ REASON_NONE = const(0)
 REASON_BEHIND = const(1)  # held up: the trot fell behind its reference
 REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot go
 REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
+REASON_HELD = const(4)  # the fast trot's swings are held up again and again
 
 
 @record
@@ -32,10 +33,10 @@ class Fade:
 
 @hot
 def exchanges(mover: int) -> int:
-    """Return 1 if the gaits of ``mover`` are walked by trot and crawl in turn, 0 if by their own mover alone."""
-    if mover == MOVER_TROT or mover == MOVER_CRAWL:
-        return 1
-    return 0
+    """Return 1 if the gaits of ``mover`` are walked by a trot and the crawl in turn, 0 if by a table alone."""
+    if mover == MOVER_TABLE:
+        return 0
+    return 1
 
 
 @hot

@@ -55,7 +55,10 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         else:
             walk_trot(planner, command, sensed)
     elif status.mover == MOVER_STRIDE:
-        walk_stride(planner, command, sensed)
+        if status.backs:
+            walk_stride(planner, planner.back, sensed)
+        else:
+            walk_stride(planner, command, sensed)
     else:
         walk_table(planner, command, sensed)
     return REASON_NONE

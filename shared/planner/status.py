@@ -40,7 +40,7 @@ class Status:
     tilted: int = field("ticks", "in a row of too much tilt")
     fallen: int = field("", "1: fallen")
     mover: int = field("", "MOVER_...: what has the ticks now")
-    backs: int = field("", "1: the held-up trot backs off before it gives way to the crawl")
+    backs: int = field("", "1: a held-up trot backs off before it gives way to the crawl")
     reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
     waited: int = field("ticks", "for which the commanded crawl has waited for level feet")
     met: int = field("", "1: the joints have been known")

@@ -5,7 +5,7 @@ from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
-from ..gait.table import MOVER_TROT
+from ..gait.table import MOVER_CRAWL
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.legs import sense_legs
@@ -103,7 +103,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
     status.gait = wanted
-    if gait.mover == MOVER_TROT and ground_even(planner.crawl.even):
+    if gait.mover != MOVER_CRAWL and ground_even(planner.crawl.even):
         return REASON_EVEN
     return REASON_NONE
 

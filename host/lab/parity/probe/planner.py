@@ -234,6 +234,8 @@ PARTS = (
     _part("choose_mover", exchange.choose_mover, (ROBOT, COMMAND, SENSED), STATE),
     _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED, GAIT), STATE),
     _part("wait_for_crawl", exchange.wait_for_crawl, (ROBOT, ANY_MOVER), STATE),
+    _part("held_up_for_good", exchange.held_up_for_good, (ROBOT,), ()),
+    _part("moved_ahead", exchange.moved_ahead, (ROBOT,), ()),
     _part("back_off", exchange.back_off, (ROBOT,), STATE + RETREATS),
     _part("backed_off", exchange.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
     _part("change_mover", movers.change_mover, (ROBOT, ANY_MOVER), STATE),

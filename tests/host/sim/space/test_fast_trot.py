@@ -9,6 +9,7 @@ import pytest
 pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
+from host.control.gait_changes import GaitWatch
 from host.sim.grounds import GroundSpec
 from host.sim.space.walk import SpaceWalker
 from host.sim.walk import WalkSpec
@@ -144,6 +145,33 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
         held_s.append(walk.driver.planner.stride.state.held_ticks / walk.driver.rate_hz)
     assert held_s[1] < 0.5
     assert max(held_s) > 2.0
+
+
+def watched(height_m, seconds):
+    """Return where Caramelo is after a walk at a step up, and who walked."""
+    walk = Walk("caramelo", ground=GroundSpec("step-up", height_m, start_m=0.5))
+    watch, tick = GaitWatch(walk.driver), walk.walker.tick
+
+    def looked():
+        tick()
+        watch.look()
+
+    walk.walker.tick = looked
+    walk.command(0.15)
+    walk.go(seconds, 0.85)
+    return walk.rows[-1][0], walk.trunk, [note.what for note in watch.notes]
+
+
+def test_what_it_does_not_get_over_it_backs_off_from_and_crawls_over():
+    """A quarter of the leg: 43 s, of which 27 crawled; in front of a wall it stays and does not fall."""
+    x_m, fell, walked = watched(0.06, 100.0)
+    assert x_m > 0.85
+    assert not fell
+    assert walked[:2] == ["backing off", "crawl"]
+    x_m, fell, walked = watched(0.12, 20.0)
+    assert x_m < 0.5
+    assert not fell
+    assert walked[:2] == ["backing off", "crawl"]
 
 
 @pytest.mark.parametrize(("name", "speed", "angle_deg"), [("caramelo", 0.15, 10.0), ("parallel", 0.2, 10.0)])
