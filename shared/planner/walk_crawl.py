@@ -5,7 +5,7 @@ from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
-from ..gait.table import MOVER_CRAWL
+from ..gait.table import MOVER_CRAWL, MOVER_STRIDE
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.legs import sense_legs
@@ -88,7 +88,7 @@ def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int,
 def gives_way(planner: PlannerState, command: Command) -> int:
     """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
 
-    A gait that does not crawl is commanded, or a way the crawl cannot go; where the gait is the trot's, also on
+    A gait that does not crawl is commanded, or a way the crawl cannot go; where the gait is a trot's, also on
     even ground. A command of no speed at all lets it rest.
     """
     status = planner.status
@@ -101,6 +101,8 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
+        return REASON_COMMAND
+    if gait.mover == MOVER_STRIDE and status.gait != wanted:
         return REASON_COMMAND
     status.gait = wanted
     if gait.mover != MOVER_CRAWL and ground_even(planner.crawl.even):
