@@ -51,6 +51,9 @@ class Head:
             raise IndexError
         return int(self.values[at])
 
+    def __setitem__(self, at: int, value: int) -> None:
+        self.values[at] = value
+
 
 class Probe:
     """How to feed one function, and what is promised about it.
