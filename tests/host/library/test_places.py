@@ -18,7 +18,7 @@ def script(robot):
     robot.turn(deg=10)
     turned = robot.sensed
     robot.pose(z_m=-0.02)
-    crouched = robot.sensed  # to be compared with the turn's end: before the first walk the legs' sag was not fed forward
+    crouched = robot.sensed  # beside the turn's end: before the first walk the legs' sag is not fed forward
     robot.pose()
     lifted = stood.goals_rad[CALF] - 0.2  # more bent: the foot leaves the ground
     for _ in robot.stream(hz=25, joint_rad_s=0.5, seconds=0.8):
@@ -32,8 +32,8 @@ def script(robot):
 def test_one_script_runs_everywhere(place):
     """Requirement: ten lines, the same in each place. With 3 s and 20 deg it printed there, in the order above:
 
-    walked 0.134, 0.119, 0.139, 0.156 m; turned 18.8, 19.4, 18.6, 20.4 deg. Then, with 2 s and 10 deg: a calf crouched by
-    0.164, 0.161, 0.145, 0.115 rad and answered a goal 0.2 rad off with 0.144, 0.150, 0.143, 0.154 rad.
+    walked 0.134, 0.119, 0.139, 0.156 m; turned 18.8, 19.4, 18.6, 20.4 deg. Then, with 2 s and 10 deg, a calf crouched
+    by 0.164, 0.161, 0.145, 0.115 rad and answered a goal 0.2 rad off with 0.144, 0.150, 0.143, 0.154 rad.
     """
     if place == "space":
         pytest.importorskip("mujoco")
