@@ -76,7 +76,8 @@ def worst_error_K(part: Part, most_C: int) -> float:
     Curve, rounding and the ADC's resolution; infinite if a reading is one of an open or shorted sensor.
     """
     points, worst = curve(part), 0.0
-    for celsius in range(MUST_READ_C[0], most_C + 1):
+    for tenths in range(10 * MUST_READ_C[0], 10 * most_C + 1, 2):
+        celsius = tenths / 10
         raw = part.counts(celsius)
         if not SHORT_RAW < raw < OPEN_RAW:
             return inf
