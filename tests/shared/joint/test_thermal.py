@@ -58,7 +58,7 @@ def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, d
         raw = round(4096 * ohm / (ohm + board.thermistor_pull_up_ohm))
         if blocks is not None:
             assert blocks.settings.short_raw < raw < blocks.settings.open_raw
-            assert abs(thermal.thermistor_t16(blocks.curve, raw) / 16 - celsius) <= 1.1  # checked at every fifth of a degree
+            assert abs(thermal.thermistor_t16(blocks.curve, raw) / 16 - celsius) <= 1.1  # checked every 0.2 K
 
 
 @pytest.mark.parametrize("ohm", [470, 1000, 4700, 10000, 22000])
