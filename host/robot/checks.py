@@ -14,8 +14,8 @@ from .actuators import Bldc, CanBus, Servo
 from .crawl_tuning import crawl_complaints
 from .drives import joint_drives
 from .joint_units import Board
-from .kinematics_si import leg_inverse
 from .model import JOINT_NAMES, LEG_NAMES, Robot
+from .poses import leg_to_rad
 from .scale import BRAD_PER_RAD, LARGEST_GAIN, LARGEST_SPEED, Q12, Q16, YAW18
 from .thermistor import refusal
 
@@ -153,7 +153,7 @@ def poses_are_reachable(robot: Robot) -> Iterator[Complaint]:
 def why_unreachable(robot: Robot, leg: int, height_m: float) -> str:
     """Return why a standing leg can't have its hip ``height_m`` above its foot, or nothing if it can."""
     foot = robot.foot_m(leg, height_m)
-    joints = leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot)
+    joints = leg_to_rad(robot, leg, foot)
     if joints is None:
         return "does not reach the ground there"
     for name, angle, (low, high) in zip(JOINT_NAMES, joints, robot.joint_limits_rad(leg), strict=True):

@@ -47,7 +47,7 @@ def servo_model(servo: Servo, joint_per_motor: float) -> ServoModel:
 
 
 def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
-    """Return a brushless joint's position loop as the plane's linear law, until its own loops drive it.
+    """Return the spring that a brushless joint is in impedance mode (joint_gains.impedance_gains) as a linear law.
 
     Stiffness from the position and velocity bandwidths acting on the rotor's inertia seen at the
     joint; torque limited by the current limit; damping by the velocity loop.

@@ -2,8 +2,9 @@
 
 from math import cos, sin
 
-from .kinematics_si import Vector, leg_inverse
+from .kinematics_si import Vector
 from .model import Link, Robot
+from .poses import leg_to_rad
 
 
 def com_at_rest_m(robot: Robot) -> Vector:
@@ -18,8 +19,7 @@ def com_at_rest_m(robot: Robot) -> Vector:
 
 def rest_leg_rad(robot: Robot, leg: int) -> Vector:
     """Return hip, thigh and calf of a leg at rest, straight down if its foot is out of reach."""
-    foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
-    return leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m) or (0.0, 0.0, 0.0)
+    return leg_to_rad(robot, leg, robot.foot_m(leg, robot.stance.rest_height_m)) or (0.0, 0.0, 0.0)
 
 
 def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:

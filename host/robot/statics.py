@@ -9,10 +9,10 @@ from sim2d.model import GRAVITY_M_S2
 
 from .coupling import to_motor
 from .drives import joint_drives
-from .kinematics_si import Vector, leg_forward, leg_inverse
+from .kinematics_si import Vector, leg_forward
 from .mass import com_at_rest_m, leg_parts
 from .model import Robot
-from .poses import leg_pose_rad, rest_pose_rad
+from .poses import leg_pose_rad, leg_to_rad, rest_pose_rad
 
 _STEP, _SHIFT_M = 1e-5, 1e-4  # rad and m, of the differences that stand for derivatives
 _NEWTON = 6  # steps: of the robots that are known, the last moves the body by less than 1 um
@@ -102,8 +102,7 @@ def _energy_J(robot: Robot, down_m: float, back_m: float) -> float | None:
     weight_J = trunk.mass_kg * GRAVITY_M_S2 * (trunk.com_m[2] - down_m)
     for leg in range(4):
         x, y, z = robot.foot_m(leg, height_m)
-        foot_m = x + back_m, y, z + down_m
-        pose = leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m)
+        pose = leg_to_rad(robot, leg, (x + back_m, y, z + down_m))
         if pose is None:
             return None
         now += pose

@@ -205,7 +205,7 @@ def fill_stride(params: Params, robot: Robot) -> None:
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
-    setup.high_speed = round(HIGH_SPEED * f.leg_m / f.cycle_s / rate * fine)
+    setup.high_speed = round(f.climbing_m_s / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
     setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
     setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)

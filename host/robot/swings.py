@@ -3,8 +3,9 @@
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from .kinematics_si import Vector, leg_inverse
+from .kinematics_si import Vector
 from .model import Robot
+from .poses import leg_to_rad
 
 _LEG = 1
 _HALVINGS = 16  # of a range: 1.5e-5 of it is left
@@ -15,8 +16,7 @@ def poses_rad(robot: Robot, way_m: Sequence[tuple[float, float]]) -> list[Vector
     x, y, z = robot.foot_m(_LEG, robot.stance.rest_height_m)
     poses = []
     for ahead, up in way_m:
-        foot_m = x + ahead, y, z + up
-        pose = leg_inverse(robot.geometry.links_m, robot.side(_LEG), robot.knee_sign(_LEG), foot_m)
+        pose = leg_to_rad(robot, _LEG, (x + ahead, y, z + up))
         if pose is None:
             return None
         poses.append(pose)

@@ -16,10 +16,10 @@ from shared.gait.swing import cycloid_q15, lift_q15, swing_phase_q16
 from sim2d import terrain
 from sim2d.world import World
 
-from ...robot.kinematics_si import Vector, leg_forward, leg_inverse
+from ...robot.kinematics_si import Vector, leg_forward
 from ...robot.model import Robot
 from ...robot.plane import planar_robot
-from ...robot.poses import rest_pose_rad
+from ...robot.poses import leg_to_rad, rest_pose_rad
 from ...util.errors import UserError
 from .data import papers
 from .trials import Answer
@@ -97,7 +97,7 @@ def path_goals(robot: Robot, target_m: tuple[float, float]) -> list[Vector]:
         phase = swing_phase_q16(point, points, 65536, 65536)
         along, up = cycloid_q15(phase) / 32768, lift_q15(phase) / 32768
         foot = (rest[0] + along * target_m[0], rest[1] + along * target_m[1], rest[2] + up * table["height_m"])
-        goal = leg_inverse(robot.geometry.links_m, robot.side(_LEG), robot.knee_sign(_LEG), foot)
+        goal = leg_to_rad(robot, _LEG, foot)
         if goal is None:
             raise UserError(f"table1: robot {robot.name} can't reach its foot's path at {foot[2]:.3f} m")
         goals.append(goal)

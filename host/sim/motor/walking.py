@@ -1,4 +1,4 @@
-"""Brushless joints as drives of the walking simulator: the joint's own position loop at its own rate, one per drive.
+"""Brushless joints as drives of the walking simulator: the joint's own spring or cascade at its rate, one per drive.
 
 Reduced: the current loop is taken as exact (it settles within a millisecond), gear play and spring are left out, the
 gear's loss opposes the motion. tests/host/sim/motor compares it with the full model: the same way within half a degree,
@@ -30,7 +30,7 @@ SETTLE_S = 0.5  # not counted: the robot is put down
 
 
 class JointMotor:
-    """One drive: blocks of shared/joint with the motor's heat and energy beside them."""
+    """One drive: blocks of shared/joint with the motor's heat and energy beside them; ``spring``: in impedance mode."""
 
     def __init__(self, bldc: Bldc, inertia_kg_m2: float, spring: bool = False) -> None:
         self.blocks = joint_blocks(bldc, JointSetup(-WIDE_RAD, WIDE_RAD, inertia_kg_m2=inertia_kg_m2))
