@@ -19,7 +19,7 @@ from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
 from .steps import use_gait, wanted_gait
 
-_HELD_S = const(3)  # of swings held up; later the trunk came down on a wall of 120 mm and a step of 65 mm
+_HELD_S = const(4)  # of swings held up: 3 breaks off steps that it gets over, with 6 the trunk comes down on walls
 _WAIT_S = const(6)  # longer than a body's length takes at 0.05 m/s
 
 

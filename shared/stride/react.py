@@ -100,9 +100,10 @@ def give_way(walk: Stride, leg: int) -> int:
 def count_held(params: Params, walk: Stride, leg: int) -> int:
     """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
 
-    After a swing that was held up it goes highest. A leg's swings that were held up are counted, less two for each that
-    was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet that stand
-    slip, and seem to go on.
+    After a swing that was held up it goes highest, while swings are high: on even ground the drives lag such a swing,
+    which would be held up for ever. A leg's swings that were held up are counted, less two for each that was not, and
+    none on even ground; the leg with most of them tells. The measured speed alone would not: before a wall the feet
+    that stand slip, and seem to go on.
     """
     state = walk.state
     held = walk.held
@@ -119,12 +120,14 @@ def count_held(params: Params, walk: Stride, leg: int) -> int:
     if held[leg] or seen * 3 < speed:
         count += 3
     tops[leg] = state.lift
-    if held[leg]:
+    if held[leg] and state.high_left:
         tops[leg] = params.stride.highest_lift
     if held[leg] == 0:
         usual[leg] += peak[leg] - usual[leg] >> 2
     peak[leg] = 0
     held[leg] = 0
+    if state.high_left == 0:
+        count = 0
     jams[leg] = saturate(count, 0, _SWINGS_MAX)
     most = 0
     for other in range(LEGS):

@@ -245,7 +245,7 @@ class FastTrot:
         return 0
 
     def begin_swing(self, leg):
-        self.tops[leg] = self.highest if self.held[leg] else self.lift
+        self.tops[leg] = self.highest if self.held[leg] and self.high_left else self.lift
         if not self.held[leg]:
             self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
