@@ -11,7 +11,7 @@
 #   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
 
 PYTHON ?= python3
-EXTRAS ?= sim,space,web,record,firmware,test
+EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,test
 JOBS ?= 2
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
@@ -39,7 +39,7 @@ setup-pi:
 	@$(MAKE) --no-print-directory setup EXTRAS=web,record,pi
 
 demo: setup
-	$(BIN)/caramelo walk --terrain step --height 0.02 --out out/demo
+	$(BIN)/caramelo walk --speed 0.15 --terrain step --height 0.02 --out out/demo
 
 # All three run even when one fails, so that one call shows everything; pytest's closing line comes last.
 test: setup

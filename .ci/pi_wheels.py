@@ -13,7 +13,7 @@ from pathlib import Path
 from requirements import requirements
 
 ROOT = Path(__file__).resolve().parent.parent
-EXTRAS = ("web", "record", "pi", "compile")
+EXTRAS = ("web", "record", "foxglove", "pi", "compile")
 PYTHONS = ("3.11", "3.13")
 PLATFORMS = ("manylinux_2_28_aarch64", "manylinux_2_17_aarch64", "manylinux2014_aarch64")
 

@@ -170,6 +170,15 @@ class SimBoard:
                     c.run.unsent_frames = (c.run.unsent_frames + 1) & 0x3FFFFFFF
         return -1
 
+    def quiet(self):
+        """Stop for good what runs beside the main loop: the bridge is off, until the next reset."""
+        self.bridge = 0
+        self.handler = None
+
+    def feed_watchdog(self):
+        """Put the watchdog off."""
+        self.fed = (self.fed + 1) & 0x3FFFFFFF
+
     def can_receive(self, frame):
         """Copy the oldest frame into ``frame``; return its identifier + its length << 11, or -1."""
         identifier = self._in.take(frame)

@@ -26,7 +26,17 @@ from .chip import (
     peek,
     poke,
 )
-from .chip_io import BUS_CHANNEL, DRIVER_BIT, JOINT_BIT, clock_us, is_bus_off, sample, selected_word, send
+from .chip_io import (
+    BUS_CHANNEL,
+    DRIVER_BIT,
+    JOINT_BIT,
+    clock_us,
+    is_bus_off,
+    receive,
+    sample,
+    selected_word,
+    send,
+)
 from .chip_joint import millisecond, serve_bus
 from .chip_setup import (
     MCU_CHANNEL,
@@ -40,6 +50,7 @@ from .chip_setup import (
     set_up_pins,
     set_up_spis,
     set_up_timers,
+    slow_watchdog,
     start_watchdog,
 )
 from .chip_step import bridge_on, interrupt, outputs_off, rotor_angle, write_compares
@@ -120,6 +131,7 @@ class Stm32F405Board:
         sample(chip, THERMISTOR_CHANNEL)
         # What an application calls at its rates goes straight to the chip
         self.can_send = bound(send, chip)
+        self.can_receive = bound(receive, chip)
         self.ticks_us = bound(clock_us, chip)
 
     def start(self, control: Control, step=interrupt, *more):
@@ -146,8 +158,15 @@ class Stm32F405Board:
         return bound(serve_bus, self._chip, frame, link, c.io, c.loop, c.settings, c.state, c.run, reply, out)
 
     def feed_watchdog(self):
-        """Put the watchdog off; for the self-test, a joint does it in ``millisecond``."""
+        """Put the watchdog off; for self-test and update, a joint does it in ``millisecond``."""
         poke(self._chip, IWDG_KR_32, 0xAAAA)
+
+    def quiet(self):
+        """Stop for good what runs beside the main loop: bridge, gate driver, interrupt; slow the watchdog down."""
+        outputs_off(self._chip)
+        self._timer.callback(None)
+        enable_driver(self._chip, 0)
+        slow_watchdog(self._chip)
 
     def pwm_on(self, loop: CurrentLoop):
         """Let the bridge follow the compares; for the self-test, a joint does it in ``millisecond``."""

@@ -107,6 +107,12 @@ CAN_FFA1R_32 = const(0x6614 >> 2)
 CAN_FA1R_32 = const(0x661C >> 2)
 CAN_FILTERS_32 = const(0x6640 >> 2)  # banks of two words
 
+# Flash interface (section 3.9)
+FLASH_ACR_32 = const(0x23C00 >> 2)
+FLASH_KEYR_32 = const(0x23C04 >> 2)
+FLASH_SR_32 = const(0x23C0C >> 2)
+FLASH_CR_32 = const(0x23C10 >> 2)
+
 # Independent watchdog (section 21.4)
 IWDG_KR_32 = const(0x3000 >> 2)
 IWDG_PR_32 = const(0x3004 >> 2)

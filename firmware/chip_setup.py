@@ -128,12 +128,15 @@ _CAN_RUN = const(0x40)  # MCR: ABOM, back from bus-off by itself; awake, by iden
 _CAN_1M = const(0x00290002)  # BTR: SJW 1, BS2 3, BS1 10, BRP 3: 42 MHz / 3 / 14
 _HANDSHAKE = const(100000)  # polls; leaving needs 11 recessive bits, 11 us
 _FILTER_INIT = const(1)
-_BANKS = ((0, 1), (2, 3), (4, 4), (5, 6))  # e-stop, SYNC; requests; set-points; own heartbeat and reply
+_BANKS = ((0, 1), (2, 3), (4, 7), (5, 6))  # e-stop, SYNC; requests; set-points, update; own heartbeat and reply
 _FIFO_OF_BANKS = const(0x0A)  # set-points and SYNC share FIFO 0, because their order counts
 _EXACT = const(0x18)  # of a filter's mask: RTR and IDE count, data frames with 11 bits only
 
 _IWDG_UNLOCK = const(0x5555)
 _IWDG_START = const(0xCCCC)
+_IWDG_FEED = const(0xAAAA)
+_IWDG_BY_256 = const(6)
+_IWDG_MOST = const(0xFFF)
 _IWDG_BY_32 = const(3)  # 32 kHz (17 .. 47, DS8626 table 37) / 32: 1 kHz
 
 
@@ -260,19 +263,18 @@ def set_up_can(chip):
 
 
 def set_filters(chip, pairs, count):
-    """Let only frames pass that match one of ``count`` (identifier, mask) pairs; banks not needed repeat another."""
+    """Let only frames pass that match one of ``count`` (identifier, mask) pairs, 2, 4 or 8; other banks are off."""
     change(chip, CAN_FMR_32, _FILTER_INIT, _FILTER_INIT)
     poke(chip, CAN_FA1R_32, 0)
     poke(chip, CAN_FM1R_32, 0)  # masks
     poke(chip, CAN_FS1R_32, 0)  # of 16 bits
     poke(chip, CAN_FFA1R_32, _FIFO_OF_BANKS)
-    for bank in range(4):
-        used = _BANKS[bank if 2 * bank < count else bank - 2]
+    for bank in range(count // 2):
         for half in range(2):
-            at = 2 * used[half]
+            at = 2 * _BANKS[bank][half]
             word = pairs[at] << 5 | (pairs[at + 1] << 5 | _EXACT) << 16
             poke(chip, CAN_FILTERS_32 + 2 * bank + half, word)
-    poke(chip, CAN_FA1R_32, 15)
+    poke(chip, CAN_FA1R_32, (1 << count // 2) - 1)
     change(chip, CAN_FMR_32, _FILTER_INIT, 0)
 
 
@@ -283,6 +285,15 @@ def start_watchdog(chip):
     poke(chip, IWDG_PR_32, _IWDG_BY_32)
     poke(chip, IWDG_RLR_32, WATCHDOG_MS)
     _await(chip, IWDG_SR_32, 3, 0)
+
+
+def slow_watchdog(chip):
+    """Give the watchdog its longest time, 32 s (22 .. 62): an erase stops the processor for up to 2 s."""
+    poke(chip, IWDG_KR_32, _IWDG_UNLOCK)
+    poke(chip, IWDG_PR_32, _IWDG_BY_256)
+    poke(chip, IWDG_RLR_32, _IWDG_MOST)
+    _await(chip, IWDG_SR_32, 3, 0)
+    poke(chip, IWDG_KR_32, _IWDG_FEED)
 
 
 def _await(chip, place, mask, bits):

@@ -203,12 +203,17 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
     """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
     valid = sensed.valid
     tilt = sensed.tilt
+    turned = sensed.turned
     valid.tilt = 0
+    valid.turned = 0
     if fault:
         return 0
     aligning = attitude_step(attitude, counts) & ALIGNING
     if aligning == 0:
         valid.tilt = 1
+        valid.turned = 1
+    for axis in range(3):
+        turned[axis] = attitude.turned[axis]
     tilt[0] = attitude.roll
     tilt[1] = attitude.pitch
     return valid.tilt

@@ -25,8 +25,9 @@ from shared.wire.names import (
     SLOW_STATUS_ID,
     SLOW_STATUS_LENGTH,
 )
-from shared.wire.receive import FRAME_E_STOP, FRAME_REQUEST, FRAME_TWIN, Link, link_reset
+from shared.wire.receive import FRAME_E_STOP, FRAME_REQUEST, FRAME_TWIN, FRAME_UPDATE, Link, link_reset
 
+from .can_update import CanUpdate, build_number
 from .joint_bus import (
     FOUND_SHIFT,
     FRAMES_MOST,
@@ -42,7 +43,6 @@ from .joint_run import PART_BUS
 from .joint_service import ANSWER, ANSWER_LATER, Service
 from .joint_store import BROKEN, Parameters
 
-VERSION = (0, 1, 0)  # major, minor, patch
 _IDENTIFIER = const(0x7FF)
 _MS_US = const(1000)
 _AHEAD = const(0x20000000)  # a time is still to come if it is less than half the clock's range before now
@@ -51,10 +51,14 @@ _TO_NEXT_US = const(0x3FFFFC18)  # 2^30 less a millisecond, taken off: a sum bey
 
 
 class Joint:
-    """One joint on its board; its parameters are kept in ``journal`` (settings.py)."""
+    """One joint on its board; its parameters are kept in ``journal`` (settings.py).
 
-    def __init__(self, board, journal):
+    ``update``: the board's slots (update.py); without it the joint has no firmware of its own to be updated.
+    """
+
+    def __init__(self, board, journal, update=None):
         self.board = board
+        self.build = build_number(update.header(update.running)) if update else 0
         self.control = Control(board)
         self.parameters = Parameters(self.control, journal)
         self.loaded = self.parameters.load()
@@ -66,12 +70,12 @@ class Joint:
         self._status = SlowStatus()
         self._heartbeat = Heartbeat()
         self._fault = Fault()
-        self._version = array("i", VERSION)
         self._due_us = 0
         self._told = Told()
         self._told.drive_state = -1
         self._bus = board.listen(self.control, self.link, self._frame, self._out)
         self._discover_ms = -1
+        self.updating = CanUpdate(self, update)
         self.set_node(self.parameters.node)
 
     def start(self):
@@ -91,11 +95,14 @@ class Joint:
 
     def poll(self):
         """Do what is due; return 1 if a motion tick was done."""
+        if self.updating.state:
+            self.updating.poll()
+            return 0
         try:
             self._take_frames()
         except Exception:
             self.control.stop(PART_BUS)
-        if (self.board.ticks_us() - self._due_us) & _MASK >= _AHEAD:
+        if self.updating.state or (self.board.ticks_us() - self._due_us) & _MASK >= _AHEAD:
             return 0
         self._due_us = (self._due_us - _TO_NEXT_US) & _MASK
         self.control.motion()
@@ -115,13 +122,17 @@ class Joint:
                 self.control.emergency_stop()
             elif found == FRAME_REQUEST:
                 self._serve(left & _IDENTIFIER)
+            elif found == FRAME_UPDATE:
+                self.updating.take(self._frame)
+                if self.updating.state:
+                    return
             elif found == FRAME_TWIN:
                 self.control.raise_fault(FAULT_DUPLICATE_ID, self.parameters.node)
 
     def _serve(self, identifier):
         answer = self.service.take(self._frame, identifier == SERVICE_REQUEST_ID)
         if answer == ANSWER:
-            self._send(SERVICE_RESPONSE_ID + self.parameters.node, self.service.frame, SERVICE_RESPONSE_LENGTH)
+            self.send(SERVICE_RESPONSE_ID + self.parameters.node, self.service.frame, SERVICE_RESPONSE_LENGTH)
         elif answer == ANSWER_LATER:
             self._discover_ms = self.service.discover_ms
 
@@ -137,7 +148,7 @@ class Joint:
 
     def _send_discover(self):
         if self._discover_ms == 0:
-            self._send(SERVICE_RESPONSE_ID + self.parameters.node, self.service.frame, SERVICE_RESPONSE_LENGTH)
+            self.send(SERVICE_RESPONSE_ID + self.parameters.node, self.service.frame, SERVICE_RESPONSE_LENGTH)
         self._discover_ms -= 1
 
     def _tell(self, tell):
@@ -145,14 +156,15 @@ class Joint:
         if tell & SESSION_OVER:
             self.service.renew_challenge()
         if tell & TELL_HEARTBEAT:
-            self._send_heartbeat()
+            self.send_heartbeat()
         if self.parameters.node:
             if tell & TELL_STATUS:
                 self._send_slow_status()
             if tell & TELL_FAULT:
                 self._send_fault()
 
-    def _send_heartbeat(self):
+    def send_heartbeat(self):
+        """Tell state and identity."""
         h = self._heartbeat
         state = self.control.state
         h.state = state.drive_state
@@ -160,11 +172,9 @@ class Joint:
         h.fault = state.fault_code
         h.protocol_hash = PROTOCOL_HASH
         h.session = self.control.io.session
-        h.firmware_major = self._version[0]
-        h.firmware_minor = self._version[1]
-        h.firmware_patch = self._version[2]
+        h.build = self.build
         encode_heartbeat(self._out, h)
-        self._send(HEARTBEAT_ID + self.parameters.node, self._out, HEARTBEAT_LENGTH)
+        self.send(HEARTBEAT_ID + self.parameters.node, self._out, HEARTBEAT_LENGTH)
 
     def _send_slow_status(self):
         s = self._status
@@ -176,7 +186,7 @@ class Joint:
         s.lost_sync = self.link.lost_syncs & 0xFF
         s.overruns = self.control.run.late_steps & 0xFF
         encode_slow_status(self._out, s)
-        self._send(SLOW_STATUS_ID + self.parameters.node, self._out, SLOW_STATUS_LENGTH)
+        self.send(SLOW_STATUS_ID + self.parameters.node, self._out, SLOW_STATUS_LENGTH)
 
     def _send_fault(self):
         state = self.control.state
@@ -184,8 +194,11 @@ class Joint:
         self._fault.value = state.fault_value
         self._fault.tick = state.fault_tick
         encode_fault(self._out, self._fault)
-        self._send(FAULT_ID + self.parameters.node, self._out, FAULT_LENGTH)
+        self.send(FAULT_ID + self.parameters.node, self._out, FAULT_LENGTH)
 
-    def _send(self, identifier, frame, length):
-        if self.board.can_send(identifier, frame, length) == 0:
+    def send(self, identifier, frame, length):
+        """Send a frame and return 1; one that finds no room is counted: 0."""
+        sent = self.board.can_send(identifier, frame, length)
+        if sent == 0:
             self.control.run.unsent_frames = (self.control.run.unsent_frames + 1) & _MASK
+        return sent

@@ -19,6 +19,7 @@ from shared.wire.receive import (
     FRAME_SYNC,
     FRAME_SYNC_SETPOINT,
     FRAME_TWIN,
+    FRAME_UPDATE,
     KIND_CURRENT,
     KIND_CURRENT_FEEDFORWARD,
     KIND_DAMPING,
@@ -69,7 +70,7 @@ def take_frame(link: Link, io: JointIo, came: int, frame) -> int:
         return WANTS_REPLY
     if found == FRAME_SYNC:
         return WANTS_REPLY
-    if found == FRAME_E_STOP or found == FRAME_REQUEST or found == FRAME_TWIN:
+    if found == FRAME_E_STOP or found == FRAME_REQUEST or found == FRAME_TWIN or found == FRAME_UPDATE:
         return came | found << FOUND_SHIFT
     return -1
 

@@ -86,8 +86,6 @@ SILENT = const(-1)  # no answer
 ANSWER = const(0)
 ANSWER_LATER = const(1)  # after discover_ms
 
-BUILD_ID = const(1)
-
 
 class Service:
     """Answers requests; ``frame`` holds the answer. ``joint`` is firmware/joint.py."""
@@ -288,7 +286,7 @@ class Service:
         if parameter >= PARAMETER_UNIQUE_ID_0 and parameter <= PARAMETER_UNIQUE_ID_3:
             return self._unique[parameter - PARAMETER_UNIQUE_ID_0]
         if parameter == PARAMETER_BUILD_ID:
-            return BUILD_ID
+            return self._joint.build
         if parameter == PARAMETER_FAULT_CODE:
             return state.fault_code
         if parameter == PARAMETER_FAULT_VALUE:

@@ -1,6 +1,7 @@
 """The joint's parameters: where each lives in the blocks, and how they are kept over a power cycle (settings.py).
 
-Kept are: magic, protocol hash, number of records, then (id, value) pairs, then CRC-32, all little-endian.
+Kept are: magic, node, number of records, then (key, value) pairs, then CRC-32, all little-endian. A key stands for a
+parameter's name, unit and scale, so that another firmware finds those that it knows too.
 """
 
 import binascii
@@ -12,11 +13,12 @@ from shared.joint.thermal import CURVE_SIZE
 from shared.record import set_at, value_at
 from shared.runtime import const
 from shared.wire.access import is_stored
-from shared.wire.names import PROTOCOL_HASH
+from shared.wire.framing import NODES
 from shared.wire.parameters import (
     PARAMETER_CURRENT_KP,
     PARAMETER_DEFAULT,
     PARAMETER_HIGH,
+    PARAMETER_KEY,
     PARAMETER_LOW,
     PARAMETER_NODE_ID,
     PARAMETER_POLE_PAIRS,
@@ -31,9 +33,9 @@ MISSING = const(2)
 BROKEN = const(3)
 
 KEY = "joint"
-_MAGIC = const(0x4A50)
+_MAGIC = const(0x4A51)
 _HEAD = "<HHH"
-_RECORD = "<Hi"
+_RECORD = "<ii"
 
 
 class Parameters:
@@ -79,18 +81,26 @@ class Parameters:
         self.take(PARAMETER_DEFAULT[PARAMETER_CURRENT_KP:])
 
     def load(self):
-        """Read what is kept over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place."""
+        """Read what is kept over the defaults; return LOADED, MISSING, or BROKEN with the defaults in place.
+
+        A parameter that was not kept has its default; what was kept of one that is no more is passed over. One out of
+        its range is BROKEN; the node stays nevertheless.
+        """
         self.defaults()
         data = self._journal.get(KEY)
         if data is None:
             return MISSING
         if not _sound(data):
             return BROKEN
+        self.node = struct.unpack_from(_HEAD, data, 0)[1]
+        parameter = 0
         for at in range(struct.calcsize(_HEAD), len(data) - 4, struct.calcsize(_RECORD)):
-            parameter, value = struct.unpack_from(_RECORD, data, at)
-            if not is_stored(parameter) or not PARAMETER_LOW[parameter] <= value <= PARAMETER_HIGH[parameter]:
+            key, value = struct.unpack_from(_RECORD, data, at)
+            parameter = _parameter_of(key, parameter)
+            if not is_stored(parameter):
+                continue
+            if not PARAMETER_LOW[parameter] <= value <= PARAMETER_HIGH[parameter]:
                 self.defaults()
-                self.node = 0
                 return BROKEN
             self.put(parameter, value)
         return LOADED
@@ -100,18 +110,27 @@ class Parameters:
         return self._journal.put(KEY, self._packed())
 
     def _packed(self):
-        stored = [parameter for parameter in range(PARAMETERS) if is_stored(parameter)]
-        data = struct.pack(_HEAD, _MAGIC, PROTOCOL_HASH, len(stored))
+        stored = [parameter for parameter in range(1, PARAMETERS) if is_stored(parameter)]
+        data = struct.pack(_HEAD, _MAGIC, self.node, len(stored))
         for parameter in stored:
-            data += struct.pack(_RECORD, parameter, self.get(parameter))
+            data += struct.pack(_RECORD, PARAMETER_KEY[parameter], self.get(parameter))
         return data + struct.pack("<I", binascii.crc32(data))
+
+
+def _parameter_of(key, near):
+    """Return the parameter that is kept under a key, -1 for none; they are looked for from ``near`` on."""
+    for way in range(PARAMETERS):
+        parameter = (near + way) % PARAMETERS
+        if PARAMETER_KEY[parameter] == key:
+            return parameter
+    return -1
 
 
 def _sound(data):
     head = struct.calcsize(_HEAD)
     if len(data) < head + 4:
         return False
-    magic, protocol, count = struct.unpack_from(_HEAD, data, 0)
-    if magic != _MAGIC or protocol != PROTOCOL_HASH or len(data) != head + count * struct.calcsize(_RECORD) + 4:
+    magic, node, count = struct.unpack_from(_HEAD, data, 0)
+    if magic != _MAGIC or node > NODES or len(data) != head + count * struct.calcsize(_RECORD) + 4:
         return False
     return struct.unpack_from("<I", data, len(data) - 4)[0] == binascii.crc32(data[:-4])

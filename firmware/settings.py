@@ -17,7 +17,7 @@ _HEAD = "<BBH"  # magic, length of the key, length of the data
 _HEAD_BYTES = const(4)
 _NUMBER_BYTES = const(8)
 _BLANK = b"\xff\xff\xff\xff"
-_FULL = const(4096)  # bytes used from which tidy makes room (chosen: twelve savings of a joint still fit)
+_FULL = const(4096)  # bytes used from which tidy makes room (chosen: nine savings of a joint still fit)
 
 
 class Journal:

@@ -54,8 +54,8 @@ def armed():
     return False
 
 
-def start(journal):
-    """Serve the link for ever; a gait board keeps no settings."""
+def start(journal, update):
+    """Serve the link for ever; a gait board keeps no settings, and is updated over USB only."""
     import machine
     import pyb
 

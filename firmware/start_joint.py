@@ -40,12 +40,12 @@ def take_node(joint, journal):
     return 1 if joint.parameters.save() and journal.put(NODE, b"") else 0
 
 
-def start(journal):
+def start(journal, update):
     """Run the joint until something stops the program; the bridge is off afterwards whatever it was."""
     micropython.alloc_emergency_exception_buf(100)
     board = Stm32F405Board()
     try:
-        joint = Joint(board, journal)
+        joint = Joint(board, journal, update)
         take_node(joint, journal)
         gc.collect()
         joint.start()

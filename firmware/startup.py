@@ -122,7 +122,7 @@ class Start:
 
         self.stage = RUNNING
         print(STARTED, SLOTS[self.slot])
-        start_application(self.journal)
+        start_application(self.journal, self.update)
         raise RuntimeError("the application ended")
 
 

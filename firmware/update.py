@@ -1,10 +1,21 @@
-"""Writes the slot that does not run, checks it, and says which slot is to start. ``caramelo flash`` calls it.
+"""Writes the slot that does not run, checks it, and says which slot is to start.
+
+``caramelo flash`` drives it by scripts over USB, a joint by the frames of its bus (can_update.py).
 
 At any moment the loader finds a sound slot: the running one is never written, the other one gets its header last, and
 a boot record counts only as a whole (flash_map.py).
 """
 
 import hashlib
+
+from shared.wire.names import (
+    UPDATE_WHY_ARMED,
+    UPDATE_WHY_DIFFERENT,
+    UPDATE_WHY_FLASH,
+    UPDATE_WHY_NOT_A_HEADER,
+    UPDATE_WHY_OTHER_BOARD,
+    UPDATE_WHY_RUNNING_SLOT,
+)
 
 from .flash_map import (
     CONFIRMED,
@@ -26,14 +37,18 @@ _HASH_BYTES = 4096
 
 
 class UpdateError(Exception):
-    """The update can't be done; the text says why."""
+    """The update can't be done; the text says why, and ``reason`` in a number for a bus."""
+
+    def __init__(self, text, reason=UPDATE_WHY_FLASH):
+        super().__init__(text)
+        self.reason = reason
 
 
 class Update:
     """Both slots of ``flash`` seen from the one that runs, ``running``, on a board of the type ``board``."""
 
     def __init__(self, flash, running, board):
-        self._flash = flash
+        self.flash = flash
         self.running = running
         self.other = 1 - running
         self._board = board
@@ -45,7 +60,7 @@ class Update:
 
     def header(self, slot):
         """Return a slot's Header, or None if none is whole there."""
-        return parse_header(self._flash.view(slot_at(slot), HEADER))
+        return parse_header(self.flash.view(slot_at(slot), HEADER))
 
     def is_whole(self, slot, feed):
         """Return True if the image in a slot is what its header says."""
@@ -59,13 +74,15 @@ class Update:
         """
         header = parse_header(data)
         if header is None:
-            raise UpdateError("this is not the header of an image")
+            raise UpdateError("this is not the header of an image", UPDATE_WHY_NOT_A_HEADER)
         if armed:
-            raise UpdateError("the joint is armed: it is not updated while it may move")
+            raise UpdateError("the joint is armed: it is not updated while it may move", UPDATE_WHY_ARMED)
         if header.board != self._board:
-            raise UpdateError(f"an image for {header.board}; this board is a {self._board}")
+            text = f"an image for {header.board}; this board is a {self._board}"
+            raise UpdateError(text, UPDATE_WHY_OTHER_BOARD)
         if header.slot != self.other:
-            raise UpdateError(f"an image for slot {SLOTS[header.slot]}, from which this board runs now")
+            text = f"an image for slot {SLOTS[header.slot]}, from which this board runs now"
+            raise UpdateError(text, UPDATE_WHY_RUNNING_SLOT)
         self._header = bytes(data)
         need = HEADER + header.length
         first = SLOT_SECTORS[self.other][0]
@@ -75,7 +92,7 @@ class Update:
         """Erase one of the sectors of ``begin``. The first one takes the slot's header; then records get room."""
         if sector not in SLOT_SECTORS[self.other] or not self._header:
             raise UpdateError(f"sector {sector} is not to be erased")
-        self._flash.erase(sector)
+        self.flash.erase(sector)
         if sector == SLOT_SECTORS[self.other][0]:
             self._make_room()
 
@@ -84,14 +101,18 @@ class Update:
         length = parse_header(self._header).length
         if at < 0 or at + len(data) > length:
             raise UpdateError(f"{at}: outside of the image, which has {length} bytes")
-        self._flash.program(slot_at(self.other) + HEADER + at, data)
+        self.flash.program(self.place() + at, data)
+
+    def place(self):
+        """Return where the new image begins behind its header, bytes from the flash's beginning."""
+        return slot_at(self.other) + HEADER
 
     def finish(self, feed):
         """Compare the whole image and write its header: the slot is sound from then on."""
         header = parse_header(self._header)
         if self._digest(self.other, header.length, feed) != header.sha256:
-            raise UpdateError("the image reads back as something else: is the flash worn out?")
-        self._flash.program(slot_at(self.other), self._header)
+            raise UpdateError("the image reads back as something else: is the flash worn out?", UPDATE_WHY_DIFFERENT)
+        self.flash.program(slot_at(self.other), self._header)
         self._header = b""
 
     def activate(self):
@@ -112,12 +133,12 @@ class Update:
             self._record(self.running, CONFIRMED)
 
     def _records(self):
-        return self._flash.view(sector_at(RECORDS_SECTOR), sector_bytes(RECORDS_SECTOR))
+        return self.flash.view(sector_at(RECORDS_SECTOR), sector_bytes(RECORDS_SECTOR))
 
     def _make_room(self):
         """Begin the boot records anew when they are full. The other slot is not sound now: this one starts."""
         if read_records(self._records())[1] > sector_bytes(RECORDS_SECTOR) - _ROOM:
-            self._flash.erase(RECORDS_SECTOR)
+            self.flash.erase(RECORDS_SECTOR)
         self.confirm()
 
     def _record(self, slot, starts):
@@ -125,7 +146,7 @@ class Update:
         at = read_records(self._records())[1]
         while at < sector_bytes(RECORDS_SECTOR):
             try:
-                self._flash.program(sector_at(RECORDS_SECTOR) + at, pack_record(slot, starts))
+                self.flash.program(sector_at(RECORDS_SECTOR) + at, pack_record(slot, starts))
                 return
             except OSError:
                 at += 8
@@ -137,5 +158,5 @@ class Update:
         start = slot_at(slot) + HEADER
         for at in range(0, length, _HASH_BYTES):
             feed()
-            whole.update(self._flash.view(start + at, min(_HASH_BYTES, length - at)))
+            whole.update(self.flash.view(start + at, min(_HASH_BYTES, length - at)))
         return whole.digest()

@@ -51,9 +51,9 @@ def build_app() -> typer.Typer:
 
 def _print_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
+        from .util.version import software_version
 
-        say(version("caramelo-robot"))
+        say(software_version())
         raise typer.Exit
 
 

@@ -61,21 +61,20 @@ def test_imports_run_one_way():
 
 
 # The packages of the core, in the order of their imports: each imports itself and those above it.
-CORE = ("runtime", "record", "num", "body", "sense", "gait", "trot", "crawl", "stride", "planner", "wire", "joint")
-_ROBOT = ("body", "sense", "gait", "trot", "crawl", "stride", "planner")  # what a joint and the wire know nothing of
+CORE = ("runtime", "record", "num", "body", "sense", "gait", "trot", "crawl", "planner", "wire", "joint")
+_ROBOT = ("body", "sense", "gait", "trot", "crawl", "planner")  # what a joint and the wire know nothing of
 BESIDE = {
-    "trot": ("crawl", "stride"),
-    "crawl": ("trot", "stride"),
-    "stride": ("gait", "trot", "crawl"),
+    "trot": ("crawl",),
+    "crawl": ("trot",),
     "wire": _ROBOT,
     "joint": _ROBOT,
 }
 
 
-# The folders of the host, in the order of their imports. What drives a robot (all up to records, and teleop) imports
+# The folders of the host, in the order of their imports. What drives a robot (all up to identify, and teleop) imports
 # neither what stands in for hardware nor what measures: a robot needs neither.
-HOST = ("util", "robot", "protocol", "bus", "imu", "control", "records", "boards", "sim", "teleop", "lab", "library")
-HOST = (*HOST, "commands", "cli", "__main__")
+HOST = ("util", "robot", "protocol", "bus", "imu", "control", "records", "identify", "boards", "sim", "teleop", "lab")
+HOST = (*HOST, "library", "commands", "cli", "__main__")
 ORDERS = {"shared": (CORE, BESIDE), "host": (HOST, {"teleop": ("sim",)})}
 DRIVES = (*HOST[: HOST.index("boards")], "teleop", "library")
 

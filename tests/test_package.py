@@ -4,6 +4,7 @@ import ast
 import os
 import runpy
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -16,6 +17,8 @@ import pytest
 import setuptools
 
 from tests import ROOT
+from tests.host.lab.workers.standing import standing
+from tests.waiting import PATIENCE_S
 
 FOLDERS = ("host", "shared", "sim2d", "firmware")
 PACKED = ("caramelo", *FOLDERS)
@@ -119,12 +122,7 @@ def installed(wheel, tmp_path_factory):
     The libraries are those of the tests, the project's checkout is not to be seen.
     """
     home = tmp_path_factory.mktemp("installed")
-    venv.create(home / "venv", with_pip=True)
-    places = sysconfig.get_paths(vars={"base": str(home / "venv"), "platbase": str(home / "venv")})
-    with open(f"{places['purelib']}/libraries.pth", "w") as file:
-        file.write(sysconfig.get_path("purelib") + "\n")
-    subprocess.run([home / "venv/bin/python", "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", wheel],
-                   check=True, timeout=600)  # fmt: skip
+    install(wheel, home)
     empty = home / "empty"
     (empty / "shared").mkdir(parents=True)
     (empty / "shared/__init__.py").write_text("MINE = 'my own'\n")
@@ -136,7 +134,18 @@ def installed(wheel, tmp_path_factory):
         assert done.returncode == 0, done.stderr
         return done.stdout
 
+    call.programs = home / "venv/bin"
     return call
+
+
+def install(wheel, home):
+    """Install the wheel into an environment of its own, ``home``/venv, with the libraries of the tests."""
+    venv.create(home / "venv", with_pip=True)
+    places = sysconfig.get_paths(vars={"base": str(home / "venv"), "platbase": str(home / "venv")})
+    with open(f"{places['purelib']}/libraries.pth", "w") as file:
+        file.write(sysconfig.get_path("purelib") + "\n")
+    subprocess.run([home / "venv/bin/python", "-m", "pip", "install", "--quiet", "--no-deps", "--no-index", wheel],
+                   check=True, timeout=600)  # fmt: skip
 
 
 DECOY = """
@@ -164,6 +173,29 @@ def test_the_command_walks_from_an_empty_folder(installed):
 @pytest.mark.slow
 def test_an_example_runs_with_what_is_installed(installed):
     assert installed("python", str(ROOT / "examples/first_walk.py")).startswith("x 0.1")
+
+
+@pytest.mark.slow
+def test_workers_of_another_environment_give_the_figures_of_one_process(installed, wheel, tmp_path):
+    """Workers of a second environment; one dies half-way. A checkout's workers are told apart from a wheel's."""
+    pytest.importorskip("distributed", reason="dask.distributed is not installed (extra lab)")
+    install(wheel, tmp_path)
+    table = ("caramelo", "experiment", "table1", "--trials", "20", "--json")
+    with standing(tmp_path / "cluster", python=str(tmp_path / "venv/bin/python")) as cluster:
+        workers = [cluster.worker() for _ in range(2)]
+        there = installed(*table, "--cluster", cluster.address)
+        command = [installed.programs / table[0], *table[1:], "--cluster", cluster.address]
+        pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        with subprocess.Popen(command, cwd=tmp_path, **pipes) as client:
+            for line in client.stderr:
+                if ": 40 of 80" in line:
+                    workers[0].kill()
+            with_a_loss = client.stdout.read()
+        assert workers[0].wait(PATIENCE_S) == -signal.SIGKILL
+        here = subprocess.run([sys.executable, "-m", "host", *table[1:], "--cluster", cluster.address], cwd=ROOT,
+                              capture_output=True, text=True, timeout=PATIENCE_S)
+    assert there == with_a_loss == installed(*table)
+    assert "no caramelo like this one" in here.stderr
 
 
 BOARD = """

@@ -52,7 +52,7 @@ def picked():
 
 
 @pytest.mark.parametrize(
-    "extras", ["", "web,record,pi", "sim,space,web,record,firmware,test", "compile", "emulator", "lock"]
+    "extras", ["", "web,record,pi", "sim,space,lab,web,record,foxglove,firmware,test", "compile", "emulator", "lock"]
 )
 def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, extras):
     extras = extras.split(",") if extras else []
@@ -67,7 +67,7 @@ def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, e
 
 def test_a_pi_gets_nothing_for_simulator_and_tests(picked):
     names = locked_names(picked(LOCK, ["web", "record", "pi"]))
-    assert names.isdisjoint({"pymunk", "matplotlib", "scipy", "pytest", "ruff", "mypy", "mujoco", "uv"})
+    assert names.isdisjoint({"pymunk", "matplotlib", "scipy", "pytest", "ruff", "mypy", "mujoco", "uv", "cma"})
 
 
 def test_an_extra_that_does_not_exist_is_named(picked):
@@ -163,7 +163,7 @@ def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
 
 def test_make_demo_walks_over_a_step(tmp_path):
     done = make("--dry-run", "demo", *fake_tools(tmp_path))
-    assert done.stdout == f"{tmp_path}/caramelo walk --terrain step --height 0.02 --out out/demo\n"
+    assert done.stdout == f"{tmp_path}/caramelo walk --speed 0.15 --terrain step --height 0.02 --out out/demo\n"
 
 
 @pytest.mark.parametrize(

@@ -152,6 +152,11 @@ class Bus(ABC):
         return JOINT_LABELS[joint]
 
     @property
+    def firmware(self) -> str:
+        """What the joints run, as they told it; "" if they did not."""
+        return ""
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """What ``open`` found that works, but badly: one sentence each, with what to do."""
         return ()

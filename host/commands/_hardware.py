@@ -19,21 +19,25 @@ def hardware(
     calibration: Path | None = None,
     source: str | None = None,
     imu: str | None = None,
+    space: bool = False,
 ) -> Iterator[Hardware]:
     """Yield a robot's joints and sensor, not yet opened; what runs beside them ends with the block.
 
     ``which``: ``real``, ``emulated`` or ``simulated``. ``source`` is the name or file that the robot was loaded from.
-    ``imu`` names another inertial sensor than the usual one (host/imu/choose.py).
+    ``imu`` names another inertial sensor than the usual one (host/imu/choose.py); ``space``: what is simulated moves in
+    three dimensions.
     """
-    with _chosen(robot, which, port, calibration, source or robot.name) as parts:
+    with _chosen(robot, which, port, calibration, source or robot.name, space) as parts:
         yield parts if imu is None else replace(parts, attitude=Attitude(robot, open_source(robot, imu)))
 
 
 def _chosen(
-    robot: Robot, which: str, port: str | None, calibration: Path | None, source: str
+    robot: Robot, which: str, port: str | None, calibration: Path | None, source: str, space: bool
 ) -> AbstractContextManager[Hardware]:
     if which == "real":
         return nullcontext(real(robot, port, calibration))
     from ..sim.hardware import emulated, simulated  # needs the simulator's libraries
 
-    return nullcontext(simulated(robot)) if which == "simulated" else emulated(robot, calibration, source)
+    if which == "simulated":
+        return nullcontext(simulated(robot, space))
+    return emulated(robot, calibration, source, space)

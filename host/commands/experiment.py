@@ -8,6 +8,7 @@ import typer
 from ..util.console import screen, tell_written, write_error, write_json
 from ..util.errors import UserError
 from . import CHECKS
+from ._workers import ClusterAt, Jobs
 
 if TYPE_CHECKING:
     from ..lab.experiments.case import Table as Rows
@@ -28,7 +29,8 @@ def experiment(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
     gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
     trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case, else each one's own.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Processes to run trials in.")] = 1,
+    jobs: Jobs = 1,
+    cluster: ClusterAt = "",
     only: Annotated[str, typer.Option(metavar="GROUPS", help="Of goals: these groups only, with commas between.")] = "",
     which: Annotated[str, typer.Option("--set", metavar="SET", help=SET_HELP)] = "chosen",
     three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
@@ -37,16 +39,17 @@ def experiment(
 ) -> None:
     """Run one of the papers' experiments, or all, and show its figures beside the papers'.
 
-    The same trials give the same figures whatever --jobs is. Exit code 0 if it ran, whatever came out.
+    The same trials give the same figures whoever runs them. Exit code 0 if it ran, whatever came out.
 
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json; caramelo experiment goals --robot parallel --only flat,steps
     """
-    from ..lab.experiments.goals import GAIT
     from ..lab.experiments.run import names_of, run_experiment, write_outcomes
     from ..lab.experiments.trials import Options, space_is_there
+    from ..lab.workers.work import workers
     from ..robot.file import load_robot
     from ..robot.gait_names import gait_index
+    from ..robot.trot_tuning import GAIT
     from ..util.extras import how_to_get
     from ..util.files import check_folder
     from ..util.progress import cases
@@ -63,13 +66,14 @@ def experiment(
     if three_d and not in_space:
         write_error(f"MuJoCo is not installed, so the 3-D columns stay empty: {how_to_get('mujoco')}")
     groups = tuple(filter(None, only.split(",")))
-    options = Options(data, chosen, trials, jobs, in_space, which == "held-out", groups)
+    options = Options(data, chosen, trials, in_space, which == "held-out", groups)
     outcomes = []
-    for name in names:
-        with cases(f"{name} ({chosen})") as tell:
-            outcomes.append(run_experiment(name, options, tell))
-        if not as_json:
-            show_tables(outcomes[-1].found.tables)
+    with workers(jobs, cluster) as run_by:
+        for name in names:
+            with cases(f"{name} ({chosen})") as tell:
+                outcomes.append(run_experiment(name, options, run_by, tell))
+            if not as_json:
+                show_tables(outcomes[-1].found.tables)
     written = write_outcomes(options, outcomes, out) if out else []
     if as_json:
         write_json(outcomes[0].found.result if what != "all" else {o.name: o.found.result for o in outcomes})

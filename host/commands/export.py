@@ -61,7 +61,7 @@ def export_urdf(
     Examples: caramelo export urdf --out caramelo.urdf; caramelo export urdf --robot parallel
     """
     from ..robot.file import load_robot
-    from ..sim.export.urdf import urdf
+    from ..robot.urdf import urdf
 
     _deliver(urdf(load_robot(robot), payload, _checked_voltage(voltage, robot)), "urdf", robot, out, as_json)
 

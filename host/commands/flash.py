@@ -9,13 +9,16 @@ import typer
 from ..util.console import progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
+from .joints.options import Channel, Interface, RobotName
 
 if TYPE_CHECKING:
     from ..boards.flash.flash import Outcome, Wish
 
 ImagePath = Annotated[Path, typer.Argument(metavar="IMAGE", help="Image file that caramelo firmware image has made.")]
+Nodes = Annotated[list[int] | None, typer.Argument(metavar="ID", help="With --can: the joints, 1 to 12.")]
+Can = Annotated[bool, typer.Option("--can", help="Over the joints' bus: the joints named, or with --all all twelve.")]
 Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; with --all, several times.")]
-All = Annotated[bool, typer.Option("--all", help="Flash every board named by --port; without any, every board found.")]
+All = Annotated[bool, typer.Option("--all", help="Every board named by --port, or found; with --can all joints.")]
 Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="The joint's id on the bus; it keeps it.")]
 Dry = Annotated[bool, typer.Option("--dry-run", help="Only tell what would be done.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
@@ -28,19 +31,33 @@ def register(app: typer.Typer) -> None:
 
 def flash(
     image: ImagePath,
+    nodes: Nodes = None,
+    can: Can = False,
     port: Port = None,
     every: All = False,
     node: Node = None,
     dry_run: Dry = False,
+    robot: RobotName = "parallel",
+    interface: Interface = None,
+    channel: Channel = None,
     as_json: Json = False,
 ) -> int:
     """Put firmware on a board: into the slot that does not run, compared on the board, old firmware kept until the new
     one has proved itself.
 
-    The motor supply must be off. A joint's parameters stay.
+    Over USB the motor supply must be off; over the joints' bus no joint may be armed. A joint's parameters stay.
 
-    Example: caramelo flash out/firmware/joint.caramelo --port /dev/ttyACM0 --id 3
+    Examples: caramelo flash out/firmware/joint.caramelo --port /dev/ttyACM0 --id 3;
+    caramelo flash out/firmware/joint.caramelo --can --all; caramelo flash out/firmware/joint.caramelo --can 4 5 6
     """
+    if can:
+        from ._flash_can import flash_over_can
+
+        if port or node is not None:
+            raise UserError("flash --can: --port and --id are for boards on USB; name joints by number, or --all")
+        return flash_over_can(image, nodes or [], every, dry_run, (robot, interface, channel), as_json)
+    if nodes or interface or channel:
+        raise UserError("flash: joints by their numbers, --interface and --channel go with --can; boards with --port")
     from ..boards.build.image_file import read_image_file
     from ..boards.flash.flash import Wish
 

@@ -1,4 +1,4 @@
-"""`caramelo robots`: lists, shows and checks robot files."""
+"""`caramelo robots`: lists, shows, checks and writes robot files."""
 
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,6 +8,7 @@ import typer
 from ..util.console import print_table, say, write_json
 from ..util.errors import NOT_ACHIEVED
 from . import ROBOTS
+from ._new_robot import new_robot
 
 if TYPE_CHECKING:
     from ..robot.ability import Ability
@@ -21,17 +22,19 @@ Which = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or 
 
 def register(app: typer.Typer) -> None:
     """Add the group to the command."""
-    group = typer.Typer(help="List, show and check robot files.", invoke_without_command=True)
+    group = typer.Typer(help="List, show, check and write robot files.", invoke_without_command=True)
     group.callback()(list_robots)
     group.command("show")(show_robot)
     group.command("check")(check_robot)
+    group.command("new")(new_robot)
     app.add_typer(group, name="robots", rich_help_panel=ROBOTS)
 
 
 def list_robots(context: typer.Context, as_json: Json = False) -> None:
-    """List, show and check robot files. Alone it lists the robots that --robot knows.
+    """List, show, check and write robot files. Alone it lists the robots that --robot knows.
 
-    Examples: caramelo robots; caramelo robots show parallel --json; caramelo robots check my.toml
+    Examples: caramelo robots; caramelo robots show parallel --json; caramelo robots check my.toml;
+    caramelo robots new my.toml
     """
     if context.invoked_subcommand is not None:
         return
@@ -91,7 +94,7 @@ def check_robot(which: Which, as_json: Json = False) -> int:
 def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
     """Return what a robot can do, as rows of name and value with unit."""
     from ..robot.ability import FLAT_FROUDE
-    from ..robot.stride_tuning import fastest, limit
+    from ..robot.trot_tuning import fastest, limit
 
     shares = [
         ", ".join(f"{joint} {100 * share:.0f}" for joint, share in zip(JOINTS, found, strict=True))

@@ -2,6 +2,7 @@
 
 import signal
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -24,8 +25,11 @@ def register(app: typer.Typer) -> None:
 def teleop(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
     sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
+    where: Annotated[str | None, typer.Option("--in", metavar="WORLD", help="With --sim: plane, or space.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
     listen: Annotated[str, typer.Option(metavar="ADDR", help="Where: address or address:port.")] = "127.0.0.1:8080",
+    foxglove: Annotated[bool, typer.Option("--foxglove", help="Serve Foxglove at --listen's address.")] = False,
+    foxglove_port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Where.")] = 8765,
     log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record into an MCAP file, or a folder.")] = None,
     keep: Annotated[float | None, typer.Option(metavar="GB", help="Oldest records of the folder go beyond it.")] = None,
     gamepad: Annotated[str | None, typer.Option(metavar="DEVICE", help="auto, or /dev/input/eventN.")] = None,
@@ -42,7 +46,7 @@ def teleop(
 
     The checks of the start are printed in order. Then the screen shows the state, why the robot does not move, and
     the keys. Ctrl-C sits down and leaves. Exit code 1 if a check fails, or if --measure missed a deadline or met
-    a fault.
+    a fault. A simulated robot walks in space where MuJoCo is installed, else in the plane.
 
     Examples: caramelo teleop --sim; caramelo teleop --sim --web; caramelo teleop --web --listen 0.0.0.0 --log logs/;
     caramelo teleop --sim --measure 30 --json
@@ -55,13 +59,16 @@ def teleop(
     _check_keep(keep, log)
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise UserError("no terminal to take keys from: add --headless, with --web, --gamepad or --socket")
+        raise UserError("no terminal to take keys from: add --headless, with --web, --foxglove, --gamepad or --socket")
     loaded = load_robot(robot)
-    parts = hardware(loaded, _which(loaded.actuator.kind, sim, direct), port, calibration, str(find(robot)), imu)
+    which, space = _which(loaded.actuator.kind, sim, direct), _in_space(where, sim)
+    parts = hardware(loaded, which, port, calibration, str(find(robot)), imu, space)
     options = Options(
         robot=robot,
         web=web,
         listen=listen,
+        foxglove=foxglove,
+        foxglove_port=foxglove_port,
         log=log,
         keep_GB=keep,
         socket=socket,
@@ -94,6 +101,15 @@ def _check_keep(keep: float | None, log: Path | None) -> None:
         raise UserError(f"--keep {keep:g}: allowed 0.01 .. 100000 GB")
     if keep is not None and log is None:
         raise UserError(f"--keep {keep:g}: only with --log and a folder")
+
+
+def _in_space(where: str | None, sim: bool) -> bool:
+    """Return whether the simulation has three dimensions: as asked for, else where MuJoCo is installed."""
+    if where not in (None, "space", "plane"):
+        raise UserError(f"--in {where}: allowed: space, plane")
+    if where is not None and not sim:
+        raise UserError(f"--in {where}: only with --sim")
+    return sim and (where == "space" or (where is None and find_spec("mujoco") is not None))
 
 
 def _which(kind: str, sim: bool, direct: bool) -> str:

@@ -7,7 +7,7 @@ from .messages import Drive, Message
 DEAD_MAN_S = 0.300
 # A driver who has been silent for so long has left.
 LEFT_S = 3.0
-PRIORITY = {"script": 0, "web": 1, "gamepad": 2, "keyboard": 3}
+PRIORITY = {"script": 0, "foxglove": 1, "web": 1, "gamepad": 2, "keyboard": 3}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from shared.gait.gaits import GAIT_NAMES
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
-from shared.trot import trot
 from sim2d.notes import Note
 
 from ..robot.model import LEG_NAMES
@@ -42,28 +41,15 @@ def exchange_phase(driver: Driver) -> str:
 
 def change_reason(driver: Driver) -> str:
     """Return why trot and crawl were last exchanged, "" if they were not."""
-    params = driver.planner.params
-    behind_mm = 1000 * driver.scale.metres(params.leg_length * 3 >> 5)
-    held_s = params.advice_ticks / trot.BEHIND_STEP / driver.rate_hz
     crawls = exchange_phase(driver) != ""
     return {
         handover.REASON_NONE: "",
-        handover.REASON_BEHIND: f"held up: more than {behind_mm:.0f} mm behind the commanded way for {held_s:.1f} s",
         handover.REASON_HELD: "held up: its swings meet something again and again",
         handover.REASON_COMMAND: "the crawl was commanded"
         if crawls
         else "a gait or a way was commanded that is not the crawl's",
         handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
     }[driver.planner.status.reason]
-
-
-def advice(driver: Driver) -> str:
-    """Return what the trot advises, "" if it does well."""
-    return {
-        trot.ADVICE_FINE: "",
-        trot.ADVICE_BEHIND: "it does not get on: another gait may",
-        trot.ADVICE_TILTED: "it tilts a lot on this ground: the crawl is safer",
-    }[driver.planner.status.advice]
 
 
 def margin_m(driver: Driver) -> float:

@@ -1,13 +1,12 @@
 """What a real robot is driven through: its servos or its joints on CAN, and its inertial sensor, none opened yet."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ..bus.base import Bus
 from ..imu.absent import AbsentImu
 from ..imu.attitude import Attitude
-from ..imu.base import Imu
 from ..imu.choose import I2C, open_source
 from ..robot.model import Robot
 from ..robot.poses import seated_pose_rad
@@ -17,18 +16,36 @@ SIMULATED_INTERFACES = ("udp_multicast", "virtual")  # what caramelo joints sim 
 ELSEWHERE = "the joints are simulated elsewhere, and their body's sensor is not here: the body is not kept level"
 
 
+Place = tuple[float, float, float, float]  # x, y, z of the middle of the hips, m, and yaw, rad
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where a simulated robot walks: grounds by name, each as the (x, z) of its surface along the way, m.
+
+    ``choose`` puts the robot down, seated, at x = 0 of another ground; ``place`` tells where it is, None if not known.
+    """
+
+    grounds: Mapping[str, Sequence[tuple[float, float]]]
+    choose: Callable[[str], None]
+    place: Callable[[], Place | None]
+
+
 @dataclass(frozen=True)
 class Hardware:
     """What a robot is driven through, none of it opened yet.
 
     ``put_back`` lifts a simulated robot and puts it down seated; with a real one that is left to a person.
     ``turns``: the robot lives in space and its sensor says how it turns; in the plane it never does.
+    ``simulated``: no metal moves. ``stage``: on grounds that can be chosen.
     """
 
     bus: Bus
     attitude: Attitude
     put_back: Callable[[], object] = lambda: None
     turns: bool = True
+    simulated: bool = False
+    stage: Stage | None = None
 
 
 def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
@@ -40,7 +57,10 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
     if robot.bus.kind == "none":
         raise UserError(f'{robot.name}: this software can not drive it (bus.kind = "none"), it is simulated only')
     if robot.bus.kind == "can":
-        return Hardware(can_joints(robot, port), Attitude(robot, _can_imu(robot, port or robot.bus.interface)))
+        interface = (port or robot.bus.interface).partition(":")[0]
+        elsewhere = interface in SIMULATED_INTERFACES
+        imu = AbsentImu(ELSEWHERE) if elsewhere else open_source(robot, I2C)
+        return Hardware(can_joints(robot, port), Attitude(robot, imu), simulated=elsewhere)
     from ..bus.dynamixel.bus import ServoBus
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, servo_of
     from ..bus.dynamixel.port import ServoPort
@@ -49,11 +69,6 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
     data = load_calibration(calibration or default_path(robot), robot)
     bus = ServoBus(robot, data, ServoPort(port or device(robot), baud(robot)))
     return Hardware(bus, Attitude(robot, open_source(robot, I2C)))
-
-
-def _can_imu(robot: Robot, interface: str) -> Imu:
-    elsewhere = interface.partition(":")[0] in SIMULATED_INTERFACES
-    return AbsentImu(ELSEWHERE) if elsewhere else open_source(robot, I2C)
 
 
 def can_joints(robot: Robot, port: str | None) -> Bus:

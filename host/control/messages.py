@@ -17,6 +17,7 @@ POSTURES = ("stand", "sit", "rest")
 LARGEST_SPEED = 10.0
 LARGEST_POSE = 2.0
 LATEST_MS = 1e14
+LONGEST_NAME = 30
 
 Message = dict[str, Any]
 
@@ -70,6 +71,7 @@ KEYS: dict[str, dict[str, Callable[[Any], bool]]] = {
     "posture": {"posture": lambda value: value in POSTURES and isinstance(value, str)},
     "gait": {"gait": lambda value: isinstance(value, str) and value in GAIT_NAMES},
     "balance": {"on": lambda value: isinstance(value, bool)},
+    "ground": {"ground": lambda value: isinstance(value, str) and len(value) <= LONGEST_NAME},
     "take": {},
     "release": {},
     "stop": {},

@@ -43,6 +43,5 @@ def open_supervisor(
         if attitude is not None:
             attitude.align()
 
-    # A robot that can't turn would be taken for one that is held up.
-    rates = (lambda: attitude.rates_rad_s) if attitude is not None and parts.turns else (lambda: None)
-    return Supervisor(robot, parts.bus, sense, put_back=put_back, rates=rates)
+    rates = (lambda: attitude.rates_rad_s) if attitude is not None else (lambda: None)
+    return Supervisor(robot, parts.bus, sense, put_back=put_back, rates=rates, planar=not parts.turns)

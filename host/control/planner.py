@@ -7,7 +7,7 @@ twelve angles back. Everything between those two conversions is the core's integ
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared.gait.table import MOVER_STRIDE
+from shared.gait.table import MOVER_TABLE
 from shared.planner import command as core
 from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
@@ -18,7 +18,7 @@ from shared.sense.sensed import Sensed
 from ..robot.gait_names import gait_index
 from ..robot.model import Robot
 from ..robot.scale import brad, core_params, joints_rad, scale_of
-from ..robot.stride_tuning import limit
+from ..robot.trot_tuning import limit
 
 MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
 
@@ -41,7 +41,7 @@ class Driver:
     """One robot's planner with SI on both sides; ``rate_hz`` ticks a second."""
 
     def __init__(self, robot: Robot, rate_hz: int | None = None, planar: bool = False) -> None:
-        """``planar``: something else holds the robot's roll, so it does not sway sideways."""
+        """``planar``: it lives in the sagittal plane, where it neither sways sideways nor turns."""
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
@@ -73,7 +73,7 @@ class Driver:
         """
         walked = self.planner.gaits[gait_index(gait)]
         most, key = walked.speed_max[0], "speed_limits.stride_m"
-        if walked.mover == MOVER_STRIDE:
+        if walked.mover != MOVER_TABLE:
             key = limit(self.robot)
         elif most == self.planner.params.speed_max[0]:
             key = "speed_limits.vx_m_s"

@@ -13,10 +13,11 @@ from ..robot.kinematics_si import leg_forward
 from ..robot.model import LEG_NAMES, Robot
 from ..util.errors import UserError
 from .arbiter import Arbiter
-from .gait_changes import GaitWatch, advice, crawl_event, exchange_phase
+from .gait_changes import GaitWatch, crawl_event, exchange_phase
 from .joint_stream import JointStream
 from .messages import Drive
 from .notices import Notices
+from .odometry import LegOdometry
 from .planner import Driver
 from .safety import Fault, Safety, torque_limit
 
@@ -44,7 +45,8 @@ class Supervisor:
 
     ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None where they are not to be believed.
 
-    ``put_back``: a reset puts a limp simulated robot on its feet, which is a person's task with a real one.
+    ``planar``: it lives in the sagittal plane, where it neither sways nor turns. ``put_back``: a reset puts a limp
+    simulated robot on its feet, which is a person's task with a real one.
     """
 
     def __init__(
@@ -55,15 +57,17 @@ class Supervisor:
         rate_hz: int | None = None,
         put_back: Callable[[], object] = lambda: None,
         rates: Callable[[], Rates] = lambda: None,
+        planar: bool = False,
     ) -> None:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
-        self._read_rates = rates
-        self.driver = Driver(robot, rate_hz)
+        self._read_rates, self._planar = rates, planar
+        self.driver = Driver(robot, rate_hz, planar)
         self.arbiter = Arbiter(gait=robot.gait.default)
         self.safety = Safety(robot)
         self.stream = JointStream(robot, self.driver.rate_hz)
         self.measured = Measured()
         self.attitude: Attitude = None
+        self.odometry = LegOdometry(robot, self.driver.rate_hz)
         self.goals: list[float] = []
         self.armed = self.leaving = False
         self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
@@ -90,6 +94,7 @@ class Supervisor:
         self._feel()
         self.goals = self.stream.goals(self.driver.step(), now_s)
         self._watch_gait()
+        self._follow()
         self._notices.look(self.driver.flags, self.armed)
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
             self._disarm()
@@ -107,6 +112,18 @@ class Supervisor:
         roll_rad, pitch_rad = self.attitude or (None, None)
         self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
 
+    def _follow(self) -> None:
+        """Follow the body's way while it stands or walks on its legs, and nobody else moves them."""
+        state = self.driver.state
+        stands = self.armed and state in ("standing", "walking") and not self.stream.active
+        if not (stands and self.measured.complete):
+            self.odometry.lost()
+            return
+        rates = self._read_rates()
+        swinging = self.driver.planner.status.swinging if state == "walking" else 0
+        turn_rad_s = None if rates is None or self._planar else rates[2]  # in the plane legs alone know of a turn
+        self.odometry.update(self.measured.position_rad, swinging, self.attitude, turn_rad_s)
+
     def _watch_gait(self) -> None:
         """Keep why trot and crawl were last exchanged; forgotten once it stands."""
         self._gait_watch.look()
@@ -121,11 +138,11 @@ class Supervisor:
         return "; ".join(part for part in (*self._notices.words(), *self._gait_remarks()) if part)
 
     def _gait_remarks(self) -> tuple[str, ...]:
-        """Why the gait changed, what the crawl met, what is advised."""
+        """Why the gait changed, what the crawl met."""
         if self.driver.state != "walking":
             return ()
         crawls = exchange_phase(self.driver)
-        return self.exchanged, crawl_event(self.driver) if crawls else "", advice(self.driver)
+        return self.exchanged, crawl_event(self.driver) if crawls else ""
 
     def leave(self) -> None:
         """Sit down and let go, in the ticks to come; nobody drives any more."""

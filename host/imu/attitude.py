@@ -13,7 +13,6 @@ from shared.sense.attitude import (
     MOVED_WHILE_ALIGNING,
     attitude_reset,
     attitude_step,
-    rate_q18,
 )
 
 from ..robot.model import Robot
@@ -86,7 +85,7 @@ class Attitude:
         """Turning speeds about the body's x, y, z without bias, or None while they are not known."""
         if self.state != "ok":
             return None
-        x, y, z = (rate_q18(self.block, self.raw[axis], axis) * self._rate_hz / (1 << 18) for axis in range(3))
+        x, y, z = (turned * self._rate_hz / (1 << 18) for turned in self.block.turned)
         return x, y, z
 
     def update(self) -> tuple[float, float] | None:

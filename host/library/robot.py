@@ -1,7 +1,7 @@
 """`Robot`: walks, poses and joints of a robot in a few lines, in simulation as on hardware (docs/python.md)."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import copysign, cos, hypot, inf, isfinite, radians, sin
+from math import copysign, cos, hypot, inf, isfinite, radians, sin, sqrt
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
@@ -19,7 +19,6 @@ from .sensed import JOINT_NAMES, Sensed
 # Generous: a crawl sets down four feet before it stands. Who waits longer than this learns why (chosen).
 STAND_MOST_S, STOP_MOST_S, RESET_MOST_S, ALIGN_MOST_S = 20.0, 30.0, 2.0, 5.0
 SLOWEST_TURN = 0.15  # of the fastest: what is left of the turning speed near the angle (chosen)
-TURN_BRAKE_RAD = 0.3  # so far from the angle it begins to turn slower (chosen)
 TURNED_RAD = radians(1.0)  # so near to the angle it is there (chosen)
 SLOWEST_HZ = 5.0  # a stream slower than that would meet its own dead-man
 LONGEST_S = 3600.0
@@ -258,13 +257,14 @@ class Robot:
         angle_rad = radians(finite("deg", deg, -3600.0, 3600.0, "deg"))
         most = self._fastest()[2]
         most = most if wz_rad_s is None else finite("wz_rad_s", wz_rad_s, 0.01, most, "rad/s")
-        run = self._standing()
+        run, slew_rad_s2 = self._standing(), self._opened.supervisor.driver.robot.speed_limits.wz_rad_s2
         start_rad, most_s = run.sensed.odometry.yaw_rad, 20.0 + 5.0 * abs(angle_rad) / most
 
         def there(now: Sensed) -> bool:
             left_rad = angle_rad - (now.odometry.yaw_rad - start_rad)
-            share = max(SLOWEST_TURN, min(1.0, abs(left_rad) / TURN_BRAKE_RAD))
-            run.sticks = Drive(wz_rad_s=copysign(most * share, left_rad), pose=self._pose)
+            stops_rad_s = sqrt(slew_rad_s2 * abs(left_rad))  # it stops within half of what is left
+            wz_rad_s = min(most, max(SLOWEST_TURN * most, stops_rad_s))
+            run.sticks = Drive(wz_rad_s=copysign(wz_rad_s, left_rad), pose=self._pose)
             return abs(left_rad) < TURNED_RAD
 
         try:

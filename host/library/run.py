@@ -8,7 +8,6 @@ from pathlib import Path
 from ..control.arbiter import Client
 from ..control.loop import Loop
 from ..control.messages import Drive, Message
-from ..control.odometry import LegOdometry
 from ..control.opening import open_supervisor
 from ..robot.model import Robot
 from .errors import Error, Fault, NotAchieved
@@ -33,7 +32,6 @@ class Run:
         with ExitStack() as opened:
             self.supervisor = open_supervisor(opened, robot, place.hardware, sleep=place.advance or time.sleep)
             self.rate_hz = self.supervisor.driver.rate_hz
-            self._odometry = LegOdometry(robot, self.rate_hz)
             self.loop = Loop(self.supervisor, self._after_tick, place.clock)
             if record is not None:
                 self._add_record(opened, record)
@@ -66,12 +64,6 @@ class Run:
         measured, attitude = supervisor.measured, supervisor.attitude
         rates = self.place.hardware.attitude.rates_rad_s if attitude is not None else None
         swinging = supervisor.driver.planner.status.swinging if supervisor.driver.state == "walking" else 0
-        stands = supervisor.armed and supervisor.driver.state in ("standing", "walking")
-        if stands and measured.complete and not supervisor.stream.active:
-            turn = rates[2] if rates is not None and self.place.hardware.turns else None
-            self._odometry.update(measured.position_rad, swinging, attitude, turn)
-        else:
-            self._odometry.lost()
         self.sensed = Sensed(
             time_s=loop.clock(),
             state=supervisor.state,
@@ -87,7 +79,7 @@ class Run:
             swinging=tuple(bool(swinging >> leg & 1) for leg in range(4)),
             temperature_C=measured.temperature_C,
             battery_V=measured.battery_V,
-            odometry=self._odometry.now,
+            odometry=supervisor.odometry.now,
         )
         self._log(loop)
         self._ticks.ticked()

@@ -119,6 +119,8 @@ def _instance(message: Message, number: int) -> tuple[str, Callable[[Signal], st
         return f"{message.name}_{number}", lambda s: slots[int(s.name[-1])]
     if message.instance_of == "node":
         return f"{message.name}_{JOINTS[number - 1] if number else 'node_0'}", lambda s: s.name
+    if message.instance_of:
+        return f"{message.name}_{number}", lambda s: s.name
     return message.name, lambda s: s.name
 
 

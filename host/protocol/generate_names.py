@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+
 from .dbc import Message
-from .parameters import ACCESS, Parameter
+from .parameters import ACCESS, Parameter, ParameterError
 
 # Words that belong to one signal: (message, signal, prefix of the names).
 WORDS = (
@@ -12,6 +14,9 @@ WORDS = (
     ("service_request", "command", "COMMAND"),
     ("service_response", "result", "RESULT"),
     ("slow_status", "limits", "LIMIT"),
+    ("update_request", "command", "UPDATE"),
+    ("update_answer", "state", "UPDATE_IS"),
+    ("update_answer", "reason", "UPDATE_WHY"),
 )
 
 FIRST_OF_GROUPS = "setpoint_position"  # a group's frames are all as long as its
@@ -68,6 +73,15 @@ def _constant(parameter: Parameter) -> str:
     return (parameter.name.removesuffix("_0") if parameter.count > 1 else parameter.name).upper()
 
 
+def keys(parameters: list[Parameter]) -> list[int]:
+    """Return by id what a joint keeps a parameter under: 30 bits of its name, unit and scale, whatever its id."""
+    texts = [f"{p.name} {p.unit} {p.raw_per_unit}" for p in parameters]
+    made = [int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big") >> 2 for text in texts]
+    if len(set(made)) < len(made):
+        raise ParameterError("parameters.toml: two parameters have one key: rename the newer one")
+    return made
+
+
 def render_parameters(parameters: list[Parameter]) -> str:
     flags = [ACCESS.index(p.access) | p.stored << 2 | (not p.zero) << 3 for p in parameters]
     named = [p for p in parameters if p.place == 0 and (not p.stored or _constant(p) in NAMED)]
@@ -82,6 +96,7 @@ def render_parameters(parameters: list[Parameter]) -> str:
         _array("PARAMETER_LOW", "i", [p.low for p in parameters], "least raw value, by id"),
         _array("PARAMETER_HIGH", "i", [p.high for p in parameters], "largest raw value, by id"),
         _array("PARAMETER_DEFAULT", "i", [p.default for p in parameters], "raw value of a fresh board, by id"),
+        _array("PARAMETER_KEY", "i", keys(parameters), "what it is kept under, by id: of its name, unit and scale"),
         _array(
             "PARAMETER_FLAGS", "H", flags,
             "bits 0..1: 0 read only, 1 writable at any time, 2 only while disarmed; bit 2: stored; bit 3: not 0",

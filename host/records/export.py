@@ -1,6 +1,7 @@
 """A record as CSV files, one per channel: a time column in s from the start, then one column per number."""
 
 import csv
+import json
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -62,9 +63,11 @@ def paths_of(record: Record, folder: Path) -> dict[str, Path]:
 
 
 def _cells(values: dict[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield column and value; twelve numbers are named by their joints, other lists are counted."""
+    """Yield column and value; twelve numbers are named by their joints, other lists are counted; objects are JSON."""
     for name, value in values.items():
-        if isinstance(value, list):
+        if isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value)):
+            yield name, json.dumps(value, separators=(",", ":"))
+        elif isinstance(value, list):
             labels = JOINT_LABELS if len(value) == len(JOINT_LABELS) else [str(i) for i in range(len(value))]
             yield from ((f"{name}.{label}", each) for label, each in zip(labels, value, strict=True))
         else:

@@ -12,6 +12,9 @@ from ..control.loop import Loop
 from ..control.supervisor import Supervisor
 from ..robot.model import Robot
 from .recorder import Recorder
+from .scene import Scene
+
+DRAWN_HZ = 25  # a viewer's picture is smooth (chosen)
 
 
 def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
@@ -41,6 +44,7 @@ class LoopLog:
     def __init__(self, recorder: Recorder) -> None:
         self.recorder = recorder
         self._tick = 0
+        self._scene: Scene | None = None
         self._fault: Any = None
         self._gait: dict[str, Any] = {}
 
@@ -52,6 +56,7 @@ class LoopLog:
             measured, errors = supervisor.measured, supervisor.bus.counters.errors
             values = {"temperature_C": measured.temperature_C, "voltage_V": measured.voltage_V, "bus_errors": errors}
             self._put("/health", now_s, values)
+        self._draw(supervisor, now_s)
         while supervisor.changes:
             change = supervisor.changes.popleft()
             self._put("/state", change.time_s, {"state": change.state, "reason": change.reason})
@@ -75,6 +80,20 @@ class LoopLog:
         blocks = {"command": driver.command_integers, "sensed": driver.sensed_integers}
         planned = {"joints": list(driver.planner.joints), "flags": driver.flags}
         self._put("/planner", now_s, {"tick": self._tick, **blocks, **planned})
+
+    def _draw(self, supervisor: Supervisor, now_s: float) -> None:
+        """Put what viewers draw: the robot's parts once a second, where they are 25 times."""
+        scene = self._scene = self._scene or Scene(supervisor.robot)
+        rate_hz, time_ns = supervisor.driver.rate_hz, self.recorder.time_ns(now_s)
+        measured, drawn = supervisor.measured, dict[str, dict[str, Any]]()
+        if self._tick % rate_hz == 0:
+            drawn |= scene.parts(time_ns)
+        if self._tick % max(1, rate_hz // DRAWN_HZ) == 0:
+            odometry = supervisor.odometry.now
+            at = (odometry.x_m, odometry.y_m, odometry.yaw_rad)
+            drawn |= scene.places(time_ns, measured.position_rad, supervisor.attitude, at, measured.speed_rad_s)
+        for topic, values in drawn.items():
+            self._put(topic, now_s, values)
 
     def _note_gait(self, supervisor: Supervisor, now_s: float) -> None:
         walks = gait_now(supervisor.driver) if supervisor.driver.state == "walking" else ""

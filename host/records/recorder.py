@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import UserError
-from .channels import CHANNELS, schema
+from .channels import CHANNELS, DRAWN, schema
 from .rotation import PARTS, claim, make_room, next_part
 
 SYNC_S = 0.25
@@ -43,7 +43,7 @@ class Recorder:
         self._over = threading.Event()
         self._queue: queue.Queue[tuple[str, int, dict[str, Any]] | None] = queue.Queue(MOST_WAITING)
         self._epoch_ns = time.time_ns() - time.monotonic_ns()
-        self._counts = dict.fromkeys(CHANNELS, 0)
+        self._counts = dict.fromkeys((*CHANNELS, *DRAWN), 0)
         try:
             self._begin(path)
         except OSError as error:
@@ -69,15 +69,19 @@ class Recorder:
         self._writer = Writer(self._file, CHUNK, compression=CompressionType.ZSTD)
         self._writer.start(profile="", library="caramelo")
         self._writer.add_metadata(ROBOT, {**self._about, "part": str(self._part)})
-        self._ids = {topic: self._register(topic) for topic in CHANNELS}
+        self._ids = {topic: self._register(topic) for topic in (*CHANNELS, *DRAWN)}
         self._force()
 
     def put(self, topic: str, time_s: float, values: dict[str, Any]) -> None:
         """Hand over a message; ``time_s`` is monotonic. Dropped and counted if the disk can't keep up."""
         try:
-            self._queue.put_nowait((topic, self._epoch_ns + int(time_s * 1e9), values))
+            self._queue.put_nowait((topic, self.time_ns(time_s), values))
         except queue.Full:
             self.dropped += 1
+
+    def time_ns(self, time_s: float) -> int:
+        """Return a monotonic time as ns since 1970."""
+        return self._epoch_ns + int(time_s * 1e9)
 
     def keep_up(self) -> None:
         """Wait for the disk if it is far behind, as who makes ticks faster than time goes by has to."""
@@ -94,7 +98,8 @@ class Recorder:
             self.trouble = self.trouble or f"{self.path}: the disk hangs: the end of the record is missing"
 
     def _register(self, topic: str) -> int:
-        number = self._writer.register_schema(topic.lstrip("/"), "jsonschema", json.dumps(schema(topic)).encode())
+        told = schema(topic)
+        number = self._writer.register_schema(told["title"], "jsonschema", json.dumps(told).encode())
         channel: int = self._writer.register_channel(topic, "json", number)
         return channel
 

@@ -1,6 +1,6 @@
 """What a robot can do before it walks, from its file alone: what standing takes, how fast it walks, how high it steps.
 
-`caramelo robots check` prints it. Torques: host/robot/statics.py; speeds and lifts: host/robot/stride_tuning.py.
+`caramelo robots check` prints it. Torques: host/robot/statics.py; speeds and lifts: host/robot/trot_tuning.py.
 """
 
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from .drives import STIFFNESS_KEYS
 from .kinematics_si import Vector
 from .model import JOINT_NAMES, Robot
 from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
-from .stride_tuning import STEP_LEG, able, highest_lift_m, stride_figures
+from .trot_tuning import STEP_LEG, able, highest_lift_m, trot_figures
 
 FLAT_FROUDE = 0.25  # of sqrt(g h): the speed on level ground that every robot is to walk
 MOST_TORQUE = 1.0  # of stall while two legs carry; Caramelo with weaker servos walks at 0.9 and not at 1.1
@@ -44,7 +44,7 @@ class Ability:
 
 def ability(robot: Robot) -> Ability:
     """Return what a robot can do."""
-    figures = stride_figures(robot)
+    figures = trot_figures(robot)
     able_m_s, able_why = able(robot)
     lift_m, lift_why = highest_lift_m(robot)
     return Ability(
@@ -75,6 +75,6 @@ def cannot(robot: Robot, known: Ability) -> Iterator[str]:
         yield f"on four legs its joints give way until the legs fold up: raise {stiffer}, or lower links.trunk.mass_kg"
     if known.able_m_s == 0:
         yield (
-            f"a swing takes {stride_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "
+            f"a swing takes {trot_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "
             f"on the spot: faster drives, or a higher stance.rest_height_m"
         )

@@ -22,6 +22,25 @@ class SupplyPoint(Table):
         return self.no_load_rpm * 2 * pi / 60
 
 
+class Friction(Table):
+    """A servo's friction beyond ``coulomb_Nm``: the M6 model of Duclusaud et al., ICRA 2025 (arXiv 2410.08650).
+
+    All zero is dry friction alone. ``motor``: share of the motor's torque; ``external``: of the load's; ``stribeck``:
+    at rest, fading as exp(-(speed / stribeck_rad_s)^stribeck_exponent). What uses them: host/sim/servos/law.py.
+    """
+
+    stribeck_Nm: Annotated[float, number(0.0, 10.0, "N m")] = 0.0
+    stribeck_rad_s: Annotated[float, number(0.01, 20.0, "rad/s")] = 0.5
+    stribeck_exponent: Annotated[float, number(0.5, 10.0)] = 1.0
+    viscous_Nms_rad: Annotated[float, number(0.0, 10.0, "N m s/rad")] = 0.0
+    load_motor: Annotated[float, number(0.0, 0.6)] = 0.0
+    load_external: Annotated[float, number(0.0, 0.6)] = 0.0
+    load_motor_stribeck: Annotated[float, number(0.0, 0.3)] = 0.0
+    load_external_stribeck: Annotated[float, number(0.0, 0.3)] = 0.0
+    load_motor_square_1_Nm: Annotated[float, number(0.0, 0.1, "1/(N m)")] = 0.0
+    load_external_square_1_Nm: Annotated[float, number(0.0, 0.1, "1/(N m)")] = 0.0
+
+
 class Servo(Table):
     """A position servo with its own controller; figures at the servo's own shaft."""
 
@@ -37,6 +56,12 @@ class Servo(Table):
     nominal_voltage_V: Annotated[float, number(3.0, 60.0, "V")]
     low_voltage_V: Annotated[float, number(3.0, 60.0, "V")]
     hot_C: Annotated[float, number(30.0, 120.0, "degrees C")]
+    # What is known of few servos; 0 leaves it out.
+    friction: Friction = Friction()
+    backlash_deg: Annotated[float, number(0.0, 10.0, "deg")] = 0.0
+    pwm_steps: Annotated[int, whole(0, 65536, "steps")] = 0
+    stall_A: Annotated[float, number(0.0, 100.0, "A")] = 0.0
+    supply_ohm: Annotated[float, number(0.0, 5.0, "ohm")] = 0.0
     supply: tuple[SupplyPoint, ...]
 
     @property
@@ -233,6 +258,7 @@ class ServoBus(Table):
     port: Annotated[str, text(r"\S{1,200}", "a device name without spaces")]
     baud: Annotated[int, one_of(9600, 57600, 115200, 1000000, 2000000, 3000000, 4000000, 4500000)]
     protocol: Annotated[float, one_of(1.0, 2.0)]
+    delay_s: Annotated[float, number(0.0, 0.5, "s")] = 0.040  # twice drives.BUS_DELAY_S: there and back
 
 
 class CanBus(Table):

@@ -18,6 +18,7 @@ from .model import JOINT_NAMES, LEG_NAMES, Robot
 from .poses import leg_to_rad
 from .scale import BRAD_PER_RAD, LARGEST_GAIN, LARGEST_SPEED, Q12, Q16, YAW18
 from .thermistor import refusal
+from .trot_tuning import trot_complaints
 
 Complaint = tuple[str, object, str]
 
@@ -41,6 +42,7 @@ def complaints(robot: Robot) -> Iterator[Complaint]:
     yield from gains_fit_the_integers(robot)
     yield from gaits_exist(robot)
     yield from crawl_complaints(robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
+    yield from trot_complaints(robot.trot)
     yield from poses_are_reachable(robot)
     if isinstance(robot.actuator, Servo):
         yield from servo_is_consistent(robot.actuator)

@@ -37,20 +37,24 @@ def driven_names() -> list[str]:
 def load_robot(name_or_path: str) -> Robot:
     """Return the robot of that name, or of the file if it ends in .toml; RobotFileError if anything is wrong."""
     path = find(name_or_path)
-    data = read_toml(path)
+    return checked(read_toml(path), str(path))
+
+
+def checked(data: dict[str, Any], place: str) -> Robot:
+    """Return the robot of a file's tables; RobotFileError with ``place`` in front if anything is wrong."""
     for key, sentence in former_names(data):
-        raise RobotFileError(f"{path}: {key}: {sentence}")
+        raise RobotFileError(f"{place}: {key}: {sentence}")
     try:
         robot = Robot.model_validate(data)
     except ValidationError as error:
         errors = error.errors()
         # A key that is missing is often there under a wrong name, which says more.
         first = next((one for one in errors if one["type"] != "missing"), errors[0])
-        raise RobotFileError(f"{path}: {explain(first, data)}") from None
+        raise RobotFileError(f"{place}: {explain(first, data)}") from None
     for key, value, allowed in complaints(robot):
-        raise RobotFileError(f"{path}: {key}: value {show(value)}: allowed: {allowed}")
+        raise RobotFileError(f"{place}: {key}: value {show(value)}: allowed: {allowed}")
     for sentence in unbuildable(robot):
-        raise RobotFileError(f"{path}: {sentence}")
+        raise RobotFileError(f"{place}: {sentence}")
     return robot
 
 

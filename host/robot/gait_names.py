@@ -6,7 +6,7 @@ from shared.gait.gaits import GAIT_NAMES
 
 from ..util.errors import UserError
 
-RENAMED = {"adaptive": "trot", "climb": "crawl"}
+RENAMED = {"adaptive": "trot", "fast-trot": "trot", "climb": "crawl"}
 # The registry of records that do not say theirs; its own trot and crawl were tables that are gone.
 BEFORE = ("paper-trot", "blind trot", "blind crawl", "adaptive", "climb")
 

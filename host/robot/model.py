@@ -185,19 +185,6 @@ class Gait(Table):
     not_advised: dict[GaitName, Line] = Field(default_factory=dict)
     sag_compensation: Annotated[float, number(0.0, 1.5)]
     lateral_shift: Annotated[float, number(0.0, 1.5)]
-
-
-class Trot(Table):
-    """The trot's stance, start and own balance gains, and when the robot counts as fallen."""
-
-    raise_m: Annotated[float, number(-0.2, 0.2, "m")]
-    forward_m: Annotated[float, number(-0.2, 0.2, "m")]
-    longest_leg_m: PositiveLength
-    start_m_s: Annotated[float, number(0.001, 1.0, "m/s")]
-    start_m_s2: Annotated[float, number(0.001, 10.0, "m/s2")]
-    kp: Annotated[float, number(0.0, 7.9)]
-    ki_1_s: Annotated[float, number(0.0, 100.0, "1/s")]
-    kd_s: Annotated[float, number(0.0, 0.4, "s")]
     fallen_deg: Annotated[float, number(10.0, 90.0, "deg")]
 
     @property
@@ -235,8 +222,8 @@ class Robot(Table):
     stand: Stand
     balance: Balance
     gait: Gait
-    trot: Trot
     crawl: dict[str, Annotated[float, number(-30.0, 30.0)]] = Field(default_factory=dict)  # host/robot/crawl_tuning.py
+    trot: dict[str, Annotated[float, number(0.0, 10.0)]] = Field(default_factory=dict)  # host/robot/trot_tuning.py
     imu: Imu
 
     @property

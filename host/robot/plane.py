@@ -2,7 +2,7 @@
 
 from math import pi
 
-from sim2d.model import Link, PlanarRobot, SensorModel
+from sim2d.model import Link, PlanarRobot, SensorModel, ServoModel
 
 from .drives import joint_drives
 from .model import Link as RobotLink
@@ -45,3 +45,10 @@ def planar_robot(robot: Robot, foot_friction: float | None = None) -> PlanarRobo
 
 def _link(link: RobotLink) -> Link:
     return Link(link.mass_kg, link.inertia_kg_m2[1], link.com_m[0], link.com_m[2])
+
+
+def drives(plane: PlanarRobot, voltage_V: float | None) -> tuple[ServoModel, ServoModel, ServoModel]:
+    """Return the drives of hip, thigh and calf, seen from their joints, at a supply voltage; None: the nominal one."""
+    volts = plane.thigh_servo.nominal_voltage_V if voltage_V is None else voltage_V
+    thigh = plane.thigh_servo.at_voltage(volts)
+    return thigh, thigh, plane.calf_servo.at_voltage(volts)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, degrees, floor, isqrt, pi, sqrt
 
-from shared.body.params import LEGS, LF_BITS, Gains, Params
+from shared.body.params import LEGS, LF_BITS, Params
 from shared.sense.attitude import Attitude, attitude_reset
 from sim2d.model import GRAVITY_M_S2
 
@@ -16,9 +16,9 @@ from ..util.errors import UserError
 from .crawl_tuning import fill_crawl
 from .drives import BUS_DELAY_S, STIFFNESS_KEYS, joint_drives
 from .mass import com_at_rest_m
-from .model import JOINT_NAMES, Balance, Robot, Trot
+from .model import JOINT_NAMES, Robot
 from .statics import push_on_two_N, torques_Nm
-from .stride_tuning import fill_stride
+from .trot_tuning import fill_trot
 
 BRAD_PER_RAD = 65536 / (2 * pi)
 Q8, Q10, Q12, Q15, Q16, Q30 = 1 << 8, 1 << 10, 1 << 12, 1 << 15, 1 << 16, 1 << 30
@@ -26,20 +26,8 @@ YAW18 = 1 << 18
 # Limits of the core's fields, from the docstrings of shared/gait/steps.py and shared/num/pid.py.
 LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
-LOAD_SLEW_S = 0.1  # a foot's expected load moves by half of the weight in this time (chosen in simulation)
 
-# The trot, from its simulation in three dimensions on Caramelo.
-SEGMENTS_S = (0.36, 0.20, 0.20, 0.18)  # body slow and fast, swing slow and fast, at this height:
-SEGMENTS_HEIGHT_M = 0.175
-HEIGHT_M_S = 0.02  # the body's rise; it sinks twice as fast
-STAND_AFTER_S = 0.08  # bus, servo's lag and landing after a planned touchdown
-TIP_LAG_S = 0.06  # from a goal until the attitude shows it
-PRESS_M_S = 0.2  # a foothold's height
-SWAY_M_S = 0.05  # back to the middle
-ROUGH_S = 2.0  # how long a tilt is remembered
-LATE_S = 0.12  # lag behind the reference that is normal
 FALLEN_S = 0.1  # tilted for so long is fallen
-ADVICE_S = 2.0  # held up for so long is stuck
 FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
 
 
@@ -91,7 +79,7 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
 
 
 def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
-    """Return the robot as the core's integers (shared/body/params.py); ``planar``: it may not sway sideways.
+    """Return the robot as the core's integers (shared/body/params.py); ``planar``: it neither sways nor turns.
 
     Raises UserError, naming the key, where a value of the file can't be had at this rate.
     """
@@ -109,11 +97,11 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     for leg in range(LEGS):
         _leg(params, robot, scale, leg)
     _compliance(params, robot, scale)
-    _trot(params, robot, scale)
+    params.tilt_max, params.tilt_ticks = brad(robot.gait.fallen_rad), max(1, round(FALLEN_S * scale.rate_hz))
     fill_crawl(params, robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
-    fill_stride(params, robot)
+    fill_trot(params, robot)
     if planar:
-        params.lateral_q12 = 0
+        params.lateral_q12 = params.trot.heading_q16 = 0
     return params
 
 
@@ -142,26 +130,22 @@ def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
         params.pose_slew[3 + axis] = max(1, brad(limits.turn_rad_s / scale.rate_hz))
 
 
-def _gains(given: Gains, table: str, gains: Balance | Trot, rate_hz: int) -> None:
-    """Write kp, ki and kd of a table of the file as the three gains of shared/num/pid.py."""
+def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
+    """Fill in the balance: gains as shared/num/pid.py takes them, and limits."""
+    balance = robot.balance
     values = (
-        ("kp", "kp_q12", gains.kp * Q12),
-        ("ki_1_s", "ki_q16", gains.ki_1_s / rate_hz * Q16),
-        ("kd_s", "kd_q10", gains.kd_s * rate_hz * Q10),
+        ("kp", "kp_q12", balance.kp * Q12),
+        ("ki_1_s", "ki_q16", balance.ki_1_s / rate_hz * Q16),
+        ("kd_s", "kd_q10", balance.kd_s * rate_hz * Q10),
     )
     for key, name, value in values:
         if round(value) > LARGEST_GAIN:
-            wanted = getattr(gains, key)
+            wanted = getattr(balance, key)
             largest = wanted * LARGEST_GAIN / value
-            raise UserError(f"{table}.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
-        setattr(given, name, round(value))
-
-
-def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
-    gains = robot.balance
-    _gains(params.gains[0], "balance", gains, rate_hz)
-    params.integral_max = brad(gains.integral_limit_rad)
-    params.balance_max = brad(gains.output_limit_rad)
+            raise UserError(f"balance.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
+        setattr(params.gains, name, round(value))
+    params.integral_max = brad(balance.integral_limit_rad)
+    params.balance_max = brad(balance.output_limit_rad)
 
 
 def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
@@ -221,12 +205,10 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
         most = robot.gait.sag_compensation * LARGEST_GAIN / Q16 / gives[softest]
         raise UserError(_too_soft(robot, softest, most))
     params.coupled = int(robot.calf_drive.coupled)
-    params.sags = int(robot.gait.sag_compensation > 0)
     com_m = com_at_rest_m(robot)
     params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
     params.foot_radius = scale.lu(robot.geometry.foot_radius_m)
     params.sent_ticks = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
-    params.load_slew_q12 = max(1, round(Q12 / 2 / LOAD_SLEW_S / scale.rate_hz))
     params.leg_length = params.legs[0].thigh_length + params.legs[0].calf_length
     params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
 
@@ -243,34 +225,6 @@ def _too_soft(robot: Robot, joint: int, most: float) -> str:
         f"{sag_deg:.1f} deg at {share:.0f} % of its stall torque; a stiffer drive ({stiffer}) or a lighter robot "
         f"allows more"
     )
-
-
-def _trot(params: Params, robot: Robot, scale: Scale) -> None:
-    """Fill in what the trot needs; its times grow with the time constant of tipping."""
-    own, rate, limits = robot.trot, scale.rate_hz, robot.speed_limits
-    params.body_raise, params.body_forward = scale.lu(own.raise_m), scale.lu(own.forward_m)
-    params.leg_longest = scale.lu(own.longest_leg_m)
-    params.height_slew = max(1, scale.lu(HEIGHT_M_S / rate))
-    params.start_speed = max(1, scale.lf_per_tick(own.start_m_s))
-    params.start_slew = max(1, scale.lf_per_tick(own.start_m_s2 / rate))
-    params.slow_speed = scale.lf_per_tick(limits.vx_m_s / 2)
-    params.fast_speed = scale.lf_per_tick(limits.vx_m_s)
-    slower = sqrt((robot.stance.rest_height_m + own.raise_m) / SEGMENTS_HEIGHT_M)
-    ticks = [max(2, round(seconds * slower * rate)) for seconds in SEGMENTS_S]
-    params.body_slow, params.body_fast, params.swing_slow, params.swing_fast = ticks
-    params.stand_ticks = ceil(STAND_AFTER_S * rate)
-    params.tip_ticks = max(1, round(TIP_LAG_S * rate))
-    params.load_gain_q15 = round(Q15 * 1.5 / rate)
-    params.warp_gain_q15 = round(Q15 * 5 / rate)
-    params.foothold_step = max(1, scale.lu(PRESS_M_S / rate))
-    params.hold_q16 = round(Q16 * 0.5 / rate)
-    _gains(params.gains[1], "trot", own, rate)
-    params.rough_decay_q15 = round(Q15 / ROUGH_S / rate)
-    params.late_ticks = min(255, round(LATE_S * rate))
-    params.sway_slew = max(1, scale.lu(SWAY_M_S / rate))
-    params.tilt_max = brad(own.fallen_rad)
-    params.tilt_ticks = max(1, round(FALLEN_S * rate))
-    params.advice_ticks = round(ADVICE_S * rate)
 
 
 def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:

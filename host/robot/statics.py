@@ -34,7 +34,7 @@ def push_on_two_N(robot: Robot) -> float:
 def torques_Nm(robot: Robot, leg: int, push_N: float) -> Vector:
     """Return what the drives of a leg at rest hold, hip, thigh and calf, with a push straight up on its foot."""
     pose = leg_pose_rad(robot, leg, robot.stance.rest_height_m)
-    hip, thigh, calf = (_slope(robot, leg, pose, joint, push_N) for joint in range(3))
+    hip, thigh, calf = (load_slope_Nm(robot, leg, pose, joint, push_N) for joint in range(3))
     return hip, thigh - calf if robot.calf_drive.coupled else thigh, calf
 
 
@@ -80,8 +80,8 @@ def _newton_step_m(robot: Robot, down_m: float, back_m: float) -> tuple[float, f
     return down / firm * _SHIFT_M, back / firm * _SHIFT_M
 
 
-def _slope(robot: Robot, leg: int, pose: Vector, joint: int, push_N: float) -> float:
-    """Return the derivative of a leg's energy by one joint's angle, N m."""
+def load_slope_Nm(robot: Robot, leg: int, pose: Vector, joint: int, push_N: float) -> float:
+    """Return the derivative of a leg's energy by one joint's angle: what holds that joint, N m."""
     energies = []
     for step in (_STEP, -_STEP):
         joints = [angle + step * (at == joint) for at, angle in enumerate(pose)]

@@ -7,28 +7,44 @@ from pathlib import Path
 from ..bus.dynamixel.bus import ServoBus
 from ..bus.dynamixel.calibration.data import load_calibration, nominal, servo_of
 from ..bus.dynamixel.port import ServoPort
-from ..control.hardware import Hardware, baud
+from ..control.hardware import Hardware, Stage, baud
 from ..imu.attitude import Attitude
 from ..robot.file import find
 from ..robot.model import Robot
 from .bus import SimulatedBus
 from .imu import SimulatedImu
 from .servos.process import Emulator, EmulatorImu, Late
+from .stage import ground, profiles
 
 PUT_BACK_S = 0.01  # the loop waits for the answer
 
 
-def simulated(robot: Robot) -> Hardware:
-    """Return the plane's drives, which goals reach without any bus."""
+def simulated(robot: Robot, space: bool = False) -> Hardware:
+    """Return the drives of the plane, or of three dimensions, which goals reach without any bus."""
+    if space:
+        return _in_space(robot)
     bus = SimulatedBus(robot)
-    return Hardware(bus, Attitude(robot, SimulatedImu(robot, bus.plant.inertial)), bus.plant.put_back, turns=False)
+    attitude = Attitude(robot, SimulatedImu(robot, bus.plant.inertial))
+    return Hardware(bus, attitude, bus.plant.put_back, turns=False, simulated=True)
+
+
+def _in_space(robot: Robot) -> Hardware:
+    from .space.plant import SpacePlant
+
+    plant = SpacePlant(robot)
+    stage = Stage(profiles(), lambda name: plant.set_ground(ground(name)), plant.place)
+    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
+    return Hardware(SimulatedBus(robot, plant=plant), attitude, plant.put_back, simulated=True, stage=stage)
 
 
 @contextmanager
-def emulated(robot: Robot, calibration: Path | None, source: str) -> Iterator[Hardware]:
-    """Yield servos behind a pseudo-terminal, in a process that ends with the block and loads the robot ``source``."""
+def emulated(robot: Robot, calibration: Path | None, source: str, space: bool = False) -> Iterator[Hardware]:
+    """Yield servos behind a pseudo-terminal, in a process that ends with the block and loads the robot ``source``.
+
+    ``space``: they move the robot in three dimensions.
+    """
     servo_of(robot)
-    options = ["--robot", str(find(source))]
+    options = ["--robot", str(find(source)), "--plant", "space" if space else "ground"]
     if calibration is not None:
         options += ["--truth", str(calibration)]
     data = load_calibration(calibration, robot) if calibration is not None else nominal(robot)
@@ -39,4 +55,8 @@ def emulated(robot: Robot, calibration: Path | None, source: str) -> Iterator[Ha
                 emulator.ask("put_back", PUT_BACK_S)
 
         bus = ServoBus(robot, data, ServoPort(emulator.port, baud(robot)))
-        yield Hardware(bus, Attitude(robot, EmulatorImu(emulator)), put_back, turns=False)
+        sensor = EmulatorImu(emulator)
+        stage = None
+        if space:
+            stage = Stage(profiles(), lambda name: sensor.choose(name), lambda: sensor.place)
+        yield Hardware(bus, Attitude(robot, sensor), put_back, turns=space, simulated=True, stage=stage)

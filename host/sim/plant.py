@@ -95,6 +95,11 @@ class Hinge:
 class Plant(ABC):
     """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` is what they hear."""
 
+    @property
+    def supply_V(self) -> float | None:
+        """What the joints measure as their supply; None if the plant knows of none."""
+        return None
+
     def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
         self.robot = robot
         self.time_s = 0.0

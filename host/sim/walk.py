@@ -40,7 +40,7 @@ class WalkSpec:
     """A walk to simulate. ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
 
     ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead and pushes are in
-    space only.
+    space only. ``built``: the robot as it is, where it is not quite what its file says, which the planner goes by.
     """
 
     robot: Robot
@@ -58,6 +58,7 @@ class WalkSpec:
     stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
     way: str = "ahead"
     push: Push | None = None
+    built: Robot | None = None
 
     def __post_init__(self) -> None:
         gait_index(self.gait)
@@ -71,6 +72,11 @@ class WalkSpec:
     def _check(flag: str, value: float, low: float, high: float, unit: str) -> None:
         if not (math.isfinite(value) and low <= value <= high):
             raise UserError(f"{flag} {value:g}: allowed {low:g} .. {high:g} {unit}".rstrip())
+
+    @property
+    def body(self) -> Robot:
+        """The robot that walks."""
+        return self.built or self.robot
 
     @property
     def time_limit_s(self) -> float:
@@ -112,7 +118,7 @@ def run_walk(
     if spec.way != "ahead" or spec.push:
         raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
     controller = PlannerController(spec)
-    robot = planar_robot(spec.robot, foot_friction=spec.friction)
+    robot = planar_robot(spec.body, foot_friction=spec.friction)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
         recording = simulate(

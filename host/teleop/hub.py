@@ -1,8 +1,8 @@
-"""All command sources in one select(): scripts on a socket, the web process, the keyboard, a gamepad.
+"""All command sources in one select(): scripts on a socket, servers' processes, the keyboard, a gamepad.
 
-A script's connection is one client. The web process has one connection for all its pages and puts each page's number
-beside the message. Whoever sends a line that is no message is hung up on and counted, and so is who sends too many:
-what is beyond the limit is not even looked at, unless it is a stop.
+A script's connection is one client. A side is a process that speaks for many clients, the pages or Foxglove's viewers,
+and puts each one's number beside its message. Whoever sends a line that is no message is hung up on and counted, and so
+is who sends too many: what is beyond the limit is not even looked at, unless it is a stop.
 """
 
 import json
@@ -12,7 +12,7 @@ import socket
 import stat
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf
 from pathlib import Path
 from typing import Any, Protocol
@@ -29,7 +29,7 @@ MESSAGES_PER_S, BURST = 200.0, 200  # of a script: more than any loop has ticks
 PATIENCE = 200  # messages beyond that before a script is hung up on
 CONNECTIONS_PER_S, CONNECTION_BURST = 4.0, 16
 STOP = b'"stop"'
-WEB_LINE = 1024
+SIDE_LINE = 1024
 Receiver = Callable[[Client, Message], bool]
 
 
@@ -59,6 +59,20 @@ class Script:
         return self.lines.fileno()
 
 
+@dataclass(eq=False)
+class Side:
+    """A process that speaks for many clients of one source: pages, viewers."""
+
+    source: str
+    lines: Lines
+    news: Callable[[dict[str, Any]], None]
+    clients: set[Client] = field(default_factory=set)
+
+    def fileno(self) -> int:
+        """Let select() wait for it."""
+        return self.lines.fileno()
+
+
 class Hub:
     """Hands messages to ``receive`` and lost clients to ``drop``."""
 
@@ -75,13 +89,12 @@ class Hub:
         self._friends = may_open_sockets()
         self._listener: socket.socket | None = None
         self._scripts: dict[Client, Script] = {}
-        self._web: Lines | None = None
-        self._pages: set[Client] = set()
+        self._sides: dict[str, Side] = {}  # by the source that its clients count as
         self._inputs: list[Input] = []
         self._path: Path | None = None
         self._number = 0
         self.bad = self.limited = 0
-        self._web_news: Callable[[dict[str, Any]], None] = lambda news: None
+        self.about: dict[str, Any] = {}  # what a script is told at once
 
     def listen(self, where: str) -> None:
         """Let scripts connect to a Unix socket's path, or to a port number on 127.0.0.1."""
@@ -96,23 +109,21 @@ class Hub:
         """Wait for a keyboard or gamepad too."""
         self._inputs.append(source)
 
-    def add_web(self, stream: socket.socket, news: Callable[[dict[str, Any]], None]) -> None:
-        """Take the web process's end; what it says of itself goes to ``news``."""
-        self._web, self._web_news = Lines(stream, WEB_LINE), news
+    def add_side(self, source: str, stream: socket.socket, news: Callable[[dict[str, Any]], None]) -> None:
+        """Take the end of a process that speaks for many clients; what it says of itself goes to ``news``."""
+        self._sides[source] = Side(source, Lines(stream, SIDE_LINE), news)
 
-    @property
-    def has_web(self) -> bool:
-        """False while there is no web process, or its connection is lost."""
-        return self._web is not None
+    def has_side(self, source: str) -> bool:
+        """False while there is no such process, or its connection is lost."""
+        return source in self._sides
 
-    def lose_web(self) -> None:
-        """Hang up on the web process; all its pages are gone with it."""
-        if self._web is not None:
-            self._web.close()
-            self._web = None
-        for client in self._pages:
-            self._drop(client)
-        self._pages.clear()
+    def lose_side(self, source: str) -> None:
+        """Hang up on such a process; all its clients are gone with it."""
+        side = self._sides.pop(source, None)
+        if side is not None:
+            side.lines.close()
+            for client in side.clients:
+                self._drop(client)
 
     @property
     def scripts(self) -> int:
@@ -121,13 +132,14 @@ class Hub:
 
     def poll(self, timeout_s: float) -> None:
         """Wait up to ``timeout_s`` for anything and take it."""
-        waiting = [each for each in (*self._inputs, self._listener, self._web, *self._scripts.values()) if each]
+        every: tuple[Any, ...] = (*self._inputs, self._listener, *self._sides.values(), *self._scripts.values())
+        waiting = [each for each in every if each]
         for each in self._look(waiting, timeout_s):
             self.came_s = self._quiet_s[each]
             if each is self._listener:
                 self._accept()
-            elif each is self._web:
-                self._hear_web(self._web)
+            elif isinstance(each, Side):
+                self._hear_side(each)
             elif isinstance(each, Script):
                 self._hear_script(each)
             else:
@@ -146,21 +158,22 @@ class Hub:
         return ready
 
     def tell(self, news: dict[str, Any]) -> None:
-        """Send all scripts and the web process what goes on."""
+        """Send all scripts and sides what goes on."""
         for client, script in list(self._scripts.items()):
             try:
                 script.lines.send(news)
             except Gone:
                 self._lose(client)
-        if self._web is not None:
+        for side in list(self._sides.values()):
             try:
-                self._web.send(news)
+                side.lines.send(news)
             except Gone:
-                self.lose_web()
+                self.lose_side(side.source)
 
     def close(self) -> None:
         """Hang up on everybody and remove the socket's file."""
-        for each in (self._listener, self._web, *(script.lines for script in self._scripts.values())):
+        connected: list[Side | Script] = [*self._sides.values(), *self._scripts.values()]
+        for each in (self._listener, *(other.lines for other in connected)):
             if each is not None:
                 each.close()
         if self._path is not None:
@@ -180,7 +193,9 @@ class Hub:
         self._number += 1
         client = Client("script", self._number)
         messages = Bucket(MESSAGES_PER_S, BURST, self._clock)
-        self._scripts[client] = Script(client, Lines(stream, LONGEST), messages)
+        script = self._scripts[client] = Script(client, Lines(stream, LONGEST), messages)
+        if self.about:
+            self._answer(script.lines, {"type": "hello", **self.about})
 
     def _hear_script(self, script: Script) -> None:
         if script.client not in self._scripts:
@@ -207,35 +222,35 @@ class Hub:
         if script.excess >= PATIENCE:
             raise BadMessage(f"more than {MESSAGES_PER_S:.0f} messages a second")
 
-    def _hear_web(self, lines: Lines) -> None:
+    def _hear_side(self, side: Side) -> None:
         try:
-            for line in lines.receive():
-                self._try_web(line, lines)
+            for line in side.lines.receive():
+                self._try_side(line, side)
         except Gone:
-            self.lose_web()
+            self.lose_side(side.source)
 
-    def _try_web(self, line: bytes, lines: Lines) -> None:
+    def _try_side(self, line: bytes, side: Side) -> None:
         """A bad line must not cost the next one, which may be a stop."""
         try:
-            self._take_web(line, lines)
+            self._take_side(line, side)
         except (ValueError, KeyError, TypeError):
             self.bad += 1
 
-    def _take_web(self, line: bytes, lines: Lines) -> None:
-        """A page's message, a page that is gone, or news of the web process itself."""
+    def _take_side(self, line: bytes, side: Side) -> None:
+        """A client's message, a client that is gone, or news of the process itself."""
         value = json.loads(line)
         if not isinstance(value, dict):
             raise TypeError("no object")
         if "page" not in value:
-            self._web_news(value)
+            side.news(value)
             return
-        client = Client("web", int(value["page"]))
+        client = Client(side.source, int(value["page"]))
         if value.get("gone"):
-            self._pages.discard(client)
+            side.clients.discard(client)
             self._drop(client)
         else:
-            self._pages.add(client)
-            self._take(client, check(value["message"]), lines)
+            side.clients.add(client)
+            self._take(client, check(value["message"]), side.lines)
 
     def _take(self, client: Client, message: Message, lines: Lines) -> None:
         if message["type"] == "ping":

@@ -14,12 +14,12 @@ from typing import Any
 
 from ..control import priority
 from ..control.arbiter import Client
-from ..control.hardware import Hardware
+from ..control.hardware import Hardware, Stage
 from ..control.loop import Loop
 from ..control.messages import Message
 from ..control.opening import open_supervisor
 from ..control.supervisor import Supervisor
-from ..control.telemetry import Extra, StartCheck, status
+from ..control.telemetry import Extra, StartCheck, about, status
 from ..imu.attitude import Attitude
 from ..robot.file import find
 from ..robot.model import Robot
@@ -31,8 +31,9 @@ from .hub import Hub
 from .keyboard import Keyboard
 from .leaving import Leaving
 from .measure import Measure, cpu_seconds
+from .qr import page_address, qr_lines, shows_blocks
+from .side import FOXGLOVE, PAGE, SideProcess, listen_address
 from .terminal import Screen, raw_keys
-from .webside import WebProcess
 
 STATUS_HZ = 20
 GAMEPAD_HZ = 20
@@ -48,6 +49,8 @@ class Options:
     robot: str = "caramelo"
     web: bool = False
     listen: str = "127.0.0.1:8080"
+    foxglove: bool = False
+    foxglove_port: int = 8765
     log: Path | None = None
     keep_GB: float | None = None
     socket: str | None = None
@@ -77,9 +80,13 @@ class Session:
         self._closers: dict[str, Callable[[], object]] = {}  # of what listens, by name
         self._after: list[Callable[[Loop], None]] = []
         self._screen: Screen | None = None
-        self._web: WebProcess | None = None
+        self._web: SideProcess | None = None
+        self._foxglove: SideProcess | None = None
+        self._qr: list[str] = []
+        self._invitation = ""  # for the terminal only: it tells the pairing code
         self._measure: Measure | None = None
         self._attitude: Attitude | None = None
+        self._stage: Stage | None = None
 
     def run(self) -> dict[str, Any]:
         """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
@@ -87,10 +94,12 @@ class Session:
             # Before the emulated servos start: they inherit it, as they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
             parts = stack.enter_context(self._hardware)
-            self._attitude = parts.attitude
+            self._attitude, self._stage = parts.attitude, parts.stage
+            self.extra.ground = "" if parts.stage is None else next(iter(parts.stage.grounds))
             supervisor = open_supervisor(stack, self.robot, parts, self._note)
             loop = Loop(supervisor, self._after_tick)
             hub = Hub(self._gate(loop), loop.drop)
+            hub.about = about(self.robot, parts)
             stack.callback(hub.close)
             try:
                 self._drive(stack, hub, loop)
@@ -126,8 +135,8 @@ class Session:
             hub.add_input(pad)
             self._after.append(_every(rate_hz // GAMEPAD_HZ, lambda loop: _repeat(loop, pad)))
             self._note(StartCheck("gamepad", True, "found; hold the left shoulder button to drive"))
-        if options.web:
-            self._add_page(hub, loop)
+        if options.web or options.foxglove:
+            self._add_servers(hub, loop)
         if options.measure_s is not None:
             self._measure = Measure(options.measure_s, self.robot.speed_limits.vx_m_s, self._page_cpu_s)
             self._after.append(self._measure.tick)
@@ -136,28 +145,47 @@ class Session:
             hub.add_input(Keyboard(self.robot, sys.stdin.fileno()))
         self._after.append(_every(rate_hz // STATUS_HZ, lambda loop: self._publish(loop, hub)))
 
-    def _add_page(self, hub: Hub, loop: Loop) -> None:
-        web = self._web = WebProcess(str(find(self.options.robot)), self.options.listen)
-        self._closers["page"] = web.close
-        web.start(hub)
-        web.wait(hub, loop.supervisor.sense)
-        self._after.append(
-            _every(loop.supervisor.driver.rate_hz // STATUS_HZ, lambda each: web.watch(hub, each.supervisor))
-        )
-        self._note(StartCheck("web page", True, web.note))
-        write_error(web.invitation)
+    def _add_servers(self, hub: Hub, loop: Loop) -> None:
+        """Serve the page and Foxglove's viewers; both take the same pairing code."""
+        from .web.access import is_loopback, new_code
+        from .web.paired import paired_path
+
+        options, (address, port) = self.options, listen_address(self.options.listen)
+        code = new_code()
+        setup = {"robot": str(find(options.robot)), "code": code, "about": hub.about, "paired": str(paired_path())}
+        if options.web:
+            self._web = self._serve(SideProcess(PAGE, (address, port), setup), "web page", hub, loop)
+        if options.foxglove:
+            side = SideProcess(FOXGLOVE, (address, options.foxglove_port), setup)
+            self._foxglove = self._serve(side, "Foxglove", hub, loop)
+        who = " (this machine's other users need it)" if is_loopback(address) and not options.foxglove else ""
+        self._invitation = f"pairing code {code}{who}"
+        write_error(self._invitation)
+        if options.web and not is_loopback(address) and shows_blocks(sys.stderr):
+            self._qr = qr_lines(page_address(address, port, code))
+            sys.stderr.write("\n".join(self._qr) + "\n")
+
+    def _serve(self, side: SideProcess, name: str, hub: Hub, loop: Loop) -> SideProcess:
+        self._closers[name] = side.close
+        side.start(hub)
+        side.wait(hub, loop.supervisor.sense)
+        ticks = loop.supervisor.driver.rate_hz // STATUS_HZ
+        self._after.append(_every(ticks, lambda each: side.watch(hub, each.supervisor)))
+        self._note(StartCheck(name, True, side.note))
+        return side
 
     def _add_log(self, supervisor: Supervisor) -> None:
         if self.options.log is None:
             return
-        from ..records.log import LoopLog, about
+        from ..records.log import LoopLog
+        from ..records.log import about as about_record
         from ..records.recorder import Recorder, record_path
 
         path, keep_GB = record_path(self.options.log), self.options.keep_GB
         if keep_GB is not None and path == self.options.log:
             raise UserError(f"--keep {keep_GB:g}: only with a folder for --log, not with the file {path}")
         most_bytes = None if keep_GB is None else int(keep_GB * 1e9)
-        recorder = Recorder(path, about(self.robot, supervisor), most_bytes=most_bytes)
+        recorder = Recorder(path, about_record(self.robot, supervisor), most_bytes=most_bytes)
         self._closers["record"] = recorder.close
         self._recorder = recorder
         self.extra.log = str(recorder.path)
@@ -166,7 +194,7 @@ class Session:
 
     def _add_screen(self) -> None:
         if self.options.terminal:
-            self._screen = Screen(self._web.invitation if self._web else "")
+            self._screen = Screen(self._invitation, self._qr)
             self._screen.open()
             self._closers["screen"] = self._screen.close
 
@@ -176,9 +204,23 @@ class Session:
         def receive(client: Client, message: Message) -> bool:
             if self._must_leave and message["type"] != "stop":
                 return False
+            if message["type"] == "ground":
+                return self._choose_ground(loop, client, message)
             return loop.receive(client, message)
 
         return receive
+
+    def _choose_ground(self, loop: Loop, client: Client, message: Message) -> bool:
+        """Put a simulated robot whose joints are off down on another ground; False if that can't be done."""
+        stage, supervisor, name = self._stage, loop.supervisor, message["ground"]
+        if stage is None or name not in stage.grounds or supervisor.armed or not loop.receive(client, message):
+            return False
+        stage.choose(name)
+        self.extra.ground = name
+        supervisor.odometry.restart()
+        if self._attitude is not None:
+            self._attitude.align()
+        return True
 
     def _after_tick(self, loop: Loop) -> None:
         for each in self._after:
@@ -206,17 +248,21 @@ class Session:
         if self._web is not None:
             self.extra.web, self.extra.pages = self._web.note, self._web.counts.pages
             self.extra.web_counts = self._web.counts.refusals
+        if self._foxglove is not None:
+            self.extra.foxglove = self._foxglove.note
         sensor = self._attitude
         if sensor is not None:
             self.extra.attitude_note, self.extra.readings_missed = sensor.fault or sensor.note, sensor.missed
+        self.extra.place = None if self._stage is None else self._stage.place()
         news = status(loop, self.extra)
         hub.tell(news)
         if self._screen is not None:
             self._screen.show(news)
 
     def _page_cpu_s(self) -> float:
-        process = None if self._web is None else self._web.process
-        return 0.0 if process is None or process.poll() is not None else cpu_seconds(process.pid)
+        """Return the processor time of the servers' processes."""
+        sides = [side.process for side in (self._web, self._foxglove) if side is not None]
+        return sum(cpu_seconds(process.pid) for process in sides if process is not None and process.poll() is None)
 
     def _figures(self, loop: Loop) -> dict[str, Any]:
         figures: dict[str, Any] = {"robot": self.robot.name, "bus": loop.supervisor.bus.kind}

@@ -8,8 +8,9 @@ import sys
 import termios
 import threading
 import tty
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from shutil import get_terminal_size
 from typing import Any, TextIO
 
 from ..robot.model import JOINT_NAMES, LEG_NAMES
@@ -37,9 +38,9 @@ def raw_keys(descriptor: int) -> Iterator[None]:
 class Screen:
     """Paints the newest status a few times a second until it is closed, or the terminal is gone."""
 
-    def __init__(self, secret: str = "", stream: TextIO = sys.stdout) -> None:
-        """``secret`` is shown here and nowhere else: the page's pairing code."""
-        self._secret = secret
+    def __init__(self, secret: str = "", picture: Sequence[str] = (), stream: TextIO = sys.stdout) -> None:
+        """``secret`` is shown here and nowhere else: the page's pairing code; ``picture``: where there is room."""
+        self._secret, self._picture = secret, list(picture)
         self._stream, self._status = stream, dict[str, Any]()
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._paint, name="screen", daemon=True)
@@ -61,7 +62,10 @@ class Screen:
         there = self._write(ENTER)
         while there and not self._done.wait(REPAINT_S):
             if self._status:
-                text = "".join(f"{line}{CLEAR_LINE}\n" for line in screen_lines(self._status, self._secret))
+                lines = screen_lines(self._status, self._secret)
+                if len(lines) + len(self._picture) < get_terminal_size().lines:
+                    lines += self._picture
+                text = "".join(f"{line}{CLEAR_LINE}\n" for line in lines)
                 there = self._write(HOME + text + CLEAR_REST)
         if there:
             self._write(LEAVE)

@@ -113,10 +113,13 @@ def write_note(what: str) -> None:
 
 
 @contextmanager
-def progress(title: str, total: float) -> Iterator[Callable[[float], None]]:
-    """Yield a function to be called with the part of ``total`` done so far; a bar shows it on a terminal only."""
+def progress(title: str, total: float) -> Iterator[Callable[..., None]]:
+    """Yield a function to be called with the part of ``total`` done so far; a bar shows it on a terminal only.
+
+    Called with a text too it shows that behind the title.
+    """
     if not sys.stderr.isatty():
-        yield lambda done: None
+        yield lambda done, what="": None
         return
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -124,4 +127,4 @@ def progress(title: str, total: float) -> Iterator[Callable[[float], None]]:
     columns = (what, BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
     with Progress(*columns, console=_console(sys.stderr), transient=True) as bar:
         task = bar.add_task(title, total=total)
-        yield lambda done: bar.update(task, completed=done)
+        yield lambda done, what="": bar.update(task, completed=done, description=f"{title} {what}".rstrip())

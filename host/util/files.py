@@ -46,8 +46,13 @@ def file_name(foreign: str) -> str:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file; OSError if it can't be read, ValueError if it is none."""
+    return parse_toml(path.read_bytes().decode())
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Return the tables of a TOML file's text; ValueError if it is none."""
     try:
-        tables = tomllib.loads(path.read_bytes().decode())
+        tables = tomllib.loads(text)
     except RecursionError:
         raise ValueError(TOO_DEEP) from None
     inner: list[Any] = [tables]

@@ -16,7 +16,7 @@ def cases(title: str) -> Iterator[Tell]:
     with progress(title, 1.0) as bar:
 
         def tell(number: int, total: int, name: str = "") -> None:
-            bar(number / total)
+            bar(number / total, name)
             if not sys.stderr.isatty():
                 write_step(f"{title}: {number} of {total}{': ' if name else ''}{name}")
 

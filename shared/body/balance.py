@@ -32,36 +32,21 @@ class Balance:
 @hot
 def balance_setup(params: Params, balance: Balance) -> int:
     """Take the robot's gains and limits and clear the state; return 0."""
-    balance_gains(params, 0, balance)
-    limit_pid(params, balance.roll)
-    limit_pid(params, balance.pitch)
+    setup_pid(params, balance.roll)
+    setup_pid(params, balance.pitch)
     balance_reset(balance)
     return 0
 
 
 @hot
-def limit_pid(params: Params, pid: Pid) -> int:
-    """Take the robot's limits for one controller; return 0."""
-    pid.integral_max = params.integral_max
-    pid.output_max = params.balance_max
-    return 0
-
-
-@hot
-def balance_gains(params: Params, of: int, balance: Balance) -> int:
-    """Take the robot's gains number ``of`` (0 or 1) for both controllers, keeping their state; return 0."""
-    gains_pid(params, of, balance.roll)
-    gains_pid(params, of, balance.pitch)
-    return 0
-
-
-@hot
-def gains_pid(params: Params, of: int, pid: Pid) -> int:
-    """Take the robot's gains number ``of`` for one controller; return 0."""
-    gains = params.gains[of]
+def setup_pid(params: Params, pid: Pid) -> int:
+    """Take the robot's gains and limits for one controller; return 0."""
+    gains = params.gains
     pid.kp_q12 = gains.kp_q12
     pid.ki_q16 = gains.ki_q16
     pid.kd_q10 = gains.kd_q10
+    pid.integral_max = params.integral_max
+    pid.output_max = params.balance_max
     return 0
 
 

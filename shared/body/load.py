@@ -17,7 +17,6 @@ class Load:
     """How the weight is shared out, and what it was found from."""
 
     wanted_q12: Ints = vector(LEGS, "own weight Q12", "the share of each foot")
-    force_q12: Ints = vector(LEGS, "own weight Q12", "the same, slewed")
     middle: Ints = vector(2, "lu", "the weighted middle of the feet, x and y")
     moment: Ints = vector(3, "(32 lu)^2", "second moments xx, xy, yy about it, shortened")
     shift: int = field("bits", "by which the moments were shortened")
@@ -25,7 +24,6 @@ class Load:
     arm: Ints = vector(2 * LEGS, "32 lu", "x, y of each foot that stands, from the middle")
 
 
-STANDS_Q8 = const(256)  # the weight of a foot that stands
 _UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
 _UNIT_HALF = const(16)
 
@@ -143,14 +141,4 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
     det = (det >> 14) + 1
     block.along[0] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
     block.along[1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
-    return 0
-
-
-@hot
-def load_slew(block: Load, step_q12: int) -> int:
-    """Move the slewed forces towards the shares by at most ``step`` (>= 0, Q12 of the own weight); return 0."""
-    for leg in range(LEGS):
-        short = block.wanted_q12[leg] - block.force_q12[leg]
-        if short:
-            block.force_q12[leg] += saturate(short, -step_q12, step_q12)
     return 0

@@ -8,7 +8,7 @@
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
 from .crawl_setup import CrawlSetup
-from .stride_setup import StrideSetup
+from .trot_setup import TrotSetup
 
 LEGS = const(4)
 JOINTS = const(12)
@@ -59,7 +59,7 @@ class Params:
     pose_slew: Ints = vector(6, "lu / tick, brad / tick", "how fast it changes")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")
     sit_z: int = field("lu", "foot below the hip when seated (negative)")
-    gains: list[Gains] = parts(2, Gains, "of the balance: of a gait's table, and of the trot that feels")
+    gains: Gains = part(Gains, "of the balance over a gait's table")
     integral_max: int = field("brad", "limit of the balance's integral term")
     balance_max: int = field("brad", "limit of the roll and of the pitch correction as a whole")
     stride_max: int = field("lu", "longest travel of a foot along the ground in one stance")
@@ -69,43 +69,19 @@ class Params:
     stiff_q8: Ints = vector(3, "own weight lu / brad Q8", "stiffness: torque per joint error")
     damp_q8: Ints = vector(3, "own weight lu tick / brad Q8", "damping: torque per joint speed")
     coupled: int = field("", "1: the calf's motor is on the body and sets thigh + calf (paper B)")
-    sags: int = field("", "1: the joints give under load, so their error tells the load")
     com_x: int = field("lu", "centre of mass in the body at rest, forward")
     com_y: int = field("lu", "centre of mass in the body at rest, left")
     foot_radius: int = field("lu", "of the round foot")
     sent_ticks: int = field("ticks", "age of the goals that the measured joints answer, 0 .. 15")
-    load_slew_q12: int = field("own weight / tick Q12", "how fast a foot's expected load changes")
     leg_length: int = field("lu", "thigh + calf of leg FR")
     lateral_q12: int = field("Q12", "share of the sideways shift over the support, 0 in the plane")
-    body_raise: int = field("lu", "body above the rest height in the trot")
-    body_forward: int = field("lu", "body ahead of the feet in the trot")
-    leg_longest: int = field("lu", "hip to foot in the leg's plane, beyond which the body crouches")
-    height_slew: int = field("lu / tick", "how fast the body rises; it sinks twice as fast")
-    start_speed: int = field("lf / tick", "largest speed of the first step")
-    start_slew: int = field("lf / tick^2", "how fast the largest speed grows after it")
-    slow_speed: int = field("lf / tick", "up to which the trot's segments have their slow lengths")
-    fast_speed: int = field("lf / tick", "from which they have their fast ones")
-    body_slow: int = field("ticks", "on four feet at the slow speed")
-    body_fast: int = field("ticks", "on four feet at the fast speed")
-    swing_slow: int = field("ticks", "on two feet at the slow speed")
-    swing_fast: int = field("ticks", "on two feet at the fast speed")
-    stand_ticks: int = field("ticks", "from a foot's planned touchdown until it surely stands")
-    tip_ticks: int = field("ticks", "from a goal to its effect on the attitude")
-    load_gain_q15: int = field("1 / tick Q15", "how fast the measured weight is believed")
-    warp_gain_q15: int = field("1 / tick Q15", "how fast the ground's twist is believed")
-    foothold_step: int = field("lu / tick", "how fast a foothold's height is corrected")
-    hold_q16: int = field("1 / tick Q16", "correction of position and heading per error")
-    rough_decay_q15: int = field("1 / tick Q15", "how fast a tilt is forgotten")
-    late_ticks: int = field("ticks", "lag behind the reference that is normal")
-    sway_slew: int = field("lu / tick", "how fast the body sways back to the middle when standing")
     tilt_max: int = field("brad", "roll or pitch beyond which the robot has fallen")
     tilt_ticks: int = field("ticks", "after which it has")
-    advice_ticks: int = field("ticks", "of trouble before another gait is advised")
     read_step: int = field("brad", "how far a joint's reading may be from the one before")
     tilt_step: int = field("brad", "how far a reading of roll or pitch may be from the one before")
     joint_near: int = field("brad / tick", "what every joint of a leg can turn, whatever the others do")
     crawl: CrawlSetup = part(CrawlSetup, "the crawl over obstacles")
-    stride: StrideSetup = part(StrideSetup, "the fast trot")
+    trot: TrotSetup = part(TrotSetup, "the trot")
 
 
 LF_BITS = const(8)  # lf = lu / 2^8

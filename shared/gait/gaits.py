@@ -1,4 +1,4 @@
-"""The registry of gaits: a gait is one entry in GAITS, its name, its mover and its table.
+"""The registry of gaits: a gait is one entry in GAITS, its name, its mover and its table, None if it needs none.
 
 A mover is what stands and walks (shared/planner/movers.py). A table is a head and a row per segment of the cycle:
 
@@ -13,7 +13,7 @@ segment that moves the body while legs swing needs the even profile.
 
 from ..body.params import Params
 from ..runtime import const
-from .table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
+from .table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
 
 _FR = const(1)
 _FL = const(2)
@@ -27,30 +27,27 @@ PAPER_TROT = (
     ((500, 0, 1), (500, _FR | _RL, 0), (500, 0, 1), (500, _FL | _RR, 0)),
 )
 
-# The trot at its slow speed; shared/trot/trot.py re-times it. While a diagonal swings the body moves at half its mean
-# speed. P_T = P_N = 0: even samples of which the last is the foothold.
-TROT = (
-    (35, 0, 0, 0),
-    ((360, 0, 46), (200, _FR | _RL, 10), (360, 0, 46), (200, _FL | _RR, 10)),
-)
-
-# Commands and boards count gaits in this order: new ones go to the end. The crawl goes straight on; what it cannot
-# follow is trotted, hence its table.
+# Commands and boards count gaits in this order: new ones go to the end.
 GAITS = (
     ("paper-trot", MOVER_TABLE, PAPER_TROT),
-    ("trot", MOVER_TROT, TROT),
-    ("crawl", MOVER_CRAWL, TROT),
-    ("fast-trot", MOVER_STRIDE, TROT),
+    ("trot", MOVER_TROT, None),
+    ("crawl", MOVER_CRAWL, None),
 )
 GAIT_NAMES = tuple([entry[0] for entry in GAITS])
 
 
 def gait_for(entry: tuple, params: Params) -> Gait:
-    """Return the gait of an entry for one robot at its rate. Allocates; ValueError as compile_gait."""
+    """Return the gait of an entry for one robot at its rate. Allocates; ValueError as compile_gait.
+
+    Without a table it has the trot's speeds and swing: what the crawl cannot follow is trotted, too.
+    """
     _, mover, table = entry
-    gait = compile_gait(table, params)
-    gait.mover = mover
-    if mover == MOVER_STRIDE:
+    if table:
+        gait = compile_gait(table, params)
+    else:
+        gait = Gait()
+        gait.height_mm = (params.trot.low_lift * 1000 >> params.length_shift) + 1
         for axis in range(3):
-            gait.speed_max[axis] = params.stride.speed_max[axis]
+            gait.speed_max[axis] = params.trot.speed_max[axis]
+    gait.mover = mover
     return gait

@@ -90,21 +90,6 @@ def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
 
 
 @hot
-def lift_at_once(steps: Steps, height_lu: int) -> int:
-    """Leave out the first sample of swings that have just started, where the foot still stands; return 0.
-
-    For swings with both their ends among the samples: such a foot moves in every tick of its segment.
-    """
-    for leg in range(LEGS):
-        step = steps.legs[leg]
-        if step.ticks and step.tick == 0:
-            step.ticks += 1
-            step.tick = 1
-            step.height = height_lu
-    return 0
-
-
-@hot
 def body_advance(gait: Gait, clock: Clock) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 

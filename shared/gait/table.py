@@ -14,9 +14,8 @@ MAX_SEGMENTS = const(8)
 
 # What walks a gait (shared/planner/movers.py)
 MOVER_TABLE = const(0)  # its table, blind
-MOVER_TROT = const(1)  # the trot that feels; where it is held up, the crawl
-MOVER_CRAWL = const(2)  # the crawl that feels; what it cannot follow, the trot
-MOVER_STRIDE = const(3)  # the fast trot
+MOVER_TROT = const(1)  # the trot; where it is held up, the crawl
+MOVER_CRAWL = const(2)  # the crawl; what it cannot follow, the trot
 
 
 @record

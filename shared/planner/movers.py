@@ -1,23 +1,21 @@
 """The movers: what stands and walks. Each owns its ticks whole: command and senses in; joint goals, feet, status out.
 
-    start   it takes over a robot that stands or walks
+    start   it takes over a robot that stands
     tick    one tick, into ``planner.goal``, ``planner.feet`` and ``planner.status``; returns why it gives way, or 0
-    stop    another takes over: leaves the feet in ``planner.steps``
+    stop    another takes over
 
 This is the one place that knows which is which; exchange.py says when they take over from each other.
 """
 
-from ..gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TROT
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..runtime import hot
 from ..sense.sensed import Sensed
-from ..trot.trot import trot_start
 from .command import Command
 from .handover import REASON_NONE
 from .state import PlannerState
 from .walk_crawl import start_crawl, stop_crawl, walk_crawl
-from .walk_stride import start_stride, stop_stride, walk_stride
 from .walk_table import walk_table
-from .walk_trot import walk_trot
+from .walk_trot import start_trot, stop_trot, walk_trot
 
 
 @hot
@@ -37,9 +35,7 @@ def start_mover(planner: PlannerState, mover: int) -> int:
     if mover == MOVER_CRAWL:
         start_crawl(planner)
     elif mover == MOVER_TROT:
-        trot_start(planner.params, planner.walk)
-    elif mover == MOVER_STRIDE:
-        start_stride(planner)
+        start_trot(planner)
     return mover
 
 
@@ -54,11 +50,6 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
             walk_trot(planner, planner.back, sensed)
         else:
             walk_trot(planner, command, sensed)
-    elif status.mover == MOVER_STRIDE:
-        if status.backs:
-            walk_stride(planner, planner.back, sensed)
-        else:
-            walk_stride(planner, command, sensed)
     else:
         walk_table(planner, command, sensed)
     return REASON_NONE
@@ -66,10 +57,10 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 @hot
 def stop_mover(planner: PlannerState) -> int:
-    """End the work of the mover at work; return 0. Table and trot have their feet where the next wants them."""
+    """End the work of the mover at work; return 0. A table, which ends with its feet at rest, needs no stop."""
     status = planner.status
     if status.mover == MOVER_CRAWL:
         stop_crawl(planner)
-    elif status.mover == MOVER_STRIDE:
-        stop_stride(planner)
+    elif status.mover == MOVER_TROT:
+        stop_trot(planner)
     return 0

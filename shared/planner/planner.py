@@ -11,11 +11,12 @@ steps (the feet) and pose (body and legs) for them, status (what the planner tel
 """
 
 from ..body.params import Params
+from ..gait.table import MOVER_TROT
 from ..runtime import hot
 from ..sense.legs import keep_sent
 from ..sense.sensed import Sensed
 from .command import Command
-from .exchange import choose_mover, walker
+from .exchange import choose_mover
 from .goals import follow_goals
 from .movers import change_mover, tick_mover
 from .posture import posture_step
@@ -23,7 +24,6 @@ from .senses import take_senses
 from .state import PlannerState
 from .states import choose_state, follow_joints, settle
 from .status import LIMP, RISING, SEATED, SITTING
-from .steps import use_gait, wanted_gait
 
 
 class Planner(PlannerState):
@@ -77,6 +77,5 @@ def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     reason = tick_mover(planner, command, sensed)
     if reason:
         status.reason = reason
-        use_gait(planner, wanted_gait(planner, command))
-        change_mover(planner, walker(planner))
+        change_mover(planner, MOVER_TROT)
     return reason

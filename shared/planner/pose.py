@@ -1,15 +1,14 @@
 """The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
 
 from ..body.balance import balance_release, balance_step
-from ..body.compliance import sag_leg
 from ..body.leg import leg_inverse, limit_joints
 from ..body.params import LEGS
 from ..body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
 from ..body.reach import TOO_NEAR, reach_foot
+from ..body.stability import support_margin
 from ..num.fixed import saturate
 from ..runtime import Ints, hot
 from ..sense.sensed import Sensed
-from ..trot.trot import pose_body, raise_body, share_weight
 from .command import Command
 from .handover import fade_out
 from .state import PlannerState
@@ -17,21 +16,14 @@ from .status import NO_ATTITUDE
 
 
 @hot
-def pose_legs(planner: PlannerState, command: Command, sensed: Sensed, own: int) -> int:
-    """Put the body over the planned feet and solve the legs into ``planner.goal``; return their flags.
-
-    own: 1 for the trot's stance (higher, ahead, sag fed forward), 0 to go back to the rest stance.
-    """
+def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
+    """Put the body over the planned feet and solve the legs into ``planner.goal``; return their flags."""
     status = planner.status
+    fade = planner.fade
     level(planner, command, sensed)
-    active = raise_body(planner.params, planner.walk, own)
-    status.margin = share_weight(planner.params, planner.walk, planner.reached, status.swinging, own)
-    if active:
-        correction = planner.balance.correction
-        pose_body(planner.params, planner.walk, correction.roll, correction.pitch, planner.posed)
     flags = solve_legs(planner, planner.goal)
     status.flags |= flags
-    fade = planner.fade
+    tell_margin(planner)
     if fade.left:
         fade_out(planner.fade, planner.goal)
         for leg in range(LEGS):
@@ -75,12 +67,9 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     hip_feet = planner.hip_feet
     params = planner.params
     leg_flags = planner.leg_flags
-    load = planner.load
-    trot = planner.trot
     body_rotation(planner.posed, planner.rotation)
     status.beyond = 0
     together = 0
-    farthest = 0
     for leg in range(LEGS):
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
@@ -89,15 +78,29 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
             hip_feet[leg * 3 + 2] = highest
             flags = TOO_NEAR
         flags |= reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
-        far = leg_inverse(planner.params, leg, planner.reached, joints)
-        if far > farthest:
-            farthest = far
-        if load.force_q12[leg]:
-            sag_leg(planner.params, leg, planner.reached, 0, 0, load.force_q12[leg], joints)
+        leg_inverse(planner.params, leg, planner.reached, joints)
         flags |= limit_joints(planner.params, leg, joints)
         leg_flags[leg] = flags
         together |= flags
         if flags and status.swinging >> leg & 1 == 0:
             status.beyond = 1
-    trot.far = farthest
     return together
+
+
+@hot
+def tell_margin(planner: PlannerState) -> int:
+    """Write how far the centre of mass is inside the polygon of the standing feet into the status; return it, lu."""
+    params = planner.params
+    status = planner.status
+    reached = planner.reached
+    feet = planner.margin_feet
+    weights = planner.weights
+    at = 0
+    for leg in range(LEGS):
+        hip = params.legs[leg].hip
+        for axis in range(2):
+            feet[at + axis] = saturate(reached[at + axis] + hip[axis], -32767, 32767)
+        at += 3
+        weights[leg] = 1 - (status.swinging >> leg & 1)
+    status.margin = support_margin(planner.margin_feet, planner.weights, params.com_x, params.com_y)
+    return status.margin

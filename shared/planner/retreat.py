@@ -44,7 +44,7 @@ def retreat_step(
     Returns 1 once it has stood for half a second.
 
     moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
-    Back by 0.3 of the leg (72 mm for Caramelo) at 0.3 of the largest speed; all else as commanded.
+    Back by 0.3 of the leg (72 mm for Caramelo) at a tenth of the largest speed; all else as commanded.
     Intermediates: 3 * 2^15 * 2^8 lf.
     """
     repeat_command(command, told)
@@ -52,7 +52,7 @@ def retreat_step(
     retreat.ticks = saturate(retreat.ticks + 1, 0, 0xFFFF)
     if retreat.moved >= (params.leg_length * 3 << LF_BITS) // 10 or retreat.ticks > params.rate_hz * _LONGEST_S:
         retreat.ends = 1
-    told.speed[0] = -(params.speed_max[0] * 3 // 10)
+    told.speed[0] = -(params.speed_max[0] // 10)
     told.speed[1] = 0
     told.speed[2] = 0
     if retreat.ends:

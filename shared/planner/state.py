@@ -8,9 +8,9 @@ from ..gait.gaits import GAITS, gait_for
 from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock
 from ..runtime import zeros
+from ..sense.legs import Sensing
 from ..sense.sensed import Sensed
-from ..stride.state import Stride
-from ..trot.trot import Trot
+from ..trot.state import Trot
 from .command import Command
 from .goals import Past
 from .handover import Fade
@@ -30,7 +30,6 @@ class PlannerState:
         self.status = Status()
         self.clock = Clock()
         self.speed = zeros(SPEED_SIZE)
-        self.drive = zeros(SPEED_SIZE)  # the speed that is walked: corrected by odometry
         self.pose = zeros(POSE_SIZE)
         self.posed = zeros(POSE_SIZE)
         self.rotation = zeros(9)
@@ -40,19 +39,17 @@ class PlannerState:
         self.feet = zeros(JOINTS)
         self.hip_feet = zeros(JOINTS)
         self.reached = zeros(JOINTS)
+        self.margin_feet = zeros(JOINTS)  # lu in the body, of which the margin is told
+        self.weights = zeros(LEGS)  # 1: the foot stands
         self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
         self.joints = zeros(JOINTS)
         self.sensed = Sensed()  # what is believed of what is sensed
         self.joints_past = Past()
         self.tilt_past = Past()
         self.leg_flags = zeros(LEGS)
-        self.walk = Trot(params)
-        self.sensing = self.walk.sensing
-        self.trot = self.walk.state
-        self.load = self.walk.load
-        self.nav = self.walk.nav
+        self.sensing = Sensing()
         self.crawl = Crawl(params)
-        self.stride = Stride()
+        self.trot = Trot()
         self.fade = Fade()
         self.retreat = Retreat()
         self.back = Command()  # what the trot is told while it backs off

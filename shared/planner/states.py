@@ -11,9 +11,9 @@ from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
+from ..sense.legs import sensing_reset
 from ..sense.sensed import Sensed
-from ..stride.stride import stride_start
-from ..trot.trot import trot_reset
+from ..trot.trot import trot_start
 from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
 from .pose import solve_legs
@@ -128,8 +128,8 @@ def settle(planner: PlannerState) -> int:
     status.holds = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
-    trot_reset(planner.params, planner.walk)
-    stride_start(planner.params, planner.stride)
+    sensing_reset(planner.sensing)
+    trot_start(planner.params, planner.trot)
     place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
     return 0
 

@@ -3,10 +3,9 @@
     command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
 
-from ..body.balance import balance_gains
 from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, body_advance, move_feet, place_feet, steps_at_rest
-from ..gait.table import MOVER_TABLE, gait_clock
+from ..gait.table import gait_clock
 from ..num.fixed import saturate
 from ..runtime import hot
 from .command import MODE_WALK, Command, slew_pose, slew_speed
@@ -73,21 +72,21 @@ def hold_back(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def lift_height(planner: PlannerState, height_lu: int, extra_lu: int) -> int:
-    """Return how high a swing lifts, lu: as commanded (0 or less: the gait's own) and ``extra`` more, within reach."""
+def lift_height(planner: PlannerState, height_lu: int) -> int:
+    """Return how high a swing lifts, lu: as commanded (0 or less: the gait's own), within reach."""
     status = planner.status
     params = planner.params
     if height_lu <= 0:
         height_lu = status.height
-    return saturate(saturate(height_lu, 0, 32767) + extra_lu, 0, -params.sit_z)
+    return saturate(height_lu, 0, -params.sit_z)
 
 
 @hot
 def step_feet(planner: PlannerState, height_lu: int) -> int:
     """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits. height: lu."""
     status = planner.status
-    move_feet(planner.steps, planner.drive, body_advance(planner.gait, planner.clock))
-    status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.drive, height_lu, planner.feet)
+    move_feet(planner.steps, planner.speed, body_advance(planner.gait, planner.clock))
+    status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.speed, height_lu, planner.feet)
     return status.swinging
 
 
@@ -151,9 +150,5 @@ def use_gait(planner: PlannerState, gait: int) -> int:
     status.gait = gait
     planner.gait = planner.gaits[gait]
     taken = planner.gait
-    gains = 1
-    if taken.mover == MOVER_TABLE:
-        gains = 0
-    balance_gains(planner.params, gains, planner.balance)
     status.height = (taken.height_mm << params.length_shift) // 1000
     return 0

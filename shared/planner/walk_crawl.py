@@ -1,28 +1,19 @@
 """The crawl mover: one leg at a time over what is in the way (shared/crawl), from the measured joints and the tilt."""
 
-from ..body.balance import balance_reset
 from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
 from ..gait.steps import SPEED_SIZE
-from ..gait.table import MOVER_CRAWL, MOVER_STRIDE
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
-from ..sense.legs import sense_legs
+from ..sense.legs import sense_legs, sensing_reset
 from ..sense.sensed import Sensed
 from .command import MODE_WALK, Command
-from .handover import (
-    REASON_COMMAND,
-    REASON_EVEN,
-    REASON_NONE,
-    exchanges,
-    fade_start,
-    steps_from_crawl,
-    straight_on,
-)
+from .handover import REASON_COMMAND, REASON_EVEN, REASON_NONE, exchanges, straight_on
 from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
-from .steps import wanted_gait
+from .steps import use_gait, wanted_gait
 
 
 @hot
@@ -102,9 +93,9 @@ def gives_way(planner: PlannerState, command: Command) -> int:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
-    if gait.mover == MOVER_STRIDE and status.gait != wanted:
+    if gait.mover == MOVER_TROT and status.gait != wanted:
         return REASON_COMMAND
-    status.gait = wanted
+    use_gait(planner, wanted)
     if gait.mover != MOVER_CRAWL and ground_even(planner.crawl.even):
         return REASON_EVEN
     return REASON_NONE
@@ -112,17 +103,11 @@ def gives_way(planner: PlannerState, command: Command) -> int:
 
 @hot
 def stop_crawl(planner: PlannerState) -> int:
-    """End the crawl: another walks on from where the feet stand, from rest; return 0."""
+    """End the crawl, which rests: the trot walks on from the goals sent last; return 0."""
     status = planner.status
-    trot = planner.trot
     speed = planner.speed
-    steps_from_crawl(planner.params, planner.crawl.map, planner.crawl.path, trot.ahead, trot.sway, planner.steps)
-    fade_start(planner.params, planner.fade, planner.joints)
     for axis in range(SPEED_SIZE):
         speed[axis] = 0
-    balance_reset(planner.balance)
-    trot.rough = 0
-    status.advice = 0
-    status.cycles = 0
+    sensing_reset(planner.sensing)
     status.state = WALKING
     return 0

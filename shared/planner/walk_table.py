@@ -6,10 +6,8 @@
 from ..gait.steps import start_swings
 from ..runtime import hot
 from ..sense.sensed import Sensed
-from ..trot.navigate import drive_as_told
 from .command import Command
 from .pose import pose_legs
-from .senses import relax
 from .state import PlannerState
 from .steps import follow_command, lift_height, limit_to_both, next_cycle, stands, step_feet, wanted_gait
 
@@ -27,10 +25,9 @@ def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     fits = limit_to_both(planner, wanted)
     still = follow_command(planner, command, 1 + status.cycles)
     if stands(planner, still) == 0:
-        drive_as_told(planner.speed, planner.drive)
         if clock.tick == 0:
             start_swings(planner.gait, planner.clock, planner.steps)
-        step_feet(planner, lift_height(planner, command.height, 0))
+        step_feet(planner, lift_height(planner, command.height))
         next_cycle(planner, wanted, fits, still)
-    pose_legs(planner, command, sensed, 0)
-    return relax(planner)
+    pose_legs(planner, command, sensed)
+    return 0

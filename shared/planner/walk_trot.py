@@ -1,92 +1,128 @@
-"""The trot mover: what is sensed goes to the trot (shared/trot), whose table, speed, sway and footholds follow it.
+"""The trot's mover: command and senses go to the trot (shared/trot), its goals and feet to the planner."""
 
-    senses -> legs, ground, motion;  command -> slewed speed -> corrected speed -> gait clock -> feet -> body and legs
-"""
-
-from ..gait.steps import lift_at_once, start_swings
+from ..body.legs import legs_forward
+from ..body.params import JOINTS, LEGS, LF_BITS
+from ..body.pose import POSE_SIZE
+from ..gait.steps import SPEED_SIZE, steps_reset
+from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.sensed import Sensed
-from ..trot.navigate import drive_as_told
-from ..trot.trot import begin_segment, drive_speed, learn_centre, sway_body, trot_start
+from ..trot.lead import solve
+from ..trot.state import trot_reset
+from ..trot.trot import trot_done, trot_tick
 from .command import Command
-from .pose import pose_legs
-from .senses import feel
+from .handover import fade_start, straight_on
 from .state import PlannerState
-from .status import STANDING
-from .steps import follow_command, lift_height, limit_to_both, next_cycle, stands, step_feet, wanted_gait
+from .status import BLIND, NO_ATTITUDE, STANDING, WALKING
+from .steps import follow_command, limit_to_both, use_gait, wanted_gait
+
+
+@hot
+def start_trot(planner: PlannerState) -> int:
+    """Begin where the goals sent last have the feet; return 0."""
+    trot = planner.trot
+    work = trot.work
+    feet = trot.feet
+    measured = trot.measured
+    pose = planner.pose
+    posed = trot.posed
+    trot_reset(planner.params, planner.trot)
+    legs_forward(planner.params, planner.joints, work.waves, trot.measured)
+    for at in range(JOINTS):
+        feet[at] = measured[at] << LF_BITS
+    for axis in range(POSE_SIZE):
+        posed[axis] = pose[axis]
+    solve(planner.params, planner.trot)
+    return 0
 
 
 @hot
 def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by the trot; return 0.
+    """One tick of standing or walking by the trot; return the legs in swing, bits.
 
-    In its first tick after standing up, or after a table gait that stood, the trot does not feel yet.
+    Without measured joints, tilt or rates it goes on by what it is told (BLIND).
     """
     status = planner.status
     trot = planner.trot
-    stood = 0
-    feels = 1
-    if status.state == STANDING:
-        stood = 1
-        feels = trot.active
-    if feels:
-        feel(planner, sensed)
-    wanted = wanted_gait(planner, command)
-    fits = limit_to_both(planner, wanted)
-    start_slowly(planner)
-    still = follow_command(planner, command, 2)
-    if stands(planner, still):
-        sway_body(planner.params, planner.walk, planner.gait, planner.clock, 0)
-    else:
-        if stood:
-            trot_start(planner.params, planner.walk)
-        step_trot(planner, command.height, still)
-        next_cycle(planner, wanted, fits, still)
-    pose_legs(planner, command, sensed, feels)
-    trot.active = 1
-    return 0
+    state = trot.state
+    wish = trot.wish
+    still = follow_trot(planner, command)
+    if status.state == STANDING and still == 0:
+        status.state = WALKING
+    wish.moving = 0
+    if status.state == WALKING:
+        wish.moving = 1
+    wish.balance = command.balance
+    wish.height = command.height
+    flags = trot_tick(planner.params, planner.trot, sensed, planner.speed, planner.pose, planner.goal)
+    status.flags |= flags
+    status.beyond = 0
+    if wish.moving == 0 and flags:
+        status.beyond = 1
+    if wish.moving and still and trot_done(planner.trot):
+        status.state = STANDING
+    if state.known == 0:
+        status.flags |= BLIND
+        if command.balance:
+            status.flags |= NO_ATTITUDE
+    return tell_trot(planner)
 
 
 @hot
-def start_slowly(planner: PlannerState) -> int:
-    """Limit ``top`` to what the trot may do so soon after its start, turning in proportion; return 0.
+def follow_trot(planner: PlannerState, command: Command) -> int:
+    """Move speed and pose one tick towards the command, slower while swings are high; return 1 if the speed is 0.
 
-    Intermediates: 2^18 turned down to 12 bits times 2^16.
+    What another mover is to walk it does not: it comes to a stand.
     """
     params = planner.params
+    status = planner.status
     trot = planner.trot
+    state = trot.state
     top = planner.top
-    fastest = trot.fastest
-    for axis in range(2):
-        if top[axis] > fastest:
-            top[axis] = fastest
-    share_q10 = saturate((fastest << 10) // params.speed_max[0], 1, 1024)
-    turn = (params.speed_max[2] * share_q10 >> 10) + 1
-    if top[2] > turn:
-        top[2] = turn
-    return 0
+    wanted = wanted_gait(planner, command)
+    limit_to_both(planner, wanted)
+    if state.high_left:
+        for axis in range(2):
+            top[axis] = saturate(top[axis], 0, params.trot.high_speed)
+    halves = 0
+    gait = planner.gaits[wanted]
+    if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and straight_on(planner.params, command) == 0):
+        halves = 2
+        if status.gait != wanted:
+            use_gait(planner, wanted)
+    return follow_command(planner, command, halves)
 
 
 @hot
-def step_trot(planner: PlannerState, height_lu: int, still: int) -> int:
-    """Move and place all feet for one tick of the trot; return the legs in swing, bits.
-
-    height: lift of a swing, lu; 0 or less: the gait's own. still: 1 while the commanded speed is 0.
-    """
+def tell_trot(planner: PlannerState) -> int:
+    """Write the feet, in the body, and the legs in swing to where the planner tells them; return those, bits."""
     status = planner.status
     trot = planner.trot
-    clock = planner.clock
-    height_lu = lift_height(planner, height_lu, trot.lift)
-    if still:
-        drive_as_told(planner.speed, planner.drive)
-    else:
-        drive_speed(planner.params, planner.walk, planner.speed, planner.drive)
-    if clock.tick == 0:
-        begin_segment(planner.params, planner.walk, planner.gait, planner.clock, planner.speed, planner.drive)
-        start_swings(planner.gait, planner.clock, planner.steps)
-        lift_at_once(planner.steps, height_lu)
-    step_feet(planner, height_lu)
-    sway_body(planner.params, planner.walk, planner.gait, planner.clock, 1)
-    learn_centre(planner.params, planner.walk, planner.clock)
-    return status.swinging
+    state = trot.state
+    planned = trot.feet
+    hip_feet = trot.hip_feet
+    feet = planner.feet
+    reached = planner.reached
+    for at in range(JOINTS):
+        feet[at] = planned[at] >> LF_BITS
+        reached[at] = hip_feet[at]
+    leg_flags = planner.leg_flags
+    for leg in range(LEGS):
+        leg_flags[leg] = 0
+    status.swinging = state.swinging
+    status.margin = 0
+    return state.swinging
+
+
+@hot
+def stop_trot(planner: PlannerState) -> int:
+    """End the trot, which stands: another goes on from its goals; return 0."""
+    status = planner.status
+    speed = planner.speed
+    for axis in range(SPEED_SIZE):
+        speed[axis] = 0
+    steps_reset(planner.params, planner.steps)
+    fade_start(planner.params, planner.fade, planner.joints)
+    status.cycles = 0
+    return 0

@@ -32,6 +32,7 @@ class Attitude:
     roll: int = field("brad", "the result")
     pitch: int = field("brad", "the result")
     rest_q27: Ints = vector(3, "rad Q27", "what of each axis's turn was too small for the tick before")
+    turned: Ints = vector(3, "2^-18 rad", "turn about x, y and z in the last tick")
 
 
 ALIGNING = const(1)  # attitude_step flags
@@ -51,6 +52,7 @@ def attitude_reset(attitude: Attitude) -> int:
         attitude.gyro_sum[axis] = 0
         attitude.gravity[axis] = 0
         attitude.rest_q27[axis] = 0
+        attitude.turned[axis] = 0
     attitude.gravity[2] = _ONE_Q22
     attitude.rejected = 0
     attitude.roll = 0
@@ -138,6 +140,9 @@ def turn(attitude: Attitude, gyro_accel: Ints) -> int:
     wx = rate_q18(attitude, gyro_accel[0], 0)
     wy = rate_q18(attitude, gyro_accel[1], 1)
     wz = rate_q18(attitude, gyro_accel[2], 2)
+    attitude.turned[0] = wx
+    attitude.turned[1] = wy
+    attitude.turned[2] = wz
     x = attitude.gravity[0]
     y = attitude.gravity[1]
     z = attitude.gravity[2]

@@ -1,8 +1,7 @@
-"""What the legs tell: where the feet are, how far the body has moved over them, how much each carries.
+"""What the legs tell: where the feet are, where their contacts have rolled, how much each carries.
 
 Forward kinematics of the measured joints (paper A eqs 1-6) give the feet in the body; roll and
-pitch turn them level. A foot that stands does not move, so the body moves against the mean of the
-standing feet; the foot is round, so its contact rolls on by radius times the shank's turn. The
+pitch turn them level. A foot is round, so its contact rolls on by radius times the shank's turn. The
 joints give in proportion to their load, so goal minus measured, times stiffness, is the torque, and
 two torques are the foot's force along the leg:
 
@@ -11,7 +10,7 @@ two torques are the foot's force along the leg:
 with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import JOINTS, LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
@@ -24,11 +23,8 @@ class Sensing:
     level: Ints = vector(JOINTS, "lu", "the feet from the middle of the hips, in level axes that turn with the body")
     force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
     rolled: Ints = vector(2 * LEGS, "lu", "x, y of each foot less what it rolled")
-    before: Ints = vector(2 * LEGS, "lu", "the same in the tick before")
     joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")
     known: int = field("ticks", "measured in a row, up to 100")
-    moved_x: int = field("lf", "how far the body moved forward in this tick, level axes")
-    moved_y: int = field("lf", "how far to the left")
     sent_at: int = field("", "where in the ring the next goals go, 0 .. 15")
     sent: Ints = vector(16 * JOINTS, "brad", "ring of the goals of the last 16 ticks")
     roll: int = field("brad", "of this tick")
@@ -52,8 +48,6 @@ _STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell 
 def sensing_reset(sensing: Sensing) -> int:
     """Forget all that was measured, and the goals; return 0."""
     sensing.known = 0
-    sensing.moved_x = 0
-    sensing.moved_y = 0
     sensing.sent_at = 0
     sensing.answered = -1
     for leg in range(LEGS):
@@ -135,7 +129,7 @@ def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, 
     """Turn a foot at (x, y, z) in the body level into ``level``; write where its contact had been without rolling.
 
     x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. ``rolled``: error at
-    most 1/600 of the way rolled + 1 lu; its last values go to ``before``. Returns 0. Used by sense_leg.
+    most 1/600 of the way rolled + 1 lu. Returns 0. Used by sense_leg.
     Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
     at = leg * 3
@@ -150,8 +144,6 @@ def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, 
     sensing.level[at + 1] = aside
     sensing.level[at + 2] = y * sine + z * cosine + 0x1000 >> 13
     at = leg * 2
-    sensing.before[at] = sensing.rolled[at]
-    sensing.before[at + 1] = sensing.rolled[at + 1]
     rolls_q12 = sensing.rolls_q12
     shank_brad = (shank_brad + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
     hip_brad = (hip_brad + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
@@ -214,50 +206,3 @@ def joint_torque(stiff_q8: int, damp_q8: int, error_brad: int, turned_brad: int)
     if torque < -32767:
         return -32767
     return torque
-
-
-@hot
-def sense_moved(sensing: Sensing, weights: Ints) -> int:
-    """Write how far the body moved over the feet with a weight above 0 into ``moved_x``, ``moved_y``; return how many.
-
-    Level axes that turn with the body, lf; 0 without such a foot or in the first tick. A foot's own way is
-    limited to +-4095 lu a tick. About 1 % of the way in simulation.
-    """
-    count = 0
-    x = 0
-    y = 0
-    if sensing.known > 1:
-        at = 0
-        for leg in range(LEGS):
-            if weights[leg] > 0:
-                x -= saturate(sensing.rolled[at] - sensing.before[at], -_TURN_MAX, _TURN_MAX)
-                y -= saturate(sensing.rolled[at + 1] - sensing.before[at + 1], -_TURN_MAX, _TURN_MAX)
-                count += 1
-            at += 2
-    if count:
-        x = (x << LF_BITS) // count
-        y = (y << LF_BITS) // count
-    sensing.moved_x = x
-    sensing.moved_y = y
-    return count
-
-
-@hot
-def stands_level(params: Params, sensing: Sensing) -> int:
-    """Return 1 if all four feet are within 1/32 of the leg in height (7.5 mm for Caramelo), or unknown; else 0.
-
-    A trot on a floor leaves them within half of that; one foot on an edge, or two beyond it, do not.
-    """
-    if sensing.known == 0:
-        return 1
-    low = sensing.level[2]
-    high = low
-    for leg in range(1, LEGS):
-        height = sensing.level[leg * 3 + 2]
-        if height < low:
-            low = height
-        if height > high:
-            high = height
-    if high - low > params.leg_length >> 5:
-        return 0
-    return 1

@@ -1,1 +1,1 @@
-"""The trot that feels load, ground and motion."""
+"""The trot: diagonals in turn without a pause, footholds where the measured speed wants them."""

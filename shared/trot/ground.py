@@ -1,92 +1,83 @@
-"""Follows uneven ground: footholds take the ground's twist, feet are lifted higher where it is rough.
+"""How the ground lies under the feet that stand: its slope, which the next feet come down on.
 
-Roll, pitch and height loops can't see the fourth way four feet can err: FR and RL high against FL
-and RR. Two diagonal feet then carry everything. The legs measure it.
+Single footholds are not remembered, their plane is: a foot that meets an edge tips the trunk, and a memory would keep
+the tip; a slope lasts.
 """
 
 from ..body.params import LEGS, Params
-from ..gait.steps import Steps
-from ..num.fixed import cos_q15, saturate, sin_q15
+from ..num.fixed import saturate
 from ..runtime import const, hot
-from ..sense.legs import Sensing
+from .state import Trot
 
-_ROUGH_FROM = const(455)  # brad, 2.5 deg: what walking on the flat tilts
-_ROUGH_RANGE = const(637)  # brad, 3.5 deg more: full extra lift
+_MOST_Q20 = const(314573)  # 0.3, 17 deg
+_STEP_Q14 = const(8191)
+_FAR = const(32767)
 
 
 @hot
-def twist(sensing: Sensing, roll_brad: int, pitch_brad: int) -> int:
-    """Return the mean of FR, RL minus FL, RR of the measured feet's heights over the ground's plane, lu.
+def feel_slope(params: Params, walk: Trot) -> int:
+    """Follow the slope of the measured feet that stand, in level axes; return how many stand.
 
-    sensing: a block of sense_legs; roll, pitch: how the ground's plane lies in level axes, brad. Error at most 4 lu.
-    Intermediates: 4 * 65535 * 2^12 at most (feet as sense_legs leaves them).
+    Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
+    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
-    x = sensing.level[0] - sensing.level[3] - sensing.level[6] + sensing.level[9] >> 2
-    y = sensing.level[1] - sensing.level[4] - sensing.level[7] + sensing.level[10] >> 2
-    z = sensing.level[2] - sensing.level[5] - sensing.level[8] + sensing.level[11] >> 2
-    z = z * (cos_q15(pitch_brad) >> 2) - x * (sin_q15(pitch_brad) >> 2) >> 13
-    return z * (cos_q15(roll_brad) >> 2) + y * (sin_q15(roll_brad) >> 2) >> 13
-
-
-@hot
-def follow_twist(params: Params, now_lf: int, measured_lu: int) -> int:
-    """Return the believed twist in lf, moved from ``now`` towards the measured one in lu.
-
-    A step is a share of at most 1/24 of the leg's length; the result within 1/12 of it.
-    Range: now within +-2^22, measured within +-2^20. Intermediates: 1365 * 32767 * 16.
-    """
-    leg = params.leg_length
-    gap = saturate(measured_lu - (now_lf >> 8), -(leg // 24), leg // 24)
-    most = (leg << 8) // 12
-    return saturate(now_lf + (gap * params.warp_gain_q15 >> 7), -most, most)
-
-
-@hot
-def press_feet(params: Params, steps: Steps, twist_lu: int) -> int:
-    """Move the footholds' heights to the twisted ground: standing feet slowly, swing feet by their aim; return 0."""
-    most = params.foothold_step
+    measured = walk.measured
+    stands = walk.stands
+    middle_x = 0
+    middle_y = 0
+    middle_z = 0
+    count = 0
     for leg in range(LEGS):
-        step = steps.legs[leg]
-        floor = params.legs[leg].rest[2]
-        if leg == 0 or leg == 3:
-            floor += twist_lu
-        else:
-            floor -= twist_lu
-        step.to_z = floor
-        if step.ticks == 0 and step.z != floor:
-            step.z += saturate(floor - step.z, -most, most)
-    return 0
+        if stands[leg]:
+            middle_x += measured[leg * 3]
+            middle_y += measured[leg * 3 + 1]
+            middle_z += level_z(walk, leg)
+            count += 1
+    if count < 2:
+        return count
+    middle_x = middle_x // count
+    middle_y = middle_y // count
+    middle_z = middle_z // count
+    along_x = 0
+    along_y = 0
+    square = 0
+    for leg in range(LEGS):
+        if stands[leg]:
+            x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
+            y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
+            off = level_z(walk, leg) - middle_z - ground_z(walk, x, y)
+            off = saturate(off, -_FAR, _FAR)
+            x >>= 5
+            y >>= 5
+            along_x += off * x
+            along_y += off * y
+            square += x * x + y * y
+    square = (square >> 9) + 1
+    follow_slope(params, walk, 0, along_x // square)
+    follow_slope(params, walk, 1, along_y // square)
+    return count
 
 
 @hot
-def roughness(params: Params, now: int, roll_brad: int, pitch_brad: int) -> int:
-    """Return the largest tilt of late in 1/16 brad: the present one, or the last one faded; now 0 .. 2^19."""
-    if roll_brad < 0:
-        roll_brad = -roll_brad
-    if pitch_brad < 0:
-        pitch_brad = -pitch_brad
-    if pitch_brad > roll_brad:
-        roll_brad = pitch_brad
-    faded = now - ((now >> 4) * params.rough_decay_q15 >> 11)
-    if roll_brad << 4 > faded:
-        return saturate(roll_brad << 4, 0, 0x7FFFF)
-    return faded
+def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> int:
+    """Move one slope by its share of what it is off, any 30 bits; return it, Q20, within 0.3."""
+    state = walk.state
+    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
+    state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
+    return state.slope_q20[axis]
 
 
 @hot
-def extra_lift(params: Params, rough: int, behind_lf: int, speed: int) -> int:
-    """Return how much higher than usual to lift, 0 .. 1/12 of the leg's length, lu.
+def level_z(walk: Trot, leg: int) -> int:
+    """Return the height of a measured foot in level axes, lu."""
+    state = walk.state
+    measured = walk.measured
+    at = leg * 3
+    return measured[at + 2] + (measured[at + 1] * state.tilt_q14[0] >> 14) - (measured[at] * state.tilt_q14[1] >> 14)
 
-    rough: from roughness; behind: lf, within +-2^22, how far the robot is behind its reference; speed: lf / tick,
-    within +-2^19. Tilts from 2.5 to 6 deg, or a lag of 1/12 of the leg beyond the usual, raise it from 0 to all.
-    """
-    leg = params.leg_length
-    if speed < 0:
-        speed = -speed
-    most = leg // 12
-    by_tilt = saturate((rough >> 4) - _ROUGH_FROM, 0, _ROUGH_RANGE) * most // _ROUGH_RANGE
-    usual = leg // 60 + (speed * saturate(params.late_ticks, 0, 255) >> 8)
-    by_lag = saturate((behind_lf >> 8) - usual, 0, most)
-    if by_lag > by_tilt:
-        return by_lag
-    return by_tilt
+
+@hot
+def ground_z(walk: Trot, x: int, y: int) -> int:
+    """Return how much higher than below the body the ground is expected at a place, lu; x, y within +-65535."""
+    state = walk.state
+    return (x * (state.slope_q20[0] >> 6) >> 14) + (y * (state.slope_q20[1] >> 6) >> 14)

@@ -57,13 +57,11 @@ class Heartbeat:
     """State and identity of the joint."""
 
     state: int = field("", "0 .. 7")
-    mode: int = field("", "0 .. 7")
+    mode: int = field("", "0 .. 8")
     fault: int = field("", "0 .. 255")
     protocol_hash: int = field("", "0 .. 65535")
     session: int = field("", "0 .. 255")
-    firmware_major: int = field("", "0 .. 255")
-    firmware_minor: int = field("", "0 .. 255")
-    firmware_patch: int = field("", "0 .. 255")
+    build: int = field("", "0 .. 16777215")
 
 
 @record
@@ -86,6 +84,49 @@ class ServiceResponse:
     result: int = field("", "0 .. 18")
     index: int = field("", "0 .. 255")
     value: int = field("", "-1073741824 .. 1073741823")
+
+
+@record
+class UpdateRequest:
+    """Firmware over the bus: what the host asks of one joint."""
+
+    command: int = field("", "1 .. 8")
+    key: int = field("", "0 .. 255")
+    index: int = field("", "0 .. 65535")
+    low: int = field("", "0 .. 65535")
+    high: int = field("", "0 .. 65535")
+
+
+@record
+class UpdateBlock:
+    """Six bytes of an image, to all joints that write this slot."""
+
+    number: int = field("", "0 .. 65535")
+    word_0: int = field("", "0 .. 65535")
+    word_1: int = field("", "0 .. 65535")
+    word_2: int = field("", "0 .. 65535")
+
+
+@record
+class UpdateMissing:
+    """Blocks that the joint has not got."""
+
+    first: int = field("", "0 .. 131071")
+    second: int = field("", "0 .. 131071")
+    third: int = field("", "0 .. 131071")
+
+
+@record
+class UpdateAnswer:
+    """Answer to an update_request."""
+
+    command: int = field("", "1 .. 8")
+    key: int = field("", "0 .. 255")
+    state: int = field("", "0 .. 8")
+    reason: int = field("", "0 .. 11")
+    index: int = field("", "0 .. 255")
+    low: int = field("", "0 .. 65535")
+    high: int = field("", "0 .. 65535")
 
 
 @hot
@@ -222,26 +263,22 @@ def encode_heartbeat(frame: Ints, values: Heartbeat) -> int:
     """Encode heartbeat; return the number of values limited. Exact."""
     words = ptr16(frame)
     state = saturate(values.state, 0, 7)
-    mode = saturate(values.mode, 0, 7)
+    mode = saturate(values.mode, 0, 8)
     fault = saturate(values.fault, 0, 255)
     protocol_hash = saturate(values.protocol_hash, 0, 65535)
     session = saturate(values.session, 0, 255)
-    firmware_major = saturate(values.firmware_major, 0, 255)
-    firmware_minor = saturate(values.firmware_minor, 0, 255)
-    firmware_patch = saturate(values.firmware_patch, 0, 255)
+    build = saturate(values.build, 0, 16777215)
     words[0] = (state & 0xF) | ((mode & 0xF) << 4) | ((fault & 0xFF) << 8)
     words[1] = protocol_hash & 0xFFFF
-    words[2] = (session & 0xFF) | ((firmware_major & 0xFF) << 8)
-    words[3] = (firmware_minor & 0xFF) | ((firmware_patch & 0xFF) << 8)
+    words[2] = (session & 0xFF) | ((build & 0xFF) << 8)
+    words[3] = build >> 8 & 0xFFFF
     return (
         differs(state, values.state)
         + differs(mode, values.mode)
         + differs(fault, values.fault)
         + differs(protocol_hash, values.protocol_hash)
         + differs(session, values.session)
-        + differs(firmware_major, values.firmware_major)
-        + differs(firmware_minor, values.firmware_minor)
-        + differs(firmware_patch, values.firmware_patch)
+        + differs(build, values.build)
     )
 
 
@@ -254,12 +291,10 @@ def decode_heartbeat(frame: Ints, values: Heartbeat) -> int:
     values.fault = words[0] >> 8
     values.protocol_hash = words[1]
     values.session = words[2] & 0xFF
-    values.firmware_major = words[2] >> 8
-    values.firmware_minor = words[3] & 0xFF
-    values.firmware_patch = words[3] >> 8
+    values.build = (words[2] >> 8) + ((words[3]) << 8)
     return (
         outside(values.state, 0, 7, 0)
-        + outside(values.mode, 0, 7, 0)
+        + outside(values.mode, 0, 8, 0)
     )
 
 
@@ -331,4 +366,110 @@ def decode_service_response(frame: Ints, values: ServiceResponse) -> int:
     return (
         outside(values.command, 1, 14, 1)
         + outside(values.result, 0, 18, 0)
+    )
+
+
+@hot
+def encode_update_request(frame: Ints, values: UpdateRequest) -> int:
+    """Encode update_request; return the number of values limited. Exact."""
+    words = ptr16(frame)
+    command = saturate(values.command, 1, 8)
+    key = saturate(values.key, 0, 255)
+    index = saturate(values.index, 0, 65535)
+    low = saturate(values.low, 0, 65535)
+    high = saturate(values.high, 0, 65535)
+    words[0] = (command & 0xFF) | ((key & 0xFF) << 8)
+    words[1] = index & 0xFFFF
+    words[2] = low & 0xFFFF
+    words[3] = high & 0xFFFF
+    return (
+        differs(command, values.command)
+        + differs(key, values.key)
+        + differs(index, values.index)
+        + differs(low, values.low)
+        + differs(high, values.high)
+    )
+
+
+@hot
+def decode_update_request(frame: Ints, values: UpdateRequest) -> int:
+    """Decode update_request; return the number of values out of range. Exact."""
+    words = ptr16(frame)
+    values.command = words[0] & 0xFF
+    values.key = words[0] >> 8
+    values.index = words[1]
+    values.low = words[2]
+    values.high = words[3]
+    return outside(values.command, 1, 8, 1)
+
+
+@hot
+def encode_update_missing(frame: Ints, values: UpdateMissing) -> int:
+    """Encode update_missing; return the number of values limited. Exact."""
+    words = ptr16(frame)
+    first = saturate(values.first, 0, 131071)
+    second = saturate(values.second, 0, 131071)
+    third = saturate(values.third, 0, 131071)
+    words[0] = first & 0xFFFF
+    words[1] = (first >> 16 & 0x1) | ((second & 0x7FFF) << 1)
+    words[2] = (second >> 15 & 0x3) | ((third & 0x3FFF) << 2)
+    words[3] = third >> 14 & 0x7
+    return (
+        differs(first, values.first)
+        + differs(second, values.second)
+        + differs(third, values.third)
+    )
+
+
+@hot
+def decode_update_missing(frame: Ints, values: UpdateMissing) -> int:
+    """Decode update_missing; return the number of values out of range. Exact."""
+    words = ptr16(frame)
+    values.first = (words[0]) + ((words[1] & 0x1) << 16)
+    values.second = (words[1] >> 1) + ((words[2] & 0x3) << 15)
+    values.third = (words[2] >> 2) + ((words[3] & 0x7) << 14)
+    return 0
+
+
+@hot
+def encode_update_answer(frame: Ints, values: UpdateAnswer) -> int:
+    """Encode update_answer; return the number of values limited. Exact."""
+    words = ptr16(frame)
+    command = saturate(values.command, 1, 8)
+    key = saturate(values.key, 0, 255)
+    state = saturate(values.state, 0, 8)
+    reason = saturate(values.reason, 0, 11)
+    index = saturate(values.index, 0, 255)
+    low = saturate(values.low, 0, 65535)
+    high = saturate(values.high, 0, 65535)
+    words[0] = (command & 0xFF) | ((key & 0xFF) << 8)
+    words[1] = (state & 0xF) | ((reason & 0xF) << 4) | ((index & 0xFF) << 8)
+    words[2] = low & 0xFFFF
+    words[3] = high & 0xFFFF
+    return (
+        differs(command, values.command)
+        + differs(key, values.key)
+        + differs(state, values.state)
+        + differs(reason, values.reason)
+        + differs(index, values.index)
+        + differs(low, values.low)
+        + differs(high, values.high)
+    )
+
+
+@hot
+def decode_update_answer(frame: Ints, values: UpdateAnswer) -> int:
+    """Decode update_answer; return the number of values out of range. Exact."""
+    words = ptr16(frame)
+    values.command = words[0] & 0xFF
+    values.key = words[0] >> 8
+    values.state = words[1] & 0xF
+    values.reason = words[1] >> 4 & 0xF
+    values.index = words[1] >> 8
+    values.low = words[2]
+    values.high = words[3]
+    return (
+        outside(values.command, 1, 8, 1)
+        + outside(values.state, 0, 8, 0)
+        + outside(values.reason, 0, 11, 0)
     )

@@ -5,15 +5,28 @@ Identifier = block * 128 + rest. A block holds one kind of frame; the rest is th
 """
 
 from ..runtime import Ints, const, hot, ptr16
-from .names import E_STOP_ID, HEARTBEAT_ID, REPLY_ID, SERVICE_REQUEST_ID, SETPOINT_POSITION_ID, SYNC_ID
+from .names import (
+    E_STOP_ID,
+    HEARTBEAT_ID,
+    REPLY_ID,
+    SERVICE_REQUEST_ID,
+    SETPOINT_POSITION_ID,
+    SYNC_ID,
+    UPDATE_BLOCK_ID,
+    UPDATE_REQUEST_ID,
+)
 
 NODES = const(12)  # the joints; node 0 has no id yet
 SETPOINT_KINDS = const(8)
-FILTERS = const(7)  # hardware filters of one joint
+FILTERS = const(8)  # hardware filters of one joint
 _BLOCK_MASK = const(0x780)
 _REST_MASK = const(0x7F)
 _ALL_BITS = const(0x7FF)
 _GROUP_BITS = const(0x7F8)  # every set-point kind of one group
+BLOCK_HIGH = const(1)  # bits of update_block's identifier: bit 16 of the number; the slot; of the image's header
+BLOCK_SLOT = const(2)
+BLOCK_HEADER = const(4)
+BLOCK_MASK = const(0x7FA)  # the others: what is for one slot
 
 
 @hot
@@ -91,7 +104,7 @@ def joint_filters(pairs: Ints, node: int) -> int:
     """Write the hardware filters of one joint, (identifier, mask) pairs; return how many there are.
 
     ``pairs`` is an array('H') of 2 * FILTERS. E-stop, SYNC, the set-points of its group, requests to it
-    and to all, and its own heartbeats and replies: hearing one of those means a second node has its id.
+    and to all, its own heartbeats and replies (hearing one of those means a second node has its id), updates of it.
     A node not assigned (0) needs no set-points and gets 4 filters.
     """
     table = ptr16(pairs)
@@ -111,4 +124,17 @@ def joint_filters(pairs: Ints, node: int) -> int:
     table[11] = _ALL_BITS
     table[12] = REPLY_ID | node
     table[13] = _ALL_BITS
+    table[14] = UPDATE_REQUEST_ID | node
+    table[15] = _ALL_BITS
     return FILTERS
+
+
+@hot
+def update_filters(pairs: Ints, node: int, slot: int) -> int:
+    """Write the hardware filters of joint 1 .. 12 while slot 0 or 1 is written; return how many there are."""
+    table = ptr16(pairs)
+    table[0] = UPDATE_REQUEST_ID | node
+    table[1] = _ALL_BITS
+    table[2] = UPDATE_BLOCK_ID | slot << 1
+    table[3] = BLOCK_MASK
+    return 2

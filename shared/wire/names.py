@@ -3,7 +3,7 @@
 from ..runtime import const
 
 # Of the meaning of every frame and parameter; host and joint refuse each other when it differs.
-PROTOCOL_HASH = const(0xE873)
+PROTOCOL_HASH = const(0xEFA1)
 
 # Identifier of node 0 or group 0, and length in bytes, of each kind of frame.
 E_STOP_ID = const(0x000)
@@ -30,6 +30,14 @@ SERVICE_REQUEST_ID = const(0x380)
 SERVICE_REQUEST_LENGTH = const(8)
 SERVICE_RESPONSE_ID = const(0x400)
 SERVICE_RESPONSE_LENGTH = const(8)
+UPDATE_REQUEST_ID = const(0x480)
+UPDATE_REQUEST_LENGTH = const(8)
+UPDATE_BLOCK_ID = const(0x500)
+UPDATE_BLOCK_LENGTH = const(8)
+UPDATE_MISSING_ID = const(0x580)
+UPDATE_MISSING_LENGTH = const(8)
+UPDATE_ANSWER_ID = const(0x600)
+UPDATE_ANSWER_LENGTH = const(8)
 
 # A slot or value that is not there; of fields of other than 16 bits with their length.
 NO_CHANGE = const(-32768)
@@ -55,6 +63,7 @@ MODE_IMPEDANCE = const(4)
 MODE_DAMPING = const(5)
 MODE_CALIBRATING = const(6)
 MODE_HOMING = const(7)
+MODE_UPDATING = const(8)
 
 # service_request.command
 COMMAND_DISCOVER = const(1)
@@ -106,3 +115,38 @@ LIMIT_UNDER_VOLTAGE = const(256)
 LIMIT_OVER_VOLTAGE = const(512)
 LIMIT_STALL = const(1024)
 LIMIT_WATCHDOG = const(2048)
+
+# update_request.command
+UPDATE_LOOK = const(1)
+UPDATE_BEGIN = const(2)
+UPDATE_ERASE = const(3)
+UPDATE_MISSING = const(4)
+UPDATE_VERIFY = const(5)
+UPDATE_SWITCH = const(6)
+UPDATE_CONFIRM = const(7)
+UPDATE_CANCEL = const(8)
+
+# update_answer.state
+UPDATE_IS_RUNNING = const(0)
+UPDATE_IS_WAITING = const(1)
+UPDATE_IS_CHECKED = const(2)
+UPDATE_IS_ERASING = const(3)
+UPDATE_IS_TAKING = const(4)
+UPDATE_IS_WHOLE = const(5)
+UPDATE_IS_REFUSED = const(6)
+UPDATE_IS_FAILED = const(7)
+UPDATE_IS_LEAVING = const(8)
+
+# update_answer.reason
+UPDATE_WHY_NONE = const(0)
+UPDATE_WHY_ARMED = const(1)
+UPDATE_WHY_NO_FLASH = const(2)
+UPDATE_WHY_OTHER_UPDATE = const(3)
+UPDATE_WHY_NOT_A_HEADER = const(4)
+UPDATE_WHY_OTHER_BOARD = const(5)
+UPDATE_WHY_RUNNING_SLOT = const(6)
+UPDATE_WHY_OTHER_IMAGE = const(7)
+UPDATE_WHY_NO_MEMORY = const(8)
+UPDATE_WHY_FLASH = const(9)
+UPDATE_WHY_DIFFERENT = const(10)
+UPDATE_WHY_WRONG_STATE = const(11)

@@ -30,6 +30,8 @@ from .names import (
     SETPOINT_POSITION_LENGTH,
     SYNC_ID,
     SYNC_LENGTH,
+    UPDATE_REQUEST_ID,
+    UPDATE_REQUEST_LENGTH,
 )
 
 
@@ -59,6 +61,7 @@ FRAME_REQUEST = const(5)  # a service request to this node or to all
 FRAME_TWIN = const(6)  # another node sends under this node's id
 FRAME_BAD = const(7)  # too short or out of range, counted
 FRAME_OTHER_SESSION = const(8)  # SYNC of a host that did not arm this joint: nothing latched
+FRAME_UPDATE = const(9)  # a request of a firmware update to this node
 
 # Kinds of set-point, low bits of the identifier; kinds 0 .. 3 carry the mode kind + 1
 KIND_POSITION = const(0)
@@ -211,4 +214,8 @@ def accept_frame(link: Link, identifier: int, frame: Ints, length: int) -> int:
         return FRAME_REQUEST
     if node and (identifier == HEARTBEAT_ID + node or identifier == REPLY_ID + node):
         return FRAME_TWIN
+    if node and identifier == UPDATE_REQUEST_ID + node:
+        if length < UPDATE_REQUEST_LENGTH:
+            return _bad_frame(link)
+        return FRAME_UPDATE
     return FRAME_NOT_MINE

@@ -350,7 +350,8 @@ def filters_pass_what_the_joint_needs():
         joint.joint.set_node(node)
         group = {0x100 + 8 * ((node - 1) // 4) + kind for kind in range(8)} if node else set()
         own = {w.HEARTBEAT_ID + node, w.REPLY_ID + node} if node else set()
-        ordered = {w.E_STOP_ID, w.SYNC_ID} | group
+        update = {w.UPDATE_REQUEST_ID + node} if node else set()  # in that queue because there is a place in its bank
+        ordered = {w.E_STOP_ID, w.SYNC_ID} | group | update
         wanted = ordered | own | {w.SERVICE_REQUEST_ID, w.SERVICE_REQUEST_ID + node}
         banks = joint.model.can1.banks()
         assert not joint.model.can1.value["FMR"] & 1

@@ -1,5 +1,6 @@
 """A gait board fed with blocks of a stream while the heap is locked; runs on CPython and in MicroPython alike."""
 
+import shared.crawl.crawl  # noqa: F401, first: the VM's stack is too small for all of the planner's imports in one another
 from firmware.gait import GaitBoard
 from firmware.gait_main import BLOCK_BYTES, take_block
 from firmware.link import crc16

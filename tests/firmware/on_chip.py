@@ -39,13 +39,13 @@ def data(frame, length=8):
 class OnChip:
     """One joint. ``begin`` starts it; ``run`` goes on by milliseconds, a set-point each 5 ms if ``goal`` is set."""
 
-    def __init__(self, board=None, **more):
+    def __init__(self, board=None, update=None, **more):
         self.board = board or JointBoard(**more)
         self.model = self.board.model
         self.driver = Stm32F405Board(self.board)
         self.clock = self.driver.ticks_us
         self.driver.ticks_us = self._ticks_us
-        self.joint = Joint(self.driver, Memory())
+        self.joint = Joint(self.driver, Memory(), update)
         self.control = self.joint.control
         self._configure()
         self.joint.set_node(NODE)

@@ -296,6 +296,30 @@ def test_every_broken_byte_is_noticed():
     assert joint.control.io.hardware_fault == f.FAULT_STORAGE
 
 
+def test_another_firmware_takes_what_it_knows_and_the_node(monkeypatch):
+    journal = Memory()
+    saved(journal, p118=900, p119=800, p120=700, p0=6).parameters.save()
+    moved = list(joint_store.PARAMETER_KEY)
+    moved[118], moved[119] = moved[119], moved[118]  # two have changed places
+    moved[120] = 7  # one has another name, unit or scale
+    monkeypatch.setattr(joint_store, "PARAMETER_KEY", moved)
+    parameters = Joint(SimBoard(), journal).parameters
+    assert Joint(SimBoard(), journal).loaded == joint_store.LOADED
+    assert [parameters.get(at) for at in (118, 119, 120)] == [800, 900, PARAMETER_DEFAULT[120]]
+    assert parameters.node == 6
+
+
+def test_a_kept_value_out_of_its_range_is_noticed_and_the_node_stays(monkeypatch):
+    journal = Memory()
+    saved(journal, p118=900, p0=6).parameters.save()
+    high = list(joint_store.PARAMETER_HIGH)
+    high[118] = 899
+    monkeypatch.setattr(joint_store, "PARAMETER_HIGH", high)
+    joint = Joint(SimBoard(), journal)
+    assert (joint.loaded, joint.parameters.node) == (joint_store.BROKEN, 6)
+    assert joint.parameters.get(118) == PARAMETER_DEFAULT[118]
+
+
 def test_saving_that_fails_is_told(monkeypatch):
     journal = Memory()
     joint = saved(journal, **{f"p{ID['accel']}": 777})

@@ -8,7 +8,7 @@ import math
 
 from probe.robots import ATTITUDES, PARAMS
 
-from shared.gait.gaits import GAITS
+from shared.gait.gaits import GAITS, PAPER_TROT
 from shared.gait.table import MOVER_TABLE
 
 from . import body, fixed, leg, planner, reach, swing
@@ -68,7 +68,7 @@ def whole_robot():
 
 def walking(gait):
     """Return the tick of a float planner that walks, with a command and senses as the core's walk has."""
-    robot = planner.Planner(whole_robot(), [Gait(table, RATE_HZ) for _, _, table in GAITS])
+    robot = planner.Planner(whole_robot(), [Gait(table or PAPER_TROT, RATE_HZ) for _, _, table in GAITS])
     command, sensed = Bag(), Bag()
     command.mode, command.gait, command.balance, command.height_m = planner.WALK, gait, 1, 0.0
     command.speed, command.pose = [v / 2 for v in robot.robot.speed_max], [0.0] * 6

@@ -126,9 +126,3 @@ def leg_joints(foot, pose, hip, side_l1, l2, l3, knee):
     away = turn([foot[i] - pose[i] for i in range(3)], -pose[5])
     tilt = [0.0, 0.0, 0.0, pose[3], pose[4], 0.0]
     return twin_leg.inverse(twin_body.from_base(tilt, away, hip), side_l1, l2, l3, knee)
-
-
-def trot_foothold(foot, body, ahead, sway):
-    """Return x, y of a crawl's foothold for the trot: from the body, turned back, plus the trot's lead and sway."""
-    x, y, _ = turn([foot[0] - body[0], foot[1] - body[1], 0.0], -body[5])
-    return x + ahead, y + sway

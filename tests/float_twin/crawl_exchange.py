@@ -1,14 +1,13 @@
 """Who walks, trot or crawl, from docs/gaits.md: when the crawl begins, when the trot backs off first, when it ends.
 
 Speeds are per tick. A command comes as an object with walk (bool), gait and speed (vx, vy, wz); what is known of the
-robot with joints_ok, attitude_ok, fallen, standing, swinging, walked (the gait), behind (the trot is held up),
-lag (above 0: it was behind of late), heights (m, of the four feet, level), segment (ticks of its segment), moved (m,
+robot with joints_ok, attitude_ok, fallen, standing, walked (the gait), held (the trot is held up for good), moved (m,
 forwards in the last tick), known (ticks measured in a row); of the crawl with resting and even (landings in a row on
 even ground).
 """
 
 OFF, READY, ON, BACK = range(4)
-NO_REASON, BEHIND, COMMAND, EVEN = range(4)
+NO_REASON, HELD, COMMAND, EVEN = range(4)
 TROT, CRAWL = FEELING = 1, 2
 LANDINGS_EVEN = 16
 
@@ -27,24 +26,22 @@ class Retreat:
         far_enough = not self.doubt.above(0.3 * self.robot.leg_m, self.back_m, 1e-7)
         self.ends = self.ends or far_enough or self.ticks > 6 * self.robot.rate_hz
         self.stood = self.stood + 1 if self.ends and standing else 0
-        return 0.0 if self.ends else -0.3 * self.robot.vx_max, self.stood > self.robot.rate_hz / 2
+        return 0.0 if self.ends else -0.1 * self.robot.vx_max, self.stood > self.robot.rate_hz / 2
 
 
 def can_follow(robot, speed):
-    """Return whether the crawl can go that way: no more sideways than forwards, at most a quarter of the
-    fastest turn.
-    """
+    """Return whether the crawl can go that way: no more sideways than forwards, a twelfth of the fastest turn."""
     vx, vy, wz = speed
-    return vx > 0 and abs(vy) <= vx and abs(wz) <= robot.wz_max / 4
+    return vx > 0 and abs(vy) <= vx and abs(wz) <= robot.wz_max / 12
 
 
 class Exchange:
-    """The exchange of one robot; robot: what Retreat needs, wz_max, sent_ticks, stand_ticks, gaits (how many)."""
+    """The exchange of one robot; robot: what Retreat needs, wz_max, sent_ticks, gaits (how many)."""
 
     def __init__(self, robot, doubt):
         self.robot, self.doubt = robot, doubt
         self.stage, self.reason, self.blind = OFF, NO_REASON, False
-        self.walked, self.retreat, self.waited = None, None, 0
+        self.walked, self.retreat = None, None
 
     def takes(self, command, known):
         """Return whether this tick is the crawl's; what else has changed is in stage, reason and the gait walked.
@@ -64,31 +61,19 @@ class Exchange:
             self.blind = True
             return False
         self.reason = reason
-        if reason == BEHIND:
+        if reason == HELD:
             self.stage, self.retreat = BACK, Retreat(self.robot, self.doubt)
             return False
         self.stage, self.walked = READY, gait
         return True
 
     def why_begin(self, command, known):
-        """Return why the crawl is to begin now, or NO_REASON."""
-        gait = self.wanted(command)
+        """Return why the crawl is to begin now, commanded from a stand, or the trot to back off; or NO_REASON."""
         if not command.walk or known.fallen or not can_follow(self.robot, command.speed):
-            self.waited = 0
             return NO_REASON
-        return self.why_now(gait, known) if gait in FEELING and self.walked in FEELING else NO_REASON
-
-    def why_now(self, gait, known):
-        """Return why the trot gives way now: at once from a stand, or with all feet down, after 6 s at the latest."""
-        if gait == CRAWL and known.standing:
+        if self.walked == CRAWL and known.standing:
             return COMMAND
-        self.waited = self.waited + 1 if gait == CRAWL else 0
-        if known.standing or known.swinging or known.segment <= self.robot.stand_ticks:
-            return NO_REASON
-        if known.behind:
-            return BEHIND
-        clear = not known.lag and stands_level(self.robot, known)
-        return COMMAND if self.waited > 6 * self.robot.rate_hz or (gait == CRAWL and clear) else NO_REASON
+        return HELD if known.held else NO_REASON
 
     def backs_off(self, command, known):
         """Take one tick of backing off; return whether it is done. Another command or missing senses end it."""
@@ -116,6 +101,8 @@ class Exchange:
             return NO_REASON
         if not can_follow(self.robot, command.speed):
             return COMMAND
+        if gait == TROT and self.walked != TROT:
+            return COMMAND
         self.walked = gait
         return EVEN if gait == TROT and crawl.even >= LANDINGS_EVEN else NO_REASON
 
@@ -129,14 +116,9 @@ class Exchange:
         """Return the planner's standing (True) or walking (False) after a tick of the crawl; it may have ended."""
         goes = command.walk and not known.fallen and not reason and command.speed[0] > 0
         if resting and reason:
-            self.stage, self.reason, self.walked = OFF, reason, self.wanted(command)
+            self.stage, self.reason = OFF, reason
             return False
         return resting and not goes
-
-
-def stands_level(robot, known):
-    """Return whether the feet are within 1/32 of the leg in height, as far as is known."""
-    return known.known == 0 or max(known.heights) - min(known.heights) <= robot.leg_m / 32
 
 
 def senses(known):

@@ -12,7 +12,7 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.robot.gait_advice import UNTRIED
 from tests import ROOT
 
-LAST = '    ("crawl", MOVER_CRAWL, TROT),\n'
+LAST = '    ("crawl", MOVER_CRAWL, None),\n'
 # Both legs of a side at once: in the plane it arrives, in three dimensions it may fall over sideways.
 (PACE,) = re.findall(r'^    \("pace", .*\n', (ROOT / "CONTRIBUTING.md").read_text(), re.M)
 NO_TIME = '    ("pace", MOVER_TABLE, ((30, 100, 100, 0), ((0, _FR | _RR, 1), (240, _FL | _RL, 1)))),\n'

@@ -152,7 +152,7 @@ def planner_si(params):
     rate = params.rate_hz
     speeds = [*params.speed_max, *params.speed_slew]
     poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate([*params.pose_max, *params.pose_slew])]
-    of = params.gains[0]
+    of = params.gains
     gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
     return SimpleNamespace(
         unit_m=unit_m,

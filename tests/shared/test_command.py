@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.body.pose import POSE_SIZE
-from shared.gait.gaits import TROT
+from shared.gait.gaits import PAPER_TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
 from shared.record import pack
@@ -18,7 +18,7 @@ from .robots import block
 HALF = integers(-(1 << 29), (1 << 29) - 1)
 WORD = integers(-(1 << 30), (1 << 30) - 1)
 PARAMS = block("caramelo")
-GAIT = compile_gait(TROT, PARAMS)
+GAIT = compile_gait(PAPER_TROT, PARAMS)
 
 
 def test_a_frame_has_room_for_a_whole_command():

@@ -18,8 +18,7 @@ from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import swing as swing_leg
 from shared.crawl.state import SHIFT, Crawl
-from shared.gait.steps import Steps
-from shared.planner import handover, retreat
+from shared.planner import retreat
 from shared.planner.command import Command
 from shared.sense.legs import Sensing
 from tests.float_twin import crawl as twin
@@ -499,17 +498,3 @@ def test_a_leg_puts_its_foot_where_the_map_has_it(crawl, seed):
         exact = twin.leg_joints(feet[leg], [*place, *angles], shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
         found = [rad(crawl.joints[leg * 3 + joint]) for joint in range(3)]
         assert max(abs(a - b) for a, b in zip(found, exact, strict=True)) < 2e-3
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_the_trot_finds_its_feet_where_the_crawl_left_them(crawl, seed):
-    dice = random.Random(seed)
-    feet, yaw = standing(dice), dice.uniform(-0.4, 0.4)
-    place = [dice.uniform(-0.03, 0.03), dice.uniform(-0.03, 0.03), 0.17]
-    put(crawl, feet, place, (0.0, 0.0, yaw))
-    steps = Steps()
-    handover.steps_from_crawl(PARAMS, crawl.map, crawl.path, 600, -300, steps)
-    for leg in range(4):
-        found = steps.legs[leg].x * FINE_M, steps.legs[leg].y * FINE_M
-        exact = twin.trot_foothold(feet[leg], [*place, 0.0, 0.0, yaw], 600 * UNIT_M, -300 * UNIT_M)
-        assert math.dist(found, exact) < 0.1 * MM

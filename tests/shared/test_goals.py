@@ -378,12 +378,12 @@ def walking_at(name, gait, ends, balance):
     return largest_step(walker, 150)
 
 
-@pytest.mark.parametrize("gait", [*TABLE_GAITS, "trot"])
-def test_with_the_sliders_at_their_ends_a_walk_is_no_faster_than_without(gait):
-    """What is wanted, before its speed is limited, no longer jumps: at most 20 degrees in a tick (it was 140)."""
+@pytest.mark.parametrize(("gait", "most_deg"), [*((gait, 20) for gait in TABLE_GAITS), ("trot", 30)])
+def test_with_the_sliders_at_their_ends_a_walk_is_no_faster_than_without(gait, most_deg):
+    """What is wanted, before its speed is limited, no longer jumps (it was 140); the trot leads what drives lag."""
     dice = random.Random(3)
     for _ in range(12):
-        assert walking_at("caramelo", gait, dice.choice(CORNERS), dice.randrange(2)) <= 20 * 65536 // 360
+        assert walking_at("caramelo", gait, dice.choice(CORNERS), dice.randrange(2)) <= most_deg * 65536 // 360
 
 
 @pytest.mark.slow

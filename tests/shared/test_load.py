@@ -26,7 +26,6 @@ def soft(name, coupled):
     params = Params()
     copy(BLOCKS[name], params)
     params.coupled = coupled
-    params.sags = 1
     for joint in range(3):
         if params.sag_q16[joint] == 0:
             params.sag_q16[joint] = round(65536 * 256 / params.stiff_q8[joint])
@@ -111,32 +110,6 @@ def test_level_feet_are_the_measured_legs_turned_by_roll_and_pitch(name):
             assert math.dist([v * si.unit_m for v in got], exact) <= 12 * si.unit_m + 2e-4 * (si.l1 + si.l2 + si.l3)
 
 
-def test_a_body_that_moves_over_round_feet_is_measured_exactly():
-    """Roll a rigid leg over its round foot: hip moves by (height + radius) * turn, and that is what is told."""
-    params = BLOCKS["caramelo"]
-    unit_m = 2.0 ** -params.length_shift
-    state, weights = sensing.Sensing(), array("i", [1] * 4)
-    moved, before = 0.0, None
-    for turn in range(-1500, 1501, 50):
-        joints = array("i", [0, 4000 + turn, -8000] * 4)
-        sensing.sense_legs(params, joints, 0, 0, state)
-        assert sensing.sense_moved(state, weights) == (0 if before is None else 4)
-        moved += state.moved_x / 256 * unit_m
-        before = turn
-    si = leg_si(params, 0)
-    reach = [forward((0, rad(4000 + t), rad(-8000)), si.side_l1, si.l2, si.l3)[0] for t in (-1500, 1500)]
-    exact = -(reach[1] - reach[0]) + 0.012 * rad(3000)
-    assert moved == pytest.approx(exact, abs=1e-4)
-
-
-def test_no_foot_no_odometry():
-    state = sensing.Sensing()
-    for turn in (0, 100):
-        sensing.sense_legs(BLOCKS["caramelo"], array("i", [turn] * 12), 0, 0, state)
-    assert sensing.sense_moved(state, array("i", [0] * 4)) == 0
-    assert state.moved_x == state.moved_y == 0
-
-
 def feet_near_rest(params, dice):
     """Return the four feet moved by up to an eighth of the leg from rest, in lu."""
     span = params.leg_length // 8
@@ -191,13 +164,6 @@ def test_nobody_stands_nobody_carries_and_no_foot_pulls():
     assert load.load_share(feet, array("i", [0] * 4), 0, 0, 4096, 0, state) == 0
     assert state.wanted_q12 == [0] * 4
     assert min(shared_out(feet, [256] * 4, (30000, 0), 4096)) == 0
-
-
-def test_forces_move_by_a_step_at_most():
-    state = load.Load()
-    state.wanted_q12[:], state.force_q12[:] = [1000, 0, 2000, 1096], [1024] * 4
-    load.load_slew(state, 100)
-    assert state.force_q12 == [1000, 924, 1124, 1096]
 
 
 @pytest.mark.parametrize("standing", [s for n in (2, 3, 4) for s in itertools.combinations(range(4), n)])

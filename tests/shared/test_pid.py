@@ -46,7 +46,7 @@ def test_any_controller_is_the_float_one(gains, inputs):
 def test_the_paper_gains_follow_the_float_controller_for_long():
     """Caramelo's balance on 20 000 ticks of a wandering tilt."""
     params = block("caramelo")
-    made, other = controller(*pack(params.gains[0]), params.integral_max, params.balance_max)
+    made, other = controller(*pack(params.gains), params.integral_max, params.balance_max)
     dice, tilt, worst = random.Random(6), 0, 0
     for _ in range(20000):
         tilt += dice.randint(-60, 60) - (tilt >> 5)

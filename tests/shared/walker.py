@@ -19,7 +19,8 @@ ONE_BY_ONE = (
 )
 MORE = {"even-trot": EVEN_TROT, "one-by-one": ONE_BY_ONE}
 NAMES = (*GAIT_NAMES, *MORE)
-TABLES = (*(entry[2] for entry in GAITS), *MORE.values())  # in the order of NAMES
+# In the order of NAMES; gaits without one are not walked by it.
+TABLES = (*(entry[2] or EVEN_TROT for entry in GAITS), *MORE.values())
 TABLE_GAITS = {"paper-trot": PAPER_TROT} | MORE  # those that are nothing but their table
 
 OFF, READY, ON, BACK = range(4)  # of the crawl: the trot walks, loads are waited for, it crawls, the trot backs off

@@ -80,9 +80,12 @@ class Guard:
         if now - view.heartbeat_s > HEARTBEAT_S:
             text = f"{name} is not there: check its power, the CAN cable and both terminators"
             return [Notice(view.node, "missing", text, "refuse")]
+        if view.heartbeat.mode == w.MODE_UPDATING:
+            text = f"{name} is getting new firmware: wait until that has ended, or ten seconds after it broke off"
+            return [Notice(view.node, "updating", text, "refuse")]
         theirs = view.heartbeat.protocol_hash
         if theirs != w.PROTOCOL_HASH:
-            text = f"{name} speaks protocol {theirs:#06x}, this host {w.PROTOCOL_HASH:#06x}: flash the joint anew"
+            text = f"{name} speaks protocol {theirs:#06x}, this host {w.PROTOCOL_HASH:#06x}: caramelo flash --can"
             return [Notice(view.node, "hash", text, "refuse")]
         if view.heartbeat.fault:
             return [Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "refuse")]
@@ -90,12 +93,13 @@ class Guard:
 
     def _mixed(self) -> list[Notice]:
         heard = [self.link.views[node] for node in self.link.nodes if self.link.views[node].heartbeat_s > -inf]
-        versions = {view.version for view in heard}
-        if len(versions) < 2:
+        builds = sorted({view.build for view in heard})
+        if len(builds) < 2:
             return []
-        counts = {version: [v.node for v in heard if v.version == version] for version in sorted(versions)}
-        told = "; ".join(f"{'.'.join(map(str, ver))} on nodes {', '.join(map(str, n))}" for ver, n in counts.items())
-        return [Notice(0, "versions", f"the joints have different firmware: {told}; flash all the same", "refuse")]
+        counts = {build: [v.node for v in heard if v.build == build] for build in builds}
+        told = "; ".join(f"build {build:06x} on nodes {', '.join(map(str, n))}" for build, n in counts.items())
+        text = f"the joints have different firmware: {told}; caramelo flash --can --all gives all the same"
+        return [Notice(0, "versions", text, "refuse")]
 
     def fault_text(self, view: JointView) -> str:
         """Return a joint's latched fault as a sentence with a hint."""

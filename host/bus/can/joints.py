@@ -202,6 +202,13 @@ class CanJoints(Bus):
         if self._failure is not None:
             raise UserError(f"the cycle on {self.port.name} has ended: {self._failure}", NOT_ACHIEVED)
 
+    @property
+    def firmware(self) -> str:
+        """See Bus."""
+        views = (self.link.views[node] for node in self.link.nodes)
+        builds = {view.build for view in views if view.heartbeat_s > -inf}
+        return ", ".join(f"build {build:06x}" for build in sorted(builds))
+
     def now(self) -> float:
         """See Bus."""
         return self.port.now()

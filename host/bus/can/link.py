@@ -72,10 +72,9 @@ class JointView:
         return self.state == w.STATE_OPERATION_ENABLED
 
     @property
-    def version(self) -> tuple[int, int, int]:
-        """Return the firmware's version."""
-        h = self.heartbeat
-        return h.firmware_major, h.firmware_minor, h.firmware_patch
+    def build(self) -> int:
+        """Return the first 24 bits of the build of the joint's firmware."""
+        return self.heartbeat.build
 
 
 @dataclass(frozen=True)

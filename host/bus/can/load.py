@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from shared.wire import names
 from shared.wire.framing import NODES
@@ -58,10 +59,49 @@ def stuff_bits(bits: Sequence[int]) -> int:
     return count
 
 
+# Where stuffing stands: 2 x (equal bits so far - 1) + the last bit
+_IDLE = 1  # the bus is recessive before a frame
+
+
+@cache
+def _stuffed_byte(state: int, byte: int, width: int = 8) -> tuple[int, int]:
+    """Return how many stuff bits ``width`` bits get behind a state, and the state after them."""
+    run, last, count = state // 2 + 1, state % 2, 0
+    for bit in _bits(byte, width):
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == 5:
+            count, run, last = count + 1, 1, 1 - bit
+    return count, 2 * (run - 1) + last
+
+
+@cache
+def _crc_byte(high: int) -> int:
+    """Return what eight bits shifted out of the CRC leave of it."""
+    return crc15(_bits(high, 8))
+
+
+@cache
+def _head(identifier: int, length: int) -> tuple[int, int, int]:
+    """Return of a frame's 19 bits before its data: their CRC, their stuff bits, the state after them."""
+    bits = stuffed_region(identifier, bytes(length))[:19]
+    count, state = 0, _IDLE
+    for bit in bits:
+        more, state = _stuffed_byte(state, bit, 1)
+        count += more
+    return crc15(bits), count, state
+
+
 def frame_bits(identifier: int, data: bytes) -> int:
-    """Bits a frame takes on the bus, intermission included."""
-    region = stuffed_region(identifier, data)
-    return len(region) + stuff_bits(region) + _UNSTUFFED
+    """Bits a frame takes on the bus, intermission included: stuffed_region and stuff_bits, byte by byte."""
+    crc, count, state = _head(identifier, len(data))
+    for byte in data:
+        more, state = _stuffed_byte(state, byte)
+        count += more
+        crc = (crc << 8 & 0x7FFF) ^ _crc_byte(crc >> 7 ^ byte)
+    more, state = _stuffed_byte(state, crc >> 7)
+    count += more + _stuffed_byte(state, crc & 0x7F, 7)[0]
+    return _STUFFED_OVERHEAD + 8 * len(data) + count + _UNSTUFFED
 
 
 def worst_bits(length: int) -> int:
@@ -199,7 +239,7 @@ def default_schedule(
     sync = Scheduled("SYNC", rate_hz, _encoded(names.SYNC_ID, ([counter, 0x5A] for counter in range(256))))
     replies = tuple(sample for node in nodes for sample in _reply_cycle(node))
     status = [[25 * 16 + i, 30 * 16 + i, 24 * 16 - i % 8, 0, 0, 0] for i in range(_CYCLE_SAMPLES)]
-    alive = [[names.STATE_OPERATION_ENABLED, names.MODE_POSITION, 0, names.PROTOCOL_HASH, 0x5A, 0, 1, 0]]
+    alive = [[names.STATE_OPERATION_ENABLED, names.MODE_POSITION, 0, names.PROTOCOL_HASH, 0x5A, 0x3FA81C]]
     return [
         sync,
         *(_setpoint(kind, nodes, rate_hz) for kind in setpoints),

@@ -24,7 +24,7 @@ def buses_for(identifier: int) -> tuple[int, ...]:
         first = 4 * setpoint_group(identifier) + 1
         return tuple(sorted({bus_of(first), bus_of(first + 3)}))
     node = frame_node(identifier)
-    if block in (w.E_STOP_ID, w.SYNC_ID) or node < 1:
+    if block in (w.E_STOP_ID, w.SYNC_ID, w.UPDATE_BLOCK_ID) or node < 1:
         return (0, 1)
     return (bus_of(node),)
 

@@ -49,6 +49,7 @@ class ServoBus(Bus):
         self._pwm, self._cycle, self._tries = t.FULL_PWM, 0, 0
         self._torque = self._stopped = self._opened = False
         self._warnings: list[str] = []
+        self._firmware: set[int] = set()
         self._guardian: Guardian | None = None
         self._forget()
 
@@ -62,6 +63,11 @@ class ServoBus(Bus):
     def warnings(self) -> tuple[str, ...]:
         """See Bus."""
         return tuple(self._warnings)
+
+    @property
+    def firmware(self) -> str:
+        """See Bus."""
+        return ", ".join(map(str, sorted(self._firmware)))
 
     def now(self) -> float:
         """See Bus."""
@@ -118,7 +124,9 @@ class ServoBus(Bus):
             raise ServoError(
                 f"{self.name(joint)} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}"
             )
-        if link.read(servo, t.FIRMWARE) < t.WATCHDOG_FIRMWARE:
+        firmware = link.read(servo, t.FIRMWARE)
+        self._firmware.add(firmware)
+        if firmware < t.WATCHDOG_FIRMWARE:
             raise ServoError(f"{self.name(joint)}: firmware below {t.WATCHDOG_FIRMWARE} has no bus watchdog: update it")
         link.write(servo, t.TORQUE_ENABLE, 0)
         link.write(servo, t.WATCHDOG, 0)

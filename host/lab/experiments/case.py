@@ -8,7 +8,7 @@ from typing import Any
 from sim2d.recording import Recording
 
 from ...control.gait_changes import change_lines
-from .pool import Task
+from ..workers.work import Task
 from .trials import PLANE, Answer, Options
 
 # A case's answers by simulator; a case says that it is met, is not, or only reports (None), and its figure in words.

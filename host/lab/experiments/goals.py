@@ -22,7 +22,6 @@ from .data import assumptions, goal_tables
 from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, drawn, trials
 from .verdicts import carries, share, sum_up, within
 
-GAIT = "fast-trot"  # what the figures are wanted of
 SPEED_SHARE = 0.05  # how far a speed may be off its command
 TILT_DEG, YAW_DEG, SIDE_M = 5.0, 2.0, 0.03  # peak to peak; the last two per 1.5 m
 STEADY_S = 12.0  # a walk on level ground: longer than twice START_S, which the steady figures leave out

@@ -8,9 +8,9 @@ from pathlib import Path
 from ...util.errors import UserError
 from ...util.files import atomic_path, write_text
 from ...util.progress import Tell
+from ..workers.work import Workers
 from . import counts, goals, requirements, samples
 from .case import Answers, Case, Experiment, Film, Found, Row, films
-from .pool import run_all
 from .report import report_html
 from .trials import Options
 
@@ -35,12 +35,12 @@ def names_of(what: str) -> tuple[str, ...]:
     return tuple(PAPERS) if what == "all" else (what,)
 
 
-def run_experiment(name: str, options: Options, tell: Tell) -> Outcome:
+def run_experiment(name: str, options: Options, workers: Workers, tell: Tell) -> Outcome:
     """Run one experiment; ``tell`` hears how many trials of how many are ready. The outcome depends on no timing."""
     experiment = EXPERIMENTS[name]
     cases = experiment.cases(options)
     trials = {id(trial): trial for case in cases for series in case.trials.values() for trial in series}
-    answers = run_all(list(trials.values()), options.jobs, lambda ready: tell(ready, len(trials), ""))
+    answers = workers.run_all(list(trials.values()), lambda ready: tell(ready, len(trials), ""))
     by_trial = dict(zip(trials, answers, strict=True))
     rows = [Row(case, _answers(case, by_trial)) for case in cases]
     found = experiment.sum_up(options, rows)

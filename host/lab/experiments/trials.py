@@ -36,7 +36,6 @@ class Options:
     robot: Robot
     gait: str
     trials: int | None = None
-    jobs: int = 1
     in_space: bool = True
     held_out: bool = False
     only: tuple[str, ...] = ()
@@ -90,6 +89,8 @@ class Trial:
         recording, figures, speeds_rad_s = (_in_space if self.where == SPACE else _in_plane)(self.spec)
         robot, weight_N = self.spec.robot, (self.spec.robot.mass_kg + self.spec.payload_kg) * GRAVITY_M_S2
         figures |= {"seed": self.spec.seed, "start_m": self.spec.ground.start_m, "friction": self.spec.friction}
+        acceleration_rad_s2 = np.gradient(speeds_rad_s, recording.time_s, axis=0)
+        figures["joint_acceleration_rad_s2"] = round(float(np.sqrt(np.mean(acceleration_rad_s2**2))), 3)
         figures["power_W"] = mean_power_W(robot, recording.torque_Nm, speeds_rad_s)
         walked_W = drives_power_W(robot, recording.torque_Nm, speeds_rad_s)
         mean_m_s = figures["mean_speed_m_s"]

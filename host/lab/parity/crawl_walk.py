@@ -70,7 +70,7 @@ class _Walker:
     def tick(self, sensed: Sensed) -> Sequence[float]:
         """See sim2d.run.Controller."""
         joints = frame(link.SENSED, [brad(angle) for angle in sensed.joint_position_rad], 2)
-        self._i2c.raw = _raw(sensed)
+        self._i2c.raw = _raw(sensed, len(self.ticks) % 3 - 1)
         wish = pack(_command(self._robot, MODE_STAND if len(self.ticks) < STAND_TICKS else MODE_WALK))
         command = frame(link.COMMAND, wish, 4)
         for one in (command, joints):
@@ -81,12 +81,15 @@ class _Walker:
         return joints_rad([link.read_int16(answer, 2 * joint) for joint in range(ANSWER_BYTES // 2)])
 
 
-def _raw(sensed: Sensed) -> bytes:
-    """Return acceleration, temperature and turning rate as the sensor's fourteen bytes."""
+def _raw(sensed: Sensed, noise: int) -> bytes:
+    """Return acceleration, temperature and turning rate as the sensor's fourteen bytes, ``noise`` counts off.
+
+    A sensor whose last bit stands still is taken for a stuck one.
+    """
     force_x, force_z = sensed.specific_force_m_s2
     values = [force / _G_M_S2 * _ACCEL_PER_G for force in (force_x, 0.0, force_z)]
     values += [0.0, 0.0, degrees(sensed.pitch_rate_rad_s) * _GYRO_PER_DEG_S, 0.0]
-    counts = [max(-_INT16, min(_INT16, round(value))) for value in values]
+    counts = [max(-_INT16, min(_INT16, round(value) + noise)) for value in values]
     return b"".join(count.to_bytes(2, "big", signed=True) for count in counts)
 
 

@@ -43,7 +43,7 @@ class Watched:
         self,
         folder: Path,
         *options: str,
-        sim: Sequence[str] = ("--sim",),
+        sim: Sequence[str] = ("--sim", "--in", "plane"),
         host: str = "127.0.0.1",
         terminal: bool = False,
     ) -> None:

@@ -16,13 +16,13 @@ from sim2d.model import GRAVITY_M_S2, PlanarRobot, ServoModel
 
 from ...robot.coupling import to_motor
 from ...robot.model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
-from ...robot.plane import planar_robot
+from ...robot.plane import drives, planar_robot
 from ...robot.poses import rest_pose_rad
+from ...robot.urdf import PAYLOAD_HALF_M
 from .ground import Ground
 
 # The joints' end stops are this far outside the limits of the goals.
 STOP_MARGIN_RAD = radians(3.0)
-PAYLOAD_HALF_M = (0.06, 0.05, 0.025)
 _SOLVER = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0005 0.5 2", "condim": "3"}
 _STOP = {"solreflimit": "0.02 1"}
 _AXES = ("1 0 0", "0 1 0", "0 1 0")  # of hip, thigh and calf
@@ -164,13 +164,6 @@ def _add_leg(trunk: Xml.Element, robot: Robot, plane: PlanarRobot, leg: int, opt
     Xml.SubElement(calf, "geom", {**_touching(plane.foot_friction), "name": f"{name}_foot", "type": "sphere",
                                   "size": _number(plane.foot_radius_m), "pos": _vector((0, 0, -calf_m)),
                                   "rgba": "0.1 0.1 0.1 1"})
-
-
-def drives(plane: PlanarRobot, voltage_V: float | None) -> tuple[ServoModel, ServoModel, ServoModel]:
-    """Return the drives of hip, thigh and calf, seen from their joints, at a supply voltage."""
-    volts = plane.thigh_servo.nominal_voltage_V if voltage_V is None else voltage_V
-    thigh = plane.thigh_servo.at_voltage(volts)
-    return thigh, thigh, plane.calf_servo.at_voltage(volts)
 
 
 def _add_joint(body: Xml.Element, robot: Robot, leg: int, joint: int, servo: ServoModel | None) -> Xml.Element:

@@ -20,9 +20,10 @@ from typing import Any
 from ...bus.dynamixel import table as t
 from ...bus.dynamixel.calibration.data import load_calibration, nominal
 from ...robot.file import load_robot
+from ...robot.model import Robot
 from ...robot.poses import seated_pose_rad
 from ..imu import SimulatedImu
-from ..plant import JointPlant, PlanePlant
+from ..plant import JointPlant, PlanePlant, Plant
 from .bus import Disturbance, EmulatedBus
 
 TICK_S = 0.005
@@ -71,8 +72,21 @@ class Commands:
         return {}
 
     def on_imu(self) -> dict[str, Any]:
-        """Read the simulated inertial sensor."""
-        return {"counts": self._imu.read()}
+        """Read the simulated inertial sensor; in space tell where the body is, too."""
+        plant = self._bus.plant
+        place = {"place": plant.place()} if hasattr(plant, "place") else {}
+        return {"counts": self._imu.read(), **place}
+
+    def on_ground(self, name: str) -> dict[str, Any]:
+        """Put the robot in space down on another ground."""
+        from ..space.plant import SpacePlant
+        from ..stage import ground
+
+        plant = self._bus.plant
+        if not isinstance(plant, SpacePlant):
+            raise ValueError("only in space")
+        plant.set_ground(ground(name))
+        return {}
 
     def on_push(self, servo: int, angle_rad: float) -> dict[str, Any]:
         """Turn the joint of a loose servo by hand."""
@@ -105,7 +119,7 @@ def arguments() -> argparse.Namespace:
     """Return the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="caramelo")
-    parser.add_argument("--plant", choices=("ground", "bench"), default="ground")
+    parser.add_argument("--plant", choices=("ground", "bench", "space"), default="ground")
     parser.add_argument("--truth", type=Path, help="calibration file that says how the servos are mounted")
     parser.add_argument("--lost", type=float, default=0.0)
     parser.add_argument("--corrupted", type=float, default=0.0)
@@ -114,12 +128,23 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def make_plant(kind: str, robot: Robot, seed: int) -> Plant:
+    """Return the body that the servos move, seated."""
+    pose = seated_pose_rad(robot)
+    if kind == "bench":
+        return JointPlant(robot, pose)
+    if kind == "ground":
+        return PlanePlant(robot, pose, seed)
+    from ..space.plant import SpacePlant
+
+    return SpacePlant(robot)
+
+
 def build(options: argparse.Namespace) -> tuple[EmulatedBus, SimulatedImu]:
     """Return the servos and the sensor of a robot that waits seated."""
     robot = load_robot(options.robot)
     truth = load_calibration(options.truth, robot) if options.truth else nominal(robot)
-    pose = seated_pose_rad(robot)
-    plant = JointPlant(robot, pose) if options.plant == "bench" else PlanePlant(robot, pose, options.seed)
+    plant = make_plant(options.plant, robot, options.seed)
     protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
     noise = Disturbance(options.lost, options.corrupted, options.seed)
     return EmulatedBus(robot, plant, truth, protocol, noise), SimulatedImu(robot, plant.inertial, options.seed)

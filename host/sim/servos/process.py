@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self
 
@@ -20,6 +21,7 @@ START_S = 30.0
 ANSWER_S = 10.0  # an order outside of a control loop may wait for a busy machine
 END_S = 2.0
 IMU_S = 0.004  # a reading must not hold up a tick; the same patience as with a servo (host/bus/dynamixel/port.py)
+GROUND_S = 1.0  # the robot lies there meanwhile, its joints off
 MOST_OWED = 20  # late answers before no more orders are sent: a pipe that nobody reads must not fill up
 CHUNK = 4096
 
@@ -130,6 +132,12 @@ class EmulatorImu(Imu):
 
     def __init__(self, emulator: Emulator) -> None:
         self.emulator = emulator
+        self.place: tuple[float, float, float, float] | None = None  # of a body in space
+
+    def choose(self, name: str) -> None:
+        """Put the robot down on another ground; a busy emulator does it a little later."""
+        with suppress(Late):
+            self.emulator.ask("ground", GROUND_S, name=name)
 
     def open(self) -> None:
         """See Imu."""
@@ -137,7 +145,9 @@ class EmulatorImu(Imu):
     def read(self) -> Sequence[int]:
         """See Imu."""
         try:
-            counts: list[int] = self.emulator.ask("imu", IMU_S)["counts"]
+            answer = self.emulator.ask("imu", IMU_S)
+            counts: list[int] = answer["counts"]
+            self.place = tuple(answer["place"]) if "place" in answer else None
         except Late:
             raise ImuLate("the emulated IMU does not answer in time: is this machine too busy?") from None
         except UserError as error:

@@ -129,6 +129,8 @@ class EmulatedServo:
         self.put(t.PRESENT_POSITION, self.mount.counts(plant.position_rad[joint], self.per_rad))
         motor_rad_s = plant.speed_rad_s[joint] * self.per_rad / (t.COUNTS_PER_TURN / 6.283185307179586)
         self.put(t.PRESENT_VELOCITY, self.mount.sign * round(motor_rad_s / t.VELOCITY_RAD_S))
+        if plant.supply_V is not None:
+            self.put(t.PRESENT_VOLTAGE, round(plant.supply_V / t.VOLTS))
         self.put(t.PRESENT_LOAD, self.mount.sign * round(plant.drives.load[joint] / t.LOAD_SHARE))
 
     def drive(self) -> None:

@@ -68,7 +68,18 @@ class SpacePlant(Plant):
 
     def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
         super().__init__(robot, seated_pose_rad(robot))
-        self.world = SwitchedWorld(robot, Ground("flat") if ground is None else ground)
+        self.set_ground(Ground("flat") if ground is None else ground)
+
+    def set_ground(self, ground: Ground) -> None:
+        """Put the robot down, seated and with its drives off, on another ground."""
+        self.world, self._began_s = SwitchedWorld(self.robot, ground), self.time_s
+        self.drives.on[:] = [False] * JOINTS
+        self._look()
+
+    def place(self) -> tuple[float, float, float, float]:
+        """Return where the middle of the hips is, x, y and z in m, and the body's yaw, rad."""
+        x_m, y_m, z_m = self.world.position_m().tolist()
+        return x_m, y_m, z_m, self.world.attitude_rad()[2]
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant."""
@@ -91,7 +102,7 @@ class SpacePlant(Plant):
     def _run(self, steps: int) -> None:
         drives = self.drives
         self.world.drive(drives.goal_rad, drives.on, drives.limit)
-        self.world.run_until(self.time_s + steps * DT_S)
+        self.world.run_until(self.time_s + steps * DT_S - self._began_s)
         self._look()
 
     def _look(self) -> None:

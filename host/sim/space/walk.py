@@ -69,7 +69,7 @@ class SpaceWalker:
         self.driver = Driver(spec.robot)
         exact = FAST if fast else EXACT
         options = ModelOptions(make_ground(spec.ground), spec.payload_kg, spec.friction, spec.voltage_V, *exact)
-        self.world = World(spec.robot, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
+        self.world = World(spec.body, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
         self.goals, self.flags = [0.0] * 12, 0
         self.watch = GaitWatch(self.driver)

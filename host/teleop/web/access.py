@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from urllib.parse import urlsplit
 
 from .limits import PerPeer
+from .paired import Paired
 
 CODE_DIGITS = 6
 # Each peer: one guess a second, after five wrong ones a minute's rest, then two, four ... at most an hour. Somebody
 # with all 254 addresses of a home network makes some 1 300 guesses an hour: two weeks for half of the 10^6 codes.
 GUESSES, BETWEEN_S, REST_S, LONGEST_REST_S = 5, 1.0, 60.0, 3600.0
-MOST_TOKENS = 32
 
 
 def new_code() -> str:
@@ -41,16 +41,18 @@ class Guesser:
 class Pairing:
     """Trades the code for a token. ``friends`` are peers that need neither."""
 
-    def __init__(self, code: str, friends: Collection[str], clock: Callable[[], float]) -> None:
+    def __init__(
+        self, code: str, friends: Collection[str], clock: Callable[[], float], paired: Paired | None = None
+    ) -> None:
         self._code, self._friends, self._clock = code, friends, clock
-        self._tokens: list[bytes] = []
+        self.paired = Paired() if paired is None else paired
         self._guessers = PerPeer(Guesser)
 
     def allows(self, token: str | None, peer: str) -> bool:
         """True for a paired browser and for a friend."""
         if peer in self._friends:
             return True
-        return token is not None and any(hmac.compare_digest(_bytes(token), each) for each in self._tokens)
+        return token is not None and self.paired.allows(token)
 
     def pair(self, code: str, peer: str) -> str | None:
         """Return a token for the right code; None for a wrong one, or while this peer's guesses are not heard."""
@@ -63,7 +65,7 @@ class Pairing:
             return None
         guesser.wrong = 0
         token = secrets.token_urlsafe(24)
-        self._tokens = [*self._tokens[-MOST_TOKENS + 1 :], token.encode()]
+        self.paired.add(token)
         return token
 
 

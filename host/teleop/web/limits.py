@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 
 Kept = TypeVar("Kept")
 MOST_PEERS = 1024
+MESSAGES_PER_S, BURST = 60.0, 60  # of a page, or of one of Foxglove's viewers
 
 
 class Bucket:

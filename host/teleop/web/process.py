@@ -4,43 +4,23 @@ The first line from the loop is the set-up, the first line back says that the pa
 """
 
 import asyncio
-import json
-import socket
 import time
+from pathlib import Path
 from typing import Any
 
 from aiohttp import web
 
-from ...control.telemetry import about
 from ...robot.file import load_robot
+from ...robot.view import View
+from ..link import Link, open_link
 from .access import Names, Pairing, is_loopback
 from .door import Door, listen
+from .paired import Paired
 from .peer import may_open_sockets
 from .server import Server
 from .trouble import Trouble
-from .view import View
 
-LONGEST_LINE = 1 << 16
 COUNTS_S = 1.0
-
-
-class Link:
-    """The loop's end of things."""
-
-    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        self._reader, self._writer = reader, writer
-
-    async def receive(self) -> dict[str, Any] | None:
-        """Return the next object, or None at the end."""
-        try:
-            line = await self._reader.readline()
-        except (OSError, ValueError):
-            return None
-        return json.loads(line) if line else None
-
-    def send(self, value: dict[str, Any]) -> None:
-        """Send an object."""
-        self._writer.write(json.dumps(value, separators=(",", ":")).encode() + b"\n")
 
 
 async def serve(link: Link, setup: dict[str, Any]) -> None:
@@ -50,7 +30,8 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     names = Names(setup["listen"], setup["port"])
     # The code is for everybody who could not open the scripts' socket on this machine either.
     friends = may_open_sockets() if is_loopback(setup["listen"]) else frozenset[str]()
-    server = Server(link.send, Pairing(setup["code"], friends, time.monotonic), names, about(robot))
+    paired = Paired(Path(setup["paired"]) if setup.get("paired") else None)
+    server = Server(link.send, Pairing(setup["code"], friends, time.monotonic, paired), names, setup["about"])
     trouble = Trouble()
     runner = web.AppRunner(server.app(), access_log=None, handle_signals=False, shutdown_timeout=0.5)
     await runner.setup()
@@ -62,7 +43,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
         return
     server.door.open()
     link.send({"type": "web", "listens": True})
-    counting = asyncio.create_task(_count(server, trouble, link))
+    counting = asyncio.create_task(_count(server, trouble, paired, link))
     while (news := await link.receive()) is not None:
         if news["type"] == "status" and server.pages:
             roll_rad, pitch_rad = news["attitude_rad"] or (0.0, 0.0)
@@ -73,21 +54,20 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     await runner.cleanup()
 
 
-async def _count(server: Server, trouble: Trouble, link: Link) -> None:
+async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link) -> None:
     """Tell the loop once a second how many pages there are, what was refused and what went wrong."""
     while True:
         await asyncio.sleep(COUNTS_S)
+        await server.hang_up_revoked()
         turned_away = 0 if server.door is None else server.door.turned_away
         counts = {"malformed": server.malformed + trouble.malformed, "limited": server.limited}
         counts["refused"] = server.refused + turned_away
-        link.send({"type": "web", "pages": len(server.pages), **counts, "trouble": trouble.sentence})
+        link.send({"type": "web", "pages": len(server.pages), **counts, "trouble": trouble.sentence or paired.trouble})
 
 
 async def main(descriptor: int) -> None:
     """Connect to the loop and serve."""
-    stream = socket.socket(fileno=descriptor)
-    reader, writer = await asyncio.open_connection(sock=stream, limit=LONGEST_LINE)
-    link = Link(reader, writer)
+    link = await open_link(descriptor)
     setup = await link.receive()
     if setup is not None:
         await serve(link, setup)

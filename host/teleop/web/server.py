@@ -16,19 +16,19 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from ...control.messages import LONGEST, BadMessage, parse
 from .access import Names, Pairing
 from .door import Door
-from .limits import Bucket, PerPeer
+from .limits import BURST, MESSAGES_PER_S, Bucket, PerPeer
 from .trouble import THEIRS
 
 PAGE = Path(__file__).with_name("page")
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 MOST_PAGES, MOST_PAGES_EACH = 16, 8  # in all, and of one peer
-MESSAGES_PER_S, BURST = 60.0, 60  # of a page
 PEER_PER_S, PEER_BURST = 120.0, 120  # of all pages of a peer
 STOPS_PER_S, STOP_BURST = 10.0, 5
 STOP_EVERY_S = 0.01  # stops of all pages that come closer together than this are one
 PATIENCE = 200  # messages beyond the limit before a page is hung up on
 HEARTBEAT_S = 5.0
 COOKIE = "caramelo"
+KEPT_S = 365 * 24 * 3600  # a browser keeps its pairing
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
@@ -42,10 +42,12 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class Page:
-    """One open page: its socket, its number, its peer, and the newest status that it has not been sent."""
+    """One open page: its socket, its number, its peer and token, and the newest status that it has not been sent."""
 
-    def __init__(self, number: int, peer: str, socket: web.WebSocketResponse, clock: Callable[[], float]) -> None:
-        self.number, self.peer, self.socket = number, peer, socket
+    def __init__(
+        self, number: int, peer: str, socket: web.WebSocketResponse, clock: Callable[[], float], token: str | None
+    ) -> None:
+        self.number, self.peer, self.socket, self.token = number, peer, socket, token
         self.messages = Bucket(MESSAGES_PER_S, BURST, clock)
         self.stops = Bucket(STOPS_PER_S, STOP_BURST, clock)
         self.excess = 0
@@ -115,6 +117,7 @@ class Server:
             app.router.add_get("/" if path.name == "index.html" else f"/{path.name}", _file(path))
         app.router.add_get("/paired", self._paired)
         app.router.add_post("/pair", self._pair)
+        app.router.add_post("/unpair", self._unpair)
         app.router.add_get("/ws", self._socket)
         return app
 
@@ -170,7 +173,8 @@ class Server:
             )
 
     async def _paired(self, request: web.Request) -> web.Response:
-        return web.json_response({"paired": self._is_paired(request)})
+        kept = self._pairing.allows(request.cookies.get(COOKIE), "")  # by its token, which it can give back
+        return web.json_response({"paired": self._is_paired(request), "kept": kept})
 
     async def _pair(self, request: web.Request) -> web.Response:
         self._check_origin(request)
@@ -179,8 +183,24 @@ class Server:
         if token is None:
             raise web.HTTPForbidden(text="wrong code, or too many guesses: wait a moment\n")
         response = web.Response(text="paired\n")
-        response.set_cookie(COOKIE, token, httponly=True, samesite="Strict")
+        response.set_cookie(COOKIE, token, httponly=True, samesite="Strict", max_age=KEPT_S)
         return response
+
+    async def _unpair(self, request: web.Request) -> web.Response:
+        self._check_origin(request)
+        token = request.cookies.get(COOKIE)
+        if token is not None:
+            self._pairing.paired.forget(token)
+            await self.hang_up_revoked()
+        response = web.Response(text="unpaired\n")
+        response.del_cookie(COOKIE)
+        return response
+
+    async def hang_up_revoked(self) -> None:
+        """Hang up on the pages of browsers that are no longer paired."""
+        for page in list(self.pages.values()):
+            if not self._pairing.allows(page.token, page.peer):
+                await page.socket.close(code=WSCloseCode.POLICY_VIOLATION, message=b"not paired any more")
 
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         self._check_origin(request)
@@ -191,7 +211,7 @@ class Server:
         self._check_room(peer)
         socket = web.WebSocketResponse(max_msg_size=LONGEST, heartbeat=HEARTBEAT_S, compress=False)
         self._number += 1
-        page = Page(self._number, peer, socket, self._clock)
+        page = Page(self._number, peer, socket, self._clock, request.cookies.get(COOKIE))
         self.pages[page.number] = page
         try:
             await socket.prepare(request)

@@ -45,7 +45,9 @@ class Rig:
             self.bus.plant.put_back()
             attitude.align()
 
-        self.supervisor = Supervisor(self.robot, self.bus, attitude.update, put_back=put_back)
+        self.supervisor = Supervisor(
+            self.robot, self.bus, attitude.update, put_back=put_back, rates=lambda: attitude.rates_rad_s, planar=True
+        )
         self.loop = Loop(self.supervisor, clock=self.clock)
         self.arbiter = self.supervisor.arbiter
 

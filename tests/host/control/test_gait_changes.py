@@ -62,27 +62,27 @@ def test_a_new_robot_has_nothing_to_tell(driver):
 
 
 def test_the_way_over_an_edge_is_told_once_each(driver):
-    behind, even = handover.REASON_BEHIND, handover.REASON_EVEN
+    held, even = handover.REASON_HELD, handover.REASON_EVEN
     notes = seen(
         driver,
         (TROTS, handover.REASON_NONE, core.WALKING),
-        (BACKS, behind, core.WALKING),
-        (BACKS, behind, core.STANDING),
-        (WAITS, behind, core.STANDING),
-        (CRAWLS, behind, core.WALKING),
-        (CRAWLS, behind, core.WALKING),
+        (BACKS, held, core.WALKING),
+        (BACKS, held, core.STANDING),
+        (WAITS, held, core.STANDING),
+        (CRAWLS, held, core.WALKING),
+        (CRAWLS, held, core.WALKING),
         (TROTS, even, core.WALKING),
     )
     assert [(note.time_s, note.what) for note in notes] == [(0.04, "backing off"), (0.1, "crawl"), (0.14, "trot")]
-    assert notes[0].why == "held up: more than 22 mm behind the commanded way for 0.7 s"
+    assert notes[0].why == "held up: its swings meet something again and again"
     assert notes[2].why == "even ground under the last 16 footholds"
 
 
 def test_what_ends_without_a_reason_of_the_planner_is_told_too(driver):
-    behind = handover.REASON_BEHIND
-    given_up = seen(driver, (BACKS, behind, core.WALKING), (TROTS, behind, core.WALKING))
+    held = handover.REASON_HELD
+    given_up = seen(driver, (BACKS, held, core.WALKING), (TROTS, held, core.WALKING))
     assert "given up" in given_up[-1].why
-    stopped = seen(driver, (CRAWLS, behind, core.WALKING), (TROTS, behind, core.SITTING))
+    stopped = seen(driver, (CRAWLS, held, core.WALKING), (TROTS, held, core.SITTING))
     assert "told to stop" in stopped[-1].why
 
 

@@ -9,9 +9,11 @@ from host.library.robot import Robot
 from host.robot.file import load_robot
 from host.robot.kinematics_si import leg_inverse
 from host.robot.poses import rest_pose_rad
+from host.robot.trot_tuning import rolling
 
 CARAMELO = load_robot("caramelo")
 ALL_STAND, FRONT_SWING = 0, 3
+ROLLS = 1 / rolling(CARAMELO)  # a round foot rolls on below its centre
 
 
 def joints_of(x_m, y_m, yaw_rad):
@@ -44,7 +46,7 @@ def moved(ticks, swinging=ALL_STAND, gyro=True):
 @pytest.mark.parametrize("swinging", [ALL_STAND, FRONT_SWING])
 def test_it_is_exact_for_feet_that_stay(gyro, swinging):
     now = moved(100, swinging, gyro).now
-    assert (now.x_m, now.y_m, now.yaw_rad) == pytest.approx((0.02, 0.01, radians(5)), abs=1e-6)
+    assert (now.x_m, now.y_m, now.yaw_rad) == pytest.approx((0.02 * ROLLS, 0.01 * ROLLS, radians(5)), abs=5e-5)
     assert now.wz_rad_s == pytest.approx(radians(2.5), rel=0.01)
 
 
@@ -62,12 +64,12 @@ def test_a_gap_moves_nothing():
 
 @pytest.mark.parametrize("place", ["sim", "space"])
 def test_a_walk_is_told_within_some_per_cent(place):
-    """Measured over a metre at 0.05 m/s: 0.2 % too far in the plane, 5.9 % too short in space; 10 % is allowed."""
+    """Measured: in the plane 2.2 % too short at 0.05 m/s, in space 1.8 %, and 0.3 % at 0.3 m/s; 5 % is allowed."""
     if place == "space":
         pytest.importorskip("mujoco")
     with Robot(place) as robot:
         robot.stand()
         start_m = robot.truth[0]
         robot.walk(0.05, seconds=8.0)
-        assert robot.odometry.x_m == pytest.approx(robot.truth[0] - start_m, rel=0.1)
+        assert robot.odometry.x_m == pytest.approx(robot.truth[0] - start_m, rel=0.05)
         assert robot.odometry.x_m > 0.25

@@ -15,7 +15,7 @@ def script(robot):
     stood = robot.sensed
     robot.walk(0.05, seconds=2.0)
     walked = robot.sensed
-    robot.turn(deg=10)
+    robot.turn(deg=10, wz_rad_s=0.3)
     turned = robot.sensed
     robot.pose(z_m=-0.02)
     crouched = robot.sensed  # beside the turn's end: before the first walk the legs' sag is not fed forward
@@ -42,7 +42,8 @@ def test_one_script_runs_everywhere(place):
         assert robot.sensed.state == "disarmed"
     assert 0.06 < walked.odometry.x_m < 0.15
     assert abs(walked.odometry.y_m) < 0.03
-    assert 7 < degrees(turned.odometry.yaw_rad - walked.odometry.yaw_rad) < 13
+    most_deg = 13 if place in ("sim", "space") else 25  # joints without a ground go on turning in the air
+    assert 7 < degrees(turned.odometry.yaw_rad - walked.odometry.yaw_rad) < most_deg
     assert crouched.joints_rad[CALF] - turned.joints_rad[CALF] < -0.04
     assert streamed.goals_rad[CALF] - stood.goals_rad[CALF] == pytest.approx(-0.2)
     assert -0.25 < streamed.joints_rad[CALF] - stood.joints_rad[CALF] < -0.10

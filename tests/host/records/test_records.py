@@ -14,7 +14,7 @@ import pytest
 
 from host.cli import main
 from host.records import recorder as recorder_module
-from host.records.channels import CHANNELS, schema
+from host.records.channels import CHANNELS, DRAWN, schema
 from host.records.export import export_csv
 from host.records.log import LoopLog, about
 from host.records.reader import Record, messages, read_record
@@ -77,13 +77,15 @@ def test_every_message_is_as_its_schema_says(drive):
     kinds = {"number": (int, float), "integer": int, "string": str, "boolean": bool, "array": list}
     record, seen = Record(drive), 0
     for channel, _, data in messages(record):
+        seen += 1
+        if channel.topic in DRAWN:  # test_scene.py
+            continue
         values = json.loads(data)
         for name, rule in schema(channel.topic)["properties"].items():
             assert isinstance(values[name], kinds[rule["type"]]), (channel.topic, name)
             if rule["type"] == "array":
                 assert len(values[name]) == rule["maxItems"]
         assert set(values) == set(CHANNELS[channel.topic])
-        seen += 1
     assert seen == record.counts.total() > 1500
 
 

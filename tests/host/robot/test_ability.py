@@ -7,8 +7,8 @@ import pytest
 from host.robot.ability import ability, cannot
 from host.robot.file import load_robot, robot_names
 from host.robot.statics import push_on_two_N, pushes_on_four_N, sag_m, torques_Nm
-from host.robot.stride_tuning import SWING_ASKS, able, highest_lift_m, stride_figures
 from host.robot.swings import asked_speeds, most, poses_rad, within_limits
+from host.robot.trot_tuning import SWING_ASKS, able, highest_lift_m, trot_figures
 from tests import ROOT
 
 G_M_S2 = 9.81
@@ -61,14 +61,14 @@ def test_softer_drives_sag_more():
 
 @pytest.mark.parametrize(("name", "walked_m_s"), [("caramelo", 0.30), ("parallel", 0.60)])
 def test_legs_can_what_was_walked(name, walked_m_s):
-    """tests/host/sim/space/test_fast_trot.py walks so fast."""
+    """tests/host/sim/space/test_trot.py walks so fast."""
     assert able(load_robot(name))[0] >= walked_m_s
 
 
 def test_what_limits_is_named_and_is_at_its_limit():
     """Caramelo's thighs and, lifted high, its calves: a little more asks SWING_ASKS of their no-load speed."""
     robot = load_robot("caramelo")
-    figures = stride_figures(robot)
+    figures = trot_figures(robot)
     speed_m_s, why = able(robot)
     assert why == "the thigh's speed"
     poses = poses_rad(robot, figures.swing(speed_m_s, 0.08 * figures.leg_m))
@@ -152,5 +152,5 @@ def test_the_page_of_robots_says_what_the_check_says():
 
 def test_the_page_of_robots_walks_at_what_is_advised():
     for name, cells in table("robots.md", "walked, m/s").items():
-        assert float(cells[0]) == load_robot(name).gait.advised_m_s["fast-trot"]
+        assert float(cells[0]) == load_robot(name).gait.advised_m_s["trot"]
         assert 0.9 < float(cells[1]) / float(cells[0]) <= 1  # its start is slower

@@ -45,8 +45,8 @@ def build_everything(robot):
     from host.robot.ability import ability, cannot
     from host.robot.plane import planar_robot
     from host.robot.scale import attitude_block
+    from host.robot.urdf import urdf
     from host.sim.export.mjcf import mjcf
-    from host.sim.export.urdf import urdf
 
     overview(robot), derived(robot)
     known = ability(robot)

@@ -20,7 +20,7 @@ UNIT_OF_SUFFIX = {
     "C": "degrees C", "Nm": "N m", "ohm": "ohm", "H": "H", "K": "K", "g": "g", "rpm": "rpm", "kg_m2": "kg m2",
     "m_s": "m/s", "m_s2": "m/s2", "rad_s": "rad/s", "rad_s2": "rad/s2", "deg_s": "deg/s", "1_s": "1/s",
     "per_rad": "1/rad", "J_K": "J/K", "K_W": "K/W", "Nm_A": "N m/A", "Nm_rad": "N m/rad", "bits": "bits",
-    "Nms_rad": "N m s/rad", "per_g": "counts per g", "per_deg_s": "counts per deg/s",
+    "Nms_rad": "N m s/rad", "1_Nm": "1/(N m)", "per_g": "counts per g", "per_deg_s": "counts per deg/s",
 }  # fmt: skip
 SOURCES = (
     "paper", "configuration", "urdf", "menagerie", "datasheet", "measured", "simulated", "assumed", "chosen", "derived",
@@ -200,8 +200,8 @@ BAD_VALUES = [
     ("calf_deg = [-126, -54]", "calf_deg = [-126, 54]", "joint_limits.calf_deg: value [-126, 54]:", "-175 .. 0 deg"),
     ('"full-elbow"', '"full-elbows"', 'geometry.knee_configuration: value "full-elbows":', '"elbow-knee"'),
     ("rate_hz = 50 ", "rate_hz = 10 ", "control.rate_hz: value 10:", "20 .. 500 Hz"),
-    ("wz_rad_s2 = 1.0", "wz_rad_s2 = 0.001", "speed_limits.wz_rad_s2: value 0.001:", "0.009537 .. 5000 at 50 Hz"),
-    ("vx_m_s = 0.10", "vx_m_s = 1.0", "speed_limits.vx_m_s: value 1.0:", "1.49e-06 .. 0.7812 at 50 Hz"),
+    ("wz_rad_s2 = 2.0", "wz_rad_s2 = 0.001", "speed_limits.wz_rad_s2: value 0.001:", "0.009537 .. 5000 at 50 Hz"),
+    ("vx_m_s = 0.30", "vx_m_s = 1.0", "speed_limits.vx_m_s: value 1.0:", "1.49e-06 .. 0.7812 at 50 Hz"),
     ("ki_1_s = 7.5", "ki_1_s = 60", "balance.ki_1_s: value 60.0:", "at most 25 at 50 Hz"),
     ("kd_s = 0.006", "kd_s = 0.3", "balance.kd_s: value 0.3:", "at most 0.16 at 50 Hz"),
     ("nominal_voltage_V = 12.0", "nominal_voltage_V = 13", "actuator.nominal_voltage_V: value 13.0:", "11.1, 12.0,"),
@@ -222,11 +222,13 @@ BAD_VALUES = [
     ("\npaper-trot = ", '\npaper-trot = "\\u001b[31m" #', "gait.not_advised.paper-trot: value", "one line"),
     ('default = "trot"', 'default = "adaptive"', "gait.default:", "gait 'adaptive' is called 'trot' now"),
     ("crawl = 0.008", "climb = 0.008", "gait.advised_m_s:", "gait 'climb' is called 'crawl' now"),
-    ("\n[trot]", "\n[adaptive]", "table adaptive:", "gait 'adaptive' is called 'trot' now"),
+    ("\n[imu]", "\n[climb]\nmargin_m = 0.03\n[imu]", "table climb:", "gait 'climb' is called 'crawl' now"),
     ("\n[imu]", "\n[crawl]\nmargn_m = 0.03\n[imu]", "crawl.margn_m: value 0.03:", "did you mean margin_m?"),
     ("\n[imu]", "\n[crawl]\nmargin_m = 0.3\n[imu]", "crawl.margin_m: value 0.3:", "0.007 .. 0.056"),
     ("\n[imu]", "\n[crawl]\nsettle_s = true\n[imu]", "crawl.settle_s: value true:", "a number within"),
     ("\n[imu]", "\n[crawl]\ngoal_lag_s = 0.07\n[imu]", "crawl.goal_lag_s: value 0.07:", "0.015 .. 0.062"),
+    ("\n[imu]", "\n[trot]\nlift = 0.1\n[imu]", "trot.lift: value 0.1:", "the keys are low_lift, high_lift,"),
+    ("\n[imu]", "\n[trot]\nlow_lift = 0.3\n[imu]", "trot.low_lift: value 0.3:", "0.03 .. 0.25, usually 0.08"),
     ("crawl = 0.008", '"Crawl!" = 0.008', 'gait.advised_m_s.Crawl!: value "Crawl!":', "a gait's name"),
 ]
 

@@ -36,12 +36,12 @@ def test_a_walk_that_ends_early_prints_its_table(run):
 
 
 def test_a_command_beyond_the_robots_limit_is_told_and_not_achieved(run):
-    code, out, _ = run("walk", "--speed", "0.3", "--distance", "0.3", "--json")
+    code, out, _ = run("walk", "--speed", "0.5", "--distance", "0.3", "--json")
     told = json.loads(out)
     assert code == 1
     assert told["ok"] is False
-    assert told["limited"] == "limited to 0.1 m/s by speed_limits.vx_m_s"
-    assert told["reason"].endswith("but 0.3 m/s was limited to 0.1 m/s by speed_limits.vx_m_s")
+    assert told["limited"] == "limited to 0.3 m/s by speed_limits.vx_m_s"
+    assert told["reason"].endswith("but 0.5 m/s was limited to 0.3 m/s by speed_limits.vx_m_s")
     assert run("walk", "--distance", "0.3", "--json")[0] == 0
 
 
@@ -70,7 +70,7 @@ def test_less_than_half_of_the_command_is_not_achieved_unless_the_ground_was_in_
 
 def test_a_gait_that_is_not_advised_is_told():
     assert "kept for comparison" in judged(WalkSpec(CARAMELO, "paper-trot"), result())["advice"]
-    assert "up to 0.1" in judged(WalkSpec(CARAMELO, "trot", 0.2), result())["advice"]
+    assert "up to 0.3" in judged(WalkSpec(CARAMELO, "trot", 0.4), result())["advice"]
     assert judged(WalkSpec(CARAMELO, "trot"), result())["advice"] == ""
 
 

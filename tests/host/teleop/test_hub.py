@@ -173,7 +173,7 @@ def test_a_port_is_only_for_who_could_open_the_sockets_file():
 def test_the_web_process_speaks_for_its_pages(hub, heard, lost):
     ours, theirs = socket.socketpair()
     news = []
-    hub.add_web(ours, news.append)
+    hub.add_side("web", ours, news.append)
     say(theirs, {"page": 4, "message": AHEAD}, {"page": 4, "gone": True}, {"type": "web", "pages": 1})
     say(theirs, {"page": 4, "message": {"type": "fly"}}, {"page": "x", "message": STOP}, [1], {"page": 4, "gone": True})
     pump(hub)

@@ -47,16 +47,9 @@ def _robot(values, dice):
     values[1] = BALANCE.roll
 
 
-def _gains(values, dice):
-    _soil(values, dice)
-    values[2] = BALANCE.pitch
-
-
 PROBES = (
-    Probe("limit_pid", balance.limit_pid, (ROBOT, 0), watch=STATE, begin=_begin, fit=_robot),
-    Probe("gains_pid", balance.gains_pid, (ROBOT, Range(0, 1), 0), watch=STATE, begin=_begin, fit=_gains),
+    Probe("setup_pid", balance.setup_pid, (ROBOT, 0), watch=STATE, begin=_begin, fit=_robot),
     Probe("balance_setup", balance.balance_setup, (ROBOT, BALANCE), watch=STATE, fit=_soil),
-    Probe("balance_gains", balance.balance_gains, (ROBOT, Range(0, 1), BALANCE), watch=STATE, begin=_begin),
     Probe("balance_reset", balance.balance_reset, (BALANCE,), watch=STATE, begin=_begin, fit=_soil),
     Probe("balance_release", balance.balance_release, (BALANCE, Range(0, 1000)), watch=STATE, begin=_begin, fit=_soil),
     Probe(

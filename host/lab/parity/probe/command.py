@@ -9,7 +9,7 @@ from shared.planner.command import Command
 from shared.runtime import zeros
 
 from .draw import Range
-from .draws import GAIT, HALF30, INT30, ROBOT, gait_of
+from .draws import HALF30, INT30, ROBOT, TABLE, gait_of
 from .probe import Block, Probe
 
 SOURCES = ("planner.command",)
@@ -41,7 +41,7 @@ PROBES = (
     Probe(
         "slew_speed",
         command.slew_speed,
-        (ROBOT, GAIT, COMMAND, Range(0, 2), SPEED),
+        (ROBOT, TABLE, COMMAND, Range(0, 2), SPEED),
         watch=(SPEED,),
         fit=_use_gait,
         begin=_begin,

@@ -362,8 +362,6 @@ PROBES = (
     Probe("exchanges", handover.exchanges, (Range(-1, 4),)),
     Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
     _stateful(crawl_even, "ground_even", EVEN),
-    Probe("steps_from_crawl", handover.steps_from_crawl, (ROBOT, MAP, PATH, LU, LU, STEPS), watch=(STEPS,),
-          fit=_soil),
     Probe("fade_start", handover.fade_start, (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
     Probe("fade_out", handover.fade_out, (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
     Probe(

@@ -7,7 +7,7 @@ from shared.gait.table import Clock, Gait
 from shared.record import copy
 
 from .draw import Range
-from .draws import GAIT, LEG, ROBOT, gait_of
+from .draws import LEG, ROBOT, TABLE, TABLES, gait_of
 from .probe import Pick, Probe
 
 SOURCES = ("gait.table", "gait.gaits")
@@ -31,7 +31,7 @@ def _any_clock(values, dice):
 
 def _copy(params, dice):
     """Put a compiled gait into BLOCK, which the set-up functions then fill in again."""
-    source = gait_of(params, dice.below(len(GAITS)))
+    source = gait_of(params, dice.below(len(TABLES)))
     copy(source, BLOCK)
 
 
@@ -57,7 +57,7 @@ def _new_swing(values, dice):
 
 
 PROBES = (
-    Probe("compile_gait", gait.compile_gait, (Pick(*[entry[2] for entry in GAITS]), ROBOT), ticks=False),
+    Probe("compile_gait", gait.compile_gait, (Pick(*TABLES), ROBOT), ticks=False),
     Probe("gait_for", gait_for, (Pick(*GAITS), ROBOT), ticks=False),
     Probe(
         "time_segment",
@@ -77,5 +77,5 @@ PROBES = (
     ),
     Probe("limit_speeds", gait.limit_speeds, (BLOCK, ROBOT), watch=(BLOCK,), fit=_new_limit, ticks=False),
     Probe("share_out_swing", gait.share_out_swing, (BLOCK, LEG), watch=(BLOCK,), fit=_new_swing, ticks=False),
-    Probe("gait_clock", gait.gait_clock, (GAIT, CLOCK), watch=(CLOCK,), fit=_any_clock),
+    Probe("gait_clock", gait.gait_clock, (TABLE, CLOCK), watch=(CLOCK,), fit=_any_clock),
 )

@@ -14,10 +14,10 @@ PLACE = Range(-32767, 32767)
 FORCE = Range(0, 16383)
 PLANAR = Range(0, 1)
 FEET = Block(zeros(12), (12, PLACE))
-WEIGHTS = Block(zeros(4), (4, Range(0, load.STANDS_Q8)))
+WEIGHTS = Block(zeros(4), (4, Range(0, 256)))
 ARM = Range(-1023, 1023)
 BLOCK = Block(
-    Load(), (8, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
+    Load(), (4, FORCE), (2, PLACE), (3, Range(0, 8191)), (3, Range(0, 14)), (8, ARM)
 )
 
 
@@ -41,5 +41,4 @@ PROBES = (
     ),
     Probe("load_moments", load.load_moments, (FEET, WEIGHTS, PLANAR, BLOCK.array), watch=(BLOCK.array,)),
     Probe("load_slope", load.load_slope, (PLACE, PLACE, PLANAR, BLOCK.array), watch=(BLOCK.array,), fit=_drawn),
-    Probe("load_slew", load.load_slew, (BLOCK, FORCE), watch=(BLOCK.array,)),
 )

@@ -5,8 +5,8 @@ from shared.body.params import Params
 from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS
-from shared.gait.table import MOVER_CRAWL, MOVER_STRIDE, MOVER_TABLE
-from shared.planner import exchange, movers, planner, walk_crawl, walk_stride, walk_table, walk_trot
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
+from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
@@ -32,7 +32,6 @@ SOURCES = (
     "planner.states",
     "planner.steps",
     "planner.walk_crawl",
-    "planner.walk_stride",
     "planner.walk_table",
     "planner.walk_trot",
 )
@@ -53,7 +52,7 @@ ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
 ANY_MODE = Range(-1, 4)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
-ANY_MOVER = Range(MOVER_TABLE, MOVER_STRIDE)
+ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
 TROT_GAIT = GAIT_NAMES.index("trot")
 CRAWL_GAIT = GAIT_NAMES.index("crawl")
 USUAL = 200  # vectors of a function, for which a walk has all its ticks
@@ -61,14 +60,12 @@ USUAL = 200  # vectors of a function, for which a walk has all its ticks
 
 def restart(robot: Planner):
     """Bring a planner back to its first tick: limp, nothing known."""
-    walk = robot.walk
-    own = (walk.body, walk.contact, walk.weights, robot.drive, robot.reached)
+    trot = robot.trot
+    own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_past, robot.tilt_past)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
-    own += (robot.joints_past, robot.tilt_past)
-    stride = robot.stride
-    own += (stride.state, stride.measured, stride.before, stride.residual, stride.free_q4, stride.joints)
-    own += (stride.past_feet, stride.early, stride.stands, stride.load_q12, stride.feet)
-    own += (stride.starts, stride.ascent, stride.tops, stride.joints_before, stride.past_stands, stride.hip_feet)
+    own += (trot.state, trot.measured, trot.before, trot.residual, trot.free_q4, trot.joints)
+    own += (trot.past_feet, trot.early, trot.stands, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.starts, trot.ascent, trot.tops, trot.joints_before, trot.past_stands, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
     robot.gait = robot.gaits[0]
@@ -122,14 +119,6 @@ def _live(values, dice):
         _any_wish(dice)
         _any_sense(dice)
         planner.plan(robot, COMMAND, SENSED)
-
-
-def _live_active(values, dice):
-    _live(values, dice)
-    robot: Planner = values[0]
-    trot = robot.walk.state
-    trot.active = 1
-    trot.sway = dice.bits(12) - 2048
 
 
 def _live_in(values, dice):
@@ -194,8 +183,7 @@ FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
 POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
 BELIEVED = STATE + (row_of(ROBOTS[0].sensed), row_of(ROBOTS[1].sensed))
 RETREATS = (ROBOTS[0].back, ROBOTS[0].retreat, ROBOTS[1].back, ROBOTS[1].retreat)
-STRIDES = STATE + (ROBOTS[0].stride.state, ROBOTS[0].stride.feet, ROBOTS[1].stride.state, ROBOTS[1].stride.feet)
-WALKS_STATE = STATE + (ROBOTS[0].walk.state, ROBOTS[1].walk.state)
+TROTS = STATE + (ROBOTS[0].trot.state, ROBOTS[0].trot.feet, ROBOTS[1].trot.state, ROBOTS[1].trot.feet)
 
 
 def _part(name, function, arguments, watch, fit=_live):
@@ -206,7 +194,7 @@ def _crawling(values, dice):
     """A crawl that has just begun or is about to, with any senses."""
     _live(values, dice)
     robot: Planner = values[0]
-    crawl_start(robot.crawl, robot.walk.sensing, robot.joints, robot.joints, 0, 0)
+    crawl_start(robot.crawl, robot.sensing, robot.joints, robot.joints, 0, 0)
     robot.status.mover = MOVER_CRAWL
     if dice.bits(1):
         robot.crawl.stage.stage = STILL
@@ -232,10 +220,8 @@ PARTS = (
     _part("move", planner.move, (ROBOT, COMMAND, SENSED), STATE),
     _part("walker", exchange.walker, (ROBOT,), ()),
     _part("choose_mover", exchange.choose_mover, (ROBOT, COMMAND, SENSED), STATE),
-    _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED, GAIT), STATE),
-    _part("wait_for_crawl", exchange.wait_for_crawl, (ROBOT, ANY_MOVER), STATE),
+    _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED), STATE + RETREATS),
     _part("held_up_for_good", exchange.held_up_for_good, (ROBOT,), ()),
-    _part("moved_ahead", exchange.moved_ahead, (ROBOT,), ()),
     _part("back_off", exchange.back_off, (ROBOT,), STATE + RETREATS),
     _part("backed_off", exchange.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
     _part("change_mover", movers.change_mover, (ROBOT, ANY_MOVER), STATE),
@@ -243,14 +229,11 @@ PARTS = (
     _part("tick_mover", movers.tick_mover, (ROBOT, COMMAND, SENSED), STATE),
     _part("stop_mover", movers.stop_mover, (ROBOT,), STATE, _crawling),
     _part("walk_table", walk_table.walk_table, (ROBOT, COMMAND, SENSED), STATE),
-    _part("walk_trot", walk_trot.walk_trot, (ROBOT, COMMAND, SENSED), STATE),
-    _part("start_slowly", walk_trot.start_slowly, (ROBOT,), (ROBOTS[0].top, ROBOTS[1].top)),
-    _part("step_trot", walk_trot.step_trot, (ROBOT, INT30, Range(0, 1)), STATE + FEET),
-    _part("start_stride", walk_stride.start_stride, (ROBOT,), STRIDES),
-    _part("walk_stride", walk_stride.walk_stride, (ROBOT, COMMAND, SENSED), STATE + STRIDES),
-    _part("follow_stride", walk_stride.follow_stride, (ROBOT, COMMAND), POSES),
-    _part("tell_stride", walk_stride.tell_stride, (ROBOT,), FEET),
-    _part("stop_stride", walk_stride.stop_stride, (ROBOT,), STATE),
+    _part("start_trot", walk_trot.start_trot, (ROBOT,), TROTS),
+    _part("walk_trot", walk_trot.walk_trot, (ROBOT, COMMAND, SENSED), STATE + TROTS),
+    _part("follow_trot", walk_trot.follow_trot, (ROBOT, COMMAND), POSES),
+    _part("tell_trot", walk_trot.tell_trot, (ROBOT,), FEET),
+    _part("stop_trot", walk_trot.stop_trot, (ROBOT,), STATE),
     _part("start_crawl", walk_crawl.start_crawl, (ROBOT,), STATE),
     _part("walk_crawl", walk_crawl.walk_crawl, (ROBOT, COMMAND, SENSED), STATE, _crawling),
     _part("crawl_on", walk_crawl.crawl_on, (ROBOT, COMMAND, SENSED, BRAD, BRAD), STATE, _crawling),
@@ -264,21 +247,20 @@ PARTS = (
     _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
     _part("follow_command", planner_steps.follow_command, (ROBOT, COMMAND, Range(0, 2)), POSES),
     _part("stands", planner_steps.stands, (ROBOT, Range(0, 1)), STATE + FEET),
-    _part("lift_height", planner_steps.lift_height, (ROBOT, INT30, Range(-32768, 32767)), ()),
+    _part("lift_height", planner_steps.lift_height, (ROBOT, INT30), ()),
     _part("step_feet", planner_steps.step_feet, (ROBOT, Range(0, 32767)), STATE + FEET),
     _part("next_cycle", planner_steps.next_cycle, (ROBOT, GAIT, Range(0, 1), Range(0, 1)), STATE),
     _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
     _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
     _part("meet", planner_senses.meet, (ROBOT, GOAL), STATE),
     _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
-    _part("feel", planner_senses.feel, (ROBOT, SENSED), WALKS_STATE),
-    _part("relax", planner_senses.relax, (ROBOT,), WALKS_STATE, _live_active),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
     _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
     _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),
     _part("use_gait", planner_steps.use_gait, (ROBOT, GAIT), STATE),
-    _part("pose_legs", planner_pose.pose_legs, (ROBOT, COMMAND, SENSED, Range(0, 1)), STATE),
+    _part("pose_legs", planner_pose.pose_legs, (ROBOT, COMMAND, SENSED), STATE),
     _part("level", planner_pose.level, (ROBOT, COMMAND, SENSED), (ROBOTS[0].posed, ROBOTS[1].posed)),
+    _part("tell_margin", planner_pose.tell_margin, (ROBOT,), STATE),
     _part("solve_legs", planner_pose.solve_legs, (ROBOT, GOAL), (GOAL,)),
 )
 WALKS = tuple(

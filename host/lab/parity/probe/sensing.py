@@ -15,7 +15,6 @@ SOURCES = ("sense.legs",)
 
 ANGLES = Block(zeros(12), (12, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))
-WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
 BLOCK = Sensing()
 ROW = Row(BLOCK)
 DROP = Range(-32767, 32767)
@@ -42,15 +41,7 @@ def _soil(values, dice):
     ROW[dice.below(len(ROW))] = 7
 
 
-def _nearly_level(values, dice):
-    """Put the feet at heights that differ by about as much as is allowed, now and then before any is known."""
-    BLOCK.known = dice.bits(2)
-    for leg in range(4):
-        BLOCK.level[leg * 3 + 2] = dice.bits(11) - 22000
-
-
 PROBES = (
-    Probe("stands_level", sensing.stands_level, (ROBOT, BLOCK), fit=_nearly_level),
     Probe("sensing_reset", sensing.sensing_reset, (BLOCK,), watch=(BLOCK,), fit=_soil),
     Probe("keep_sent", sensing.keep_sent, (BLOCK, GOALS), watch=(BLOCK,), begin=_begin),
     Probe(
@@ -74,5 +65,4 @@ PROBES = (
         watch=(BLOCK,),
         begin=_begin,
     ),
-    Probe("sense_moved", sensing.sense_moved, (BLOCK, WEIGHTS), watch=(BLOCK,), fit=None, begin=_begin),
 )

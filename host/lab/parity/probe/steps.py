@@ -7,7 +7,7 @@ from shared.gait.table import Clock, Gait
 from shared.runtime import zeros
 
 from .draw import Range
-from .draws import GAIT, LEG, ROBOT, gait_of
+from .draws import LEG, ROBOT, TABLE, TABLES, gait_of
 from .gait import draw_clock
 from .probe import Probe
 from .row import Row
@@ -85,7 +85,7 @@ def _shorten_turn(values, dice):
 
 def _moving(values, dice):
     params = ROBOT.choices[dice.below(len(ROBOT.choices))]
-    _draw_speed(gait_of(params, dice.below(3)), dice)
+    _draw_speed(gait_of(params, dice.below(len(TABLES))), dice)
     _draw_steps(params, dice)
 
 
@@ -103,7 +103,7 @@ def _swinging(values, dice):
 
 
 def _ahead(values, dice):
-    _draw_speed(gait_of(values[0], dice.below(3)), dice)
+    _draw_speed(gait_of(values[0], dice.below(len(TABLES))), dice)
 
 
 def _near_line(values, dice):
@@ -123,16 +123,15 @@ def _some_started(values, dice):
 PROBES = (
     Probe("steps_reset", steps.steps_reset, (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
     Probe("steps_at_rest", steps.steps_at_rest, (ROBOT, STEPS), fit=_near_rest),
-    Probe("start_swings", steps.start_swings, (GAIT, CLOCK, STEPS), watch=(STEPS,), fit=_start),
-    Probe("lift_at_once", steps.lift_at_once, (STEPS, HEIGHT), watch=(STEPS,), fit=_some_started),
-    Probe("body_advance", steps.body_advance, (GAIT, CLOCK), watch=(CLOCK,), fit=_any_clock),
+    Probe("start_swings", steps.start_swings, (TABLE, CLOCK, STEPS), watch=(STEPS,), fit=_start),
+    Probe("body_advance", steps.body_advance, (TABLE, CLOCK), watch=(CLOCK,), fit=_any_clock),
     Probe("travel", steps.travel, (SPEED_LF, TICKS_Q10), fit=_shorten_way),
     Probe("turned_travel", steps.turned_travel, (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
     Probe("move_feet", steps.move_feet, (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
     Probe(
         "place_feet",
         steps.place_feet,
-        (ROBOT, GAIT, STEPS, SPEED, HEIGHT, FEET),
+        (ROBOT, TABLE, STEPS, SPEED, HEIGHT, FEET),
         watch=(STEPS, FEET),
         fit=_walking,
         vectors=2,
@@ -140,7 +139,7 @@ PROBES = (
     Probe(
         "swing_foot",
         steps.swing_foot,
-        (ROBOT, GAIT, STEPS, SPEED, LEG, HEIGHT, FEET),
+        (ROBOT, TABLE, STEPS, SPEED, LEG, HEIGHT, FEET),
         watch=(STEPS, FEET),
         fit=_swinging,
     ),

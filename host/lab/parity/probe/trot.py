@@ -1,99 +1,154 @@
-"""shared/trot/trot.py: its parts in states that a few ticks of anything bring about, for every robot and rate."""
+"""shared/trot: its parts in states that some ticks of anything bring about, for every robot and rate."""
 
-
-from shared.gait.gaits import TROT
-from shared.gait.steps import SPEED_SIZE, Steps, steps_reset
-from shared.gait.table import Clock, compile_gait
+from shared.body.pose import POSE_SIZE
+from shared.gait.steps import SPEED_SIZE
 from shared.runtime import zeros
-from shared.trot import trot
+from shared.sense.sensed import Sensed
+from shared.trot import clock, feel, feet, ground, lead, react, state, steer, trot
 
 from .draw import Range
-from .draws import BRAD
+from .draws import BRAD, LEG
 from .probe import Block, Pick, Probe
 from .robots import PARAMS
 
-SOURCES = ("trot.trot",)
+PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "trot")
+SOURCES = tuple(["trot." + part for part in PARTS])
 
-PLACE = Range(-18900, 18900)  # three squares of it are below 2^30
-ANGLES = Block(zeros(12), (12, BRAD))
-REACHED = Block(zeros(12), (12, PLACE))
-POSED = Block(zeros(6), (3, Range(-65535, 65535)), (3, BRAD))
-SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 19) + 1, (1 << 19) - 1)))
-DRIVE = zeros(SPEED_SIZE)
-STEPS = Steps()
-CLOCK = Clock()
 FLAG = Range(0, 1)
-GAIT_OF = [compile_gait(TROT, params) for params in PARAMS]
-WALK = trot.Trot(PARAMS[0])
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+SHARE = Range(0, 32767)
+PLACE = Range(-32767, 32767)
+SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
+POSE = Block(zeros(POSE_SIZE), (3, Range(-8191, 8191)), (3, BRAD))
+TURNED = Block(zeros(3), (3, INT30))
+TILT = Block(zeros(2), (2, BRAD))
+ANGLES = Block(zeros(12), (12, BRAD))
+GOAL = zeros(12)
+SENSED = Sensed()
+WALK = state.Trot()
 ROBOT = Pick(*PARAMS)
-STATE = (WALK.state, WALK.load, WALK.nav, WALK.tip)
-RATE = Range(-(1 << 15), (1 << 15) - 1)
-SQUARE = Range(0, (1 << 30) - 1)
+LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
+HELD = (WALK.held, WALK.jams, WALK.peak, WALK.usual, WALK.short)
+STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
+ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
 
 
 def _begin():
-    trot.trot_reset(PARAMS[0], WALK)
-    steps_reset(PARAMS[0], STEPS)
-    for block in (WALK.body, WALK.contact, WALK.weights, DRIVE):
-        for at in range(len(block)):
-            block[at] = 0
-    for at in range(len(PARAMS)):
-        trot.retime(PARAMS[at], GAIT_OF[at], DRIVE)
+    sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
+    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL) + sensed:
+        _clear(block)
+    state.trot_reset(PARAMS[0], WALK)
 
 
-def _clock(params, dice):
-    """Put the clock anywhere in the gait of a robot; return that gait."""
-    CLOCK.segment = dice.below(4)
-    CLOCK.tick = dice.below(12)
-    for at in range(len(PARAMS)):
-        if PARAMS[at] is params:
-            return GAIT_OF[at]
-    raise ValueError("not one of the robots")
+def _clear(block):
+    row = Block(block).row
+    for at in range(len(row)):
+        row[at] = 0
+
+
+def _sense(dice):
+    """Joints mostly about where they were sent, sometimes anywhere; rates and tilts mostly small."""
+    valid = SENSED.valid
+    valid.joints = valid.tilt = valid.turned = 1 if dice.bits(5) else 0
+    far = dice.below(12) == 0
+    for joint in range(12):
+        SENSED.joints[joint] = BRAD.any(dice) if far else GOAL[joint] + dice.bits(9) - 256
+    for axis in range(2):
+        SENSED.tilt[axis] = BRAD.any(dice) if far else dice.bits(10) - 512
+    for axis in range(3):
+        SENSED.turned[axis] = INT30.any(dice) if far else dice.bits(11) - 1024
 
 
 def _live(values, dice):
-    """One tick of anything on the drawn robot; a gait argument becomes that robot's."""
+    """Two ticks of anything on the drawn robot."""
     params = values[0]
     if dice.below(40) == 0:
-        trot.trot_reset(params, WALK)
-    for axis in range(3):
-        WALK.state.turned[axis] = RATE.any(dice)
-    WALK.state.turned_known = dice.bits(1)
-    ANGLES.fill(dice)
-    REACHED.fill(dice)
+        state.trot_reset(params, WALK)
     SPEED.fill(dice)
-    gait = _clock(params, dice)
-    trot.feel_legs(params, WALK, ANGLES.array, 1 if dice.bits(3) else 0, BRAD.any(dice), BRAD.any(dice))
-    trot.drive_speed(params, WALK, SPEED.array, DRIVE)
-    trot.sway_body(params, WALK, gait, CLOCK, 1)
-    WALK.state.far = SQUARE.any(dice)
-    trot.raise_body(params, WALK, dice.bits(1))
-    trot.share_weight(params, WALK, REACHED.array, 9 if dice.bits(1) else 0, 1)
+    POSE.fill(dice)
+    for axis in range(POSE_SIZE):
+        POSE.array[axis] >>= 3
+    for _ in range(2):
+        _sense(dice)
+        _wish(dice)
+        trot.trot_tick(params, WALK, SENSED, SPEED.array, POSE.array, GOAL)
 
 
-def _with_gait(at):
-    def fit(values, dice):
-        _live(values, dice)
-        values[at] = _clock(values[0], dice)
+def _wish(dice):
+    """Mostly walk, mostly level, mostly with the robot's own lift."""
+    wish = WALK.wish
+    wish.moving = 1 if dice.bits(5) else 0
+    wish.balance = 1 if dice.bits(3) else 0
+    wish.height = 0 if dice.bits(2) else INT30.any(dice)
 
-    return fit
+
+def _moving(values, dice):
+    """The same, with a foot of the drawn leg in the air, mostly far from where it was sent."""
+    _live(values, dice)
+    leg = values[2]
+    WALK.stands[leg] = 0
+    WALK.early[leg] = 0
+    WALK.state.known = 100
+    WALK.state.swing_q15 = SHARE.any(dice)
+    for at in range(8):
+        WALK.residual[at] = dice.bits(13) - 4096
 
 
-def _part(name, arguments, watch=STATE, fit=_live):
-    return Probe(name, getattr(trot, name), arguments, watch=watch, fit=fit, begin=_begin)
+def _leg_moving(values, dice):
+    """For a function without a robot in its arguments."""
+    given = [PARAMS[dice.below(len(PARAMS))], WALK, values[1]]
+    _live(given, dice)
+
+
+def _done(values, dice):
+    _leg_moving([WALK, 0], dice)
+    WALK.state.still_q20 = dice.bits(22)
+
+
+def _moving_first(values, dice):
+    """With leg FR in the air."""
+    given = [values[0], WALK, 0]
+    _moving(given, dice)
+
+
+def _probe(name, module, arguments, watch=STATE, fit=_live, vectors=1):
+    return Probe(name, getattr(module, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
 
 
 PROBES = (
-    _part("trot_reset", (ROBOT, WALK)),
-    _part("trot_start", (ROBOT, WALK)),
-    _part("feel_legs", (ROBOT, WALK, ANGLES, FLAG, BRAD, BRAD)),
-    _part("feel_ground", (ROBOT, WALK, STEPS, BRAD, BRAD, BRAD, BRAD), STATE + (STEPS,)),
-    _part("drive_speed", (ROBOT, WALK, SPEED, DRIVE), STATE + (DRIVE,)),
-    _part("retime", (ROBOT, 0, SPEED), (), _with_gait(1)),
-    _part("begin_segment", (ROBOT, WALK, 0, CLOCK, SPEED, SPEED), STATE, _with_gait(2)),
-    _part("sway_body", (ROBOT, WALK, 0, CLOCK, FLAG), STATE, _with_gait(2)),
-    _part("learn_centre", (ROBOT, WALK, CLOCK)),
-    _part("raise_body", (ROBOT, WALK, FLAG)),
-    _part("pose_body", (ROBOT, WALK, BRAD, BRAD, POSED), (POSED.array,)),
-    _part("share_weight", (ROBOT, WALK, REACHED, Range(0, 15), FLAG)),
+    _probe("trot_reset", state, (ROBOT, WALK)),
+    _probe("feel", feel, (ROBOT, WALK, ANGLES, TURNED, FLAG), ALL),
+    _probe("see_speed", feel, (ROBOT, WALK, TURNED)),
+    _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
+    _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
+    _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
+    _probe("wait_for_feet", steer, (ROBOT, WALK, POSE)),
+    _probe("lean", steer, (ROBOT, WALK, TILT, TURNED, POSE)),
+    _probe("rise", steer, (ROBOT, WALK, POSE)),
+    _probe("go_on", clock, (ROBOT, WALK, FLAG)),
+    _probe("stand_all", clock, (WALK,), fit=_done),
+    _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
+    _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("feel_slope", ground, (ROBOT, WALK)),
+    _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
+    _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
+    _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
+    _probe("lift_on", react, (ROBOT, WALK)),
+    _probe("stand_feet", feet, (ROBOT, WALK)),
+    _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
+    Probe("cycloid_way_q15", feet.cycloid_way_q15, (SHARE,)),
+    _probe("swing_feet", feet, (ROBOT, WALK, POSE), fit=_moving_first),
+    _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
+    _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
+    _probe("share_load", lead, (ROBOT, WALK)),
+    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
+    _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.early)),
+    _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
+    _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL,), vectors=4),
+    _probe("forget", trot, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
+    _probe("keep_past", trot, (WALK,), (WALK.past_feet, WALK.past_stands), fit=_done),
+    _probe("trot_done", trot, (WALK,), fit=_done),
 )

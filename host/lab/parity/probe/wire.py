@@ -92,6 +92,7 @@ PROBES = (
     _probe(framing, "sync_counter", (FRAME,)),
     _probe(framing, "sync_session", (FRAME,)),
     _probe(framing, "joint_filters", (PAIRS, NODE), watch=(PAIRS,)),
+    _probe(framing, "update_filters", (PAIRS, NODE, Range(0, 1)), watch=(PAIRS,)),
     _probe(identity, "board_id", (UNIQUE,), ticks=False),
     _probe(identity, "discover_delay_ms", (Range(0, (1 << 30) - 1), Range(0, 255)), ticks=False),
     _probe(receive, "clear_setpoints", (LINK,), watch=(LINK,), begin=_begin, fit=_soil),

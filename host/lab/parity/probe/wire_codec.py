@@ -22,6 +22,9 @@ VALUES = {
     "heartbeat": codec.Heartbeat(),
     "service_request": codec.ServiceRequest(),
     "service_response": codec.ServiceResponse(),
+    "update_request": codec.UpdateRequest(),
+    "update_answer": codec.UpdateAnswer(),
+    "update_missing": codec.UpdateMissing(),
 }
 
 

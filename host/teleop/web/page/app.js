@@ -1,6 +1,7 @@
 // The page: one websocket; sends the sticks when they change and ten times a second while they are in use.
 import { Keys, Pad, Stick, still } from "/inputs.js";
-import { draw } from "/view.js";
+import { Plots } from "/plots.js";
+import { View } from "/view.js";
 
 const AGAIN_MS = 100; // a third of the robot's dead-man time
 const PING_MS = 1000;
@@ -11,16 +12,24 @@ const POSES = [
 ];
 const LEGS = ["FR", "FL", "RR", "RL"];
 const HOT_SHARE = 0.9;
+const DIFFERS = 0.25; // of the speed told: less is the robot's own rhythm
+const SWAY_M = 0.02, SHARE = 0.05; // of a status, 20 a second: walked speeds are evened over a second
+const evened = [0, 0, 0];
+const FIRM_MS = 2500; // so long a speed may take to come about
 const $ = (id) => document.getElementById(id);
 
 const HOLD_MS = 700; // a choice just made here is not overwritten by a status that does not know of it yet
 
 let chosenMs = -HOLD_MS;
+let scanned = /^#\d{6}$/.test(location.hash) ? location.hash.slice(1) : ""; // the QR code in the terminal has it
+history.replaceState(null, "", location.pathname);
 let socket = null, hello = null, status = null, heardMs = 0, sentMs = 0;
 const sticks = [
   new Stick($("walk"), { right: ["left", -1], up: ["forward", 1] }, changed),
   new Stick($("turn"), { right: ["turn", -1], up: ["pitch", 1] }, changed),
 ];
+const view = new View($("view")), plots = new Plots($("plot-pick"), $("plot-clear"), $("plot-list"));
+let walked_m = 0, place = null, ground = "", agreedMs = 0;
 const keys = new Keys(changed);
 const pad = new Pad(changed, { 1: stop, 8: () => send({ type: "reset" }), 9: () => posture("stand") });
 
@@ -39,7 +48,9 @@ async function askForPairing() {
   try {
     const answer = await (await fetch("/paired")).json();
     $("pairing").hidden = answer.paired;
+    $("unpair").hidden = !answer.kept;
     show();
+    if (!answer.paired && scanned) pair(scanned);
   } catch {
     $("pairing").hidden = true; // the robot is not there: the state says so
   }
@@ -51,16 +62,26 @@ function receive(message) {
   else if (message.type === "pong") $("latency").textContent = `${(performance.now() - message.t_ms).toFixed(0)} ms`;
   else if (message.type === "status") {
     status = message;
+    follow();
+    plots.take(status);
     show();
   }
 }
 
 function begin(message) {
   hello = message;
-  document.title = message.robot;
+  askForPairing();
+  document.title = message.simulated ? `${message.robot}, simulation` : message.robot;
+  $("robot").textContent = message.robot;
+  $("sim").hidden = !message.simulated;
+  walked_m = 0;
+  place = null;
   $("pairing").hidden = true;
   const gaits = Object.entries(message.gaits); // name: why it is not advised for this robot, or ""
   $("gait").replaceChildren(...gaits.map(([name, why]) => new Option(why ? `${name} (not advised)` : name, name)));
+  const grounds = Object.keys(message.grounds || {});
+  $("grounds").hidden = grounds.length === 0;
+  $("ground").replaceChildren(...grounds.map((name) => new Option(name, name)));
   $("sliders").replaceChildren(...POSES.flatMap(slider));
 }
 
@@ -111,7 +132,7 @@ function shares() {
 // What the inputs say, in SI. A page that may not drive stays silent.
 function changed(timeStamp) {
   if (!hello || !free()) return;
-  const now = shares(), share = $("share").value / 100, [vx, vy, wz] = hello.speed_limits;
+  const now = shares(), share = $("share").value / 100, [vx, vy, wz] = status.fastest; // of the gait
   const pose = POSES.map(([name], i) => {
     const held = name === "pitch" ? now.pitch * hello.pose_limits[i] : 0;
     const sum = Number($(`pose-${name}`).value) + held;
@@ -136,8 +157,12 @@ function show() {
   $("reason").textContent = !silent ? status.reason || "moving as told" : paired
     ? "the robot does not answer; it stops by itself" : "this page can't drive or stop the robot yet: type the code below";
   $("stop").classList.toggle("dead", silent);
-  for (const id of ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level"]) $(id).disabled = silent || !free();
-  for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(silent || !free()));
+  for (const id of ACTING) {
+    const why = whyNot(id, silent);
+    $(id).disabled = why !== "";
+    $(id).title = why;
+  }
+  for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(whyNot("stick", silent) !== ""));
   $("remark").textContent = silent ? "" : [status.remark, status.attitude_note].filter(Boolean).join("; ");
   const gait = $("gait").value, why = hello && hello.gaits[gait];
   $("advice").textContent = why ? `${gait} is not advised: ${why}` : "";
@@ -150,12 +175,60 @@ function show() {
     $("balance").checked = status.balance;
   }
   facts();
-  if (status.view) draw(status.view, { side: $("side"), top: $("top") });
+  if (status.place && performance.now() - chosenMs > HOLD_MS && document.activeElement !== $("ground")) $("ground").value = status.ground;
+  // On a simulated ground the robot is drawn where it is, else where its legs say that it has walked to.
+  if (status.view && status.place) view.draw(status.view, [status.place[0], status.place[1], status.place[3]], hello.grounds[status.ground], status.place[2]);
+  else if (status.view) view.draw(status.view, status.odometry);
+}
+
+// Add up the way on the ground, but not the body's swaying.
+function follow() {
+  if (status.ground !== ground) {
+    ground = status.ground; // the robot has been put down there
+    walked_m = 0;
+    place = null;
+  }
+  status.odometry.slice(3).forEach((speed, i) => (evened[i] += (speed - evened[i]) * SHARE)); // a body sways at each step
+  const [x, y] = status.odometry, way = place ? Math.hypot(x - place[0], y - place[1]) : SWAY_M;
+  if (way < SWAY_M) return;
+  if (place) walked_m += way;
+  place = [x, y];
+}
+
+const ACTING = ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level", "ground"];
+const UP = ["standing up", "standing", "walking", "crawling"];
+
+// Why a control can't act now, "" if it can.
+function whyNot(id, silent) {
+  if (silent) return "no connection to the robot";
+  if (!free()) return `${status.driver.filter(Boolean).join(" ")} drives`;
+  if (id === "reset") return status.stop || status.fault ? "" : "nothing to reset";
+  if (id === "stand") return status.stop || status.fault ? "reset first" : UP.includes(status.state) ? "it stands already" : "";
+  if (id === "sit") return UP.includes(status.state) ? "" : "it does not stand";
+  if (id === "rest") return status.armed ? "" : "the joints are off already";
+  if (id === "ground") return status.armed ? "joints off first: the robot is put down there" : "";
+  if (id === "stick" || id === "level") return UP.includes(status.state) ? "" : "stand up first";
+  return "";
+}
+
+// Speeds as told and as walked, and why they differ.
+function speeds(shown) {
+  const [vx, vy, wz] = status.speed, now = evened;
+  const said = (told, is) => `${shown(told, 2)} → ${shown(is, 2)}`;
+  $("speed").textContent = `ahead ${said(vx, now[0])} m/s, left ${said(vy, now[1])} m/s, turning ${said(wz, now[2])} rad/s`;
+  const off = Math.hypot(now[0] - vx, now[1] - vy), told = Math.hypot(vx, vy);
+  if (status.state !== "walking" && status.state !== "crawling" || off <= DIFFERS * told + 0.005) agreedMs = performance.now();
+  const long = performance.now() - agreedMs > FIRM_MS;
+  $("why").textContent = status.slower || (long ? "its feet slip, or something holds it up" : "");
 }
 
 function facts() {
   const shown = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1"); // no "-0"
   const degrees = (angle) => `${shown((angle * 180) / Math.PI, 1)}°`;
+  const [x, y, yaw] = status.odometry;
+  $("walked").textContent = `${shown(walked_m, 2)} m`;
+  $("place").textContent = `ahead ${shown(x, 2)} m, left ${shown(y, 2)} m, turned ${degrees(yaw)}`;
+  speeds(shown);
   $("roll").textContent = status.attitude_rad ? degrees(status.attitude_rad[0]) : "unknown";
   $("pitch").textContent = status.attitude_rad ? degrees(status.attitude_rad[1]) : "unknown";
   $("margin").textContent = status.margin_m === null ? "–" : `${shown(1000 * status.margin_m, 0)} mm`;
@@ -205,16 +278,26 @@ $("gait").addEventListener("change", () => {
   choose({ type: "gait", gait: $("gait").value });
   show();
 });
+$("ground").addEventListener("change", () => choose({ type: "ground", ground: $("ground").value }));
 $("balance").addEventListener("change", () => choose({ type: "balance", on: $("balance").checked }));
 $("share").addEventListener("input", () => ($("share-now").textContent = `${$("share").value} %`));
+for (const button of document.querySelectorAll("[data-camera]")) {
+  button.addEventListener("click", () => view.look(button.dataset.camera));
+}
 for (const button of document.querySelectorAll("[data-posture]")) {
   button.addEventListener("click", () => posture(button.dataset.posture));
 }
-$("pair-form").addEventListener("submit", async (event) => {
-  event.preventDefault();
-  const answer = await fetch("/pair", { method: "POST", body: $("code").value });
+async function pair(code) {
+  scanned = "";
+  const answer = await fetch("/pair", { method: "POST", body: code });
   $("pair-answer").textContent = answer.ok ? "" : (await answer.text()).trim();
+}
+
+$("pair-form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  pair($("code").value);
 });
+$("unpair").addEventListener("click", () => fetch("/unpair", { method: "POST" }));
 
 setInterval(again, AGAIN_MS);
 setInterval(() => send({ type: "ping", t_ms: performance.now() }), PING_MS);

@@ -1,11 +1,8 @@
 """The flash controller's driver against a model of it made from RM0090, section 3: keys, program, erase, errors."""
 
-import importlib
-import sys
-import types
-
 import pytest
 
+from firmware.chip_flash import ChipFlash
 from firmware.flash_map import BASE, SIZE, sector_at, sector_bytes
 
 ACR, KEYR, SR, CR = 0x40023C00, 0x40023C04, 0x40023C0C, 0x40023C10
@@ -68,35 +65,41 @@ class Controller:
         self.busy, self.stale = 5, True
 
 
-class Words:
-    """machine.mem32, and mem8 of the highest byte of a register."""
+class Places:
+    """Registers as the driver's pointers see them, ``size`` bytes each."""
 
-    def __init__(self, controller, byte=False):
-        self.controller, self.byte = controller, byte
+    def __init__(self, controller, base, size):
+        self.controller, self.base, self.size = controller, base, size
 
-    def __getitem__(self, address):
-        return self.controller.read(address - 3) >> 24 if self.byte else self.controller.read(address)
+    def __getitem__(self, index):
+        return self.controller.read(self.base + self.size * index)
 
-    def __setitem__(self, address, value):
-        if self.byte:
-            assert (address, value) == (CR + 3, LOCK >> 24)
-            self.controller.registers[CR] |= LOCK  # a lone byte of CR is what the driver needs: LOCK
-        else:
-            self.controller.write(address, value & 0xFFFFFFFF)
+    def __setitem__(self, index, value):
+        self.controller.write(self.base + self.size * index, value & (1 << 8 * self.size) - 1)
+
+
+class Handle:
+    """What stands for an address on the chip."""
+
+    def __init__(self, controller, base):
+        self.words, self.halves = Places(controller, base, 4), Places(controller, base, 2)
+
+
+class Driver(ChipFlash):
+    """The driver, whose memory is the controller's."""
+
+    def __init__(self, controller):
+        super().__init__(Handle(controller, 0x40000000), Handle(controller, BASE))
+        self.controller = controller
+
+    def view(self, at, count):
+        return self.controller.memory[at : at + count]
 
 
 @pytest.fixture
-def chip(monkeypatch):
+def chip():
     controller = Controller()
-    machine, uctypes = types.ModuleType("machine"), types.ModuleType("uctypes")
-    machine.mem32, machine.mem8 = Words(controller), Words(controller, True)
-    uctypes.bytearray_at = lambda address, count: controller.memory[address - BASE : address - BASE + count]
-    monkeypatch.setitem(sys.modules, "machine", machine)
-    monkeypatch.setitem(sys.modules, "uctypes", uctypes)
-    monkeypatch.delitem(sys.modules, "firmware.chip_flash", raising=False)
-    driver = importlib.import_module("firmware.chip_flash").ChipFlash()
-    yield driver, controller
-    sys.modules.pop("firmware.chip_flash")
+    return Driver(controller), controller
 
 
 def settled(controller):

@@ -187,7 +187,7 @@ def test_flash_that_reads_back_differently_is_told_and_the_old_firmware_stays(bo
 
     def spoil(self, script, timeout_s=20.0):
         if script == "u.finish(start.feed)":
-            run(self, "flash = u._flash\nflash.store.write(0x80000 + 600, bytes(8))")
+            run(self, "flash = u.flash\nflash.store.write(0x80000 + 600, bytes(8))")
         return run(self, script, timeout_s)
 
     monkeypatch.setattr(BoardLink, "run", spoil)
@@ -201,7 +201,7 @@ def test_an_id_is_handed_to_the_joint(tmp_path):
     joint = {"role": "joint", "board": "CARAMELO_JOINT"}
     with PretendBoard(tmp_path / "board", make(**joint)) as board:
         assert board.wait_for(b"running 1")
-        taking = make("2", body="print('id', settings.get('node')); settings.put('node', b'')", **joint)
+        taking = make("2", body="print('id', journal.get('node')); journal.put('node', b'')", **joint)
         assert put(board, taking, node=7).changed
         assert put(board, taking).changed is False
         with pytest.raises(BoardError, match="did not take over id 7"):

@@ -24,7 +24,7 @@ def armed():
     return {armed}
 
 
-def start(settings):
+def start(journal, update):
     import time
 
     print("running", VERSION)

@@ -118,12 +118,12 @@ def test_a_missing_joint_keeps_the_robot_from_being_armed(seated):
 
 def test_another_protocol_keeps_the_robot_from_being_armed(seated):
     forge_heartbeats(seated.sim, 4, "protocol_hash", 0x1234)
-    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: flash the joint anew")
+    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: caramelo flash --can")
 
 
 def test_mixed_firmware_keeps_the_robot_from_being_armed(seated):
-    forge_heartbeats(seated.sim, 7, "firmware_minor", 9)
-    refused(seated, r"different firmware: .*on nodes 7.*flash all the same")
+    forge_heartbeats(seated.sim, 7, "build", 9)
+    refused(seated, r"different firmware: .*build 000009 on nodes 7; caramelo flash --can --all gives all the same")
 
 
 def test_two_boards_with_one_node_keep_the_robot_from_being_armed(seated):

@@ -1,4 +1,4 @@
-"""The crawl commanded in the middle of a trot, at an edge: where it would tip over if it began at once."""
+"""The crawl commanded in the middle of a trot, at an edge: the robot stops first."""
 
 import math
 
@@ -40,14 +40,14 @@ def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
 
 
 @pytest.mark.parametrize(("kind", "height_m", "at_m"), BEFORE_AND_ASTRIDE)
-def test_commanded_at_an_edge_it_waits_for_level_feet_or_backs_off(kind, height_m, at_m):
+def test_commanded_at_an_edge_it_stops_and_then_crawls(kind, height_m, at_m):
     fell, waited_s = crawl_from(GroundSpec(f"step-{kind}", height_m, start_m=0.4), at_m)
     assert not fell
     assert waited_s is not None
 
 
 @pytest.mark.parametrize("gait", ["trot", "paper-trot"])
-def test_on_a_floor_it_begins_within_a_cycle_or_two(gait):
+def test_on_a_floor_it_begins_once_it_stands(gait):
     fell, waited_s = crawl_from(FLAT, 0.08, 20.0, gait)
     assert not fell
     assert waited_s < 4.5

@@ -11,9 +11,9 @@ from host.robot.kinematics_si import leg_forward
 from host.robot.model import KNEE_CONFIGURATIONS, LEG_NAMES
 from host.robot.plane import planar_robot
 from host.robot.poses import rest_pose_rad
+from host.robot.urdf import urdf
 from host.sim.export.ground import extrude
 from host.sim.export.mjcf import STOP_MARGIN_RAD, ModelOptions, joint_names, mjcf
-from host.sim.export.urdf import urdf
 from host.sim.grounds import GroundSpec, make_ground
 from sim2d import terrain
 

@@ -12,6 +12,7 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.lab.experiments import counts
 from host.lab.experiments.run import run_experiment
 from host.lab.experiments.trials import PLANE, SPACE, Options, Trial
+from host.lab.workers.work import workers
 from host.robot.file import load_robot, robot_names
 from host.sim.grounds import FLAT, GroundSpec, make_terrain
 from host.sim.walk import Push, WalkSpec
@@ -43,7 +44,7 @@ def test_the_papers_gait_fails_with_2_kg():
     assert case["passed"] == 0 or case["torque_rms_fraction"] > 0.4
 
 
-@pytest.mark.parametrize(("gait", "speed_m_s"), [("trot", 0.05), ("fast-trot", 0.15)])
+@pytest.mark.parametrize(("gait", "speed_m_s"), [("trot", 0.05), ("trot", 0.15)])
 def test_the_robot_with_driven_rods_walks(gait, speed_m_s):
     """Calf motors on the body: a tendon over thigh + calf in the model."""
     robot = load_robot("parallel")
@@ -78,7 +79,7 @@ def test_the_trot_walks_over_a_step():
 @pytest.mark.parametrize(("way", "speed"), [("left", 0.1), ("turn", 0.8), ("back", 0.15)])
 def test_a_way_is_counted_along_itself(way, speed):
     """Sideways and backwards in m, turning in rad: all arrive at the speed commanded, and the drift is across."""
-    figures = walked("fast-trot", distance_m=9 * speed, way=way, speed_m_s=speed)
+    figures = walked("trot", distance_m=9 * speed, way=way, speed_m_s=speed)
     assert figures["ok"], figures["reason"]
     assert figures["distance_m"] >= 9 * speed
     assert figures["speed_m_s"] == pytest.approx(speed, rel=0.05)
@@ -89,7 +90,7 @@ def test_a_push_moves_the_robot_and_a_hard_one_throws_it():
     """0.5 m/s of change of velocity is walked off, 5 m/s is not; without a push it goes on straight."""
     def pushed(change_m_s):
         force_N = (0.0, change_m_s * ROBOT.mass_kg / 0.1)
-        spec = WalkSpec(ROBOT, "fast-trot", 0.1, limit_s=5.0, distance_m=5.0, push=Push(2.0, force_N))
+        spec = WalkSpec(ROBOT, "trot", 0.1, limit_s=5.0, distance_m=5.0, push=Push(2.0, force_N))
         return Trial(spec, SPACE, keep=True).run()
 
     still, soft, hard = map(pushed, (0.0, 0.5, 5.0))
@@ -105,8 +106,9 @@ def test_a_push_moves_the_robot_and_a_hard_one_throws_it():
 @pytest.mark.parametrize("name", robot_names())
 def test_all_goals_are_met(name, held_out):
     """Every figure to reach, in the plane and in space, all start offsets and frictions."""
-    options = Options(load_robot(name), "fast-trot", jobs=2, held_out=held_out)
-    rows = run_experiment("goals", options, lambda done, count, what: None).found.result["rows"]
+    options = Options(load_robot(name), "trot", held_out=held_out)
+    with workers(2) as run_by:
+        rows = run_experiment("goals", options, run_by, lambda done, count, what: None).found.result["rows"]
     assert [row for row in rows if row["met"] is False] == []
 
 

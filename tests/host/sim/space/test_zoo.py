@@ -14,14 +14,14 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.robot.ability import ability
 from host.robot.file import load_robot, robot_names
 from host.robot.poses import rest_pose_rad
-from host.robot.stride_tuning import stride_figures
+from host.robot.trot_tuning import trot_figures
 from host.sim.export.ground import Ground
 from host.sim.export.mjcf import ModelOptions
 from host.sim.space.walk import EXACT, SpaceWalker
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
 
-from .test_fast_trot import Walk
+from .test_trot import Walk
 
 SECONDS, STEADY_S = 8.0, 6.0
 
@@ -71,7 +71,7 @@ def gets_m(share):
     supply = tuple(p.model_copy(update={"stall_Nm": p.stall_Nm * scale}) for p in robot.actuator.supply)
     robot = robot.model_copy(update={"actuator": robot.actuator.model_copy(update={"supply": supply})})
     assert max(ability(robot).on_two) == pytest.approx(share, rel=0.001)
-    walker = SpaceWalker(WalkSpec(robot, "fast-trot"), Ground("flat"))
+    walker = SpaceWalker(WalkSpec(robot, "trot"), Ground("flat"))
     walker.stand_up()
     walker.driver.set_command(mode="walk", vx_m_s=0.1)
     for _ in range(6 * walker.driver.rate_hz):
@@ -90,7 +90,7 @@ def test_what_two_legs_can_not_carry_stands_and_does_not_walk():
 def test_every_robot_walks_otherwise(name):
     """Slippery, loaded, backwards, slowly, sideways and turning: within 5 %; Solo 12 goes 7 % too fast sideways."""
     robot = load_robot(name)
-    speed_m_s, radius_m = ability(robot).flat_m_s, hypot(*stride_figures(robot).rests_m[0])
+    speed_m_s, radius_m = ability(robot).flat_m_s, hypot(*trot_figures(robot).rests_m[0])
     walks(name, speed_m_s, friction=0.6, tilt_deg=6.0)
     walks(name, 0.8 * speed_m_s, payload_kg=0.1 * robot.mass_kg, tilt_deg=6.0)
     walks(name, -0.7 * speed_m_s)

@@ -10,6 +10,7 @@ import pytest
 
 from host.commands.teleop import teleop
 from host.robot.file import load_robot
+from host.teleop.look import SERVICE
 from tests import ROOT
 
 UNIT = ROOT / "host/teleop/service/caramelo.service"
@@ -72,6 +73,8 @@ def test_what_it_starts_are_options_of_the_command_and_records_are_bounded(unit)
     assert set(options) <= set(teleop.__annotations__)
     assert {"headless", "log", "keep"} <= set(options)
     assert words[words.index("--log") + 1] == f"/var/lib/{unit['Service']['StateDirectory']}"
+    assert words[words.index("--socket") + 1] == SERVICE  # where caramelo health looks
+    assert SERVICE.startswith(f"/run/{unit['Service']['RuntimeDirectory']}/")
 
 
 @pytest.mark.skipif(ANALYZE is None, reason="no systemd-analyze: apt-get install systemd")

@@ -6,5 +6,5 @@ from host.lab.teleop.watched import Watched
 class Teleop(Watched):
     """Without the servo bus in between, which a busy machine can't serve in time."""
 
-    def __init__(self, folder, *options, sim=("--sim", "--direct"), host="127.0.0.1"):
+    def __init__(self, folder, *options, sim=("--sim", "--direct", "--in", "plane"), host="127.0.0.1"):
         super().__init__(folder, *options, sim=sim, host=host)

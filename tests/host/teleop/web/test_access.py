@@ -8,12 +8,12 @@ import pytest
 
 from host.robot.file import load_robot
 from host.robot.poses import rest_pose_rad
+from host.robot.view import View
+from host.teleop.side import listen_address
 from host.teleop.web.access import BETWEEN_S, GUESSES, LONGEST_REST_S, REST_S, Names, Pairing, is_loopback, new_code
 from host.teleop.web.door import listen
 from host.teleop.web.limits import MOST_PEERS, Bucket, PerPeer
 from host.teleop.web.peer import may_open_sockets, peer_of
-from host.teleop.web.view import View
-from host.teleop.webside import listen_address
 from host.util.errors import UserError
 
 

@@ -8,8 +8,10 @@ import pytest
 from host.lab.teleop.browser import DESK, FAKE_PAD, missing, open_browser
 from host.robot.file import load_robot
 from host.robot.gait_advice import gait_advice
+from host.sim.stage import profiles
+from host.teleop.web.paired import NAME, Paired
 from host.util.errors import UserError
-from tests.waiting import let_pass, stays
+from tests.waiting import let_pass, stays, wait_until
 
 from .rig import Teleop
 
@@ -142,7 +144,7 @@ def _middle(element):
 
 def test_a_pose_out_of_reach_is_told_on_the_page(teleop, open_page):
     page, limits = open_page(), ROBOT.body_limits
-    pose = [0.0, 0.0, limits.z_m, 0.0, limits.angles_rad[1], 0.0]
+    pose = [0.0, 0.0, limits.z_m, *limits.angles_rad[:2], 0.0]
     drive = {"type": "drive", "vx_m_s": 0.0, "vy_m_s": 0.0, "wz_rad_s": 0.0}
     told = "pose out of reach: held at the nearest"
     teleop.wait(lambda status: teleop.say(**drive, pose=pose) or status["remark"] == told)
@@ -251,15 +253,142 @@ def test_a_browsers_gamepad(teleop, open_page):
     page.evaluate("pad.buttons[4].pressed = false")
 
 
+def drawn(page, selector):
+    """Return the number of painted pixels of a canvas, and something that is another for another picture."""
+    return page.evaluate(
+        """(selector) => { const shown = document.querySelector(selector), c = document.createElement('canvas');
+            [c.width, c.height] = [shown.width, shown.height];
+            const pen = c.getContext('2d', {willReadFrequently: true});
+            pen.drawImage(shown, 0, 0);
+            const data = pen.getImageData(0, 0, c.width, c.height).data;
+            let painted = 0, mark = 0;
+            data.forEach((value, i) => { painted += i % 4 === 3 && value > 0; mark = (mark * 31 + value) % 1000003; });
+            return [painted, mark]; }""",
+        selector,
+    )
+
+
 def test_the_live_view_is_drawn_and_values_are_shown(open_page):
     page = open_page()
     playwright.expect(page.locator("#latency")).to_contain_text("ms")
-    for name in ("side", "top"):
-        drawn = f"""() => {{ const c = document.getElementById('{name}');
-            return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.some((value) => value > 0); }}"""
-        assert page.evaluate(drawn)
+    assert drawn(page, "#view")[0] > 1000
     assert page.locator("#battery").inner_text() == "12.0 V"
     assert page.locator("#joints tr").count() == 4
+    assert page.locator("#legend li").count() == 5
+
+
+def test_the_picture_is_turned_by_dragging_and_by_its_buttons(open_page):
+    page = open_page()
+    page.locator('[data-camera="top"]').click()
+    top = drawn(page, "#view")
+    page.locator('[data-camera="side"]').click()
+    side = drawn(page, "#view")
+    assert top[1] != side[1]
+    x, y = _middle(page.locator("#view"))
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 80, y + 60, steps=4)
+    page.mouse.up()
+    assert drawn(page, "#view")[1] != side[1]
+
+
+def test_it_says_that_it_is_a_simulation_of_which_robot(open_page):
+    page = open_page()
+    playwright.expect(page.locator("#robot")).to_have_text("caramelo")
+    playwright.expect(page.locator("#sim")).to_be_visible()
+    assert page.title() == "caramelo, simulation"
+    playwright.expect(page.locator("#grounds")).to_be_hidden()  # the plane has one ground
+
+
+def test_a_real_robot_is_no_simulation(open_page):
+    page = open_page(script="""
+        const told = JSON.parse;
+        JSON.parse = (text) => Object.assign(told(text), text.includes('"hello"') ? {simulated: false} : {});
+    """)
+    playwright.expect(page.locator("#robot")).to_have_text("caramelo")
+    playwright.expect(page.locator("#sim")).to_be_hidden()
+    assert page.title() == "caramelo"
+
+
+def test_the_way_and_the_speeds_are_told(teleop, open_page):
+    page = open_page()
+    start_m = teleop.status()["odometry"][0]
+    page.keyboard.down("w")
+    teleop.wait(lambda status: status["odometry"][0] > start_m + 0.05)
+    playwright.expect(page.locator("#speed")).to_contain_text("ahead 0.15 \N{RIGHTWARDS ARROW} 0.1")
+    playwright.expect(page.locator("#walked")).not_to_have_text("0.00 m")
+    playwright.expect(page.locator("#place")).to_contain_text("ahead 0.")
+    page.keyboard.up("w")
+
+
+def test_full_stick_is_the_gaits_own_limit_and_what_is_beyond_is_told(teleop, open_page):
+    page = open_page()
+    page.locator("#share").fill("100")
+    most = {}
+    for gait in ("trot", "paper-trot"):
+        page.locator("#gait").select_option(gait)
+        fastest = teleop.wait(lambda status, gait=gait: status["gait"] == gait)["fastest"]
+        page.keyboard.down("w")
+        full = pytest.approx(fastest[0], rel=0.02)
+        teleop.wait(lambda status, full=full: walks(status) and status["speed"][0] == full)
+        most[gait] = fastest[0]
+        page.keyboard.up("w")
+        teleop.wait(lambda status: status["state"] == "standing")
+    assert most["trot"] > 1.5 * most["paper-trot"]
+    page.close()
+    teleop.wait(lambda status: status["driver"] is None)
+    wish = {"type": "drive", "vx_m_s": 9.0, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
+    teleop.say(type="gait", gait="trot")
+    limited = teleop.wait(lambda status: teleop.say(**wish) or status["slower"])["slower"]
+    assert limited == "trot is limited to 0.3 m/s by speed_limits.vx_m_s"
+    watching = open_page()
+    teleop.wait(lambda status: teleop.say(**wish) or watching.locator("#why").inner_text() == limited)
+    teleop.say(type="release")
+
+
+def test_buttons_that_can_do_nothing_now_look_so_and_say_why(teleop, open_page):
+    page = open_page()
+    for name, why in (("stand", "it stands already"), ("reset", "nothing to reset")):
+        playwright.expect(page.locator(f"#{name}")).to_be_disabled()
+        assert page.locator(f"#{name}").get_attribute("title") == why
+    playwright.expect(page.locator("#sit")).to_be_enabled()
+    page.keyboard.press("Space")
+    teleop.wait(lambda status: status["stop"])
+    playwright.expect(page.locator("#reset")).to_be_enabled()
+    playwright.expect(page.locator("#stand")).to_be_disabled()
+    assert page.locator("#stand").get_attribute("title") == "reset first"
+    assert page.locator("#walk").get_attribute("aria-disabled") == "true"
+    assert float(page.locator("#stand").evaluate("(button) => getComputedStyle(button).opacity")) < 0.6
+
+
+def test_what_is_picked_is_plotted(open_page):
+    page = open_page()
+    page.locator("#plot-pick").select_option("battery")
+    page.locator("#plot-pick").select_option("FR calf angle")
+    playwright.expect(page.locator("#plot-list figure")).to_have_count(2)
+    playwright.expect(page.locator("#plot-list figcaption").first).to_have_text("battery: 12.0 V")
+    wait_until(lambda: drawn(page, "#plot-list figure:last-child canvas")[0] > 10, "a line is drawn")
+    page.locator("#plot-pick").select_option("battery")
+    playwright.expect(page.locator("#plot-list figure")).to_have_count(2)
+    page.locator("#plot-clear").click()
+    playwright.expect(page.locator("#plot-list figure")).to_have_count(0)
+
+
+@pytest.mark.parametrize("viewport", [PHONE, LYING, DESK], ids=["portrait", "landscape", "desktop"])
+def test_nothing_covers_the_picture(open_page, viewport):
+    page = open_page(viewport, touch=viewport is not DESK)
+    picture = page.locator("#view").bounding_box()
+    for name in ("walk", "turn", "stop"):
+        box = page.locator(f"#{name}").bounding_box()
+        apart = (
+            box["x"] + box["width"] <= picture["x"]
+            or picture["x"] + picture["width"] <= box["x"]
+            or box["y"] + box["height"] <= picture["y"]
+            or picture["y"] + picture["height"] <= box["y"]
+        )
+        assert apart, name
+    assert picture["y"] + picture["height"] <= viewport["height"], "all of it is seen"
+    assert picture["height"] > 100
 
 
 def press_until(teleop, page, key, found):
@@ -309,9 +438,14 @@ def test_latency_figures(browser, tmp_path):
     assert figures["stop_to_packet_ms"]["web"]["p99"] <= 125
 
 
-def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path, capfd):
+def told_code(capfd):
+    return re.search(r"pairing code (\d{6})", capfd.readouterr().err)[1]
+
+
+def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path, capfd, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     with Teleop(tmp_path, host="0.0.0.0") as teleop:
-        code = re.search(r"pairing code (\d{6})", capfd.readouterr().err)[1]
+        code = told_code(capfd)
         page = browser.new_page()
         page.goto(teleop.url)
         playwright.expect(page.locator("#word")).to_have_text("not paired")
@@ -321,4 +455,58 @@ def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path
         page.wait_for_selector("#take:enabled")
         assert page.locator("#stop").get_attribute("class") == ""
         press_until(teleop, page, "Space", lambda status: status["stop"])
+        page.close()
+
+
+def test_a_pairing_by_qr_code_outlasts_a_restart_until_it_is_revoked(browser, tmp_path, capfd, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    context = browser.new_context()
+    with Teleop(tmp_path, host="0.0.0.0") as teleop:
+        page = context.new_page()
+        page.goto(f"{teleop.url}/#{told_code(capfd)}")
+        page.wait_for_selector("#take:enabled")
+        assert page.url == f"{teleop.url}/", "the code does not stay in the address"
+        page.close()
+    with Teleop(tmp_path, host="0.0.0.0") as teleop:  # another port, another code
+        page = context.new_page()
+        page.goto(teleop.url)
+        page.wait_for_selector("#take:enabled")
+        page.locator("#unpair").click()
+        playwright.expect(page.locator("#word")).to_have_text("not paired")
+        page.reload()
+        playwright.expect(page.locator("#word")).to_have_text("not paired")
+    context.close()
+
+
+def test_an_open_page_is_hung_up_on_when_all_pairings_are_revoked(browser, tmp_path, capfd, monkeypatch):
+    monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
+    with Teleop(tmp_path, host="0.0.0.0") as teleop:
+        page = browser.new_page()
+        page.goto(f"{teleop.url}/#{told_code(capfd)}")
+        page.wait_for_selector("#take:enabled")
+        page.keyboard.press("t")
+        teleop.wait(lambda status: status["driver"])
+        Paired(tmp_path / NAME).forget_all()
+        playwright.expect(page.locator("#word")).to_have_text("not paired")
+        teleop.wait(lambda status: status["driver"] is None)
+        page.close()
+
+
+def test_in_space_a_ground_is_chosen_and_goes_by(browser, tmp_path):
+    with Teleop(tmp_path, sim=("--sim", "--direct", "--in", "space")) as teleop:
+        page = browser.new_page(viewport=DESK)
+        page.goto(teleop.url)
+        page.wait_for_selector("#take:enabled")
+        playwright.expect(page.locator("#ground option")).to_have_text(list(profiles()))
+        page.locator("#ground").select_option("ramp")
+        lies = teleop.wait(lambda status: status["ground"] == "ramp")
+        assert lies["place"][0] == pytest.approx(0.0, abs=0.02)
+        press_until(teleop, page, "t", lambda status: status["state"] == "standing")
+        playwright.expect(page.locator("#ground")).to_be_disabled()
+        assert page.locator("#ground").get_attribute("title").startswith("joints off first")
+        before = drawn(page, "#view")
+        page.keyboard.down("d")
+        teleop.wait(lambda status: status["place"][3] < -0.1)  # in the plane it could not turn
+        page.keyboard.up("d")
+        assert drawn(page, "#view")[1] != before[1]
         page.close()

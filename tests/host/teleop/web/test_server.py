@@ -30,7 +30,7 @@ async def open_socket(session, teleop, origin=None):
 def test_files_and_headers(teleop):
     async def look():
         async with aiohttp.ClientSession() as session:
-            for path in ("/", "/app.js", "/style.css", "/view.js", "/inputs.js", "/icon.svg"):
+            for path in ("/", "/app.js", "/style.css", "/view.js", "/plots.js", "/inputs.js", "/icon.svg"):
                 async with session.get(teleop.url + path) as answer:
                     assert answer.status == 200, path
                     policy = answer.headers["Content-Security-Policy"]

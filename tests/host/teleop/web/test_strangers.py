@@ -17,12 +17,14 @@ import pytest
 
 from host.lab.teleop.watched import free_port
 from host.teleop.hub import Hub
+from host.teleop.side import PAGE, SideProcess
 from host.teleop.web.door import CONNECTIONS_PER_S, MOST, Door, listen
 from host.teleop.web.server import STOP_EVERY_S, Stops
-from host.teleop.webside import WebProcess
 from tests.waiting import wait_until
 
 NOBODY = 65534
+CODE = "314159"
+SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}}
 PATIENCE_S = 60
 
 
@@ -33,7 +35,7 @@ class House:
         self.port = free_port()
         self.url, self.heard = f"http://127.0.0.1:{self.port}", []
         self.hub = Hub(lambda client, message: self.heard.append(message["type"]) or True, lambda client: None)
-        self.web = WebProcess("caramelo", f"{address}:{self.port}")
+        self.web = SideProcess(PAGE, (address, self.port), SETUP)
         self.web.start(self.hub)
         self.web.wait(self.hub)
         self._done = threading.Event()
@@ -220,7 +222,7 @@ def test_what_can_not_be_read_is_refused_and_nothing_is_printed(house):
     assert counts.trouble == ""
     assert counts.refusals["malformed"] > 40
     assert os.fstat(house.web._errors).st_size == 0, "it has written on its screen"
-    assert house.ask(path="/paired") == (200, b'{"paired": false}')
+    assert house.ask(path="/paired") == (200, b'{"paired": false, "kept": false}')
 
 
 UPGRADE = {
@@ -233,18 +235,18 @@ UPGRADE = {
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can become somebody else")
 def test_a_stranger_on_this_machine_needs_the_code(own):
-    assert own.ask(path="/paired") == (200, b'{"paired": true}')
-    assert own.ask(path="/paired", stranger=True) == (200, b'{"paired": false}')
+    assert own.ask(path="/paired") == (200, b'{"paired": true, "kept": false}')
+    assert own.ask(path="/paired", stranger=True) == (200, b'{"paired": false, "kept": false}')
     assert own.ask(path="/ws", stranger=True, **UPGRADE)[0] == 401
-    assert own.ask("POST", "/pair", own.web.code, stranger=True)[0] == 200
+    assert own.ask("POST", "/pair", CODE, stranger=True)[0] == 200
 
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can become somebody else")
 def test_wrong_guesses_of_one_keep_no_other_out(house):
-    wrong = "000000" if house.web.code != "000000" else "000001"
+    wrong = "000000" if CODE != "000000" else "000001"
     assert house.ask("POST", "/pair", wrong, stranger=True)[0] == 403
-    assert house.ask("POST", "/pair", house.web.code, stranger=True)[0] == 403, "too soon after a wrong one"
-    assert house.ask("POST", "/pair", house.web.code)[0] == 200
+    assert house.ask("POST", "/pair", CODE, stranger=True)[0] == 403, "too soon after a wrong one"
+    assert house.ask("POST", "/pair", CODE)[0] == 200
 
 
 def test_beyond_this_machine_a_code_is_needed(house):
@@ -253,10 +255,10 @@ def test_beyond_this_machine_a_code_is_needed(house):
             with pytest.raises(aiohttp.WSServerHandshakeError) as refused:
                 await session.ws_connect(f"{house.url}/ws", origin=house.url)
             assert refused.value.status == 401
-            async with session.post(f"{house.url}/pair", data=house.web.code) as answer:
+            async with session.post(f"{house.url}/pair", data=CODE) as answer:
                 assert answer.status == 403, "no origin"
             origin = {"Origin": house.url}
-            async with session.post(f"{house.url}/pair", data=house.web.code, headers=origin) as answer:
+            async with session.post(f"{house.url}/pair", data=CODE, headers=origin) as answer:
                 assert answer.status == 200
                 assert "HttpOnly" in answer.headers["Set-Cookie"]
                 assert "SameSite=Strict" in answer.headers["Set-Cookie"]

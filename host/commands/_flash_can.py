@@ -1,0 +1,105 @@
+"""`caramelo flash --can`: firmware for the joints of a robot over their bus."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..util.console import progress, screen, write_error, write_json
+from ..util.errors import NOT_ACHIEVED, UserError
+from ..util.progress import write_step
+
+if TYPE_CHECKING:
+    from ..boards.flash.over_can import CanFlash, JointOutcome, Tell
+    from ..bus.can.port import Port
+
+Bus = tuple[str, str | None, str | None]  # robot, interface, channel
+
+
+def flash_over_can(image: Path, nodes: list[int], every: bool, dry_run: bool, where: Bus, as_json: bool) -> int:
+    """Bring joints to an image; exit code 1 if one of them does not run it at the end."""
+    import secrets
+
+    from ..boards.build.image_file import read_image_file
+    from ..boards.flash.over_can import CanFlash, check_image
+    from ..bus.can.update_bus import UpdateBus
+
+    wanted = _wanted(nodes, every)
+    data = read_image_file(image)
+    check_image(data)
+    with _port(*where) as port, _told(quiet=as_json) as tell:
+        work = CanFlash(UpdateBus(port, secrets.randbelow(256)), data, wanted, tell)
+        joints = list(work.survey().values())
+        if not dry_run:
+            joints = work.run()
+    failed = [joint for joint in joints if joint.failure]
+    if as_json:
+        write_json({"build": data.about.build, "dry_run": dry_run, "joints": [asdict(joint) for joint in joints]})
+    else:
+        _print(work, joints, dry_run)
+    for joint in failed:
+        write_error(joint.failure)
+    return NOT_ACHIEVED if failed else 0
+
+
+def _wanted(nodes: list[int], every: bool) -> list[int]:
+    """Return the joints to flash; UserError if that is not clear."""
+    if bool(nodes) == every:
+        raise UserError("flash --can: name the joints by their numbers, 1 to 12, or all by --all")
+    wrong = [node for node in nodes if not 1 <= node <= 12]
+    if wrong:
+        raise UserError(f"flash --can {wrong[0]}: joints have the numbers 1 to 12, 1 + 3 x leg + joint")
+    return sorted(set(nodes)) or list(range(1, 13))
+
+
+@contextmanager
+def _port(robot: str, interface: str | None, channel: str | None) -> Iterator["Port"]:
+    from ..bus.can.open import open_port
+    from ..robot.file import load_robot
+
+    data = load_robot(robot)
+    if data.bus.kind != "can":
+        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    with open_port(data.bus, interface, channel) as port:
+        yield port
+
+
+@contextmanager
+def _told(quiet: bool) -> Iterator["Tell"]:
+    """Yield what shows how far it is: a bar for each part on a terminal, else a line for each."""
+    with ExitStack() as shown:
+        now, bar = "", None
+
+        def tell(what: str, done: float) -> None:
+            nonlocal now, bar
+            if what != now:
+                now = what
+                shown.close()
+                bar = shown.enter_context(progress(what, 1.0))
+                if not sys.stderr.isatty() and not quiet:
+                    write_step(f"flash: {what}")
+            if bar is not None:
+                bar(done)
+
+        yield tell
+
+
+def _print(work: "CanFlash", joints: "list[JointOutcome]", dry_run: bool) -> None:
+    console = screen()
+    console.soft_wrap = True
+    todo = work.waiting() if dry_run else []
+    for joint in joints:
+        if not joint.failure:
+            console.print(f"{joint.joint}: {_line(joint, joint.node in todo, dry_run)}")
+
+
+def _line(joint: "JointOutcome", waits: bool, dry_run: bool) -> str:
+    runs = f"build {joint.build}, version {joint.version}, protocol {joint.protocol:#06x}, slot {joint.slot}"
+    note = f"; {joint.note}" if joint.note else ""
+    if dry_run:
+        return f"runs {runs}; {'would be flashed' if waits else 'nothing to do'}{note}"
+    if not joint.changed:
+        return f"nothing to do: runs {runs}"
+    return f"runs {runs}, confirmed{note}"

@@ -1,0 +1,98 @@
+"""`caramelo health`: how the robot is, one line for each part with a verdict."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ..util.console import say, write_json, write_note
+from ..util.errors import NOT_ACHIEVED, UserError
+from . import HARDWARE
+
+if TYPE_CHECKING:
+    from ..control.health import Finding
+
+LOOK_S = 2.0  # the sensor takes one of them to find out where up is
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("health", rich_help_panel=HARDWARE)(health)
+
+
+def health(
+    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    sim: Annotated[bool, typer.Option("--sim", help="Look at emulated servos or simulated joints.")] = False,
+    direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
+    socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Of a running drive's --socket.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port, or INTERFACE:CHANNEL of CAN.")] = None,
+    imu: Annotated[str | None, typer.Option(metavar="WHERE", help="i2c, a gait board's port, or a recording.")] = None,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
+    seconds: Annotated[float, typer.Option(metavar="S", help="For so long it is looked at.")] = LOOK_S,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> int:
+    """Tell how the robot is: loop, missed deadlines, bus errors by joint, IMU, battery, hottest joint, versions.
+
+    A running service is asked, which disturbs nothing. If none runs, joints and sensor are opened and read with the
+    joints off: a robot that stands by another program is not touched, as its port is taken. Each line says ok, note
+    or bad. Exit code 1 if anything is bad.
+
+    Examples: caramelo health; caramelo health --sim --json; caramelo health --robot parallel --port socketcan:can0
+    """
+    from ..teleop.look import SERVICE, runs, seen_on_socket
+
+    if not LOOK_S <= seconds <= 600:
+        raise UserError(f"--seconds {seconds:g}: allowed {LOOK_S:g} .. 600 s")
+    if direct and not sim:
+        raise UserError("--direct: only with --sim")
+    if sim and socket is not None:
+        raise UserError("--sim: not with --socket, which asks a drive that runs")
+    opens = sim or port is not None or imu is not None or calibration is not None
+    where = socket if socket is not None else SERVICE if not opens and runs(SERVICE) else None
+    if where is not None:
+        write_note(f"asking the drive at {where}")
+        found = judged(seen_on_socket(where, seconds))
+    else:
+        which = "simulated" if direct else "emulated" if sim else "real"
+        found = _opened(robot, which, port, calibration, imu, seconds)
+    return _tell(found, where or ("simulation" if sim else "opened"), as_json)
+
+
+def judged(seen: "tuple[dict, dict, dict] | list[Finding]") -> "list[Finding]":
+    """Return the lines of what was seen, or of why nothing was."""
+    from ..control.health import findings
+
+    return seen if isinstance(seen, list) else list(findings(*seen))
+
+
+def _opened(
+    name: str, which: str, port: str | None, calibration: Path | None, imu: str | None, seconds: float
+) -> "list[Finding]":
+    """Return the lines of joints and sensor opened for some time."""
+    from ..control import priority
+    from ..imu.choose import I2C, open_source
+    from ..robot.file import find, load_robot
+    from ..teleop.look import seen_by_opening
+    from ._hardware import hardware
+
+    robot = load_robot(name)
+    if which == "real" and robot.bus.kind == "none":
+        raise UserError(f"{robot.name}: this software can not drive it, it is simulated only: add --sim")
+    if which == "emulated" and robot.bus.kind != "dynamixel":
+        which = "simulated"  # there is no servo bus to emulate
+    sensor = open_source(robot, imu or I2C)
+    write_note(f"reading {robot.name} for {seconds:g} s, joints off")
+    priority.ask()
+    parts = hardware(robot, which, port, calibration, str(find(name)), imu)
+    return judged(seen_by_opening(robot, parts, sensor, seconds))
+
+
+def _tell(found: "list[Finding]", source: str, as_json: bool) -> int:
+    bad = [each for each in found if each.verdict == "bad"]
+    if as_json:
+        lines = [{"name": each.name, "verdict": each.verdict, "found": each.found} for each in found]
+        write_json({"ok": not bad, "source": source, "lines": lines})
+    else:
+        for each in found:
+            say(f"{each.name:<9}  {each.verdict:<4}  {each.found}")
+    return NOT_ACHIEVED if bad else 0

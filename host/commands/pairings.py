@@ -1,0 +1,44 @@
+"""`caramelo pairings`: which browsers may drive, and revoking that."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..util.console import say, write_json
+from . import WALK
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command("pairings", rich_help_panel=WALK)(pairings)
+
+
+def pairings(
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="The service's: /var/lib/caramelo.")] = None,
+    forget: Annotated[bool, typer.Option("--forget", help="Revoke all; open pages are hung up on.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+) -> None:
+    """Tell how many browsers are paired with the page, and since when; revoke that with --forget.
+
+    A browser keeps its pairing over a restart. A drive that runs takes notice within a second.
+
+    Examples: caramelo pairings; sudo caramelo pairings --folder /var/lib/caramelo --forget
+    """
+    from ..teleop.web.paired import NAME, Paired, paired_path
+    from ..util.errors import UserError
+
+    path = paired_path() if folder is None else folder / NAME
+    paired = Paired(path)
+    days = list(paired.browsers().values())
+    if forget and days:
+        paired.forget_all()
+        if paired.trouble:
+            raise UserError(paired.trouble)
+    if as_json:
+        write_json({"file": str(path), "paired_since": days, "forgotten": forget})
+        return
+    said = "browser is" if len(days) == 1 else "browsers are"
+    say(f"{len(days)} {said} {'no longer ' if forget else ''}paired ({path})")
+    for day in days:
+        say(f"since {day}")

@@ -1,0 +1,289 @@
+"""Finds the numbers with which the model does what the joint did: least squares with scipy, of one joint at a time.
+
+Unknown are the numbers of model.NAMES. What makes each visible:
+
+    stall torque, load friction    the robot's own weight on the ground, going up and going down
+    no-load speed                  runs at known duties
+    duty per rad, lag              loads and ways of small steps and chirps
+    friction at rest, Stribeck     slow ramps of the duty, runs just above it
+    viscous friction               coasting: under power the motor's own braking hides it
+    armature, play                 turning back and forth, chirps, against the known inertia of the leg
+    delay                          all of it; what answers take is measured by the clock
+
+Play, sticking and the P law make hollows in the sum of squares. So the sweeps that play hardly touches come first; then
+a grid over play, delay and armature finds where to go on with all of them, and steps along the flattest directions come
+between the rounds of least squares. If that ends too high, another start is tried.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from math import exp, log
+from statistics import median
+
+import numpy as np
+
+from ..robot.actuators import Servo
+from .model import NAMES, STEP_S, Array, Load, Told, friction_Nm, from_file, motor_stall_Nm, simulate
+from .sweeping import Trace
+
+SHIFTS = {"backlash_rad": 0.01, "act_s": 0.01}  # these are moved by this unit, the others by their logarithm
+LITTLE_PLAY = ("run", "ramp", "slow", "steps", "coast")  # sweeps that play hardly touches
+BY_P_LAW = ("steps", "chirp", "slow")  # sweeps whose load tells of the P law; elsewhere it is what was told
+ROUGH_COUNTS, OFFSET_COUNTS, ROUGH_LOAD, ROUGH_BALANCE = 0.35, 0.3, 0.01, 0.002
+LAID_NM = 0.015  # a weight that presses the play to one side while the joint is held (chosen)
+SOFT = 2.0  # beyond so many of these a difference counts only linearly
+NUDGE = 0.01  # of differences that stand for derivatives: as wide as the hollows
+FAST_RAD_S = 2.0  # friction there is one of the unknowns, because runs tell it well
+LEAST_VISCOUS = 0.003  # N m s/rad, below which viscous friction bends to 0 (chosen)
+GOOD = 0.36  # of a mean square that noise alone explains: 0.26 .. 0.32 with emulated joints
+STARTS = (
+    {"backlash_rad": 0.018, "viscous_Nms_rad": 0.02}, {"load_motor": 0.12, "backlash_rad": 0.024},
+    {"load_motor": 0.28, "stribeck_rad_s": 0.35, "viscous_Nms_rad": 0.025},
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What was seen of a joint under the robot's weight while it turned: speeds, loads on the shaft, duties of 12 V."""
+
+    speed_rad_s: Array
+    load_Nm: Array
+    duty: Array
+
+
+@dataclass
+class Fitted:
+    """A joint's numbers, how far each is uncertain by the fit itself, and how well they explain what was seen."""
+
+    values: dict[str, float]
+    spread: dict[str, float] = field(default_factory=dict)
+    misfit: float = 0.0
+    answer_s: float = 0.0
+    fits: bool = True
+
+    @property
+    def delay_s(self) -> float:
+        """From sending a goal to its acting, and from measuring to knowing."""
+        return self.values["act_s"] + self.answer_s
+
+
+class JointFit:
+    """One joint's fit: its sweeps, its load in the air and, if it was there, what was seen on the ground."""
+
+    def __init__(self, servo: Servo, load: Load, traces: Sequence[Trace], ground: Ground | None = None) -> None:
+        self.servo, self.load, self.ground = servo, load, ground
+        self.traces = [trace for trace in traces if len(trace.position_rad) > 10]
+        self.base = from_file(servo)
+        self._free = list(NAMES)
+        self.told, self._columns = told_of(self.traces, servo, load), list(range(len(self.traces)))
+        self._rest = self.base["coulomb_Nm"] + self.base["stribeck_Nm"]
+        self._fast = self.base["coulomb_Nm"] + FAST_RAD_S * self.base["viscous_Nms_rad"]
+
+    def run(self, note: Callable[[str], None] = lambda what: None) -> Fitted:
+        """Return the numbers; the best of a few starts."""
+        best, least = np.zeros(len(self._free)), float("inf")
+        for number, start in enumerate(STARTS):
+            note(f"fit {number + 1}")
+            x, cost = self._descend(self._of({**self.base, **start}))
+            if cost < least:
+                best, least = x, cost
+            if least < GOOD * self._size:
+                break
+        values = {name: float(value[0, 0]) for name, value in self._values(best[None]).items()}
+        answers = [b - a for trace in self.traces for a, b in zip(trace.asked_s, trace.answered_s, strict=True)]
+        misfit = least / self._size
+        return Fitted(values, self._spread(best), misfit, median(answers), misfit < GOOD)
+
+    def glance(self) -> float:
+        """Return how well the sweeps that play hardly touches can be explained, after one round of least squares."""
+        x = self._of({**self.base, **STARTS[0]})
+        self._settle(x)
+        everything = self._columns
+        self._columns = [at for at in everything if self.traces[at].name.split()[0] in ("run", "slow", "ramp")]
+        cost = self._squares(x, 5)[1]
+        self._columns = everything
+        return cost
+
+    def _descend(self, x: Array) -> tuple[Array, float]:
+        everything = self._columns
+        self._settle(x)
+        self._columns = [at for at in everything if self.traces[at].name.split()[0] in LITTLE_PLAY]
+        x, _ = self._squares(x)
+        self._columns = everything
+        self._settle(x)
+        x, cost = self._better(x, float("inf"), self._grid(x, 0.016, 0.006, (0.7, 0.85, 1.0, 1.2, 1.4)))
+        self._settle(x)
+        x, cost = self._better(x, float("inf"), self._grid(x, 0.006, 0.002, (0.95, 1.0, 1.05)))
+        for _ in range(3):
+            self._settle(x)
+            before = float(self._costs(x[None])[0])
+            x, cost = self._better(x, before, self._along_the_valley(x))
+            if before - cost < 2:
+                break
+        return x, cost
+
+    def _settle(self, x: Array) -> None:
+        self.settle_at(self._values(x[None]))
+
+    def settle_at(self, p: Mapping[str, Array]) -> None:
+        """Choose where the rotor begins in each sweep: a weak weight leaves that open, a strong one decides it."""
+        sides = np.linspace(-1, 1, 7)[:, None] * np.ones(len(self.traces))
+        laid = np.abs(self.load.at(self.told.start_rad)) > LAID_NM
+        sides[:, laid] = -np.sign(self.load.at(self.told.start_rad[laid]))
+        self.told = replace(self.told, side=sides)
+        costs = [
+            np.sum(np.minimum(np.abs(places - np.array(trace.position_rad)) / self.servo.step_rad, 5.0) ** 2, axis=1)
+            for trace, places, _ in self.seen({name: np.repeat(value, len(sides), axis=0) for name, value in p.items()})
+        ]
+        best = np.argmin(np.array(costs), axis=1)
+        self.told = replace(self.told, side=sides[best, np.arange(len(self.traces))])
+
+    def _better(self, x: Array, cost: float, tries: Array) -> tuple[Array, float]:
+        """Start again from the best of some tries, and keep what is better."""
+        found, least = self._squares(tries[int(np.argmin(self._costs(tries)))])
+        return (found, least) if least < cost else (x, cost)
+
+    def _squares(self, x: Array, rounds: int = 8) -> tuple[Array, float]:
+        from scipy.optimize import least_squares
+
+        found = least_squares(
+            lambda at: self.residuals(at[None])[0], x, self._slopes, loss="soft_l1", f_scale=SOFT, max_nfev=rounds,
+            xtol=1e-4, ftol=1e-5, gtol=1e-8,
+        )  # fmt: skip
+        return np.asarray(found.x), float(found.cost)
+
+    def _slopes(self, x: Array) -> Array:
+        """Return the residuals' derivatives by each unknown, all in one simulation."""
+        steps = NUDGE * np.eye(len(x))
+        found = self.residuals(np.concatenate([x + steps, x - steps]))
+        slopes: Array = ((found[: len(x)] - found[len(x) :]) / (2 * NUDGE)).T
+        return slopes
+
+    def _costs(self, tries: Array) -> Array:
+        costs: Array = SOFT**2 * np.sum(np.sqrt(1 + (self.residuals(tries) / SOFT) ** 2) - 1, axis=1)
+        return costs
+
+    @property
+    def _size(self) -> int:
+        """How many differences there are."""
+        extra = 0 if self.ground is None else len(self.ground.duty)
+        by_p = sum(len(trace.load) for trace in self.traces if by_p_law(trace))
+        return sum(len(trace.load) + 1 for trace in self.traces) + by_p + extra
+
+    def _grid(self, x: Array, play: float, late: float, heavier: Sequence[float]) -> Array:
+        at_play, at_late, at_rotor = (self._free.index(name) for name in ("backlash_rad", "act_s", "armature_kg_m2"))
+        least = 0.02 - self.base["backlash_rad"] / SHIFTS["backlash_rad"]
+        tries = []
+        for u, v, w in product(np.linspace(-1, 1, 11), np.linspace(-1, 1, 7), heavier):
+            y = x.copy()
+            y[at_play] = max(y[at_play] + u * play / SHIFTS["backlash_rad"], least)
+            y[at_late] += v * late / SHIFTS["act_s"]
+            y[at_rotor] += log(w)
+            tries.append(y)
+        return np.array(tries)
+
+    def _along_the_valley(self, x: Array) -> Array:
+        directions = np.linalg.svd(self._slopes(x), full_matrices=False)[2][-6:]
+        ways = (-0.4, -0.2, -0.1, -0.05, -0.025, 0.025, 0.05, 0.1, 0.2, 0.4)
+        return np.array([x] + [x + way * direction for direction in directions for way in ways])
+
+    def _values(self, tries: Array) -> dict[str, Array]:
+        """Return the numbers of unknowns, a row a try; friction at rest and at speed stand for dry and viscous."""
+        p = {name: np.full((len(tries), 1), value) for name, value in self.base.items()}
+        for column, name in enumerate(self._free):
+            x = tries[:, column : column + 1]
+            if name in SHIFTS:
+                p[name] = np.maximum(self.base[name] + SHIFTS[name] * x, 1e-5)
+            else:
+                p[name] = self.base[name] * np.exp(np.clip(x, -4, 3))
+        p["load_motor"] = np.minimum(p["load_motor"], 0.8)
+        at_rest = self._rest * p["coulomb_Nm"] / self.base["coulomb_Nm"]
+        at_speed = self._fast * p["viscous_Nms_rad"] / self.base["viscous_Nms_rad"]
+        p["coulomb_Nm"] = np.maximum(at_rest - p["stribeck_Nm"], 1e-4)
+        left = p["stribeck_Nm"] * np.exp(-((FAST_RAD_S / p["stribeck_rad_s"]) ** self.servo.friction.stribeck_exponent))
+        viscous = (at_speed - p["coulomb_Nm"] - left) / FAST_RAD_S
+        p["viscous_Nms_rad"] = (viscous + np.hypot(viscous, LEAST_VISCOUS)) / 2  # never negative, never flat
+        return p
+
+    def _of(self, values: Mapping[str, float]) -> Array:
+        """Return the unknowns of numbers."""
+        viscous = values["viscous_Nms_rad"] - LEAST_VISCOUS**2 / values["viscous_Nms_rad"] / 4
+        left = values["stribeck_Nm"] * exp(
+            -((FAST_RAD_S / values["stribeck_rad_s"]) ** self.servo.friction.stribeck_exponent)
+        )
+        special = {
+            "coulomb_Nm": (values["coulomb_Nm"] + values["stribeck_Nm"]) / self._rest,
+            "viscous_Nms_rad": (values["coulomb_Nm"] + FAST_RAD_S * viscous + left) / self._fast,
+        }
+        return np.array([
+            (values[name] - self.base[name]) / SHIFTS[name] if name in SHIFTS
+            else log(special.get(name, values[name] / self.base[name]))
+            for name in self._free
+        ])  # fmt: skip
+
+    def residuals(self, tries: Array) -> Array:
+        """Return what the model and the joint differ by, in units of what noise does; a row a try."""
+        p = self._values(tries)
+        found = []
+        for trace, places, duties in self.seen(p):
+            off = (places - np.array(trace.position_rad)) / self.servo.step_rad
+            mean = off.mean(axis=1, keepdims=True)  # where within its step of position the joint began is not known
+            found += [(off - mean) / ROUGH_COUNTS, mean / OFFSET_COUNTS]
+            if by_p_law(trace):
+                found.append((duties - np.array(trace.load)) / ROUGH_LOAD)
+        if self.ground is not None:
+            found.append(balance(p, self.servo, self.ground) / ROUGH_BALANCE)
+        return np.concatenate(found, axis=1)
+
+    def seen(self, p: Mapping[str, Array]) -> list[tuple[Trace, Array, Array]]:
+        """Return of each sweep the angles and duties that such servos would have shown when the joint was asked."""
+        traces, told = [self.traces[column] for column in self._columns], self.told.only(self._columns)
+        places, duties = simulate(p, self.servo.friction, self.load, told)
+        began = np.broadcast_to(told.start_rad, (1, *places.shape[1:]))
+        held = np.broadcast_to(np.array([trace.load[0] for trace in traces]), began.shape)
+        places, duties = np.concatenate([began, places]), np.concatenate([held, duties])
+        copies, rows = np.arange(places.shape[1])[:, None], []
+        for column, trace in enumerate(traces):
+            at = np.clip((np.array(trace.asked_s) - p["act_s"]) / STEP_S, 0, len(places) - 2)
+            whole = at.astype(int)
+            part = at - whole
+            rows.append((trace, *(
+                values[whole, copies, column] * (1 - part) + values[whole + 1, copies, column] * part
+                for values in (places, duties)
+            )))  # fmt: skip
+        return rows
+
+    def _spread(self, x: Array) -> dict[str, float]:
+        """Return the standard deviations by the curvature, as shares; optimistic, because hollows look like walls."""
+        slopes = self._slopes(x)
+        deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(slopes.T @ slopes)), 0.0))
+        return {name: float(deviation) for name, deviation in zip(self._free, deviations, strict=True)}
+
+
+def by_p_law(trace: Trace) -> bool:
+    """True for a sweep in which the duty follows from the error."""
+    return trace.name.split()[0] in BY_P_LAW
+
+
+def told_of(traces: Sequence[Trace], servo: Servo, load: Load) -> Told:
+    """Return what the joint was told in sweeps, on the model's grid."""
+    steps = max(round((trace.sent_s[-1]) / STEP_S) for trace in traces) + 40
+    goal, most = np.empty((steps, len(traces))), np.empty((steps, len(traces)))
+    for column, trace in enumerate(traces):
+        row = np.searchsorted(np.array(trace.sent_s), np.arange(steps) * STEP_S + STEP_S / 2, side="right") - 1
+        row = np.clip(row, 0, len(trace.sent_s) - 1)
+        goal[:, column], most[:, column] = np.array(trace.goal_rad)[row], np.array(trace.most)[row]
+    volts = np.array([np.mean(trace.voltage_V) / servo.nominal_voltage_V for trace in traces])
+    start = np.array([trace.position_rad[0] for trace in traces])
+    return Told(goal, most, volts, start, -np.sign(load.at(start)))
+
+
+def balance(p: Mapping[str, Array], servo: Servo, ground: Ground) -> Array:
+    """Return by which share of the stall torque motor, load and friction do not cancel while a joint turns slowly."""
+    stall = motor_stall_Nm(p, servo.friction)
+    motor = stall * (ground.duty - ground.speed_rad_s / p["no_load_rad_s"])
+    load = np.broadcast_to(ground.load_Nm, motor.shape)
+    friction = friction_Nm(p, servo.friction, motor, load, np.abs(ground.speed_rad_s))
+    left: Array = (motor + load - np.sign(ground.speed_rad_s) * friction) / stall
+    return left

@@ -1,0 +1,271 @@
+"""Carries out sweeps: one joint in the air, its leg's other joints held as at rest; then all joints on the ground."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import cos, degrees, pi, sin
+
+from ..bus.base import JOINT_LABELS, JOINTS
+from ..bus.dynamixel.calibration.data import limits_rad
+from ..bus.dynamixel.link import ServoError
+from ..robot.model import Robot
+from ..robot.poses import leg_to_rad, rest_pose_rad, seated_pose_rad
+from ..util.errors import UserError
+from .carried import joint_per_shaft
+from .plan import MOST, REACH_RAD, TICK_S, Sweep, plan
+from .rig import Reading, Rig
+
+GO_RAD_S = 0.6  # how fast a joint goes to where a sweep begins (chosen)
+SETTLE_S = 0.15
+ARRIVED_RAD = 0.08  # farther from there it is blocked: friction alone leaves 0.03 rad at the P gain in use (chosen)
+GROUND_TICK_S = 0.02
+PHASES = 4  # of a tick at which joints are asked in turn
+SHAKE_S, SHAKE_RAD = 2.0, 0.12
+SHAKES = (0.1, 0.2, 0.3, 0.4)  # duties with which all joints are shaken, to draw current
+
+Done = Callable[[float], None]  # takes the share that is done
+
+
+@dataclass
+class Trace:
+    """One sweep as it went: what was told at which time, what was read; times in s from its beginning."""
+
+    joint: int
+    name: str
+    goal_rad: list[float] = field(default_factory=list)
+    most: list[float] = field(default_factory=list)  # -1 without torque
+    sent_s: list[float] = field(default_factory=list)
+    asked_s: list[float] = field(default_factory=list)
+    answered_s: list[float] = field(default_factory=list)
+    position_rad: list[float] = field(default_factory=list)
+    load: list[float] = field(default_factory=list)
+    voltage_V: list[float] = field(default_factory=list)
+
+
+@dataclass
+class Stance:
+    """One tick of all joints together; ``what`` is ``ground`` or ``shake``."""
+
+    what: str
+    at_s: float
+    position_rad: list[float]
+    load: list[float]
+    voltage_V: list[float]
+
+
+class Blocked(ServoError):
+    """A joint that does not get where its sweep begins."""
+
+    def __init__(self, joint: int, at_rad: float, goal_rad: float, ratio: float) -> None:
+        self.joint, self.at_rad = joint, at_rad
+        super().__init__(
+            f"{JOINT_LABELS[joint]} stays at {degrees(at_rad * ratio):.0f} deg on its way to "
+            f"{degrees(goal_rad * ratio):.0f}: blocked, or its sign in the calibration is wrong"
+        )
+
+
+def rest_shafts_rad(robot: Robot) -> list[float]:
+    """Return the shafts' angles at rest, about which a joint is swept."""
+    return [angle / joint_per_shaft(robot, joint) for joint, angle in enumerate(rest_pose_rad(robot))]
+
+
+def sweeps_of(robot: Robot, joint: int) -> list[Sweep]:
+    """Return the sweeps of a joint, within its limits. UserError if they leave it too little room."""
+    ratio, centre = joint_per_shaft(robot, joint), rest_shafts_rad(robot)[joint]
+    low, high = (limit / ratio for limit in limits_rad(robot)[joint])
+    reach = min(REACH_RAD, centre - low - 0.02, high - centre - 0.02)
+    if reach < 0.25:
+        raise UserError(
+            f"{JOINT_LABELS[joint]}: {degrees(reach * ratio):.0f} deg to its limits from the rest stance, must be 15"
+        )
+    return plan(centre, reach)
+
+
+def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[Trace]:
+    """Sweep one joint in the air and let go of its leg. Blocked if it does not get to where a sweep begins."""
+    rest, leg = rest_shafts_rad(rig.robot), joint // 3 * 3
+    sweeps = sweeps_of(rig.robot, joint)
+    ends = [move.goal_rad for sweep in sweeps for move in sweep.moves]
+    traces = []
+    for each in range(leg, leg + 3):
+        low, high = (limit / joint_per_shaft(rig.robot, each) for limit in limits_rad(rig.robot)[each])
+        rig.allow(each, low, high)
+    try:
+        for each in range(leg, leg + 3):
+            rig.hold(each, MOST)
+        _go(rig, {each: rest[each] for each in range(leg, leg + 3)}, joint)
+        rig.allow(joint, min(ends), max(ends))
+        for number, sweep in enumerate(sweeps):
+            _go(rig, {joint: sweep.start_rad}, joint)
+            traces.append(_play(rig, joint, sweep))
+            done((number + 1) / len(sweeps))
+    finally:
+        rig.release()
+    return traces
+
+
+def _go(rig: Rig, goals_rad: dict[int, float], looked_at: int) -> None:
+    """Move joints together, slowly; then wait. Blocked if the one that is looked at does not arrive."""
+    for joint in goals_rad:
+        rig.limit(joint, MOST)
+    now = _all(rig, list(goals_rad))
+    far = max(abs(goal - now[joint].position_rad) for joint, goal in goals_rad.items())
+    ticks = max(1, round(far / GO_RAD_S / TICK_S))
+    due_s = rig.clock()
+    for tick in range(ticks + round(SETTLE_S / TICK_S)):
+        part = min(1.0, (tick + 1) / ticks)
+        rig.tell({j: now[j].position_rad + part * (goal - now[j].position_rad) for j, goal in goals_rad.items()})
+        rig.ask(list(goals_rad))
+        due_s = _next(rig, due_s, TICK_S)
+    at_rad = _all(rig, [looked_at])[looked_at].position_rad
+    if looked_at in goals_rad and abs(at_rad - goals_rad[looked_at]) > ARRIVED_RAD:
+        raise Blocked(looked_at, at_rad, goals_rad[looked_at], joint_per_shaft(rig.robot, looked_at))
+
+
+def _all(rig: Rig, joints: Sequence[int]) -> dict[int, Reading]:
+    """Return readings of all these joints, asked until each has answered."""
+    found: dict[int, Reading] = {}
+    while len(found) < len(joints):
+        found |= rig.ask([joint for joint in joints if joint not in found])
+    return found
+
+
+def _next(rig: Rig, due_s: float, tick_s: float) -> float:
+    """Wait for the next tick; one that is late does not hurry those after it."""
+    due_s = max(due_s + tick_s, rig.clock())
+    rig.wait_until(due_s)
+    return due_s
+
+
+def _play(rig: Rig, joint: int, sweep: Sweep) -> Trace:
+    """Play one sweep's moves and take down what the joint does."""
+    trace, moves = Trace(joint, sweep.name), list(sweep.moves)
+    began_s = due_s = rig.clock()
+    goal_rad, most = sweep.start_rad, MOST
+    told: float | None = MOST
+    for tick in range(round(sweep.duration_s / TICK_S)):
+        while moves and moves[0].at_s <= tick * TICK_S + 1e-9:
+            move = moves.pop(0)
+            goal_rad = move.goal_rad
+            if move.most != told:
+                rig.limit(joint, move.most)
+                told = move.most
+        most = -1.0 if told is None else round(told * 885) / 885
+        sent_s = rig.clock() - began_s
+        rig.tell({joint: goal_rad})
+        reading = rig.ask([joint]).get(joint)
+        if reading is not None:
+            _note(trace, sent_s, began_s, rig.rounded_rad(joint, goal_rad), most, reading)
+        due_s = _next(rig, due_s, TICK_S)
+    return trace
+
+
+def _note(trace: Trace, sent_s: float, began_s: float, goal_rad: float, most: float, reading: Reading) -> None:
+    for values, value in (
+        (trace.sent_s, sent_s), (trace.goal_rad, goal_rad), (trace.most, most),
+        (trace.asked_s, reading.asked_s - began_s), (trace.answered_s, reading.answered_s - began_s),
+        (trace.position_rad, reading.position_rad), (trace.load, reading.load), (trace.voltage_V, reading.voltage_V),
+    ):  # fmt: skip
+        values.append(round(value, 7))
+
+
+def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
+    """Shake all joints in the air, harder and harder: the current that draws shows how the supply sags."""
+    rest = rest_shafts_rad(rig.robot)
+    rows: list[Stance] = []
+    _allow_limits(rig)
+    try:
+        for joint in range(JOINTS):
+            rig.hold(joint, MOST)
+        _go(rig, dict(enumerate(rest)), 0)
+        for number, duty in enumerate(SHAKES):
+            for joint in range(JOINTS):
+                rig.limit(joint, duty)
+            ticks = round(SHAKE_S / TICK_S / 2)
+            for tick in range(ticks):
+                side = 1 if tick // 5 % 2 else -1
+                _tick(rig, "shake", [at + side * SHAKE_RAD for at in rest], rows, 2 * TICK_S)
+            done((number + 1) / len(SHAKES))
+    finally:
+        rig.release()
+    return rows
+
+
+def stand_and_sway(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
+    """Stand up from sitting, sway slowly up and down, to and fro, sideways; sit down, let go."""
+    robot, rows, waste = rig.robot, list[Stance](), list[Stance]()
+    seated, rest = _shafts(robot, seated_pose_rad(robot)), rest_shafts_rad(robot)
+    _allow_limits(rig)
+    try:
+        for joint in range(JOINTS):
+            rig.hold(joint, robot.stand.torque_fraction)
+        now = _all(rig, range(JOINTS))
+        here = [now[joint].position_rad for joint in range(JOINTS)]
+        for start, end, seconds in ((here, seated, 1.5), (seated, rest, 2.5)):
+            _glide(rig, start, end, seconds, waste)
+        goals = _sway(robot)
+        for number, pose in enumerate(goals):
+            _tick(rig, "ground", _shafts(robot, pose), rows, GROUND_TICK_S)
+            done((number + 1) / len(goals))
+        _glide(rig, _shafts(robot, goals[-1]), seated, 2.5, waste)
+    finally:
+        rig.release()
+    return rows
+
+
+def _allow_limits(rig: Rig) -> None:
+    for joint, limits in enumerate(limits_rad(rig.robot)):
+        low, high = (limit / joint_per_shaft(rig.robot, joint) for limit in limits)
+        rig.allow(joint, low, high)
+
+
+def _shafts(robot: Robot, pose_rad: Sequence[float]) -> list[float]:
+    return [angle / joint_per_shaft(robot, joint) for joint, angle in enumerate(pose_rad)]
+
+
+def _glide(rig: Rig, start: Sequence[float], end: Sequence[float], seconds: float, rows: list[Stance]) -> None:
+    ticks = round(seconds / GROUND_TICK_S)
+    for tick in range(ticks):
+        part = 0.5 - 0.5 * cos(pi * (tick + 1) / ticks)
+        goals = [a + part * (b - a) for a, b in zip(start, end, strict=True)]
+        _tick(rig, "ground", goals, rows, GROUND_TICK_S)
+
+
+def _tick(rig: Rig, what: str, goals: Sequence[float], rows: list[Stance], tick_s: float) -> None:
+    """Tell all joints, and ask them a little later each time: asked at one phase, rippling duties would lie."""
+    due_s = rig.clock()
+    rig.tell(dict(enumerate(goals)))
+    rig.wait_until(due_s + tick_s * (len(rows) % PHASES) / (PHASES + 1))
+    read = rig.ask(range(JOINTS))
+    if len(read) == JOINTS:
+        rows.append(
+            Stance(what, round(read[0].asked_s, 6), *(
+                [round(getattr(read[joint], name), 7) for joint in range(JOINTS)]
+                for name in ("position_rad", "load", "voltage_V")
+            ))
+        )  # fmt: skip
+    _next(rig, due_s, tick_s)
+
+
+def _sway(robot: Robot) -> list[list[float]]:
+    """Return the poses of a body that goes slowly down and up, forward and back, to the left and to the right."""
+    limits = robot.body_limits
+    far = (min(0.03, 0.75 * limits.x_m), min(0.03, 0.75 * limits.y_m), min(0.03, 0.75 * limits.z_m))
+    poses = []
+    for axis, seconds in ((2, 8.0), (0, 8.0), (1, 8.0), (2, 5.0)):
+        for tick in range(round(seconds / GROUND_TICK_S)):
+            turn = 2 * pi * tick * GROUND_TICK_S / seconds * 2
+            shift = [0.0, 0.0, 0.0]
+            shift[axis] = far[axis] * sin(turn) if axis < 2 else -far[axis] * (0.5 - 0.5 * cos(turn))
+            poses.append(_shifted(robot, shift))
+    return poses
+
+
+def _shifted(robot: Robot, shift_m: Sequence[float]) -> list[float]:
+    pose: list[float] = []
+    for leg in range(4):
+        x, y, z = robot.foot_m(leg, robot.stance.rest_height_m)
+        joints = leg_to_rad(robot, leg, (x - shift_m[0], y - shift_m[1], z - shift_m[2]))
+        if joints is None:
+            raise UserError(f"{robot.name}: leg {leg} can't reach the sway of the measurement")
+        pose += joints
+    return pose

@@ -1,0 +1,72 @@
+"""What all joints together tell: loads while the robot stands and sways, the supply while they shake."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..bus.base import JOINTS
+from ..robot.actuators import Servo
+from ..robot.model import Robot
+from .carried import joint_per_shaft, on_the_ground_Nm
+from .fit import Ground
+from .model import Array
+from .sweeping import Stance
+
+WINDOW = 8  # ticks over which means and speeds are taken: each of the phases twice
+SLOW_RAD_S = 0.03  # slower, a joint may stick
+KEEP = 400  # samples of a joint on the ground: more do not help, they are not independent
+
+
+def grounds(robot: Robot, servo: Servo, rows: Sequence[Stance]) -> list[Ground] | None:
+    """Return each joint's samples on the ground; None if there are none."""
+    rows = [row for row in rows if row.what == "ground"]
+    if len(rows) < 10 * WINDOW:
+        return None
+    times = np.array([row.at_s for row in rows])
+    places, duties = np.array([row.position_rad for row in rows]), np.array([row.load for row in rows])
+    volts = np.array([np.median(row.voltage_V) for row in rows])[:, None] / servo.nominal_voltage_V
+    over = WINDOW - 1
+    speeds = (places[over:] - places[:-over]) / (times[over:] - times[:-over])[:, None]
+    ratios = [joint_per_shaft(robot, joint) for joint in range(JOINTS)]
+    loads = np.array([on_the_ground_Nm(robot, row * ratios) for row in _smooth(places)])
+    duty = _smooth(duties * volts)
+    return [_ground(speeds[:, joint], loads[:, joint], duty[:, joint]) for joint in range(JOINTS)]
+
+
+def _smooth(values: Array) -> Array:
+    """Return means over the window: the position's steps are 0.75 % of duty each."""
+    return np.mean([values[k : len(values) - WINDOW + 1 + k] for k in range(WINDOW)], axis=0)
+
+
+def _ground(speed: Array, load: Array, duty: Array) -> Ground:
+    turning = np.flatnonzero((np.abs(speed) > SLOW_RAD_S) & _steady(speed))
+    turning = turning[:: max(1, len(turning) // KEEP)]
+    return Ground(speed[turning], load[turning], duty[turning])
+
+
+def _steady(speed: Array) -> Array:
+    """Return where a joint has turned one way for a while, so that its play is closed and it is not being sped up."""
+    ahead, behind = np.roll(speed, -WINDOW), np.roll(speed, WINDOW)
+    steady: Array = (speed * ahead > 0) & (speed * behind > 0)
+    steady[:WINDOW] = steady[-WINDOW:] = False
+    return steady
+
+
+def supply_ohm(servo: Servo, no_load_rad_s: float, rows: Sequence[Stance]) -> float | None:
+    """Return the supply's resistance from shaking, for the stall current of the robot file; None without either.
+
+    The servos do not measure their current: it is stall current x duty x (duty - speed / no-load speed), so what is
+    measured is the resistance times that current.
+    """
+    rows = [row for row in rows if row.what == "shake"]
+    if servo.stall_A == 0 or len(rows) < 30:
+        return None
+    times = np.array([row.at_s for row in rows])
+    duty, volts = np.array([row.load for row in rows]), np.array([np.mean(row.voltage_V) for row in rows])
+    speed = np.gradient(np.array([row.position_rad for row in rows]), times, axis=0)
+    share = duty * (duty * volts[:, None] / servo.nominal_voltage_V - speed / no_load_rad_s)
+    current = servo.stall_A * np.sum(share, axis=1)
+    blocks = np.array_split(np.arange(len(rows)), 12)
+    amps, mean_V = (np.array([np.mean(values[block]) for block in blocks]) for values in (current, volts))
+    slope = np.polyfit(amps, mean_V, 1)[0]
+    return float(max(0.0, -slope))

@@ -1,0 +1,243 @@
+"""The trot's figures of a robot, from its file alone: times from sqrt(h/g) and drives' lags, lengths from the leg.
+
+The constants that are left are below, the same for every robot. They were found on Caramelo and Parallel in MuJoCo, on
+level ground and at steps of up to a fifth of the leg. A robot file's table ``trot`` gives those in NUMBERS anew.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import cos, hypot, inf, pi, sin, sqrt, tanh
+
+from shared.body.params import LF_BITS, Params
+from sim2d.model import GRAVITY_M_S2
+
+from .drives import BUS_DELAY_S, joint_drives
+from .kinematics_si import Vector
+from .mass import com_at_rest_m
+from .model import JOINT_NAMES, Robot
+from .swings import asked_speeds, most, poses_rad, within_limits
+
+GAIT = "trot"  # whose figures these are
+LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
+HIGHEST_LIFT = 0.45  # of the leg: of a foot that was held up in its last swing
+LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
+STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
+AHEAD_SHARE = 0.8  # of a swing: a foot's way along the ground is over when it comes down, though drives lag
+CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
+CAPTURE_MOST = 0.3  # of the height: the furthest such step
+LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs take a tilt back
+HEADING_HZ = 2.0  # rad/s of turn per rad of heading that is missed
+SLOPE_CYCLES = 1.0  # in which the ground's slope is believed
+DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
+DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/trot/steer.py)
+FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
+LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
+TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
+HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
+HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
+HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
+SWING_ASKS = 1.5  # of a drive's no-load speed may the goals of a swing ask: what lags rounds them off
+STEP_LEG = 0.16  # of the leg: the highest step that every robot is to walk up
+SWING_POINTS = 25  # of a swing are looked at for that
+FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried faster
+SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the speed ahead: aside, and of the feet when turning
+
+
+@dataclass(frozen=True)
+class Number:
+    """What a robot file may give anew: what it is else, the least and the most, its unit and meaning."""
+
+    usual: float
+    least: float
+    most: float
+    meaning: str
+
+
+NUMBERS = {
+    "low_lift": Number(LOW_LIFT, 0.03, 0.25, "[of the leg] top of a swing on even ground"),
+    "high_lift": Number(HIGH_LIFT, 0.15, 0.40, "[of the leg] the same once something was met"),
+    "lags_in_swing": Number(LAGS_IN_SWING, 0.0, 6.0, "[-] of the drives' lag, added to sqrt(h/g): what a swing takes"),
+    "stance_share": Number(STANCE_SHARE, 0.51, 0.70, "[-] of a cycle, in which a foot stands"),
+    "capture_share": Number(CAPTURE_SHARE, 0.0, 1.0, "[-] of the gain with which a step catches a wrong speed at once"),
+    "level_share": Number(LEVEL_SHARE, 0.3, 2.0, "[-] of sqrt(g/h): how fast the legs take a tilt back"),
+    "drift_share": Number(DRIFT_SHARE, 0.0, 1.0, "[-] of the speed's error, taken back in a cycle"),
+}
+
+
+def trot_complaints(given: Mapping[str, float]) -> Iterator[tuple[str, object, str]]:
+    """Yield (key, value, what is allowed) of each number in a table ``trot`` that can't be used."""
+    for key, value in given.items():
+        if key not in NUMBERS:
+            yield f"trot.{key}", value, f"the keys are {', '.join(NUMBERS)}"
+            continue
+        number = NUMBERS[key]
+        if not number.least <= value <= number.most:
+            yield f"trot.{key}", value, f"{number.least:g} .. {number.most:g}, usually {number.usual:g}"
+
+
+@dataclass(frozen=True)
+class TrotFigures:
+    """What the trot takes from a robot, SI."""
+
+    leg_m: float
+    height_m: float
+    length_m: float
+    rests_m: tuple[tuple[float, float], ...]
+    lag_s: float
+    own: Mapping[str, float]  # NUMBERS
+
+    @property
+    def tipping_s(self) -> float:
+        """Time constant of the robot's tipping over a support line."""
+        return sqrt(self.height_m / GRAVITY_M_S2)
+
+    @property
+    def swing_s(self) -> float:
+        """How long a foot is in the air."""
+        return self.tipping_s + self.own["lags_in_swing"] * self.lag_s
+
+    @property
+    def cycle_s(self) -> float:
+        """From a touchdown to the next of the same foot."""
+        return self.swing_s / (1 - self.own["stance_share"])
+
+    @property
+    def stance_s(self) -> float:
+        """How long a foot stands."""
+        return self.cycle_s * self.own["stance_share"]
+
+    @property
+    def neutral_s(self) -> float:
+        """Foothold ahead of rest per speed, with which the pendulum goes on evenly."""
+        return self.tipping_s * tanh(self.cycle_s / 4 / self.tipping_s)
+
+    @property
+    def capture_s(self) -> float:
+        """Foothold further ahead per speed that is too much."""
+        return self.own["capture_share"] * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
+
+    @property
+    def climbing_m_s(self) -> float:
+        """The fastest while swings are high."""
+        return HIGH_SPEED * self.leg_m / self.cycle_s
+
+    def swing(self, speed_m_s: float, lift_m: float) -> list[tuple[float, float]]:
+        """Return where a foot in the air is sent, x ahead and z up of its rest, at SWING_POINTS even times.
+
+        As shared/trot/feet.py plans it for a body at an even speed: a cycloid along the ground, a cosine up.
+        """
+        start_m, way = speed_m_s * (self.neutral_s - self.stance_s), []
+        for point in range(SWING_POINTS):
+            share = point / (SWING_POINTS - 1)
+            turn = 2 * pi * min(1.0, share / AHEAD_SHARE)
+            gone_m = speed_m_s * (self.cycle_s * (turn - sin(turn)) / (2 * pi) - self.swing_s * share)
+            way.append((start_m + gone_m, lift_m * (1 - cos(2 * pi * share)) / 2))
+        return way
+
+
+def trot_figures(robot: Robot) -> TrotFigures:
+    """Return the figures of a robot."""
+    geometry, height_m, com_m, rests = robot.geometry, robot.stance.rest_height_m, com_at_rest_m(robot), []
+    calf, usual = joint_drives(robot)[2], {key: number.usual for key, number in NUMBERS.items()}
+    for leg in range(4):
+        hip, foot = robot.hip_m(leg), robot.foot_m(leg, height_m)
+        rests.append((hip[0] + foot[0] + com_m[0], hip[1] + foot[1] + com_m[1]))
+    return TrotFigures(
+        geometry.thigh_m + geometry.calf_m, height_m, robot.hip_m(0)[0] - robot.hip_m(2)[0], tuple(rests),
+        calf.damping_Nms_rad / calf.stiffness_Nm_rad, usual | robot.trot,
+    )
+
+
+def able(robot: Robot) -> tuple[float, str]:
+    """Return the fastest ahead that the legs can do, m/s, and what limits it.
+
+    A joint that comes to its limit in a swing is held there, which does not slow the robot.
+    """
+    figures = trot_figures(robot)
+    froude_m_s = FROUDE_SPEED * sqrt(GRAVITY_M_S2 * figures.height_m)
+    lift_m = figures.own["low_lift"] * figures.leg_m
+    speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= SWING_ASKS)
+    if speed_m_s == froude_m_s:
+        return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), beyond which nothing was tried"
+    return speed_m_s, _too_slow(_asked(robot, figures, speed_m_s * 1.01 + 0.001, lift_m))
+
+
+def highest_lift_m(robot: Robot) -> tuple[float, str]:
+    """Return how high the top of a swing can be while the trot climbs, and what limits it."""
+    figures = trot_figures(robot)
+    speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), figures.own["high_lift"] * figures.leg_m
+
+    def can(lift_m: float) -> bool:
+        poses = poses_rad(robot, figures.swing(0.0, lift_m))
+        fits = poses is not None and within_limits(robot, poses)
+        return fits and max(_asked(robot, figures, speed_m_s, lift_m)) <= SWING_ASKS
+
+    lift_m = most(wanted_m, can)
+    if lift_m == wanted_m:
+        return lift_m, f"{figures.own['high_lift']:g} of the leg, as the trot lifts it"
+    asked = _asked(robot, figures, speed_m_s, lift_m * 1.01 + 0.0001)
+    return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
+
+
+def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
+    """Return what a swing asks of the drives' speeds; infinite out of reach."""
+    poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
+    return (inf, inf, inf) if poses is None else asked_speeds(robot, poses, figures.swing_s)
+
+
+def _too_slow(asked: Vector) -> str:
+    """Return in words which joint is too slow, or that the legs are too short."""
+    return "the legs' reach" if max(asked) == inf else f"the {JOINT_NAMES[asked.index(max(asked))]}'s speed"
+
+
+def fastest(robot: Robot) -> tuple[float, float, float]:
+    """Return the fastest command, m/s ahead and aside and rad/s: what the legs can do and the robot file wants."""
+    ahead_m_s, limits = able(robot)[0], robot.speed_limits
+    turn_rad_s = TURN_SHARE * ahead_m_s / hypot(*trot_figures(robot).rests_m[0])
+    return min(ahead_m_s, limits.vx_m_s), min(SIDE_SHARE * ahead_m_s, limits.vy_m_s), min(turn_rad_s, limits.wz_rad_s)
+
+
+def limit(robot: Robot) -> str:
+    """Return what limits the trot's speed ahead: a key of the robot file, or what its legs can't."""
+    most_m_s, why = able(robot)
+    return "speed_limits.vx_m_s" if robot.speed_limits.vx_m_s < most_m_s else why
+
+
+def rolling(robot: Robot) -> float:
+    """Return the speed of a round foot's centre per speed of the body: it rolls on its radius."""
+    return 1 / (1 + robot.geometry.foot_radius_m / robot.stance.rest_height_m)
+
+
+def fill_trot(params: Params, robot: Robot) -> None:
+    """Write the figures as the core's integers at the rate of ``params`` (shared/body/trot_setup.py)."""
+    f, rate, setup = trot_figures(robot), params.rate_hz, params.trot
+    unit = 1 << params.length_shift
+    fine = unit << LF_BITS
+    setup.phase_step_q20 = round(2**20 / f.cycle_s / rate)
+    setup.stance_q20 = round(2**20 * f.own["stance_share"])
+    setup.swing_rate_q13 = round(2**13 / (1 - f.own["stance_share"]))
+    setup.ahead_rate_q13 = round(2**13 / AHEAD_SHARE)
+    setup.swing_q8 = round(f.swing_s * rate * 256)
+    setup.height = round(f.height_m * unit)
+    setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
+    setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
+    setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
+    setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
+    setup.high_speed = round(f.climbing_m_s / rate * fine)
+    setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
+    setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
+    setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)
+    setup.level_q12 = round(f.own["level_share"] / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096)
+    setup.raise_q16 = round(65536 / 2 / f.cycle_s / rate)
+    setup.odometry_q10 = round(1024 / (1 + f.stance_s / 4 * rate))
+    setup.drift_q15 = round(f.own["drift_share"] / f.cycle_s / rate * 32768)
+    setup.drift_least = round(DRIFT_LEAST_M_S / rate * fine)
+    setup.heading_q16 = round(65536 * HEADING_HZ / rate)
+    setup.slope_q15 = round(32768 / (1 + SLOPE_CYCLES * f.cycle_s * rate))
+    setup.rolling_q15 = round(32768 * rolling(robot))
+    setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
+    setup.lag_q8 = round(f.lag_s * rate * 256)
+    setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
+    setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))
+    for axis, value in enumerate(fastest(robot)):
+        setup.speed_max[axis] = min((1 << 18) - 1, round(value / rate * (fine if axis < 2 else 1 << 18)))

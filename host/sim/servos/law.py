@@ -1,0 +1,220 @@
+"""The honest law of a servo: late goals, coarse duty, a sagging supply, friction that depends on load, and play.
+
+What a simulator calls, once per sub-step and joint, in motor angles:
+
+    law.step(goal_rad, most, position_rad, speed_rad_s, load_Nm, dt_s)
+
+and then gives the link ``law.torque_Nm``, and brakes it with at most ``law.friction_Nm``. Each part is left out by its
+number being zero; with all of them zero it is torque = stall x clip(duty) - stall / no-load speed x speed, and
+``coulomb_Nm`` of friction.
+
+Friction is the M6 model of Duclusaud et al., "Extended Friction Models for the Physics Simulation of Servo Actuators",
+ICRA 2025 (arXiv 2410.08650), equation of M6. The stall torque of a data sheet is measured at the shaft, behind what
+friction takes of it, so the motor gives more (``motor_stall_Nm``).
+
+With play the rotor turns by itself between the flanks of its gears: it is stepped here, friction with it, and the link
+feels what a flank passes on. Then ``link_armature_kg_m2`` is 0, else the link carries the rotor's inertia.
+"""
+
+from collections import deque
+from dataclasses import dataclass
+from math import copysign, exp, radians, sqrt
+
+from ...robot.actuators import Friction, Servo
+
+DRY = Friction()
+FLANK_NM_RAD = 300.0  # stiffness of gear flanks: 2.5 N m wind them up by half a degree (assumed)
+FLANK_DAMPING = 0.5  # of critical (assumed)
+
+
+@dataclass(frozen=True)
+class Figures:
+    """What a law is made of, at the servo's shaft; figures of one supply voltage. ``delay_s`` is one way's."""
+
+    stall_Nm: float
+    no_load_rad_s: float
+    duty_per_rad: float
+    coulomb_Nm: float
+    armature_kg_m2: float
+    voltage_V: float = 12.0
+    friction: Friction = DRY
+    backlash_rad: float = 0.0
+    pwm_steps: int = 0
+    counts_per_rad: float = 0.0
+    stall_A: float = 0.0
+    delay_s: float = 0.0
+
+    @property
+    def motor_stall_Nm(self) -> float:
+        """What the motor itself gives at stall, so that behind the friction of its load the data sheet's is left."""
+        return self.stall_Nm / (1.0 - self.friction.load_motor - self.friction.load_motor_stribeck)
+
+    @property
+    def braking_Nms_rad(self) -> float:
+        """How its own voltage brakes the motor."""
+        return self.motor_stall_Nm / self.no_load_rad_s
+
+
+def figures_of(servo: Servo, delay_s: float = 0.0) -> Figures:
+    """Return the figures of a robot file's servo at its nominal voltage; the delay is up to the caller."""
+    nominal = servo.nominal
+    return Figures(
+        stall_Nm=nominal.stall_Nm,
+        no_load_rad_s=nominal.no_load_rad_s,
+        duty_per_rad=servo.duty_per_rad,
+        coulomb_Nm=servo.coulomb_Nm,
+        armature_kg_m2=servo.armature_kg_m2,
+        voltage_V=nominal.voltage_V,
+        friction=servo.friction,
+        backlash_rad=radians(servo.backlash_deg),
+        pwm_steps=servo.pwm_steps,
+        counts_per_rad=1.0 / servo.step_rad,
+        stall_A=servo.stall_A,
+        delay_s=delay_s,
+    )
+
+
+class Battery:
+    """A supply with a resistance: its voltage falls with the current that all servos drew in the last sub-step."""
+
+    def __init__(self, voltage_V: float, resistance_ohm: float) -> None:
+        self.open_V, self.resistance_ohm = voltage_V, resistance_ohm
+        self.voltage_V = voltage_V
+        self._drawn_A = 0.0
+
+    def draw(self, current_A: float) -> None:
+        """Add a servo's current; what a braking servo gives back does not raise the voltage."""
+        self._drawn_A += current_A
+
+    def settle(self) -> None:
+        """End a sub-step: from now on the voltage is what the current left of it."""
+        self.voltage_V = max(0.0, self.open_V - self.resistance_ohm * max(0.0, self._drawn_A))
+        self._drawn_A = 0.0
+
+
+def friction_Nm(figures: Figures, motor_Nm: float, load_Nm: float, speed_rad_s: float) -> float:
+    """Return the most that friction holds against, M6: ``load_Nm`` is what the load does to the shaft.
+
+    Dry friction, more of it at rest (Stribeck), a share of what the gears pass on, and viscous friction.
+    """
+    f = figures.friction
+    fades = exp(-((abs(speed_rad_s) / f.stribeck_rad_s) ** f.stribeck_exponent))
+    passed = abs(f.load_external * load_Nm - f.load_motor * motor_Nm)
+    at_rest = abs(f.load_external_stribeck * load_Nm - f.load_motor_stribeck * motor_Nm) + f.stribeck_Nm
+    if load_Nm * motor_Nm < 0:
+        if abs(load_Nm) < abs(motor_Nm):
+            at_rest += f.load_external_square_1_Nm * load_Nm**2
+        elif abs(load_Nm) > abs(motor_Nm):
+            at_rest += f.load_motor_square_1_Nm * motor_Nm**2
+    return figures.coulomb_Nm + passed + fades * at_rest + f.viscous_Nms_rad * abs(speed_rad_s)
+
+
+def stopped_Nm(inertia_kg_m2: float, speed_rad_s: float, driving_Nm: float, most_Nm: float, dt_s: float) -> float:
+    """Return what friction does in a sub-step: it brings to rest, with at most ``most_Nm``."""
+    wanted = -(inertia_kg_m2 * speed_rad_s / dt_s + driving_Nm)
+    return max(-most_Nm, min(most_Nm, wanted))
+
+
+class ServoLaw:
+    """One servo; ``link_kg_m2`` is the inertia that it turns (of the link alone), for the flanks' sake only."""
+
+    def __init__(
+        self, figures: Figures, position_rad: float, link_kg_m2: float, battery: Battery | None = None
+    ) -> None:
+        self.figures, self.battery = figures, battery or Battery(figures.voltage_V, 0.0)
+        self.torque_Nm = self.friction_Nm = self.duty = 0.0
+        self.rotor_rad, self.rotor_rad_s = position_rad, 0.0
+        self.link_armature_kg_m2 = 0.0 if figures.backlash_rad > 0 else figures.armature_kg_m2
+        self._link_kg_m2 = link_kg_m2
+        self._goal_rad, self._late = position_rad, deque[tuple[float, float, float | None]]()
+        self._most: float | None = None
+        self._told: tuple[float, float | None] = (position_rad, None)
+        self._time_s = 0.0
+
+    def step(
+        self, goal_rad: float, most: float | None, position_rad: float, speed_rad_s: float, load_Nm: float, dt_s: float
+    ) -> None:
+        """Advance by a sub-step from where the link is: ``most`` is the duty's limit 0 .. 1, None without torque.
+
+        ``load_Nm`` is what gravity, ground and the like do to the link; it only matters without play.
+        """
+        self._time_s += dt_s
+        self._hear(goal_rad, most)
+        self.duty = self._wanted_duty(position_rad)
+        if self.figures.backlash_rad > 0:
+            self._step_rotor(position_rad, speed_rad_s, dt_s)
+            return
+        self.rotor_rad, self.rotor_rad_s = position_rad, speed_rad_s
+        self.torque_Nm = self._motor_Nm(speed_rad_s)
+        self.friction_Nm = friction_Nm(self.figures, self.torque_Nm, load_Nm, speed_rad_s)
+
+    def _hear(self, goal_rad: float, most: float | None) -> None:
+        """Take what is told after the delay."""
+        if self.figures.delay_s <= 0:
+            self._goal_rad, self._most = goal_rad, most
+            return
+        if (goal_rad, most) != self._told:
+            self._told = goal_rad, most
+            self._late.append((self._time_s + self.figures.delay_s, goal_rad, most))
+        while self._late and self._late[0][0] <= self._time_s + 1e-9:
+            _, self._goal_rad, self._most = self._late.popleft()
+
+    def _wanted_duty(self, position_rad: float) -> float:
+        """Return the duty of the servo's P law, in its steps of position and of duty."""
+        if self._most is None:
+            return 0.0
+        f = self.figures
+        seen_rad = round(position_rad * f.counts_per_rad) / f.counts_per_rad if f.counts_per_rad else position_rad
+        duty = max(-self._most, min(self._most, f.duty_per_rad * (self._goal_rad - seen_rad)))
+        return round(duty * f.pwm_steps) / f.pwm_steps if f.pwm_steps else duty
+
+    def _motor_Nm(self, speed_rad_s: float) -> float:
+        """Return the motor's torque, and take its current from the battery; without torque its bridge is open."""
+        if self._most is None:
+            return 0.0
+        f, battery = self.figures, self.battery
+        share = self.duty * battery.voltage_V / f.voltage_V - speed_rad_s / f.no_load_rad_s
+        battery.draw(self.duty * share * f.stall_A)
+        return f.motor_stall_Nm * share
+
+    def _step_rotor(self, link_rad: float, link_rad_s: float, dt_s: float) -> None:
+        """Advance the rotor between its flanks."""
+        f = self.figures
+        motor_Nm = self._motor_Nm(self.rotor_rad_s)
+        flank_Nm = self._flank_Nm(self.rotor_rad - link_rad, self.rotor_rad_s - link_rad_s, dt_s)
+        driving_Nm = motor_Nm - flank_Nm
+        most_Nm = friction_Nm(f, motor_Nm, -flank_Nm, self.rotor_rad_s)
+        driving_Nm += stopped_Nm(f.armature_kg_m2, self.rotor_rad_s, driving_Nm, most_Nm, dt_s)
+        self.rotor_rad_s += driving_Nm / f.armature_kg_m2 * dt_s
+        self.rotor_rad += self.rotor_rad_s * dt_s
+        self.torque_Nm, self.friction_Nm = flank_Nm, 0.0
+
+    def _flank_Nm(self, apart_rad: float, apart_rad_s: float, dt_s: float) -> float:
+        """Return what a flank passes on: a stiff spring that only pushes, stepped implicitly to stay stable."""
+        deep_rad = abs(apart_rad) - self.figures.backlash_rad / 2
+        if deep_rad <= 0:
+            return 0.0
+        rotor, link = self.figures.armature_kg_m2, self._link_kg_m2
+        damping = 2 * FLANK_DAMPING * sqrt(FLANK_NM_RAD * rotor * link / (rotor + link))
+        into_rad_s = copysign(apart_rad_s, apart_rad * apart_rad_s)
+        softer = 1.0 + (dt_s * damping + dt_s**2 * FLANK_NM_RAD) * (1 / rotor + 1 / link)
+        push = (FLANK_NM_RAD * (deep_rad + dt_s * into_rad_s) + damping * into_rad_s) / softer
+        return copysign(max(0.0, push), apart_rad)
+
+
+class Stood:
+    """A link on its servo, held by nothing else: what the law's trust tests and the stand step."""
+
+    def __init__(self, law: ServoLaw, inertia_kg_m2: float, position_rad: float) -> None:
+        self.law, self.inertia_kg_m2 = law, inertia_kg_m2
+        self.position_rad, self.speed_rad_s = position_rad, 0.0
+
+    def step(self, goal_rad: float, most: float | None, load_Nm: float, dt_s: float) -> None:
+        """Advance by a sub-step under a load."""
+        law = self.law
+        law.step(goal_rad, most, self.position_rad, self.speed_rad_s, load_Nm, dt_s)
+        inertia = self.inertia_kg_m2 + law.link_armature_kg_m2
+        driving_Nm = law.torque_Nm + load_Nm
+        driving_Nm += stopped_Nm(inertia, self.speed_rad_s, driving_Nm, law.friction_Nm, dt_s)
+        self.speed_rad_s += driving_Nm / inertia * dt_s
+        self.position_rad += self.speed_rad_s * dt_s

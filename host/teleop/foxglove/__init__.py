@@ -1,0 +1,1 @@
+"""Foxglove's viewers: a server in a process of its own."""

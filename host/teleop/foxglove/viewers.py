@@ -1,0 +1,123 @@
+"""What Foxglove's viewers may say: messages of docs/teleop.md or a speed, once they have told the pairing code.
+
+A viewer is a connection. Nothing that it says counts before it has paired: any web page that a browser on this machine
+shows could connect, too. Limits are those of the page's messages.
+"""
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from ...control.messages import LONGEST, BadMessage, Drive, Message, check, parse
+from ..web.access import Pairing
+from ..web.limits import BURST, MESSAGES_PER_S, Bucket
+
+COMMAND, SPEED = "/command", "/cmd_vel"
+PEER = "foxglove"  # all viewers guess as one: a new connection has no new guesses
+
+
+@dataclass
+class Viewer:
+    """One connection."""
+
+    messages: Bucket
+    paired: bool = False
+
+
+class Viewers:
+    """All connections.
+
+    ``forward`` hands a message with its viewer's number to the loop, ``tell`` a note to all viewers.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        forward: Callable[[dict[str, Any]], None],
+        tell: Callable[[str], None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._pairing, self._forward, self._tell, self._clock = Pairing(code, (), clock), forward, tell, clock
+        self.known: dict[int, Viewer] = {}
+        self.malformed = self.limited = self.refused = 0
+
+    def join(self, number: int) -> None:
+        """A viewer wants to publish."""
+        self.known.setdefault(number, Viewer(Bucket(MESSAGES_PER_S, BURST, self._clock)))
+
+    def leave(self, number: int) -> None:
+        """A viewer is gone."""
+        if self.known.pop(number, None) is not None:
+            self._forward({"page": number, "gone": True})
+
+    def take(self, number: int, topic: str, data: bytes) -> None:
+        """Take what a viewer has published on a topic of its own."""
+        self.join(number)
+        viewer = self.known[number]
+        if not viewer.messages.take() and b'"stop"' not in data:
+            self.limited += 1
+            return
+        try:
+            message = _message(topic, data)
+        except BadMessage as error:
+            self.malformed += 1
+            self._tell(f"viewer {number}: {topic}: {error}")
+            return
+        if message["type"] == "pair":
+            self._pair(number, viewer, message["code"])
+        elif viewer.paired:
+            self._forward({"page": number, "message": message})
+        else:
+            self.refused += 1
+            self._tell(f'viewer {number} is not paired: publish {{"type": "pair", "code": "..."}} on {COMMAND} first')
+
+    def _pair(self, number: int, viewer: Viewer, code: str) -> None:
+        viewer.paired = viewer.paired or self._pairing.pair(code, PEER) is not None
+        self.refused += not viewer.paired
+        told = "paired" if viewer.paired else "wrong code, or too many guesses: wait a moment"
+        self._tell(f"viewer {number}: {told}")
+
+
+def _message(topic: str, data: bytes) -> Message:
+    """Return what was published, as one of the loop's messages or a pairing; BadMessage if it is none."""
+    if topic == COMMAND:
+        paired = _pairing(data)
+        return parse(data) if paired is None else paired
+    if topic == SPEED:
+        return _speed(data)
+    raise BadMessage(f"allowed: {COMMAND} and {SPEED}")
+
+
+def _pairing(data: bytes) -> Message | None:
+    value = _json(data)
+    if value.get("type") != "pair":
+        return None
+    if set(value) != {"type", "code"} or not isinstance(value["code"], str):
+        raise BadMessage('pair: allowed: {"type": "pair", "code": "six digits"}')
+    return value
+
+
+def _speed(data: bytes) -> Message:
+    """Return a twist (ROS geometry_msgs/Twist as JSON) as sticks, the body level."""
+    value = _json(data)
+    try:
+        linear, angular = value["linear"], value["angular"]
+        speeds = linear["x"], linear["y"], angular["z"]
+    except (KeyError, TypeError):
+        raise BadMessage("allowed: linear.x, linear.y in m/s and angular.z in rad/s") from None
+    names = ("vx_m_s", "vy_m_s", "wz_rad_s")
+    return check({**Drive().message(), **dict(zip(names, speeds, strict=True))})
+
+
+def _json(data: bytes) -> dict[str, Any]:
+    if len(data) > LONGEST:
+        raise BadMessage(f"{len(data)} bytes, at most {LONGEST}")
+    try:
+        value = json.loads(data)
+    except (ValueError, RecursionError):
+        raise BadMessage("no JSON") from None
+    if not isinstance(value, dict):
+        raise BadMessage("no JSON object")
+    return value

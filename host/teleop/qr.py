@@ -1,0 +1,41 @@
+"""The page's address with the pairing code, for a phone's camera: a QR code of half blocks, black on white."""
+
+import socket
+from typing import TextIO
+
+BLOCKS = {(0, 0): " ", (1, 0): "▀", (0, 1): "▄", (1, 1): "█"}  # of a module and the one below
+INK, PLAIN = "\x1b[30;107m", "\x1b[0m"  # whatever the terminal's colours are
+QUIET = 2  # modules around it
+
+
+def qr_lines(text: str) -> list[str]:
+    """Return the lines of a QR code (ISO/IEC 18004), each with its colours."""
+    import segno
+
+    code = segno.make_qr(text, error="l")
+    rows = [list(row) for row in code.matrix_iter(border=QUIET)]
+    if len(rows) % 2:
+        rows.append([0] * len(rows[0]))
+    pairs = zip(rows[::2], rows[1::2], strict=True)
+    return [INK + "".join(BLOCKS[pair] for pair in zip(*both, strict=True)) + PLAIN for both in pairs]
+
+
+def shows_blocks(stream: TextIO) -> bool:
+    """Return whether somebody sees a stream, and in an encoding that has the blocks."""
+    return stream.isatty() and (stream.encoding or "").lower().replace("-", "") == "utf8"
+
+
+def own_address() -> str:
+    """Return this machine's address in its network; its name if it has none. Nothing is sent for that."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # an address for documentation (RFC 5737): only the route is looked up
+            return str(probe.getsockname()[0])
+        except OSError:
+            return f"{socket.gethostname()}.local"
+
+
+def page_address(address: str, port: int, code: str) -> str:
+    """Return what the phone opens: the page behind a listener, with the code where no server is told it."""
+    host = own_address() if address in ("0.0.0.0", "::") else address
+    return f"http://{f'[{host}]' if ':' in host else host}:{port}/#{code}"

@@ -1,1 +1,0 @@
-"""The fast trot: diagonals in turn without a pause, footholds where the measured speed wants them."""

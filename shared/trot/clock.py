@@ -1,0 +1,72 @@
+"""Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it."""
+
+from ..body.params import LEGS, Params
+from ..runtime import const, hot
+from .feet import lift_off
+from .react import count_held, react
+from .state import CYCLE_Q20, Trot
+
+_DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
+_STILL_MAX = const(0x200000)
+
+
+@hot
+def go_on(params: Params, walk: Trot, still: int) -> int:
+    """Go on in the cycle by one tick: who stands, who swings, who met something; return how many stand.
+
+    ``still`` 1: the command is to stand. One that is not to move stands, in the middle between two swings.
+    """
+    state = walk.state
+    wish = walk.wish
+    setup = params.trot
+    step = setup.phase_step_q20
+    if wish.moving == 0:
+        state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
+        state.still_q20 = 0
+        return stand_all(walk)
+    state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
+    if still == 0:
+        state.still_q20 = 0
+    elif state.still_q20 < _STILL_MAX:
+        state.still_q20 += step
+    stands = walk.stands
+    early = walk.early
+    state.swinging = 0
+    state.standing = 0
+    for leg in range(LEGS):
+        part = state.phase_q20
+        if _DIAGONALS >> leg & 1:
+            part = part + (CYCLE_Q20 >> 1) & CYCLE_Q20 - 1
+        part -= setup.stance_q20
+        if part < 0:
+            early[leg] = 0
+            stands[leg] = 1
+        else:
+            share = (part >> 5) * setup.swing_rate_q13 >> 13
+            if share > 32767:
+                share = 32767
+            state.swing_q15 = share
+            if early[leg] == 0:
+                if stands[leg]:
+                    count_held(params, walk, leg)
+                    lift_off(walk, leg)
+                    stands[leg] = 0
+                stands[leg] = react(params, walk, leg)
+        state.standing += stands[leg]
+        if stands[leg] == 0:
+            state.swinging |= 1 << leg
+    return state.standing
+
+
+@hot
+def stand_all(walk: Trot) -> int:
+    """All legs stand; return how many."""
+    state = walk.state
+    stands = walk.stands
+    early = walk.early
+    for leg in range(LEGS):
+        stands[leg] = 1
+        early[leg] = 0
+    state.swinging = 0
+    state.standing = LEGS
+    return LEGS

@@ -1,0 +1,124 @@
+"""What the trot measures: its feet, the body's speed over them, and how far each is from where it was sent.
+
+A foot that stands does not move, so the body moves against it: against the motion of the foot in the body stands its
+turn with the body's rates, and what is left is the body's speed over that foot, tipping included.
+"""
+
+from ..body.legs import legs_forward
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..num.fixed import saturate
+from ..runtime import Ints, const, hot
+from .state import Trot
+
+_TURN_MAX = const(16383)  # 2^-18 rad / tick: 3 rad/s at 50 Hz
+_SPEED_MAX = const(524287)  # lf / tick
+_GAP_MAX = const(131071)  # lu Q4
+
+
+@hot
+def feel(params: Params, walk: Trot, joints: Ints, turned: Ints, valid: int) -> int:
+    """Take 12 measured joints, brad, and the turn of this tick, 3 x 2^-18 rad; return the ticks they are known.
+
+    ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
+    """
+    state = walk.state
+    if valid == 0:
+        state.known = 0
+        for axis in range(2):
+            state.seen[axis] = state.foot_speed[axis]
+            state.drift_q8[axis] = 0
+        return 0
+    measured = walk.measured
+    before = walk.before
+    for at in range(JOINTS):
+        before[at] = measured[at]
+    work = walk.work
+    legs_forward(params, joints, work.waves, walk.measured)
+    if state.known:
+        see_speed(params, walk, turned)
+    if state.known > params.sent_ticks:
+        see_residual(params, walk)
+    elif state.known == params.sent_ticks:
+        free_feet(params, walk)
+    if state.known < 100:
+        state.known += 1
+    return state.known
+
+
+@hot
+def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
+    """Follow the mean speed of the body over the feet that surely stand; return how many.
+
+    Those stand by plan, and did a tick before the goals that the joints answer: a landing tells no speed.
+
+    Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
+    """
+    state = walk.state
+    past_stands = walk.past_stands
+    measured = walk.measured
+    before = walk.before
+    about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
+    about_y = saturate(turned[1], -_TURN_MAX, _TURN_MAX)
+    about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
+    stood = past_stands[state.ring_at - params.sent_ticks - 1 & 15] & past_stands[state.ring_at - 1 & 15]
+    count = 0
+    ahead = 0
+    aside = 0
+    at = 0
+    for leg in range(LEGS):
+        if stood >> leg & 1:
+            x = measured[at] >> 1
+            y = measured[at + 1] >> 1
+            z = measured[at + 2] >> 1
+            ahead -= (measured[at] - before[at] << LF_BITS) + (about_y * z - about_z * y >> 9)
+            aside -= (measured[at + 1] - before[at + 1] << LF_BITS) + (about_z * x - about_x * z >> 9)
+            count += 1
+        at += 3
+    if count:
+        share_q10 = params.trot.odometry_q10
+        ahead = saturate(ahead // count - state.seen[0], -_SPEED_MAX, _SPEED_MAX)
+        aside = saturate(aside // count - state.seen[1], -_SPEED_MAX, _SPEED_MAX)
+        state.seen[0] += ahead * share_q10 + 512 >> 10
+        state.seen[1] += aside * share_q10 + 512 >> 10
+    return count
+
+
+@hot
+def free_feet(params: Params, walk: Trot) -> int:
+    """Begin the residuals: every foot is where it was sent; return 0."""
+    state = walk.state
+    past_feet = walk.past_feet
+    free_q4 = walk.free_q4
+    sent = (state.ring_at - params.sent_ticks & 15) * 2 * LEGS
+    for at in range(2 * LEGS):
+        free_q4[at] = past_feet[sent + at] << 4
+    return 0
+
+
+@hot
+def see_residual(params: Params, walk: Trot) -> int:
+    """Write how far each foot is, along x and z, from where an unhindered one would be; return 0.
+
+    That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
+    1/16 lu. Intermediates: 2^17 * 2^12.
+    """
+    state = walk.state
+    measured = walk.measured
+    past_feet = walk.past_feet
+    free_q4 = walk.free_q4
+    residual = walk.residual
+    share_q12 = params.trot.free_lag_q12
+    sent = (state.ring_at - params.sent_ticks & 15) * 2 * LEGS
+    foot = 0
+    for at in range(0, 2 * LEGS, 2):
+        gap = (past_feet[sent + at] << 4) - free_q4[at]
+        rise = (past_feet[sent + at + 1] << 4) - free_q4[at + 1]
+        if gap > _GAP_MAX or gap < -_GAP_MAX or rise > _GAP_MAX or rise < -_GAP_MAX:
+            gap = saturate(gap, -_GAP_MAX, _GAP_MAX)
+            rise = saturate(rise, -_GAP_MAX, _GAP_MAX)
+        free_q4[at] += gap * share_q12 + 2048 >> 12
+        free_q4[at + 1] += rise * share_q12 + 2048 >> 12
+        residual[at] = measured[foot] - (free_q4[at] >> 4)
+        residual[at + 1] = measured[foot + 2] - (free_q4[at + 1] >> 4)
+        foot += 3
+    return 0

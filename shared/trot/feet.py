@@ -1,0 +1,162 @@
+"""Where the planned feet go in a tick: standing ones with the ground, those in the air to their footholds.
+
+The body does not follow a pose over its feet: standing feet go back at the speed wanted of the body, turn against its
+turn, and sink as it rises. What went wrong in a stance is gone with the next swing.
+"""
+
+from ..body.params import LEGS, LF_BITS, Params
+from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
+from ..runtime import Ints, const, hot
+from .ground import ground_z
+from .state import Trot
+
+_PER_TURN_Q15 = const(5215)  # 1 / (2 pi)
+_FAR = const(32767)
+_WIDE = const(65535)
+
+
+@hot
+def stand_feet(params: Params, walk: Trot) -> int:
+    """Move the feet that stand by one tick; return 0.
+
+    They stay within half a leg of rest along the ground and a quarter in height: a robot that is held tilted winds
+    nothing up. Intermediates: 2 * 16383 * 32767 < 2^30.
+    """
+    state = walk.state
+    feet = walk.feet
+    stands = walk.stands
+    half = params.leg_length << LF_BITS - 1
+    about_x = state.roll_18
+    about_y = state.pitch_18
+    about_z = state.turn_18
+    at = 0
+    for leg in range(LEGS):
+        if stands[leg]:
+            rest = params.legs[leg].rest
+            x = feet[at] >> LF_BITS + 1
+            y = feet[at + 1] >> LF_BITS + 1
+            z = feet[at + 2] >> LF_BITS + 1
+            x_lf = feet[at] - state.drive[0] - (about_y * z - about_z * y >> 9)
+            y_lf = feet[at + 1] - state.drive[1] - (about_z * x - about_x * z >> 9)
+            z_lf = feet[at + 2] - state.rise - (about_x * y - about_y * x >> 9)
+            off_x = x_lf - (rest[0] << LF_BITS)
+            off_y = y_lf - (rest[1] << LF_BITS)
+            off_z = z_lf - (rest[2] << LF_BITS) << 1
+            if off_x > half or off_x < -half or off_y > half or off_y < -half or off_z > half or off_z < -half:
+                x_lf += saturate(off_x, -half, half) - off_x
+                y_lf += saturate(off_y, -half, half) - off_y
+                z_lf += saturate(off_z, -half, half) - off_z >> 1
+            feet[at] = x_lf
+            feet[at + 1] = y_lf
+            feet[at + 2] = z_lf
+        at += 3
+    return 0
+
+
+@hot
+def lift_off(walk: Trot, leg: int) -> int:
+    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come; return 0."""
+    state = walk.state
+    feet = walk.feet
+    starts = walk.starts
+    ascent = walk.ascent
+    short = walk.short
+    at = leg * 3
+    x = feet[at] >> LF_BITS
+    y = feet[at + 1] >> LF_BITS
+    z = feet[at + 2] >> LF_BITS
+    starts[at + 1] = y - (z * state.roll_q14 >> 14)
+    z += y * state.roll_q14 >> 14
+    starts[at] = x + (z * state.pitch_q14 >> 14)
+    starts[at + 2] = z - (x * state.pitch_q14 >> 14)
+    ascent[leg] = 0
+    short[leg] = 0
+    return 0
+
+
+@hot
+def cycloid_way_q15(share_q15: int) -> int:
+    """Return the share of its way that a foot on a cycloid has made after a share of its time, both 0 .. 32767.
+
+    u - sin(2 pi u) / (2 pi): no speed at either end. Error at most 2 LSB.
+    """
+    return saturate(share_q15 - (sin_q15(share_q15 << 1) * _PER_TURN_Q15 >> 15), 0, 32767)
+
+
+@hot
+def swing_feet(params: Params, walk: Trot, pose: Ints) -> int:
+    """Move the feet in the air by one tick along their swings; return 0.
+
+    Along the ground a foot ends at rest over it, ahead of its coming down; up it is a cosine. Footholds: rest, on by
+    the way for which the pendulum of the body's height goes on evenly, and further by what the speed is wrong.
+    All in level axes, then turned into the body with the tilt to come. Intermediates: 32767 * 32767 + 2^14.
+    """
+    state = walk.state
+    setup = params.trot
+    stands = walk.stands
+    tops = walk.tops
+    share = state.swing_q15
+    ahead = share * setup.ahead_rate_q13 >> 13
+    if ahead > 32767:
+        ahead = 32767
+    way = cycloid_way_q15(ahead)
+    down = cycloid_way_q15(share)
+    up = 32767 - cos_q15(share << 1) >> 1
+    low = -setup.height - pose[2]
+    for leg in range(LEGS):
+        if stands[leg] == 0:
+            swing_foot(params, walk, leg, pose, share, way)
+            settle_foot(walk, leg, mul_q15(tops[leg], up), low, down)
+    return 0
+
+
+@hot
+def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int, way_q15: int) -> int:
+    """Write x and y of a foot in the air, level, lf, into ``feet``; return 0. Part of swing_feet.
+
+    Intermediates: 2^13 * 2^15 of a speed and a time.
+    """
+    state = walk.state
+    setup = params.trot
+    feet = walk.feet
+    starts = walk.starts
+    short = walk.short
+    rest = params.legs[leg].rest
+    at = leg * 3
+    x = rest[0] + params.com_x - pose[0]
+    y = rest[1] + params.com_y - pose[1]
+    turn_x = state.turn_18 * (y >> 1) >> 9
+    turn_y = state.turn_18 * (x >> 1) >> 9
+    x += state.capture[0] + ((state.foot_speed[0] - turn_x >> 6) * setup.neutral_q8 >> 10)
+    y += state.capture[1] + ((state.foot_speed[1] + turn_y >> 6) * setup.neutral_q8 >> 10)
+    back = saturate((state.drive[0] - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    gap = saturate(x - starts[at] + back, -_FAR, _FAR)
+    x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
+    feet[at] = x - short[leg] << LF_BITS
+    back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
+    feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
+    return 0
+
+
+@hot
+def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> int:
+    """Write the height of a foot in the air and turn it into the body; return 0. Part of swing_feet.
+
+    lifted: lu above the straight way from the start to ``low``. Limited to 32767 lu in height, 65535 along the ground.
+    Intermediates: 65535 * 8191.
+    """
+    state = walk.state
+    feet = walk.feet
+    starts = walk.starts
+    at = leg * 3
+    x = saturate(feet[at] >> LF_BITS, -_WIDE, _WIDE)
+    y = saturate(feet[at + 1] >> LF_BITS, -_WIDE, _WIDE)
+    low += ground_z(walk, x, y)
+    z = starts[at + 2] + mul_q15(saturate(low - starts[at + 2], -_FAR, _FAR), down_q15) + lifted
+    z = saturate(z, -_FAR, _FAR)
+    feet[at] = x - (z * state.pitch_q14 >> 14) << LF_BITS
+    z += x * state.pitch_q14 >> 14
+    feet[at + 1] = y + (z * state.roll_q14 >> 14) << LF_BITS
+    feet[at + 2] = z - (y * state.roll_q14 >> 14) << LF_BITS
+    return 0

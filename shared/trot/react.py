@@ -1,0 +1,189 @@
+"""What a foot in the air may meet, the ground too early or something in its way, and high swings after it."""
+
+from ..body.params import LEGS, LF_BITS, Params
+from ..num.fixed import saturate
+from ..runtime import const, hot
+from .ground import ground_z, level_z
+from .state import CYCLE_Q20, Trot
+
+_MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
+_RISEN = const(3277)  # 0.1 of a swing
+_FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are off the ground for sure
+_QUARTER_Q12 = const(1024)  # of the own weight
+# Of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
+_HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
+_LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
+_BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
+_BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
+_SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
+_SWINGS_MAX = const(100)
+MET = const(1)  # of ``early``: it has met something in this swing
+MET_NOW = const(2)  # in this tick, whose goals are not led
+
+
+@hot
+def react(params: Params, walk: Trot, leg: int) -> int:
+    """Look at one foot in the air; return 1 if it stands from now on, 0 if it swings on."""
+    state = walk.state
+    residual = walk.residual
+    ascent = walk.ascent
+    if state.known <= params.sent_ticks:
+        return 0
+    up = residual[leg * 2 + 1]
+    if state.swing_q15 <= _MIDDLE:
+        if state.swing_q15 > _RISEN and -up > ascent[leg]:
+            ascent[leg] = -up
+    else:
+        slack = saturate(ascent[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
+        if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
+            return touch_early(params, walk, leg)
+    if state.swing_q15 > _RISEN:
+        held_up(params, walk, leg)
+    give_way(walk, leg)
+    return 0
+
+
+@hot
+def held_up(params: Params, walk: Trot, leg: int) -> int:
+    """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
+
+    What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
+    leaves of it comes again in every swing, and is usual.
+    """
+    state = walk.state
+    setup = params.trot
+    residual = walk.residual
+    tops = walk.tops
+    held = walk.held
+    peak = walk.peak
+    usual = walk.usual
+    high = 0
+    if tops[leg] >= setup.high_lift:
+        high = 1
+    behind = residual[6 - leg * 2] - residual[leg * 2]
+    if state.foot_speed[0] < 0:
+        behind = -behind
+    turn = state.turn_18
+    if turn < 0:
+        turn = -turn
+    most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
+    if state.swing_q15 > _FREE and high == 0:
+        most = params.leg_length * _BEHIND_Q10 >> 10
+    if behind > peak[leg]:
+        peak[leg] = behind
+    if behind <= most + usual[leg] + (turn * setup.turn_side >> 10):
+        return 0
+    held[leg] = 1
+    if high == 0:
+        state.blocked += 1
+        state.high_left = setup.high_way
+        tops[leg] = setup.high_lift
+    return 1
+
+
+@hot
+def give_way(walk: Trot, leg: int) -> int:
+    """A foot that is held up goes no further than it can and does not push; return how much less, lu.
+
+    It gets free by rising, and then goes on at its speed.
+    """
+    residual = walk.residual
+    held = walk.held
+    short = walk.short
+    short[leg] = 0
+    if held[leg]:
+        short[leg] = -residual[leg * 2]
+    return short[leg]
+
+
+@hot
+def count_held(params: Params, walk: Trot, leg: int) -> int:
+    """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+
+    After a swing that was held up it goes highest, while swings are high: on even ground the drives lag such a swing,
+    which would be held up for ever. A leg's swings that were held up while swings are high are counted twice, less one
+    for each that was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet
+    that stand slip, and seem to go on.
+    """
+    state = walk.state
+    held = walk.held
+    jams = walk.jams
+    peak = walk.peak
+    usual = walk.usual
+    tops = walk.tops
+    speed = state.foot_speed[0]
+    seen = state.seen[0]
+    if speed < 0:
+        speed = -speed
+        seen = -seen
+    count = jams[leg] - 1
+    if state.high_left and (held[leg] or seen * 3 < speed):
+        count += 3
+    tops[leg] = state.lift
+    if held[leg] and state.high_left:
+        tops[leg] = params.trot.highest_lift
+    if held[leg] == 0:
+        usual[leg] += peak[leg] - usual[leg] >> 2
+    peak[leg] = 0
+    held[leg] = 0
+    jams[leg] = saturate(count, 0, _SWINGS_MAX)
+    most = 0
+    for other in range(LEGS):
+        if jams[other] > most:
+            most = jams[other]
+    state.held_ticks = 0
+    if speed:
+        state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
+    return state.held_ticks
+
+
+@hot
+def touch_early(params: Params, walk: Trot, leg: int) -> int:
+    """The foot stands from now on, where it was measured, but gives way by a quarter of what it met; return 1.
+
+    The next swings are high.
+    """
+    state = walk.state
+    setup = params.trot
+    measured = walk.measured
+    feet = walk.feet
+    early = walk.early
+    load_q12 = walk.load_q12
+    at = leg * 3
+    met = level_z(walk, leg) + setup.height - ground_z(walk, measured[at], measured[at + 1])
+    state.high_left = setup.high_way
+    given = met - (met >> 2)
+    small = params.leg_length * _SMALL_Q10 >> 10
+    if met < small and met > -small:
+        given = met
+    feet[at] = measured[at] << LF_BITS
+    feet[at + 1] = measured[at + 1] << LF_BITS
+    feet[at + 2] = measured[at + 2] - given << LF_BITS
+    load_q12[leg] = _QUARTER_Q12
+    early[leg] = MET_NOW
+    state.touched += 1
+    return 1
+
+
+@hot
+def lift_on(params: Params, walk: Trot) -> int:
+    """Count down the way to go with high swings; return the top of the next swings, lu."""
+    state = walk.state
+    wish = walk.wish
+    setup = params.trot
+    state.lift = setup.low_lift
+    if wish.height > 0:
+        state.lift = saturate(wish.height, 0, setup.highest_lift)
+    if state.high_left:
+        if state.lift < setup.high_lift:
+            state.lift = setup.high_lift
+        gone = 0
+        for axis in range(2):
+            speed = state.seen[axis]
+            if speed < 0:
+                speed = -speed
+            gone += speed
+        if gone < setup.high_slowest:
+            gone = setup.high_slowest
+        state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
+    return state.lift

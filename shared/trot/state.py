@@ -1,0 +1,129 @@
+"""All that the trot remembers, made beforehand."""
+
+from ..body.legs import LegsWork
+from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.pose import POSE_SIZE
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot, zeros
+
+CYCLE_Q20 = const(0x100000)
+DELAY_TICKS = const(16)  # what is kept of the past; params.sent_ticks is at most 15
+
+
+@record
+class TrotState:
+    """What the trot feels and wants, but for its feet."""
+
+    phase_q20: int = field("Q20 of a cycle", "of the diagonal FR RL; the other is half a cycle on")
+    known: int = field("ticks", "joints, tilt and rates measured in a row, up to 100")
+    seen: Ints = vector(2, "lf / tick", "measured speed of the feet against the body, forward and left")
+    drift_q8: Ints = vector(2, "lf / tick Q8", "what is added to the commanded speed to reach it")
+    heading_18: int = field("2^-18 rad", "turned less than commanded")
+    foot_speed: Ints = vector(2, "lf / tick", "commanded speed of the feet's centres")
+    drive: Ints = vector(2, "lf / tick", "speed at which the standing feet go back")
+    turn_18: int = field("2^-18 rad / tick", "turn of the body about z")
+    roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
+    pitch_18: int = field("2^-18 rad / tick", "turn about y")
+    rise: int = field("lf / tick", "of the body")
+    capture: Ints = vector(2, "lu", "foothold further on for a speed that is too much")
+    roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
+    pitch_q14: int = field("rad Q14", "the same about y")
+    tilt_q14: Ints = vector(2, "rad Q14", "roll and pitch as measured")
+    slope_q20: Ints = vector(2, "Q20", "rise of the ground per way forward and left, of late")
+    swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
+    lift: int = field("lu", "top of the next swings")
+    high_left: int = field("lf", "way still to go with high swings")
+    swinging: int = field("", "legs in the air, bits")
+    standing: int = field("", "how many legs stand")
+    still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
+    ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
+    blocked: int = field("", "swings held up since the start")
+    touched: int = field("", "feet that touched early since the start")
+    held_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
+
+
+@record
+class Wish:
+    """How the trot is to walk, beside speed and pose."""
+
+    moving: int = field("", "0: stand")
+    balance: int = field("", "1: keep the body level by the measured attitude")
+    height: int = field("lu", "top of a swing on even ground; 0 or less: the robot's own")
+
+
+class Trot:
+    """The trot of one robot. Feet are in the body, from the middle of the hips."""
+
+    def __init__(self) -> None:
+        self.state = TrotState()
+        self.wish = Wish()
+        self.work = LegsWork()
+        self.feet = zeros(JOINTS)  # lf, planned
+        self.starts = zeros(JOINTS)  # lu, level: where each swing began
+        self.measured = zeros(JOINTS)  # lu
+        self.before = zeros(JOINTS)  # lu, the same a tick ago
+        self.free_q4 = zeros(2 * LEGS)  # lu Q4: x and z where the foot would be if nothing hindered it
+        self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
+        self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
+        self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
+        self.early = zeros(LEGS)  # react.MET...: it met something in this swing
+        self.tops = zeros(LEGS)  # lu, of the present swings
+        self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
+        self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
+        self.usual = zeros(LEGS)  # lu, the mean of that over swings that were not held up
+        self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
+        self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
+        self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
+        self.hip_feet = zeros(JOINTS)  # lu from the hips
+        self.joints = zeros(JOINTS)  # brad that reach them
+        self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
+        self.posed = zeros(POSE_SIZE)  # lu, brad: the pose of the tick before
+        self.past_feet = zeros(DELAY_TICKS * 2 * LEGS)  # lu: ring of planned x and z
+        self.past_stands = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
+
+
+@hot
+def trot_reset(params: Params, walk: Trot) -> int:
+    """Stand at rest, with nothing measured; return 0."""
+    state = walk.state
+    setup = params.trot
+    feet = walk.feet
+    stands = walk.stands
+    early = walk.early
+    load_q12 = walk.load_q12
+    held = walk.held
+    short = walk.short
+    peak = walk.peak
+    usual = walk.usual
+    jams = walk.jams
+    posed = walk.posed
+    state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
+    state.known = 0
+    state.heading_18 = 0
+    state.lift = setup.low_lift
+    state.high_left = 0
+    state.swinging = 0
+    state.standing = LEGS
+    state.still_q20 = 0
+    state.blocked = 0
+    state.touched = 0
+    state.held_ticks = 0
+    for axis in range(2):
+        state.slope_q20[axis] = 0
+        state.seen[axis] = 0
+        state.drift_q8[axis] = 0
+    for axis in range(POSE_SIZE):
+        posed[axis] = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        stands[leg] = 1
+        early[leg] = 0
+        load_q12[leg] = 0
+        held[leg] = 0
+        short[leg] = 0
+        peak[leg] = 0
+        usual[leg] = 0
+        jams[leg] = 0
+        for axis in range(3):
+            feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
+    return 0

@@ -1,0 +1,133 @@
+"""`caramelo flash --can`: a line for every joint, one JSON object, exit codes, one line for wrong use."""
+
+import json
+
+import pytest
+
+from firmware.can_update import VERSION
+from host.boards.build.image_file import write_image_file
+from shared.wire import names as w
+
+from .can_joints import CanJoint, VirtualPort, image_of, running
+
+OLD, NEW = image_of(1, "old"), image_of(2)
+
+
+@pytest.fixture
+def robot(monkeypatch):
+    """Return two joints; the command's port to them is python-can's virtual bus, in simulated time."""
+    joints = [CanJoint(node, OLD) for node in (4, 5)]
+    clock = [0.0]
+
+    def opened(bus, interface, channel):
+        port = VirtualPort(joints, channel or "robot")
+        port.wait_until(clock[0] + 1.5)
+        clock[0] = port.now()
+        closed = port.close
+
+        def close():
+            clock[0] = port.now()
+            closed()
+
+        port.close = close
+        return port
+
+    monkeypatch.setattr("host.bus.can.open.open_port", opened)
+    return joints
+
+
+@pytest.fixture
+def image(tmp_path):
+    path = tmp_path / "joint.caramelo"
+    write_image_file(NEW, path)
+    return str(path)
+
+
+def test_each_joint_gets_a_line_and_a_second_time_has_nothing_to_do(run, robot, image):
+    code, out, err = run("flash", image, "--can", "5", "4", "--dry-run")
+    assert (code, err) == (0, "")
+    old = f"build {OLD.about.build}, version 0.2.0, protocol {w.PROTOCOL_HASH:#06x}, slot a"
+    assert out.splitlines() == [
+        f"FL hip (node 4): runs {old}; would be flashed", f"FL thigh (node 5): runs {old}; would be flashed"]
+    assert running(robot) == {OLD.about.build}
+    code, out, err = run("flash", image, "--can", "4", "5")
+    assert code == 0
+    new = f"build {NEW.about.build}, version 0.2.0, protocol {w.PROTOCOL_HASH:#06x}, slot b"
+    assert out.splitlines() == [f"FL hip (node 4): runs {new}, confirmed", f"FL thigh (node 5): runs {new}, confirmed"]
+    parts = [line.split(":")[1].strip() for line in err.splitlines()]
+    assert parts == ["erasing", "writing slot b", "verifying", "starting"]
+    code, out, err = run("flash", image, "--can", "4", "5")
+    assert (code, err) == (0, "")
+    assert out.splitlines()[0] == f"FL hip (node 4): nothing to do: runs {new}"
+
+
+def test_one_json_object_also_when_a_joint_goes_back(run, robot, image):
+    robot[1].broken = (NEW.about.build,)
+    code, out, err = run("flash", image, "--can", "4", "5", "--json")
+    told = json.loads(out)
+    assert code == 1
+    assert [joint["changed"] for joint in told["joints"]] == [True, False]
+    assert told["joints"][1]["failure"] in err
+    assert err.count("\n") == 1
+    assert told["build"] == NEW.about.build
+
+
+def test_all_wants_all_twelve(run, robot, image):
+    code, out, err = run("flash", image, "--can", "--all")
+    assert (code, out) == (1, "")
+    assert "FR hip (node 1) is not there: check its power, the CAN cable and both terminators" in err
+
+
+def test_a_joint_whose_firmware_knows_no_update_is_told(run, robot, image, monkeypatch):
+    monkeypatch.setattr(robot[0].joint.updating, "take", lambda frame: None)
+    code, _, err = run("flash", image, "--can", "4", "5")
+    assert code == 1
+    assert "FL hip (node 4) runs a firmware that knows no update over the bus: flash it once over USB" in err
+
+
+def test_a_joint_without_a_flash_is_told(run, robot, image, monkeypatch):
+    monkeypatch.setattr(robot[0].joint.updating, "_update", None)
+    code, _, err = run("flash", image, "--can", "4", "5")
+    assert code == 1
+    assert "FL hip (node 4) has no flash that could be written: it is a simulated joint" in err
+
+
+def test_another_way_of_updating_is_told(run, robot, image, monkeypatch):
+    monkeypatch.setattr("firmware.can_update.VERSION", VERSION + 1)
+    code, _, err = run("flash", image, "--can", "4", "5")
+    assert code == 2
+    assert f"is updated in another way, {VERSION + 1}, than this host knows" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--can",), "name the joints by their numbers, 1 to 12, or all by --all"),
+        (("--can", "3", "--all"), "name the joints by their numbers, 1 to 12, or all by --all"),
+        (("--can", "13"), "flash --can 13: joints have the numbers 1 to 12"),
+        (("--can", "3", "--port", "/dev/null"), "--port and --id are for boards on USB"),
+        (("3",), "go with --can"),
+        (("--can", "3", "--robot", "caramelo"), "caramelo has no joints on CAN"),
+    ],
+)
+def test_wrong_use(run, image, arguments, words):
+    code, out, err = run("flash", image, *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (image_of(1, protocol=0x1234), "the image speaks protocol 0x1234"),
+        (image_of(1, board="CARAMELO_GAIT"), "is a CARAMELO_JOINT; the image is for a CARAMELO_GAIT"),
+    ],
+)
+def test_a_foreign_image(run, robot, tmp_path, wrong, words):
+    path = tmp_path / "wrong.caramelo"
+    write_image_file(wrong, path)
+    code, out, err = run("flash", str(path), "--can", "4", "5")
+    assert (code, out) == (2, "")
+    assert words in err
+    assert running(robot) == {OLD.about.build}

@@ -1,0 +1,349 @@
+"""The trot in floating point and SI, one tick at a time: what shared/trot computes in integers.
+
+Feet are in the body's frame (x forward, y left, z up, from the middle of the hips). Legs FR FL RR RL.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+
+from host.robot import trot_tuning as tuning
+from host.robot.drives import BUS_DELAY_S, joint_drives
+from sim2d.model import GRAVITY_M_S2 as G
+
+LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
+TURN_MAX = 16383 / 2**18  # rad a tick
+
+
+def limit(value, most):
+    return max(-most, min(most, value))
+
+
+def to_level(point, roll, pitch):
+    """Turn a small tilt out of a point of the body's frame."""
+    x, y, z = point
+    y, z = y - z * roll, z + y * roll
+    return [x + z * pitch, y, z - x * pitch]
+
+
+def to_body(point, roll, pitch):
+    """Turn a small tilt into a point of the level frame."""
+    x, y, z = point
+    x, z = x - z * pitch, z + x * pitch
+    return [x, y + z * roll, z - y * roll]
+
+
+def way(share):
+    """Return how far a foot on a cycloid is after a share of its time."""
+    return share - math.sin(2 * math.pi * share) / (2 * math.pi)
+
+
+@dataclass
+class Senses:
+    """What is measured in a tick: 12 joints, roll and pitch, rates about x, y and z; ``known`` if all of them are."""
+
+    joints: list = field(default_factory=lambda: [0.0] * 12)
+    tilt: tuple = (0.0, 0.0)
+    rates: tuple = (0.0, 0.0, 0.0)
+    known: bool = True
+
+
+class FloatTrot:
+    """One robot's trot; ``tick`` returns twelve goals."""
+
+    def __init__(self, robot, rate_hz=50):
+        self.robot, self.dt = robot, 1 / rate_hz
+        self.f = figures = tuning.trot_figures(robot)
+        self.h, self.leg_m = figures.height_m, figures.leg_m
+        self.rolling = tuning.rolling(robot)
+        drives, ratio = joint_drives(robot), robot.calf_drive.ratio
+        self.give = [robot.mass_kg * G / drive.stiffness_Nm_rad for drive in drives]
+        self.fastest = [math.floor(robot.actuator.fastest_rad_s * k * self.dt * 65536 / math.tau) * math.tau / 65536
+                        for k in (1.0, 1.0, ratio)]
+        self.delay = 1 + math.floor(BUS_DELAY_S * rate_hz + 1e-9)
+        self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
+        self.starts = [list(foot) for foot in self.feet]
+        self.phase = tuning.STANCE_SHARE / 2 - 0.25
+        self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
+        self.heading = self.high_left = self.u = 0.0
+        self.load, self.stands, self.early = [0.0] * 4, [1] * 4, [0] * 4
+        self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
+        self.highest = tuning.HIGHEST_LIFT * self.leg_m
+        self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
+        self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.known, self.measured, self.free = 0, None, None
+        self.residual = [[0.0, 0.0] for _ in range(4)]
+        self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
+        self.joints, self.slope = None, [0.0, 0.0]
+        self.posed, self.moving = [0.0] * 6, False
+
+    # --- one leg
+
+    def at_hip(self, leg, foot):
+        x, y = self.robot.hip_m(leg)
+        return foot[0] + x, foot[1] + y, foot[2]
+
+    def forward(self, leg, q):
+        l1, l2, l3 = self.robot.geometry.links_m
+        l1 *= self.robot.side(leg)
+        x = -l2 * math.sin(q[1]) - l3 * math.sin(q[1] + q[2])
+        a = l2 * math.cos(q[1]) + l3 * math.cos(q[1] + q[2])
+        y, z = l1 * math.cos(q[0]) + a * math.sin(q[0]), l1 * math.sin(q[0]) - a * math.cos(q[0])
+        return self.at_hip(leg, (x, y, z))
+
+    def inverse(self, leg, foot):
+        l1, l2, l3 = self.robot.geometry.links_m
+        hip, l1, knee = self.robot.hip_m(leg), l1 * self.robot.side(leg), self.robot.knee_sign(leg)
+        x, y, z = foot[0] - hip[0], foot[1] - hip[1], foot[2]
+        a = math.sqrt(max(1e-12, y * y + z * z - l1 * l1))
+        q3 = knee * math.acos(limit((x * x + a * a - l2 * l2 - l3 * l3) / (2 * l2 * l3), 1.0))
+        q1 = math.atan2(y * a + z * l1, y * l1 - z * a)
+        return [q1, -math.atan2(x, a) - math.atan2(l3 * math.sin(q3), l2 + l3 * math.cos(q3)), q3]
+
+    def sag(self, leg, q, foot):
+        hip = self.robot.hip_m(leg)
+        x, y, knee = foot[0] - hip[0], foot[1] - hip[1], -self.robot.geometry.thigh_m * math.sin(q[1])
+        above, below = knee * self.load[leg], (x - knee) * self.load[leg]
+        around = -y * self.load[leg] * self.give[0]
+        if self.robot.calf_drive.coupled:
+            give = above * self.give[1]
+            return around, give, below * self.give[2] - give
+        return around, (above + below) * self.give[1], below * self.give[2]
+
+    # --- what is felt
+
+    def feel(self, senses):
+        if not senses.known:
+            self.known, self.seen, self.drift = 0, list(self.foot_speed), [0.0, 0.0]
+            return
+        feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
+        if self.known:
+            self.see_speed(feet, [limit(rate * self.dt, TURN_MAX) / self.dt for rate in senses.rates])
+        self.measured = feet
+        if self.known > self.delay:
+            self.see_residual(feet)
+        elif self.known == self.delay:
+            self.free = [[foot[0], foot[2]] for foot in self.past[-self.delay][0]]
+        self.known = min(100, self.known + 1)
+
+    def see_speed(self, feet, rates):
+        gx, gy, gz = rates
+        long_ago = self.past[-self.delay - 1][1] if len(self.past) > self.delay else [0] * 4
+        speeds = []
+        for leg in range(4):
+            if long_ago[leg] and self.past[-1][1][leg]:
+                a, (x, y, z) = self.measured[leg], feet[leg]
+                speeds.append((-(x - a[0]) / self.dt - gy * z + gz * y, -(y - a[1]) / self.dt - gz * x + gx * z))
+        share = self.dt / (self.dt + self.f.stance_s / 4)
+        for i in range(2):
+            if speeds:
+                self.seen[i] += share * (sum(speed[i] for speed in speeds) / len(speeds) - self.seen[i])
+
+    def see_residual(self, feet):
+        share = self.dt / (self.dt + tuning.FREE_LAG_SHARE * self.f.lag_s)
+        wanted = self.past[-self.delay][0]
+        for leg in range(4):
+            for i, axis in enumerate((0, 2)):
+                self.free[leg][i] += share * (wanted[leg][axis] - self.free[leg][i])
+                self.residual[leg][i] = feet[leg][axis] - self.free[leg][i]
+
+    def feel_slope(self):
+        """Follow the slope of the measured feet that stand: a step of normalized least mean squares."""
+        x, y = self.tilt
+        feet = [(*foot[:2], foot[2] + foot[1] * x - foot[0] * y) for foot in self.measured]
+        feet = [foot for foot, stands in zip(feet, self.stands, strict=True) if stands]
+        if len(feet) < 2:
+            return
+        middle = [sum(foot[i] for foot in feet) / len(feet) for i in range(3)]
+        arms = [[p - q for p, q in zip(foot, middle, strict=True)] for foot in feet]
+        off = [z - x * self.slope[0] - y * self.slope[1] for x, y, z in arms]
+        square = sum(x * x + y * y for x, y, _ in arms)
+        share = self.dt / (self.dt + tuning.SLOPE_CYCLES * self.f.cycle_s)
+        for i in range(2):
+            step = sum(e * arm[i] for e, arm in zip(off, arms, strict=True)) / square
+            self.slope[i] = limit(self.slope[i] + share * limit(step, 0.5), 0.3)
+
+    def ground_z(self, x, y):
+        return x * self.slope[0] + y * self.slope[1]
+
+    # --- what is wanted
+
+    def steer(self, speed, rates, pose, moving):
+        """Write the speeds of the feet, the turn and the further footholds."""
+        self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
+        for i in range(2):
+            foot = self.foot_speed[i] = speed[i] * self.rolling
+            missed = foot - self.seen[i]
+            most = 0.3 * abs(speed[i]) + tuning.DRIFT_LEAST_M_S
+            self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
+            if self.high_left:
+                self.drift[i] = 0.0
+            self.drive[i] = foot + self.drift[i]
+            self.capture[i] = limit(-missed * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
+        if self.high_left:
+            rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
+            off = sum(foot[0] for foot in self.feet) / 4 - rest
+            self.drive[0] += (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
+        turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
+        if moving:
+            self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)
+            turn += self.heading * tuning.HEADING_HZ
+        else:
+            self.drive, self.drift = [0.0, 0.0], [0.0, 0.0]
+        self.turn = limit(turn, TURN_MAX / self.dt)
+
+    def lean(self, tilt, rates, pose, balance):
+        """Write the tilt to come, the turns that level the body or follow its pose; follow that along the ground."""
+        ahead_s = BUS_DELAY_S + self.dt / 2
+        self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
+        gain = tuning.LEVEL_SHARE / self.f.tipping_s
+        turns = [-gain * (tilt[i] - pose[i + 3]) for i in range(2)]
+        if not (balance and self.known):
+            turns = [(pose[i + 3] - self.posed[i + 3]) / self.dt for i in range(2)]
+        self.level = [limit(turn, TURN_MAX / self.dt) for turn in turns]
+        for i in range(2):
+            self.drive[i] += (pose[i] - self.posed[i]) / self.dt
+        self.rise = (pose[2] - self.posed[2]) / self.dt
+        self.posed = list(pose)
+
+    def lift_on(self):
+        self.lift = self.low
+        if self.high_left:
+            self.lift = self.high
+            gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
+            self.high_left = max(0.0, self.high_left - gone)
+
+    # --- who swings
+
+    def go_on(self, moving):
+        if not moving:
+            self.phase, self.stands, self.early = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
+            return
+        self.phase = (self.phase + self.dt / self.f.cycle_s) % 1.0
+        for leg in range(4):
+            part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
+            if part < 0:
+                self.early[leg], self.stands[leg] = 0, 1
+                continue
+            self.u = part / (1 - tuning.STANCE_SHARE)
+            if self.early[leg] == 0:
+                if self.stands[leg]:
+                    self.starts[leg] = to_level(self.feet[leg], *self.then)
+                    self.begin_swing(leg)
+                self.stands[leg] = self.react(leg)
+
+    def react(self, leg):
+        """Look at one foot in the air; return 1 if it stands from now on."""
+        if self.known <= self.delay:
+            return 0
+        up = self.residual[leg][1]
+        if self.u <= 0.5:
+            if self.u > 0.1:
+                self.ascent[leg] = max(self.ascent[leg], -up)
+        elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent[leg] - 15 / 1024 * self.leg_m):
+            self.touch_early(leg)
+            return 1
+        if self.u > 0.1:
+            self.hold_up(leg)
+        self.short[leg] = -self.residual[leg][0] if self.held[leg] else 0.0
+        return 0
+
+    def begin_swing(self, leg):
+        self.tops[leg] = self.highest if self.held[leg] and self.high_left else self.lift
+        if not self.held[leg]:
+            self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
+        self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
+        self.ascent[leg], self.stands[leg] = 0.0, 0
+
+    def hold_up(self, leg):
+        high = self.tops[leg] >= self.high
+        behind = self.residual[3 - leg][0] - self.residual[leg][0]
+        if self.foot_speed[0] < 0:
+            behind = -behind
+        turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
+        most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
+        self.peak[leg] = max(self.peak[leg], behind)
+        if behind > most + self.usual[leg] + turning:
+            self.held[leg] = True
+            if not high:
+                self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
+
+    def touch_early(self, leg):
+        x, y, z = self.measured[leg]
+        met = z + y * self.tilt[0] - x * self.tilt[1] + self.h - self.ground_z(x, y)
+        given = met if abs(met) < 36 / 1024 * self.leg_m else 0.75 * met
+        self.feet[leg] = [x, y, z - given]
+        self.load[leg], self.early[leg] = 0.25, 2
+        self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
+
+    # --- where the feet go
+
+    def stand_feet(self, pose):
+        count = sum(self.stands)
+        mean_z = sum(foot[2] for foot, stands in zip(self.feet, self.stands, strict=True) if stands) / max(1, count)
+        rise = (self.h + pose[2] + mean_z) / (2 * self.f.cycle_s) + self.rise if count else 0.0
+        (wx, wy), wz = self.level, self.turn
+        for leg in range(4):
+            if self.stands[leg]:
+                x, y, z = self.feet[leg]
+                back = self.drive[0] - wz * y + wy * z, self.drive[1] + wz * x - wx * z, wx * y - wy * x + rise
+                self.feet[leg] = [p - speed * self.dt for p, speed in zip((x, y, z), back, strict=True)]
+
+    def swing_feet(self, pose):
+        u = self.u
+        along, down, up = way(min(1.0, u / tuning.AHEAD_SHARE)), way(u), (1 - math.cos(2 * math.pi * u)) / 2
+        for leg in range(4):
+            if self.stands[leg] == 0:
+                rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
+                turning = -self.turn * rest[1], self.turn * rest[0]
+                place = []
+                for i in range(2):
+                    target = rest[i] + self.capture[i] + (self.foot_speed[i] + turning[i]) * self.f.neutral_s
+                    back = (self.drive[i] + turning[i]) * self.f.swing_s
+                    start = self.starts[leg][i]
+                    place.append(start + (target - start + back) * along - back * u)
+                start = self.starts[leg][2]
+                place[0] -= self.short[leg]
+                low = self.ground_z(*place) - self.h - pose[2]
+                z = start + (low - start) * down + self.tops[leg] * up
+                self.feet[leg] = to_body((*place, z), *self.then)
+
+    # --- one tick
+
+    def tick(self, senses, speed, pose=(0.0,) * 6, moving=True, balance=True):
+        """Return twelve goals. speed: m/s, m/s, rad/s, slewed; pose: m, rad, slewed."""
+        self.tilt = senses.tilt
+        self.feel(senses)
+        self.steer(speed, senses.rates, pose, moving)
+        self.lean(senses.tilt, senses.rates, pose, balance)
+        if self.known:
+            self.feel_slope()
+        self.lift_on()
+        self.moving = moving
+        self.go_on(moving)
+        self.stand_feet(pose)
+        self.swing_feet(pose)
+        short = [0.0 if stands else short for stands, short in zip(self.stands, self.short, strict=True)]
+        free = [(foot[0] + less, foot[1], foot[2]) for foot, less in zip(self.feet, short, strict=True)]
+        self.past.append((free, list(self.stands)))
+        return self.goals()
+
+    def goals(self):
+        """Return the joints, what they give under their load, and where they will be a lag later."""
+        before, self.joints = self.joints, [q for leg in range(4) for q in self.inverse(leg, self.feet[leg])]
+        before = before or self.joints
+        step = 0.5 / max(1.0, tuning.LOAD_SHARE * self.f.stance_s / self.dt) / (1 if self.moving else 8)
+        goals = []
+        for leg in range(4):
+            wanted = 1 / max(1, sum(self.stands)) if self.stands[leg] else 0.0
+            self.load[leg] += limit(wanted - self.load[leg], step)
+            led = self.f.lag_s / self.dt * (1.0 if self.stands[leg] else 0.5)
+            if self.early[leg] == 2:
+                self.early[leg], led = 1, 0.0
+            joints = self.joints[3 * leg : 3 * leg + 3]
+            give = self.sag(leg, joints, self.feet[leg])
+            for i, q in enumerate(joints):
+                low, high = self.robot.joint_limits_rad(leg)[i]
+                lead = led * limit(q - before[3 * leg + i], self.fastest[i])
+                goals.append(max(low, min(high, q + give[i] + lead)))
+        return goals
