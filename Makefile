@@ -4,6 +4,7 @@
 #   make test       linter, type checker and all tests; what is skipped is listed with what to install for it
 #   make check      linter, type checker and the tests of what has been changed, in about a minute
 #   make renew      writes all that is generated, and the budgets of costs and sizes, from the sources as they are
+#   make docs       builds the documentation site in out/site, and checks its links, commands, files and quotes
 #   make core       compiles the control core for this computer: ten times as fast (needs a C compiler)
 #   make setup-pi   what a Raspberry Pi runs, without simulator, firmware tools and tests
 #   make wheel      a wheel with the core compiled for this computer, in dist; without it: pip wheel --no-deps .
@@ -18,7 +19,7 @@ PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
-.PHONY: setup setup-pi demo test check renew core wheel lock pi-wheels clean
+.PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -60,6 +61,11 @@ renew: setup
 	$(BIN)/python -m host.protocol.generate
 	$(BIN)/python -m host.boards.build.sizes
 	$(BIN)/caramelo bench --update-budget
+
+docs:
+	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+	$(BIN)/pytest tests/test_docs.py
 
 core:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile
