@@ -1,6 +1,6 @@
 # Everything a fresh machine needs: python3 (3.11 or newer, with its venv module) and make.
 #   make setup      environment in .venv with the `caramelo` command (the other targets call it when needed)
-#   make demo       walks the robot over a 2 cm step in the simulator, results in out/demo
+#   make demo       walks the robot up stairs in the simulator, in space if that is installed; results in out/demo
 #   make test       linter, type checker and all tests; what is skipped is listed with what to install for it
 #   make check      linter, type checker and the tests of what has been changed, in about a minute
 #   make renew      writes all that is generated, and the budgets of costs and sizes, from the sources as they are
@@ -39,8 +39,10 @@ $(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 setup-pi:
 	@$(MAKE) --no-print-directory setup EXTRAS=web,record,pi
 
-demo: setup
-	$(BIN)/caramelo walk --speed 0.15 --terrain step --height 0.02 --out out/demo
+demo:
+	@$(MAKE) --no-print-directory setup EXTRAS=sim,space,web
+	$(BIN)/caramelo walk --in $$($(BIN)/python -c 'import mujoco' 2>/dev/null && echo space || echo plane) --speed 0.15 \
+		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 
 # All three run even when one fails, so that one call shows everything; pytest's closing line comes last.
 test: setup
