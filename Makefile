@@ -12,7 +12,7 @@
 #   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
 
 PYTHON ?= python3
-EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,test
+EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
 JOBS ?= 2
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
@@ -64,9 +64,8 @@ renew: setup
 	$(BIN)/python -m host.boards.build.sizes
 	$(BIN)/caramelo bench --update-budget
 
-docs:
-	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),docs
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
 	$(BIN)/pytest tests/test_docs.py
 
 core:

@@ -4,6 +4,9 @@ import ast
 import re
 import runpy
 import shlex
+import shutil
+import subprocess
+import sys
 
 import pytest
 import typer
@@ -127,6 +130,21 @@ def test_the_site_tells_of_every_key_what_is_allowed(site):
     assert all(allowed and "Input should" not in allowed for _, _, allowed in rows)
     assert ("thigh_m", "L2: thigh joint to knee", "a number within 0.01 .. 1 m") in rows
     assert sum(bool(meaning) for _, meaning, _ in rows) > 0.8 * len(rows)
+
+
+@pytest.mark.parametrize("broken", [False, True])
+def test_the_site_builds_if_no_link_is_broken(tmp_path, broken):
+    pytest.importorskip("mkdocs", reason="mkdocs-material is not installed (extra docs)")
+    shutil.copytree(ROOT / "docs", tmp_path / "docs")
+    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
+    (tmp_path / ".ci").symlink_to(ROOT / ".ci")
+    if broken:
+        (tmp_path / "docs/glossary.md").write_text("# Glossary\n\n[gaits](gaits.md#from-nowhere)\n")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", "site"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode != 0) == broken, done.stderr
+    assert ("'gaits.md#from-nowhere'" in done.stderr) == broken
+    assert broken or (tmp_path / "site/commands/walk.html").exists()
 
 
 def test_every_page_is_in_the_sites_menu(site):

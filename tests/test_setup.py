@@ -52,7 +52,8 @@ def picked():
 
 
 @pytest.mark.parametrize(
-    "extras", ["", "web,record,pi", "sim,space,lab,web,record,foxglove,firmware,test", "compile", "emulator", "lock"]
+    "extras",
+    ["", "web,record,pi", "sim,space,lab,web,record,foxglove,firmware,docs,test", "compile", "emulator", "lock"],
 )
 def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, extras):
     extras = extras.split(",") if extras else []
