@@ -112,10 +112,9 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 
     title = f"{spec.robot.name}: {spec.gait} over {spec.ground.name}"
     page, moving, picture, figures = (out / name for name in FILES)
-    size_m = spec.robot.links.trunk.size_m
-    half_m = size_m[0] / 2, size_m[2] / 2
-    write_text(page, animation_html(recording, title, result["reason"], facts(result), half_m))
-    write_text(moving, moving_svg(recording, f"{title}: {result['reason']}", half_m))
+    length_m, width_m, height_m = (size_m / 2 for size_m in spec.robot.links.trunk.size_m)
+    write_text(page, animation_html(recording, title, result["reason"], facts(result), (length_m, height_m)))
+    write_text(moving, moving_svg(recording, f"{title}: {result['reason']}", (length_m, width_m, height_m)))
     with atomic_path(picture) as draft:
         path_png(recording, f"{title}: {result['reason']}", draft)
     write_text(figures, json.dumps(result, indent=1) + "\n")
