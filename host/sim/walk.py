@@ -18,6 +18,7 @@ from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
+from .servos.plane import coupled, honest_servos
 
 # What a walk's way counts: ahead and to the left in m, turning to the left in rad.
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
@@ -118,7 +119,7 @@ def run_walk(
     if spec.way != "ahead" or spec.push:
         raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
     controller = PlannerController(spec)
-    robot = planar_robot(spec.body, foot_friction=spec.friction)
+    robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
         recording = simulate(
@@ -132,7 +133,7 @@ def run_walk(
             bus_delay_s=spec.bus_delay_s,
             seed=spec.seed,
             stuck_after_s=spec.stuck_after_s,
-            actuator=actuator,
+            actuator=actuator or (servos and coupled(robot, servos)),
             progress=progress,
         )
     except (ValueError, ArithmeticError) as error:

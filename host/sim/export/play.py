@@ -9,10 +9,9 @@ from xml.etree import ElementTree as Xml
 
 from ...robot.actuators import Servo
 from ...robot.model import Robot
-from ..servos.law import Figures
+from ..servos.law import LEAST_PLAY_RAD, Figures
 
 PLAY = "_play"
-LEAST_PLAY_RAD = 3e-4  # an arc minute: between closer stops the link never comes to rest
 LEAST_NM = 1e-6  # a joint without friction would have no row in MuJoCo's constraints
 
 

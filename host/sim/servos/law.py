@@ -26,6 +26,7 @@ from ...robot.actuators import Bldc, Friction, PdJoint, Servo
 DRY = Friction()
 FLANK_NM_RAD = 300.0  # stiffness of gear flanks: 2.5 N m wind them up by half a degree (assumed)
 FLANK_DAMPING = 0.5  # of critical (assumed)
+LEAST_PLAY_RAD = 3e-4  # an arc minute: in the walking simulators a link between closer flanks never comes to rest
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,7 @@ class ServoLaw:
     ) -> None:
         self.battery = battery or Battery(figures.voltage_V, 0.0)
         self.become(figures)
-        self.torque_Nm = self.friction_Nm = self.duty = 0.0
+        self.torque_Nm = self.friction_Nm = self.motor_Nm = self.duty = 0.0
         self.rotor_rad, self.rotor_rad_s = position_rad, 0.0
         self.link_armature_kg_m2 = 0.0 if figures.backlash_rad > 0 else figures.armature_kg_m2
         self._link_kg_m2 = link_kg_m2
@@ -183,7 +184,7 @@ class ServoLaw:
             self._step_rotor(position_rad, speed_rad_s, dt_s)
             return
         self.rotor_rad, self.rotor_rad_s = position_rad, speed_rad_s
-        self.torque_Nm = self._motor_Nm(speed_rad_s)
+        self.torque_Nm = self.motor_Nm = self._drive_Nm(speed_rad_s)
         self.friction_Nm = self._most_Nm(self.torque_Nm, load_Nm, speed_rad_s)
 
     def _hear(self, goal_rad: float, most: float | None) -> None:
@@ -206,7 +207,7 @@ class ServoLaw:
         duty = max(-self._most, min(self._most, f.duty_per_rad * (self._goal_rad - seen_rad)))
         return round(duty * f.pwm_steps) / f.pwm_steps if f.pwm_steps else duty
 
-    def _motor_Nm(self, speed_rad_s: float) -> float:
+    def _drive_Nm(self, speed_rad_s: float) -> float:
         """Return the motor's torque, and take its current from the battery; without torque its bridge is open."""
         if self._most is None:
             return 0.0
@@ -218,7 +219,7 @@ class ServoLaw:
     def _step_rotor(self, link_rad: float, link_rad_s: float, dt_s: float) -> None:
         """Advance the rotor between its flanks."""
         f = self.figures
-        motor_Nm = self._motor_Nm(self.rotor_rad_s)
+        self.motor_Nm = motor_Nm = self._drive_Nm(self.rotor_rad_s)
         flank_Nm = self._flank_Nm(self.rotor_rad - link_rad, self.rotor_rad_s - link_rad_s, dt_s)
         driving_Nm = motor_Nm - flank_Nm
         most_Nm = self._most_Nm(motor_Nm, -flank_Nm, self.rotor_rad_s)
