@@ -148,6 +148,7 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     return {
         "robot": spec.robot.name,
         "gait": spec.gait,
+        "honest": spec.body.simulation.honest,
         "terrain": spec.ground.name,
         "height_m": spec.ground.height,
         "payload_kg": spec.payload_kg,
@@ -193,6 +194,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
     return [
         ("robot", result["robot"]),
         ("gait", result["gait"]),
+        ("drives", "honest" if result["honest"] else "simple"),
         *([("not advised", result["advice"])] if result["advice"] else []),
         ("terrain", result["terrain"] + height),
         ("speed", f"{result['mean_speed_m_s']:.4f} of {result['commanded_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),
