@@ -8,6 +8,7 @@ import typer
 from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
+from ._world import Honest
 
 if TYPE_CHECKING:
     from sim2d.recording import Recording
@@ -44,6 +45,7 @@ def walk(
     bus_delay: Annotated[float, typer.Option(metavar="S", help="How late goals reach the joints, s.")] = 0.02,
     balance: Annotated[bool, typer.Option(help="Keep the body level by the measured attitude.")] = True,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
+    honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Write {', '.join(FILES)} here.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> int:
@@ -63,7 +65,7 @@ def walk(
     from ..util.files import check_folder
 
     check_folder("--out", out)
-    data = load_robot(robot)
+    data = load_robot(robot).simulated(honest)
     if terrain in STONES and length is None:
         length = max(0.1, distance)
     spec = WalkSpec(

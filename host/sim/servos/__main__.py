@@ -126,6 +126,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="caramelo")
     parser.add_argument("--plant", choices=("ground", "bench", "space"), default="ground")
+    parser.add_argument("--honest", action=argparse.BooleanOptionalAction, help="else as the robot's file says")
     parser.add_argument("--truth", type=Path, help="calibration file that says how the servos are mounted")
     parser.add_argument("--new", action="store_true", help="servos as they come out of their boxes, none plugged in")
     parser.add_argument("--lost", type=float, default=0.0)
@@ -149,7 +150,7 @@ def make_plant(kind: str, robot: Robot, seed: int) -> Plant:
 
 def build(options: argparse.Namespace) -> tuple[EmulatedBus, SimulatedImu]:
     """Return the servos and the sensor of a robot that waits seated."""
-    robot = load_robot(options.robot)
+    robot = load_robot(options.robot).simulated(options.honest)
     truth = load_calibration(options.truth, robot) if options.truth else nominal(robot)
     plant = make_plant(options.plant, robot, options.seed)
     protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
