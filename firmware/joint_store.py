@@ -7,8 +7,8 @@ parameter's name, unit and scale, so that another firmware finds those that it k
 import binascii
 import struct
 
-from shared.joint.calibration import set_commutation
-from shared.joint.current import set_loop
+from shared.joint.commission import set_commutation
+from shared.joint.current import keep_gains, set_loop
 from shared.joint.thermal import CURVE_SIZE
 from shared.record import set_at, value_at
 from shared.runtime import const
@@ -51,6 +51,7 @@ class Parameters:
         if parameter == PARAMETER_NODE_ID:
             return self.node
         if parameter < PARAMETER_THERMISTOR_RAW:
+            keep_gains(self._control.loop, self._control.loop_settings)
             return value_at(self._control.loop_settings, parameter - PARAMETER_CURRENT_KP)
         if parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
             return self._control.curve[parameter - PARAMETER_THERMISTOR_RAW]

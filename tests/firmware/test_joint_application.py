@@ -103,8 +103,8 @@ def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch
     assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
-@pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME])
-def test_without_the_challenge_of_now_nothing_is_armed_calibrated_or_homed(bench, command):
+@pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_COMMISSION, w.COMMAND_HOME])
+def test_without_the_challenge_of_now_nothing_is_armed_commissioned_or_homed(bench, command):
     bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
     bench.run(20)
     old = bench.joint.service.challenge

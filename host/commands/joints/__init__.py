@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 from .. import HARDWARE
-from . import board, compare, dbc, drive, figures, load, look, page, params, simulate
+from . import board, commission, compare, dbc, drive, figures, load, look, page, params, simulate
 
 
 def register(app: typer.Typer) -> None:
@@ -22,7 +22,7 @@ def register(app: typer.Typer) -> None:
         "disarm": drive.disarm,
         "clear": drive.clear,
         "set-id": board.set_id,
-        "calibrate": board.calibrate,
+        "commission": commission.commission,
         "busload": load.busload,
         "dbc": dbc.dbc,
         "compare": compare.compare,
