@@ -13,12 +13,14 @@ from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
 from shared.planner.status import STATE_NAMES
 from shared.record import pack
+from shared.sense.odometry import odometry_restart
 from shared.sense.sensed import Sensed
 
 from ..robot.gait_names import gait_index
 from ..robot.model import Robot
 from ..robot.scale import brad, core_params, joints_rad, scale_of
 from ..robot.trot_tuning import limit
+from .odometry import Odometry, read_odometry
 
 MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
 
@@ -65,6 +67,15 @@ class Driver:
     def state(self) -> str:
         """The planner's state in a word."""
         return STATE_NAMES[self.planner.status.state]
+
+    @property
+    def odometry(self) -> Odometry:
+        """Where the robot has walked to since it was begun or put down."""
+        return read_odometry(self.planner.params, self.planner.odometry)
+
+    def restart_odometry(self) -> None:
+        """The robot has been put down elsewhere: all counts from there."""
+        odometry_restart(self.planner.odometry)
 
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return the fastest command ahead that a gait walks, m/s, and what makes it so: a key, or what legs can't.

@@ -117,8 +117,9 @@ class Robot:
     def odometry(self) -> Odometry:
         """Where the robot has walked to since it was opened, by dead reckoning with its legs and the gyro.
 
-        Feet that stand are taken to stay where they are: a slip stays in it. In ``sim``, the plane, nothing can turn;
-        there it turns as the legs would have it. ``truth`` is what a simulated body really did.
+        Feet that carry are taken to stay where they are: a slip stays in it, and its covariance says how much that may
+        be. In ``sim``, the plane, nothing can turn; there it turns as the legs would have it. ``truth`` is what a
+        simulated body really did.
         """
         return self._opened.sensed.odometry
 

@@ -89,9 +89,8 @@ class LoopLog:
         if self._tick % rate_hz == 0:
             drawn |= scene.parts(time_ns)
         if self._tick % max(1, rate_hz // DRAWN_HZ) == 0:
-            odometry = supervisor.odometry.now
-            at = (odometry.x_m, odometry.y_m, odometry.yaw_rad)
-            drawn |= scene.places(time_ns, measured.position_rad, supervisor.attitude, at, measured.speed_rad_s)
+            at, joints_rad = supervisor.driver.odometry, measured.position_rad
+            drawn |= scene.places(time_ns, joints_rad, supervisor.attitude, at, measured.speed_rad_s)
         for topic, values in drawn.items():
             self._put(topic, now_s, values)
 

@@ -9,6 +9,7 @@ from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock
 from ..runtime import zeros
 from ..sense.legs import Sensing
+from ..sense.odometry import Odometry
 from ..sense.sensed import Sensed
 from ..trot.state import Trot
 from .command import Command
@@ -48,6 +49,7 @@ class PlannerState:
         self.tilt_past = Past()
         self.leg_flags = zeros(LEGS)
         self.sensing = Sensing()
+        self.odometry = Odometry()
         self.crawl = Crawl(params)
         self.trot = Trot()
         self.fade = Fade()
