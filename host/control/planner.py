@@ -47,7 +47,7 @@ class Driver:
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
-        self.planner = Planner(core_params(robot, rate_hz, planar))
+        self.planner = Planner(core_params(robot, rate_hz, planar), tuple(own.entry for own in robot.gait.own))
         self.command = Command(gait=robot.gait.default)
         self._command = core.Command()
         self._sensed = Sensed()
@@ -82,7 +82,7 @@ class Driver:
 
         The crawl takes its own time; the figure is that of the trot it gives way to.
         """
-        walked = self.planner.gaits[gait_index(gait)]
+        walked = self.planner.gaits[gait_index(self.robot, gait)]
         most, key = walked.speed_max[0], "speed_limits.stride_m"
         if walked.mover != MOVER_TABLE:
             key = limit(self.robot)
@@ -92,7 +92,7 @@ class Driver:
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
         """Return the fastest commands that a gait walks: ahead and aside, m/s, and turning, rad/s."""
-        ahead, aside, turning = self.planner.gaits[gait_index(gait)].speed_max
+        ahead, aside, turning = self.planner.gaits[gait_index(self.robot, gait)].speed_max
         scale = self.scale
         return scale.metres_per_second(ahead), scale.metres_per_second(aside), scale.rad_per_second(turning)
 
@@ -129,7 +129,7 @@ class Driver:
     def _fill_command(self) -> None:
         wish, scale, block = self.command, self.scale, self._command
         block.mode = MODES[wish.mode]
-        block.gait = gait_index(wish.gait)
+        block.gait = gait_index(self.robot, wish.gait)
         block.speed[0] = scale.lf_per_tick(wish.vx_m_s)
         block.speed[1] = scale.lf_per_tick(wish.vy_m_s)
         block.speed[2] = scale.yaw18_per_tick(wish.wz_rad_s)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ..bus.base import Bus, Measured
+from ..robot.gait_names import gait_names
 from ..robot.kinematics_si import leg_forward
 from ..robot.model import LEG_NAMES, Robot
 from ..util.errors import UserError
@@ -61,7 +62,7 @@ class Supervisor:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
         self._read_rates = rates
         self.driver = Driver(robot, rate_hz, planar)
-        self.arbiter = Arbiter(gait=robot.gait.default)
+        self.arbiter = Arbiter(gait=robot.gait.default, gaits=gait_names(robot))
         self.safety = Safety(robot)
         self.stream = JointStream(robot, self.driver.rate_hz)
         self.measured = Measured()

@@ -1,15 +1,16 @@
 """What the loop records each tick: the state of the supervisor, turned into the channels' messages."""
 
 import hashlib
+import json
 from typing import Any
 
-from shared.gait.gaits import GAIT_NAMES
 from shared.record import pack
 
 from .. import ROOT
 from ..control.gait_changes import gait_now, margin_m
 from ..control.loop import Loop
 from ..control.supervisor import Supervisor
+from ..robot.gait_names import gait_names
 from ..robot.model import Robot
 from .recorder import Recorder
 from .scene import Scene
@@ -24,7 +25,8 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
         "robot": robot.name,
         "rate_hz": str(supervisor.driver.rate_hz),
         "params": " ".join(str(value) for value in pack(planner.params)),
-        "gaits": " ".join(GAIT_NAMES),
+        "gaits": " ".join(gait_names(robot)),
+        "own_gaits": json.dumps([own.entry for own in robot.gait.own]),
         "core": core_fingerprint(),
     }
 

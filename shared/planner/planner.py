@@ -34,8 +34,8 @@ class Planner(PlannerState):
     base frame), ``reached`` (12 lu from the hips). Raises ValueError if a gait can't fit the robot.
     """
 
-    def __init__(self, params: Params):
-        super().__init__(params)
+    def __init__(self, params: Params, more: tuple = ()):
+        super().__init__(params, more)
         settle(self)
 
     def tick(self, command: Command, sensed: Sensed) -> int:

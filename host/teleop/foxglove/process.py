@@ -7,6 +7,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import foxglove
@@ -74,7 +75,7 @@ class Channels:
         """Publish a status and where everything is."""
         time_ns = self._epoch_ns + int(status["time_s"] * 1e9)
         joints = [angle or 0.0 for angle in status["joints_rad"]]
-        at = Odometry(*status["odometry"], covariance=status["covariance"])
+        at = replace(Odometry(*status["odometry"]), covariance=tuple(status["covariance"]))
         self._log(self._scene.places(time_ns, joints, status["attitude_rad"], at), time_ns)
         if self._status is None:
             told = {**schema_of(status), "title": "caramelo.Status"}
