@@ -38,6 +38,7 @@ class Robot:
         calibration: the servos' calibration file; without it the robot's own.
         imu: ``i2c``, a gait board's port or a recording; ``""`` is the usual one, None none at all.
         record: an MCAP file to write, or a folder for one; needs the extra `record`.
+        honest: of ``sim`` and ``space``: drives with friction, play, a sagging supply; None: as the file says.
 
     In ``sim`` and ``space`` time passes only in calls that wait, as fast as it is computed, and the same calls give the
     same motion. With servos and CAN the control loop runs in a thread of its own.
@@ -56,11 +57,12 @@ class Robot:
         calibration: str | Path | None = None,
         imu: str | None = "",
         record: str | Path | None = None,
+        honest: bool | None = None,
     ) -> None:
         with own_words():
-            self._file = load_robot(str(robot))
+            self._file = load_robot(str(robot)).simulated(honest)
             path = None if calibration is None else Path(calibration)
-            self._place = find_place(place, self._file, port, path, imu) if isinstance(place, str) else place
+            self._place = find_place(place, self._file, port, path, imu, honest) if isinstance(place, str) else place
         self._record = None if record is None else Path(record)
         self._gait = self._known_gait(gait or self._file.gait.default)
         self._run: Run | None = None

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .actuators import Bldc, CanBus, NoBus, PdJoint, Servo, ServoBus
-from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole
+from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole, yes_or_no
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
 JOINT_NAMES = ("hip", "thigh", "calf")
@@ -204,6 +204,18 @@ class Imu(Table):
     align_time_s: Annotated[float, number(0.1, 10.0, "s")]
 
 
+class Simulation(Table):
+    """How much of the world the walking simulators show this robot; a robot drives alike without this table.
+
+    ``honest``: the drives as far as the file knows them, and parts that hit each other; else linear laws alone.
+    ``ground_N_m``: how much of a foot's load makes soft ground give by 1 m, in three dimensions; 0 is hard ground.
+    """
+
+    honest: Annotated[bool, yes_or_no()] = False
+    self_collision: Annotated[bool, yes_or_no()] = True
+    ground_N_m: Annotated[float, number(0.0, 1e6, "N/m")] = 0.0
+
+
 class Robot(Table):
     """One robot file, checked. Made by host/robot/file.py only."""
 
@@ -225,6 +237,7 @@ class Robot(Table):
     crawl: dict[str, Annotated[float, number(-30.0, 30.0)]] = Field(default_factory=dict)  # host/robot/crawl_tuning.py
     trot: dict[str, Annotated[float, number(0.0, 10.0)]] = Field(default_factory=dict)  # host/robot/trot_tuning.py
     imu: Imu
+    simulation: Simulation = Simulation()
 
     @property
     def mass_kg(self) -> float:
@@ -236,6 +249,12 @@ class Robot(Table):
     def length_shift(self) -> int:
         """The core's length unit is 2^-length_shift m: the finest in which a leg's squares fit 30 bits."""
         return floor(log2(LARGEST_REACH_LU / self.geometry.reach_m))
+
+    def simulated(self, honest: bool | None) -> "Robot":
+        """Return the robot in an honest world, or in a simple one; None: as its file says."""
+        if honest is None:
+            return self
+        return self.model_copy(update={"simulation": self.simulation.model_copy(update={"honest": honest})})
 
     def hip_m(self, leg: int) -> Pair:
         """Return (x, y) of a leg's hip axis in the body."""

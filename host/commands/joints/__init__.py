@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 from .. import HARDWARE
-from . import board, commission, compare, dbc, drive, figures, load, look, params, simulate
+from . import board, commission, compare, dbc, drive, figures, load, look, page, params, simulate
 
 
 def register(app: typer.Typer) -> None:
@@ -17,6 +17,7 @@ def register(app: typer.Typer) -> None:
         "scan": look.scan,
         "status": look.status,
         "monitor": look.monitor,
+        "page": page.page,
         "arm": drive.arm,
         "disarm": drive.disarm,
         "clear": drive.clear,
