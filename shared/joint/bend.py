@@ -5,7 +5,7 @@ harmonics are kept of what was measured: cogging bends the rotor's way as well, 
 """
 
 from ..runtime import hot
-from .layout import BENDS, COSINE_AT, CurrentLoop
+from .layout import BENDS, COSINE_AT, CurrentLoop, JointSettings
 
 
 @hot
@@ -29,3 +29,9 @@ def fill_bend(loop: CurrentLoop, cos1_q4: int, sin1_q4: int, cos2_q4: int, sin2_
         wave += cos2_q4 * loop.sine[two + COSINE_AT] + sin2_q4 * loop.sine[two]
         loop.bend[at] = (wave + 0x40000) >> 19
     return 0
+
+
+@hot
+def set_bend(loop: CurrentLoop, settings: JointSettings) -> int:
+    """Hand the stored eccentricity to the interrupt; return 0."""
+    return fill_bend(loop, settings.bend_cos1, settings.bend_sin1, settings.bend_cos2, settings.bend_sin2)

@@ -12,7 +12,7 @@ electrical turn to and fro, 1.2 deg at a 22:1 joint with 7 pole pairs; direction
 
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .bend import fill_bend, straightened
+from .bend import fill_bend, set_bend, straightened
 from .commission_state import (
     COMMISSION_FULL,
     PHASE_FORWARD,
@@ -24,7 +24,7 @@ from .commission_state import (
     go_on,
     refuse,
 )
-from .current import set_offsets
+from .current import current_reset, set_offsets
 from .encoder import wrap_count
 from .faults import (
     FAULT_COMMISSION_BUS,
@@ -39,7 +39,7 @@ from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .turning import turn_step
-from .winding import open_loop, ratio, winding_step
+from .winding import ratio, winding_step
 
 _ROTOR = const(3)  # its place in lowest and highest, behind the phases
 _FRESH_TICKS = const(4)  # until the rotor is read without the old table
@@ -54,8 +54,7 @@ _DEAD_MOST = const(3276)  # of the parameter
 
 @hot
 def set_commutation(loop: CurrentLoop, settings: JointSettings) -> int:
-    """Hand the stored direction, pole pairs, offset and eccentricity to the current step; return electrical_gain."""
-    fill_bend(loop, settings.bend_cos1, settings.bend_sin1, settings.bend_cos2, settings.bend_sin2)
+    """Hand the stored direction, pole pairs and offset to the current step; return electrical_gain."""
     loop.electrical_offset = settings.elec_offset + TABLE_HALF_STEP
     loop.electrical_gain = 4 * settings.pole_pairs * settings.direction
     return loop.electrical_gain
@@ -99,6 +98,7 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     loop.feed_q = 0
     loop.reference_d = 0
     loop.reference_q = 0
+    set_bend(loop, settings)
     set_commutation(loop, settings)
     return PHASE_IDLE
 
@@ -182,7 +182,9 @@ def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Joi
         return PHASE_IDLE
     shift = _REST_SHIFT - 4
     set_offsets(loop, commission.raw_sum[0] >> shift, commission.raw_sum[1] >> shift, commission.raw_sum[2] >> shift)
-    open_loop(loop)
+    loop.kp = 0  # these may be another motor's
+    loop.ki = 0
+    current_reset(loop, loop.rotor)
     return go_on(commission, PHASE_RAMP)
 
 

@@ -19,7 +19,7 @@ from .commission_state import (
     go_on,
     refuse,
 )
-from .current import current_relax, current_sum
+from .current import current_sum
 from .faults import (
     FAULT_COMMISSION_NO_CURRENT,
     FAULT_COMMISSION_PHASE_OPEN,
@@ -74,8 +74,10 @@ def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> in
     volt / (2 current (1 + t^2/3 + t^4/5 + t^6/7)): error 0.7 % up to t = 0.7, where it ends.
     """
     impedance = ratio(volt_q4, current_q4, 16)
+    if impedance < 2 or impedance > _HALF:
+        return 0
     t = ratio(resistance_q16, impedance, 15)
-    if impedance < 2 or t > _QUICK_Q15:
+    if t > _QUICK_Q15:
         return 0
     square = t * t >> 15
     series = 6554 + (square * 4681 >> 15)  # 1/5, 1/7
@@ -123,18 +125,6 @@ def point(loop: CurrentLoop, commission: Commission) -> int:
     loop.electrical_gain = 0
     loop.electrical_offset = (commission.angle & 0xFFFF) + TABLE_HALF_STEP
     return commission.angle
-
-
-@hot
-def open_loop(loop: CurrentLoop) -> int:
-    """Switch the current loop off, whose gains may be another motor's, before the bridge is on; return 0."""
-    loop.kp = 0
-    loop.ki = 0
-    loop.feed_d = 0
-    loop.feed_q = 0
-    loop.reference_d = 0
-    loop.reference_q = 0
-    return current_relax(loop)
 
 
 @hot
@@ -271,7 +261,11 @@ def _alternate(loop: CurrentLoop, settings: JointSettings, commission: Commissio
     if commission.window == _SHORT_TICKS:
         if current_q4 >= settings.commission_current << 1 or volt > loop.voltage_limit >> 1:
             return _count(loop, commission, commission.phase, _LONG_TICKS)
-        return _grow(loop, commission, volt + (volt >> 1))
+        if commission.phase == PHASE_ALTERNATE_D:
+            loop.alternate_d = volt + (volt >> 1)
+        else:
+            loop.alternate_q = volt + (volt >> 1)
+        return _count(loop, commission, commission.phase, _SHORT_TICKS)
     found = winding_inductance(volt << 4, saturate(current_q4, 1, 0xFFFFF), commission.resistance)
     if found < 1 or found > _INDUCTANCE_MOST:
         return refuse(commission, FAULT_COMMISSION_WINDING, found)
@@ -283,16 +277,6 @@ def _alternate(loop: CurrentLoop, settings: JointSettings, commission: Commissio
     commission.inductance_q = found
     loop.alternate_q = 0
     return _tune(loop, settings, commission)
-
-
-@hot
-def _grow(loop: CurrentLoop, commission: Commission, volt: int) -> int:
-    """Alternate by ``volt`` on the axis whose turn it is, and look again; return the phase."""
-    if commission.phase == PHASE_ALTERNATE_D:
-        loop.alternate_d = volt
-    else:
-        loop.alternate_q = volt
-    return _count(loop, commission, commission.phase, _SHORT_TICKS)
 
 
 @hot

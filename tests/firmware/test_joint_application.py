@@ -271,6 +271,16 @@ def saved(journal, **changes):
     return joint
 
 
+def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_readings():
+    journal = Memory()
+    assert saved(journal, **{f"p{ID['bend_cos1']}": 800, f"p{ID['commissioned']}": 1}).parameters.save() == 1
+    again = Joint(SimBoard(), journal)
+    again.start()
+    again.control.board.rotor = 50
+    again.control.board.handler()
+    assert again.control.loop.rotor in (99, 100)  # 800 / 16 rc more
+
+
 def test_parameters_survive_a_power_cycle():
     journal = Memory()
     joint = saved(journal, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
