@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from itertools import pairwise
 from math import degrees
 
-from shared.gait.gaits import GAIT_NAMES
 from sim2d.model import least_inertia_kgm2
 
 from .actuators import Bldc, CanBus, Servo
 from .crawl_tuning import crawl_complaints
 from .drives import joint_drives
+from .gait_names import gait_names
 from .joint_units import Board
 from .model import JOINT_NAMES, LEG_NAMES, Robot
 from .poses import leg_to_rad
@@ -128,12 +128,12 @@ def gains_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
 
 
 def gaits_exist(robot: Robot) -> Iterator[Complaint]:
-    """The gaits named are in the core's registry, and none is both advised and not."""
+    """The gaits named are those that the robot knows, and none is both advised and not."""
     own = robot.gait
     for key, named in (("default", [own.default]), ("advised_m_s", own.advised_m_s), ("not_advised", own.not_advised)):
         for name in named:
-            if name not in GAIT_NAMES:
-                yield f"gait.{key}", name, "one of " + ", ".join(GAIT_NAMES)
+            if name not in gait_names(robot):
+                yield f"gait.{key}", name, "one of " + ", ".join(gait_names(robot))
     for name in own.advised_m_s:
         if name in own.not_advised:
             yield "gait.advised_m_s", name, "a gait that gait.not_advised does not name"

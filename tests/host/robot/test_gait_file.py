@@ -82,6 +82,19 @@ def test_the_robot_knows_it_begins_with_it_and_says_that_it_is_untried():
     assert gait_advice(robot)["pace"] == UNTRIED
 
 
+def test_a_robot_file_holds_one_likewise_and_advises_it(tmp_path):
+    """Its table stands at the end, after the other keys of its own."""
+    text = (ROOT / "host/robot/files/caramelo.toml").read_text()
+    table = "[[gait.own]]\n" + PACE.read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(text.replace('default = "trot"', 'default = "pace"') + "\n" + table)
+    robot = load_robot(str(path))
+    assert (robot.gait.default, robot.gait.own[0].cycle_s) == ("pace", 0.64)
+    path.write_text(path.read_text().replace("cycle_s = 0.64 ", "cycle_s = 0 "))
+    with pytest.raises(UserError, match="cycle_s: value 0: allowed: a number within"):
+        load_robot(str(path))
+
+
 def test_a_gait_that_the_robot_does_not_know_is_refused():
     arbiter = Arbiter(gait="trot", gaits=("trot", "pace"))
     arbiter.handle(SCRIPT, {"type": "take"}, 0.0)
