@@ -64,6 +64,7 @@ class HonestDrives:
         servo = robot.actuator if isinstance(robot.actuator, Servo) else None
         self._servo, self.battery = servo is not None, Battery(voltage_V, servo.supply_ohm if servo else 0.0)
         self._coupled, self._ratio = robot.calf_drive.coupled, [1.0, 1.0, robot.calf_drive.ratio] * 4
+        self._ratios = np.array(self._ratio)
         for dof in joints.play_v:
             joint, inverse = model.dof_jntid[dof], float(model.dof_invweight0[dof])
             model.jnt_solref[joint], model.jnt_solimp[joint] = compliant(
@@ -101,13 +102,13 @@ class HonestDrives:
     def torques_Nm(self) -> Array:
         """Return what the drives give at the joints, in the measure of the data sheet: its stall torque is the most."""
         share = self._figures.stall_Nm / self._figures.motor_stall_Nm
-        return np.array(self.given_Nm) * share / self._ratio
+        return np.array(self.given_Nm) * share / self._ratios
 
     def step(self) -> None:
         """Advance the model by a sub-step."""
         data, ratio = self._data, self._ratio
         rotor_rad_s = self._at_shafts(data.qvel, self._joints.v, self._joints.play_v)
-        told_Nm = self._tell(rotor_rad_s) if self._servo else (data.actuator_force * ratio).tolist()
+        told_Nm = self._tell(rotor_rad_s) if self._servo else (data.actuator_force * self._ratios).tolist()
         most_Nm = self._hold(rotor_rad_s, told_Nm)
         self._put(self._model.dof_frictionloss, self._model.tendon_frictionloss,
                   [most / turns for most, turns in zip(most_Nm, ratio, strict=True)])  # fmt: skip
@@ -119,7 +120,7 @@ class HonestDrives:
         turned = values[rotors]
         if self._coupled:
             turned[2::3] += turned[1::3] + values[plays[1::3]]
-        return (turned / self._ratio).tolist()  # type: ignore[no-any-return]
+        return (turned / self._ratios).tolist()  # type: ignore[no-any-return]
 
     def _tell(self, rotor_rad_s: list[float]) -> list[float]:
         """Give the servos' torque by their P law, in its steps of position and of duty; return it at the shafts."""
