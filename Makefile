@@ -15,7 +15,7 @@ PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
 JOBS ?= 2
 BIN := .venv/bin
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
@@ -33,7 +33,7 @@ $(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
 	$(BIN)/python .ci/requirements.py '$(EXTRAS)' > .venv/requirements.txt
 	$(PIP) --require-hashes --requirement .venv/requirements.txt
-	$(PIP) --no-deps --no-build-isolation --editable .
+	$(PIP) --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
 
 setup-pi:

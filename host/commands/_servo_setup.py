@@ -53,9 +53,7 @@ def setup(
     person: Person = AtTerminal(record)
     if answers is not None:
         person = FromFile(read_answers(answers), str(answers), not sim)
-    keep = default_path(data).with_name(f"{data.name}.servos.unfinished")
-    if sim:
-        keep = Path("out/servos") / keep.name
+    keep = (Path("out/servos") if sim else default_path(data).parent) / f"{data.name}.servos.unfinished"
     with redirect_stdout(sys.stderr) if as_json else nullcontext(), _servos(data, port, sim) as (link, plug):
         steps = Setup(data, link, person, ids, rate, keep if joint is None else None, plug)
         done = steps.run([JOINT_LABELS.index(label) for label in chosen])

@@ -59,7 +59,7 @@ def experiment(
     check_folder("--out", out)
     names, data = names_of(what), load_robot(robot).simulated(honest)
     chosen = gait or (GAIT if what == "goals" else data.gait.default)
-    gait_index(chosen)
+    gait_index(data, chosen)
     if which not in SETS:
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
     if only and what != "goals":

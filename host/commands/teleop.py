@@ -25,6 +25,7 @@ def register(app: typer.Typer) -> None:
 
 def teleop(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
     where: Annotated[str | None, typer.Option("--in", metavar="WORLD", help="With --sim: plane, or space.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
@@ -54,6 +55,7 @@ def teleop(
     caramelo teleop --sim --measure 30 --json
     """
     from ..robot.file import find, load_robot
+    from ..robot.gait_file import with_gait
     from ..teleop.session import Options, Session
     from ._hardware import hardware
 
@@ -64,7 +66,7 @@ def teleop(
         raise UserError("no terminal to take keys from: add --headless, with --web, --foxglove, --gamepad or --socket")
     if honest is not None and not sim:
         raise UserError(f"--{'honest' if honest else 'simple'}: only with --sim")
-    loaded = load_robot(robot).simulated(honest)
+    loaded = with_gait(load_robot(robot).simulated(honest), gait)
     which, space = _which(loaded.actuator.kind, sim, direct), _in_space(where, sim)
     parts = hardware(loaded, which, port, calibration, str(find(robot)), imu, space)
     options = Options(

@@ -30,7 +30,7 @@ def register(app: typer.Typer) -> None:
 
 def walk(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
     terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
@@ -59,18 +59,19 @@ def walk(
     """
     from ..robot.actuators import Bldc
     from ..robot.file import load_robot
+    from ..robot.gait_file import with_gait
     from ..sim.grounds import STONES, GroundSpec
     from ..sim.motor.walking import joint_motors, transport
     from ..sim.walk import WalkSpec, judged, run_walk, walk_result
     from ..util.files import check_folder
 
     check_folder("--out", out)
-    data = load_robot(robot).simulated(honest)
+    data = with_gait(load_robot(robot).simulated(honest), gait)
     if terrain in STONES and length is None:
         length = max(0.1, distance)
     spec = WalkSpec(
         robot=data,
-        gait=gait or data.gait.default,
+        gait=data.gait.default,
         speed_m_s=speed,
         ground=GroundSpec(terrain, height, angle, start, length, seed),
         distance_m=distance,

@@ -12,6 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .actuators import Bldc, CanBus, NoBus, PdJoint, Servo, ServoBus
+from .own_gait import GaitName, OwnGait
 from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole, yes_or_no
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
@@ -27,7 +28,6 @@ Vector = tuple[float, float, float]
 PositiveLength = Annotated[float, number(0.01, 1.0, "m")]
 Mass = Annotated[float, number(0.001, 100.0, "kg")]
 Position = Annotated[Vector, numbers(3, -1.0, 1.0, "m", "x, y, z")]
-GaitName = Annotated[str, text("[a-z][a-z0-9-]{0,30}", "a gait's name: lower-case letters, digits, hyphens")]
 Line = Annotated[str, text(LINE, "one line of 1 .. 200 printable characters")]
 Fraction = Annotated[float, number(0.0, 1.0)]
 
@@ -183,6 +183,7 @@ class Gait(Table):
     default: GaitName
     advised_m_s: dict[GaitName, Annotated[float, number(0.001, 3.0, "m/s")]] = Field(default_factory=dict)
     not_advised: dict[GaitName, Line] = Field(default_factory=dict)
+    own: tuple[OwnGait, ...] = ()
     sag_compensation: Annotated[float, number(0.0, 1.5)]
     lateral_shift: Annotated[float, number(0.0, 1.5)]
     fallen_deg: Annotated[float, number(10.0, 90.0, "deg")]

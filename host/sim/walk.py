@@ -62,7 +62,7 @@ class WalkSpec:
     built: Robot | None = None
 
     def __post_init__(self) -> None:
-        gait_index(self.gait)
+        gait_index(self.robot, self.gait)
         self._check("--speed", self.speed_m_s, 0.005, 1.0 if self.way == "ahead" else 5.0, "m/s")
         self._check("--distance", self.distance_m, 0.05, 20.0, "m")
         self._check("--payload", self.payload_kg, 0.0, 20.0, "kg")

@@ -9,10 +9,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from shared.gait.gaits import GAIT_NAMES
-
 from ..control.arbiter import Client
 from ..control.messages import Message
+from ..robot.gait_names import gait_names
 from ..robot.model import Robot
 
 Fastest = Callable[[], tuple[float, float, float]]
@@ -102,7 +101,8 @@ class Keys:
         if key in POSTURE_KEYS:
             return {"type": "posture", "posture": POSTURE_KEYS[key]}
         if key == "y":
-            self.gait = GAIT_NAMES[(GAIT_NAMES.index(self.gait) + 1) % len(GAIT_NAMES)]
+            names = gait_names(self.robot)
+            self.gait = names[(names.index(self.gait) + 1) % len(names)]
             return {"type": "gait", "gait": self.gait}
         if key == "b":
             self.balance = not self.balance

@@ -217,7 +217,7 @@ class Session:
             return False
         stage.choose(name)
         self.extra.ground = name
-        supervisor.odometry.restart()
+        supervisor.driver.restart_odometry()
         if self._attitude is not None:
             self._attitude.align()
         return True

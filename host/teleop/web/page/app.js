@@ -218,9 +218,9 @@ function speeds(shown) {
 function facts() {
   const shown = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1"); // no "-0"
   const degrees = (angle) => `${shown((angle * 180) / Math.PI, 1)}°`;
-  const [x, y, yaw] = status.odometry;
+  const [x, y, yaw] = status.odometry, [xx, , , , yy, , , , turned] = status.covariance.map((square) => 2 * Math.sqrt(Math.abs(square)));
   $("walked").textContent = `${shown(walked_m, 2)} m`;
-  $("place").textContent = `ahead ${shown(x, 2)} m, left ${shown(y, 2)} m, turned ${degrees(yaw)}`;
+  $("place").textContent = `ahead ${shown(x, 2)} m, left ${shown(y, 2)} m, turned ${degrees(yaw)} (± ${shown(Math.max(xx, yy), 2)} m, ${degrees(turned)})`;
   speeds(shown);
   $("roll").textContent = status.attitude_rad ? degrees(status.attitude_rad[0]) : "unknown";
   $("pitch").textContent = status.attitude_rad ? degrees(status.attitude_rad[1]) : "unknown";
