@@ -61,7 +61,8 @@ class Commission:
     sign: int = field("", "+-1: electrical direction in which the rotor is to turn")
     half_swings: int = field("", "half swings done")
     way: int = field("rc", "sum of all ways in the direction turned")
-    dead_sum: int = field("vu ticks", "voltage lost to dead time along the motion, Q4")
+    dead_sum_d: int = field("vu ticks", "voltage lost to dead time along the flux, with that sign, Q4")
+    dead_sum_q: int = field("vu ticks", "across it, likewise")
     flux: int = field("vu / (8 rate)", "found: JointSettings.bemf, Q16")
     current_change: int = field("cu", "sum of all changes of the current along the motion")
 

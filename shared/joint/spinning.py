@@ -1,9 +1,10 @@
 """Commissioning's third part: the rotor swings to and fro by itself, and its back-EMF gives the flux linkage.
 
-It turns a quarter of a turn to either side of where the field turned it from and to, the current falling to none at a
-quarter of the speed limit. Over whole swings, what the current loop had to give less R i, L di/dt and dead time is the
-flux linkage times the angle gone, whatever the load. What of it lies on the d axis says how far the offset is off,
-without friction or gravity in it.
+It turns a quarter of a turn to either side of the middle, the current across the flux falling to none at half of the
+speed limit. A current along the flux stays, so that dead time takes all it can of every phase, in a known direction.
+Over whole swings, what the current loop had to give less R i, L di/dt, w L i and dead time is the flux linkage times
+the angle gone, whatever the load. What of it lies on the d axis says how far the offset is off, without friction or
+gravity in it.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -12,7 +13,6 @@ from .bend import fill_bend
 from .commission_state import PHASE_SPIN, Commission, go_on, refuse
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
-from .feed import dead_time_voltage
 from .layout import CurrentLoop, JointSettings, JointState
 from .sine import TABLE_HALF_STEP
 from .winding import probe_begin, ratio
@@ -22,6 +22,7 @@ _FAR = const(12288)  # rc from the centre
 _HALVES = const(8)
 _ELECTRICAL_RATE = const(320000)  # rate of the rotor times pole pairs: 480 rad/s
 _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps from a reading until its voltage acts
+_RAD_Q19 = const(201)  # 4 2 pi / 65536: electrical rad for each rc and pole pair
 _STEPS = const(10)  # current steps in a tick
 _TICKS_MOST = const(4000)
 _BEMF_MOST = const(16383)  # of the parameter
@@ -33,13 +34,13 @@ def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
     fill_bend(loop, commission.bend[0], commission.bend[1], commission.bend[2], commission.bend[3])
     loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
     loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP
-    loop.reference_d = 0
-    loop.reference_q = 0
+    loop.reference_d = loop.reference_d >> 1
     commission.centre = commission.moved_forward >> 1
     commission.sign = -1  # the field turned on last
     commission.half_swings = 0
     commission.way = 0
-    commission.dead_sum = 0
+    commission.dead_sum_d = 0
+    commission.dead_sum_q = 0
     commission.current_change = 0
     probe_begin(loop, -1)
     return go_on(commission, PHASE_SPIN)
@@ -86,7 +87,9 @@ def _push(loop: CurrentLoop, settings: JointSettings, commission: Commission, ra
     slip = saturate(wanted - rate * sign, -wanted, wanted)
     current = (slip >> 4) * most // ((wanted >> 4) + 1) * sign
     commission.current_change += (current - loop.reference_q) * sign
-    commission.dead_sum += dead_time_voltage(current, commission.dead_q4, settings.dead_zone) * sign
+    lost = (commission.dead_q4 << 8) // (hypot(loop.reference_d, current) + 1) * sign
+    commission.dead_sum_d += lost * loop.reference_d >> 8
+    commission.dead_sum_q += lost * current >> 8
     loop.reference_q = current
     return current
 
@@ -98,11 +101,14 @@ def _find_flux(loop: CurrentLoop, commission: Commission) -> int:
     Sums of voltage stay below 2^28 in 4 s of 10 steps a tick, those of current below 2^27 (most of it cancels).
     """
     resistance = commission.resistance
+    turned = commission.way * commission.pole_pairs * _RAD_Q19 >> 19  # electrical rad
+    along = commission.inductance_d + resistance + (resistance >> 1)  # w L i_d, and R i_d 1.5 steps ahead
     loss = (loop.sum_current_q >> 14) * resistance >> 2
     loss += (commission.current_change >> 4) * (commission.inductance_q >> 6) >> 6
-    loss += (commission.dead_sum >> 4) * _STEPS
-    q = loop.sum_voltage_q - loss
-    d = loop.sum_voltage_d - ((loop.sum_current_d >> 14) * resistance >> 2)
+    ahead_q4 = commission.dead_q4 + (commission.dead_q4 >> 1)
+    loss += (((along >> 4) * loop.reference_d >> 8) + ahead_q4) * turned >> 4
+    q = loop.sum_voltage_q - loss - (commission.dead_sum_q >> 4) * _STEPS
+    d = loop.sum_voltage_d - ((loop.sum_current_d >> 14) * resistance >> 2) - (commission.dead_sum_d >> 4) * _STEPS
     commission.offset_found = (commission.offset_found + atan2_brad(0 - d, q)) & 0xFFFF
     commission.flux = ratio(hypot(d, q), commission.way, 8) * 4 // 5
     if q < 1 or commission.flux < 1 or commission.flux > _BEMF_MOST:

@@ -2,7 +2,7 @@
 
 import random
 from dataclasses import dataclass
-from math import degrees, pi, radians, sqrt, tau
+from math import degrees, pi, radians, sin, sqrt, tau
 
 from host.robot.actuators import Bldc
 from host.robot.file import load_robot
@@ -10,11 +10,13 @@ from host.robot.joint_faults import fault_sentence
 from host.robot.joint_units import JointSetup
 from host.sim.motor.bench import Bench
 from host.sim.motor.model import Load
+from shared.joint.bend import straightened
 from shared.joint.commission_state import COMMISSION_FULL
 from shared.wire import names as w
 
 PARALLEL = load_robot("parallel").actuator
 LONGEST_S = 60.0
+STAND_MS = 500  # until the rotor has found its place between the cogging's teeth
 
 
 def between(rng: random.Random, low: float, high: float) -> float:
@@ -90,10 +92,12 @@ def replaced(bldc: Bldc, motor: dict, gear: dict, drive: dict) -> Bldc:
 
 def commissioned(bench: Bench, kind: int = COMMISSION_FULL) -> str:
     """Commission until it is over; return the fault's sentence, "" if all went well."""
-    result = bench.request(w.COMMAND_COMMISSION, kind)
-    if result != w.RESULT_OK:
+    if not bench.motor.rotor_rad_s:
+        bench.run(STAND_MS)
+    began_s, result = bench.time_s, bench.request(w.COMMAND_COMMISSION, kind)
+    if result != w.RESULT_OK and not bench.state.fault_code:
         return f"refused with result {result}"
-    while bench.time_s < LONGEST_S + 0.1:
+    while bench.time_s < began_s + LONGEST_S + 0.1:
         bench.run(20)
         if bench.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
             break
@@ -122,16 +126,12 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "flux": emf_Vs / (m.psi_Vs * m.pole_pairs) - 1,
         "offset_elec_deg": degrees(mean),
         "eccentric_deg": max(abs(degrees(a - mean)) for a in away) / m.pole_pairs,
-        "seconds": bench.time_s,
+        "seconds": bench.time_s - STAND_MS / 1000,
     }  # fmt: skip
 
 
 def straight_rad(drawn: Drawn, bench: Bench, rotor_rad: float) -> float:
     """Return what the joint takes a rotor angle for."""
-    from math import sin
-
-    from shared.joint.bend import straightened
-
     read = rotor_rad + drawn.eccentric_rad * sin(rotor_rad - drawn.eccentric_at_rad)
     loop = bench.joint.control.loop
     return straightened(loop, int(read / tau * 16384) & 16383) / 16384 * tau
