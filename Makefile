@@ -1,9 +1,10 @@
 # Everything a fresh machine needs: python3 (3.11 or newer, with its venv module) and make.
 #   make setup      environment in .venv with the `caramelo` command (the other targets call it when needed)
-#   make demo       walks the robot over a 2 cm step in the simulator, results in out/demo
+#   make demo       walks the robot up stairs in the simulator, in space if that is installed; results in out/demo
 #   make test       linter, type checker and all tests; what is skipped is listed with what to install for it
 #   make check      linter, type checker and the tests of what has been changed, in about a minute
 #   make renew      writes all that is generated, and the budgets of costs and sizes, from the sources as they are
+#   make docs       builds the documentation site in out/site, and checks its links, commands, files and quotes
 #   make core       compiles the control core for this computer: ten times as fast (needs a C compiler)
 #   make setup-pi   what a Raspberry Pi runs, without simulator, firmware tools and tests
 #   make wheel      a wheel with the core compiled for this computer, in dist; without it: pip wheel --no-deps .
@@ -11,14 +12,14 @@
 #   make pi-wheels  checks that all a Pi runs is to be had as aarch64 wheels (needs the network)
 
 PYTHON ?= python3
-EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,test
+EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
 JOBS ?= 2
 BIN := .venv/bin
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
-.PHONY: setup setup-pi demo test check renew core wheel lock pi-wheels clean
+.PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
 .DELETE_ON_ERROR:
 
 setup: $(STAMP)
@@ -32,14 +33,16 @@ $(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
 	$(BIN)/python .ci/requirements.py '$(EXTRAS)' > .venv/requirements.txt
 	$(PIP) --require-hashes --requirement .venv/requirements.txt
-	$(PIP) --no-deps --no-build-isolation --editable .
+	$(PIP) --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
 
 setup-pi:
 	@$(MAKE) --no-print-directory setup EXTRAS=web,record,pi
 
-demo: setup
-	$(BIN)/caramelo walk --speed 0.15 --terrain step --height 0.02 --out out/demo
+demo:
+	@$(MAKE) --no-print-directory setup EXTRAS=sim,space,web
+	$(BIN)/caramelo walk --in $$($(BIN)/python -c 'import mujoco' 2>/dev/null && echo space || echo plane) --speed 0.15 \
+		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 
 # All three run even when one fails, so that one call shows everything; pytest's closing line comes last.
 test: setup
@@ -60,6 +63,10 @@ renew: setup
 	$(BIN)/python -m host.protocol.generate
 	$(BIN)/python -m host.boards.build.sizes
 	$(BIN)/caramelo bench --update-budget
+
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	$(BIN)/pytest tests/test_docs.py
 
 core:
 	@$(MAKE) --no-print-directory setup EXTRAS=$(EXTRAS),compile

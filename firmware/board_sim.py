@@ -81,7 +81,7 @@ class SimBoard:
         """Do what the chip does: sensors, a motion tick, the bridge, the watchdog; return the gate driver's fault."""
         c: Control = self._control
         self._sense(c.io)
-        wanted = take_motion(c.loop, c.settings, c.state, c.io, c.calibration, c.run, self.driver)
+        wanted = take_motion(c.loop, c.settings, c.state, c.io, c.commission, c.run, self.driver)
         if wanted == BRIDGE_ON:
             self._write_compares(c.loop)
             self.bridge = 1

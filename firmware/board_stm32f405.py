@@ -141,7 +141,7 @@ class Stm32F405Board:
         interrupt, which also gets ``more`` (chip_probe.py).
         """
         c = control
-        self.millisecond = bound(millisecond, self._chip, c.loop, c.settings, c.state, c.io, c.calibration, c.run)
+        self.millisecond = bound(millisecond, self._chip, c.loop, c.settings, c.state, c.io, c.commission, c.run)
         start_watchdog(self._chip)
         self._timer.callback(bound(step, self._chip, c.loop, c.run, *more))
         shift = 8 * (_TIM1_UP & 3)

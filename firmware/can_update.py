@@ -13,7 +13,6 @@ from array import array
 
 from shared.joint.layout import JointState
 from shared.runtime import const
-from shared.wire import names as w
 from shared.wire.codec import (
     UpdateAnswer,
     UpdateMissing,
@@ -23,6 +22,41 @@ from shared.wire.codec import (
     encode_update_missing,
 )
 from shared.wire.framing import BLOCK_HEADER, BLOCK_MASK, BLOCK_SLOT, update_filters
+from shared.wire.names import (
+    MODE_UPDATING,
+    STATE_NOT_READY,
+    UPDATE_ANSWER_ID,
+    UPDATE_ANSWER_LENGTH,
+    UPDATE_BEGIN,
+    UPDATE_BLOCK_ID,
+    UPDATE_CANCEL,
+    UPDATE_CONFIRM,
+    UPDATE_ERASE,
+    UPDATE_IS_CHECKED,
+    UPDATE_IS_ERASING,
+    UPDATE_IS_FAILED,
+    UPDATE_IS_LEAVING,
+    UPDATE_IS_REFUSED,
+    UPDATE_IS_RUNNING,
+    UPDATE_IS_TAKING,
+    UPDATE_IS_WAITING,
+    UPDATE_IS_WHOLE,
+    UPDATE_LOOK,
+    UPDATE_MISSING,
+    UPDATE_MISSING_ID,
+    UPDATE_MISSING_LENGTH,
+    UPDATE_REQUEST_ID,
+    UPDATE_SWITCH,
+    UPDATE_VERIFY,
+    UPDATE_WHY_ARMED,
+    UPDATE_WHY_FLASH,
+    UPDATE_WHY_NO_FLASH,
+    UPDATE_WHY_NO_MEMORY,
+    UPDATE_WHY_NONE,
+    UPDATE_WHY_OTHER_IMAGE,
+    UPDATE_WHY_OTHER_UPDATE,
+    UPDATE_WHY_WRONG_STATE,
+)
 
 from .flash_blocks import BLOCK_BYTES, Taking, begin_taking, next_missing, take_block
 from .flash_map import CONFIRMED, HEADER, parse_header, slot_at
@@ -57,8 +91,8 @@ class CanUpdate:
         self._joint = joint
         self._board = joint.board
         self._update = update
-        self.state = w.UPDATE_IS_RUNNING
-        self._reason = w.UPDATE_WHY_NONE
+        self.state = UPDATE_IS_RUNNING
+        self._reason = UPDATE_WHY_NONE
         self._key = 0
         self._bound = (0, 0)  # the protocol hash and the first 16 bits of the build that the host means
         self._request = UpdateRequest()
@@ -77,81 +111,81 @@ class CanUpdate:
         r = self._request
         if decode_update_request(frame, r):
             return
-        if r.command == w.UPDATE_LOOK:
+        if r.command == UPDATE_LOOK:
             if r.key == self._key:
                 self._heard_us = self._board.ticks_us()
             self._look(r.index)
-        elif r.command == w.UPDATE_CONFIRM or r.command == w.UPDATE_BEGIN:
-            self._tell(r.command, self._confirm() if r.command == w.UPDATE_CONFIRM else self._begin(), r.key)
-        elif self.state == w.UPDATE_IS_RUNNING:
-            self._tell(r.command, w.UPDATE_WHY_WRONG_STATE, r.key)
+        elif r.command == UPDATE_CONFIRM or r.command == UPDATE_BEGIN:
+            self._tell(r.command, self._confirm() if r.command == UPDATE_CONFIRM else self._begin(), r.key)
+        elif self.state == UPDATE_IS_RUNNING:
+            self._tell(r.command, UPDATE_WHY_WRONG_STATE, r.key)
         elif r.key != self._key:
-            self._tell(r.command, w.UPDATE_WHY_OTHER_UPDATE, r.key)
+            self._tell(r.command, UPDATE_WHY_OTHER_UPDATE, r.key)
         else:
             self._go_on(r)
 
     def _go_on(self, r: UpdateRequest):
         """Do a request that belongs to the update that is under way; a repeated one is only answered."""
         self._heard_us = self._board.ticks_us()
-        if r.command == w.UPDATE_ERASE and self.state == w.UPDATE_IS_CHECKED:
-            self.state = w.UPDATE_IS_ERASING
+        if r.command == UPDATE_ERASE and self.state == UPDATE_IS_CHECKED:
+            self.state = UPDATE_IS_ERASING
             self._told = 0
-        elif r.command == w.UPDATE_MISSING and self.state == w.UPDATE_IS_TAKING:
+        elif r.command == UPDATE_MISSING and self.state == UPDATE_IS_TAKING:
             self._tell_from = next_missing(self._taking, self._bitmap, r.low | r.high << 16)
             self._told = 0
             return
-        elif r.command == w.UPDATE_VERIFY and self.state == w.UPDATE_IS_TAKING and self._taking.left == 0:
+        elif r.command == UPDATE_VERIFY and self.state == UPDATE_IS_TAKING and self._taking.left == 0:
             self._do(self._verify)
-        elif r.command == w.UPDATE_SWITCH and self.state == w.UPDATE_IS_WHOLE:
+        elif r.command == UPDATE_SWITCH and self.state == UPDATE_IS_WHOLE:
             self._do(self._switch)
-        elif r.command == w.UPDATE_CANCEL:
+        elif r.command == UPDATE_CANCEL:
             self._leave()
         self._tell(r.command, self._reason, r.key)
 
     def _begin(self):
         """Leave the application, unless something speaks against it; return why not."""
         r = self._request
-        if self.state != w.UPDATE_IS_RUNNING:
-            return self._reason if r.key == self._key else w.UPDATE_WHY_OTHER_UPDATE
+        if self.state != UPDATE_IS_RUNNING:
+            return self._reason if r.key == self._key else UPDATE_WHY_OTHER_UPDATE
         if self._update is None:
-            return w.UPDATE_WHY_NO_FLASH
+            return UPDATE_WHY_NO_FLASH
         if self._joint.control.armed():
-            return w.UPDATE_WHY_ARMED
+            return UPDATE_WHY_ARMED
         self._key = r.key
         self._bound = (r.low, r.high)
         self._enter()
-        return w.UPDATE_WHY_NONE
+        return UPDATE_WHY_NONE
 
     def _enter(self):
         self._board.quiet()
         state: JointState = self._joint.control.state
-        state.drive_state = w.STATE_NOT_READY
-        state.mode = w.MODE_UPDATING
+        state.drive_state = STATE_NOT_READY
+        state.mode = MODE_UPDATING
         self._header = bytearray(HEADER_BLOCKS * BLOCK_BYTES)
         self._bitmap = bytearray((HEADER_BLOCKS + 7) // 8)
         self._left = HEADER_BLOCKS
         begin_taking(self._taking, 0, HEADER_BLOCKS * BLOCK_BYTES)
         pairs = array("H", [0] * 4)
         self._board.can_filters(pairs, update_filters(pairs, self._joint.parameters.node, self._update.other))
-        self.state = w.UPDATE_IS_WAITING
+        self.state = UPDATE_IS_WAITING
         self._heard_us = self._beat_us = self._board.ticks_us()
 
     def _confirm(self):
         """Let the running firmware stay, if it is the one that the host means; return why not."""
         r = self._request
-        if self.state != w.UPDATE_IS_RUNNING:
-            return w.UPDATE_WHY_WRONG_STATE
+        if self.state != UPDATE_IS_RUNNING:
+            return UPDATE_WHY_WRONG_STATE
         if self._update is None:
-            return w.UPDATE_WHY_NO_FLASH
+            return UPDATE_WHY_NO_FLASH
         if self._joint.control.armed():
-            return w.UPDATE_WHY_ARMED
+            return UPDATE_WHY_ARMED
         if r.low | r.high << 16 != self._joint.build:
-            return w.UPDATE_WHY_OTHER_IMAGE
+            return UPDATE_WHY_OTHER_IMAGE
         try:
             self._update.confirm()
         except UpdateError:
-            return w.UPDATE_WHY_FLASH
-        return w.UPDATE_WHY_NONE
+            return UPDATE_WHY_FLASH
+        return UPDATE_WHY_NONE
 
     def poll(self):
         """The main loop's body while an update is under way."""
@@ -161,7 +195,7 @@ class CanUpdate:
             if came < 0:
                 break
             self._take_frame(came)
-        if self.state == w.UPDATE_IS_ERASING:
+        if self.state == UPDATE_IS_ERASING:
             self._erase_next()
         if self._tell_from >= 0:
             self._tell_missing()
@@ -170,14 +204,14 @@ class CanUpdate:
     def _take_frame(self, came):
         identifier = came & 0x7FF
         other = self._update.other
-        if (identifier ^ (w.UPDATE_BLOCK_ID + BLOCK_SLOT * other)) & BLOCK_MASK:
-            if identifier == w.UPDATE_REQUEST_ID + self._joint.parameters.node:
+        if (identifier ^ (UPDATE_BLOCK_ID + BLOCK_SLOT * other)) & BLOCK_MASK:
+            if identifier == UPDATE_REQUEST_ID + self._joint.parameters.node:
                 self.take(self._frame)
         elif came & ~0x7FF == _LENGTH_8:
             if identifier & BLOCK_HEADER:
-                if self.state == w.UPDATE_IS_WAITING:
+                if self.state == UPDATE_IS_WAITING:
                     self._take_header()
-            elif self.state == w.UPDATE_IS_TAKING:
+            elif self.state == UPDATE_IS_TAKING:
                 self._heard_us = self._board.ticks_us()
                 flash = self._update.flash
                 take_block(flash.chip, flash.memory, self._taking, self._bitmap, self._frame, identifier)
@@ -203,11 +237,11 @@ class CanUpdate:
         try:
             step()
         except UpdateError as error:
-            self._fail(w.UPDATE_IS_REFUSED if self.state == w.UPDATE_IS_WAITING else w.UPDATE_IS_FAILED, error.reason)
+            self._fail(UPDATE_IS_REFUSED if self.state == UPDATE_IS_WAITING else UPDATE_IS_FAILED, error.reason)
         except MemoryError:
-            self._fail(w.UPDATE_IS_FAILED, w.UPDATE_WHY_NO_MEMORY)
+            self._fail(UPDATE_IS_FAILED, UPDATE_WHY_NO_MEMORY)
         except OSError:
-            self._fail(w.UPDATE_IS_FAILED, w.UPDATE_WHY_FLASH)
+            self._fail(UPDATE_IS_FAILED, UPDATE_WHY_FLASH)
 
     def _fail(self, state, reason):
         self.state = state
@@ -220,18 +254,18 @@ class CanUpdate:
         sectors = update.begin(data, self._joint.control.armed())
         header = parse_header(data)
         if header.protocol == 0 or (header.protocol, build_number(header) >> 8) != self._bound:
-            raise UpdateError("another image than the host told of", w.UPDATE_WHY_OTHER_IMAGE)
+            raise UpdateError("another image than the host told of", UPDATE_WHY_OTHER_IMAGE)
         self._header = data
         held = bytes(update.flash.view(slot_at(update.other), HEADER)) == data
         if held and update.is_whole(update.other, self._board.feed_watchdog):
             self._taking.left = 0
-            self.state = w.UPDATE_IS_WHOLE
+            self.state = UPDATE_IS_WHOLE
             return
         gc.collect()
         blocks = begin_taking(self._taking, update.place(), header.length)
         self._bitmap = bytearray((blocks + 7) // 8)
         self._erase = sectors
-        self.state = w.UPDATE_IS_CHECKED
+        self.state = UPDATE_IS_CHECKED
 
     def _erase_next(self):
         """Say which sector is to be erased, erase it in the next turn, and say when all are."""
@@ -240,19 +274,19 @@ class CanUpdate:
             a = self._answer
             a.low = self._erase[0]
             a.high = len(self._erase)
-            self._send(w.UPDATE_ERASE, w.UPDATE_WHY_NONE, self._key)
+            self._send(UPDATE_ERASE, UPDATE_WHY_NONE, self._key)
             return
         self._told = 0
         self._do(self._erase_one)
         self._heard_us = self._board.ticks_us()
-        if self.state != w.UPDATE_IS_ERASING:
-            self._tell(w.UPDATE_ERASE, self._reason, self._key)
+        if self.state != UPDATE_IS_ERASING:
+            self._tell(UPDATE_ERASE, self._reason, self._key)
 
     def _erase_one(self):
         self._update.erase(self._erase[0])
         self._erase = self._erase[1:]
         if not self._erase:
-            self.state = w.UPDATE_IS_TAKING
+            self.state = UPDATE_IS_TAKING
 
     def _tell_missing(self):
         """Send the next frame of missing blocks; behind the last one the answer."""
@@ -261,7 +295,7 @@ class CanUpdate:
         bitmap = self._bitmap
         at = self._tell_from
         if at >= taking.blocks or self._told >= TELL_MOST:
-            if self._tell(w.UPDATE_MISSING, self._reason, self._key):
+            if self._tell(UPDATE_MISSING, self._reason, self._key):
                 self._tell_from = -1
                 self._told = 0
             return
@@ -271,23 +305,23 @@ class CanUpdate:
         at = next_missing(taking, bitmap, at + 1)
         m.third = at if at < taking.blocks else m.second
         encode_update_missing(self._out, m)
-        if self._board.can_send(w.UPDATE_MISSING_ID + self._joint.parameters.node, self._out, w.UPDATE_MISSING_LENGTH):
+        if self._board.can_send(UPDATE_MISSING_ID + self._joint.parameters.node, self._out, UPDATE_MISSING_LENGTH):
             self._told += 1
             self._tell_from = next_missing(taking, bitmap, at + 1)
 
     def _verify(self):
         """Compare what the flash holds with the header, and write that: the slot is sound from then on."""
         if self._taking.wrong:
-            raise UpdateError("the flash reported an error", w.UPDATE_WHY_FLASH)
+            raise UpdateError("the flash reported an error", UPDATE_WHY_FLASH)
         self._update.finish(self._board.feed_watchdog)
-        self.state = w.UPDATE_IS_WHOLE
+        self.state = UPDATE_IS_WHOLE
 
     def _switch(self):
         self._update.activate()
         self._leave()
 
     def _leave(self):
-        self.state = w.UPDATE_IS_LEAVING
+        self.state = UPDATE_IS_LEAVING
         self._leave_us = self._board.ticks_us()
 
     def _look_at_clock(self):
@@ -295,7 +329,7 @@ class CanUpdate:
         if (now - self._beat_us) & _MASK >= _HEARTBEAT_US:
             self._beat_us = now
             self._joint.send_heartbeat()
-        leaves = self.state == w.UPDATE_IS_LEAVING and (now - self._leave_us) & _MASK >= _LEAVE_US
+        leaves = self.state == UPDATE_IS_LEAVING and (now - self._leave_us) & _MASK >= _LEAVE_US
         if leaves or (now - self._heard_us) & _MASK >= _SILENT_US:
             self._board.reset(False)
 
@@ -305,7 +339,7 @@ class CanUpdate:
         a.index = index & 0xFF
         update = self._update
         if update is None:
-            self._send(w.UPDATE_LOOK, w.UPDATE_WHY_NO_FLASH, self._request.key)
+            self._send(UPDATE_LOOK, UPDATE_WHY_NO_FLASH, self._request.key)
             return
         if index == LOOK_FLAGS:
             confirmed = update.wished() in (None, (update.running, CONFIRMED))
@@ -317,7 +351,7 @@ class CanUpdate:
             word = update.flash.view(slot_at(update.running) + 4 * (index & 0x7F), 4)
             a.low = word[0] | word[1] << 8
             a.high = word[2] | word[3] << 8
-        self._send(w.UPDATE_LOOK, self._reason, self._request.key)
+        self._send(UPDATE_LOOK, self._reason, self._request.key)
 
     def _tell(self, command, reason, key):
         """Answer a request with how many blocks are missing, and why it was refused; return 0 without a mailbox."""
@@ -334,4 +368,4 @@ class CanUpdate:
         a.state = self.state
         a.reason = reason
         encode_update_answer(self._out, a)
-        return self._joint.send(w.UPDATE_ANSWER_ID + self._joint.parameters.node, self._out, w.UPDATE_ANSWER_LENGTH)
+        return self._joint.send(UPDATE_ANSWER_ID + self._joint.parameters.node, self._out, UPDATE_ANSWER_LENGTH)

@@ -1,6 +1,6 @@
 """A joint's millisecond and its bus on the chip, each one hot function: what the main loop calls at its rates."""
 
-from shared.joint.calibration import Calibration
+from shared.joint.commission_state import Commission
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState
 from shared.runtime import const, hot, reg32
 from shared.wire.codec import Reply
@@ -24,7 +24,7 @@ def millisecond(
     settings: JointSettings,
     state: JointState,
     io: JointIo,
-    calibration: Calibration,
+    commission: Commission,
     run: BoardRun,
 ) -> int:
     """Read the sensors, do a motion tick, do to the bridge what it says, feed the watchdog while current steps happen.
@@ -35,7 +35,7 @@ def millisecond(
     if driver < 0:
         run.failed_part = PART_MOTION
         driver = 0
-    wanted = take_motion(loop, settings, state, io, calibration, run, driver)
+    wanted = take_motion(loop, settings, state, io, commission, run, driver)
     if run.failed_part or wanted == BRIDGE_OFF:
         run.bridge = 0
         outputs_off(chip)

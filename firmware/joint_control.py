@@ -4,7 +4,7 @@ Knows no register: ``board`` is firmware/board_stm32f405.py or firmware/board_si
 is switched off first and looked into afterwards. After ``start`` nothing here allocates.
 """
 
-from shared.joint.calibration import Calibration
+from shared.joint.commission_state import Commission
 from shared.joint.faults import FAULT_DRIVER_SETUP
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
@@ -31,7 +31,7 @@ class Control:
         self.curve = zeros(CURVE_SIZE)
         self.state = JointState()
         self.io = JointIo()
-        self.calibration = Calibration()
+        self.commission = Commission()
         self.run = BoardRun()
         self.run.late_after_us = board.STEP_US * _LATE_SHARE // 2
         self.run.last_us = -1

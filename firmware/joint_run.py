@@ -4,7 +4,8 @@ The board reads the sensors, calls ``take_step`` 10 000 times a second and
 ``take_motion`` 1 000 times, and does to the bridge what they return.
 """
 
-from shared.joint.calibration import Calibration
+from shared.joint.bend import straightened
+from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step, set_offsets
 from shared.joint.encoder import home_by_encoder
 from shared.joint.faults import (
@@ -18,6 +19,7 @@ from shared.joint.faults import (
 )
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.tick import motion_tick
+from shared.joint.winding import probe_step
 from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot
 
@@ -84,6 +86,8 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
     if rotor < 0:
         rotor = loop.rotor
         invalid = 1
+    else:
+        rotor = straightened(loop, rotor)
     masked = loop.masked
     loop.masked = masked | run.masked_before
     run.masked_before = masked
@@ -95,6 +99,8 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
         run.raw_sum[1] += loop.raw[1]
         run.raw_sum[2] += loop.raw[2]
         run.offset_steps -= 1
+    if loop.probing:
+        probe_step(loop)
     if code or run.steps_since_motion > _MOTION_LATE_STEPS:
         run.bridge = 0
         return BRIDGE_OFF
@@ -127,7 +133,7 @@ def take_motion(
     settings: JointSettings,
     state: JointState,
     io: JointIo,
-    calibration: Calibration,
+    commission: Commission,
     run: BoardRun,
     driver: int,
 ) -> int:
@@ -136,7 +142,7 @@ def take_motion(
     if driver:
         note_fault(run, io, FAULT_DRIVER, driver)
     stopped = _watch(run, io)
-    torque = motion_tick(loop, settings, state, io, calibration)
+    torque = motion_tick(loop, settings, state, io, commission)
     run.steps_since_motion = 0
     if torque == TORQUE_OFF or stopped or driver:
         run.bridge = 0

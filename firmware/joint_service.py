@@ -1,18 +1,18 @@
-"""Service requests to a joint: discover, set id, arm, disarm, clear, parameters, calibrate, home, reboot.
+"""Service requests to a joint: discover, set id, arm, disarm, clear, parameters, commission, home, reboot.
 
 A request repeated bit by bit is answered again and not done again. To all nodes only discover, set_id and
 reboot_to_loader are obeyed; the last two carry the board's number, and a board with another one stays silent.
-A request that arms, calibrates or homes carries the joint's challenge, which the host reads before: old frames played
+A request that arms, commissions or homes carries the joint's challenge, which the host reads before: old frames played
 again do none of it.
 """
 
 from array import array
 
-from shared.joint.calibration import CAL_FULL, CAL_VERIFY
 from shared.joint.cascade import position_from_wire
+from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at, home_by_encoder
-from shared.joint.tick import begin_calibration
+from shared.joint.tick import begin_commission
 from shared.runtime import const
 from shared.wire.access import is_stored, may_read, may_write
 from shared.wire.codec import ServiceRequest, ServiceResponse, decode_service_request, encode_service_response
@@ -20,8 +20,8 @@ from shared.wire.framing import NODES
 from shared.wire.identity import board_id, discover_delay_ms
 from shared.wire.names import (
     COMMAND_ARM,
-    COMMAND_CALIBRATE,
     COMMAND_CLEAR_FAULT,
+    COMMAND_COMMISSION,
     COMMAND_DISARM,
     COMMAND_DISCOVER,
     COMMAND_HOME,
@@ -33,13 +33,13 @@ from shared.wire.names import (
     COMMAND_SAVE_PARAMETERS,
     COMMAND_SET_ID,
     COMMAND_WRITE_PARAMETER,
-    MODE_CALIBRATING,
+    MODE_COMMISSIONING,
     MODE_HOMING,
     MODE_OFF,
     NOT_AVAILABLE,
     PROTOCOL_HASH,
     RESULT_NEEDS_DISARMED,
-    RESULT_NOT_CALIBRATED,
+    RESULT_NOT_COMMISSIONED,
     RESULT_NOT_HOMED,
     RESULT_OK,
     RESULT_OUT_OF_RANGE,
@@ -57,9 +57,13 @@ from shared.wire.parameters import (
     PARAMETER_FAULT_CODE,
     PARAMETER_FAULT_TICK,
     PARAMETER_FAULT_VALUE,
+    PARAMETER_FRICTION_LAG,
+    PARAMETER_INDUCTANCE_D,
+    PARAMETER_INDUCTANCE_Q,
     PARAMETER_LOST_SYNC,
     PARAMETER_OVERRUNS,
     PARAMETER_RESET_CAUSE,
+    PARAMETER_RESISTANCE,
     PARAMETER_SEND_FAILURES,
     PARAMETER_UNIQUE_ID_0,
     PARAMETER_UNIQUE_ID_3,
@@ -70,7 +74,7 @@ from shared.wire.receive import Link, start_session
 from .joint_control import Control
 from .joint_store import Parameters
 
-# Value of arm, calibrate and home: the challenge above 16 bits of their own
+# Value of arm, commission and home: the challenge above 16 bits of their own
 _CHALLENGE_SHIFT = const(16)
 _LOW_BITS = const(0xFFFF)
 _CHALLENGE_BITS = const(0x3FFF)
@@ -79,8 +83,8 @@ _CHALLENGE_BITS = const(0x3FFF)
 HOME_ENCODER = const(0)  # by the joint encoder
 HOME_POSE = const(1)  # the joint stands at value, brad
 HOME_STOP = const(2)  # look for the stop; needs a session as arming does
-# Index of a calibrate request: CAL_FULL, CAL_SMALL, CAL_VERIFY; with this bit value is the joint's angle now, brad
-CALIBRATE_AT_POSE = const(16)
+# Index of a commission request: COMMISSION_FULL, COMMISSION_VERIFY; with this bit value is the joint's angle now, brad
+COMMISSION_AT_POSE = const(16)
 
 SILENT = const(-1)  # no answer
 ANSWER = const(0)
@@ -173,7 +177,7 @@ class Service:
             return drive_clear(self._control.state)
         if command == COMMAND_QUICK_STOP:
             return drive_quick_stop(self._control.state)
-        if command == COMMAND_ARM or command == COMMAND_CALIBRATE or command == COMMAND_HOME:
+        if command == COMMAND_ARM or command == COMMAND_COMMISSION or command == COMMAND_HOME:
             return self._do_challenged(command, index, value)
         return self._do_disarmed(command, index, value)
 
@@ -186,8 +190,8 @@ class Service:
         low = value & _LOW_BITS
         if command == COMMAND_ARM:
             return self._arm(MODE_OFF, low)
-        if command == COMMAND_CALIBRATE:
-            return self._calibrate(index, low)
+        if command == COMMAND_COMMISSION:
+            return self._commission(index, low)
         return self._home(index, low)
 
     def _do_disarmed(self, command, index, value):
@@ -228,27 +232,27 @@ class Service:
             self._response.value = self._control.state.fault_code
         return result
 
-    def _calibrate(self, index, low):
-        """Start a calibration; the request needs a session, ``low`` is a pose and not the hash."""
-        kind = index & ~CALIBRATE_AT_POSE
-        if kind < CAL_FULL or kind > CAL_VERIFY:
+    def _commission(self, index, low):
+        """Start a commission; the request needs a session, ``low`` is a pose and not the hash."""
+        kind = index & ~COMMISSION_AT_POSE
+        if kind != COMMISSION_FULL and kind != COMMISSION_VERIFY:
             return RESULT_OUT_OF_RANGE
-        calibration = self._control.calibration
-        if begin_calibration(self._control.state, calibration, kind) == 0:
+        commission = self._control.commission
+        if begin_commission(self._control.state, commission, kind) == 0:
             return RESULT_WRONG_STATE
-        calibration.pose_given = 0
-        if index & CALIBRATE_AT_POSE:
+        commission.pose_given = 0
+        if index & COMMISSION_AT_POSE:
             pose = _signed(low)
             if pose == NOT_AVAILABLE:
                 return RESULT_OUT_OF_RANGE
-            calibration.pose_given = 1
-            calibration.pose = position_from_wire(pose, self._control.settings.gear_q8)
-        return self._arm(MODE_CALIBRATING, PROTOCOL_HASH)
+            commission.pose_given = 1
+            commission.pose = position_from_wire(pose, self._control.settings.gear_q8)
+        return self._arm(MODE_COMMISSIONING, PROTOCOL_HASH)
 
     def _home(self, index, low):
         c = self._control
-        if c.settings.calibrated == 0:
-            return RESULT_NOT_CALIBRATED
+        if c.settings.commissioned == 0:
+            return RESULT_NOT_COMMISSIONED
         if index == HOME_STOP:
             return self._arm(MODE_HOMING, low)
         if index == HOME_ENCODER:
@@ -312,6 +316,19 @@ class Service:
             return self._control.board.bus_off()
         if parameter == PARAMETER_OVERRUNS:
             return self._control.run.late_steps
+        return self._found(parameter)
+
+    def _found(self, parameter):
+        """Return what the last commissioning found and no stored parameter holds."""
+        commission = self._control.commission
+        if parameter == PARAMETER_RESISTANCE:
+            return commission.resistance
+        if parameter == PARAMETER_INDUCTANCE_D:
+            return commission.inductance_d
+        if parameter == PARAMETER_INDUCTANCE_Q:
+            return commission.inductance_q
+        if parameter == PARAMETER_FRICTION_LAG:
+            return commission.lag
         return 0
 
 

@@ -7,14 +7,16 @@ parameter's name, unit and scale, so that another firmware finds those that it k
 import binascii
 import struct
 
-from shared.joint.calibration import set_commutation
-from shared.joint.current import set_loop
+from shared.joint.bend import set_bend
+from shared.joint.commission import set_commutation
+from shared.joint.current import keep_gains, set_loop
 from shared.joint.thermal import CURVE_SIZE
 from shared.record import set_at, value_at
 from shared.runtime import const
 from shared.wire.access import is_stored
 from shared.wire.framing import NODES
 from shared.wire.parameters import (
+    PARAMETER_BEND_COS1,
     PARAMETER_CURRENT_KP,
     PARAMETER_DEFAULT,
     PARAMETER_HIGH,
@@ -51,6 +53,7 @@ class Parameters:
         if parameter == PARAMETER_NODE_ID:
             return self.node
         if parameter < PARAMETER_THERMISTOR_RAW:
+            keep_gains(self._control.loop, self._control.loop_settings)
             return value_at(self._control.loop_settings, parameter - PARAMETER_CURRENT_KP)
         if parameter < PARAMETER_THERMISTOR_RAW + CURVE_SIZE:
             return self._control.curve[parameter - PARAMETER_THERMISTOR_RAW]
@@ -68,6 +71,8 @@ class Parameters:
             control.curve[parameter - PARAMETER_THERMISTOR_RAW] = value
         else:
             set_at(control.settings, parameter - PARAMETER_POLE_PAIRS, value)
+            if parameter >= PARAMETER_BEND_COS1:
+                set_bend(control.loop, control.settings)
             if control.armed() == 0:
                 set_commutation(control.loop, control.settings)
 

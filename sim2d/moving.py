@@ -1,96 +1,143 @@
 """A recording as a moving picture: one SVG that loops by itself, in a page, a README or a browser, without a script.
 
-Seen from the right side; the picture follows the robot. Every body is a line of points, drawn again at each frame.
+Seen from the right, a little from behind and above, in parallel projection; the picture follows the robot. Every body
+is a line of points, drawn again at each frame. A walk in the plane is drawn as deep as the robot is wide.
 """
 
 import html
-from collections.abc import Sequence
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
-from .recording import Array, Recording
-from .terrain import Point
+from .recording import Array, Aside, Recording
 from .view import shown_rows, solid, turned
 
 PIXELS_PER_M = 900
-WIDTH_M, BELOW_M, ABOVE_M = 0.9, 0.05, 0.06  # of the picture; what it shows under the lowest foot, over the torso
-TORSO, NEAR_LEG, FAR_LEG, STONE = "#2f4a6d", "#d2691e", "#c8b7a6", "#b5a184"  # the left legs are behind
-_STYLE = "fill:none;stroke-linecap:round;stroke-linejoin:round"
+ACROSS, UP = -0.35, 0.35  # how far a point is drawn ahead and higher for each metre to the left
+WIDTH_M, BELOW_M, ABOVE_M = 0.9, 0.03, 0.06  # of the picture; under the ground's near edge, over the torso
+GROUND_M, LINES_M = 0.25, 0.1  # half the ground's width; lines on it, so that it is seen to go by
+TOP, SIDE, BACK = "#4a6a93", "#2f4a6d", "#243a56"  # of the torso
+NEAR_LEG, FAR_LEG = "#d2691e", "#b89b80"
+TREAD, RISER, EDGE, LINE, STONE, STONE_SIDE = "#e6ddcf", "#c4b59c", "#d1c4ae", "#c9bca6", "#b5a184", "#9d8768"
+FACES = ((BACK, ((0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1))),  # ends of length, width, height: what is seen of it
+         (SIDE, ((0, 0, 0), (1, 0, 0), (1, 0, 1), (0, 0, 1))),
+         (TOP, ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))))  # fmt: skip
+DIRECTIONS = np.array([(np.cos(angle), np.sin(angle)) for angle in np.arange(12) * np.pi / 6])
 
 
-def moving_svg(recording: Recording, title: str, torso_half_m: tuple[float, float]) -> str:
-    """Return the picture. ``torso_half_m``: half the torso's length and height; ``title``: read out and shown on it."""
-    rows = shown_rows(recording)
+def moving_svg(recording: Recording, title: str, torso_half_m: tuple[float, float, float]) -> str:
+    """Return the picture. ``torso_half_m``: half the torso's length, width, height; ``title``: read out and shown."""
+    rows, aside = shown_rows(recording), recording.aside or _flat(recording, torso_half_m[1])
     seconds = float(recording.time_s[rows[-1]] - recording.time_s[rows[0]])
-    x, floor = recording.torso_x_m[rows], float(recording.foot_xz_m[rows, :, 1].min()) - recording.foot_radius_m
-    bottom, top = floor - BELOW_M, float(recording.torso_z_m.max()) + torso_half_m[1] + ABOVE_M
-    width, height = round(WIDTH_M * PIXELS_PER_M), round((top - bottom) * PIXELS_PER_M)
-    shown = [_limb(recording, rows, leg, FAR_LEG, bottom, height, seconds) for leg in (1, 3)]
-    shown.append(_torso(recording, rows, torso_half_m, bottom, height, seconds))
-    shown += [_limb(recording, rows, leg, NEAR_LEG, bottom, height, seconds) for leg in (0, 2)]
-    ground = [_ground(line, bottom, height) for line in recording.terrain.polylines]
-    ground += [_stone(recording, rows, stone, bottom, height, seconds) for stone in range(len(recording.terrain.loose))]
-    away = ";".join(f"{WIDTH_M / 2 * PIXELS_PER_M - at * PIXELS_PER_M:.1f} 0" for at in x)
+    floor = float(recording.foot_xz_m[rows, :, 1].min()) - recording.foot_radius_m - UP * GROUND_M - BELOW_M
+    top = float(recording.torso_z_m.max()) + torso_half_m[2] + UP * torso_half_m[1] + ABOVE_M
+    width, height = round(WIDTH_M * PIXELS_PER_M), round((top - floor) * PIXELS_PER_M)
+    draw = _Draw(seconds, floor, height)
+    legs = [_leg(draw, recording, rows, aside, leg) for leg in (1, 3, 0, 2)]  # the far ones first
+    away = ";".join(f"{(WIDTH_M / 2 - at) * PIXELS_PER_M:.1f} 0" for at in recording.torso_x_m[rows])
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" role="img">',
         f"<title>{html.escape(title)}</title>",
         f'<rect width="{width}" height="{height}" fill="#f7f4ef"/>',
         "<g>",
-        f'<animateTransform attributeName="transform" type="translate" {_timing(seconds)} values="{away}"/>',
-        *ground, *shown, "</g>",
-        f'<text x="14" y="26" font-family="sans-serif" font-size="17" fill="#2f4a6d">{html.escape(title)}</text>',
+        f'<animateTransform attributeName="transform" type="translate" {draw.timing} values="{away}"/>',
+        '<g id="ground">', *_ground(draw, recording), '</g><g id="stones">', *_stones(draw, recording, rows), "</g>",
+        *legs[:2], '<g id="torso" stroke-linejoin="round" stroke-width="4">',
+        *_torso(draw, recording, rows, aside, torso_half_m), "</g>", *legs[2:], "</g>",
+        f'<text x="14" y="26" font-family="sans-serif" font-size="17" fill="{SIDE}">{html.escape(title)}</text>',
         "</svg>",
     ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
 
-def _timing(seconds: float) -> str:
-    return f'dur="{max(seconds, 0.01):.2f}s" repeatCount="indefinite"'  # nothing lasts no time at all
+def projected(points_m: Array) -> Array:
+    """Return (..., 2) of (..., 3): how far ahead and how high a point is drawn, m."""
+    return np.asarray(points_m[..., [0, 2]] + points_m[..., 1:2] * (ACROSS, UP))
 
 
-def _points(xz_m: Array, bottom: float, height: int) -> str:
-    """Points of n x 2 metres as SVG has them."""
-    return " ".join(f"{x * PIXELS_PER_M:.0f},{height - (z - bottom) * PIXELS_PER_M:.0f}" for x, z in xz_m)
+def _flat(recording: Recording, half_width_m: float) -> Aside:
+    """Return what a walk in the plane lacks: nothing moves aside, the legs are beside the torso."""
+    count, pitch = len(recording.time_s), recording.torso_pitch_rad
+    turn = np.zeros((count, 3, 3))
+    turn[:, 0, 0] = turn[:, 2, 2] = np.cos(pitch)
+    turn[:, 0, 2], turn[:, 2, 0], turn[:, 1, 1] = np.sin(pitch), -np.sin(pitch), 1.0
+    beside_m = half_width_m + recording.foot_radius_m
+    return Aside(np.zeros(count), turn, np.broadcast_to(np.array([-1, 1, -1, 1])[:, None] * beside_m, (count, 4, 3)))
 
 
-def _moving(kind: str, frames: list[str], seconds: float, look: str) -> str:
-    if len(set(frames)) == 1:
-        return f'<{kind} points="{frames[0]}" {look}/>'
-    values = ";".join(frames)
-    return (f'<{kind} points="{frames[0]}" {look}><animate attributeName="points" {_timing(seconds)} '
-            f'values="{values}"/></{kind}>')
+class _Draw:
+    """Writes shapes: metres of the picture's plane to pixels, and the points of each frame."""
+
+    def __init__(self, seconds: float, floor_m: float, height: int) -> None:
+        self.timing = f'dur="{max(seconds, 0.01):.2f}s" repeatCount="indefinite"'  # nothing lasts no time at all
+        self._floor_m, self._height = floor_m, height
+
+    def points(self, flat_m: Array) -> str:
+        """Points of n x 2 metres as SVG has them."""
+        pixels = ((x * PIXELS_PER_M, self._height - (z - self._floor_m) * PIXELS_PER_M) for x, z in flat_m)
+        return " ".join(f"{x:.0f},{z:.0f}" for x, z in pixels)
+
+    def still(self, points_m: Array, look: str, kind: str = "polygon") -> str:
+        """A shape of n x 3 metres."""
+        return f'<{kind} points="{self.points(projected(points_m))}" {look}/>'
+
+    def moving(self, kind: str, flat_m: Array, look: str) -> str:
+        """A shape of frames x n x 2 metres."""
+        frames = [self.points(frame) for frame in flat_m]
+        if len(set(frames)) == 1:
+            return f'<{kind} points="{frames[0]}" {look}/>'
+        return (f'<{kind} points="{frames[0]}" {look}><animate attributeName="points" {self.timing} '
+                f'values="{";".join(frames)}"/></{kind}>')
 
 
-def _limb(recording: Recording, rows: Array, leg: int, colour: str, bottom: float, height: int, seconds: float) -> str:
-    parts = (recording.hip_xz_m, recording.knee_xz_m, recording.foot_xz_m)
-    joints = np.stack([part[rows, leg] for part in parts], axis=1)
-    frames = [_points(frame, bottom, height) for frame in joints]
-    thick = 2 * recording.foot_radius_m * PIXELS_PER_M
-    return _moving("polyline", frames, seconds, f'style="{_STYLE};stroke:{colour};stroke-width:{thick:.0f}"')
+def _leg(draw: _Draw, recording: Recording, rows: Array, aside: Aside, leg: int) -> str:
+    parts = np.stack([recording.hip_xz_m, recording.knee_xz_m, recording.foot_xz_m], axis=2)[rows, leg]
+    points = np.stack([parts[..., 0], aside.leg_y_m[rows, leg], parts[..., 1]], axis=-1)
+    thick, colour = 2 * recording.foot_radius_m * PIXELS_PER_M, FAR_LEG if leg in (1, 3) else NEAR_LEG
+    return draw.moving("polyline", projected(points), f'style="fill:none;stroke-linecap:round;stroke-linejoin:round;'
+                       f'stroke:{colour};stroke-width:{thick:.0f}"')  # fmt: skip
 
 
-def _torso(recording: Recording, rows: Array, half_m: tuple[float, float], bottom: float, height: int,
-           seconds: float) -> str:
-    length, tall = half_m
-    corners = [(-length, -tall), (length, -tall), (length, tall), (-length, tall)]
-    places = np.stack([recording.torso_x_m, recording.torso_z_m], axis=1)[rows]
-    frames = _turned(corners, places, -recording.torso_pitch_rad[rows], bottom, height)  # pitch > 0 is nose down
-    return _moving("polygon", frames, seconds, f'fill="{TORSO}" stroke="{TORSO}" stroke-width="8" '
-                                               'stroke-linejoin="round"')
+def _torso(draw: _Draw, recording: Recording, rows: Array, aside: Aside,
+           half_m: tuple[float, float, float]) -> Iterator[str]:
+    place = np.stack([recording.torso_x_m, aside.torso_y_m, recording.torso_z_m], axis=1)[rows, None]
+    for colour, ends in FACES:
+        corners = (np.array(ends) * 2.0 - 1.0) * half_m
+        points = place + corners @ aside.turn[rows].transpose(0, 2, 1)
+        yield draw.moving("polygon", projected(points), f'fill="{colour}" stroke="{colour}"')
 
 
-def _stone(recording: Recording, rows: Array, stone: int, bottom: float, height: int, seconds: float) -> str:
-    corners = recording.terrain.loose[stone].corners_m
-    places, turns = recording.stone_xz_m[rows, stone], recording.stone_turn_rad[rows, stone]
-    return _moving("polygon", _turned(corners, places, turns, bottom, height), seconds, f'fill="{STONE}"')
+def _stones(draw: _Draw, recording: Recording, rows: Array) -> Iterator[str]:
+    """Stones of the plane, as long as the ground is wide: their outline, and their near end."""
+    for stone, loose in enumerate(recording.terrain.loose):
+        moves = zip(recording.stone_xz_m[rows, stone], recording.stone_turn_rad[rows, stone], strict=True)
+        ends = np.stack([turned(loose.corners_m, place, turn) for place, turn in moves])
+        depth = GROUND_M * np.array([ACROSS, UP])
+        near, both = ends - depth, np.concatenate([ends - depth, ends + depth], axis=1)
+        outline = np.take_along_axis(both, (both @ DIRECTIONS.T).argmax(axis=1)[..., None], axis=1)
+        yield draw.moving("polygon", outline, f'fill="{STONE}"')
+        yield draw.moving("polygon", near, f'fill="{STONE_SIDE}"')
 
 
-def _turned(corners: Sequence[Point], places: Array, turns_rad: Array, bottom: float, height: int) -> list[str]:
-    """Points of a body whose corners lie round its place, turned counter-clockwise, for each frame."""
-    moves = zip(places, turns_rad, strict=True)
-    return [_points(turned(corners, place, turn), bottom, height) for place, turn in moves]
+def _ground(draw: _Draw, recording: Recording) -> Iterator[str]:
+    """Treads and risers from far to near, lines on what is level, and the near side."""
+    ahead, behind = recording.torso_x_m.max() + WIDTH_M, recording.torso_x_m.min() - WIDTH_M
+    for line in recording.terrain.polylines:
+        for (x0, z0), (x1, z1) in reversed(list(pairwise(line))):
+            if x1 == x0 and z1 < z0:
+                continue  # faces away
+            look = f'fill="{RISER if x1 == x0 else TREAD}" stroke="{LINE}"'
+            yield draw.still(_strip((x0, z0), (x1, z1)), look)
+            first, last = max(x0, behind), min(x1, ahead)
+            for x in np.arange(np.ceil(first / LINES_M), np.floor(last / LINES_M) + 1) * LINES_M:
+                z = np.interp(x, (x0, x1), (z0, z1))
+                yield draw.still(_strip((x, z), (x, z))[1:3], f'stroke="{LINE}" fill="none"', "polyline")
+        side = np.array([(x, -GROUND_M, z) for x, z in solid(line)])
+        yield draw.still(side, f'fill="{EDGE}" stroke="{RISER}" stroke-width="2"')
 
 
-def _ground(line: list[Point], bottom: float, height: int) -> str:
-    points = _points(np.array(solid(line)), bottom, height)
-    return f'<polygon points="{points}" fill="#d9cfc0" stroke="#8d7c62" stroke-width="2"/>'
+def _strip(start: tuple[float, float], end: tuple[float, float]) -> Array:
+    """Corners of the ground between two of its points, x and z, as wide as it is drawn."""
+    (x0, z0), (x1, z1) = start, end
+    return np.array([(x0, -GROUND_M, z0), (x1, -GROUND_M, z1), (x1, GROUND_M, z1), (x0, GROUND_M, z0)])

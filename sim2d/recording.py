@@ -31,6 +31,15 @@ Setting = float | str
 
 
 @dataclass(frozen=True)
+class Aside:
+    """What a walk in space has beside what is seen from the right: y to the left, and how the torso is turned."""
+
+    torso_y_m: Array  # n
+    turn: Array  # n x 3 x 3, body axes to the world's
+    leg_y_m: Array  # n x 4 x 3: thigh joint, knee, foot
+
+
+@dataclass(frozen=True)
 class Recording:
     """A finished run. Shapes: n rows, 4 legs, 12 joints, 2 = (x, z); stones as in ``terrain.loose``.
 
@@ -62,6 +71,7 @@ class Recording:
     outcome: Outcome
     real_time_factor: float
     notes: tuple[Note, ...] = ()
+    aside: Aside | None = None
 
     def digest(self) -> str:
         """SHA-256 of every array's bytes: equal for equal runs on the same machine."""

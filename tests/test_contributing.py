@@ -1,4 +1,4 @@
-"""The recipes of CONTRIBUTING.md do what they say, as they stand there. That of a gait: tests/host/test_new_gait.py."""
+"""The recipes of CONTRIBUTING.md do what they say, as they stand there."""
 
 import os
 import re
@@ -24,20 +24,32 @@ def recipe(title):
     return TEXT.partition(f"## {title}\n")[2].partition("\n## ")[0]
 
 
-def test_a_robot(tmp_path):
-    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-    (tmp_path / "host/robot/files").mkdir(parents=True)
-    shutil.copy(ROOT / "host/robot/files/caramelo.toml", tmp_path / "host/robot/files")
+def typed(tmp_path, title, count):
+    """Run the commands under a heading in a folder; return what they print, which is that the robot has arrived."""
     (tmp_path / "caramelo").write_text(f"#!/bin/sh\nexec {sys.executable} -m host.cli \"$@\"\n")
     (tmp_path / "caramelo").chmod(0o755)
-    lines = re.findall(r"(?m)^    (.*)$", recipe("Add a robot"))
-    assert len(lines) == 4
+    lines = re.findall(r"(?m)^    (.*)$", recipe(title))
+    assert len(lines) == count
     around = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "PYTHONPATH": str(ROOT)}
     command = ["sh", "-e", "-c", "\n".join(lines)]
     done = subprocess.run(command, cwd=tmp_path, env=around, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
-    assert re.search(r"robot +mine", done.stdout)
     assert "ok: arrived" in done.stdout
+    return done.stdout
+
+
+def test_a_gait(tmp_path):
+    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+    (tmp_path / "examples").mkdir()
+    shutil.copy(ROOT / "examples/pace.toml", tmp_path / "examples")
+    assert re.search(r"gait +mine", typed(tmp_path, "Add a gait", 3))
+
+
+def test_a_robot(tmp_path):
+    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+    (tmp_path / "host/robot/files").mkdir(parents=True)
+    shutil.copy(ROOT / "host/robot/files/caramelo.toml", tmp_path / "host/robot/files")
+    assert re.search(r"robot +mine", typed(tmp_path, "Add a robot", 4))
 
 
 def test_a_bus():

@@ -52,7 +52,8 @@ def picked():
 
 
 @pytest.mark.parametrize(
-    "extras", ["", "web,record,pi", "sim,space,lab,web,record,foxglove,firmware,test", "compile", "emulator", "lock"]
+    "extras",
+    ["", "web,record,pi", "sim,space,lab,web,record,foxglove,firmware,docs,test", "compile", "emulator", "lock"],
 )
 def test_what_is_installed_has_all_that_it_needs_and_comes_with_hashes(picked, extras):
     extras = extras.split(",") if extras else []
@@ -161,9 +162,15 @@ def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
     assert (f"make test: failed: {fails}" in done.stderr) == (fails is not None)
 
 
-def test_make_demo_walks_over_a_step(tmp_path):
-    done = make("--dry-run", "demo", *fake_tools(tmp_path))
-    assert done.stdout == f"{tmp_path}/caramelo walk --speed 0.15 --terrain step --height 0.02 --out out/demo\n"
+@pytest.mark.parametrize(("has_mujoco", "world"), [(True, "space"), (False, "plane")])
+def test_make_demo_walks_up_stairs_where_it_can(tmp_path, has_mujoco, world):
+    tools = fake_tools(tmp_path, caramelo=0, python=0)
+    (tmp_path / "caramelo").write_text('#!/bin/sh\necho "$@"\n')
+    (tmp_path / "python").write_text(f"#!/bin/sh\nexit {0 if has_mujoco else 1}\n")
+    done = make("demo", *tools)
+    shown = done.stdout.splitlines()[-1]
+    assert shown.startswith(f"walk --in {world} --speed 0.15 --terrain stairs-up")
+    assert shown.endswith("--out out/demo")
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from ..util.console import screen, tell_written, write_error, write_json
 from ..util.errors import UserError
 from . import CHECKS
 from ._workers import ClusterAt, Jobs
+from ._world import Honest
 
 if TYPE_CHECKING:
     from ..lab.experiments.case import Table as Rows
@@ -34,6 +35,7 @@ def experiment(
     only: Annotated[str, typer.Option(metavar="GROUPS", help="Of goals: these groups only, with commas between.")] = "",
     which: Annotated[str, typer.Option("--set", metavar="SET", help=SET_HELP)] = "chosen",
     three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
+    honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write report.html, PNG and JSON files here.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> None:
@@ -55,9 +57,9 @@ def experiment(
     from ..util.progress import cases
 
     check_folder("--out", out)
-    names, data = names_of(what), load_robot(robot)
+    names, data = names_of(what), load_robot(robot).simulated(honest)
     chosen = gait or (GAIT if what == "goals" else data.gait.default)
-    gait_index(chosen)
+    gait_index(data, chosen)
     if which not in SETS:
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
     if only and what != "goals":

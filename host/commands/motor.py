@@ -27,7 +27,7 @@ def register(app: typer.Typer) -> None:
 @motor_app.command("sim")
 def sim(
     scenario: Annotated[
-        str | None, typer.Option(help="step, sine, glitches, stall, current, closed-loop, calibrate, or fault-NAME.")
+        str | None, typer.Option(help="step, sine, glitches, stall, current, closed-loop, commission, or fault-NAME.")
     ] = None,
     robot: RobotOption = "parallel",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,

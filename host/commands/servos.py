@@ -1,4 +1,4 @@
-"""`caramelo servos`: finds, looks at, numbers and switches the robot's servos."""
+"""`caramelo servos`: sets up, finds, looks at and switches the robot's servos."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -12,6 +12,7 @@ import typer
 from ..util.console import make_table, print_table, progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import HARDWARE
+from ._servo_setup import setup
 
 if TYPE_CHECKING:
     from ..bus.base import Measured
@@ -31,8 +32,9 @@ Servo = Annotated[int, typer.Argument(metavar="ID", min=0, max=252, help="The se
 
 def register(app: typer.Typer) -> None:
     """Add the group to the command."""
-    group = typer.Typer(help="Find, look at, number and switch the servos.", no_args_is_help=True)
+    group = typer.Typer(help="Set up, find, look at and switch the servos.", no_args_is_help=True)
     for name, command in (
+        ("setup", setup),
         ("scan", scan),
         ("status", status),
         ("monitor", monitor),

@@ -11,6 +11,7 @@ import typer
 from ..util.console import say, screen, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
+from ._world import Honest
 
 # What is still running so long after the joints have been let go hangs on a disk, a pipe or a terminal: the system ends
 # the program then.
@@ -24,6 +25,7 @@ def register(app: typer.Typer) -> None:
 
 def teleop(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
     where: Annotated[str | None, typer.Option("--in", metavar="WORLD", help="With --sim: plane, or space.")] = None,
     web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
@@ -38,6 +40,7 @@ def teleop(
     imu: Annotated[str | None, typer.Option(metavar="WHERE", help="i2c, a gait board's port, or a recording.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
     headless: Annotated[bool, typer.Option("--headless", help="No keyboard and no screen, as a service.")] = False,
+    honest: Honest = None,
     direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
     measure: Annotated[float | None, typer.Option(metavar="S", help="Drive by itself, print the figures.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Headless; print one JSON object at the end.")] = False,
@@ -52,6 +55,7 @@ def teleop(
     caramelo teleop --sim --measure 30 --json
     """
     from ..robot.file import find, load_robot
+    from ..robot.gait_file import with_gait
     from ..teleop.session import Options, Session
     from ._hardware import hardware
 
@@ -60,7 +64,9 @@ def teleop(
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UserError("no terminal to take keys from: add --headless, with --web, --foxglove, --gamepad or --socket")
-    loaded = load_robot(robot)
+    if honest is not None and not sim:
+        raise UserError(f"--{'honest' if honest else 'simple'}: only with --sim")
+    loaded = with_gait(load_robot(robot).simulated(honest), gait)
     which, space = _which(loaded.actuator.kind, sim, direct), _in_space(where, sim)
     parts = hardware(loaded, which, port, calibration, str(find(robot)), imu, space)
     options = Options(

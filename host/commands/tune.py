@@ -57,7 +57,7 @@ def tune(
             raise UserError(f"{flag} {value}: allowed {', '.join(allowed)}")
     file = RobotFile(robot)
     wanted = Wanted(file, goal, gait or file.robot.gait.default, WORLDS[where], trials)
-    gait_index(wanted.gait)
+    gait_index(file.robot, wanted.gait)
     copy = out or Path(f"{file.path.stem}-{goal}.toml")
     kept = store or copy.with_suffix(".trials.jsonl")
     check_folder("--out", copy.parent)

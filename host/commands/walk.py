@@ -8,6 +8,7 @@ import typer
 from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from . import WALK
+from ._world import Honest
 
 if TYPE_CHECKING:
     from sim2d.recording import Recording
@@ -29,7 +30,7 @@ def register(app: typer.Typer) -> None:
 
 def walk(
     robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
     terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
@@ -44,6 +45,7 @@ def walk(
     bus_delay: Annotated[float, typer.Option(metavar="S", help="How late goals reach the joints, s.")] = 0.02,
     balance: Annotated[bool, typer.Option(help="Keep the body level by the measured attitude.")] = True,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
+    honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Write {', '.join(FILES)} here.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
 ) -> int:
@@ -57,18 +59,19 @@ def walk(
     """
     from ..robot.actuators import Bldc
     from ..robot.file import load_robot
+    from ..robot.gait_file import with_gait
     from ..sim.grounds import STONES, GroundSpec
     from ..sim.motor.walking import joint_motors, transport
     from ..sim.walk import WalkSpec, judged, run_walk, walk_result
     from ..util.files import check_folder
 
     check_folder("--out", out)
-    data = load_robot(robot)
+    data = with_gait(load_robot(robot).simulated(honest), gait)
     if terrain in STONES and length is None:
         length = max(0.1, distance)
     spec = WalkSpec(
         robot=data,
-        gait=gait or data.gait.default,
+        gait=data.gait.default,
         speed_m_s=speed,
         ground=GroundSpec(terrain, height, angle, start, length, seed),
         distance_m=distance,
@@ -112,10 +115,9 @@ def write_results(out: Path, spec: "WalkSpec", recording: "Recording", result: d
 
     title = f"{spec.robot.name}: {spec.gait} over {spec.ground.name}"
     page, moving, picture, figures = (out / name for name in FILES)
-    size_m = spec.robot.links.trunk.size_m
-    half_m = size_m[0] / 2, size_m[2] / 2
-    write_text(page, animation_html(recording, title, result["reason"], facts(result), half_m))
-    write_text(moving, moving_svg(recording, f"{title}: {result['reason']}", half_m))
+    length_m, width_m, height_m = (size_m / 2 for size_m in spec.robot.links.trunk.size_m)
+    write_text(page, animation_html(recording, title, result["reason"], facts(result), (length_m, height_m)))
+    write_text(moving, moving_svg(recording, f"{title}: {result['reason']}", (length_m, width_m, height_m)))
     with atomic_path(picture) as draft:
         path_png(recording, f"{title}: {result['reason']}", draft)
     write_text(figures, json.dumps(result, indent=1) + "\n")

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass, field, replace
 
+from shared.gait.gaits import GAIT_NAMES
+
 from .messages import Drive, Message
 
 DEAD_MAN_S = 0.300
@@ -49,6 +51,7 @@ class Arbiter:
     """Takes checked messages of all clients and holds what is to be done now. Times are monotonic seconds."""
 
     gait: str
+    gaits: tuple[str, ...] = GAIT_NAMES
     posture: str = "rest"
     balance: bool = True
     driver: Client | None = None
@@ -78,9 +81,16 @@ class Arbiter:
         elif kind == "posture":
             return self._set_posture(client, message["posture"])
         elif kind == "gait":
-            self.gait = message["gait"]
+            return self._set_gait(message["gait"])
         elif kind == "balance":
             self.balance = message["on"]
+        return True
+
+    def _set_gait(self, gait: str) -> bool:
+        if gait not in self.gaits:
+            self.obeyed -= 1
+            return self._refuse(f"no such gait; there are {', '.join(self.gaits)}")
+        self.gait = gait
         return True
 
     def drop(self, client: Client) -> None:

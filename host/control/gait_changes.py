@@ -9,12 +9,12 @@ from typing import Any
 
 from shared.crawl import state as crawl
 from shared.crawl.even import LEGS_EVEN
-from shared.gait.gaits import GAIT_NAMES
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
 from sim2d.notes import Note
 
+from ..robot.gait_names import gait_names
 from ..robot.model import LEG_NAMES
 from .planner import Driver
 
@@ -28,7 +28,7 @@ def gait_now(driver: Driver) -> str:
     status = driver.planner.status
     if status.backs:
         return BACKING_OFF
-    return {MOVER_TROT: "trot", MOVER_CRAWL: CRAWL}.get(status.mover, GAIT_NAMES[status.gait])
+    return {MOVER_TROT: "trot", MOVER_CRAWL: CRAWL}.get(status.mover, gait_names(driver.robot)[status.gait])
 
 
 def exchange_phase(driver: Driver) -> str:

@@ -9,8 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from shared.gait.gaits import GAIT_NAMES
-
 LONGEST = 512
 POSTURES = ("stand", "sit", "rest")
 # Far more than any robot takes: the planner limits to the robot's own. Only nonsense is refused here.
@@ -18,6 +16,7 @@ LARGEST_SPEED = 10.0
 LARGEST_POSE = 2.0
 LATEST_MS = 1e14
 LONGEST_NAME = 30
+LARGEST_STEP_DEG, LONGEST_STEP_S = 20.0, 5.0
 
 Message = dict[str, Any]
 
@@ -66,10 +65,11 @@ def _is_pose(value: Any) -> bool:
 _SPEED = _is_number(LARGEST_SPEED)
 _TIME = _is_number(LATEST_MS)
 # Type of message -> key -> check.
-KEYS: dict[str, dict[str, Callable[[Any], bool]]] = {
+Keys = dict[str, dict[str, Callable[[Any], bool]]]
+KEYS: Keys = {
     "drive": {"vx_m_s": _SPEED, "vy_m_s": _SPEED, "wz_rad_s": _SPEED, "pose": _is_pose},
     "posture": {"posture": lambda value: value in POSTURES and isinstance(value, str)},
-    "gait": {"gait": lambda value: isinstance(value, str) and value in GAIT_NAMES},
+    "gait": {"gait": lambda value: isinstance(value, str) and len(value) <= LONGEST_NAME},
     "balance": {"on": lambda value: isinstance(value, bool)},
     "ground": {"ground": lambda value: isinstance(value, str) and len(value) <= LONGEST_NAME},
     "take": {},
@@ -78,11 +78,32 @@ KEYS: dict[str, dict[str, Callable[[Any], bool]]] = {
     "reset": {},
     "ping": {"t_ms": _TIME},
 }
+
+
+def _is_node(value: Any) -> bool:
+    return type(value) is int and 1 <= value <= 12
+
+
+# Of the joints' page (host/teleop/joint_page.py); a step is one of the motor's angle.
+JOINT_KEYS: Keys = {
+    "joint": {"node": _is_node},
+    "parameter": {
+        "node": _is_node,
+        "name": lambda value: isinstance(value, str) and len(value) <= LONGEST_NAME,
+        "value": _is_number(2.0**30),
+    },
+    "keep": {"node": _is_node},
+    "arm": {"on": lambda value: isinstance(value, bool)},
+    "step": {"node": _is_node, "deg": _is_number(LARGEST_STEP_DEG), "seconds": _is_number(LONGEST_STEP_S)},
+    "clear": {},
+    "stop": {},
+    "ping": {"t_ms": _TIME},
+}
 # May be there: when it happened, by the sender's clock.
 OPTIONAL = {"drive": {"t_ms": _TIME}, "stop": {"t_ms": _TIME}}
 
 
-def parse(text: str | bytes) -> Message:
+def parse(text: str | bytes, all_keys: Keys = KEYS) -> Message:
     """Return a checked message, or raise BadMessage."""
     if len(text) > LONGEST:
         raise BadMessage(f"{len(text)} bytes, at most {LONGEST}")
@@ -90,15 +111,15 @@ def parse(text: str | bytes) -> Message:
         value = json.loads(text, parse_constant=_no_constant)
     except (ValueError, RecursionError):
         raise BadMessage("no JSON") from None
-    return check(value)
+    return check(value, all_keys)
 
 
-def check(value: Any) -> Message:
+def check(value: Any, all_keys: Keys = KEYS) -> Message:
     """Return ``value`` if it is a message, or raise BadMessage."""
     kind = value.get("type") if isinstance(value, dict) else None
-    if not isinstance(kind, str) or kind not in KEYS:
-        raise BadMessage(f"no object with a type of {', '.join(KEYS)}")
-    keys = KEYS[kind]
+    if not isinstance(kind, str) or kind not in all_keys:
+        raise BadMessage(f"no object with a type of {', '.join(all_keys)}")
+    keys = all_keys[kind]
     allowed = {**keys, **OPTIONAL.get(kind, {})}
     for key in value.keys() - {"type"}:
         if key not in allowed:

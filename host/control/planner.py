@@ -13,12 +13,14 @@ from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
 from shared.planner.status import STATE_NAMES
 from shared.record import pack
+from shared.sense.odometry import odometry_restart
 from shared.sense.sensed import Sensed
 
 from ..robot.gait_names import gait_index
 from ..robot.model import Robot
 from ..robot.scale import brad, core_params, joints_rad, scale_of
 from ..robot.trot_tuning import limit
+from .odometry import Odometry, read_odometry
 
 MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
 
@@ -45,7 +47,7 @@ class Driver:
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
-        self.planner = Planner(core_params(robot, rate_hz, planar))
+        self.planner = Planner(core_params(robot, rate_hz, planar), tuple(own.entry for own in robot.gait.own))
         self.command = Command(gait=robot.gait.default)
         self._command = core.Command()
         self._sensed = Sensed()
@@ -66,12 +68,21 @@ class Driver:
         """The planner's state in a word."""
         return STATE_NAMES[self.planner.status.state]
 
+    @property
+    def odometry(self) -> Odometry:
+        """Where the robot has walked to since it was begun or put down."""
+        return read_odometry(self.planner.params, self.planner.odometry)
+
+    def restart_odometry(self) -> None:
+        """The robot has been put down elsewhere: all counts from there."""
+        odometry_restart(self.planner.odometry)
+
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return the fastest command ahead that a gait walks, m/s, and what makes it so: a key, or what legs can't.
 
         The crawl takes its own time; the figure is that of the trot it gives way to.
         """
-        walked = self.planner.gaits[gait_index(gait)]
+        walked = self.planner.gaits[gait_index(self.robot, gait)]
         most, key = walked.speed_max[0], "speed_limits.stride_m"
         if walked.mover != MOVER_TABLE:
             key = limit(self.robot)
@@ -81,7 +92,7 @@ class Driver:
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
         """Return the fastest commands that a gait walks: ahead and aside, m/s, and turning, rad/s."""
-        ahead, aside, turning = self.planner.gaits[gait_index(gait)].speed_max
+        ahead, aside, turning = self.planner.gaits[gait_index(self.robot, gait)].speed_max
         scale = self.scale
         return scale.metres_per_second(ahead), scale.metres_per_second(aside), scale.rad_per_second(turning)
 
@@ -118,7 +129,7 @@ class Driver:
     def _fill_command(self) -> None:
         wish, scale, block = self.command, self.scale, self._command
         block.mode = MODES[wish.mode]
-        block.gait = gait_index(wish.gait)
+        block.gait = gait_index(self.robot, wish.gait)
         block.speed[0] = scale.lf_per_tick(wish.vx_m_s)
         block.speed[1] = scale.lf_per_tick(wish.vy_m_s)
         block.speed[2] = scale.yaw18_per_tick(wish.wz_rad_s)

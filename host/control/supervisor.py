@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ..bus.base import Bus, Measured
+from ..robot.gait_names import gait_names
 from ..robot.kinematics_si import leg_forward
 from ..robot.model import LEG_NAMES, Robot
 from ..util.errors import UserError
@@ -17,7 +18,6 @@ from .gait_changes import GaitWatch, crawl_event, exchange_phase
 from .joint_stream import JointStream
 from .messages import Drive
 from .notices import Notices
-from .odometry import LegOdometry
 from .planner import Driver
 from .safety import Fault, Safety, torque_limit
 
@@ -60,14 +60,13 @@ class Supervisor:
         planar: bool = False,
     ) -> None:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
-        self._read_rates, self._planar = rates, planar
+        self._read_rates = rates
         self.driver = Driver(robot, rate_hz, planar)
-        self.arbiter = Arbiter(gait=robot.gait.default)
+        self.arbiter = Arbiter(gait=robot.gait.default, gaits=gait_names(robot))
         self.safety = Safety(robot)
         self.stream = JointStream(robot, self.driver.rate_hz)
         self.measured = Measured()
         self.attitude: Attitude = None
-        self.odometry = LegOdometry(robot, self.driver.rate_hz)
         self.goals: list[float] = []
         self.armed = self.leaving = False
         self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
@@ -94,7 +93,6 @@ class Supervisor:
         self._feel()
         self.goals = self.stream.goals(self.driver.step(), now_s)
         self._watch_gait()
-        self._follow()
         self._notices.look(self.driver.flags, self.armed)
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
             self._disarm()
@@ -111,18 +109,6 @@ class Supervisor:
         joints = self.measured.position_rad if self.measured.complete else None
         roll_rad, pitch_rad = self.attitude or (None, None)
         self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
-
-    def _follow(self) -> None:
-        """Follow the body's way while it stands or walks on its legs, and nobody else moves them."""
-        state = self.driver.state
-        stands = self.armed and state in ("standing", "walking") and not self.stream.active
-        if not (stands and self.measured.complete):
-            self.odometry.lost()
-            return
-        rates = self._read_rates()
-        swinging = self.driver.planner.status.swinging if state == "walking" else 0
-        turn_rad_s = None if rates is None or self._planar else rates[2]  # in the plane legs alone know of a turn
-        self.odometry.update(self.measured.position_rad, swinging, self.attitude, turn_rad_s)
 
     def _watch_gait(self) -> None:
         """Keep why trot and crawl were last exchanged; forgotten once it stands."""
@@ -258,6 +244,10 @@ class Supervisor:
     def _disarm(self) -> None:
         self.bus.torque(False)
         self.armed, self._limit = False, None
+
+    def fastest(self) -> tuple[float, float, float]:
+        """Return the fastest that the gait walks: ahead and aside, m/s, and turning, rad/s."""
+        return self.driver.fastest(self.arbiter.gait)
 
     def _limit_torque(self) -> None:
         limit = torque_limit(self.robot, self.driver.state)

@@ -119,6 +119,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
 def _gait(supervisor: Supervisor) -> dict[str, Any]:
     """Return what is walked and how fast."""
     arbiter, driver = supervisor.arbiter, supervisor.driver
+    odometry = driver.odometry
     return {
         "gait": arbiter.gait,
         "walks": gait_now(driver) if driver.state == "walking" else "",
@@ -126,9 +127,10 @@ def _gait(supervisor: Supervisor) -> dict[str, Any]:
         "margin_m": round(margin_m(driver), 4) if supervisor.armed else None,
         "balance": arbiter.balance,
         "speed": rounded(_speed(supervisor), 4),
-        "fastest": rounded(driver.fastest(arbiter.gait), 4),
+        "fastest": rounded(supervisor.fastest(), 4),
         "slower": slower(supervisor),
-        "odometry": rounded(astuple(supervisor.odometry.now), 4),
+        "odometry": rounded(astuple(odometry)[:6], 4),
+        "covariance": rounded(odometry.covariance, 9),
         "swinging": driver.planner.status.swinging,
     }
 

@@ -44,7 +44,7 @@ class Measure:
 
 
 def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Measure], when: date) -> None:
-    """Write a copy of a robot file with what was found, and check that it can be used; a bad copy is never left.
+    """Write a copy of a robot file with what was found (write_checked).
 
     ``found`` goes by ``table.key``, as ``actuator.coulomb_Nm``; ``stall_Nm`` and ``no_load_rad_s`` scale all supply
     points alike.
@@ -56,6 +56,11 @@ def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Meas
         for number, point in enumerate(servo.supply if name in found else ()):
             value = getattr(point, key) * found[name].value / was
             values[f"actuator.supply.{number}.{key}"] = found[name].new(value, "", when)
+    write_checked(source, target, values)
+
+
+def write_checked(source: Path, target: Path, values: Mapping[str, NewValue]) -> None:
+    """Write a copy of a robot file with these values, and check that it can be used; a bad copy is never left."""
     text = rewritten(source.read_text(encoding="utf-8"), values, "measured")
     draft = target.with_name(f".{target.stem}.checked.toml")
     try:

@@ -18,6 +18,7 @@ Array = np.ndarray[Any, Any]
 
 STEP_S = 0.001
 FLANK_NM_RAD, FLANK_DAMPING = 300.0, 0.5  # as in host/sim/servos/law.py (assumed)
+NEW_RAD = radians(0.33)  # play from which a fit begins: a new MX-28's by the data sheet, whatever was assumed of wear
 # What is fitted, in the servo's own units, and how large an error of each is the same to the fit.
 NAMES = (
     "stall_Nm", "no_load_rad_s", "duty_per_rad", "coulomb_Nm", "stribeck_Nm", "stribeck_rad_s", "viscous_Nms_rad",
@@ -78,7 +79,7 @@ class Told:
 
 
 def from_file(servo: Servo) -> dict[str, float]:
-    """Return what the robot file says, by ``NAMES``: where a fit begins."""
+    """Return what the robot file says, by ``NAMES``: where a fit begins; play is a new servo's."""
     f = servo.friction
     return {
         "stall_Nm": servo.nominal.stall_Nm,
@@ -91,7 +92,7 @@ def from_file(servo: Servo) -> dict[str, float]:
         "load_motor": f.load_motor,
         "load_external": f.load_external,
         "armature_kg_m2": servo.armature_kg_m2,
-        "backlash_rad": radians(servo.backlash_deg),
+        "backlash_rad": NEW_RAD,
         "act_s": 0.005,
     }
 

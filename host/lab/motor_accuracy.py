@@ -4,7 +4,7 @@ import random
 from math import cos, pi, sin, sqrt, tau
 from typing import Any
 
-from shared.joint.calibration import set_commutation
+from shared.joint.commission import set_commutation
 from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
 from shared.joint.svpwm import svpwm
@@ -39,7 +39,7 @@ def accuracy(bldc: Bldc, seed: int = 0) -> dict[str, Any]:
 
 
 def _blocks(bldc: Bldc) -> Any:
-    """Blocks for comparing: calibrated, at the nominal bus, and without shortest pulses, which floats do not have."""
+    """Blocks for comparing: commissioned, at the nominal bus, and without shortest pulses, which floats do not have."""
     blocks = joint_blocks(bldc, JointSetup(-1.0, 1.9))
     set_commutation(blocks.loop, blocks.settings)
     feed_bus(blocks.loop, blocks.settings, round(bldc.drive.bus_voltage_V / blocks.units.volt_per_vu))

@@ -47,7 +47,8 @@ class Place:
     truth: Callable[[], Pose] | None = None
 
 
-def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
+def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None,
+               honest: bool | None = None) -> Place:
     """Return a place; BadValue if there is none of that name, or the robot has no such bus.
 
     ``port`` and ``calibration``: see control/hardware.py; ``imu``: "" for the usual one, None for none, or where it is.
@@ -55,6 +56,8 @@ def find_place(name: str, robot: Robot, port: str | None, calibration: Path | No
     if name not in PLACES:
         raise BadValue(f"place {name!r}: allowed {', '.join(PLACES)}")
     if name in BUS_OF:
+        if honest is not None:
+            raise BadValue(f"place {name!r}: honest is for sim and space only")
         return _real(name, robot, port, calibration, imu)
     if port is not None or calibration is not None or imu != "":
         raise BadValue(f"place {name!r}: port, calibration and imu are for servos and can only")

@@ -11,6 +11,7 @@ from ..control.messages import Drive
 from ..control.odometry import Odometry
 from ..robot.file import load_robot
 from ..robot.gait_advice import gait_advice
+from ..robot.gait_file import with_gait
 from .errors import BadValue, Error, Fault, NotAchieved, finite, own_words
 from .places import Place, find_place
 from .run import Run
@@ -33,11 +34,12 @@ class Robot:
         place: ``sim`` (the sagittal plane), ``space`` (three dimensions, extra `space`), ``servos`` or ``can``; or a
             Place of one's own (host/library/places.py), for which port, calibration and imu are not asked.
         robot: a robot's name, or the path of a robot file ending in .toml.
-        gait: a gait's name; without it the robot file's own.
+        gait: a gait's name, or the path of a gait file (docs/gaits.md); without it the robot file's own.
         port: of servos the serial port, of CAN ``INTERFACE:CHANNEL``; without it the robot file's own.
         calibration: the servos' calibration file; without it the robot's own.
         imu: ``i2c``, a gait board's port or a recording; ``""`` is the usual one, None none at all.
         record: an MCAP file to write, or a folder for one; needs the extra `record`.
+        honest: of ``sim`` and ``space``: drives with friction, play, a sagging supply; None: as the file says.
 
     In ``sim`` and ``space`` time passes only in calls that wait, as fast as it is computed, and the same calls give the
     same motion. With servos and CAN the control loop runs in a thread of its own.
@@ -51,18 +53,21 @@ class Robot:
         place: str | Place = "sim",
         robot: str | Path = "caramelo",
         *,
-        gait: str | None = None,
+        gait: str | Path | None = None,
         port: str | None = None,
         calibration: str | Path | None = None,
         imu: str | None = "",
         record: str | Path | None = None,
+        honest: bool | None = None,
     ) -> None:
         with own_words():
-            self._file = load_robot(str(robot))
+            self._file = load_robot(str(robot)).simulated(honest)
+            if str(gait).endswith(".toml"):
+                self._file, gait = with_gait(self._file, str(gait)), None
             path = None if calibration is None else Path(calibration)
-            self._place = find_place(place, self._file, port, path, imu) if isinstance(place, str) else place
+            self._place = find_place(place, self._file, port, path, imu, honest) if isinstance(place, str) else place
         self._record = None if record is None else Path(record)
-        self._gait = self._known_gait(gait or self._file.gait.default)
+        self._gait = self._known_gait(str(gait or self._file.gait.default))
         self._run: Run | None = None
         self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
         self._joint_rad_s: float | None = None  # in a loop over stream: the fastest that its joints may turn
@@ -117,8 +122,9 @@ class Robot:
     def odometry(self) -> Odometry:
         """Where the robot has walked to since it was opened, by dead reckoning with its legs and the gyro.
 
-        Feet that stand are taken to stay where they are: a slip stays in it. In ``sim``, the plane, nothing can turn;
-        there it turns as the legs would have it. ``truth`` is what a simulated body really did.
+        Feet that carry are taken to stay where they are: a slip stays in it, and its covariance says how much that may
+        be. In ``sim``, the plane, nothing can turn; there it turns as the legs would have it. ``truth`` is what a
+        simulated body really did.
         """
         return self._opened.sensed.odometry
 

@@ -79,7 +79,7 @@ class Run:
             swinging=tuple(bool(swinging >> leg & 1) for leg in range(4)),
             temperature_C=measured.temperature_C,
             battery_V=measured.battery_V,
-            odometry=supervisor.odometry.now,
+            odometry=supervisor.driver.odometry,
         )
         self._log(loop)
         self._ticks.ticked()

@@ -64,7 +64,7 @@ def _array(name: str, kind: str, values: list[int], comment: str) -> str:
 # Of the stored ones only those have a constant with which a record of the joint begins (firmware/joint_store.py), whose
 # further fields follow in the order of the ids, and what a program sets by itself; of the rest not what lies between
 # the first and the last of the unique ids
-NAMED = ("NODE_ID", "CURRENT_KP", "THERMISTOR_RAW", "POLE_PAIRS", "CURRENT_MAX")
+NAMED = ("NODE_ID", "CURRENT_KP", "THERMISTOR_RAW", "POLE_PAIRS", "CURRENT_MAX", "BEND_COS1")
 BETWEEN = ("UNIQUE_ID_1", "UNIQUE_ID_2")
 
 

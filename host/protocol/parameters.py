@@ -21,6 +21,7 @@ class Parameter:
     """One parameter; raw = value x raw_per_unit. ``low``, ``high`` and ``default`` are raw.
 
     ``zero`` False: 0 is refused though within the limits. ``place``: its number within a row of ``count``.
+    ``group``: what it belongs to; a row without one goes on with that of the row before.
     """
 
     id: int
@@ -36,6 +37,7 @@ class Parameter:
     zero: bool = True
     count: int = 1
     place: int = 0
+    group: str = ""
 
     def to_raw(self, value: float) -> int:
         """Return the nearest raw value of ``value`` in ``unit``; ParameterError when it is not allowed."""
@@ -81,7 +83,7 @@ def parse(text: str) -> list[Parameter]:
     """Return the parameters of a TOML text, id = position; ParameterError with one line otherwise."""
     made: list[Parameter] = []
     for row in tomllib.loads(text).get("parameter", []):
-        made += _parameters(len(made), row)
+        made += _parameters(len(made), ({"group": made[-1].group} if made else {}) | row)
     names = [parameter.name for parameter in made]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice or not 0 < len(made) <= 256:

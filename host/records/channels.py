@@ -99,7 +99,10 @@ _JOINT = _object("foxglove.JointState", name=TEXT, position=NUMBER, velocity=NUM
 # hold is made in scene.py, and follows from the channels above.
 DRAWN: dict[str, dict[str, Any]] = {
     "/tf": _object("foxglove.FrameTransforms", transforms=_list(_TRANSFORM)),
-    "/pose": _object("foxglove.PoseInFrame", timestamp=_TIME, frame_id=TEXT, pose=_POSE),
+    "/odometry": _object(
+        "foxglove.Odometry", timestamp=_TIME, frame_id=TEXT, body_frame_id=TEXT, pose=_POSE, linear_velocity=_VECTOR,
+        angular_velocity=_VECTOR, pose_covariance=_many(NUMBER, 36),
+    ),
     "/joint_states": _object("foxglove.JointStates", timestamp=_TIME, joints=_list(_JOINT)),
     "/scene": _object("foxglove.SceneUpdate", entities=_list(_ENTITY)),
     "/robot_description": _object("std_msgs/String", data=TEXT),

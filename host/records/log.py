@@ -1,15 +1,16 @@
 """What the loop records each tick: the state of the supervisor, turned into the channels' messages."""
 
 import hashlib
+import json
 from typing import Any
 
-from shared.gait.gaits import GAIT_NAMES
 from shared.record import pack
 
 from .. import ROOT
 from ..control.gait_changes import gait_now, margin_m
 from ..control.loop import Loop
 from ..control.supervisor import Supervisor
+from ..robot.gait_names import gait_names
 from ..robot.model import Robot
 from .recorder import Recorder
 from .scene import Scene
@@ -24,7 +25,8 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
         "robot": robot.name,
         "rate_hz": str(supervisor.driver.rate_hz),
         "params": " ".join(str(value) for value in pack(planner.params)),
-        "gaits": " ".join(GAIT_NAMES),
+        "gaits": " ".join(gait_names(robot)),
+        "own_gaits": json.dumps([own.entry for own in robot.gait.own]),
         "core": core_fingerprint(),
     }
 
@@ -89,9 +91,8 @@ class LoopLog:
         if self._tick % rate_hz == 0:
             drawn |= scene.parts(time_ns)
         if self._tick % max(1, rate_hz // DRAWN_HZ) == 0:
-            odometry = supervisor.odometry.now
-            at = (odometry.x_m, odometry.y_m, odometry.yaw_rad)
-            drawn |= scene.places(time_ns, measured.position_rad, supervisor.attitude, at, measured.speed_rad_s)
+            at, joints_rad = supervisor.driver.odometry, measured.position_rad
+            drawn |= scene.places(time_ns, joints_rad, supervisor.attitude, at, measured.speed_rad_s)
         for topic, values in drawn.items():
             self._put(topic, now_s, values)
 

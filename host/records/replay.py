@@ -1,17 +1,20 @@
 """Feeds a record's planner inputs to the planner again and compares the joint targets to the bit."""
 
+import json
 from array import array
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from shared.body.params import Params
+from shared.gait.gaits import GAIT_NAMES
 from shared.planner.command import Command
 from shared.planner.planner import Planner
 from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 
 from ..robot.gait_names import BEFORE, place_now
+from ..robot.own_gait import Entry
 from ..util.errors import UserError
 from .channels import CHANNELS
 from .log import core_fingerprint
@@ -50,9 +53,10 @@ def replay(record: Record, progress: Callable[[float], None] = lambda done: None
     gaits = record.about["gaits"].split() if "gaits" in record.about else BEFORE
     tick, difference = 0, ""
     try:
-        planner = Planner(_params(record))
+        own = _own_gaits(record)
+        planner, now = Planner(_params(record), own), (*GAIT_NAMES, *(entry[0] for entry in own))
         for tick, row in enumerate(rows):
-            difference = _differs(planner, tick, row.values, gaits)
+            difference = _differs(planner, tick, row.values, gaits, now)
             if difference:
                 break
             if tick % TELL_EVERY == 0:
@@ -65,19 +69,28 @@ def replay(record: Record, progress: Callable[[float], None] = lambda done: None
     return Replay(ticks, difference, record.about.get("core") == core_fingerprint())
 
 
-def _differs(planner: Planner, tick: int, values: dict[str, Any], gaits: Sequence[str]) -> str:
-    """Return how a tick comes out otherwise than recorded, "" if it does not; ``gaits``: the record's registry."""
+def _differs(planner: Planner, tick: int, values: dict[str, Any], gaits: Sequence[str], now: Sequence[str]) -> str:
+    """Return how a tick comes out otherwise than recorded, "" if it does not.
+
+    ``gaits``: the record's registry; ``now``: the planner's.
+    """
     if values["tick"] != tick:
         return f"ticks {tick} .. {values['tick'] - 1} are missing: the disk did not keep up"
     command, sensed = Command(), Sensed()
     unpack(command, values["command"])
-    command.gait = place_now(gaits, command.gait)
+    command.gait = place_now(gaits, command.gait, now)
     sensed.unpack(values["sensed"])
     flags = planner.tick(command, sensed)
     recorded = values["joints"]
     if list(planner.joints) == recorded and flags == values["flags"]:
         return ""
     return f"tick {tick}: {_difference(planner, recorded)}"
+
+
+def _own_gaits(record: Record) -> tuple[Entry, ...]:
+    """Return the gaits that the robot had beside the core's registry."""
+    found = json.loads(record.about.get("own_gaits", "[]"))
+    return tuple((name, mover, (tuple(head), tuple(tuple(row) for row in rows))) for name, mover, (head, rows) in found)
 
 
 def _params(record: Record) -> Params:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from math import cos, pi, sin
 from typing import Any
 
+from ..control.odometry import Odometry
 from ..robot.kinematics_si import Vector
 from ..robot.model import Robot
 from ..robot.shapes import COLOURS, ROOT_LINK, Frame, Shape, frames, shapes
@@ -18,6 +19,7 @@ WORLD = "odom"
 DIGITS = 5
 Turn = tuple[float, float, float, float]  # quaternion x, y, z, w
 Messages = dict[str, dict[str, Any]]  # by topic
+_TOLD = (0, 1, 5)  # of x, y, z and the turns about them
 _STILL: Turn = (0.0, 0.0, 0.0, 1.0)
 _LISTS = {"box": "cubes", "cylinder": "cylinders", "sphere": "spheres"}
 
@@ -45,23 +47,23 @@ class Scene:
         time_ns: int,
         joints_rad: Sequence[float],
         attitude_rad: Sequence[float] | None,
-        at: Sequence[float],
+        at: Odometry,
         speed_rad_s: Sequence[float] | None = None,
     ) -> Messages:
         """Return where the body and its links are.
 
-        ``attitude_rad``: roll and pitch, None if not known; ``at``: x and y in m and yaw in rad since the start.
+        ``attitude_rad``: roll and pitch, None if not known.
         """
         roll_rad, pitch_rad = attitude_rad or (0.0, 0.0)
         ground_m = self._view.points(joints_rad, roll_rad, pitch_rad, 0)["ground_m"]
-        place = (at[0], at[1], self._foot_m - ground_m)
-        turn = _product(_about(2, at[2]), _product(_about(0, roll_rad), _about(1, pitch_rad)))
+        place = (at.x_m, at.y_m, self._foot_m - ground_m)
+        turn = _product(_about(2, at.yaw_rad), _product(_about(0, roll_rad), _about(1, pitch_rad)))
         stamp = _time(time_ns)
         transforms = [_transform(stamp, WORLD, ROOT_LINK, place, turn)]
         transforms += [_link(stamp, frame, joints_rad) for frame in self._frames]
         return {
             "/tf": {"transforms": transforms},
-            "/pose": {"timestamp": stamp, "frame_id": WORLD, "pose": _pose(place, turn)},
+            "/odometry": _odometry(stamp, at, _pose(place, turn)),
             "/joint_states": {"timestamp": stamp, "joints": self._states(joints_rad, speed_rad_s)},
         }
 
@@ -83,6 +85,18 @@ def _link(stamp: dict[str, int], frame: Frame, joints_rad: Sequence[float]) -> d
 def _transform(stamp: dict[str, int], parent: str, child: str, at_m: Vector, turn: Turn) -> dict[str, Any]:
     names = {"parent_frame_id": parent, "child_frame_id": child}
     return {"timestamp": stamp, **names, "translation": _vector(at_m), "rotation": _quaternion(turn)}
+
+
+def _odometry(stamp: dict[str, int], at: Odometry, pose: dict[str, Any]) -> dict[str, Any]:
+    """Return the body's place and motion; of the covariances, 6 x 6, what is told of: x, y and the turn about z."""
+    covariance = [0.0] * 36
+    for i, row in enumerate(_TOLD):
+        for j, column in enumerate(_TOLD):
+            covariance[6 * row + column] = at.covariance[3 * i + j]
+    about = {"timestamp": stamp, "frame_id": WORLD, "body_frame_id": ROOT_LINK, "pose": pose}
+    speeds = {"linear_velocity": _vector((at.vx_m_s, at.vy_m_s, 0.0))}
+    speeds |= {"angular_velocity": _vector((0.0, 0.0, at.wz_rad_s))}
+    return {**about, **speeds, "pose_covariance": covariance}
 
 
 def _entity(link: str, found: Sequence[Shape], time_ns: int) -> dict[str, Any]:

@@ -24,11 +24,11 @@ def unbuildable(robot: Robot) -> Iterator[str]:
 
 def _planner(robot: Robot) -> None:
     params = core_params(robot)
-    for entry in GAITS:
+    for entry in (*GAITS, *(own.entry for own in robot.gait.own)):
         try:
             gait_for(entry, params)
         except ValueError as error:
-            raise UserError(f"gait {entry[0]} (shared/gait/gaits.py): {error}") from error
+            raise UserError(f"gait {entry[0]}: {error}") from error
 
 
 def _joints(robot: Robot) -> None:

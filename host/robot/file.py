@@ -8,6 +8,8 @@ from typing import Any, NoReturn, get_args
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from shared.gait.gaits import GAIT_NAMES
+
 from ..util import files
 from ..util.errors import UserError
 from .builds import unbuildable
@@ -71,13 +73,13 @@ def find(name_or_path: str) -> Path:
     )
 
 
-def read_toml(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file."""
+def read_toml(path: Path, what: str = "robot") -> dict[str, Any]:
+    """Return the tables of a TOML file of a robot, or of a gait."""
     try:
         return files.read_toml(path)
     except FileNotFoundError:
-        known = ", ".join(robot_names())
-        raise RobotFileError(f"{path}: no such file: robots known by name are {known}") from None
+        known = ", ".join(robot_names() if what == "robot" else GAIT_NAMES)
+        raise RobotFileError(f"{path}: no such file: {what}s known by name are {known}") from None
     except OSError as error:
         raise RobotFileError(f"{path}: can't be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
@@ -104,19 +106,22 @@ def former_names(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
     yield from ((f"table {name}", new_name(name)) for name in data if new_name(name))
 
 
-def explain(error: ErrorDetails, data: dict[str, Any]) -> str:
+def explain(error: ErrorDetails, data: dict[str, Any], model: type[BaseModel] = Robot) -> str:
     """Return ``key: value ...: what is allowed`` of one pydantic error."""
     place = [part for at, part in enumerate(error["loc"]) if not _is_no_key(error["loc"], at)]
     key, kind, value = ".".join(str(part) for part in place), error["type"], error["input"]
     if kind == "missing":
-        return f"{key}: value missing: allowed: any that docs/robot-files.md names, but it must be there"
+        page = "robot-files" if model is Robot else "gaits"
+        return f"{key}: value missing: allowed: any that docs/{page}.md names, but it must be there"
     if kind == "extra_forbidden":
-        siblings = known_keys(place[:-1], data)
+        siblings = known_keys(place[:-1], data, model)
         hint = did_you_mean(str(place[-1]), siblings)
         return f"{key}: value {show(value)}: unknown key{hint}: allowed: {', '.join(siblings)}"
     if kind.startswith("union_tag") and isinstance(value, dict):
         found = f"value {show(value['kind'])}" if "kind" in value else "value missing"
         return f"{key}.kind: {found}: allowed: one of {', '.join(show(name) for name in UNION_KEYS[key])}"
+    if kind == "value_error":  # of a table as a whole: the sentence begins with the key
+        return ".".join(filter(None, (key, error["msg"].removeprefix("Value error, "))))
     if kind == "allowed":
         return f"{key}: value {show(value)}: allowed: {error['msg']}"
     return f"{key}: value {show(value)}: allowed: {'an array of tables' if kind == 'tuple_type' else 'a table'}"
@@ -126,9 +131,8 @@ def _is_no_key(place: tuple[int | str, ...], at: int) -> bool:
     return place[at] == "[key]" or (at == 1 and place[at] in UNION_KEYS.get(str(place[0]), ()))
 
 
-def known_keys(place: list[int | str], data: dict[str, Any]) -> list[str]:
-    """Return the keys that the table at ``place`` may have."""
-    model: type[BaseModel] = Robot
+def known_keys(place: list[int | str], data: dict[str, Any], model: type[BaseModel]) -> list[str]:
+    """Return the keys that the table at ``place`` may have, in a file of ``model``."""
     inside: Any = data
     for part in place:
         inside = inside[part]

@@ -4,8 +4,7 @@ The robot file has what was tried (docs/robot-files.md); here is the one place t
 not name has not been tried.
 """
 
-from shared.gait.gaits import GAIT_NAMES
-
+from .gait_names import gait_names
 from .model import Robot
 
 UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: caramelo experiment table2 tries it"
@@ -21,5 +20,5 @@ def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0) -> str:
 
 
 def gait_advice(robot: Robot) -> dict[str, str]:
-    """Return every gait's name, in the core's order, with why it is not advised for this robot, "" if it is."""
-    return {gait: why_not_advised(robot, gait) for gait in GAIT_NAMES}
+    """Return every gait's name, in the planner's order, with why it is not advised for this robot, "" if it is."""
+    return {gait: why_not_advised(robot, gait) for gait in gait_names(robot)}

@@ -1,10 +1,14 @@
 """The gaits' names: what a name's place is in the core's registry, and what became of the names there were before."""
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from shared.gait.gaits import GAIT_NAMES
 
 from ..util.errors import UserError
+
+if TYPE_CHECKING:
+    from .model import Robot
 
 RENAMED = {"adaptive": "trot", "fast-trot": "trot", "climb": "crawl"}
 # The registry of records that do not say theirs; its own trot and crawl were tables that are gone.
@@ -16,21 +20,27 @@ def new_name(name: str) -> str:
     return f"gait '{name}' is called '{RENAMED[name]}' now" if name in RENAMED else ""
 
 
-def gait_index(name: str) -> int:
-    """Return a gait's place in the core's registry, or raise UserError with the names there are."""
-    if name not in GAIT_NAMES:
-        raise UserError(f"--gait {name}: {new_name(name) or 'no such gait; there are ' + ', '.join(GAIT_NAMES)}")
-    return GAIT_NAMES.index(name)
+def gait_names(robot: "Robot") -> tuple[str, ...]:
+    """Return the names of the gaits that a robot knows, in its planner's order: the core's registry, then its own."""
+    return GAIT_NAMES + tuple(own.name for own in robot.gait.own)
 
 
-def place_now(names: Sequence[str], place: int) -> int:
-    """Return where a gait of a registry of ``names`` is in that of today; a place beyond it is beyond today's, too.
+def gait_index(robot: "Robot", name: str) -> int:
+    """Return a gait's place among those of a robot, or raise UserError with the names there are."""
+    names = gait_names(robot)
+    if name not in names:
+        raise UserError(f"--gait {name}: {new_name(name) or 'no such gait; there are ' + ', '.join(names)}")
+    return names.index(name)
+
+
+def place_now(names: Sequence[str], place: int, now: Sequence[str] = GAIT_NAMES) -> int:
+    """Return where a gait of a registry of ``names`` is in that of ``now``; a place beyond it is beyond that, too.
 
     UserError if the gait is gone.
     """
     if not 0 <= place < len(names):
-        return len(GAIT_NAMES)
+        return len(now)
     name = RENAMED.get(names[place], names[place])
-    if name not in GAIT_NAMES:
-        raise UserError(f"the gait '{name}' is gone; there are {', '.join(GAIT_NAMES)}")
-    return GAIT_NAMES.index(name)
+    if name not in now:
+        raise UserError(f"the gait '{name}' is gone; there are {', '.join(now)}")
+    return now.index(name)

@@ -81,7 +81,7 @@ WORDS: dict[int, Words] = {
     f.FAULT_STALL: Words(
         "stall",
         "pushed with {} without moving",
-        "free the joint; if it is free, check the motor's three wires and their order, then calibrate",
+        "free the joint; if it is free, check the motor's three wires and their order, then commission",
         AMPERE,
     ),
     f.FAULT_WINDING_HOT: Words(
@@ -141,7 +141,7 @@ WORDS: dict[int, Words] = {
     f.FAULT_OVER_CURRENT: Words(
         "over-current",
         "the current reached {}",
-        "look for a short between the phases; check the motor's three wires and their order, then calibrate",
+        "look for a short between the phases; check the motor's three wires and their order, then commission",
         AMPERE,
     ),
     f.FAULT_UNDER_VOLTAGE: Words(
@@ -165,13 +165,13 @@ WORDS: dict[int, Words] = {
     f.FAULT_ENCODER_DISAGREE: Words(
         "encoder disagreement",
         "joint and rotor encoder differ by {}",
-        "check coupling and magnets, then home again; recalibrate if a part was changed",
+        "check coupling and magnets, then home again; commission it again if a part was changed",
         DEGREE,
     ),
     f.FAULT_CURRENT_SENSE: Words(
         "current sensing",
         "the three phase currents add up to {} instead of 0",
-        "recalibrate; if it returns, a shunt or its amplifier is defective",
+        "commission it again; if it returns, a shunt or its amplifier is defective",
         COUNTS,
     ),
     f.FAULT_DRIVER: Words(
@@ -210,82 +210,82 @@ WORDS: dict[int, Words] = {
         "reset the board; report it with the log",
         MS,
     ),
-    f.FAULT_CAL_OFFSET: Words(
-        "calibration: offset",
+    f.FAULT_COMMISSION_OFFSET: Words(
+        "commissioning: offset",
         "a current sensor reads {} without current, 2048 expected",
         "a shunt amplifier is defective",
         COUNTS,
     ),
-    f.FAULT_CAL_NOISE: Words(
-        "calibration: noise",
+    f.FAULT_COMMISSION_NOISE: Words(
+        "commissioning: noise",
         "a current sensor's noise is {}",
         "look for a loose wire or a switching supply nearby",
         COUNTS,
     ),
-    f.FAULT_CAL_SUM: Words(
-        "calibration: sum",
+    f.FAULT_COMMISSION_SUM: Words(
+        "commissioning: sum",
         "under current the three phases add up to {}",
         "a shunt amplifier or its gain is wrong",
         COUNTS,
     ),
-    f.FAULT_CAL_BUS: Words(
-        "calibration: supply",
+    f.FAULT_COMMISSION_BUS: Words(
+        "commissioning: supply",
         "the supply is at {}",
         "connect the right supply",
         VOLT,
     ),
-    f.FAULT_CAL_ENCODER: Words(
-        "calibration: encoder",
+    f.FAULT_COMMISSION_ENCODER: Words(
+        "commissioning: encoder",
         "the rotor encoder wanders by {} at rest",
         "check its magnet",
         COUNTS,
     ),
-    f.FAULT_CAL_NO_CURRENT: Words(
-        "calibration: no current",
+    f.FAULT_COMMISSION_NO_CURRENT: Words(
+        "commissioning: no current",
         "only {} flowed",
-        "a motor wire is open or the supply is too weak",
+        "connect the motor: two of its wires or all are open, or the supply is too weak",
         AMPERE,
     ),
-    f.FAULT_CAL_NOT_FREE: Words(
-        "calibration: not free",
+    f.FAULT_COMMISSION_NOT_FREE: Words(
+        "commissioning: not free",
         "the rotor moved {} instead of following the field",
         "free the joint, lift the robot",
         COUNTS,
     ),
-    f.FAULT_CAL_POLE_PAIRS: Words(
-        "calibration: pole pairs",
-        "found {} pole pairs, not what the robot file says",
-        "correct pole_pairs or free the joint",
-        PLAIN,
+    f.FAULT_COMMISSION_POLE_PAIRS: Words(
+        "commissioning: pole pairs",
+        "the rotor moved {} in a number of the field's turns that no whole number of pole pairs fits",
+        "free the joint; check that the rotor encoder's magnet does not slip",
+        COUNTS,
     ),
-    f.FAULT_CAL_PHASE_ORDER: Words(
-        "calibration: phase order",
+    f.FAULT_COMMISSION_PHASE_ORDER: Words(
+        "commissioning: phase order",
         "the rotor turns the other way than stored (direction {})",
-        "two motor wires are exchanged: put them back, or calibrate anew",
+        "two motor wires are exchanged: put them back, or commission anew",
         PLAIN,
     ),
-    f.FAULT_CAL_SPREAD: Words(
-        "calibration: spread",
-        "the offsets found lie {} apart",
-        "free the joint: friction or a load is too large",
+    f.FAULT_COMMISSION_FRICTION: Words(
+        "commissioning: friction",
+        "friction holds the rotor {} behind the field",
+        "free the joint; if it is free, raise current_limit_A, half of which turns the rotor",
         ELECTRICAL,
     ),
-    f.FAULT_CAL_JOINT_ENCODER: Words(
-        "calibration: joint encoder",
+    f.FAULT_COMMISSION_JOINT_ENCODER: Words(
+        "commissioning: joint encoder",
         "the joint encoder moved {} while the rotor turned",
         "check its magnet and coupling",
         COUNTS,
     ),
-    f.FAULT_CAL_MOVING: Words(
-        "calibration: moving",
+    f.FAULT_COMMISSION_MOVING: Words(
+        "commissioning: moving",
         "the joint turns at {}",
         "hold it still",
         RAD_S,
     ),
-    f.FAULT_CAL_OFFSET_CHANGED: Words(
-        "calibration: offset changed",
+    f.FAULT_COMMISSION_OFFSET_CHANGED: Words(
+        "commissioning: offset changed",
         "the rotor offset is {} from the stored one",
-        "calibrate anew; the magnet has slipped",
+        "commission anew; the magnet has slipped",
         ELECTRICAL,
     ),
     f.FAULT_HOME_NO_STOP: Words(
@@ -297,8 +297,38 @@ WORDS: dict[int, Words] = {
     f.FAULT_HOME_AMBIGUOUS: Words(
         "homing: ambiguous",
         "the stop found at {} does not fit the rotor's angle",
-        "check what stopped the joint; calibrate the stop's position",
+        "check what stopped the joint; commission the stop's position",
         DEGREE,
+    ),
+    f.FAULT_COMMISSION_PHASE_OPEN: Words(
+        "commissioning: phase open",
+        "phase {} of 3 carries no current",
+        "check this wire of the motor, its plug and its winding",
+        PLAIN,
+    ),
+    f.FAULT_COMMISSION_WINDING: Words(
+        "commissioning: winding",
+        "resistance or inductance gives the current loop a gain of {}, which it cannot have",
+        "look for a short in the winding; else change current_bandwidth_hz",
+        PLAIN,
+    ),
+    f.FAULT_COMMISSION_END_STOP: Words(
+        "commissioning: end stop",
+        "the rotor stood after {} and did not go round",
+        "move the joint to the middle of its range: the rotor needs one turn either way",
+        COUNTS,
+    ),
+    f.FAULT_COMMISSION_MAGNET: Words(
+        "commissioning: magnet",
+        "the rotor encoder's readings are bent by {} either way",
+        "centre its magnet on the shaft",
+        COUNTS,
+    ),
+    f.FAULT_COMMISSION_FLUX: Words(
+        "commissioning: flux",
+        "a back-EMF of {} was found, which no motor of this supply has",
+        "check the rotor's magnets and the supply's voltage",
+        PLAIN,
     ),
 }
 

@@ -8,7 +8,7 @@ shared/joint reaches 2^30.
 from dataclasses import dataclass, field
 from math import exp, pi
 
-from shared.joint.calibration import set_commutation
+from shared.joint.commission import set_commutation
 from shared.joint.current import set_loop, set_offsets
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
@@ -68,7 +68,7 @@ def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> J
     fill_sine(loop)
     set_loop(loop, loop_settings)
     settings = JointSettings()
-    for part in (_electrical, _mechanics, _wire, _cascade, _protection, heat_places, _states, _calibration):
+    for part in (_electrical, _mechanics, _wire, _cascade, _protection, heat_places, _states, _commission):
         for name, value in part(bldc, setup, board, units).items():
             setattr(settings, name, value)
     _check_ranges(settings)
@@ -212,7 +212,7 @@ def _states(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[s
     }
 
 
-def _calibration(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[str, int]:
+def _commission(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[str, int]:
     nearer = setup.lower_rad if setup.stop_towards < 0 else setup.upper_rad
     stop = nearer if setup.stop_rad is None else setup.stop_rad
     return {
@@ -222,10 +222,11 @@ def _calibration(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> d
         "home_ticks": 200,
         "home_limit_ticks": 30000,
         "offset_spread": 250,
-        "cal_current": round(0.5 * bldc.drive.current_limit_A / units.ampere_per_cu),
-        "cal_bus_least": round(bldc.drive.under_voltage_V / units.volt_per_vu),
-        "cal_bus_most": round(bldc.drive.over_voltage_V / units.volt_per_vu),
+        "commission_current": round(0.5 * bldc.drive.current_limit_A / units.ampere_per_cu),
+        "commission_bus_least": round(bldc.drive.under_voltage_V / units.volt_per_vu),
+        "commission_bus_most": round(bldc.drive.over_voltage_V / units.volt_per_vu),
         "verify": 2731,  # 15 electrical degrees
+        "current_w": round(2 * pi * bldc.drive.current_bandwidth_hz / bldc.drive.current_loop_hz * 4096),
     }
 
 

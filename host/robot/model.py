@@ -12,7 +12,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .actuators import Bldc, CanBus, NoBus, PdJoint, Servo, ServoBus
-from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole
+from .own_gait import GaitName, OwnGait
+from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole, yes_or_no
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
 JOINT_NAMES = ("hip", "thigh", "calf")
@@ -27,7 +28,6 @@ Vector = tuple[float, float, float]
 PositiveLength = Annotated[float, number(0.01, 1.0, "m")]
 Mass = Annotated[float, number(0.001, 100.0, "kg")]
 Position = Annotated[Vector, numbers(3, -1.0, 1.0, "m", "x, y, z")]
-GaitName = Annotated[str, text("[a-z][a-z0-9-]{0,30}", "a gait's name: lower-case letters, digits, hyphens")]
 Line = Annotated[str, text(LINE, "one line of 1 .. 200 printable characters")]
 Fraction = Annotated[float, number(0.0, 1.0)]
 
@@ -183,6 +183,7 @@ class Gait(Table):
     default: GaitName
     advised_m_s: dict[GaitName, Annotated[float, number(0.001, 3.0, "m/s")]] = Field(default_factory=dict)
     not_advised: dict[GaitName, Line] = Field(default_factory=dict)
+    own: tuple[OwnGait, ...] = ()
     sag_compensation: Annotated[float, number(0.0, 1.5)]
     lateral_shift: Annotated[float, number(0.0, 1.5)]
     fallen_deg: Annotated[float, number(10.0, 90.0, "deg")]
@@ -202,6 +203,18 @@ class Imu(Table):
     trust_time_s: Annotated[float, number(0.05, 60.0, "s")]
     tolerance_g: Annotated[float, number(0.01, 0.9, "g")]
     align_time_s: Annotated[float, number(0.1, 10.0, "s")]
+
+
+class Simulation(Table):
+    """How much of the world the walking simulators show this robot; a robot drives alike without this table.
+
+    ``honest``: the drives as far as the file knows them, and parts that hit each other; else linear laws alone.
+    ``ground_N_m``: how much of a foot's load makes soft ground give by 1 m, in three dimensions; 0 is hard ground.
+    """
+
+    honest: Annotated[bool, yes_or_no()] = False
+    self_collision: Annotated[bool, yes_or_no()] = True
+    ground_N_m: Annotated[float, number(0.0, 1e6, "N/m")] = 0.0
 
 
 class Robot(Table):
@@ -225,6 +238,7 @@ class Robot(Table):
     crawl: dict[str, Annotated[float, number(-30.0, 30.0)]] = Field(default_factory=dict)  # host/robot/crawl_tuning.py
     trot: dict[str, Annotated[float, number(0.0, 10.0)]] = Field(default_factory=dict)  # host/robot/trot_tuning.py
     imu: Imu
+    simulation: Simulation = Simulation()
 
     @property
     def mass_kg(self) -> float:
@@ -236,6 +250,12 @@ class Robot(Table):
     def length_shift(self) -> int:
         """The core's length unit is 2^-length_shift m: the finest in which a leg's squares fit 30 bits."""
         return floor(log2(LARGEST_REACH_LU / self.geometry.reach_m))
+
+    def simulated(self, honest: bool | None) -> "Robot":
+        """Return the robot in an honest world, or in a simple one; None: as its file says."""
+        if honest is None:
+            return self
+        return self.model_copy(update={"simulation": self.simulation.model_copy(update={"honest": honest})})
 
     def hip_m(self, leg: int) -> Pair:
         """Return (x, y) of a leg's hip axis in the body."""

@@ -75,7 +75,7 @@ def worst_error_K(part: Part, most_C: int) -> float:
 
     Curve, rounding and the ADC's resolution; infinite if a reading is one of an open or shorted sensor.
     """
-    points, worst = curve(part), 0.0
+    points, worst = list(curve(part)), 0.0  # the compiled core takes lists alone
     for tenths in range(10 * MUST_READ_C[0], 10 * most_C + 1, 2):
         celsius = tenths / 10
         raw = part.counts(celsius)

@@ -11,13 +11,14 @@ from math import copysign
 from typing import TYPE_CHECKING
 
 from sim2d.actuator import Actuator, CalfOnTorso, Given, Told
-from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, ServoModel
+from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, PlanarRobot, ServoModel
 
 from ..bus.base import JOINTS
 from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .imu import Motion
+from .servos.plane import HonestServos, honest_servos
 
 if TYPE_CHECKING:
     from sim2d.sensors import Sensed
@@ -64,6 +65,21 @@ class SwitchedServos:
         """See Actuator; in motor angles where calves are coupled."""
         for i, joint, model in self._rows:
             torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
+
+
+class SwitchedHonest:
+    """The same of the plane's honest drives (servos/plane.py)."""
+
+    def __init__(self, servos: HonestServos, drives: Drives) -> None:
+        self._servos, self._drives = servos, drives
+
+    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
+        """See Actuator; in motor angles where calves are coupled."""
+        drives, servos = self._drives, self._servos
+        servos.most[:] = [drives.limit[joint] if drives.on[joint] else None for joint in PLANAR_INDEX]
+        servos.torques(goal_rad, position_rad, speed_rad_s, dt_s, torque_Nm)
+        for joint, law in zip(PLANAR_INDEX, servos.laws, strict=True):
+            drives.load[joint] = law.duty
 
 
 @dataclass
@@ -183,13 +199,15 @@ class JointPlant(Plant):
 class PlaneBody:
     """A robot on flat ground in the sagittal plane, moved by ``motors``; its hips are hinges the plane knows not."""
 
-    def __init__(self, robot: Robot, pose_rad: Sequence[float], motors: Actuator, seed: int) -> None:
+    def __init__(
+        self, robot: Robot, pose_rad: Sequence[float], motors: Actuator, seed: int, plane: PlanarRobot | None = None
+    ) -> None:
         from sim2d.run import clamped
         from sim2d.sensors import Sensors
         from sim2d.terrain import flat
         from sim2d.world import World
 
-        plane = planar_robot(robot)
+        plane = plane or planar_robot(robot)
         self.world = World(plane, flat(), actuator=CalfOnTorso(motors) if plane.calf_on_torso else motors, dt_s=DT_S)
         self._robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
         self.position_rad, self.speed_rad_s = list(pose_rad), [0.0] * JOINTS
@@ -222,8 +240,11 @@ class PlanePlant(Plant):
 
     def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
         super().__init__(robot, pose_rad)
-        models = joint_models(robot)
-        self._body = PlaneBody(robot, pose_rad, SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives), seed)
+        models, (plane, self._servos) = joint_models(robot), honest_servos(robot, planar_robot(robot), None)
+        motors: Actuator = SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives)
+        if self._servos:
+            motors = SwitchedHonest(self._servos, self.drives)
+        self._body = PlaneBody(robot, pose_rad, motors, seed, plane)
         self.world, self.position_rad, self.speed_rad_s = (
             self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
@@ -238,6 +259,8 @@ class PlanePlant(Plant):
 
     def put_back(self) -> None:
         """See Plant."""
+        if self._servos:
+            self._servos.put_back()
         self._body.put_back()
 
     def inertial(self) -> Motion:

@@ -18,6 +18,7 @@ from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
+from .servos.plane import coupled, honest_servos
 
 # What a walk's way counts: ahead and to the left in m, turning to the left in rad.
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
@@ -61,7 +62,7 @@ class WalkSpec:
     built: Robot | None = None
 
     def __post_init__(self) -> None:
-        gait_index(self.gait)
+        gait_index(self.robot, self.gait)
         self._check("--speed", self.speed_m_s, 0.005, 1.0 if self.way == "ahead" else 5.0, "m/s")
         self._check("--distance", self.distance_m, 0.05, 20.0, "m")
         self._check("--payload", self.payload_kg, 0.0, 20.0, "kg")
@@ -118,7 +119,7 @@ def run_walk(
     if spec.way != "ahead" or spec.push:
         raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
     controller = PlannerController(spec)
-    robot = planar_robot(spec.body, foot_friction=spec.friction)
+    robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
         recording = simulate(
@@ -132,7 +133,7 @@ def run_walk(
             bus_delay_s=spec.bus_delay_s,
             seed=spec.seed,
             stuck_after_s=spec.stuck_after_s,
-            actuator=actuator,
+            actuator=actuator or (servos and coupled(robot, servos)),
             progress=progress,
         )
     except (ValueError, ArithmeticError) as error:
@@ -147,6 +148,7 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     return {
         "robot": spec.robot.name,
         "gait": spec.gait,
+        "honest": spec.body.simulation.honest,
         "terrain": spec.ground.name,
         "height_m": spec.ground.height,
         "payload_kg": spec.payload_kg,
@@ -192,6 +194,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
     return [
         ("robot", result["robot"]),
         ("gait", result["gait"]),
+        ("drives", "honest" if result["honest"] else "simple"),
         *([("not advised", result["advice"])] if result["advice"] else []),
         ("terrain", result["terrain"] + height),
         ("speed", f"{result['mean_speed_m_s']:.4f} of {result['commanded_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),

@@ -12,6 +12,7 @@ from ..control.arbiter import Client
 from ..control.messages import Message
 from ..robot.model import Robot
 from ..util.errors import UserError
+from .keyboard import Fastest
 
 DEAD_ZONE = 0.08
 # linux/input-event-codes.h
@@ -28,12 +29,15 @@ BUTTONS: dict[int, Message] = {
 
 
 class Gamepad:
-    """A pad as an input of the hub; ``device`` is an evdev.InputDevice or anything that reads like one."""
+    """A pad as an input of the hub; ``device`` is an evdev.InputDevice or anything that reads like one.
+
+    ``fastest`` tells what the gait walks at most, which a full stick means: m/s ahead and aside, rad/s.
+    """
 
     client = Client("gamepad")
 
-    def __init__(self, robot: Robot, device: Any) -> None:
-        self._robot, self._device = robot, device
+    def __init__(self, robot: Robot, fastest: Fastest, device: Any) -> None:
+        self._robot, self._fastest, self._device = robot, fastest, device
         self._ranges = {axis: _range(device, axis) for axis in (ABS_X, ABS_Y, ABS_RX, ABS_RY)}
         self._axes = dict.fromkeys(self._ranges, 0.0)
         self._held = False
@@ -59,14 +63,14 @@ class Gamepad:
         """Return the sticks as they are while the dead-man button is held, nothing else."""
         if not self._held:
             return []
-        top, pitch_rad = self._robot.speed_limits, self._robot.body_limits.angles_rad[1]
-        stick = self._axes
+        pitch_rad, stick = self._robot.body_limits.angles_rad[1], self._axes
+        ahead_m_s, aside_m_s, turning_rad_s = self._fastest()
         return [
             {
                 "type": "drive",
-                "vx_m_s": -stick[ABS_Y] * top.vx_m_s,
-                "vy_m_s": -stick[ABS_X] * top.vy_m_s,
-                "wz_rad_s": -stick[ABS_RX] * top.wz_rad_s,
+                "vx_m_s": -stick[ABS_Y] * ahead_m_s,
+                "vy_m_s": -stick[ABS_X] * aside_m_s,
+                "wz_rad_s": -stick[ABS_RX] * turning_rad_s,
                 "pose": [0.0, 0.0, 0.0, 0.0, -stick[ABS_RY] * pitch_rad, 0.0],
             }
         ]
@@ -78,7 +82,7 @@ class Gamepad:
         return 0.0 if abs(share) < DEAD_ZONE else share
 
 
-def open_gamepad(robot: Robot, path: str, opener: Callable[[str], Any] | None = None) -> Gamepad:
+def open_gamepad(robot: Robot, fastest: Fastest, path: str, opener: Callable[[str], Any] | None = None) -> Gamepad:
     """Return the pad at /dev/input/eventN, or the first one for "auto"."""
     if opener is None:
         import evdev
@@ -92,7 +96,7 @@ def open_gamepad(robot: Robot, path: str, opener: Callable[[str], Any] | None = 
         except OSError as error:
             raise UserError(f"--gamepad {each}: {error.strerror or error}") from None
         if BTN_SOUTH in device.capabilities().get(EV_KEY, []):
-            return Gamepad(robot, device)
+            return Gamepad(robot, fastest, device)
     raise UserError("--gamepad: no gamepad found: plug it in or pair it; ls /dev/input/event* shows the devices")
 
 

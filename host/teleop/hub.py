@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from ..control.arbiter import Client
-from ..control.messages import LONGEST, BadMessage, Message, check, parse
+from ..control.messages import KEYS, LONGEST, BadMessage, Keys, Message, check, parse
 from ..util.errors import UserError
 from .lines import Gone, Lines
 from .web.limits import Bucket
@@ -81,8 +81,9 @@ class Hub:
         receive: Receiver,
         drop: Callable[[Client], None],
         clock: Callable[[], float] = time.monotonic,
+        keys: Keys = KEYS,
     ) -> None:
-        self._receive, self._drop, self._clock = receive, drop, clock
+        self._receive, self._drop, self._clock, self._keys = receive, drop, clock, keys
         self.came_s = inf  # since when what is being handed over may have been waiting; inf: nothing is
         self._quiet_s: dict[object, float] = {}  # when a source was last seen with nothing to say
         self._connections = Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock)
@@ -203,7 +204,7 @@ class Hub:
         try:
             for line in _from_the_last_stop(script.lines.receive()):
                 if script.messages.take():
-                    self._take(script.client, parse(line), script.lines)
+                    self._take(script.client, parse(line, self._keys), script.lines)
                 else:
                     self._skip(script, line)
         except BadMessage as error:
@@ -217,7 +218,7 @@ class Hub:
         """Leave out a message beyond the limit, unless it is a stop; one that does not end it is hung up on."""
         self.limited += 1
         script.excess += 1
-        if STOP in line and (message := parse(line))["type"] == "stop":
+        if STOP in line and (message := parse(line, self._keys))["type"] == "stop":
             self._receive(script.client, message)
         if script.excess >= PATIENCE:
             raise BadMessage(f"more than {MESSAGES_PER_S:.0f} messages a second")
@@ -250,7 +251,7 @@ class Hub:
             self._drop(client)
         else:
             side.clients.add(client)
-            self._take(client, check(value["message"]), side.lines)
+            self._take(client, check(value["message"], self._keys), side.lines)
 
     def _take(self, client: Client, message: Message, lines: Lines) -> None:
         if message["type"] == "ping":

@@ -6,18 +6,19 @@ one. Body pose, gait and speed share are set in steps and stay.
 
 import os
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
-
-from shared.gait.gaits import GAIT_NAMES
 
 from ..control.arbiter import Client
 from ..control.messages import Message
+from ..robot.gait_names import gait_names
 from ..robot.model import Robot
 
+Fastest = Callable[[], tuple[float, float, float]]
 POSE_STEPS = 10  # presses from the middle to the limit
 LONGEST_READ = 256
 
-# Key -> vx, vy, wz as shares of the largest speed.
+# Key -> vx, vy, wz as shares of the gait's largest speeds.
 DRIVE_KEYS = {
     "w": (1, 0, 0),
     "s": (-1, 0, 0),
@@ -77,10 +78,11 @@ def keys_of(data: bytes) -> list[str]:
 
 @dataclass
 class Keys:
-    """What the keys have set so far."""
+    """What the keys have set so far. ``fastest`` tells what the gait walks at most: m/s ahead and aside, rad/s."""
 
     robot: Robot
     gait: str
+    fastest: Fastest
     share: float = 0.5
     balance: bool = True
     pose: list[float] = field(default_factory=lambda: [0.0] * 6)
@@ -99,7 +101,8 @@ class Keys:
         if key in POSTURE_KEYS:
             return {"type": "posture", "posture": POSTURE_KEYS[key]}
         if key == "y":
-            self.gait = GAIT_NAMES[(GAIT_NAMES.index(self.gait) + 1) % len(GAIT_NAMES)]
+            names = gait_names(self.robot)
+            self.gait = names[(names.index(self.gait) + 1) % len(names)]
             return {"type": "gait", "gait": self.gait}
         if key == "b":
             self.balance = not self.balance
@@ -124,12 +127,12 @@ class Keys:
         return self._drive(0, 0, 0)
 
     def _drive(self, vx: float, vy: float, wz: float) -> Message:
-        top, share = self.robot.speed_limits, self.share
+        ahead_m_s, aside_m_s, turning_rad_s = (self.share * most for most in self.fastest())
         return {
             "type": "drive",
-            "vx_m_s": vx * share * top.vx_m_s,
-            "vy_m_s": vy * share * top.vy_m_s,
-            "wz_rad_s": wz * share * top.wz_rad_s,
+            "vx_m_s": vx * ahead_m_s,
+            "vy_m_s": vy * aside_m_s,
+            "wz_rad_s": wz * turning_rad_s,
             "pose": list(self.pose),
         }
 
@@ -139,8 +142,8 @@ class Keyboard:
 
     client = Client("keyboard")
 
-    def __init__(self, robot: Robot, descriptor: int) -> None:
-        self.keys = Keys(robot, robot.gait.default)
+    def __init__(self, robot: Robot, fastest: Fastest, descriptor: int) -> None:
+        self.keys = Keys(robot, robot.gait.default, fastest)
         self._descriptor = descriptor
 
     def fileno(self) -> int:

@@ -131,7 +131,7 @@ class Session:
             hub.listen(options.socket)
             self._note(StartCheck("socket", True, options.socket))
         if options.gamepad is not None:
-            pad = open_gamepad(self.robot, options.gamepad)
+            pad = open_gamepad(self.robot, loop.supervisor.fastest, options.gamepad)
             hub.add_input(pad)
             self._after.append(_every(rate_hz // GAMEPAD_HZ, lambda loop: _repeat(loop, pad)))
             self._note(StartCheck("gamepad", True, "found; hold the left shoulder button to drive"))
@@ -142,7 +142,7 @@ class Session:
             self._after.append(self._measure.tick)
         if options.terminal:
             stack.enter_context(raw_keys(sys.stdin.fileno()))
-            hub.add_input(Keyboard(self.robot, sys.stdin.fileno()))
+            hub.add_input(Keyboard(self.robot, loop.supervisor.fastest, sys.stdin.fileno()))
         self._after.append(_every(rate_hz // STATUS_HZ, lambda loop: self._publish(loop, hub)))
 
     def _add_servers(self, hub: Hub, loop: Loop) -> None:
@@ -217,7 +217,7 @@ class Session:
             return False
         stage.choose(name)
         self.extra.ground = name
-        supervisor.odometry.restart()
+        supervisor.driver.restart_odometry()
         if self._attitude is not None:
             self._attitude.align()
         return True

@@ -73,7 +73,7 @@ def cascade_reset(settings: JointSettings, state: JointState) -> int:
 def cascade_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
     """Do one tick in state.mode and return current_reference in cu, joint-signed, within +-current_limit.
 
-    Modes without a set-point of their own (off, damping, calibrating) give 0.
+    Modes without a set-point of their own (off, damping, commissioning) give 0.
     """
     mode = state.mode
     feed = current_from_wire(io.current, settings.current_q14)

@@ -215,6 +215,14 @@ def set_loop(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
 
 
 @hot
+def keep_gains(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
+    """Take over the gains that commissioning has given the current step; return 0."""
+    loop_settings.current_kp = loop.kp
+    loop_settings.current_ki = loop.ki
+    return 0
+
+
+@hot
 def set_offsets(loop: CurrentLoop, a_q4: int, b_q4: int, c_q4: int) -> int:
     """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
     loop.offset_q4[0] = a_q4

@@ -11,7 +11,7 @@ watchdog counts set-points and nothing else; nothing here writes one.
 from ..runtime import const, hot
 from ..wire.names import (
     LIMIT_WATCHDOG,
-    MODE_CALIBRATING,
+    MODE_COMMISSIONING,
     MODE_DAMPING,
     MODE_HOMING,
     MODE_IMPEDANCE,
@@ -21,7 +21,7 @@ from ..wire.names import (
     RESULT_FAULT_PRESENT,
     RESULT_NO_SESSION,
     RESULT_NO_SETPOINT,
-    RESULT_NOT_CALIBRATED,
+    RESULT_NOT_COMMISSIONED,
     RESULT_NOT_HOMED,
     RESULT_OK,
     RESULT_WRONG_HASH,
@@ -74,8 +74,8 @@ def drive_reset(state: JointState) -> int:
 def drive_arm(settings: JointSettings, state: JointState, io: JointIo, purpose: int) -> int:
     """Ask for operation enabled; return RESULT_OK, or RESULT_* with the first reason against it.
 
-    purpose: MODE_OFF to follow set-points, MODE_CALIBRATING or MODE_HOMING. Needs switch-on disabled, no
-    cause of a fault, the protocol's hash and a session; to follow set-points also a calibrated and
+    purpose: MODE_OFF to follow set-points, MODE_COMMISSIONING or MODE_HOMING. Needs switch-on disabled, no
+    cause of a fault, the protocol's hash and a session; to follow set-points also a commissioned and
     homed joint and a set-point not older than fresh_ticks, which in position and impedance mode
     lies within settings.near of the joint.
     """
@@ -158,10 +158,10 @@ def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
 @hot
 def _purpose_result(settings: JointSettings, state: JointState, io: JointIo, purpose: int) -> int:
     """Return whether the joint may drive for ``purpose``: RESULT_OK or what is missing."""
-    if purpose == MODE_CALIBRATING:
+    if purpose == MODE_COMMISSIONING:
         return RESULT_OK
-    if settings.calibrated == 0:
-        return RESULT_NOT_CALIBRATED
+    if settings.commissioned == 0:
+        return RESULT_NOT_COMMISSIONED
     if purpose == MODE_HOMING:
         return RESULT_OK
     if state.homed == 0:
@@ -188,7 +188,7 @@ def _age_setpoint(state: JointState, io: JointIo) -> int:
 
 @hot
 def _watch_setpoints(settings: JointSettings, state: JointState) -> int:
-    """Calibration and homing take no set-points and end by themselves; everything else needs them."""
+    """Commission and homing take no set-points and end by themselves; everything else needs them."""
     if state.drive_state != STATE_OPERATION_ENABLED or state.purpose != MODE_OFF:
         return 0
     if state.setpoint_age <= settings.watchdog_ticks:
@@ -228,7 +228,7 @@ def _enter_fault(settings: JointSettings, state: JointState) -> int:
     can_damp = damps_first(state.cause)
     if drive != STATE_OPERATION_ENABLED and drive != STATE_QUICK_STOP_ACTIVE and drive != STATE_FAULT_REACTION:
         can_damp = 0
-    if state.purpose == MODE_CALIBRATING:
+    if state.purpose == MODE_COMMISSIONING:
         can_damp = 0
     if can_damp:
         state.drive_state = STATE_FAULT_REACTION

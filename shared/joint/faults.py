@@ -35,22 +35,27 @@ FAULT_EXCEPTION = const(41)  # where: 1 current step, 2 motion tick, 3 slow tick
 FAULT_POSITION_RANGE = const(42)  # turns at which the position left its range
 FAULT_STORAGE = const(43)  # 0
 FAULT_INTERRUPT_STOPPED = const(44)  # ms without a current step
-# calibration and homing: the joint was asked to, and refuses
-FAULT_CAL_OFFSET = const(64)  # count, reading at no current
-FAULT_CAL_NOISE = const(65)  # count, peak to peak at no current
-FAULT_CAL_SUM = const(66)  # count, sum of the phases under current
-FAULT_CAL_BUS = const(67)  # vu
-FAULT_CAL_ENCODER = const(68)  # rc, noise at rest
-FAULT_CAL_NO_CURRENT = const(69)  # cu reached: a phase is open
-FAULT_CAL_NOT_FREE = const(70)  # rc moved instead of following the field
-FAULT_CAL_POLE_PAIRS = const(71)  # pole pairs found
-FAULT_CAL_PHASE_ORDER = const(72)  # direction found, +-1
-FAULT_CAL_SPREAD = const(73)  # brad, how far the offsets found lie apart
-FAULT_CAL_JOINT_ENCODER = const(74)  # 1/16384 joint turn moved
-FAULT_CAL_MOVING = const(75)  # rate at the start
-FAULT_CAL_OFFSET_CHANGED = const(76)  # brad, found minus stored
+# commission and homing: the joint was asked to, and refuses
+FAULT_COMMISSION_OFFSET = const(64)  # count, reading at no current
+FAULT_COMMISSION_NOISE = const(65)  # count, peak to peak at no current
+FAULT_COMMISSION_SUM = const(66)  # count, sum of the phases under current
+FAULT_COMMISSION_BUS = const(67)  # vu
+FAULT_COMMISSION_ENCODER = const(68)  # rc, noise at rest
+FAULT_COMMISSION_NO_CURRENT = const(69)  # cu reached: no motor, or two phases open
+FAULT_COMMISSION_NOT_FREE = const(70)  # rc moved instead of following the field
+FAULT_COMMISSION_POLE_PAIRS = const(71)  # rc moved in the field's turns, which no whole number fits
+FAULT_COMMISSION_PHASE_ORDER = const(72)  # direction found, +-1
+FAULT_COMMISSION_FRICTION = const(73)  # brad, by which friction holds the rotor behind the field
+FAULT_COMMISSION_JOINT_ENCODER = const(74)  # 1/16384 joint turn moved
+FAULT_COMMISSION_MOVING = const(75)  # rate at the start
+FAULT_COMMISSION_OFFSET_CHANGED = const(76)  # brad, found minus stored
 FAULT_HOME_NO_STOP = const(77)  # ms looked for
 FAULT_HOME_AMBIGUOUS = const(78)  # rc left between stop and nearest position
+FAULT_COMMISSION_PHASE_OPEN = const(79)  # 1 .. 3: the phase without current
+FAULT_COMMISSION_WINDING = const(80)  # gain or inductance that the current loop cannot have
+FAULT_COMMISSION_END_STOP = const(81)  # rc moved until it stood
+FAULT_COMMISSION_MAGNET = const(82)  # rc, amplitude of the eccentricity
+FAULT_COMMISSION_FLUX = const(83)  # back-EMF that no motor has, in the unit of JointSettings.bemf
 
 
 @hot

@@ -12,6 +12,7 @@ from ..runtime import Ints, const
 
 SINE_SIZE = const(1280)
 COSINE_AT = const(256)  # a quarter turn on in the table
+BENDS = const(33)  # of the rotor encoder's eccentricity, 32 a turn and the first once more
 
 
 @record
@@ -30,7 +31,7 @@ class CurrentLoop:
     gain_beta: int = field("compare counts / vu", "the same times sqrt(3)/2, Q14")
     offset_alpha: int = field("count", "2a - b - c at no current")
     offset_beta: int = field("", "(b - c) at no current times 28378, less 8192 for the rounding")
-    electrical_gain: int = field("brad / rc", "+-4 x pole pairs; 0 while calibration forces the angle")
+    electrical_gain: int = field("brad / rc", "+-4 x pole pairs; 0 while commissioning forces the angle")
     electrical_offset: int = field("brad", "with half a step of the sine table added and led by the reading's age")
     kp: int = field("vu / cu", "proportional gain, Q13")
     ki: int = field("vu / cu / step", "integral gain, Q13")
@@ -53,6 +54,17 @@ class CurrentLoop:
     offset_q4: Ints = vector(3, "1/16 count", "readings of phases a, b, c at no current")
     tripped: int = field("", "1 after a trip, until the motion tick has taken it")
     rotor_rejected: int = field("rc", "last reading that was rejected but passed its check; -1 none")
+    probing: int = field("", "1: the interrupt adds up what commissioning asks for (winding.py)")
+    probe_sign: int = field("", "+-1, of the sums")
+    probe_steps: int = field("", "current steps added up")
+    sum_current_d: int = field("cu", "")
+    sum_current_q: int = field("cu", "")
+    sum_voltage_d: int = field("vu", "")
+    sum_voltage_q: int = field("vu", "")
+    level: int = field("vu", "voltage on d about which it alternates")
+    alternate_d: int = field("vu", "voltage on d that changes its sign at every step; 0 none")
+    alternate_q: int = field("vu", "likewise on q")
+    bend: Ints = vector(BENDS, "rc", "to be added to the rotor encoder's reading at each 1/32 turn (bend.py)")
     sine: Ints = vector(SINE_SIZE, "", "Q15, the sine of each 1/1024 turn, and of a quarter turn more for the cosine")
 
 
@@ -72,7 +84,7 @@ class LoopSettings:
 
 @record
 class JointSettings:
-    """What host/robot/joint_gains.py sets once; calibration may change what it found.
+    """What host/robot/joint_gains.py sets once; commission may change what it found.
 
     Names and order are those of the parameters from pole_pairs on (host/protocol/parameters.toml).
     """
@@ -81,7 +93,7 @@ class JointSettings:
     pole_pairs: int = field("", "pole pairs of the motor")
     direction: int = field("", "+-1: electrical angle over rotor count")
     elec_offset: int = field("brad", "electrical angle at rotor count 0")
-    calibrated: int = field("", "1: the three above were measured on this joint")
+    commissioned: int = field("", "1: the three above were measured on this joint")
     bus_gain: int = field("vu / count", "of the bus voltage reading, Q12")
     bus_least: int = field("vu", "the modulator divides by no less")
     bemf: int = field("vu / (8 rate)", "back-EMF, Q16")
@@ -165,12 +177,17 @@ class JointSettings:
     heat_shift: int = field("", "of heat, 0 .. 24")
     leak_shift: int = field("", "of the leaks, 13 .. 30")
     offset_spread: int = field("count", "largest distance of a current offset from the middle")
-    cal_current: int = field("cu", "on d while the field turns the rotor")
-    cal_bus_least: int = field("vu", "bus voltage that calibration needs at least")
-    cal_bus_most: int = field("vu", "and at most")
+    commission_current: int = field("cu", "on d while the field turns the rotor")
+    commission_bus_least: int = field("vu", "bus voltage that commission needs at least")
+    commission_bus_most: int = field("vu", "and at most")
     verify: int = field("brad", "largest change of the electrical offset that verifying accepts")
     wire_bus_q12: int = field("", "1/16 V per vu")
     age: int = field("brad / rate", "angle the rotor goes from its reading until the samples, Q16")
+    current_w: int = field("rad / step", "bandwidth of the current loop that commissioning sets, Q12")
+    bend_cos1: int = field("rc", "eccentricity of the rotor encoder, what to add: once a turn, Q4")
+    bend_sin1: int = field("rc", "likewise")
+    bend_cos2: int = field("rc", "twice a turn, Q4")
+    bend_sin2: int = field("rc", "likewise")
 
 
 @record
@@ -263,7 +280,7 @@ class JointState:
     home_still_ticks: int = field("ticks", "that the joint has pushed at rest")
     home_result: int = field("", "HOME_*")
     home_rate: int = field("rate", "speed the search asks for")
-    raised: int = field("", "FAULT_* raised by homing or calibration, taken by the next tick")
+    raised: int = field("", "FAULT_* raised by homing or commission, taken by the next tick")
     raised_value: int = field("", "in the unit of that fault")
     # more of the cascade
     acceleration_feed: int = field("cu", "the acceleration's smoothed share of the current, Q4")

@@ -12,7 +12,7 @@ from ..wire.names import (
     LIMIT_STALL,
     LIMIT_VOLTAGE,
     LIMIT_WINDING_TEMPERATURE,
-    MODE_CALIBRATING,
+    MODE_COMMISSIONING,
     MODE_POSITION,
     MODE_VELOCITY,
 )
@@ -195,7 +195,7 @@ def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
 
 @hot
 def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
-    """Trip, voltage limit, sum of the phases; the last only under torque, so that calibration can measure offsets."""
+    """Trip, voltage limit, sum of the phases; the last only under torque, so that commission can measure offsets."""
     if loop.tripped:
         length = isqrt(loop.current_d * loop.current_d + loop.current_q * loop.current_q)
         report_cause(state, FAULT_OVER_CURRENT, length)
@@ -208,7 +208,7 @@ def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState
     if loop.masked == 0 and (wrong > settings.sum_limit or wrong < -settings.sum_limit):
         present = 1
     state.sum_ticks = count_ticks(state.sum_ticks, present)
-    if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_CALIBRATING:
+    if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_COMMISSIONING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
     return present
 

@@ -4,16 +4,16 @@ The fourth, the current step, is current.py. motion_tick may be interrupted by i
 """
 
 from ..runtime import Ints, hot
-from ..wire.names import MODE_CALIBRATING, MODE_HOMING
-from .calibration import (
-    Calibration,
-    calibration_abort,
-    calibration_needs_bridge,
-    calibration_start,
-    calibration_step,
+from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
+from .cascade import cascade_reset, cascade_step, damping_current, write_current
+from .commission import (
+    commission_abort,
+    commission_needs_bridge,
+    commission_start,
+    commission_step,
     set_commutation,
 )
-from .cascade import cascade_reset, cascade_step, damping_current, write_current
+from .commission_state import Commission
 from .current import current_relax, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
 from .encoder import encoder_reset, encoder_step, watch_encoders
@@ -52,7 +52,7 @@ def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, r
 
 @hot
 def motion_tick(
-    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> int:
     """Do one millisecond; return state.torque: TORQUE_OFF means that the bridge must be off."""
     state.time_ms = (state.time_ms + 1) & 0x3FFFFFFF
@@ -62,8 +62,8 @@ def motion_tick(
     before = state.mode
     drive_step(settings, state, io)
     if state.mode != before:
-        _change_mode(loop, settings, state, calibration, before)
-    _act(loop, settings, state, io, calibration)
+        _change_mode(loop, settings, state, commission, before)
+    _act(loop, settings, state, io, commission)
     return state.torque
 
 
@@ -74,11 +74,11 @@ def slow_tick(settings: JointSettings, state: JointState, io: JointIo, curve: In
 
 
 @hot
-def begin_calibration(state: JointState, calibration: Calibration, kind: int) -> int:
-    """Choose the calibration that arming for MODE_CALIBRATING will run; return its kind, 0 if one is running."""
-    if state.mode == MODE_CALIBRATING:
+def begin_commission(state: JointState, commission: Commission, kind: int) -> int:
+    """Choose the commission that arming for MODE_COMMISSIONING will run; return its kind, 0 if one is running."""
+    if state.mode == MODE_COMMISSIONING:
         return 0
-    calibration_start(calibration, kind)
+    commission_start(commission, kind)
     return kind
 
 
@@ -96,11 +96,11 @@ def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Jo
 
 @hot
 def _change_mode(
-    loop: CurrentLoop, settings: JointSettings, state: JointState, calibration: Calibration, before: int
+    loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, before: int
 ) -> int:
     """Leave the old mode cleanly and start the new one bumpless."""
-    if before == MODE_CALIBRATING:
-        calibration_abort(loop, settings, calibration)
+    if before == MODE_COMMISSIONING:
+        commission_abort(loop, settings, commission)
     if before == MODE_HOMING:
         homing_stop(state)
     cascade_reset(settings, state)
@@ -110,10 +110,10 @@ def _change_mode(
 
 
 @hot
-def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration) -> int:
-    """Do what the mode wants: calibrate, home, follow the set-points or brake; return what feed_voltages does."""
-    if state.torque == TORQUE_DRIVE and state.mode == MODE_CALIBRATING:
-        return _calibrate(loop, settings, state, io, calibration)
+def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission) -> int:
+    """Do what the mode wants: commission, home, follow the set-points or brake; return what feed_voltages does."""
+    if state.torque == TORQUE_DRIVE and state.mode == MODE_COMMISSIONING:
+        return _commission(loop, settings, state, io, commission)
     if state.torque == TORQUE_DRIVE:
         if state.mode == MODE_HOMING:
             _home(settings, state)
@@ -129,20 +129,20 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
 
 
 @hot
-def _calibrate(
-    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, calibration: Calibration
+def _commission(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> int:
-    """One tick of calibration; when it is over, stand down, or raise its reason."""
+    """One tick of commission; when it is over, stand down, or raise its reason."""
     state.current_reference = 0
-    kind = calibration.kind
-    running = calibration_step(loop, settings, state, io, calibration)
-    if calibration_needs_bridge(calibration) == 0:
+    kind = commission.kind
+    running = commission_step(loop, settings, state, io, commission)
+    if commission_needs_bridge(commission) == 0:
         state.torque = TORQUE_OFF
         current_relax(loop)
     if running == 0:
-        if kind != 0 and calibration.reason != 0:
-            state.raised = calibration.reason
-            state.raised_value = calibration.reason_value
+        if kind != 0 and commission.reason != 0:
+            state.raised = commission.reason
+            state.raised_value = commission.reason_value
         drive_disarm(state)
     return running
 

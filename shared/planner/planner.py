@@ -20,7 +20,7 @@ from .exchange import choose_mover
 from .goals import follow_goals
 from .movers import change_mover, tick_mover
 from .posture import posture_step
-from .senses import take_senses
+from .senses import feel_legs, follow_way, take_senses
 from .state import PlannerState
 from .states import choose_state, follow_joints, settle
 from .status import LIMP, RISING, SEATED, SITTING
@@ -34,8 +34,8 @@ class Planner(PlannerState):
     base frame), ``reached`` (12 lu from the hips). Raises ValueError if a gait can't fit the robot.
     """
 
-    def __init__(self, params: Params):
-        super().__init__(params)
+    def __init__(self, params: Params, more: tuple = ()):
+        super().__init__(params, more)
         settle(self)
 
     def tick(self, command: Command, sensed: Sensed) -> int:
@@ -55,6 +55,7 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     status.flags = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
+    feel_legs(planner)
     state = status.state
     if state == LIMP:
         follow_joints(planner, planner.sensed)
@@ -63,6 +64,7 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
             status.state = state + 1
     elif state != SEATED:
         move(planner, command, planner.sensed)
+    follow_way(planner)
     follow_goals(planner.params, planner.goal, planner.joints)
     if sensing.known:
         keep_sent(planner.sensing, planner.joints)

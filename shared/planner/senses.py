@@ -1,11 +1,14 @@
-"""What is believed of the senses."""
+"""What is believed of the senses: joints and tilt, what the legs tell, and where the robot has walked to."""
 
 from ..body.params import JOINTS
+from ..num.fixed import saturate
 from ..runtime import Ints, hot
+from ..sense.legs import sense_legs, sensing_reset
+from ..sense.odometry import odometry_lost, odometry_step
 from ..sense.sensed import Sensed
 from .goals import believe
 from .state import PlannerState
-from .status import ODD_READING
+from .status import ODD_READING, STANDING, WALKING
 
 
 @hot
@@ -58,3 +61,45 @@ def meet(planner: PlannerState, read: Ints) -> int:
         goal[joint] = read[joint]
         joints[joint] = read[joint]
     return 0
+
+
+@hot
+def feel_legs(planner: PlannerState) -> int:
+    """Take what the legs of a robot tell that stands or walks; return the ticks in a row in which they did.
+
+    Where the tilt is not known it is taken as none. What is not measured tells nothing.
+    """
+    status = planner.status
+    sensing = planner.sensing
+    sensed = planner.sensed
+    valid = sensed.valid
+    tilt = sensed.tilt
+    if status.state != STANDING and status.state != WALKING:
+        if sensing.known:
+            sensing_reset(planner.sensing)
+        return 0
+    if valid.joints == 0:
+        return 0
+    roll = 0
+    pitch = 0
+    if valid.tilt:
+        roll = saturate(tilt[0], -32768, 32767)
+        pitch = saturate(tilt[1], -32768, 32767)
+    return sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
+
+
+@hot
+def follow_way(planner: PlannerState) -> int:
+    """Follow the body's way over the feet that stand, as planned in this tick; return 1, 0 where they tell none."""
+    status = planner.status
+    sensing = planner.sensing
+    sensed = planner.sensed
+    valid = sensed.valid
+    if sensing.known == 0 or valid.joints == 0:
+        odometry_lost(planner.odometry)
+        return 0
+    walks = 0
+    if status.state == WALKING:
+        walks = 1
+    odometry_step(planner.params, planner.sensing, planner.sensed, status.swinging, walks, planner.odometry)
+    return 1

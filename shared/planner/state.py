@@ -9,6 +9,7 @@ from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock
 from ..runtime import zeros
 from ..sense.legs import Sensing
+from ..sense.odometry import Odometry
 from ..sense.sensed import Sensed
 from ..trot.state import Trot
 from .command import Command
@@ -20,11 +21,14 @@ from .status import Status
 
 
 class PlannerState:
-    """The blocks that the planner's parts read and write. ValueError if a gait can't fit the robot."""
+    """The blocks that the planner's parts read and write. ValueError if a gait can't fit the robot.
 
-    def __init__(self, params: Params):
+    more: entries of gaits as in GAITS, which they follow.
+    """
+
+    def __init__(self, params: Params, more: tuple = ()):
         self.params = params
-        self.gaits = [gait_for(entry, params) for entry in GAITS]
+        self.gaits = [gait_for(entry, params) for entry in GAITS + more]
         self.gait = self.gaits[0]
         self.top = zeros(SPEED_SIZE)  # the fastest command
         self.status = Status()
@@ -48,6 +52,7 @@ class PlannerState:
         self.tilt_past = Past()
         self.leg_flags = zeros(LEGS)
         self.sensing = Sensing()
+        self.odometry = Odometry()
         self.crawl = Crawl(params)
         self.trot = Trot()
         self.fade = Fade()

@@ -52,20 +52,26 @@ def stands(planner: PlannerState, still: int) -> int:
 def hold_back(planner: PlannerState, command: Command) -> int:
     """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
 
-    It is held until another pose is commanded (POSE_HELD). A leg in the air only cuts its own swing short.
+    It is held until another pose is commanded than the one that led there, and the legs are within reach again
+    (POSE_HELD). A leg in the air only cuts its own swing short.
     """
     status = planner.status
     pose = planner.pose
     posed = 0
+    other = 0
     for axis in range(POSE_SIZE):
         if pose[axis]:
             posed = 1
         if status.held[axis] != command.pose[axis]:
-            status.held[axis] = command.pose[axis]
-            status.holds = 0
+            other = 1
     if status.beyond and posed:
+        if status.holds == 0:
+            for axis in range(POSE_SIZE):
+                status.held[axis] = command.pose[axis]
         status.holds = 1
         slew_pose(planner.params, command, 0, planner.pose)
+    elif other:
+        status.holds = 0
     if status.holds:
         status.flags |= POSE_HELD
     return status.holds

@@ -7,7 +7,6 @@ from ..gait.steps import SPEED_SIZE
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
-from ..sense.legs import sense_legs, sensing_reset
 from ..sense.sensed import Sensed
 from .command import MODE_WALK, Command
 from .handover import REASON_COMMAND, REASON_EVEN, REASON_NONE, exchanges, straight_on
@@ -44,7 +43,6 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         return REASON_NONE
     roll = saturate(tilt[0], -32768, 32767)
     pitch = saturate(tilt[1], -32768, 32767)
-    sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
     if stage.stage == STILL and sensing.known > params.sent_ticks + 1:
         crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
     if stage.stage == STILL:
@@ -108,6 +106,5 @@ def stop_crawl(planner: PlannerState) -> int:
     speed = planner.speed
     for axis in range(SPEED_SIZE):
         speed[axis] = 0
-    sensing_reset(planner.sensing)
     status.state = WALKING
     return 0

@@ -3,7 +3,7 @@
 from ..runtime import const
 
 # Of the meaning of every frame and parameter; host and joint refuse each other when it differs.
-PROTOCOL_HASH = const(0xEFA1)
+PROTOCOL_HASH = const(0x61A7)
 
 # Identifier of node 0 or group 0, and length in bytes, of each kind of frame.
 E_STOP_ID = const(0x000)
@@ -61,7 +61,7 @@ MODE_VELOCITY = const(2)
 MODE_CURRENT = const(3)
 MODE_IMPEDANCE = const(4)
 MODE_DAMPING = const(5)
-MODE_CALIBRATING = const(6)
+MODE_COMMISSIONING = const(6)
 MODE_HOMING = const(7)
 MODE_UPDATING = const(8)
 
@@ -75,7 +75,7 @@ COMMAND_READ_PARAMETER = const(6)
 COMMAND_WRITE_PARAMETER = const(7)
 COMMAND_SAVE_PARAMETERS = const(8)
 COMMAND_RESTORE_DEFAULTS = const(9)
-COMMAND_CALIBRATE = const(10)
+COMMAND_COMMISSION = const(10)
 COMMAND_HOME = const(11)
 COMMAND_QUICK_STOP = const(12)
 COMMAND_REBOOT = const(13)
@@ -95,7 +95,7 @@ RESULT_NO_SESSION = const(9)
 RESULT_NO_SETPOINT = const(10)
 RESULT_FAR_FROM_SETPOINT = const(11)
 RESULT_NOT_HOMED = const(12)
-RESULT_NOT_CALIBRATED = const(13)
+RESULT_NOT_COMMISSIONED = const(13)
 RESULT_STORAGE_FAILED = const(14)
 RESULT_DUPLICATE_ID = const(15)
 RESULT_WRONG_KEY = const(16)

@@ -60,10 +60,10 @@ class OnChip:
         return self.clock()
 
     def _configure(self):
-        """Hand the host's integers over, as writing the parameters does; the joint counts as calibrated."""
+        """Hand the host's integers over, as writing the parameters does; the joint counts as commissioned."""
         c = self.control
         self.joint.parameters.take(BLOCKS.stored())
-        c.settings.calibrated = 1
+        c.settings.commissioned = 1
         c.settings.elec_offset = 7000
 
     def begin(self, ms=READY_MS):

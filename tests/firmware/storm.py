@@ -36,7 +36,7 @@ class Storm:
         self.joint = Joint(board, Memory())
         control = self.joint.control
         self.joint.parameters.take(stored)
-        control.settings.calibrated = 1
+        control.settings.commissioned = 1
         self.frame, self.sent = array("H", [0] * 4), array("H", [0] * 4)
         self.sync = codec.Sync()
         self.sync.session = SESSION

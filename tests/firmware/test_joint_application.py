@@ -103,8 +103,8 @@ def test_arming_is_refused_with_its_reason_and_leaves_nothing(bench, monkeypatch
     assert bench.state.drive_state == w.STATE_SWITCH_ON_DISABLED
 
 
-@pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME])
-def test_without_the_challenge_of_now_nothing_is_armed_calibrated_or_homed(bench, command):
+@pytest.mark.parametrize("command", [w.COMMAND_ARM, w.COMMAND_COMMISSION, w.COMMAND_HOME])
+def test_without_the_challenge_of_now_nothing_is_armed_commissioned_or_homed(bench, command):
     bench.mode, bench.goal = w.MODE_POSITION, bench.motor.joint_rad
     bench.run(20)
     old = bench.joint.service.challenge
@@ -269,6 +269,16 @@ def saved(journal, **changes):
     for parameter, value in changes.items():
         joint.parameters.put(int(parameter[1:]), value)
     return joint
+
+
+def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_readings():
+    journal = Memory()
+    assert saved(journal, **{f"p{ID['bend_cos1']}": 800, f"p{ID['commissioned']}": 1}).parameters.save() == 1
+    again = Joint(SimBoard(), journal)
+    again.start()
+    again.control.board.rotor = 50
+    again.control.board.handler()
+    assert again.control.loop.rotor in (99, 100)  # 800 / 16 rc more
 
 
 def test_parameters_survive_a_power_cycle():

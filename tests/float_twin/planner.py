@@ -163,11 +163,11 @@ class Planner:
 
     def hold(self, command):
         """Where a standing leg was beyond its reach: a step back, and no further on until another pose is commanded."""
-        if self.held != command.pose:
-            self.held = None
         self.beyond = any(self.flagged) and any(self.pose)
         if self.beyond:
-            self.held = list(command.pose)
+            self.held = self.held or list(command.pose)
+        elif self.held != command.pose:
+            self.held = None
 
     def lift_feet(self, command):
         """Start the swings of this tick."""

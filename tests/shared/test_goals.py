@@ -355,6 +355,24 @@ def test_a_held_pose_follows_the_next_command():
     assert list(walker.planner.pose[2:5]) == [5000, 0, 500]
 
 
+@pytest.mark.parametrize("after", range(4))
+def test_a_pose_that_is_given_up_at_once_is_left(after):
+    """In whichever tick it is: while the body still steps back from what a trunk that lags made of the balance, too."""
+    walker = Walker()
+    walker.stand()
+    walker.command.balance = 1
+    pose_at(walker, (0, 0, 1, 1, 1, 0))
+    while not walker.tick() & n.POSE_HELD:
+        continue
+    walker.ticks(after)
+    pose_at(walker, (0, 0, 0, 0, 0, 0))
+    walker.ticks(10)
+    walker.command.balance = 0
+    walker.ticks(150)
+    assert walker.tick() == 0
+    assert list(walker.planner.pose) == [0] * 6
+
+
 def largest_step(walker, ticks):
     """Walk on; return the largest step that any joint would have to take in a tick, before its speed is limited."""
     worst, last = 0, list(walker.planner.goal)

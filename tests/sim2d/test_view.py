@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 
+from host.lab.teleop.browser import missing, open_browser
 from sim2d import terrain
 from sim2d.run import simulate
 from sim2d.view import STONE_STEP_M, animation_html, path_png
@@ -103,3 +104,27 @@ def test_a_run_of_one_row_is_drawn(tmp_path):
     assert len(fallen.time_s) == 1
     assert len(shown(fallen)["time_s"]) == 1
     path_png(fallen, "title", tmp_path / "path.png")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    if missing():
+        pytest.skip(missing())
+    with open_browser() as running:
+        yield running
+
+
+@pytest.mark.parametrize("motion", ["no-preference", "reduce"])
+def test_the_page_starts_by_itself_and_begins_again_at_its_end(browser, tmp_path, stony, motion):
+    """Where the system asks for less motion it waits for the button."""
+    (tmp_path / "walk.html").write_text(animation_html(stony, "title", "sentence", [("a", "b")], TORSO_HALF_M))
+    page = browser.new_context(reduced_motion=motion).new_page()
+    page.goto((tmp_path / "walk.html").as_uri())
+    if motion == "reduce":
+        assert page.evaluate("playing") is False
+        page.click("#play")
+    page.wait_for_function("frame > 2")
+    page.evaluate("frame = n - 1")
+    page.wait_for_function("playing && frame > 0 && frame < n - 1")
+    page.click("#play")
+    assert page.evaluate("playing") is False

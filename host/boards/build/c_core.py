@@ -137,6 +137,7 @@ def cold_text(module: Module, wanted: set[tuple[str, str]] | None) -> bytes:
         text = f"from {MODULE} import {c_name(module.name, function.name)} as {function.name}" if used else ""
         edits.append(_replace(module, function, text, place))
     if wanted is not None:
+        _refuse_through_modules(module)
         edits += _drop_unused(module, wanted, place)
     return apply_edits(module.text, edits)
 
@@ -145,6 +146,13 @@ def _replace(module: Module, node: ast.stmt, text: str, place: Places) -> Edit:
     start = place.start(node.decorator_list[0]) - 1 if isinstance(node, ast.FunctionDef) else place.start(node)
     end = place.end(node)
     return Edit(start, end - start, text + "\n" * module.text[start:end].count(b"\n"))
+
+
+def _refuse_through_modules(module: Module) -> None:
+    """What is asked of a module by name is not counted as used, and would be gone when it is asked for."""
+    for node in ast.walk(module.tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id in module.aliases:
+            raise module.error(node, f"{ast.unparse(node)}: import the name {node.attr}, not its module")
 
 
 def _drop_unused(module: Module, wanted: set[tuple[str, str]], place: Places) -> list[Edit]:

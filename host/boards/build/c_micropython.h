@@ -13,21 +13,26 @@ typedef mp_obj_t core_obj;
 #define CORE_NAME(name) MP_QSTR_##name
 #define core_set(object, name, value) mp_store_attr(object, name, value)
 
-// An attribute of an object. Most are the object's own: looked for where those lie, they cost half of the general way.
-static core_obj core_get(core_obj object, qstr name) {
-    if (mp_obj_is_instance_type(mp_obj_get_type(object))) {
-        mp_obj_instance_t *instance = MP_OBJ_TO_PTR(object);
-        mp_map_elem_t *own = mp_map_lookup(&instance->members, MP_OBJ_NEW_QSTR(name), MP_MAP_LOOKUP);
-        if (own != NULL) {
-            return own->value;
+// An attribute of an object. Looked for, it costs a hundred instructions; so each place that asks keeps where it lay.
+#define core_get(object, name) ({ static uint16_t place; core_get_at(object, name, &place); })
+static core_obj core_get_at(core_obj object, qstr name, uint16_t *place) {
+    if (mp_obj_is_obj(object) && mp_obj_is_instance_type(((mp_obj_base_t *)MP_OBJ_TO_PTR(object))->type)) {
+        mp_map_t *own = &((mp_obj_instance_t *)MP_OBJ_TO_PTR(object))->members;
+        if (*place < own->alloc && own->table[*place].key == MP_OBJ_NEW_QSTR(name)) {
+            return own->table[*place].value;
+        }
+        mp_map_elem_t *found = mp_map_lookup(own, MP_OBJ_NEW_QSTR(name), MP_MAP_LOOKUP);
+        if (found != NULL) {
+            *place = found - own->table;
+            return found->value;
         }
     }
     return mp_load_attr(object, name);
 }
 
-// The elements of an array, or the address that a number is (a chip's registers).
+// The elements of an array or of bytes, or the address that a number is (a chip's registers).
 static void *core_block(core_obj object) {
-    if (mp_obj_is_exact_type(object, &mp_type_array)) {
+    if (mp_obj_is_exact_type(object, &mp_type_array) || mp_obj_is_exact_type(object, &mp_type_bytearray)) {
         return ((mp_obj_array_t *)MP_OBJ_TO_PTR(object))->items;
     }
     if (mp_obj_is_int(object)) {

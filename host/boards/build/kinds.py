@@ -33,8 +33,8 @@ def block_kinds(values: dict[str, Value]) -> dict[str, str]:
     return found | {name: ".".join(value.owner) for name, value in values.items() if value.owner}
 
 
-def _attributes(tree: ast.Module) -> set[str]:
-    """Return the attributes that the objects of a module's classes have."""
+def _attributes(tree: ast.AST) -> set[str]:
+    """Return the attributes that a class sets up for its objects, or all classes of a module for theirs."""
     return {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)
             and isinstance(node.ctx, ast.Store) and isinstance(node.value, ast.Name) and node.value.id == "self"}
 
@@ -155,9 +155,13 @@ class Kinds:
         return self._members(owner)
 
     def _class(self, module: Module, name: str) -> tuple[str, str] | None:
+        """Return the class that ``name`` is; where it sets up nothing of its own, the one that it is derived from."""
         found = resolve(module, name, self.modules)
-        if found and any(isinstance(n, ast.ClassDef) and n.name == found[1] for n in found[0].tree.body):
-            return found[0].name, found[1]
+        for node in found[0].tree.body if found else ():
+            if isinstance(node, ast.ClassDef) and found is not None and node.name == found[1]:
+                base = node.bases[0] if node.bases and not _attributes(node) else None
+                above = self._class(found[0], base.id) if isinstance(base, ast.Name) else None
+                return above or (found[0].name, node.name)
         return None
 
     def _members(self, owner: tuple[str, str]) -> dict[str, Value]:

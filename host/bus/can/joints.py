@@ -108,17 +108,20 @@ class CanJoints(Bus):
         """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
         try:
             self.listen()
-            boards = self.requests.discover()
-            wrong = self.cycle.guard.before_arming(boards)
-            if wrong:
-                raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
-            self._home()
+            self.make_ready()
         except BaseException:
             self.port.close()
             raise
         if self._threaded:
             self._thread = threading.Thread(target=self._run, name="can-cycle", daemon=True)
             self._thread.start()
+
+    def make_ready(self) -> None:
+        """Look for boards, refuse with UserError what must not be armed, home joints without an encoder."""
+        wrong = self.cycle.guard.before_arming(self.requests.discover())
+        if wrong:
+            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
+        self._home()
 
     def listen(self) -> None:
         """Hear two heartbeats of every joint; wait longer for those that are late."""

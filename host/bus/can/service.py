@@ -30,7 +30,7 @@ RESULTS = {
     w.RESULT_NO_SETPOINT: "no set-point reached it lately: the bus loses frames",
     w.RESULT_FAR_FROM_SETPOINT: "the set-point is far from where it is",
     w.RESULT_NOT_HOMED: "it does not know its angle: put the robot into its sitting pose, and home it",
-    w.RESULT_NOT_CALIBRATED: "it is not calibrated: caramelo joints calibrate",
+    w.RESULT_NOT_COMMISSIONED: "it is not commissioned: caramelo joints commission",
     w.RESULT_STORAGE_FAILED: "its file system refused to save",
     w.RESULT_DUPLICATE_ID: "another board has the same node: caramelo joints scan, then set-id",
     w.RESULT_WRONG_KEY: "the board's number does not match: caramelo joints scan tells it",
@@ -90,7 +90,7 @@ class Requests:
     def challenged(
         self, node: int, command: int = w.COMMAND_ARM, index: int = 0, low: int = w.PROTOCOL_HASH
     ) -> Response:
-        """Demand arming, calibrating or homing of a joint: it carries its challenge, and ``low`` below that."""
+        """Demand arming, commissioning or homing of a joint: it carries its challenge, and ``low`` below that."""
         challenge = self.demand(node, w.COMMAND_READ_PARAMETER, PARAMETER_CHALLENGE).value
         return self.demand(node, command, index, challenge << 16 | low & 0xFFFF)
 

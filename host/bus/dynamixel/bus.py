@@ -108,8 +108,7 @@ class ServoBus(Bus):
         """Return what to do about missing servos: renumber one that has a foreign id, or look at the cable."""
         if self.link.protocol == 1.0:
             return "check its cable and id with: caramelo servos scan"
-        found, _ = self.link.packets.broadcastPing(self.port)
-        foreign = sorted(set(found) - set(self._ids))
+        foreign = sorted(set(self.link.ping_all()) - set(self._ids))
         if foreign:
             ids = ", ".join(map(str, foreign))
             return (

@@ -58,6 +58,14 @@ class Link:
                     return int(model)
         return None
 
+    def ping_all(self) -> dict[int, int]:
+        """Return the model numbers of all who answer one question, by id; protocol 2.0 only.
+
+        One lost byte hides all that come after it, and two with one id may look like one.
+        """
+        found, _ = self._guard(self.packets.broadcastPing, self.port)
+        return {int(servo): int(model) for servo, (model, _) in found.items()}
+
     def read(self, servo: int, register: Register) -> int:
         """Return a register, or raise ServoError after a few tries."""
         with self.patient(PATIENCE_MS):

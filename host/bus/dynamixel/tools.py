@@ -20,6 +20,7 @@ class Found:
     id: int
     baud: int
     model: int
+    protocol: float
 
     @property
     def text(self) -> str:
@@ -40,11 +41,22 @@ def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> l
             if number not in found:
                 model = link.ping(number, 1, AGAIN_MS) if again else link.ping(number, tries=2)
                 if model is not None:
-                    found[number] = Found(number, baud, model)
+                    found[number] = Found(number, baud, model, link.protocol)
             progress((number + 1) / (BROADCAST_LAST + 1))
         if not 0 < len(found) < JOINTS:
             break
     return [found[number] for number in sorted(found)]
+
+
+def ping_all(link: Link) -> dict[int, int]:
+    """Return the model numbers of who answers, by id, quicker than ``find`` and surely only where they are few.
+
+    Protocol 1.0 knows no question to all: there each id is asked by itself.
+    """
+    if link.protocol == 1.0:
+        models = {number: link.ping(number, tries=1) for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1)}
+        return {number: model for number, model in models.items() if model is not None}
+    return link.ping_all()
 
 
 def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda done: None) -> Iterator[Found]:

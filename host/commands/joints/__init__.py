@@ -5,7 +5,7 @@ from collections.abc import Callable
 import typer
 
 from .. import HARDWARE
-from . import board, compare, dbc, drive, figures, load, look, params, simulate
+from . import board, commission, compare, dbc, drive, figures, load, look, page, params, simulate
 
 
 def register(app: typer.Typer) -> None:
@@ -17,11 +17,12 @@ def register(app: typer.Typer) -> None:
         "scan": look.scan,
         "status": look.status,
         "monitor": look.monitor,
+        "page": page.page,
         "arm": drive.arm,
         "disarm": drive.disarm,
         "clear": drive.clear,
         "set-id": board.set_id,
-        "calibrate": board.calibrate,
+        "commission": commission.commission,
         "busload": load.busload,
         "dbc": dbc.dbc,
         "compare": compare.compare,

@@ -1,6 +1,6 @@
 """Options that the joints' commands share, and the joints of a robot opened by them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
 
@@ -26,8 +26,13 @@ Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long
 
 
 @contextmanager
-def joints(robot: str, interface: str | None, channel: str | None, simulated: bool) -> Iterator["CanJoints"]:
-    """Yield the joints of a robot, listened to for two heartbeats but not checked."""
+def joints(
+    robot: str, interface: str | None, channel: str | None, simulated: bool, benches: Sequence[int] = ()
+) -> Iterator["CanJoints"]:
+    """Yield the joints of a robot, listened to for two heartbeats but not checked.
+
+    ``benches``: of simulated ones, the nodes to be had with the full motor model, each on a bench of its own.
+    """
     from ...bus.can.joints import CanJoints, new_session
     from ...robot.file import load_robot
     from ...robot.poses import seated_pose_rad
@@ -35,11 +40,15 @@ def joints(robot: str, interface: str | None, channel: str | None, simulated: bo
     data = load_robot(robot)
     if data.bus.kind != "can":
         raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
-    if simulated:
+    if simulated and benches:
+        from ...sim.motor.bench_port import BenchPort
+
+        port: Port = BenchPort(data, benches)
+    elif simulated:
         from ...sim.joints.sim_robot import SimRobot, sim_port
 
         robot_sim = SimRobot(data)
-        port: Port = sim_port(robot_sim)
+        port = sim_port(robot_sim)
     else:
         from ...bus.can.open import open_port
 
@@ -50,6 +59,6 @@ def joints(robot: str, interface: str | None, channel: str | None, simulated: bo
         bus.listen()
         yield bus
     finally:
-        if simulated:
+        if simulated and not benches:
             robot_sim.close()
         port.close()

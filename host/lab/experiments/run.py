@@ -44,7 +44,8 @@ def run_experiment(name: str, options: Options, workers: Workers, tell: Tell) ->
     by_trial = dict(zip(trials, answers, strict=True))
     rows = [Row(case, _answers(case, by_trial)) for case in cases]
     found = experiment.sum_up(options, rows)
-    head = {"experiment": name, "robot": options.robot.name, "gait": options.gait}
+    head = {"experiment": name, "robot": options.robot.name, "gait": options.gait,
+            "honest": options.robot.simulation.honest}
     return Outcome(name, experiment.title, Found(head | found.result, found.tables, found.pictures),
                    [film for row in rows for film in films(row)])
 

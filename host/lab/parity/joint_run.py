@@ -226,7 +226,7 @@ def registers_at_rest() -> dict[int, int]:
 
 def _blocks():  # type: ignore[no-untyped-def]
     blocks = joint_blocks(load_robot(ROBOT).actuator, JointSetup(-1.0, 1.9))  # type: ignore[arg-type]
-    blocks.settings.calibrated, blocks.settings.elec_offset = 1, 7000
+    blocks.settings.commissioned, blocks.settings.elec_offset = 1, 7000
     return blocks
 
 

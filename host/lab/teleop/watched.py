@@ -120,7 +120,8 @@ class Watched:
             status = self.status()
             if found(status):
                 return status
-        raise UserError(f"not within {seconds} s: {status['state']}: {status['reason']}", NOT_ACHIEVED)
+        said = "; ".join(str(status[key]) for key in ("state", "reason", "remark") if status[key])
+        raise UserError(f"not within {seconds} s: {said}", NOT_ACHIEVED)
 
     def stop(self) -> dict[str, Any]:
         """End it by SIGTERM and return its figures."""

@@ -19,7 +19,9 @@ from ...robot.model import JOINT_NAMES, LEG_NAMES, Link, Robot, Vector
 from ...robot.plane import drives, planar_robot
 from ...robot.poses import rest_pose_rad
 from ...robot.urdf import PAYLOAD_HALF_M
+from ..servos.law import honest_figures
 from .ground import Ground
+from .play import make_honest
 
 # The joints' end stops are this far outside the limits of the goals.
 STOP_MARGIN_RAD = radians(3.0)
@@ -31,7 +33,10 @@ _DRY = {"solreffriction": "0.004 1", "solimpfriction": "0.9999 0.9999 0.001 0.5 
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """What the robot file does not say. ``friction`` None: the foot's own; ``voltage_V`` None: nominal."""
+    """What the robot file does not say. ``friction`` None: the foot's own; ``voltage_V`` None: nominal.
+
+    ``honest``: the gears have play, and who steps the model gives the drives' torque (host/sim/space/drives.py).
+    """
 
     ground: Ground = field(default_factory=lambda: Ground("flat"))
     payload_kg: float = 0.0
@@ -41,6 +46,8 @@ class ModelOptions:
     impratio: float = 100.0
     on_a_stand: bool = False
     at_rest: bool = True  # loads in the rest pose; else with all joints at 0, for who places the robot himself
+    honest: bool = False  # not with at_rest
+    self_collision: bool = False  # else the robot's parts go through each other
 
 
 def joint_names() -> list[str]:
@@ -65,6 +72,11 @@ def mjcf(robot: Robot, options: ModelOptions | None = None) -> str:
     _add_ground(world, chosen.ground)
     _add_trunk(world, robot, plane, chosen)
     _add_drives(root, robot, plane, chosen.voltage_V)
+    if chosen.self_collision:
+        _let_collide(root)
+    figures = honest_figures(robot.actuator) if chosen.honest else None
+    if figures is not None:
+        make_honest(root, robot, figures, joint_names(), chosen.voltage_V or figures.voltage_V)
     if chosen.at_rest:
         _add_rest(root, robot, chosen)
     Xml.indent(root)
@@ -97,6 +109,17 @@ def _touching(friction: float) -> dict[str, str]:
     """Attributes of a part that touches the ground with its own friction, and never the robot itself."""
     return {**_SOLVER, "friction": f"{_number(friction)} 0.005 0.0001", "priority": "1", "contype": "0",
             "conaffinity": "1"}
+
+
+def _let_collide(root: Xml.Element) -> None:
+    """Let all parts that touch the ground touch each other, but for neighbours: a thigh's top is in the trunk."""
+    for geom in root.iter("geom"):
+        if geom.get("priority"):
+            geom.set("contype", "2")
+            geom.set("conaffinity", "3")
+    apart = Xml.SubElement(root, "contact")
+    for leg in LEG_NAMES:
+        Xml.SubElement(apart, "exclude", body1="trunk", body2=f"{leg}_thigh")
 
 
 def _inertial(body: Xml.Element, link: Link, side: int = 1, knee: int = -1) -> None:

@@ -63,22 +63,25 @@ class Bench:
         bldc: Bldc,
         load: Load | None = None,
         setup: JointSetup | None = None,
-        calibrated: bool = True,
+        commissioned: bool = True,
         elec_offset_rad: float = 0.7,
         seed: int = 0,
+        real: Bldc | None = None,
+        node: int = 1,
     ) -> None:
+        """``real``: the motor, where it is another than the robot file says."""
         if bldc.drive.current_limit_A <= 0:
             raise UserError("actuator.drive.current_limit_A: must be above 0")
         self.bldc, self.load = bldc, load or Load()
         self.setup = setup or JointSetup(-1.0, 1.9, inertia_kg_m2=self.load.inertia_kg_m2)
         self.blocks: JointBlocks = joint_blocks(bldc, self.setup)
         self.units = self.blocks.units
-        self.motor = Motor(bldc, self.load, elec_offset_rad=elec_offset_rad)
+        self.motor = Motor(real or bldc, self.load, elec_offset_rad=elec_offset_rad)
         self.wrong = Wrong()
         self.sensors = Sensors(bldc, Board(), seed=seed, wrong=self.wrong)
         self.board = SimBoard()
         self.joint = Joint(self.board, Memory())
-        self._configure(calibrated, elec_offset_rad)
+        self._configure(commissioned, elec_offset_rad)
         self.trace = Trace()
         self.late_every = 0  # 0 never; else each such interrupt is skipped
         self.mode = 0  # kind of the set-point sent, MODE_*; 0 sends none
@@ -93,16 +96,16 @@ class Bench:
         self._sequence = 0
         self._ms = 0
         self._steps = 0
-        self.joint.set_node(1)
+        self.joint.set_node(node)
         self.joint.start()
         self.run(60)
 
-    def _configure(self, calibrated: bool, elec_offset_rad: float) -> None:
+    def _configure(self, commissioned: bool, elec_offset_rad: float) -> None:
         """Hand the host's integers to the joint, as writing its parameters does."""
         control = self.joint.control
         self.joint.parameters.take(self.blocks.stored())
-        if calibrated:
-            control.settings.calibrated = 1
+        if commissioned:
+            control.settings.commissioned = 1
             control.settings.elec_offset = round(elec_offset_rad / tau * 65536) & 0xFFFF
 
     @property
@@ -187,7 +190,7 @@ class Bench:
 
     def request(self, command: int, index: int = 0, value: int = 0) -> int:
         """Send a service request, with the challenge where it needs one; return RESULT_*."""
-        if command in (w.COMMAND_ARM, w.COMMAND_CALIBRATE, w.COMMAND_HOME):
+        if command in (w.COMMAND_ARM, w.COMMAND_COMMISSION, w.COMMAND_HOME):
             value = self.joint.service.challenge << 16 | value & 0xFFFF
         return self.ask(command, index, value)
 

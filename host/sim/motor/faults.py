@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import radians
 
 from shared.joint import faults as f
+from shared.joint.commission_state import COMMISSION_VERIFY
 from shared.wire import names as w
 
 from ...robot.actuators import Bldc
@@ -75,7 +76,7 @@ FAULTS: dict[str, FaultCase] = {
     "bus-sag": FaultCase(f.FAULT_UNDER_VOLTAGE, 10, _sag),
     "stall": FaultCase(f.FAULT_STALL, 1200, _block, run_ms=2200),
     "late-interrupt": FaultCase(f.FAULT_OVERRUN, 110, _late, run_ms=800),
-    "swapped-phases": FaultCase(f.FAULT_CAL_PHASE_ORDER, 8000, _nothing),
+    "swapped-phases": FaultCase(f.FAULT_COMMISSION_PHASE_ORDER, 8000, _nothing),
 }
 
 
@@ -99,9 +100,9 @@ def fault(bldc: Bldc, name: str) -> Result:
 
 
 def _swapped(bldc: Bldc, case: FaultCase) -> Result:
-    """Two phases exchanged at a calibrated joint: verifying its calibration, with little current, finds it."""
+    """Two phases exchanged at a commissioned joint: verifying, with little current, finds it."""
     bench = Bench(bldc, Load(swapped_phases=True))
-    bench.request(w.COMMAND_CALIBRATE, 3)
+    bench.request(w.COMMAND_COMMISSION, COMMISSION_VERIFY)
     found = _wait(bench, case.within_ms)
     bench.run(600)
     return _judged("swapped-phases", case, bench, found)

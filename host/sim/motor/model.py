@@ -30,6 +30,11 @@ class Load:
     housing_J_K: float | None = None
     housing_to_air_K_W: float | None = None
     dead_time_s: float = 100e-9
+    saliency: float = 1.0  # inductance across the flux over that along it
+    open_phase: int = -1  # 0 .. 2: that phase's wire is off
+    cogging_Nm: float = 0.0  # amplitude at the rotor
+    cogging_waves: int = 0  # a turn
+    stop_rad: float | None = None  # of the joint: it goes no further
 
 
 class Motor:
@@ -39,6 +44,7 @@ class Motor:
         m, g, t = bldc.motor, bldc.gear, bldc.thermal
         self.load = load
         self.pole_pairs, self.r25_ohm, self.l_H = m.pole_pairs, m.resistance_ohm, m.inductance_H
+        self.lq_H = load.saliency * m.inductance_H
         self.psi_Vs = m.torque_constant_Nm_A / 1.5 / m.pole_pairs
         self.rotor_kg_m2, self.coulomb_Nm = m.rotor_inertia_kg_m2, m.coulomb_Nm
         self.gear, self.efficiency = g.ratio, 1.0 if load.ideal_gear else g.efficiency
@@ -65,7 +71,7 @@ class Motor:
         self.gear_Nm = 0.0  # at the joint
         self.ripple_A = 0.0  # peak to peak
         self._decay_key = (0.0, 0.0)
-        self._decay = 0.0
+        self._decay = self._decay_q = 0.0
 
     def phases_A(self) -> tuple[float, float, float]:
         """Return the currents at the board's three terminals, without ripple."""
@@ -108,9 +114,12 @@ class Motor:
         key = (seconds, r)
         if key != self._decay_key:
             self._decay_key, self._decay = key, exp(-r * seconds / inductance)
-        decay, i_d, i_q = self._decay, self.i_d, self.i_q
-        self.i_d = i_d * decay + (1 - decay) * (v_d + w * inductance * i_q) / r
-        self.i_q = i_q * decay + (1 - decay) * (v_q - w * inductance * i_d - w * self.psi_Vs) / r
+            self._decay_q = exp(-r * seconds / self.lq_H)
+        decay, decay_q, i_d, i_q = self._decay, self._decay_q, self.i_d, self.i_q
+        self.i_d = i_d * decay + (1 - decay) * (v_d + w * self.lq_H * i_q) / r
+        self.i_q = i_q * decay_q + (1 - decay_q) * (v_q - w * inductance * i_d - w * self.psi_Vs) / r
+        if self.load.open_phase >= 0:
+            self._open(self.load.open_phase)
         span = highest - lowest
         self.ripple_A = bus * span * (1 - span) * 4 * self.ripple_s
         square = i_d * i_d + i_q * i_q + self.ripple_A**2 / 12
@@ -121,6 +130,14 @@ class Motor:
         else:
             self.returned_J -= power * seconds
         self.bus_V = self.supply_V - self.load.source_ohm * power / bus
+
+    def _open(self, phase: int) -> None:
+        """Take the current out that would flow in an open phase; what is left flows through the other two."""
+        e = self.pole_pairs * self.rotor_rad + self.elec_offset_rad - 2 * pi * phase / 3
+        c, s = cos(e), sin(e)
+        flows = self.i_d * c - self.i_q * s
+        self.i_d -= flows * c
+        self.i_q += flows * s
 
     def _mechanical(self, seconds: float) -> None:
         """Rotor and load with the gear between; the gear's losses take from whichever side drives."""
@@ -144,7 +161,10 @@ class Motor:
             on_joint *= self.efficiency
         else:
             on_rotor *= self.efficiency
-        drive = 1.5 * self.pole_pairs * self.psi_Vs * self.i_q - on_rotor
+        flux_Vs = self.psi_Vs + (self.l_H - self.lq_H) * self.i_d
+        drive = 1.5 * self.pole_pairs * flux_Vs * self.i_q - on_rotor
+        if load.cogging_waves:
+            drive -= load.cogging_Nm * sin(load.cogging_waves * self.rotor_rad)
         friction = self.coulomb_Nm
         if load.ideal_gear:
             friction = 0.0
@@ -161,6 +181,8 @@ class Motor:
         else:
             self.joint_rad_s += seconds * (on_joint + load.torque_Nm) / load.inertia_kg_m2
             self.joint_rad += seconds * self.joint_rad_s
+            if load.stop_rad is not None and self.joint_rad > load.stop_rad:
+                self.joint_rad, self.joint_rad_s = load.stop_rad, 0.0
 
     def warm(self, seconds: float) -> None:
         """Bring the heat of the last ``seconds`` into the winding, and on to housing and air."""

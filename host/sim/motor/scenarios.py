@@ -1,10 +1,10 @@
-"""What `caramelo motor sim` can show, by name: a motion, a loop, a fault or the calibration of a simulated joint."""
+"""What `caramelo motor sim` can show, by name: a motion, a loop, a fault or the commission of a simulated joint."""
 
 from collections.abc import Callable
 
 from ...robot.actuators import Bldc
 from ...util.errors import UserError
-from .calibrate import calibrate
+from .commission import commission
 from .currents import closed_loop, current_held, current_locked, stall
 from .faults import FAULTS, fault
 from .motions import glitches, sine, step
@@ -18,7 +18,7 @@ SCENARIOS: dict[str, Callable[[Bldc], Result]] = {
     "current-locked": current_locked,
     "current-held": current_held,
     "closed-loop": closed_loop,
-    "calibrate": calibrate,
+    "commission": commission,
 }
 
 

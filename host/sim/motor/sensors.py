@@ -6,7 +6,7 @@ read before, as AS5047P's frames do (firmware/encoders.py); its jitter and glitc
 
 import random
 from dataclasses import dataclass, field
-from math import tau
+from math import sin, tau
 
 from firmware.board_sim import SimBoard
 
@@ -26,6 +26,11 @@ class Wrong:
     thermistor: str = ""  # "open" or "short"
     supply_V: float | None = None
     glitch_share: float = 0.0  # of rotor readings
+    eccentric_rad: float = 0.0  # amplitude by which an off-centre magnet bends the rotor's readings
+    eccentric_at_rad: float = 0.0  # where it bends them not at all
+    shunt_gain: float = 1.0  # of phase a
+    rotor_noise: float = 0.3  # rc rms for each count of an amplifier
+    joint_stuck: bool = False  # the joint encoder's magnet has come off
 
 
 @dataclass
@@ -55,7 +60,7 @@ class Sensors:
         at = self._at
         noise, offsets, scale, raw = self._noise, self.offsets_counts, self._per_A, out.raw
         a, b, c = motor.phases_A()
-        raw[0] = _counts(a * scale + offsets[0] + noise[at] + self.wrong.shunt_offset_counts)
+        raw[0] = _counts(a * scale * self.wrong.shunt_gain + offsets[0] + noise[at] + self.wrong.shunt_offset_counts)
         raw[1] = _counts(b * scale + offsets[1] + noise[at + 1])
         raw[2] = _counts(c * scale + offsets[2] + noise[at + 2])
         self._at = (at + 3) % 4090
@@ -66,13 +71,17 @@ class Sensors:
             self.glitches += 1
         else:
             out.rotor = self._answer
-        self._answer = int(motor.rotor_rad / tau * 16384 + 0.3 * noise[at]) & 16383
+        rotor_rad = motor.rotor_rad
+        if self.wrong.eccentric_rad:
+            rotor_rad += self.wrong.eccentric_rad * sin(rotor_rad - self.wrong.eccentric_at_rad)
+        self._answer = int(rotor_rad / tau * 16384 + self.wrong.rotor_noise * noise[at]) & 16383
 
     def read_slow(self, motor: Motor, out: SimBoard) -> None:
         """Write what the motion tick and the slow tick read."""
         full_V = self.board.adc_volt * self.board.bus_divider
         out.bus = min(4095, round(motor.bus_V / full_V * 4096 + self._noise[self._at]))
-        out.joint = int((motor.joint_rad + self.wrong.joint_turned_rad) / tau * 16384 // 1) & 16383
+        joint_rad = 0.0 if self.wrong.joint_stuck else motor.joint_rad
+        out.joint = int((joint_rad + self.wrong.joint_turned_rad) / tau * 16384 // 1) & 16383
         out.thermistor = self._thermistor(motor.winding_C)
         cal1, cal2 = self.board.mcu_cal1, self.board.mcu_cal2
         out.mcu = round(cal1 + (self.mcu_C - 30) * (cal2 - cal1) / 80)

@@ -25,6 +25,7 @@ from ...robot.poses import seated_pose_rad
 from ..imu import SimulatedImu
 from ..plant import JointPlant, PlanePlant, Plant
 from .bus import Disturbance, EmulatedBus
+from .tray import plug, unpack
 
 TICK_S = 0.005
 CHUNK = 4096
@@ -64,6 +65,11 @@ class Commands:
     def on_missing(self, servo: int, missing: bool = True) -> dict[str, Any]:
         """Pull a servo's plug, or put it back."""
         self._bus.servo(servo).missing = missing
+        return {}
+
+    def on_plug(self, joints: list[int]) -> dict[str, Any]:
+        """Plug in the servos of these joints and no others."""
+        plug(self._bus, joints)
         return {}
 
     def on_disturb(self, lost: float, corrupted: float) -> dict[str, Any]:
@@ -120,7 +126,9 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="caramelo")
     parser.add_argument("--plant", choices=("ground", "bench", "space"), default="ground")
+    parser.add_argument("--honest", action=argparse.BooleanOptionalAction, help="else as the robot's file says")
     parser.add_argument("--truth", type=Path, help="calibration file that says how the servos are mounted")
+    parser.add_argument("--new", action="store_true", help="servos as they come out of their boxes, none plugged in")
     parser.add_argument("--lost", type=float, default=0.0)
     parser.add_argument("--corrupted", type=float, default=0.0)
     parser.add_argument("--latency-ms", type=float, default=1.0, help="how long the adapter holds answers back")
@@ -142,12 +150,15 @@ def make_plant(kind: str, robot: Robot, seed: int) -> Plant:
 
 def build(options: argparse.Namespace) -> tuple[EmulatedBus, SimulatedImu]:
     """Return the servos and the sensor of a robot that waits seated."""
-    robot = load_robot(options.robot)
+    robot = load_robot(options.robot).simulated(options.honest)
     truth = load_calibration(options.truth, robot) if options.truth else nominal(robot)
     plant = make_plant(options.plant, robot, options.seed)
     protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
     noise = Disturbance(options.lost, options.corrupted, options.seed)
-    return EmulatedBus(robot, plant, truth, protocol, noise), SimulatedImu(robot, plant.inertial, options.seed)
+    bus = EmulatedBus(robot, plant, truth, protocol, noise)
+    if options.new:
+        unpack(bus)
+    return bus, SimulatedImu(robot, plant.inertial, options.seed)
 
 
 def baud_of(terminal: int) -> int | None:

@@ -173,7 +173,7 @@ class HonestPlant(Plant):
         away = one.position_rad - self._pose_rad[joint] / self._ratio[joint] - 0.15
         if abs(away) < STICKY_RAD:
             figures = replace(figures, coulomb_Nm=figures.coulomb_Nm * STICKY_TIMES)
-        one.law.figures = figures
+        one.law.become(figures)
 
 
 class StandPort(LoopbackPort):

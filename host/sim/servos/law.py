@@ -17,14 +17,16 @@ feels what a flank passes on. Then ``link_armature_kg_m2`` is 0, else the link c
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import copysign, exp, radians, sqrt
+from math import copysign, exp, inf, radians, sqrt
 
-from ...robot.actuators import Friction, Servo
+from ...robot.actuators import Bldc, Friction, PdJoint, Servo
 
 DRY = Friction()
 FLANK_NM_RAD = 300.0  # stiffness of gear flanks: 2.5 N m wind them up by half a degree (assumed)
 FLANK_DAMPING = 0.5  # of critical (assumed)
+LEAST_PLAY_RAD = 3e-4  # an arc minute: in the walking simulators a link between closer flanks never comes to rest
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,28 @@ def figures_of(servo: Servo, delay_s: float = 0.0) -> Figures:
     )
 
 
+def honest_figures(actuator: Servo | Bldc | PdJoint) -> Figures | None:
+    """Return what the walking simulators know of a drive beyond its linear law; None if the robot file knows nothing.
+
+    Of a brushless joint that is its gear: its play, and its loss as friction that grows with the motor's torque.
+    """
+    if isinstance(actuator, PdJoint):
+        return None
+    if isinstance(actuator, Servo):
+        return figures_of(actuator) if actuator.backlash_deg > 0 or actuator.friction != DRY else None
+    motor, gear = actuator.motor, actuator.gear
+    return Figures(
+        stall_Nm=actuator.torque_limit_Nm * gear.efficiency,
+        no_load_rad_s=inf,
+        duty_per_rad=0.0,
+        coulomb_Nm=motor.coulomb_Nm * gear.ratio,
+        armature_kg_m2=motor.rotor_inertia_kg_m2 * gear.ratio**2,
+        voltage_V=actuator.supply_V,
+        friction=Friction(load_motor=1.0 - gear.efficiency),
+        backlash_rad=radians(gear.backlash_deg),
+    )
+
+
 class Battery:
     """A supply with a resistance: its voltage falls with the current that all servos drew in the last sub-step."""
 
@@ -92,21 +116,31 @@ class Battery:
         self._drawn_A = 0.0
 
 
-def friction_Nm(figures: Figures, motor_Nm: float, load_Nm: float, speed_rad_s: float) -> float:
-    """Return the most that friction holds against, M6: ``load_Nm`` is what the load does to the shaft.
+def friction_law(figures: Figures) -> Callable[[float, float, float], float]:
+    """Return M6: of motor torque, load torque (what the load does to the shaft) and speed the most that friction holds.
 
-    Dry friction, more of it at rest (Stribeck), a share of what the gears pass on, and viscous friction.
+    Dry friction, more of it at rest (Stribeck), a share of what the gears pass on, and viscous friction. A function
+    made once for each servo: it is called some ten thousand times per simulated second.
     """
-    f = figures.friction
-    fades = exp(-((abs(speed_rad_s) / f.stribeck_rad_s) ** f.stribeck_exponent))
-    passed = abs(f.load_external * load_Nm - f.load_motor * motor_Nm)
-    at_rest = abs(f.load_external_stribeck * load_Nm - f.load_motor_stribeck * motor_Nm) + f.stribeck_Nm
-    if load_Nm * motor_Nm < 0:
-        if abs(load_Nm) < abs(motor_Nm):
-            at_rest += f.load_external_square_1_Nm * load_Nm**2
-        elif abs(load_Nm) > abs(motor_Nm):
-            at_rest += f.load_motor_square_1_Nm * motor_Nm**2
-    return figures.coulomb_Nm + passed + fades * at_rest + f.viscous_Nms_rad * abs(speed_rad_s)
+    f, coulomb_Nm = figures.friction, figures.coulomb_Nm
+    load_share, motor_share, viscous_Nms_rad = f.load_external, f.load_motor, f.viscous_Nms_rad
+    load_at_rest, motor_at_rest, stribeck_Nm = f.load_external_stribeck, f.load_motor_stribeck, f.stribeck_Nm
+    load_square, motor_square = f.load_external_square_1_Nm, f.load_motor_square_1_Nm
+    stribeck_rad_s, exponent, e_to = f.stribeck_rad_s, f.stribeck_exponent, exp
+
+    def most_Nm(motor_Nm: float, load_Nm: float, speed_rad_s: float) -> float:
+        fast_rad_s = abs(speed_rad_s)
+        at_rest_Nm = abs(load_at_rest * load_Nm - motor_at_rest * motor_Nm) + stribeck_Nm
+        if load_Nm * motor_Nm < 0:
+            if abs(load_Nm) < abs(motor_Nm):
+                at_rest_Nm += load_square * load_Nm * load_Nm
+            elif abs(load_Nm) > abs(motor_Nm):
+                at_rest_Nm += motor_square * motor_Nm * motor_Nm
+        fades = e_to(-((fast_rad_s / stribeck_rad_s) ** exponent))
+        passed_Nm = coulomb_Nm + abs(load_share * load_Nm - motor_share * motor_Nm)
+        return passed_Nm + fades * at_rest_Nm + viscous_Nms_rad * fast_rad_s
+
+    return most_Nm
 
 
 def stopped_Nm(inertia_kg_m2: float, speed_rad_s: float, driving_Nm: float, most_Nm: float, dt_s: float) -> float:
@@ -121,8 +155,9 @@ class ServoLaw:
     def __init__(
         self, figures: Figures, position_rad: float, link_kg_m2: float, battery: Battery | None = None
     ) -> None:
-        self.figures, self.battery = figures, battery or Battery(figures.voltage_V, 0.0)
-        self.torque_Nm = self.friction_Nm = self.duty = 0.0
+        self.battery = battery or Battery(figures.voltage_V, 0.0)
+        self.become(figures)
+        self.torque_Nm = self.friction_Nm = self.motor_Nm = self.duty = 0.0
         self.rotor_rad, self.rotor_rad_s = position_rad, 0.0
         self.link_armature_kg_m2 = 0.0 if figures.backlash_rad > 0 else figures.armature_kg_m2
         self._link_kg_m2 = link_kg_m2
@@ -130,6 +165,10 @@ class ServoLaw:
         self._most: float | None = None
         self._told: tuple[float, float | None] = (position_rad, None)
         self._time_s = 0.0
+
+    def become(self, figures: Figures) -> None:
+        """Be a servo of other figures from now on."""
+        self.figures, self._most_Nm = figures, friction_law(figures)
 
     def step(
         self, goal_rad: float, most: float | None, position_rad: float, speed_rad_s: float, load_Nm: float, dt_s: float
@@ -145,8 +184,8 @@ class ServoLaw:
             self._step_rotor(position_rad, speed_rad_s, dt_s)
             return
         self.rotor_rad, self.rotor_rad_s = position_rad, speed_rad_s
-        self.torque_Nm = self._motor_Nm(speed_rad_s)
-        self.friction_Nm = friction_Nm(self.figures, self.torque_Nm, load_Nm, speed_rad_s)
+        self.torque_Nm = self.motor_Nm = self._drive_Nm(speed_rad_s)
+        self.friction_Nm = self._most_Nm(self.torque_Nm, load_Nm, speed_rad_s)
 
     def _hear(self, goal_rad: float, most: float | None) -> None:
         """Take what is told after the delay."""
@@ -168,7 +207,7 @@ class ServoLaw:
         duty = max(-self._most, min(self._most, f.duty_per_rad * (self._goal_rad - seen_rad)))
         return round(duty * f.pwm_steps) / f.pwm_steps if f.pwm_steps else duty
 
-    def _motor_Nm(self, speed_rad_s: float) -> float:
+    def _drive_Nm(self, speed_rad_s: float) -> float:
         """Return the motor's torque, and take its current from the battery; without torque its bridge is open."""
         if self._most is None:
             return 0.0
@@ -180,10 +219,10 @@ class ServoLaw:
     def _step_rotor(self, link_rad: float, link_rad_s: float, dt_s: float) -> None:
         """Advance the rotor between its flanks."""
         f = self.figures
-        motor_Nm = self._motor_Nm(self.rotor_rad_s)
+        self.motor_Nm = motor_Nm = self._drive_Nm(self.rotor_rad_s)
         flank_Nm = self._flank_Nm(self.rotor_rad - link_rad, self.rotor_rad_s - link_rad_s, dt_s)
         driving_Nm = motor_Nm - flank_Nm
-        most_Nm = friction_Nm(f, motor_Nm, -flank_Nm, self.rotor_rad_s)
+        most_Nm = self._most_Nm(motor_Nm, -flank_Nm, self.rotor_rad_s)
         driving_Nm += stopped_Nm(f.armature_kg_m2, self.rotor_rad_s, driving_Nm, most_Nm, dt_s)
         self.rotor_rad_s += driving_Nm / f.armature_kg_m2 * dt_s
         self.rotor_rad += self.rotor_rad_s * dt_s

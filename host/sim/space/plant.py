@@ -31,8 +31,8 @@ class SwitchedWorld(World):
         mujoco.mj_resetData(self.model, self.data)
         super()._rest()
         pose = np.array(seated_pose_rad(self.robot))
-        self.data.qpos[self._q : self._q + JOINTS] = pose
-        self.data.qpos[self._q - 5] -= self.robot.stance.rest_height_m - self.robot.stance.sit_height_m
+        self.data.qpos[self.joints.q] = pose
+        self.data.qpos[self.joints.q[0] - 5] -= self.robot.stance.rest_height_m - self.robot.stance.sit_height_m
         mujoco.mj_forward(self.model, self.data)
 
     def put_back(self) -> None:
@@ -42,6 +42,8 @@ class SwitchedWorld(World):
     def drive(self, goal_rad: Sequence[float], on: Sequence[bool], limit: Sequence[float]) -> None:
         """Tell the drives their goals, which of them give torque, and up to what share of their stall torque."""
         self._act(np.asarray(goal_rad, dtype=float))
+        if self.drives is not None:
+            self.drives.switch(on, limit)
         gives = np.asarray(on, dtype=float)[:, None]
         self.model.actuator_gainprm[:], self.model.actuator_biasprm[:] = self._gain * gives, self._bias * gives
         most = self.stall_Nm * np.asarray(limit, dtype=float)
@@ -56,11 +58,6 @@ class SwitchedWorld(World):
         motion = self.motion()
         self._remember()
         return motion
-
-    def joint_speeds_rad_s(self) -> list[float]:
-        """Return the twelve joints' speeds."""
-        speeds: list[float] = self.data.qvel[self._v : self._v + JOINTS].tolist()
-        return speeds
 
 
 class SpacePlant(Plant):
@@ -107,5 +104,5 @@ class SpacePlant(Plant):
 
     def _look(self) -> None:
         self.position_rad[:] = self.world.joints_rad().tolist()
-        self.speed_rad_s[:] = self.world.joint_speeds_rad_s()
+        self.speed_rad_s[:] = self.world.joint_speeds_rad_s().tolist()
         self.drives.load[:] = (self.world.data.actuator_force / self.world.stall_Nm).tolist()

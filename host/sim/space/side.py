@@ -1,4 +1,4 @@
-"""A walk in space from its right side: a recording as the plane makes it, with the same figures, picture and page."""
+"""A walk in space from its right side: a recording as the plane makes it, with the same figures, pictures and page."""
 
 import time
 from collections.abc import Callable
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from sim2d.recording import Recording
+from sim2d.recording import Aside, Recording
 
 from ...robot.model import Robot
 from ...util.errors import UserError
@@ -18,8 +18,9 @@ from .world import Array
 
 def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> Recording:
     """Return what the plane would have recorded of the walk: all points projected along y."""
-    points = _legs_m(spec.robot, rec.joint_rad) @ _turned(rec.attitude_rad)[:, None].transpose(0, 1, 3, 2)
-    xz = (points + rec.position_m[:, None, None])[..., [0, 2]]
+    turn = _turned(rec.attitude_rad)
+    points = _legs_m(spec.robot, rec.joint_rad) @ turn[:, None].transpose(0, 1, 3, 2) + rec.position_m[:, None, None]
+    xz = points[..., [0, 2]]
     count = len(rec.time_s)
     return Recording(
         time_s=rec.time_s,
@@ -47,6 +48,7 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         outcome=rec.outcome,
         real_time_factor=real_time_factor,
         notes=rec.notes,
+        aside=Aside(rec.position_m[:, 1], turn, points[..., 1]),
     )
 
 

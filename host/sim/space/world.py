@@ -19,10 +19,13 @@ from ...robot.actuators import Servo
 from ...robot.coupling import to_motor
 from ...robot.model import LEG_NAMES, Robot, Vector
 from ...robot.poses import rest_pose_rad
-from ..export.mjcf import ModelOptions, joint_names, mjcf
+from ..export.mjcf import ModelOptions, mjcf
+from ..servos.law import honest_figures
+from .drives import HonestDrives, Joints, compliant
 
 Array = npt.NDArray[np.float64]
 
+_SOFT_DAMPING = 1.0  # of critical, of what a foot and soft ground do (assumed)
 _GROUND, _TRUNK, _LIMB, _FOOT = 1, 2, 3, 10
 
 
@@ -30,17 +33,27 @@ class World:
     """One robot on one ground. ``bus_delay_s``: how late goals act."""
 
     def __init__(self, robot: Robot, options: ModelOptions, rate_hz: int, *, bus_delay_s: float = 0.02) -> None:
-        self.robot, self.options, self.rate_hz = robot, options, rate_hz
-        self.model = mujoco.MjModel.from_xml_string(mjcf(robot, replace(options, at_rest=False)))
+        self.robot, self.options, self.rate_hz, kind = robot, options, rate_hz, robot.simulation
+        made = replace(options, at_rest=False, honest=kind.honest, self_collision=kind.honest and kind.self_collision)
+        self.model = mujoco.MjModel.from_xml_string(mjcf(robot, made))
         self.data = mujoco.MjData(self.model)
-        first = self.model.joint(joint_names()[0])
-        self._q, self._v = int(first.qposadr[0]), int(first.dofadr[0])
         self._trunk = self.model.body("trunk").id
+        self.joints = Joints(self.model)
+        # The trunk's own coordinates: loose stones come before it, and on a stand it has none.
+        hip_q, hip_v = int(self.joints.q[0]), int(self.joints.v[0])
+        base_q, base_v = (hip_q, hip_v) if options.on_a_stand else (hip_q - 7, hip_v - 6)
+        self._at, self._turn = slice(base_q, min(base_q + 3, hip_q)), slice(min(base_q + 3, hip_q), hip_q)
+        self._velocity = slice(base_v, min(base_v + 3, hip_v))
+        figures = honest_figures(robot.actuator) if kind.honest else None
+        self.drives = None if figures is None else HonestDrives(robot, self.model, self.data, self.joints, figures,
+                                                                options.voltage_V or figures.voltage_V)
+        self._kind = self._kinds()
+        if kind.honest and kind.ground_N_m:
+            self._soften(kind.ground_N_m)
         self._steps_per_tick = round(1 / rate_hz / options.dt_s)
         self._delay_steps = round(bus_delay_s / options.dt_s)
         self._sent: deque[tuple[int, Array]] = deque()
         self._step = 0
-        self._kind = self._kinds()
         self._resolution_rad, self._goal_step_rad = _resolutions(robot)
         self._limits_rad = np.array([robot.joint_limits_rad(leg)[joint] for leg in range(4) for joint in range(3)])
         self._rest()
@@ -60,17 +73,30 @@ class World:
                 kinds[i] = _LIMB
         return kinds
 
+    def _soften(self, ground_N_m: float) -> None:
+        """Let the ground give under the feet; other parts find it hard."""
+        for geom in np.flatnonzero(self._kind >= _FOOT):
+            inverse_kg = float(self.model.body_invweight0[self.model.geom_bodyid[geom], 0])
+            self.model.geom_solref[geom], self.model.geom_solimp[geom] = compliant(
+                ground_N_m, _SOFT_DAMPING, inverse_kg, self.options.dt_s)  # fmt: skip
+
     def _rest(self) -> None:
         """Put the robot into its rest pose on the floor below x = 0."""
         pose = rest_pose_rad(self.robot)
-        self.data.qpos[self._q : self._q + 12] = pose
+        self.data.qpos[self.joints.q] = pose
+        if self.drives is not None:
+            self.drives.rest()
         self._act(np.array(pose))
         mujoco.mj_forward(self.model, self.data)
         self._remember()
 
     def _act(self, goal_rad: Array) -> None:
         """Hand a goal to the drives; a coupled calf's drive holds thigh + calf."""
-        self.data.ctrl[:] = to_motor(self.robot, goal_rad.tolist())
+        goals = to_motor(self.robot, goal_rad.tolist())
+        if self.drives is None:
+            self.data.ctrl[:] = goals
+        else:
+            self.drives.act(goals)
 
     def send(self, goal_rad: Sequence[float]) -> None:
         """Send twelve goals: limited as the drives would, in their register's steps, acting after the bus delay."""
@@ -94,9 +120,12 @@ class World:
         self._run_to(end)
 
     def _run_to(self, step: int) -> None:
-        if step > self._step:
+        if self.drives is not None:
+            for _ in range(step - self._step):
+                self.drives.step()
+        elif step > self._step:
             mujoco.mj_step(self.model, self.data, step - self._step)
-            self._step = step
+        self._step = max(step, self._step)
 
     @property
     def time_s(self) -> float:
@@ -112,14 +141,13 @@ class World:
 
     def _remember(self) -> None:
         """Keep attitude and velocity at the start of a control period, for the IMU's mean over it."""
-        self._was_turned = self.data.qpos[3:7].copy() if self._q else np.array([1.0, 0, 0, 0])
-        self._was_moving = self.data.qvel[:3].copy() if self._q else np.zeros(3)
+        self._was_turned, self._was_moving = self.data.qpos[self._turn].copy(), self.data.qvel[self._velocity].copy()
 
     def motion(self) -> tuple[Vector, Vector]:
         """Return turning speed in rad/s and specific force in m/s2, body axes, mean over the last control period."""
-        turned, rate, back, force = self.data.qpos[3:7].copy(), np.zeros(3), np.zeros(4), np.zeros(3)
+        turned, rate, back, force = self.data.qpos[self._turn].copy(), np.zeros(3), np.zeros(4), np.zeros(3)
         mujoco.mju_subQuat(rate, turned, self._was_turned)
-        velocity_change = (self.data.qvel[:3] - self._was_moving) * self.rate_hz
+        velocity_change = (self.data.qvel[self._velocity] - self._was_moving) * self.rate_hz
         mujoco.mju_negQuat(back, turned)
         mujoco.mju_rotVecQuat(force, velocity_change + np.array([0, 0, GRAVITY_M_S2]), back)
         turn_x, turn_y, turn_z = (rate * self.rate_hz).tolist()
@@ -130,23 +158,29 @@ class World:
 
     def true_joints_rad(self) -> Array:
         """Return the twelve joint angles as they are."""
-        return np.array(self.data.qpos[self._q : self._q + 12])
+        return self.joints.links(self.data.qpos, self.joints.q, self.joints.play_q)
+
+    def joint_speeds_rad_s(self) -> Array:
+        """Return the twelve joints' speeds."""
+        return self.joints.links(self.data.qvel, self.joints.v, self.joints.play_v)
 
     def position_m(self) -> Array:
         """Return the middle of the hips."""
-        return np.array(self.data.qpos[:3])
+        return np.array(self.data.qpos[self._at])
 
     def attitude_rad(self) -> tuple[float, float, float]:
         """Return roll, pitch and yaw, fixed axes (ROS)."""
-        w, x, y, z = self.data.qpos[3:7]
+        w, x, y, z = self.data.qpos[self._turn]
         roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
         pitch = math.asin(max(-1.0, min(1.0, 2 * (w * y - z * x))))
         return roll, pitch, math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
     def drive_torques_Nm(self) -> Array:
         """Return what the twelve drives give, each at its own shaft's joint: force less damping."""
-        speeds = np.array(to_motor(self.robot, self.data.qvel[self._v : self._v + 12].tolist()))
-        damping = self.model.dof_damping[self._v : self._v + 12].copy()
+        if self.drives is not None:
+            return self.drives.torques_Nm()
+        speeds = np.array(to_motor(self.robot, self.joint_speeds_rad_s().tolist()))
+        damping = self.model.dof_damping[self.joints.v]
         if self.robot.calf_drive.coupled:
             damping[2::3] = self.model.tendon_damping
         return np.asarray(self.data.actuator_force - damping * speeds)
@@ -156,8 +190,9 @@ class World:
         loads, trunk, deepest = [0.0] * 4, False, 0.0
         contact = self.data.contact
         for i in range(self.data.ncon):
-            kind = int(self._kind[contact.geom[i]].max())
-            if contact.dist[i] > 0 or kind < _TRUNK:
+            kinds = self._kind[contact.geom[i]]
+            kind = int(kinds.max())
+            if contact.dist[i] > 0 or kinds.min() != _GROUND or kind < _TRUNK:
                 continue
             trunk = trunk or kind == _TRUNK
             if kind >= _FOOT:

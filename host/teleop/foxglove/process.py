@@ -7,11 +7,13 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import foxglove
 from foxglove.websocket import Capability, ChannelView, Client, ClientChannel, ServerListener, StatusLevel
 
+from ...control.odometry import Odometry
 from ...records.channels import DRAWN, schema
 from ...records.scene import Messages, Scene
 from ...robot.file import load_robot
@@ -73,7 +75,8 @@ class Channels:
         """Publish a status and where everything is."""
         time_ns = self._epoch_ns + int(status["time_s"] * 1e9)
         joints = [angle or 0.0 for angle in status["joints_rad"]]
-        self._log(self._scene.places(time_ns, joints, status["attitude_rad"], status["odometry"]), time_ns)
+        at = replace(Odometry(*status["odometry"]), covariance=tuple(status["covariance"]))
+        self._log(self._scene.places(time_ns, joints, status["attitude_rad"], at), time_ns)
         if self._status is None:
             told = {**schema_of(status), "title": "caramelo.Status"}
             self._status = foxglove.Channel("/status", schema=told)

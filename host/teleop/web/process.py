@@ -31,7 +31,8 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     # The code is for everybody who could not open the scripts' socket on this machine either.
     friends = may_open_sockets() if is_loopback(setup["listen"]) else frozenset[str]()
     paired = Paired(Path(setup["paired"]) if setup.get("paired") else None)
-    server = Server(link.send, Pairing(setup["code"], friends, time.monotonic, paired), names, setup["about"])
+    pairing = Pairing(setup["code"], friends, time.monotonic, paired)
+    server = Server(link.send, pairing, names, setup["about"], first=setup.get("first", "index.html"))
     trouble = Trouble()
     runner = web.AppRunner(server.app(), access_log=None, handle_signals=False, shutdown_timeout=0.5)
     await runner.setup()
@@ -45,7 +46,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     link.send({"type": "web", "listens": True})
     counting = asyncio.create_task(_count(server, trouble, paired, link))
     while (news := await link.receive()) is not None:
-        if news["type"] == "status" and server.pages:
+        if "joints_rad" in news and server.pages:
             roll_rad, pitch_rad = news["attitude_rad"] or (0.0, 0.0)
             news["view"] = view.points(news["joints_rad"], roll_rad, pitch_rad, news["swinging"])
         server.publish(news)

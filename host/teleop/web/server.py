@@ -13,13 +13,14 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from ...control.messages import LONGEST, BadMessage, parse
+from ...control.messages import JOINT_KEYS, KEYS, LONGEST, BadMessage, parse
 from .access import Names, Pairing
 from .door import Door
 from .limits import BURST, MESSAGES_PER_S, Bucket, PerPeer
 from .trouble import THEIRS
 
 PAGE = Path(__file__).with_name("page")
+PAGES = {"index.html": KEYS, "joints.html": JOINT_KEYS}  # what each of them may say
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 MOST_PAGES, MOST_PAGES_EACH = 16, 8  # in all, and of one peer
 PEER_PER_S, PEER_BURST = 120.0, 120  # of all pages of a peer
@@ -93,7 +94,7 @@ class Stops:
 
 
 class Server:
-    """All pages. ``forward`` hands a message with its page's number to the loop."""
+    """All pages. ``forward`` hands a message with its page's number to the loop; ``first``: the one of PAGES served."""
 
     def __init__(
         self,
@@ -102,8 +103,10 @@ class Server:
         names: Names,
         about: dict[str, Any],
         clock: Callable[[], float] = time.monotonic,
+        first: str = "index.html",
     ) -> None:
         self._forward, self._pairing, self._names, self._about = forward, pairing, names, about
+        self._first, self._keys = first, PAGES[first]
         self._clock, self._number, self._stops = clock, 0, Stops(forward)
         self._peers = PerPeer(lambda: Bucket(PEER_PER_S, PEER_BURST, clock))
         self.door: Door | None = None
@@ -113,8 +116,9 @@ class Server:
     def app(self) -> web.Application:
         """Return the application."""
         app = web.Application(middlewares=[self._guard()], client_max_size=LONGEST)
-        for path in sorted(PAGE.iterdir()):
-            app.router.add_get("/" if path.name == "index.html" else f"/{path.name}", _file(path))
+        for path in sorted(path for path in PAGE.iterdir() if path.name not in PAGES):
+            app.router.add_get(f"/{path.name}", _file(path))
+        app.router.add_get("/", _file(PAGE / self._first))
         app.router.add_get("/paired", self._paired)
         app.router.add_post("/pair", self._pair)
         app.router.add_post("/unpair", self._unpair)
@@ -239,7 +243,7 @@ class Server:
     def _take(self, page: Page, text: str) -> bool:
         """Pass on a message; False for what is none, and for the last straw of too many."""
         try:
-            message = parse(text)
+            message = parse(text, self._keys)
         except BadMessage:
             return False
         if message["type"] == "stop":  # is never held back, but counts

@@ -7,6 +7,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
+from host.control.odometry import Odometry
 from host.records.channels import DRAWN
 from host.records.log import LoopLog, about
 from host.records.reader import read_record
@@ -18,6 +19,7 @@ from host.robot.model import JOINT_NAMES, LEG_NAMES
 from tests.host.control.rig import AHEAD, Rig
 
 JOINTS = [0.1, 0.5, -1.1, -0.2, 0.6, -1.0, 0.05, 0.7, -1.3, 0.0, 0.4, -0.9]
+MOVED = Odometry(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, tuple(range(1, 10)))
 TIME_NS = 1_700_000_000_123_456_789
 
 
@@ -45,7 +47,7 @@ def world(transforms):
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "solo12"])
 def test_links_are_where_the_kinematics_has_them(name):
     robot = load_robot(name)
-    placed = world(Scene(robot).places(TIME_NS, JOINTS, None, (0.0, 0.0, 0.0))["/tf"]["transforms"])
+    placed = world(Scene(robot).places(TIME_NS, JOINTS, None, Odometry())["/tf"]["transforms"])
     body = np.linalg.inv(placed["base_link"])
     for leg, label in enumerate(LEG_NAMES):
         foot = leg_forward(robot.geometry.links_m, robot.side(leg), tuple(JOINTS[3 * leg : 3 * leg + 3]))
@@ -55,7 +57,7 @@ def test_links_are_where_the_kinematics_has_them(name):
 
 def test_the_body_is_turned_as_the_sensor_says_and_stands_on_the_ground():
     robot, (roll, pitch, yaw) = load_robot("caramelo"), (0.2, -0.3, 1.0)
-    placed = world(Scene(robot).places(TIME_NS, JOINTS, (roll, pitch), (1.5, -0.5, yaw))["/tf"]["transforms"])
+    placed = world(Scene(robot).places(TIME_NS, JOINTS, (roll, pitch), Odometry(1.5, -0.5, yaw))["/tf"]["transforms"])
     rx = np.array([[1, 0, 0], [0, cos(roll), -sin(roll)], [0, sin(roll), cos(roll)]])
     ry = np.array([[cos(pitch), 0, sin(pitch)], [0, 1, 0], [-sin(pitch), 0, cos(pitch)]])
     rz = np.array([[cos(yaw), -sin(yaw), 0], [sin(yaw), cos(yaw), 0], [0, 0, 1]])
@@ -67,7 +69,7 @@ def test_the_body_is_turned_as_the_sensor_says_and_stands_on_the_ground():
 
 def test_frames_joints_and_shapes_are_the_urdfs():
     scene = Scene(load_robot("parallel"))
-    parts, places = scene.parts(TIME_NS), scene.places(TIME_NS, JOINTS, None, (0.0, 0.0, 0.0))
+    parts, places = scene.parts(TIME_NS), scene.places(TIME_NS, JOINTS, None, Odometry())
     root = Xml.fromstring(parts["/robot_description"]["data"])
     links = {link.attrib["name"] for link in root.findall("link")}
     drawn = {link.attrib["name"] for link in root.findall("link") if link.find("visual") is not None}
@@ -84,7 +86,7 @@ def test_frames_joints_and_shapes_are_the_urdfs():
 def all_messages():
     scene = Scene(load_robot("caramelo"))
     speeds = [0.1] * 12
-    return {**scene.parts(TIME_NS), **scene.places(TIME_NS, JOINTS, (0.1, 0.1), (0.1, 0.2, 0.3), speeds)}
+    return {**scene.parts(TIME_NS), **scene.places(TIME_NS, JOINTS, (0.1, 0.1), MOVED, speeds)}
 
 
 def complaints(value, schema, where=""):
@@ -106,6 +108,13 @@ def complaints(value, schema, where=""):
 @pytest.mark.parametrize("topic", DRAWN)
 def test_messages_are_as_their_schemas_say(topic):
     assert list(complaints(all_messages()[topic], DRAWN[topic])) == []
+
+
+def test_the_covariance_of_x_y_and_yaw_stands_in_its_six_rows():
+    told = all_messages()["/odometry"]["pose_covariance"]
+    rows = [told[6 * row : 6 * row + 6] for row in range(6)]
+    assert [[row[0], row[1], row[5]] for row in (rows[0], rows[1], rows[5])] == [[1, 2, 3], [4, 5, 6], [7, 8, 9]]
+    assert sum(map(bool, told)) == 9
 
 
 def test_a_message_that_is_otherwise_is_found():
@@ -147,13 +156,13 @@ def test_a_record_has_them_beside_its_channels(tmp_path):
     recorder.close()
     counts = read_record(recorder.path).counts
     ticks = counts["/timing"]
-    assert counts["/tf"] == counts["/pose"] == counts["/joint_states"] == (ticks + 1) // 2
+    assert counts["/tf"] == counts["/odometry"] == counts["/joint_states"] == (ticks + 1) // 2
     assert counts["/scene"] == counts["/robot_description"] == (ticks + 49) // 50
     names, poses = {}, []
     with recorder.path.open("rb") as file:
         for schema, channel, message in make_reader(file).iter_messages():
             names[channel.topic] = (schema.name, schema.encoding, channel.message_encoding)
-            if channel.topic == "/pose":
+            if channel.topic == "/odometry":
                 told = json.loads(message.data)
                 poses.append(told["pose"]["position"]["x"])
                 stamp = told["timestamp"]["sec"] * 10**9 + told["timestamp"]["nsec"]

@@ -20,7 +20,8 @@ UNIT_OF_SUFFIX = {
     "C": "degrees C", "Nm": "N m", "ohm": "ohm", "H": "H", "K": "K", "g": "g", "rpm": "rpm", "kg_m2": "kg m2",
     "m_s": "m/s", "m_s2": "m/s2", "rad_s": "rad/s", "rad_s2": "rad/s2", "deg_s": "deg/s", "1_s": "1/s",
     "per_rad": "1/rad", "J_K": "J/K", "K_W": "K/W", "Nm_A": "N m/A", "Nm_rad": "N m/rad", "bits": "bits",
-    "Nms_rad": "N m s/rad", "1_Nm": "1/(N m)", "per_g": "counts per g", "per_deg_s": "counts per deg/s",
+    "Nms_rad": "N m s/rad", "1_Nm": "1/(N m)", "N_m": "N/m", "per_g": "counts per g",
+    "per_deg_s": "counts per deg/s",
 }  # fmt: skip
 SOURCES = (
     "paper", "configuration", "urdf", "menagerie", "datasheet", "measured", "simulated", "assumed", "chosen", "derived",

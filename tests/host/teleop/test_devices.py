@@ -18,11 +18,12 @@ from host.util.errors import UserError
 from tests.host.control.rig import STOP, Rig
 
 ROBOT = load_robot("caramelo")
+FASTEST = (0.2, 0.05, 0.7)
 
 
 @pytest.fixture
 def keys():
-    return Keys(ROBOT, "paper-trot")
+    return Keys(ROBOT, "paper-trot", lambda: FASTEST)
 
 
 def test_keys_of_a_terminal():
@@ -31,7 +32,7 @@ def test_keys_of_a_terminal():
 
 @given(st.binary(max_size=80))
 def test_any_bytes_are_keys_or_nothing(data):
-    keys = Keys(ROBOT, "paper-trot")
+    keys = Keys(ROBOT, "paper-trot", lambda: FASTEST)
     for name in keys_of(data):
         message = keys.message(name)
         assert message is None or check(message)
@@ -46,9 +47,21 @@ def test_every_key_of_the_map_does_something(keys):
 
 
 def test_drive_keys_and_speed_share(keys):
-    assert keys.message("w")["vx_m_s"] == pytest.approx(0.5 * ROBOT.speed_limits.vx_m_s)
+    assert keys.message("w")["vx_m_s"] == pytest.approx(0.5 * FASTEST[0])
     keys.message("0")
-    assert keys.message("d")["wz_rad_s"] == pytest.approx(-ROBOT.speed_limits.wz_rad_s)
+    assert keys.message("d")["wz_rad_s"] == pytest.approx(-FASTEST[2])
+
+
+def test_full_speed_is_what_the_gait_of_the_moment_can():
+    rig = Rig()
+    keys = Keys(ROBOT, ROBOT.gait.default, rig.supervisor.fastest, share=1.0)
+    told = {}
+    for gait in ("trot", "paper-trot"):
+        rig.send(check({"type": "gait", "gait": gait}), Keyboard.client)
+        rig.run(0.1)
+        told[gait] = keys.message("w")["vx_m_s"]
+        assert told[gait] == pytest.approx(rig.supervisor.driver.fastest(gait)[0])
+    assert told["trot"] > 1.5 * told["paper-trot"]
 
 
 def test_pose_keys_reach_the_limit_and_stay(keys):
@@ -61,7 +74,7 @@ def test_pose_keys_reach_the_limit_and_stay(keys):
 
 def test_a_terminal_that_closes_is_gone():
     reading, writing = os.pipe()
-    keyboard = Keyboard(ROBOT, reading)
+    keyboard = Keyboard(ROBOT, lambda: FASTEST, reading)
     os.write(writing, b" ")
     assert keyboard.messages() == [STOP]
     os.close(writing)
@@ -95,12 +108,12 @@ class FakePad:
 
 def test_gamepad_drives_only_while_its_dead_man_button_is_held():
     device = FakePad()
-    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    pad = pads.open_gamepad(ROBOT, lambda: FASTEST, "/dev/input/event0", lambda path: device)
     device.say(pads.EV_ABS, pads.ABS_Y, -32768)
     assert pad.messages() == []
     device.say(pads.EV_KEY, pads.BTN_TL, 1)
     (message,) = pad.messages()
-    assert check(message)["vx_m_s"] == pytest.approx(ROBOT.speed_limits.vx_m_s)
+    assert check(message)["vx_m_s"] == pytest.approx(FASTEST[0])
     assert pad.repeat() == [message]
     device.say(pads.EV_KEY, pads.BTN_TL, 0)
     assert pad.messages() == pad.repeat() == []
@@ -108,7 +121,7 @@ def test_gamepad_drives_only_while_its_dead_man_button_is_held():
 
 def test_gamepad_buttons_and_dead_zone():
     device = FakePad()
-    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    pad = pads.open_gamepad(ROBOT, lambda: FASTEST, "/dev/input/event0", lambda path: device)
     device.say(pads.EV_KEY, pads.BTN_EAST, 1)
     device.say(pads.EV_KEY, pads.BTN_EAST, 0)
     assert pad.messages() == [STOP]
@@ -131,7 +144,7 @@ def vanish(path):
 )
 def test_no_gamepad_is_explained(opener, sentence):
     with pytest.raises(UserError, match=sentence):
-        pads.open_gamepad(ROBOT, "/dev/input/event0", opener)
+        pads.open_gamepad(ROBOT, lambda: FASTEST, "/dev/input/event0", opener)
 
 
 def test_the_screen_shows_state_reason_and_keys():
@@ -152,7 +165,7 @@ def pad_events():
 def test_a_gamepads_events_drive_the_robot():
     """A file of kernel events through the pad's own code: it stands up, walks, stops with the button, stays limp."""
     rig, device = Rig(), FakePad()
-    pad = pads.open_gamepad(ROBOT, "/dev/input/event0", lambda path: device)
+    pad = pads.open_gamepad(ROBOT, rig.supervisor.fastest, "/dev/input/event0", lambda path: device)
     events, seen = pad_events(), []
     for tick in range(round(11.0 / rig.loop.pacer.period_s)):
         now_s = tick * rig.loop.pacer.period_s

@@ -112,7 +112,7 @@ def flood(stream, messages):
 
 def test_scripts_that_flood_are_hung_up_on_and_hardly_looked_at(tmp_path, monkeypatch):
     parsed, lost = [], []
-    monkeypatch.setattr("host.teleop.hub.parse", lambda line: parsed.append(line) or parse(line))
+    monkeypatch.setattr("host.teleop.hub.parse", lambda line, keys: parsed.append(line) or parse(line, keys))
     hub = Hub(lambda client, message: True, lost.append, clock=lambda: 0.0)
     hub.listen(str(tmp_path / "socket"))
     streams = [connect(tmp_path) for _ in range(3)]

@@ -9,9 +9,11 @@ from host.robot.file import load_robot
 from host.robot.joint_gains import JointBlocks, joint_blocks
 from host.robot.joint_units import Board, JointSetup
 from shared.joint import layout as j
-from shared.joint.calibration import Calibration
+from shared.joint.bend import straightened
+from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
+from shared.joint.winding import probe_step
 
 SUBSTEPS = 4
 
@@ -19,12 +21,12 @@ SUBSTEPS = 4
 class Plant:
     """One joint at its real rates; ``blocked`` holds the rotor, ``swapped`` exchanges phases b and c at the motor."""
 
-    def __init__(self, elec_offset_brad=0, direction=1, calibrated=True, inertia_kg_m2=0.01, **setup):
+    def __init__(self, elec_offset_brad=0, direction=1, commissioned=True, inertia_kg_m2=0.01, **setup):
         self.bldc = load_robot("parallel").actuator
         self.setup = JointSetup(lower_rad=-1.0, upper_rad=1.9, inertia_kg_m2=inertia_kg_m2, **setup)
         self.board = Board()
         self.blocks: JointBlocks = joint_blocks(self.bldc, self.setup, self.board)
-        self.calibration = Calibration()
+        self.commission = Commission()
         self.loop, self.settings, self.state, self.io = (
             self.blocks.loop,
             self.blocks.settings,
@@ -49,8 +51,8 @@ class Plant:
         self.bridge = False
         self.trips = 0
         self.ticks = 0
-        if calibrated:
-            self.settings.calibrated = 1
+        if commissioned:
+            self.settings.commissioned = 1
             self.settings.direction = direction
             self.settings.elec_offset = elec_offset_brad
         self.answer = self.rotor()  # of the encoder to the next read
@@ -98,13 +100,15 @@ class Plant:
     def current_step(self):
         self.acting = [self.loop.duty[k] / self.loop.period for k in range(3)]
         self.read_currents()
-        rotor, self.answer = self.answer, self.rotor()
+        rotor, self.answer = straightened(self.loop, self.answer), self.rotor()
         code = current_step(rotor, 0, self.loop)
         if code:
             code = current_repair(code, rotor, 0, self.loop)
         if code:
             self.bridge = False
             self.trips += 1
+        if self.loop.probing:
+            probe_step(self.loop)
         self.move(1e-4)
 
     def move(self, seconds):
@@ -138,7 +142,7 @@ class Plant:
         self.read_slow()
         if setpoint and self.ticks % 5 == 0:
             self.io.sequence = (self.io.sequence + 1) & 0xFFFF
-        self.bridge = motion_tick(self.loop, self.settings, self.state, self.io, self.calibration) != j.TORQUE_OFF
+        self.bridge = motion_tick(self.loop, self.settings, self.state, self.io, self.commission) != j.TORQUE_OFF
         if self.ticks % 100 == 99:
             slow_tick(self.settings, self.state, self.io, self.blocks.curve)
         self.ticks += 1

@@ -11,7 +11,7 @@ from host.robot.file import load_robot
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import RATE_PER_RAD_S, JointSetup
 from shared.joint import cascade, feed, profile, report
-from shared.joint.calibration import set_commutation
+from shared.joint.commission import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
 from shared.wire.names import (

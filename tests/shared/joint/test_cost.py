@@ -59,7 +59,7 @@ def allocated(trace):
     before = micropython.mem_total()
     for rotor in range(200):
         current_step(rotor, 0, loop)
-        motion_tick(trace.loop, trace.settings, trace.state, trace.io, trace.calibration)
+        motion_tick(trace.loop, trace.settings, trace.state, trace.io, trace.commission)
         slow_tick(trace.settings, trace.state, trace.io, trace.curve)
     return micropython.mem_total() - before
 
@@ -72,7 +72,7 @@ print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(tra
 
 def block_values():
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-    blocks.settings.calibrated = 1
+    blocks.settings.commissioned = 1
     return pack(blocks.loop_settings), pack(blocks.settings), blocks.curve
 
 

@@ -9,11 +9,11 @@ from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import JointSetup
 from shared.joint import faults
 from shared.joint import layout as j
-from shared.joint.calibration import CAL_FULL, CAL_SMALL, CAL_VERIFY, Calibration
+from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY, Commission
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
-from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
 from shared.record import pack
 from shared.wire import names as w
 
@@ -23,14 +23,14 @@ BLDC = load_robot("parallel").actuator
 class Joint:
     """The blocks of a joint at rest with healthy sensors; the bridge is nowhere."""
 
-    def __init__(self, calibrated=True):
+    def __init__(self, commissioned=True):
         blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, has_joint_encoder=False))
         self.loop, self.settings, self.state, self.io, self.curve = (
             blocks.loop, blocks.settings, blocks.state, blocks.io, blocks.curve,
         )  # fmt: skip
-        self.calibration = Calibration()
+        self.commission = Commission()
         self.units = blocks.units
-        self.settings.calibrated = int(calibrated)
+        self.settings.commissioned = int(commissioned)
         joint_reset(self.loop, self.settings, self.state, 100)
         self.healthy()
         slow_tick(self.settings, self.state, self.io, self.curve)
@@ -45,7 +45,7 @@ class Joint:
 
     def tick(self, count=1):
         for _ in range(count):
-            motion_tick(self.loop, self.settings, self.state, self.io, self.calibration)
+            motion_tick(self.loop, self.settings, self.state, self.io, self.commission)
         return self.state.drive_state
 
     def setpoint(self, mode=w.MODE_POSITION, position=0):
@@ -99,12 +99,12 @@ def test_arming_is_refused_with_a_reason(place, value, result):
     assert joint.tick(4) == w.STATE_SWITCH_ON_DISABLED
 
 
-def test_arming_needs_calibration_homing_and_a_fresh_set_point():
-    joint = Joint(calibrated=False)
+def test_arming_needs_commission_homing_and_a_fresh_set_point():
+    joint = Joint(commissioned=False)
     assert joint.arm() == w.RESULT_WRONG_STATE
     joint.tick(2)
-    assert joint.arm() == w.RESULT_NOT_CALIBRATED
-    joint.settings.calibrated = 1
+    assert joint.arm() == w.RESULT_NOT_COMMISSIONED
+    joint.settings.commissioned = 1
     assert joint.arm() == w.RESULT_NOT_HOMED
     home_at(joint.settings, joint.state, 100)
     assert joint.arm() == w.RESULT_NO_SETPOINT
@@ -236,7 +236,7 @@ def disturb(joint, rng):
         joint.io.velocity, joint.io.current = rng.randint(-32768, 32767), rng.randint(-32768, 32767)
         joint.io.stiffness, joint.io.damping = rng.randint(0, 32767), rng.randint(0, 32767)
     elif choice < 8:
-        drive_arm(joint.settings, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_CALIBRATING)))
+        drive_arm(joint.settings, joint.state, joint.io, rng.choice((0, 0, 0, w.MODE_HOMING, w.MODE_COMMISSIONING)))
     elif choice == 8:
         rng.choice((drive_disarm, drive_quick_stop))(joint.state)
     elif choice < 11:
@@ -250,7 +250,7 @@ def disturb(joint, rng):
     elif choice == 13:
         home_at(joint.settings, joint.state, joint.state.position + rng.choice((0, 0, 6000)))
     elif choice == 14:
-        begin_calibration(joint.state, joint.calibration, rng.choice((CAL_FULL, CAL_SMALL, CAL_VERIFY)))
+        begin_commission(joint.state, joint.commission, rng.choice((COMMISSION_FULL, COMMISSION_VERIFY)))
     elif choice == 15 and rng.random() < 0.2:
         joint_reset(joint.loop, joint.settings, joint.state, rng.randrange(16384))
     else:
@@ -269,7 +269,7 @@ def check(joint, fault_before, drive_before):
     else:
         assert (loop.reference_q, loop.reference_d) == (0, 0)
     assert abs(loop.reference_q) <= joint.settings.current_max
-    assert 0 <= loop.reference_d <= joint.settings.cal_current
+    assert 0 <= loop.reference_d <= joint.settings.commission_current
     if joint.io.e_stop:
         assert drive == w.STATE_FAULT
     if drive_before == w.STATE_FAULT and drive == w.STATE_FAULT:

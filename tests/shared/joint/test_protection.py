@@ -8,7 +8,7 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import encoder_reset, home_at
 from shared.joint.protection import count_ticks
-from shared.joint.tick import begin_calibration, slow_tick
+from shared.joint.tick import begin_commission, slow_tick
 from shared.wire import names as w
 
 from .plant import Plant
@@ -122,7 +122,7 @@ def test_stall_is_a_fault_after_its_time_and_holding_a_load_is_not():
 
 
 def test_swapped_phases_do_not_run_away():
-    """Phases exchanged after calibration: the joint cannot move as asked, stalls, and stops with a fault."""
+    """Phases exchanged after commission: the joint cannot move as asked, stalls, and stops with a fault."""
     p = armed()
     p.swapped = True
     p.io.position += 5000
@@ -254,8 +254,8 @@ def test_homing_gives_up_without_a_stop():
     assert p.state.fault_code == f.FAULT_HOME_NO_STOP
 
 
-def test_calibration_runs_one_at_a_time():
+def test_commission_runs_one_at_a_time():
     joint = Joint()
-    assert begin_calibration(joint.state, joint.calibration, 2) == 2
-    joint.state.mode = w.MODE_CALIBRATING
-    assert begin_calibration(joint.state, joint.calibration, 1) == 0
+    assert begin_commission(joint.state, joint.commission, 2) == 2
+    joint.state.mode = w.MODE_COMMISSIONING
+    assert begin_commission(joint.state, joint.commission, 1) == 0

@@ -2,14 +2,15 @@
 
 from array import array
 
-from shared.joint.calibration import Calibration, set_commutation
+from shared.joint.commission import set_commutation
+from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step, set_loop, set_offsets
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
 from shared.joint.feed import feed_bus
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
-from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
 from shared.record import pack, unpack
 
 MASK = 0x3FFFFFF
@@ -24,7 +25,7 @@ class Trace:
         self.curve = array("i", curve)
         self.state = JointState()
         self.io = JointIo()
-        self.calibration = Calibration()
+        self.commission = Commission()
         own = LoopSettings()
         unpack(own, loop_settings)
         unpack(self.settings, settings)
@@ -81,17 +82,17 @@ class Trace:
             drive_clear(self.state)
         if number % 400 == 150:
             home_at(self.settings, self.state, self.state.position)
-            begin_calibration(self.state, self.calibration, 1 + number // 400 % 3)
+            begin_commission(self.state, self.commission, 1 + number // 400 % 2)
             b.position = 0
             drive_arm(self.settings, self.state, b, (0, 0, 7, 6)[number // 400 % 4])
         if number % 1300 == 1200:
             b.e_stop = 1
         self.steps(3)
-        motion_tick(self.loop, self.settings, self.state, b, self.calibration)
+        motion_tick(self.loop, self.settings, self.state, b, self.commission)
         if number % 100 == 0:
             b.thermistor_raw = 400 + self.draw(2000)
             slow_tick(self.settings, self.state, b, self.curve)
-        for block in (self.loop, self.state, self.settings, self.calibration):
+        for block in (self.loop, self.state, self.settings, self.commission):
             self.take(pack(block)[:200])  # without the sine table, which nothing changes
 
     def run(self, ticks):

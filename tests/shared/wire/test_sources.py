@@ -198,7 +198,7 @@ def test_the_parameters_follow_the_joints_records():
 
 
 def test_defaults_are_the_robots_own_values():
-    """But for what is measured on each joint: a fresh board is not calibrated."""
+    """But for what is measured on each joint: a fresh board is not commissioned."""
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-math.pi / 4, math.pi / 4))
     wanted = {
         name: getattr(block, name)

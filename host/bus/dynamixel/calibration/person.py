@@ -1,4 +1,4 @@
-"""Who answers the questions of a calibration: someone at the terminal, or a file of answers.
+"""Who answers the questions of a guided procedure: someone at the terminal, or a file of answers.
 
 Every question has a key, such as ``servo 5 direction``; a file of answers is a TOML table from keys to texts.
 """
@@ -13,7 +13,9 @@ from ....util.files import read_toml, write_text
 
 
 class Person(Protocol):
-    """Asks and tells."""
+    """Asks and tells. ``there``: someone is at the robot, who can mend what is wrong and try once more."""
+
+    there: bool
 
     def say(self, text: str) -> None:
         """Show something."""
@@ -38,7 +40,7 @@ def enter(prompt: str) -> str:
     try:
         return input(plain(prompt))
     except EOFError:
-        raise UserError("calibrate: the input ended; what is done so far is kept, start again to go on") from None
+        raise UserError("the input ended; what is done so far is kept, start again to go on") from None
 
 
 class AtTerminal:
@@ -46,6 +48,8 @@ class AtTerminal:
 
     UserError if the file is none of answers.
     """
+
+    there = True
 
     def __init__(self, record: Path | None = None) -> None:
         self._record = record
@@ -76,23 +80,23 @@ class AtTerminal:
 
 
 class FromFile:
-    """Answers from a file. Anything missing or refused ends the calibration with the key in one line.
+    """Answers from a file. Anything missing or refused ends the procedure with the key in one line.
 
     ``hands``: someone is at the robot to turn joints by hand, and presses Enter; without, the simulation does it.
     """
 
     def __init__(self, answers: dict[str, str], where: str, hands: bool = False) -> None:
-        self.answers, self._where, self._hands = answers, where, hands
+        self.answers, self._where, self.there = answers, where, hands
 
     def say(self, text: str) -> None:
         """See Person; only where someone is."""
-        if self._hands:
+        if self.there:
             say(text)
 
     def ask(self, key: str, question: str, choices: Sequence[str]) -> str:
         """See Person."""
         if not choices:
-            return enter(f"{question} [Enter] ") if self._hands else ""
+            return enter(f"{question} [Enter] ") if self.there else ""
         choices = [choice for choice in choices if choice != "again"]
         if key not in self.answers:
             raise UserError(f"{self._where}: {key}: missing: allowed: {', '.join(choices)}")
@@ -124,4 +128,4 @@ def read_answers(path: Path) -> dict[str, str]:
 def write_answers(path: Path, answers: dict[str, str]) -> None:
     """Write answers to a file."""
     lines = [f'"{key}" = "{value}"' for key, value in answers.items()]
-    write_text(path, "# Answers to `caramelo calibrate`, for --answers.\n" + "\n".join(lines) + "\n")
+    write_text(path, "# Answers for --answers.\n" + "\n".join(lines) + "\n")

@@ -6,21 +6,19 @@ What is done is kept after every servo in a file beside the calibration, so that
 """
 
 import difflib
-from collections.abc import Mapping
-from dataclasses import asdict
 from math import copysign, degrees, pi
 from pathlib import Path
 
 from ....robot.model import LEG_NAMES, Robot
 from ....robot.poses import rest_pose_rad
 from ....util.errors import NOT_ACHIEVED, UserError
-from ....util.files import read_toml, write_text
 from ...base import JOINT_LABELS, JOINTS
+from ..kept import read_kept, write_kept
 from ..link import ServoError
 from ..table import MODEL_MX28_V2
 from ..tools import find
 from .bench import Bench
-from .data import FIELDS, Calibration, JointCalibration, check, counts_per_rad, joint_from, limits_rad, to_text
+from .data import Calibration, JointCalibration, check, counts_per_rad, joint_from, limits_rad, to_text
 from .person import Person
 from .picture import picture, reference_words, words
 
@@ -61,7 +59,7 @@ class Procedure:
             ids = ", ".join(str(servo.id) for servo in found) or "none"
             raise ServoError(
                 f"{len(found)} servos answer (ids {ids}), must be {JOINTS}: check cables and power; servos that share "
-                f"an id count as one: plug them in one by one and renumber with: caramelo servos set-id"
+                f"an id count as one: set them up with: caramelo servos setup"
             )
         for servo in found:
             if servo.model != MODEL_MX28_V2:
@@ -169,17 +167,15 @@ class Procedure:
 
     def save(self) -> None:
         """Keep what is done so far."""
-        lines = [f'robot = "{self.robot.name}"']
-        for joint, data in sorted(self.done.items()):
-            values = ", ".join(f"{name} = {value}" for name, value in asdict(data).items())
-            lines.append(f'"{JOINT_LABELS[joint]}" = {{ {values} }}')
-        write_text(self.keep, "\n".join(lines) + "\n")
+        write_kept(self.keep, self.robot.name, self.done)
 
     def resume(self, servos: list[int]) -> None:
         """Take up an earlier, unfinished calibration if there is one and the person wants it."""
         if not self.keep.exists():
             return
-        done = _read_kept(self.keep, self.robot)
+        done = read_kept(self.keep, self.robot.name, JointCalibration)
+        if len({joint.id for joint in done.values()}) != len(done):
+            raise UserError(f"{self.keep}: two joints share a servo; delete it to start anew")
         if any(joint.id not in servos for joint in done.values()):
             raise UserError(
                 f"{self.keep}: begun with other servo ids than those on the bus now; delete it to start anew"
@@ -187,28 +183,6 @@ class Procedure:
         question = f"{len(done)} of {JOINTS} servos are calibrated already. Go on with the others?"
         if self.person.ask("resume", question, ["yes", "no"]) == "yes":
             self.done = done
-
-
-def _read_kept(path: Path, robot: Robot) -> dict[int, JointCalibration]:
-    """Return what an unfinished calibration holds; UserError if it is no such file."""
-    remedy = "delete it to start anew"
-    try:
-        tables = read_toml(path)
-        if tables.pop("robot") != robot.name:
-            raise UserError(f"{path}: begun for another robot; {remedy}")
-        done = {JOINT_LABELS.index(label): _kept_joint(values) for label, values in tables.items()}
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UserError(f"{path}: can't go on from it ({error}); {remedy}") from None
-    if len({joint.id for joint in done.values()}) != len(done):
-        raise UserError(f"{path}: two joints share a servo; {remedy}")
-    return done
-
-
-def _kept_joint(values: Mapping[str, int]) -> JointCalibration:
-    numbers = {name: values[name] for name in FIELDS}
-    if any(type(number) is not int for number in numbers.values()):
-        raise TypeError("whole numbers only")
-    return JointCalibration(**numbers)
 
 
 def difference(path: Path, calibration: Calibration) -> str:

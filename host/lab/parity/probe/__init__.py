@@ -23,6 +23,7 @@ MODULES = (
     "compliance",
     "load",
     "sensing",
+    "odometry",
     "stability",
     "trot",
     "crawl",

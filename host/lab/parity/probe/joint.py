@@ -1,8 +1,9 @@
 """shared/joint: the functions that work on a joint's blocks, in states that a life of the joint leads to."""
 
 from shared.joint import (
-    calibration,
+    bend,
     cascade,
+    commission,
     current,
     drive_state,
     encoder,
@@ -11,21 +12,26 @@ from shared.joint import (
     protection,
     report,
     sine,
+    spinning,
     svpwm,
     thermal,
     tick,
+    turning,
+    winding,
 )
+from shared.joint import commission_state as state
 from shared.joint.layout import LoopSettings
 
 from .draw import Range
 from .joint_robot import (
-    CALIBRATION,
+    COMMISSION,
     CURVE,
     FIELDS,
     IO,
     LOOP,
     MOTION,
     SETTINGS,
+    SIGN,
     STATE,
     begin,
     live,
@@ -37,7 +43,9 @@ from .joint_robot import (
 from .probe import Probe
 
 SOURCES = (
-    "joint.calibration",
+    "joint.bend",
+    "joint.commission",
+    "joint.commission_state",
     "joint.cascade",
     "joint.current",
     "joint.drive_state",
@@ -47,13 +55,16 @@ SOURCES = (
     "joint.protection",
     "joint.report",
     "joint.sine",
+    "joint.spinning",
     "joint.svpwm",
     "joint.thermal",
     "joint.tick",
+    "joint.turning",
+    "joint.winding",
 )
 
 LOOP_SETTINGS = LoopSettings()
-BLOCKS = (LOOP, SETTINGS, STATE, IO, CALIBRATION)
+BLOCKS = (LOOP, SETTINGS, STATE, IO, COMMISSION)
 ROTOR = Range(0, 16383)
 CURRENT = Range(-12288, 12288)
 RATE = Range(-(1 << 18), (1 << 18) - 1)
@@ -61,6 +72,7 @@ SQUARE = Range(0, (1 << 19) - 1)
 OFFSET = Range(0, 65520)
 POSITION = Range(-(1 << 28), 1 << 28)
 PURPOSE = Range(0, 8)
+HARMONIC = Range(-4095, 4095)
 TURNS = Range(-(1 << 30) + 2, (1 << 30) - 2)
 
 
@@ -125,82 +137,143 @@ def _gliding(values, dice):
 
 def _posed(values, dice):
     live(values, dice)
-    CALIBRATION.pose = dice.bits(18) - (1 << 17)
-    CALIBRATION.rest_rotor = dice.bits(14)
-    CALIBRATION.rest_joint = dice.bits(14)
+    COMMISSION.pose = dice.bits(18) - (1 << 17)
+    COMMISSION.rest_rotor = dice.bits(14)
+    COMMISSION.rest_joint = dice.bits(14)
 
 
-def _calibrating(values, dice):
-    """In the middle of a calibration: as many ticks of one as come up, then the probed one."""
-    if dice.below(30) == 0 or CALIBRATION.phase == calibration.PHASE_IDLE:
+def _commissioning(values, dice):
+    """In the middle of commissioning: as many ticks of it as come up, then the probed one."""
+    if dice.below(30) == 0 or COMMISSION.phase == state.PHASE_IDLE:
         begin()
-        calibration.calibration_start(CALIBRATION, 1 + dice.below(3))
-        CALIBRATION.pose_given = dice.bits(1)
+        commission.commission_start(COMMISSION, 1 + dice.below(2))
+        COMMISSION.pose_given = dice.bits(1)
+        commission.commission_step(LOOP, SETTINGS, STATE, IO, COMMISSION)
     if dice.bits(1):
         skip_ahead(dice)
     for _ in range(dice.below(30)):
         follow_field(dice)
-        calibration.calibration_step(LOOP, SETTINGS, STATE, IO, CALIBRATION)
+        commission.commission_step(LOOP, SETTINGS, STATE, IO, COMMISSION)
     follow_field(dice)
+
+
+def _in_phases(first, last):
+    """Return what brings commissioning into one of these phases, as if all had gone well until then."""
+
+    def fit(values, dice):
+        live(values, dice)
+        commission.commission_start(COMMISSION, 1)
+        skip_to(dice, first + dice.below(last - first + 1))
+
+    return fit
+
+
+def _probing(values, dice):
+    live(values, dice)
+    winding.probe_begin(LOOP, 1)
+    LOOP.alternate_d = dice.bits(10) * dice.bits(1)
+    LOOP.alternate_q = dice.bits(10) * dice.bits(1)
+    LOOP.level = dice.bits(10)
 
 
 def skip_ahead(dice):
-    """To near the end of any phase, as if all had gone well until then, or nearly all."""
-    travel = 262144 if CALIBRATION.kind == calibration.CAL_FULL else 32768
+    """To near the end of any phase."""
+    skip_to(dice, 1 + dice.below(state.PHASE_SPIN))
+
+
+def skip_to(dice, phase):
+    """To near the end of a phase, as if all had gone well until then, or nearly all."""
     pairs = SETTINGS.pole_pairs
-    phase = 1 + dice.below(calibration.PHASE_RETURN)
-    back = phase == calibration.PHASE_BACK or phase == calibration.PHASE_RETURN
-    CALIBRATION.phase = phase
-    CALIBRATION.phase_ticks = (0, 250, 250, 506)[phase] if phase < calibration.PHASE_FORWARD else 0
-    CALIBRATION.angle = 1280 if back else travel - 1280
-    CALIBRATION.moved = CALIBRATION.angle // (4 * pairs)
-    CALIBRATION.direction = 1
-    CALIBRATION.pole_pairs = pairs
-    CALIBRATION.moved_forward = travel // (4 * pairs)
-    CALIBRATION.joint_moved_forward = CALIBRATION.moved_forward * 256 // SETTINGS.gear_q8
+    full = COMMISSION.kind == state.COMMISSION_FULL
+    travel = pairs * 65536 if full else 32768
+    COMMISSION.phase = phase
+    COMMISSION.phase_ticks = (0, 250, 318, 509, 510, 510, 250, 250, 9, 9, 9, 3990)[phase]
+    COMMISSION.angle = 1280 if phase == state.PHASE_BACK else travel - 1280
+    COMMISSION.travel = (42 * 65536 if full else travel) if phase == state.PHASE_FORWARD else travel
+    COMMISSION.moved = COMMISSION.angle // (4 * pairs)
+    COMMISSION.direction = 1
+    COMMISSION.pole_pairs = pairs
+    COMMISSION.moved_first = 16384 // pairs
+    COMMISSION.moved_seen = 0
+    COMMISSION.moved_forward = travel // (4 * pairs)
+    COMMISSION.joint_moved_forward = COMMISSION.moved_forward * 256 // SETTINGS.gear_q8
+    COMMISSION.error_way = 1 + dice.bits(14)
+    COMMISSION.error_sum = dice.bits(22) - (1 << 21)
+    for at in range(4):
+        COMMISSION.harmonic_sum[at] = dice.bits(22) - (1 << 21)
+    COMMISSION.level = 50 + dice.bits(8)
+    COMMISSION.window = (16, 256)[dice.bits(1)]
+    COMMISSION.current_high_q4 = (700 + dice.bits(10)) << 4
+    COMMISSION.resistance = 2000 + dice.bits(15)
+    COMMISSION.inductance_d = 4000 + dice.bits(17)
+    COMMISSION.inductance_q = 4000 + dice.bits(17)
+    COMMISSION.dead_q4 = dice.bits(9)
+    COMMISSION.centre = COMMISSION.moved_forward >> 1
+    COMMISSION.sign = 1 - 2 * dice.bits(1)
+    COMMISSION.half_swings = dice.below(9)
+    COMMISSION.way = 40000 + dice.bits(15)
     for axis in range(3):
-        CALIBRATION.raw_sum[axis] = 2048 * 250
+        COMMISSION.raw_sum[axis] = 2048 * 248
+    probed(dice, phase)
     follow_field(dice)
-    CALIBRATION.rotor_last = LOOP.rotor
-    CALIBRATION.joint_last = IO.joint_raw
-    CALIBRATION.rest_rotor = LOOP.rotor
+    COMMISSION.rotor_last = LOOP.rotor
+    COMMISSION.joint_last = IO.joint_raw
+    COMMISSION.rest_rotor = LOOP.rotor
     if dice.below(3) == 0:
-        value = dice.bits(16) - 32768
-        go_wrong(dice.below(4), value)
+        go_wrong(dice.below(6), dice.bits(16) - 32768)
+
+
+def probed(dice, phase):
+    """What the interrupt has added up by then."""
+    winding.probe_begin(LOOP, 1)
+    steps = 2560
+    LOOP.probe_steps = steps
+    LOOP.sum_current_d = steps * (200 + dice.bits(9))
+    LOOP.sum_current_q = steps * (200 + dice.bits(9))
+    LOOP.sum_voltage_d = steps * (dice.bits(6) - 32)
+    LOOP.sum_voltage_q = steps * (200 + dice.bits(9))
+    LOOP.alternate_d = 300 + dice.bits(9) if phase == state.PHASE_ALTERNATE_D else 0
+    LOOP.alternate_q = 300 + dice.bits(9) if phase == state.PHASE_ALTERNATE_Q else 0
 
 
 def go_wrong(where, value):
-    """One of what calibration has measured is anything."""
+    """One of what commissioning has measured is anything."""
     if where == 0:
-        CALIBRATION.moved_forward = value
+        COMMISSION.moved_forward = value
     elif where == 1:
-        CALIBRATION.moved = value
+        COMMISSION.moved = value
     elif where == 2:
-        CALIBRATION.joint_moved_forward = value
+        COMMISSION.joint_moved_forward = value
+    elif where == 3:
+        COMMISSION.raw_sum[0] = value
+    elif where == 4:
+        COMMISSION.harmonic_sum[0] = value << 12
     else:
-        CALIBRATION.raw_sum[0] = value
+        LOOP.sum_current_d = value << 8
 
 
 def follow_field(dice):
     """The rotor goes where the field points, as a free one does, with the current that is asked for."""
     pairs = SETTINGS.pole_pairs
-    turned = CALIBRATION.angle // (4 * pairs) if pairs else 0
+    turned = COMMISSION.angle // (4 * pairs) if pairs else 0
     LOOP.rotor = (turned + 100 + dice.bits(1)) & 16383
-    LOOP.current_d = LOOP.reference_d + dice.bits(3) - 4
+    LOOP.current_d = SETTINGS.commission_current + dice.bits(3) - 4
     IO.joint_raw = (turned * 256 // SETTINGS.gear_q8) & 16383
     STATE.rate = 0
-    STATE.bus = (SETTINGS.cal_bus_least + SETTINGS.cal_bus_most) >> 1
+    STATE.bus = (SETTINGS.commission_bus_least + SETTINGS.commission_bus_most) >> 1
     for phase in range(3):
         LOOP.raw[phase] = 2048 + dice.bits(2)
+        if COMMISSION.phase != state.PHASE_REST:
+            LOOP.raw[phase] += (200, -60, -140)[phase]
 
 
 def _probe(source, name, *arguments, fit=live, vectors=1):
-    watch = (FIELDS, STATE, SETTINGS, CALIBRATION)
+    watch = (FIELDS, STATE, SETTINGS, COMMISSION)
     return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit, begin=begin, vectors=vectors)
 
 
 class Life(Probe):
-    """The motion tick through a long life: set-points, modes, faults, arming, calibrating, homing."""
+    """The motion tick through a long life: set-points, modes, faults, arming, commissioning, homing."""
 
     def draw(self, index, count):
         wish(self.dice)
@@ -263,16 +336,31 @@ PROBES = (
     _probe(drive_state, "drive_quick_stop", STATE),
     _probe(drive_state, "drive_clear", STATE),
     _probe(drive_state, "drive_step", SETTINGS, STATE, IO, vectors=2),
-    _probe(calibration, "set_commutation", LOOP, SETTINGS),
-    _probe(calibration, "calibration_start", CALIBRATION, Range(1, 3)),
-    _probe(calibration, "calibration_abort", LOOP, SETTINGS, CALIBRATION),
-    _probe(calibration, "calibration_needs_bridge", CALIBRATION),
-    _probe(calibration, "calibration_step", LOOP, SETTINGS, STATE, IO, CALIBRATION, fit=_calibrating),
-    _probe(calibration, "set_zeros", SETTINGS, CALIBRATION, fit=_posed),
+    _probe(current, "keep_gains", LOOP, LOOP_SETTINGS, fit=_tuned),
+    _probe(bend, "straightened", LOOP, ROTOR),
+    _probe(bend, "fill_bend", LOOP, HARMONIC, HARMONIC, HARMONIC, HARMONIC),
+    _probe(bend, "set_bend", LOOP, SETTINGS),
+    _probe(commission, "set_commutation", LOOP, SETTINGS),
+    _probe(commission, "commission_start", COMMISSION, Range(1, 2)),
+    _probe(commission, "commission_abort", LOOP, SETTINGS, COMMISSION),
+    _probe(commission, "commission_needs_bridge", COMMISSION),
+    _probe(commission, "commission_step", LOOP, SETTINGS, STATE, IO, COMMISSION, fit=_commissioning, vectors=2),
+    _probe(commission, "set_zeros", SETTINGS, COMMISSION, fit=_posed),
+    _probe(state, "refuse", COMMISSION, Range(64, 83), Range(-(1 << 23), (1 << 23) - 1)),
+    _probe(state, "go_on", COMMISSION, Range(0, 11)),
+    _probe(winding, "ratio", Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30)),
+    _probe(winding, "winding_inductance", Range(1, 1 << 22), Range(1, 1 << 20), Range(0, 1 << 18)),
+    _probe(winding, "probe_begin", LOOP, SIGN),
+    _probe(winding, "probe_step", LOOP, fit=_probing),
+    _probe(winding, "point", LOOP, COMMISSION),
+    _probe(winding, "winding_step", LOOP, SETTINGS, COMMISSION, fit=_in_phases(2, 7)),
+    _probe(turning, "turn_step", LOOP, SETTINGS, IO, COMMISSION, fit=_in_phases(8, 10)),
+    _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(10, 10)),
+    _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(11, 11)),
     Probe("fill_sine", sine.fill_sine, (LOOP,), watch=(LOOP,), ticks=False),
     _probe(tick, "joint_reset", LOOP, SETTINGS, STATE, ROTOR),
     _probe(tick, "slow_tick", SETTINGS, STATE, IO, CURVE),
-    _probe(tick, "begin_calibration", STATE, CALIBRATION, Range(1, 3)),
-    _probe(tick, "motion_tick", LOOP, SETTINGS, STATE, IO, CALIBRATION, vectors=2),
+    _probe(tick, "begin_commission", STATE, COMMISSION, Range(1, 2)),
+    _probe(tick, "motion_tick", LOOP, SETTINGS, STATE, IO, COMMISSION, vectors=2),
     Life("motion_tick:life", tick.motion_tick, BLOCKS, watch=(FIELDS, STATE), begin=begin, vectors=10),
 )

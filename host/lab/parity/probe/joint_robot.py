@@ -1,13 +1,14 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
-from shared.joint.calibration import Calibration
+from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.layout import SINE_SIZE, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.sine import fill_sine
-from shared.joint.tick import begin_calibration, joint_reset, motion_tick, slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
+from shared.joint.winding import probe_step
 from shared.record import copy
-from shared.wire.names import MODE_CALIBRATING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
+from shared.wire.names import MODE_COMMISSIONING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
 from .draw import Range
 from .probe import Head, Pick
@@ -18,13 +19,13 @@ FIELDS = Head(LOOP, SINE_SIZE)  # without the sine table, which nothing changes
 SETTINGS = JointSettings()
 STATE = JointState()
 IO = JointIo()
-CALIBRATION = Calibration()
-FRESH = ((JointState(), STATE), (JointIo(), IO), (Calibration(), CALIBRATION))
+COMMISSION = Commission()
+FRESH = ((JointState(), STATE), (JointIo(), IO), (Commission(), COMMISSION))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
 _WORD = Range(-32768, 32767)
-_PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_CALIBRATING)
+_PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_COMMISSIONING)
 
 
 fill_sine(LOOP)
@@ -48,13 +49,13 @@ def begin():
 
 
 def settings(which):
-    """Load a joint's blocks: calibrated, hardware ready, a host there."""
+    """Load a joint's blocks: commissioned, hardware ready, a host there."""
     loop, settings, _ = JOINTS[which]
     copy(loop, LOOP)
     copy(settings, SETTINGS)
     for fresh, block in FRESH:
         copy(fresh, block)
-    SETTINGS.calibrated = 1
+    SETTINGS.commissioned = 1
     MOTION.rotor = MOTION.speed = 0
     MOTION.quiet = 60
     calm_inputs()
@@ -99,8 +100,8 @@ def wish(dice):
     elif STATE.drive_state == STATE_SWITCH_ON_DISABLED:
         STATE.homed = 1
         purpose = _PURPOSES[dice.below(len(_PURPOSES))]
-        if drive_arm(SETTINGS, STATE, IO, purpose) == 0 and purpose == MODE_CALIBRATING:
-            begin_calibration(STATE, CALIBRATION, 1 + dice.below(3))
+        if drive_arm(SETTINGS, STATE, IO, purpose) == 0 and purpose == MODE_COMMISSIONING:
+            begin_commission(STATE, COMMISSION, 1 + dice.below(2))
 
 
 def trouble(dice):
@@ -142,8 +143,10 @@ def one_millisecond(dice):
         code = current_step(MOTION.rotor, invalid, LOOP)
         if code:
             current_repair(code, MOTION.rotor, invalid, LOOP)
+        if LOOP.probing:
+            probe_step(LOOP)
     IO.joint_raw = (MOTION.rotor * 256 // SETTINGS.gear_q8 + dice.bits(1)) & 16383
-    motion_tick(LOOP, SETTINGS, STATE, IO, CALIBRATION)
+    motion_tick(LOOP, SETTINGS, STATE, IO, COMMISSION)
     if dice.below(50) == 0:
         slow_tick(SETTINGS, STATE, IO, CURVE)
 

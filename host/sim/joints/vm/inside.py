@@ -62,7 +62,7 @@ class Inside:
     def _configure(self, stored):  # type: ignore[no-untyped-def]
         control = self.joint.control
         self.joint.parameters.take(stored)
-        control.settings.calibrated = 1
+        control.settings.commissioned = 1
         control.settings.elec_offset = 0
 
     def _set_sensors(self, sensors):  # type: ignore[no-untyped-def]

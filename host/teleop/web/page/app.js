@@ -1,6 +1,7 @@
 // The page: one websocket; sends the sticks when they change and ten times a second while they are in use.
 import { Keys, Pad, Stick, still } from "/inputs.js";
-import { Plots } from "/plots.js";
+import { askForPairing } from "/pairing.js";
+import { Plots, STATUS } from "/plots.js";
 import { View } from "/view.js";
 
 const AGAIN_MS = 100; // a third of the robot's dead-man time
@@ -21,14 +22,12 @@ const $ = (id) => document.getElementById(id);
 const HOLD_MS = 700; // a choice just made here is not overwritten by a status that does not know of it yet
 
 let chosenMs = -HOLD_MS;
-let scanned = /^#\d{6}$/.test(location.hash) ? location.hash.slice(1) : ""; // the QR code in the terminal has it
-history.replaceState(null, "", location.pathname);
 let socket = null, hello = null, status = null, heardMs = 0, sentMs = 0;
 const sticks = [
   new Stick($("walk"), { right: ["left", -1], up: ["forward", 1] }, changed),
   new Stick($("turn"), { right: ["turn", -1], up: ["pitch", 1] }, changed),
 ];
-const view = new View($("view")), plots = new Plots($("plot-pick"), $("plot-clear"), $("plot-list"));
+const view = new View($("view")), plots = new Plots($("plot-pick"), $("plot-clear"), $("plot-list"), STATUS, (news) => news.time_s, 20);
 let walked_m = 0, place = null, ground = "", agreedMs = 0;
 const keys = new Keys(changed);
 const pad = new Pad(changed, { 1: stop, 8: () => send({ type: "reset" }), 9: () => posture("stand") });
@@ -39,21 +38,14 @@ function connect() {
   socket.onclose = () => {
     hello = status = null;
     show();
-    askForPairing();
+    askForPairing(told);
     setTimeout(connect, RECONNECT_MS);
   };
 }
 
-async function askForPairing() {
-  try {
-    const answer = await (await fetch("/paired")).json();
-    $("pairing").hidden = answer.paired;
-    $("unpair").hidden = !answer.kept;
-    show();
-    if (!answer.paired && scanned) pair(scanned);
-  } catch {
-    $("pairing").hidden = true; // the robot is not there: the state says so
-  }
+function told(answer) {
+  $("unpair").hidden = !answer.kept;
+  show();
 }
 
 function receive(message) {
@@ -63,14 +55,15 @@ function receive(message) {
   else if (message.type === "status") {
     status = message;
     follow();
-    plots.take(status);
+    plots.push(status);
+    plots.paint();
     show();
   }
 }
 
 function begin(message) {
   hello = message;
-  askForPairing();
+  askForPairing(told);
   document.title = message.simulated ? `${message.robot}, simulation` : message.robot;
   $("robot").textContent = message.robot;
   $("sim").hidden = !message.simulated;
@@ -225,9 +218,9 @@ function speeds(shown) {
 function facts() {
   const shown = (value, digits) => value.toFixed(digits).replace(/^-(0\.?0*)$/, "$1"); // no "-0"
   const degrees = (angle) => `${shown((angle * 180) / Math.PI, 1)}°`;
-  const [x, y, yaw] = status.odometry;
+  const [x, y, yaw] = status.odometry, [xx, , , , yy, , , , turned] = status.covariance.map((square) => 2 * Math.sqrt(Math.abs(square)));
   $("walked").textContent = `${shown(walked_m, 2)} m`;
-  $("place").textContent = `ahead ${shown(x, 2)} m, left ${shown(y, 2)} m, turned ${degrees(yaw)}`;
+  $("place").textContent = `ahead ${shown(x, 2)} m, left ${shown(y, 2)} m, turned ${degrees(yaw)} (± ${shown(Math.max(xx, yy), 2)} m, ${degrees(turned)})`;
   speeds(shown);
   $("roll").textContent = status.attitude_rad ? degrees(status.attitude_rad[0]) : "unknown";
   $("pitch").textContent = status.attitude_rad ? degrees(status.attitude_rad[1]) : "unknown";
@@ -287,16 +280,6 @@ for (const button of document.querySelectorAll("[data-camera]")) {
 for (const button of document.querySelectorAll("[data-posture]")) {
   button.addEventListener("click", () => posture(button.dataset.posture));
 }
-async function pair(code) {
-  scanned = "";
-  const answer = await fetch("/pair", { method: "POST", body: code });
-  $("pair-answer").textContent = answer.ok ? "" : (await answer.text()).trim();
-}
-
-$("pair-form").addEventListener("submit", (event) => {
-  event.preventDefault();
-  pair($("code").value);
-});
 $("unpair").addEventListener("click", () => fetch("/unpair", { method: "POST" }));
 
 setInterval(again, AGAIN_MS);

@@ -1,10 +1,10 @@
-// Live plots of what the user picks: one small chart each, the last SECONDS of it, with the newest value.
-const SECONDS = 20, MOST = 6;
+// Live plots of what the user picks: one small chart each, the last seconds of it, with the newest value.
+const MOST = 6;
 const LEGS = ["FR", "FL", "RR", "RL"], JOINTS = ["hip", "thigh", "calf"];
 const DEGREES = 180 / Math.PI;
 
 // Name: the value of a status, and its unit.
-const CHOICES = new Map([
+export const STATUS = new Map([
   ["speed told", [(status) => status.speed[0], "m/s"]],
   ["speed walked", [(status) => status.odometry[3], "m/s"]],
   ["turning told", [(status) => status.speed[2], "rad/s"]],
@@ -17,16 +17,21 @@ const CHOICES = new Map([
   ["bus errors", [(status) => status.bus_errors, ""]],
 ]);
 LEGS.forEach((leg, i) => JOINTS.forEach((joint, j) => {
-  CHOICES.set(`${leg} ${joint} angle`, [(status) => DEGREES * status.joints_rad[3 * i + j], "°"]);
-  CHOICES.set(`${leg} ${joint} load`, [(status) => 100 * status.load[3 * i + j], "%"]);
+  STATUS.set(`${leg} ${joint} angle`, [(status) => DEGREES * status.joints_rad[3 * i + j], "°"]);
+  STATUS.set(`${leg} ${joint} load`, [(status) => 100 * status.load[3 * i + j], "%"]);
 }));
 
+// ``choices``: name: [value of what is pushed, unit]; ``time``: its time, in s; ``seconds``: how long a plot is.
 export class Plots {
-  constructor(pick, clear, list) {
+  constructor(pick, clear, list, choices, time, seconds) {
     this.pick = pick;
     this.list = list;
+    this.choices = choices;
+    this.time = time;
+    this.seconds = seconds;
+    this.now = 0;
     this.shown = new Map(); // name: {canvas, value, points}
-    pick.replaceChildren(new Option("pick a value", ""), ...[...CHOICES.keys()].map((name) => new Option(name, name)));
+    pick.replaceChildren(new Option("pick a value", ""), ...[...choices.keys()].map((name) => new Option(name, name)));
     pick.addEventListener("change", () => {
       this.add(pick.value);
       pick.value = "";
@@ -35,11 +40,11 @@ export class Plots {
   }
 
   add(name) {
-    if (!CHOICES.has(name) || this.shown.has(name)) return;
+    if (!this.choices.has(name) || this.shown.has(name)) return;
     if (this.shown.size >= MOST) this.remove(this.shown.keys().next().value);
     const figure = document.createElement("figure"), canvas = document.createElement("canvas"), caption = document.createElement("figcaption");
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${name} over the last ${SECONDS} s`);
+    canvas.setAttribute("aria-label", `${name} over the last ${this.seconds} s`);
     figure.append(caption, canvas);
     this.list.append(figure);
     this.shown.set(name, { figure, canvas, caption, points: [] });
@@ -54,18 +59,28 @@ export class Plots {
     for (const name of [...this.shown.keys()]) this.remove(name);
   }
 
-  take(status) {
+  forget() {
+    for (const plot of this.shown.values()) plot.points.length = 0;
+  }
+
+  push(news) {
+    this.now = this.time(news);
+    for (const [name, { points }] of this.shown) {
+      points.push([this.now, this.choices.get(name)[0](news)]);
+      while (points[0][0] < this.now - this.seconds) points.shift();
+    }
+  }
+
+  paint() {
     for (const [name, plot] of this.shown) {
-      const [of, unit] = CHOICES.get(name), value = of(status);
-      plot.points.push([status.time_s, value]);
-      while (plot.points[0][0] < status.time_s - SECONDS) plot.points.shift();
+      const unit = this.choices.get(name)[1], value = plot.points.length ? plot.points.at(-1)[1] : null;
       plot.caption.textContent = `${name}: ${value === null ? "unknown" : value.toFixed(unit === "m/s" || unit === "rad/s" ? 3 : 1)} ${unit}`;
-      draw(plot.canvas, plot.points, status.time_s);
+      draw(plot.canvas, plot.points, this.now, this.seconds);
     }
   }
 }
 
-function draw(canvas, points, now) {
+function draw(canvas, points, now, seconds) {
   const ratio = devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
   canvas.width = Math.round(width * ratio);
   canvas.height = Math.round(height * ratio);
@@ -75,7 +90,7 @@ function draw(canvas, points, now) {
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   const low = Math.min(...known), high = Math.max(...known);
   const room = (high - low || 1) * 0.08;
-  const at = ([time, value]) => [width * (1 - (now - time) / SECONDS), height * (1 - (value - low + room) / (high - low + 2 * room))];
+  const at = ([time, value]) => [width * (1 - (now - time) / seconds), height * (1 - (value - low + room) / (high - low + 2 * room))];
   context.fillStyle = style.getPropertyValue("--soft");
   context.font = "11px system-ui";
   context.fillText(high.toPrecision(3), 2, 11);

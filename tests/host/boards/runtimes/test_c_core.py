@@ -87,3 +87,22 @@ def test_an_array_handed_to_what_takes_any_object_is_refused(held):
     modules = lowered_modules(held, ("shared",))
     with pytest.raises(BuildError, match=r"shared/held.py:\d+: row is an array: what it is handed to has to say so"):
         build_c_core(modules, sorted(modules), "cpython", whole=True)
+
+
+def test_a_class_that_sets_up_nothing_of_its_own_is_the_one_it_is_derived_from(held):
+    path = held / "shared/held.py"
+    derived = "class Derived(Outer):\n    def __init__(self):\n        super().__init__()\n\n\n"
+    path.write_text(HELD.replace("@hot\ndef choose(", derived + "@hot\ndef choose(")
+                    + "\n\n@hot\ndef again(derived: Derived) -> int:\n    return both(derived, 1)\n")
+    modules = lowered_modules(held, ("shared",))
+    source = build_c_core(modules, sorted(modules), "cpython", whole=True).source
+    assert "Derived" not in source
+    assert "both(derived_, 1)" in source
+
+
+def test_a_name_asked_of_a_module_is_refused_where_names_are_dropped(held):
+    """An image keeps what is imported by name; a constant is a number there, and gone from its module."""
+    (held / "shared/user.py").write_text("from . import held as h\n\n\ndef count():\n    return h.Inner\n")
+    modules = lowered_modules(held, ("shared",))
+    with pytest.raises(BuildError, match=r"shared/user.py:5: h.Inner: import the name Inner, not its module"):
+        build_c_core(modules, ["shared.user"], "micropython")

@@ -8,7 +8,7 @@ import pytest
 from host.robot.actuators import Friction
 from host.robot.file import load_robot
 from host.sim.plant import Drives, Hinge, joint_models, servo_torque_Nm
-from host.sim.servos.law import Battery, Figures, ServoLaw, Stood, figures_of, friction_Nm
+from host.sim.servos.law import Battery, Figures, ServoLaw, Stood, figures_of, friction_law
 
 DT_S = 0.001
 LINK_KG_M2 = 7e-4
@@ -76,15 +76,16 @@ def test_friction_is_m6_as_published():
         + fades * (f.stribeck_Nm + abs(f.load_external_stribeck * -0.5 - f.load_motor_stribeck * 0.8)
                    + f.load_external_square_1_Nm * 0.25)
     )  # fmt: skip
-    assert friction_Nm(FILE, 0.8, -0.5, 0.3) == pytest.approx(wanted)
-    assert friction_Nm(FILE, 0.8, -0.5, -0.3) == pytest.approx(wanted)
-    assert friction_Nm(FILE, 0.5, 0.5, 0.3) < wanted  # torques that pull one way: no square
+    most_Nm = friction_law(FILE)
+    assert most_Nm(0.8, -0.5, 0.3) == pytest.approx(wanted)
+    assert most_Nm(0.8, -0.5, -0.3) == pytest.approx(wanted)
+    assert most_Nm(0.5, 0.5, 0.3) < wanted  # torques that pull one way: no square
 
 
 def test_at_stall_the_shaft_gives_what_the_data_sheet_says():
     figures = replace(FILE, coulomb_Nm=0.0, friction=FILE.friction.model_copy(update={"stribeck_Nm": 0.0}))
     motor_Nm = figures.motor_stall_Nm
-    assert motor_Nm - friction_Nm(figures, motor_Nm, 0.0, 0.0) == pytest.approx(2.5)
+    assert motor_Nm - friction_law(figures)(motor_Nm, 0.0, 0.0) == pytest.approx(2.5)
 
 
 def test_a_play_of_one_degree_shows_as_one_degree():

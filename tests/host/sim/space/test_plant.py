@@ -9,7 +9,7 @@ from host.robot.poses import rest_pose_rad, seated_pose_rad
 from host.sim.space.plant import SpacePlant
 from host.util.errors import UserError
 
-ROBOTS = ("caramelo", "parallel")
+ROBOTS = [load_robot(name).simulated(honest) for name in ("caramelo", "parallel") for honest in (False, True)]
 
 
 def held(plant, pose_rad, seconds, limit=1.0):
@@ -22,9 +22,8 @@ def held(plant, pose_rad, seconds, limit=1.0):
     return float(plant.world.position_m()[2])
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_driven_it_stands_up_from_where_it_sits(name):
-    robot = load_robot(name)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_driven_it_stands_up_from_where_it_sits(robot):
     plant = SpacePlant(robot)
     sits_m = held(plant, seated_pose_rad(robot), 0.5)
     stands_m = held(plant, rest_pose_rad(robot), 1.0)
@@ -33,9 +32,8 @@ def test_driven_it_stands_up_from_where_it_sits(name):
     assert max(map(abs, plant.drives.load)) <= 1.0
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_off_it_gives_nothing_and_sinks(name):
-    robot = load_robot(name)
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_off_it_gives_nothing_and_sinks(robot):
     plant = SpacePlant(robot)
     stands_m = held(plant, rest_pose_rad(robot), 1.0)
     plant.drives.on[:] = [False] * 12

@@ -49,6 +49,9 @@ def test_the_feet_are_where_mujoco_has_them(name):
         assert np.allclose(seen.foot_xz_m[0], feet, atol=1e-9)
         knees = [world.data.body(f"{leg}_calf").xpos[[0, 2]] for leg in LEG_NAMES]
         assert np.allclose(seen.knee_xz_m[0], knees, atol=1e-9)
+        left = [[world.data.body(f"{leg}_calf").xpos[1], world.data.geom(f"{leg}_foot").xpos[1]] for leg in LEG_NAMES]
+        assert np.allclose(seen.aside.leg_y_m[0, :, 1:], left, atol=1e-9)
+        assert np.allclose(seen.aside.turn[0], world.data.body("trunk").xmat.reshape(3, 3), atol=1e-9)
 
 
 def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run, tmp_path):

@@ -13,7 +13,7 @@ from host.imu.attitude import Attitude
 from host.robot.file import load_robot
 from host.sim.export.ground import Ground
 from host.sim.export.mjcf import ModelOptions
-from host.sim.grounds import GroundSpec
+from host.sim.grounds import GroundSpec, make_ground
 from host.sim.imu import SimulatedImu
 from host.sim.space.walk import figures, walk_in_space
 from host.sim.space.world import World
@@ -37,6 +37,12 @@ def test_it_sags_as_the_servo_law_says_and_then_stays():
     assert sum(loads) == pytest.approx(9.81 * ROBOT.mass_kg, rel=1e-3)
     assert not trunk
     assert deepest < 2e-5
+
+
+def test_loose_stones_are_not_taken_for_the_body():
+    world = World(ROBOT, ModelOptions(make_ground(GroundSpec("gravel"))), 50)
+    assert world.position_m() == pytest.approx((0.0, 0.0, 0.182), abs=0.02)
+    assert world.attitude_rad() == pytest.approx((0.0, 0.0, 0.0), abs=0.01)
 
 
 def test_goals_act_late():

@@ -96,11 +96,11 @@ def test_a_viewer_sees_the_robot_and_drives_it(drive):
         await pair(viewer, drive)
         await viewer.publish("/command", STAND)
         await sees(viewer, lambda now: now["state"] == "standing", ("/command", STILL))
-        before = (await viewer.newest("/pose"))[1]["pose"]["position"]
+        before = (await viewer.newest("/odometry"))[1]["pose"]["position"]
         now = await sees(viewer, lambda now: now["odometry"][0] > 0.05, ("/cmd_vel", TWIST))
         assert now["state"] == "walking"
         assert now["driver"][0] == "foxglove"
-        time_ns, pose = await viewer.newest("/pose")
+        time_ns, pose = await viewer.newest("/odometry")
         assert pose["pose"]["position"]["x"] > before["x"] + 0.02
         assert abs(time_ns - time.time_ns()) < 5e9
         _, moved = await viewer.newest("/tf")

@@ -1,0 +1,126 @@
+"""`caramelo joints commission`: a joint finds out about its motor by itself, and tells."""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ...util.console import print_table, progress, screen, write_error, write_json
+from ...util.errors import NOT_ACHIEVED, UserError
+from .options import Channel, Interface, Json, RobotName, Sim, joints
+
+if TYPE_CHECKING:
+    from ...bus.can.commission import Found
+    from ...bus.can.joints import CanJoints
+
+TAKES_S = 40.0  # about, for the bar
+MOTOR_KEYS = ("pole_pairs", "resistance_ohm", "inductance_H", "torque_constant_Nm_A")
+
+
+def commission(
+    node: Annotated[str, typer.Argument(metavar="NODE|all", help="1 + 3 x leg + joint, or all, one by one.")],
+    verify: Annotated[bool, typer.Option("--verify", help="Compare direction and offset; change nothing.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a copy of the robot file with what was found.")
+    ] = None,
+    robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
+    as_json: Json = False,
+) -> int:  # fmt: skip
+    """Let a joint measure its motor in the leg, set its current loop and keep it. Exit code 1 with the reason if not.
+
+    The rotor goes round once from where it stands: legs in the air, the joint in the middle of its range. With --sim
+    each joint is simulated with its motor.
+
+    Examples: caramelo joints commission 5 --sim; caramelo joints commission all --out measured.toml
+    """
+    from ...robot.file import load_robot
+
+    nodes = _nodes(node)
+    if verify and out:
+        raise UserError("--verify finds nothing to write: leave --out out")
+    if out and (out.suffix != ".toml" or out.exists() or not out.parent.is_dir()):
+        raise UserError(f"--out {out}: give a new file ending in .toml, in a folder that exists")
+    bldc = load_robot(robot).actuator
+    made: list[Found] = []
+    failed: dict[int, str] = {}
+    with joints(robot, interface, channel, sim, nodes) as bus, progress("commissioning", TAKES_S * len(nodes)) as show:
+        for number, one in enumerate(nodes):
+            try:
+                made += _one(bus, one, verify, lambda s, n=number: show(n * TAKES_S + s), bldc)
+            except UserError as error:
+                failed[one] = str(error)
+                if not as_json:
+                    write_error(str(error))
+    if out and made and not failed:
+        _write(robot, out, made)
+    _tell(made, failed, verify, out, as_json, len(nodes))
+    return NOT_ACHIEVED if failed else 0
+
+
+def _nodes(text: str) -> list[int]:
+    if text == "all":
+        return list(range(1, 13))
+    if not text.isdecimal() or not 1 <= int(text) <= 12:
+        raise UserError(f"NODE {text}: give 1 .. 12, or all")
+    return [int(text)]
+
+
+def _one(bus: "CanJoints", node: int, verify: bool, show: Any, bldc: Any) -> "list[Found]":
+    """Commission one joint and let it keep what it found; nothing is returned when verified."""
+    from shared.wire import names as w
+
+    from ...bus.can.commission import found, run
+
+    run(bus, node, verify, show)
+    if verify:
+        return []
+    bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
+    return [found(bus, node, bldc)]
+
+
+def _write(robot: str, out: Path, made: "list[Found]") -> None:
+    """Write the copy: of each value the median, and by how much the joints differ from it at most."""
+    from datetime import date
+    from statistics import median
+
+    from ...identify.filing import Measure, write_checked
+    from ...robot.file import find
+
+    values = {}
+    for key in MOTOR_KEYS:
+        each = [getattr(one, key) for one in made]
+        middle = median(each)
+        spread = max(abs(value / middle - 1) for value in each) if len(each) > 1 else None
+        new = Measure(middle, spread).new(middle, "", date.today())
+        values[f"actuator.motor.{key}"] = new if key != "pole_pairs" else _whole(new)
+    write_checked(find(robot), out, values)
+
+
+def _whole(new: Any) -> Any:
+    from dataclasses import replace
+
+    return replace(new, value=round(new.value))
+
+
+def _tell(
+    made: "list[Found]", failed: dict[int, str], verify: bool, out: Path | None, as_json: bool, asked: int
+) -> None:
+    written = str(out) if out and made and not failed else None
+    if as_json:
+        write_json({"joints": [asdict(one) for one in made], "failed": failed, "file": written})
+        return
+    if made:
+        head = ("node", "pole pairs", "direction", "R ohm", "Ld mH", "Lq mH", "N m/A", "magnet deg", "lag deg")
+        rows = [
+            (
+                f.node, f.pole_pairs, f.direction, f"{f.resistance_ohm:.4g}", f"{f.inductance_d_H * 1e3:.4g}",
+                f"{f.inductance_q_H * 1e3:.4g}", f"{f.torque_constant_Nm_A:.4g}", f"{f.eccentricity_deg:.2f}",
+                f"{f.friction_lag_deg:.1f}",
+            )
+            for f in made
+        ]  # fmt: skip
+        print_table(head, rows)
+    done = "verified" if verify else "commissioned"
+    file = f"; {written} written" if written else ""
+    screen().print(f"{asked - len(failed)} of {asked} joints {done}{file}", soft_wrap=True)

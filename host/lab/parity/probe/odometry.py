@@ -1,0 +1,87 @@
+"""shared/sense/odometry.py: legs anywhere in a tick after legs near or far, anywhere along the way."""
+
+from shared.sense import legs, odometry
+from shared.sense.legs import Sensing
+from shared.sense.odometry import Odometry
+from shared.sense.sensed import Sensed
+
+from .draw import Range
+from .draws import BRAD, INT30, ROBOT
+from .probe import Block, Probe
+from .robots import PARAMS
+from .row import clear
+from .sensing import ANGLES
+
+SOURCES = ("sense.odometry",)
+
+SENSING = Sensing()
+SENSED = Sensed()
+WAY = Odometry()
+FLAG = Range(0, 1)
+SWINGING = Range(0, 15)
+SHIFT = Range(-32767, 32767)
+TURN = Range(-32768, 32768)
+WEIGHTS = Range(253, 256)
+SLIP = Range(0, 131068)
+TURNED = Block(SENSED.turned, (3, INT30))
+FAR = 0x3FFF0000
+
+
+def _begin():
+    for block in (SENSING, WAY, SENSED.valid, SENSED.turned, SENSED.tilt):
+        clear(block)
+    legs.sensing_reset(SENSING)
+
+
+def _walk(values, dice):
+    """A tick of the drawn robot with joints near those before or anywhere, as heavy as may be, along any way."""
+    params = values[0]
+    far = dice.below(8) == 0
+    for joint in range(12):
+        near = ANGLES.array[joint] + dice.bits(8) - 128
+        ANGLES.array[joint] = BRAD.any(dice) if far else min(32767, max(-32768, near))
+    legs.keep_sent(SENSING, ANGLES.array)
+    legs.sense_legs(params, ANGLES.array, BRAD.any(dice) if far else dice.bits(10), -dice.bits(10), SENSING)
+    for leg in range(4):
+        SENSING.force_q12[leg] = dice.bits(15) - 16384
+    for axis in range(3):
+        SENSED.turned[axis] = INT30.any(dice) if far else dice.bits(12) - 2048
+    SENSED.valid.tilt = 1 if dice.bits(3) else 0
+    SENSED.valid.turned = 1 if dice.bits(2) else 0
+    if dice.below(20) == 0:
+        _anywhere(dice)
+    odometry.odometry_step(params, SENSING, SENSED, SWINGING.any(dice), dice.bits(1), WAY)
+
+
+def _anywhere(dice):
+    """All that adds up near its ends."""
+    for axis in range(2):
+        WAY.place[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
+        WAY.astray[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
+    WAY.way = dice.bits(30) & FAR
+    WAY.slip = WAY.way >> dice.bits(3)
+    WAY.doubt_q26 = FAR - dice.bits(20)
+    WAY.heading = 0x7FFFFF - dice.bits(10)
+
+
+def _any_robot(values, dice):
+    _walk([PARAMS[dice.below(len(PARAMS))]], dice)
+
+
+def _probe(name, arguments, watch=(WAY,), fit=_walk, vectors=1):
+    return Probe(name, getattr(odometry, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
+
+
+PROBES = (
+    _probe("odometry_lost", (WAY,), fit=_any_robot),
+    _probe("odometry_restart", (WAY,), fit=_any_robot),
+    _probe("odometry_step", (ROBOT, SENSING, SENSED, SWINGING, FLAG, WAY), vectors=4),
+    _probe("weigh_feet", (ROBOT, SENSING, SWINGING, WAY)),
+    _probe("turn_of_body", (SENSING, TURNED), (), fit=_any_robot),
+    _probe("see_feet", (SENSING, WEIGHTS, WAY), fit=_any_robot),
+    _probe("turn_of_feet", (WAY,), (), fit=_any_robot),
+    _probe("move_on", (ROBOT, TURN, WEIGHTS, FLAG, WAY)),
+    _probe("place_body", (SHIFT, SHIFT, TURN, FLAG, WAY), fit=_any_robot),
+    _probe("count_way", (ROBOT, SHIFT, SHIFT, SLIP, WAY)),
+    _probe("odometry_spread", (ROBOT, WAY)),
+)

@@ -1,0 +1,98 @@
+"""What commissioning remembers from tick to tick, its phases, and how a phase ends."""
+
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .faults import FAULT_NONE
+
+COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
+COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
+
+
+@record
+class Commission:
+    """A commissioning under way and what it found, or the reason of the last one."""
+
+    kind: int = field("", "COMMISSION_*, 0 while none is running")
+    phase: int = field("", "PHASE_*")
+    phase_ticks: int = field("ticks", "since this phase began")
+    reason: int = field("", "FAULT_COMMISSION_* of the last one, 0 if it succeeded")
+    reason_value: int = field("", "in the unit of that fault")
+    pose_given: int = field("", "1: the joint stands at pose when commissioning starts")
+    pose: int = field("rc", "joint-signed")
+    kept_kp: int = field("vu / cu", "the current loop's gain when commissioning ends, Q13")
+    kept_ki: int = field("vu / cu / step", "likewise")
+    # at rest
+    raw_sum: Ints = vector(3, "count", "phases a, b, c at rest, summed")
+    lowest: Ints = vector(4, "", "at rest, of phases a, b, c in counts and of the rotor in rc")
+    highest: Ints = vector(4, "", "likewise")
+    rest_rotor: int = field("rc", "rotor when commissioning started")
+    rest_joint: int = field("1/16384 joint turn", "joint encoder when commissioning started")
+    # winding
+    level: int = field("vu", "voltage that gives the commissioning current")
+    window: int = field("ticks", "that the next sums take")
+    current_high_q4: int = field("cu", "mean at that voltage")
+    dead_q4: int = field("vu", "voltage lost to dead time, Q4")
+    resistance: int = field("vu / cu", "of a phase, Q16")
+    inductance_d: int = field("vu step / cu", "along the flux, Q16")
+    inductance_q: int = field("vu step / cu", "across it, Q16")
+    # turn
+    angle: int = field("brad", "angle of the field, not wrapped")
+    travel: int = field("brad", "how far the field turns")
+    moved: int = field("rc", "rotor since the field began to turn")
+    rotor_last: int = field("rc", "rotor in the tick before")
+    joint_moved: int = field("1/16384 joint turn", "joint since then")
+    joint_last: int = field("1/16384 joint turn", "joint encoder in the tick before")
+    moved_first: int = field("rc", "rotor in the field's first turn")
+    moved_seen: int = field("rc", "rotor when the field had done a whole number of turns")
+    moved_forward: int = field("rc", "rotor on the first way forward")
+    joint_moved_forward: int = field("1/16384 joint turn", "joint on the first way forward")
+    direction: int = field("", "found: +-1")
+    pole_pairs: int = field("", "found")
+    start_rotor: int = field("rc", "rotor when the field began to turn")
+    error_sum: int = field("brad rc", "field less rotor, over the rotor's way")
+    error_way: int = field("rc", "that way")
+    harmonic_sum: Ints = vector(4, "brad rc", "the same with cosine and sine of the rotor's angle and of twice that")
+    mean_back: int = field("brad", "field less rotor on the way back")
+    lag: int = field("brad", "by which friction holds the rotor behind the field")
+    offset_found: int = field("brad", "electrical offset found")
+    bend: Ints = vector(4, "rc", "found: JointSettings.bend_cos1 and so on, Q4")
+    # spin
+    centre: int = field("rc", "moved, about which the rotor swings")
+    sign: int = field("", "+-1: electrical direction in which the rotor is to turn")
+    half_swings: int = field("", "half swings done")
+    way: int = field("rc", "sum of all ways in the direction turned")
+    dead_sum: int = field("vu ticks", "voltage lost to dead time along the motion, Q4")
+    flux: int = field("vu / (8 rate)", "found: JointSettings.bemf, Q16")
+    current_change: int = field("cu", "sum of all changes of the current along the motion")
+
+
+PHASE_IDLE = const(0)
+PHASE_REST = const(1)
+PHASE_RAMP = const(2)
+PHASE_SETTLE = const(3)
+PHASE_HIGH = const(4)
+PHASE_LOW = const(5)
+PHASE_ALTERNATE_D = const(6)
+PHASE_ALTERNATE_Q = const(7)
+PHASE_FORWARD = const(8)
+PHASE_BACK = const(9)
+PHASE_AGAIN = const(10)
+PHASE_SPIN = const(11)
+
+
+@hot
+def refuse(commission: Commission, reason: int, value: int) -> int:
+    """End with a reason, unless there is one already; return ``reason``."""
+    if commission.reason == FAULT_NONE:
+        commission.reason = reason
+        commission.reason_value = value
+    commission.phase = PHASE_IDLE
+    return reason
+
+
+@hot
+def go_on(commission: Commission, phase: int) -> int:
+    """Begin ``phase``; return it."""
+    commission.phase = phase
+    commission.phase_ticks = 0
+    return phase

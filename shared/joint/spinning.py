@@ -1,0 +1,111 @@
+"""Commissioning's third part: the rotor swings to and fro by itself, and its back-EMF gives the flux linkage.
+
+It turns a quarter of a turn to either side of where the field turned it from and to, the current falling to none at a
+quarter of the speed limit. Over whole swings, what the current loop had to give less R i, L di/dt and dead time is the
+flux linkage times the angle gone, whatever the load. What of it lies on the d axis says how far the offset is off,
+without friction or gravity in it.
+"""
+
+from ..num.fixed import atan2_brad, hypot, saturate
+from ..runtime import const, hot
+from .bend import fill_bend
+from .commission_state import PHASE_SPIN, Commission, go_on, refuse
+from .encoder import wrap_count
+from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
+from .feed import dead_time_voltage
+from .layout import CurrentLoop, JointSettings, JointState
+from .sine import TABLE_HALF_STEP
+from .winding import probe_begin, ratio
+
+_QUARTER = const(4096)  # rc
+_FAR = const(12288)  # rc from the centre
+_HALVES = const(8)
+_ELECTRICAL_RATE = const(320000)  # rate of the rotor times pole pairs: 480 rad/s
+_LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps from a reading until its voltage acts
+_STEPS = const(10)  # current steps in a tick
+_TICKS_MOST = const(4000)
+_BEMF_MOST = const(16383)  # of the parameter
+
+
+@hot
+def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
+    """Hand what was found to the current step and begin to swing; return PHASE_SPIN."""
+    fill_bend(loop, commission.bend[0], commission.bend[1], commission.bend[2], commission.bend[3])
+    loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
+    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP
+    loop.reference_d = 0
+    loop.reference_q = 0
+    commission.centre = commission.moved_forward >> 1
+    commission.sign = -1  # the field turned on last
+    commission.half_swings = 0
+    commission.way = 0
+    commission.dead_sum = 0
+    commission.current_change = 0
+    probe_begin(loop, -1)
+    return go_on(commission, PHASE_SPIN)
+
+
+@hot
+def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Do one tick; return 1 when the flux is found."""
+    moved = wrap_count(loop.rotor - commission.rotor_last) * commission.direction
+    commission.rotor_last = loop.rotor
+    commission.moved += moved * commission.direction
+    commission.way += moved * commission.sign
+    rate = state.rate * commission.direction
+    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + (rate * commission.pole_pairs >> _LEAD_SHIFT)
+    away = (commission.moved - commission.centre) * commission.direction
+    if away > _FAR or away < -_FAR:
+        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+        return 0
+    if away * commission.sign > _QUARTER:
+        commission.sign = 0 - commission.sign
+        loop.probe_sign = commission.sign
+        commission.half_swings += 1
+    _push(loop, settings, commission, rate)
+    if commission.phase_ticks > _TICKS_MOST:
+        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+        return 0
+    if commission.half_swings < _HALVES:
+        return 0
+    loop.probing = 0
+    return _find_flux(loop, commission)
+
+
+@hot
+def _push(loop: CurrentLoop, settings: JointSettings, commission: Commission, rate: int) -> int:
+    """Ask for a current that falls from half of the commissioning current at rest to none at the wanted speed.
+
+    What it costs in voltage besides resistance is summed up along ``sign``. Return the current.
+    """
+    sign = commission.sign
+    wanted = settings.rate_max >> 1
+    if wanted > _ELECTRICAL_RATE // commission.pole_pairs:
+        wanted = _ELECTRICAL_RATE // commission.pole_pairs
+    most = settings.commission_current >> 1
+    slip = saturate(wanted - rate * sign, -wanted, wanted)
+    current = (slip >> 4) * most // ((wanted >> 4) + 1) * sign
+    commission.current_change += (current - loop.reference_q) * sign
+    commission.dead_sum += dead_time_voltage(current, commission.dead_q4, settings.dead_zone) * sign
+    loop.reference_q = current
+    return current
+
+
+@hot
+def _find_flux(loop: CurrentLoop, commission: Commission) -> int:
+    """Find flux linkage and offset from the sums; return 1, or 0 if it can be none.
+
+    Sums of voltage stay below 2^28 in 4 s of 10 steps a tick, those of current below 2^27 (most of it cancels).
+    """
+    resistance = commission.resistance
+    loss = (loop.sum_current_q >> 14) * resistance >> 2
+    loss += (commission.current_change >> 4) * (commission.inductance_q >> 6) >> 6
+    loss += (commission.dead_sum >> 4) * _STEPS
+    q = loop.sum_voltage_q - loss
+    d = loop.sum_voltage_d - ((loop.sum_current_d >> 14) * resistance >> 2)
+    commission.offset_found = (commission.offset_found + atan2_brad(0 - d, q)) & 0xFFFF
+    commission.flux = ratio(hypot(d, q), commission.way, 8) * 4 // 5
+    if q < 1 or commission.flux < 1 or commission.flux > _BEMF_MOST:
+        refuse(commission, FAULT_COMMISSION_FLUX, commission.flux)
+        return 0
+    return 1

@@ -1,0 +1,219 @@
+"""Commissioning's second part: the field takes the rotor round once, back, and round again.
+
+The first way gives direction, pole pairs and the joint encoder's sign. On the other two the angle between field and
+rotor gives the offset as the mean of both ways, in which friction cancels, and its harmonics once and twice a turn the
+eccentricity of the rotor encoder. To verify, the field turns half an electrical turn only.
+"""
+
+from ..num.fixed import cos_q15, hypot, saturate, sin_q15
+from ..runtime import const, hot
+from .commission_state import (
+    COMMISSION_FULL,
+    PHASE_AGAIN,
+    PHASE_BACK,
+    PHASE_FORWARD,
+    Commission,
+    go_on,
+    refuse,
+)
+from .encoder import wrap_count
+from .faults import (
+    FAULT_COMMISSION_END_STOP,
+    FAULT_COMMISSION_FRICTION,
+    FAULT_COMMISSION_JOINT_ENCODER,
+    FAULT_COMMISSION_MAGNET,
+    FAULT_COMMISSION_NOT_FREE,
+    FAULT_COMMISSION_PHASE_ORDER,
+    FAULT_COMMISSION_POLE_PAIRS,
+    FAULT_NONE,
+)
+from .layout import CurrentLoop, JointIo, JointSettings
+from .winding import point
+
+_TURN = const(16384)  # rc
+_ELECTRICAL = const(0xFFFF)  # brad of an electrical turn, less one
+_STEP = const(192)  # brad a tick: 2.9 electrical turns a second
+_VERIFY_TRAVEL = const(32768)
+_VERIFY_STEP = const(32)
+_PAIRS_MOST = const(40)
+_ERROR_MOST = const(16383)  # brad: a quarter of an electrical turn, beyond which no field holds a rotor
+_LAG_MOST = const(5461)  # brad: 30 degrees, half of the commissioning current's torque
+_BEND_MOST = const(2549)  # rc in Q4: 3.5 degrees
+
+
+@hot
+def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission) -> int:
+    """Do one tick; return 1 when the last way is done and what it gave is found."""
+    step = _VERIFY_STEP
+    if commission.kind == COMMISSION_FULL:
+        step = _STEP
+    if commission.phase == PHASE_FORWARD and commission.phase_ticks == 1:
+        _begin(loop, io, commission)
+    moved = wrap_count(loop.rotor - commission.rotor_last)
+    commission.rotor_last = loop.rotor
+    commission.moved += moved
+    commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
+    commission.joint_last = io.joint_raw
+    if commission.phase == PHASE_FORWARD:
+        return _forward(loop, settings, io, commission, step)
+    if commission.phase == PHASE_BACK:
+        moved = -moved
+        step = -step
+    _compare(loop, commission, moved * commission.direction)
+    if commission.angle + step >= 0 and commission.angle + step <= commission.travel:
+        commission.angle += step
+        point(loop, commission)
+        return 0
+    return _end(settings, commission)
+
+
+@hot
+def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> int:
+    commission.start_rotor = loop.rotor
+    commission.rotor_last = loop.rotor
+    commission.joint_last = io.joint_raw
+    commission.travel = (_PAIRS_MOST + 2) * (_ELECTRICAL + 1)
+    if commission.kind != COMMISSION_FULL:
+        commission.travel = _VERIFY_TRAVEL
+    return commission.travel
+
+
+@hot
+def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> int:
+    """Turn on until the rotor has gone round, or the field its travel, and check that it follows; return 0."""
+    moved = commission.moved
+    if moved < 0:
+        moved = -moved
+    angle = commission.angle + step
+    if moved < _TURN and angle <= commission.travel:
+        commission.angle = angle
+        point(loop, commission)
+        if angle & _ELECTRICAL < step:
+            _check_turn(commission, moved)
+        return 0
+    commission.travel = commission.angle
+    commission.moved_forward = commission.moved
+    commission.joint_moved_forward = commission.joint_moved
+    commission.direction = 1
+    if commission.moved < 0:
+        commission.direction = -1
+    if _check_pairs(settings, commission, moved) == 0 and _check_joint_encoder(settings, io, commission) == 0:
+        go_on(commission, PHASE_BACK)
+    return 0
+
+
+@hot
+def _check_turn(commission: Commission, moved: int) -> int:
+    """After each electrical turn the rotor must have moved on, at least half as far as in the first."""
+    first = commission.moved_first
+    if first == 0:
+        commission.moved_first = moved
+        if moved * _PAIRS_MOST < _TURN >> 1:
+            refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+    elif moved - commission.moved_seen < first >> 1:
+        refuse(commission, FAULT_COMMISSION_END_STOP, commission.moved)
+    commission.moved_seen = moved
+    return moved
+
+
+@hot
+def _check_pairs(settings: JointSettings, commission: Commission, moved: int) -> int:
+    """Find the pole pairs, or check them and the direction against the stored ones; return 0 or what is wrong."""
+    travel = commission.travel
+    pairs = settings.pole_pairs
+    if commission.kind == COMMISSION_FULL:
+        pairs = (travel + moved + moved) // (moved << 2)
+    commission.pole_pairs = pairs
+    apart = moved + (moved >> 1)  # brad: 3/8 of an electrical turn, of which friction may take twice its lag
+    rest = travel - 4 * pairs * moved
+    if commission.kind != COMMISSION_FULL:
+        if rest > travel >> 2 or rest < -(travel >> 2):
+            return refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+        if commission.direction != settings.direction:
+            return refuse(commission, FAULT_COMMISSION_PHASE_ORDER, commission.direction)
+    elif moved < _TURN or pairs < 1 or pairs > _PAIRS_MOST or rest > apart or rest < -apart:
+        return refuse(commission, FAULT_COMMISSION_POLE_PAIRS, commission.moved)
+    return FAULT_NONE
+
+
+@hot
+def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commission) -> int:
+    """The joint must have moved by the rotor's way through the gear, within a quarter and 8 counts."""
+    if settings.has_joint_encoder == 0 or settings.gear_q8 < 1:
+        return FAULT_NONE
+    moved = commission.joint_moved_forward
+    if moved < 0:
+        moved = -moved
+    expected = (commission.moved_forward * commission.direction << 8) // settings.gear_q8
+    error = moved - expected
+    if io.joint_valid == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
+        return refuse(commission, FAULT_COMMISSION_JOINT_ENCODER, commission.joint_moved_forward)
+    return 0
+
+
+@hot
+def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
+    """Add up field less rotor over the rotor's ``way``, also with both harmonics; return that angle in brad.
+
+    Weighted by the way, what repeats many times a turn (cogging) leaves the harmonics alone. Two ways of 2^14 rc times
+    2^14 brad: below 2^30.
+    """
+    error = commission.angle - 4 * commission.pole_pairs * commission.direction * commission.moved
+    error = saturate(error, -_ERROR_MOST, _ERROR_MOST)
+    commission.error_sum += error * way
+    commission.error_way += way
+    if commission.kind == COMMISSION_FULL:
+        at = loop.rotor << 2
+        _add_harmonic(commission, 0, at, error, way)
+        _add_harmonic(commission, 2, at + at, error, way)
+    return error
+
+
+@hot
+def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> int:
+    sums = commission.harmonic_sum
+    sums[place] = sums[place] + (error * cos_q15(angle) + 0x4000 >> 15) * way
+    sums[place + 1] = sums[place + 1] + (error * sin_q15(angle) + 0x4000 >> 15) * way
+    return sums[place]
+
+
+@hot
+def _end(settings: JointSettings, commission: Commission) -> int:
+    """Go on with the next way; after the last find friction, offset and eccentricity, and return 1."""
+    way = commission.error_way
+    if way < 1:
+        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+        return 0
+    mean = commission.error_sum // way
+    if commission.phase == PHASE_BACK:
+        quarter = commission.moved_forward * commission.direction >> 2
+        if commission.moved > quarter or commission.moved < -quarter:
+            refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+            return 0
+        commission.mean_back = mean
+        go_on(commission, PHASE_AGAIN)
+        return 0
+    commission.lag = mean - commission.mean_back  # half of (2 mean - back) - back
+    if commission.lag > _LAG_MOST:
+        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+        return 0
+    gain = 4 * commission.pole_pairs * commission.direction
+    commission.offset_found = (mean - gain * commission.start_rotor) & 0xFFFF
+    if commission.kind == COMMISSION_FULL:
+        _find_bend(commission)
+    if commission.reason:
+        return 0
+    return 1
+
+
+@hot
+def _find_bend(commission: Commission) -> int:
+    """Find the eccentricity's harmonics; return the first one's amplitude in rc, Q4."""
+    scale = commission.error_way * commission.pole_pairs >> 3
+    for at in range(4):
+        found = commission.harmonic_sum[at] // scale
+        commission.bend[at] = saturate(found, -4095, 4095) * commission.direction
+    amplitude = hypot(commission.bend[0], commission.bend[1])
+    if amplitude > _BEND_MOST:
+        refuse(commission, FAULT_COMMISSION_MAGNET, amplitude >> 4)
+    return amplitude

@@ -1,0 +1,306 @@
+"""Where the robot has walked to, by its legs: a foot that carries stays where it is, so the body moves against it.
+
+In the body's level axes a foot's contact was at b a tick ago and is at n now. With the body's turn t about z meanwhile,
+this foot tells the shift, in axes turned by half of t (J turns by a quarter):
+
+    d = b - n - t J (b + n) / 2,    t = (wz cos(pitch) - wx sin(pitch)) / cos(roll)
+
+The body's is the mean of d over the feet, weighted by the square of what each carries: of a foot about to land or to
+leave, the joints' errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane,
+and while the robot stands: a gyroscope would drift. Slips stay in it, and so does what the gyroscope's bias is off:
+``odometry_spread`` tells how much that is.
+"""
+
+from ..body.params import LEGS, Params
+from ..num.fixed import cos_q15, saturate, sin_q15
+from ..record import field, record, vector
+from ..runtime import Ints, const, hot
+from .legs import Sensing
+from .sensed import Sensed
+
+
+@record
+class Odometry:
+    """Place and heading since it began, x ahead and y left of where the body was then, and how fast the body moves.
+
+    The place stays at +-2^30 lu (8 km where a lu is 2^-17 m), so does the way; the heading goes on for 2^30 turns.
+    """
+
+    place: Ints = vector(2, "lu", "of the middle of the hips")
+    place_rest: Ints = vector(2, "lu Q16", "what of it is less than a lu")
+    turns: int = field("turns", "whole ones, to the left")
+    heading: int = field("2^-24 turn", "beyond those, -2^23 .. 2^23 - 1")
+    heading_rest: int = field("2^-35 turn", "what of it is less than a unit")
+    speed: Ints = vector(2, "lf / tick", "of the body, forward and left, over 0.2 s")
+    turning: int = field("2^-24 rad / tick", "about z, over 0.2 s")
+    known: int = field("", "1: ``contact`` is of the tick before")
+    gyro: int = field("", "1: the gyroscope told the turn, 0: the feet")
+    contact: Ints = vector(2 * LEGS, "lu", "x, y of each foot's contact, level")
+    gone: Ints = vector(2 * LEGS, "lu", "b - n of each foot")
+    arm: Ints = vector(2 * LEGS, "2 lu", "(b + n) / 2 of each foot")
+    gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
+    arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
+    ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
+    weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
+    way: int = field("lu", "walked, at most an eighth too long")
+    slip: int = field("lu", "how far the feet have told otherwise than their mean")
+    doubt_q26: int = field("rad Q26", "how far off the heading may be (one sigma) for what was walked")
+    astray: Ints = vector(2, "lf", "how far off the place is if the heading is off by that")
+    scaled: Ints = vector(2, "lu", "how far off it may be for a way told too long or too short (one sigma)")
+    apart: int = field("lu", "how far off it may be in any direction, beside these (one sigma)")
+
+
+_FAR = const(0x3FFF0000)
+_GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
+_ARM_MAX = const(16383)
+_TURN_MAX = const(0x8000)  # 2^-18 rad / tick, as the attitude tells it
+_TO_HEADING = const(20861)  # 2^35 / (2 pi) / 2^18 = 20860.76
+_HALF_TURN = const(0x800000)
+_BIAS_Q26 = const(8784)  # 0.0075 deg/s: an MPU6050's noise, 0.05 deg/s rms, over the second in which the bias is learnt
+
+
+@hot
+def odometry_lost(odometry: Odometry) -> int:
+    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest; return 0."""
+    odometry.known = 0
+    odometry.turning = 0
+    for axis in range(2):
+        odometry.speed[axis] = 0
+    return 0
+
+
+@hot
+def odometry_restart(odometry: Odometry) -> int:
+    """Begin anew, at place and heading 0; return 0."""
+    odometry_lost(odometry)
+    odometry.turns = 0
+    odometry.heading = 0
+    odometry.way = 0
+    odometry.slip = 0
+    odometry.doubt_q26 = 0
+    for axis in range(2):
+        odometry.place[axis] = 0
+        odometry.astray[axis] = 0
+    return 0
+
+
+@hot
+def odometry_step(
+    params: Params, sensing: Sensing, sensed: Sensed, swinging: int, walks: int, odometry: Odometry
+) -> int:
+    """Take a tick of legs that stand or walk (``sensing`` is of it); return the sum of the feet's weights.
+
+    swinging: legs that are planned to swing, bits. walks 0: the robot stands. After 10 m over feet that stay the place
+    is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
+    """
+    valid = sensed.valid
+    total = weigh_feet(params, sensing, swinging, odometry)
+    see_feet(sensing, total, odometry)
+    if odometry.known:
+        turn = 0
+        odometry.gyro = 0
+        if walks and valid.turned and valid.tilt and params.lateral_q12:
+            odometry.gyro = 1
+            turn = turn_of_body(sensing, sensed.turned)
+        elif total:
+            turn = turn_of_feet(odometry)
+        move_on(params, turn, total, walks, odometry)
+    odometry.known = 1
+    return total
+
+
+@hot
+def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odometry) -> int:
+    """Write what each foot counts, by what it carries; return the sum, 0 if none carries.
+
+    Only those count that are to stand, or were a tick before the goals that the joints answer: drives lag.
+    """
+    total = 0
+    for leg in range(LEGS):
+        if swinging >> leg & 1 == 0:
+            odometry.ends[leg] = params.sent_ticks + 2
+        elif odometry.ends[leg]:
+            odometry.ends[leg] -= 1
+        weight = 0
+        if odometry.ends[leg]:
+            weight = saturate(sensing.force_q12[leg] >> 6, 0, 64)
+        odometry.weight[leg] = weight * weight
+        total += weight * weight
+    whole = 0
+    if total:
+        for leg in range(LEGS):
+            odometry.weight[leg] = (odometry.weight[leg] << 8) // total
+            whole += odometry.weight[leg]
+    return whole
+
+
+@hot
+def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> int:
+    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``; return 0.
+
+    Intermediates: 256 * 4 * 2^14.
+    """
+    for axis in range(2):
+        gone = 0
+        arm = 0
+        for at in range(axis, 2 * LEGS, 2):
+            before = odometry.contact[at]
+            now = sensing.rolled[at]
+            odometry.contact[at] = now
+            odometry.gone[at] = saturate(before - now, -_GONE_MAX, _GONE_MAX)
+            odometry.arm[at] = saturate(before + now >> 2, -_ARM_MAX, _ARM_MAX)
+            gone += odometry.weight[at >> 1] * odometry.gone[at]
+            arm += odometry.weight[at >> 1] * odometry.arm[at]
+        if total:
+            odometry.gone_mean[axis] = ((gone << 2) + (total >> 1)) // total
+            odometry.arm_mean[axis] = arm // total
+    return 0
+
+
+@hot
+def turn_of_body(sensing: Sensing, turned: Ints) -> int:
+    """Return how far the heading turns as the body turns by ``turned``, 2^-18 rad about its own axes, in the same.
+
+    Limited to +-2^15. Error at most 1 + 3e-4 of it up to a roll of 60 deg. Intermediates: 2 * 2^15 * 2^13.
+    """
+    about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
+    about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
+    level = about_z * sensing.pitch_cosine_q13 - about_x * sensing.pitch_sine_q13
+    cosine = saturate(sensing.roll_cosine_q13, 4096, 8191)
+    return saturate((level + (cosine >> 1)) // cosine, -_TURN_MAX, _TURN_MAX)
+
+
+@hot
+def turn_of_feet(odometry: Odometry) -> int:
+    """Return the turn that the feet tell together, 2^-18 rad within +-2^15: least squares of what they have gone.
+
+    A single foot tells none. Error at most 1/500 of it. Intermediates: 256 * 2 * 2^14 * 2^13 >> 10, by 2^3 is 2^29.
+    """
+    across = 0
+    along = 0
+    for leg in range(LEGS):
+        weight = odometry.weight[leg]
+        at = leg * 2
+        x = saturate(odometry.arm[at] - odometry.arm_mean[0], -_ARM_MAX, _ARM_MAX)
+        y = saturate(odometry.arm[at + 1] - odometry.arm_mean[1], -_ARM_MAX, _ARM_MAX)
+        ahead = saturate(odometry.gone[at] - (odometry.gone_mean[0] >> 2), -_GONE_MAX, _GONE_MAX)
+        aside = saturate(odometry.gone[at + 1] - (odometry.gone_mean[1] >> 2), -_GONE_MAX, _GONE_MAX)
+        across += weight * (x * aside - y * ahead + 512 >> 10)
+        along += weight * (x * x + y * y >> 10)
+    if along <= 0:
+        return 0
+    across = saturate(across, -(along >> 2) - 1, (along >> 2) + 1)
+    while along < 0x4000000:
+        along <<= 1
+        across <<= 1
+    return saturate((across << 3) // (along >> 14), -_TURN_MAX, _TURN_MAX)
+
+
+@hot
+def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> int:
+    """Shift and turn the body by what the feet tell, or on as it went where none carries; return how far they differ.
+
+    turn: 2^-18 rad, total: sum of the weights. Differing is along x and y together, the feet's mean, lu Q2.
+    Intermediates: 2^15 * 2^14; 256 * 2^18; speeds 2^22 * 205 at the lowest rate, 20 Hz.
+    """
+    ahead = odometry.speed[0] >> 6
+    aside = odometry.speed[1] >> 6
+    slip = 0
+    if total:
+        ahead = saturate(odometry.gone_mean[0] + (turn * odometry.arm_mean[1] + 0x4000 >> 15), -32767, 32767)
+        aside = saturate(odometry.gone_mean[1] - (turn * odometry.arm_mean[0] + 0x4000 >> 15), -32767, 32767)
+        for leg in range(LEGS):
+            at = leg * 2
+            x = (odometry.gone[at] << 2) + (turn * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
+            y = (odometry.gone[at + 1] << 2) - (turn * odometry.arm[at] + 0x4000 >> 15) - aside
+            if x < 0:
+                x = -x
+            if y < 0:
+                y = -y
+            slip += odometry.weight[leg] * (x + y)
+        slip >>= 8
+    if walks:
+        count_way(params, ahead, aside, slip, odometry)
+    share_q10 = 5120 // (params.rate_hz + 5)
+    odometry.speed[0] += ((ahead << 6) - odometry.speed[0]) * share_q10 + 512 >> 10
+    odometry.speed[1] += ((aside << 6) - odometry.speed[1]) * share_q10 + 512 >> 10
+    odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10
+    place_body(ahead, aside, turn, walks, odometry)
+    return slip
+
+
+@hot
+def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> int:
+    """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad; return 0.
+
+    No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 in ``astray``.
+    """
+    turned = turn * _TO_HEADING + odometry.heading_rest
+    odometry.heading_rest = turned & 2047
+    turned >>= 11
+    half = odometry.heading + (turned >> 1) >> 8
+    cosine = cos_q15(half) + 1 >> 1
+    sine = sin_q15(half) + 1 >> 1
+    turned += odometry.heading + _HALF_TURN
+    odometry.turns += turned >> 24
+    odometry.heading = (turned & 0xFFFFFF) - _HALF_TURN
+    x = ahead * cosine - aside * sine
+    y = ahead * sine + aside * cosine
+    odometry.place_rest[0] += x
+    odometry.place_rest[1] += y
+    for axis in range(2):
+        whole = odometry.place_rest[axis] >> 16
+        odometry.place_rest[axis] &= 0xFFFF
+        odometry.place[axis] = saturate(odometry.place[axis] + whole, -_FAR, _FAR)
+    if walks:
+        doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
+        odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_FAR, _FAR)
+        odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_FAR, _FAR)
+    return 0
+
+
+@hot
+def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> int:
+    """Add a shift and what the feet differ by, lu Q2, to what the doubts are told by; return the heading's, rad Q26.
+
+    While the gyroscope tells the heading, it is as wrong as its bias, and by 1/256 rad per slip of a leg's length; by
+    the feet it is by 1/16 rad (both from walks in space, over stones and stairs). Intermediates: 2^13 * 2^16.
+    """
+    if ahead < 0:
+        ahead = -ahead
+    if aside < 0:
+        aside = -aside
+    if aside > ahead:
+        ahead, aside = aside, ahead
+    odometry.way = saturate(odometry.way + (ahead + (aside >> 1) + 2 >> 2), 0, _FAR)
+    odometry.slip = saturate(odometry.slip + (slip + 2 >> 2), 0, _FAR)
+    doubt = (saturate(slip, 0, 8191) << 16) // params.leg_length
+    if odometry.gyro:
+        doubt += _BIAS_Q26 // params.rate_hz
+    else:
+        doubt <<= 4
+    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _FAR)
+    return odometry.doubt_q26
+
+
+@hot
+def odometry_spread(params: Params, odometry: Odometry) -> int:
+    """Write ``scaled`` and ``apart``; return the latter. With ``astray`` they make the covariance of x, y and heading.
+
+    One sigma each, as walks of four robots in space err: a way is told wrong by 1/256 of it and an eighth of what the
+    feet slipped, a place anywhere by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I
+    with s = (scaled, 0), g = (astray, doubt), a = apart for x and y, 0 for the heading. Intermediates: 2^20 * 512.
+    """
+    way = odometry.way
+    slip = odometry.slip
+    while way > 0xFFFFF or slip > 0xFFFFF:
+        way >>= 1
+        slip >>= 1
+    share_q12 = 16
+    if way:
+        share_q12 = saturate(16 + slip * 512 // way, 0, 4096)
+    for axis in range(2):
+        place = odometry.place[axis]
+        odometry.scaled[axis] = (place >> 12) * share_q12 + ((place & 4095) * share_q12 >> 12)
+    odometry.apart = (1 << params.length_shift) // 1000 + (odometry.way >> 8) + (odometry.slip >> 5)
+    return odometry.apart

@@ -1,0 +1,96 @@
+"""The way over the feet in floats: least squares where the core has its integers, with exact rotations.
+
+A foot is (x, y) of its contact in the body's level axes, m; forces are parts of the robot's own weight.
+"""
+
+import math
+
+from .fixed import limit
+
+BIAS_RAD_S = math.radians(0.0075)
+SMOOTH_S = 0.2
+
+
+class Odometry:
+    """One robot's: x, y, yaw, and the error vectors of its covariance."""
+
+    def __init__(self, rate_hz, leg_m, sent_ticks):
+        self.rate_hz, self.leg_m, self.sent_ticks = rate_hz, leg_m, sent_ticks
+        self.x = self.y = self.yaw = self.way = self.slip = self.doubt = 0.0
+        self.vx = self.vy = self.wz = 0.0
+        self.astray = [0.0, 0.0]
+        self.feet, self.ends = None, [0] * 4
+
+    def step(self, feet, forces, swinging, turned, tilt, walks):
+        """Take a tick; ``turned``: (x, y, z) in rad, None without a gyroscope."""
+        weights = self.weights(forces, swinging)
+        before, self.feet = self.feet, feet
+        if before is None:
+            return
+        total = sum(weights)
+        if walks and turned is not None:
+            by_gyro, turn = True, body_turn(turned, tilt)
+        else:
+            by_gyro, turn = False, feet_turn(before, feet, weights) if total else self.wz / self.rate_hz
+        shift, slip = (self.vx / self.rate_hz, self.vy / self.rate_hz), 0.0
+        if total:
+            told = [shift_of(b, n, turn) for b, n in zip(before, feet)]
+            shift = [sum([w * d[axis] for w, d in zip(weights, told)]) / total for axis in range(2)]
+            slip = sum([w * (abs(d[0] - shift[0]) + abs(d[1] - shift[1])) for w, d in zip(weights, told)]) / total
+        self.move(shift, turn, slip, walks, by_gyro)
+
+    def weights(self, forces, swinging):
+        """Return the squares of what the feet carry; none of those that are to swing and have done so for a while."""
+        for leg in range(4):
+            self.ends[leg] = max(0, self.ends[leg] - 1) if swinging >> leg & 1 else self.sent_ticks + 2
+        return [limit(force, 0.0, 1.0) ** 2 if ends else 0.0 for force, ends in zip(forces, self.ends)]
+
+    def move(self, shift, turn, slip, walks, by_gyro):
+        """Move by a shift and a turn, and let the doubts grow."""
+        if walks:
+            self.way += math.sqrt(shift[0] ** 2 + shift[1] ** 2)
+            self.slip += slip
+            self.doubt += slip / self.leg_m / (256 if by_gyro else 16)
+            if by_gyro:
+                self.doubt += BIAS_RAD_S / self.rate_hz
+        share = 1 / (1 + SMOOTH_S * self.rate_hz)
+        self.vx += share * (shift[0] * self.rate_hz - self.vx)
+        self.vy += share * (shift[1] * self.rate_hz - self.vy)
+        self.wz += share * (turn * self.rate_hz - self.wz)
+        half = self.yaw + turn / 2
+        dx = shift[0] * math.cos(half) - shift[1] * math.sin(half)
+        dy = shift[0] * math.sin(half) + shift[1] * math.cos(half)
+        self.x, self.y, self.yaw = self.x + dx, self.y + dy, self.yaw + turn
+        if walks:
+            doubt = min(0.5, self.doubt)
+            self.astray = [self.astray[0] - dy * doubt, self.astray[1] + dx * doubt]
+
+    def spread(self):
+        """Return the vectors: (scaled x, y), apart; m."""
+        share = limit(1 / 256 + (self.slip / self.way / 8 if self.way else 0.0), 0.0, 1.0)
+        return (self.x * share, self.y * share), 0.001 + self.way / 256 + self.slip / 32
+
+
+def body_turn(turned, tilt):
+    """Return the turn of the heading of a body at R = Rx(roll) Ry(pitch) that turns about its own axes."""
+    return (turned[2] * math.cos(tilt[1]) - turned[0] * math.sin(tilt[1])) / math.cos(tilt[0])
+
+
+def feet_turn(before, now, weights):
+    """Return the turn of the body that fits feet which stay (planar Procrustes)."""
+    total = sum(weights)
+    b0, n0 = [[sum([w * f[i] for w, f in zip(weights, feet)]) / total for i in range(2)] for feet in (before, now)]
+    across = along = 0.0
+    for w, b, n in zip(weights, before, now):
+        bx, by, nx, ny = b[0] - b0[0], b[1] - b0[1], n[0] - n0[0], n[1] - n0[1]
+        across += w * (nx * by - ny * bx)
+        along += w * (nx * bx + ny * by)
+    return math.atan2(across, along) if along > 0 else 0.0
+
+
+def shift_of(before, now, turn):
+    """Return the body's shift over a foot that stays, in axes turned by half of the turn."""
+    c, s = math.cos(turn / 2), math.sin(turn / 2)
+    bx, by = c * before[0] + s * before[1], c * before[1] - s * before[0]
+    nx, ny = c * now[0] - s * now[1], c * now[1] + s * now[0]
+    return bx - nx, by - ny

@@ -1,0 +1,111 @@
+"""A gait file: what the core makes of it, one line for each mistake, and that command and library walk it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from host.control.arbiter import Arbiter
+from host.library.robot import Robot
+from host.records.reader import read_record
+from host.records.replay import replay
+from host.robot.file import load_robot
+from host.robot.gait_advice import UNTRIED, gait_advice
+from host.robot.gait_file import with_gait
+from host.util.errors import UserError
+from shared.gait.gaits import GAIT_NAMES
+from tests import ROOT
+from tests.host.control.rig import SCRIPT
+
+PACE = ROOT / "examples/pace.toml"
+LEGS = {"FR": 1, "FL": 2, "RR": 4, "RL": 8}
+
+
+def changed(tmp_path, old, new):
+    """Return the path of the example with another text in it."""
+    text = PACE.read_text()
+    assert old in text
+    path = tmp_path / "my.toml"
+    path.write_text(text.replace(old, new))
+    return str(path)
+
+
+def test_the_example_is_the_table_it_describes():
+    (own,) = with_gait(load_robot("caramelo"), str(PACE)).gait.own
+    right, left = LEGS["FR"] | LEGS["RR"], LEGS["FL"] | LEGS["RL"]
+    rows = (240, right, 240), (80, 0, 80), (240, left, 240), (80, 0, 80)
+    assert own.entry == ("pace", 0, ((30, 100, 100, 0), rows))
+
+
+def test_a_swing_over_the_end_of_the_cycle_moves_its_beginning(tmp_path):
+    path = changed(tmp_path, "FR = 0.0, RR = 0.0, FL = 0.5, RL = 0.5", "FR = 0.8, RR = 0.8, FL = 0.3, RL = 0.3")
+    rows = with_gait(load_robot("caramelo"), path).gait.own[0].entry[2][1]
+    assert sorted(rows) == [(80, 0, 80), (80, 0, 80), (240, 5, 240), (240, 10, 240)]
+    assert not rows[0][1] & rows[-1][1], "no foot is in the air where the cycle begins"
+
+
+MISTAKES = [
+    ("cycle_s = 0.64 ", "cycle_s = 0.0 ", "cycle_s: value 0.0: allowed: a number within 0.2 .. 20 s"),
+    ("duty = 0.625 ", "duty = 1.5 ", "duty: value 1.5: allowed: a number within 0.5 .. 0.95"),
+    ("duty = ", "dutty = ", "dutty: value 0.625: unknown key, did you mean duty?"),
+    ('name = "pace"', 'name = "trot"', "name: value 'trot': allowed: a name beside paper-trot"),
+    ("RL = 0.5", "RL = 7", "lifts_at.RL: value 7: allowed: a number within 0 .. 0.999"),
+    (", RL = 0.5", "", "lifts_at.RL: value missing: allowed: any that docs/gaits.md names"),
+    ("RR = 0.0, FL = 0.5, RL = 0.5", "RR = 0.3, FL = 0.6, RL = 0.9", "lifts_at: value (0.0, 0.6, 0.3, 0.9): allowed: "),
+    ("FL = 0.5, RL = 0.5", "FL = 0.0, RL = 0.0", "lifts_at: value (0.0, 0.0, 0.0, 0.0): allowed: feet of which one"),
+    ("cycle_s = 0.64 ", "cycle_s = ", "allowed: TOML as in"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "told"), MISTAKES)
+def test_a_mistake_is_one_line_with_key_value_and_what_is_allowed(tmp_path, old, new, told):
+    path = changed(tmp_path, old, new)
+    with pytest.raises(UserError) as error:
+        with_gait(load_robot("caramelo"), path)
+    assert str(error.value).startswith(path)
+    assert told in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_what_is_not_there_is_one_line():
+    robot = load_robot("caramelo")
+    with pytest.raises(UserError, match="no such file: gaits known by name are paper-trot"):
+        with_gait(robot, "nowhere.toml")
+    with pytest.raises(UserError, match="no such gait; there are paper-trot"):
+        with_gait(robot, "gallop")
+
+
+def test_the_robot_knows_it_begins_with_it_and_says_that_it_is_untried():
+    robot = with_gait(load_robot("caramelo"), str(PACE))
+    assert (tuple(gait_advice(robot)), robot.gait.default) == ((*GAIT_NAMES, "pace"), "pace")
+    assert gait_advice(robot)["pace"] == UNTRIED
+
+
+def test_a_gait_that_the_robot_does_not_know_is_refused():
+    arbiter = Arbiter(gait="trot", gaits=("trot", "pace"))
+    arbiter.handle(SCRIPT, {"type": "take"}, 0.0)
+    assert arbiter.handle(SCRIPT, {"type": "gait", "gait": "pace"}, 0.0)
+    assert not arbiter.handle(SCRIPT, {"type": "gait", "gait": "gallop"}, 0.0)
+    assert (arbiter.gait, arbiter.refusal) == ("pace", "no such gait; there are trot, pace")
+
+
+def test_the_command_walks_it():
+    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+    command = [sys.executable, "-m", "host.cli", "walk", "--robot", "parallel", "--distance", "0.2", "--json"]
+    done = subprocess.run([*command, "--gait", str(PACE)], capture_output=True, text=True, cwd=ROOT, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    told = json.loads(done.stdout)
+    assert told["reason"].startswith("arrived")
+    assert (told["gait"], told["advice"]) == ("pace", UNTRIED)
+
+
+def test_the_library_walks_it_and_its_record_is_replayed(tmp_path):
+    pytest.importorskip("mcap")
+    path = tmp_path / "pace.mcap"
+    with Robot("sim", robot="parallel", gait=PACE, record=path) as robot:
+        robot.stand()
+        robot.walk(0.05, seconds=2.0)
+        assert (robot.gait, "pace" in robot.gaits) == ("pace", True)
+        assert robot.odometry.x_m > 0.03
+    assert replay(read_record(path)).ok

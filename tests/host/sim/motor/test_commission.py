@@ -1,0 +1,145 @@
+"""Commissioning on the full motor model: motors drawn at random, planted defects, what the host reads and writes."""
+
+import json
+import math
+import random
+from dataclasses import replace
+
+import pytest
+
+from host.cli import main
+from host.robot.file import load_robot
+from host.sim.motor.bench import Bench
+from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY
+
+from .drawn import LONGEST_S, PARALLEL, commissioned, draw, errors, replaced
+
+MOST = {
+    "pole_pairs": 0, "resistance": 0.05, "inductance_d": 0.05, "inductance_q": 0.05, "flux": 0.03,
+    "offset_elec_deg": 3.0, "eccentric_deg": 0.1, "seconds": LONGEST_S,
+}  # fmt: skip
+
+
+def check(seed):
+    drawn = draw(seed)
+    bench = drawn.bench()
+    assert commissioned(bench) == ""
+    missed = {name: value for name, value in errors(drawn, bench).items() if abs(value) > MOST[name]}
+    assert not missed
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_motors_drawn_at_random_are_found(seed):
+    check(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(200))
+def test_two_hundred_motors_drawn_at_random_are_found(seed):
+    check(seed)
+
+
+def test_the_current_loops_gains_are_those_of_the_wanted_bandwidth():
+    drawn = draw(2)
+    bench = drawn.bench()
+    assert commissioned(bench) == ""
+    loop, drive = bench.joint.control.loop, drawn.file.drive
+    ohm = bench.units.volt_per_vu / bench.units.ampere_per_cu / 8192  # of a gain
+    wanted, henry = 2 * math.pi * drive.current_bandwidth_hz, (bench.motor.l_H + bench.motor.lq_H) / 2
+    assert loop.kp * ohm == pytest.approx(wanted * henry, rel=0.05)
+    assert loop.ki * ohm * drive.current_loop_hz == pytest.approx(wanted * bench.motor.resistance_ohm(), rel=0.05)
+
+
+def amplifier(counts):
+    return lambda b: setattr(b.sensors, "offsets_counts", (counts, 0.0, 0.0))
+
+
+def noisy(bench):
+    bench.sensors._noise = [random.Random(k).gauss(0, 10) for k in range(4096)]
+
+
+def wrong(**more):
+    return lambda b: vars(b.wrong).update(more)
+
+
+def load(**more):
+    return lambda b: vars(b.load).update(more)
+
+
+DEFECTS = {
+    "phase a open": (load(open_phase=0), "phase 1 of 3"),
+    "phase b open": (load(open_phase=1), "phase 2 of 3"),
+    "phase c open": (load(open_phase=2), "phase 3 of 3"),
+    "motor not connected": (lambda b: vars(b.motor).update(r25_ohm=1e4), "no current"),
+    "winding half shorted": (lambda b: vars(b.motor).update(l_H=2e-5, lq_H=2e-5), "winding"),
+    "magnet off centre": (wrong(eccentric_rad=0.075), "magnet"),
+    "end stop too near": (lambda b: vars(b.load).update(stop_rad=b.motor.joint_rad + 0.15), "end stop"),
+    "too much friction": (lambda b: setattr(b.motor, "coulomb_Nm", 0.036), "friction"),
+    "rotor blocked": (load(locked=True), "not free"),
+    "rotor magnets lost": (lambda b: setattr(b.motor, "psi_Vs", 1e-5), "not free"),
+    "amplifier off zero": (amplifier(300.0), "offset"),
+    "amplifier's gain": (wrong(shunt_gain=0.6), "sum"),
+    "amplifier noisy": (noisy, "noise"),
+    "supply too low": (lambda b: vars(b.wrong).update(supply_V=18.5), "supply"),
+    "rotor encoder noisy": (wrong(rotor_noise=4.0), "encoder"),
+    "rotor encoder lost": (wrong(rotor_lost=True), "encoder lost"),
+    "joint encoder's magnet off": (wrong(joint_stuck=True), "joint encoder"),
+    "joint turning": (lambda b: vars(b.motor).update(rotor_rad_s=8.0, joint_rad_s=8.0 / 22, coulomb_Nm=0.0), "moving"),
+}
+
+
+@pytest.mark.parametrize("name", DEFECTS)
+def test_planted_defects_are_named(name):
+    plant, word = DEFECTS[name]
+    bench = Bench(PARALLEL, commissioned=False)
+    plant(bench)
+    if name == "supply too low":
+        bench.joint.control.settings.commission_bus_least = round(20.0 / bench.units.volt_per_vu)
+    said = commissioned(bench)
+    assert word in said.split(";")[0]
+    assert not bench.joint.control.settings.commissioned
+    assert not bench.board.bridge
+
+
+@pytest.mark.parametrize("name", ["phases swapped", "magnet slipped"])
+def test_what_has_changed_is_named_when_verified(name):
+    bench = Bench(PARALLEL, replace(Bench(PARALLEL).load, swapped_phases=name == "phases swapped"))
+    if name == "magnet slipped":
+        bench.motor.elec_offset_rad += 0.5
+    assert ("phase order" if name == "phases swapped" else "offset changed") in commissioned(bench, COMMISSION_VERIFY)
+
+
+def test_another_motor_than_the_files_is_found_to_be_one():
+    """With gains twelve times too high for it, as a robot file of another motor would give."""
+    real = replaced(PARALLEL, {"inductance_H": 5e-5, "resistance_ohm": 0.15, "pole_pairs": 14}, {}, {})
+    bench = Bench(PARALLEL, commissioned=False, real=real)
+    assert commissioned(bench, COMMISSION_FULL) == ""
+    assert bench.joint.control.settings.pole_pairs == 14
+
+
+def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_path):
+    out = tmp_path / "measured.toml"
+    assert main(["joints", "commission", "5", "--sim", "--json", "--out", str(out)]) == 0
+    told = json.loads(capsys.readouterr().out)
+    (found,) = told["joints"]
+    motor = load_robot("parallel").actuator.motor
+    assert found["resistance_ohm"] == pytest.approx(motor.resistance_ohm, rel=0.03)
+    assert found["inductance_d_H"] == pytest.approx(motor.inductance_H, rel=0.02)
+    assert found["torque_constant_Nm_A"] == pytest.approx(motor.torque_constant_Nm_A, rel=0.03)
+    assert found["eccentricity_deg"] == pytest.approx(0.86, abs=0.1)
+    assert told["failed"] == {}
+    assert load_robot(str(out)).actuator.motor.resistance_ohm == pytest.approx(found["resistance_ohm"], rel=1e-3)
+    assert out.read_text().count(": measured)") == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["13"], "give 1 .. 12, or all"),
+        (["5", "--out", "there/is/no.toml"], "give a new file"),
+        (["5", "--verify", "--out", "x.toml"], "leave --out out"),
+    ],
+)
+def test_wrong_use_is_told_before_anything_moves(capsys, arguments, sentence):
+    assert main(["joints", "commission", *arguments, "--sim"]) == 2
+    assert sentence in capsys.readouterr().err

@@ -1,0 +1,266 @@
+"""Commissioning in closed loop on the plain motor: what it finds, what it refuses and why, what it leaves unchanged."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shared.joint import commission as c
+from shared.joint import commission_state as s
+from shared.joint import faults as f
+from shared.joint.bend import fill_bend, straightened
+from shared.joint.drive_state import drive_arm, drive_disarm
+from shared.joint.encoder import home_by_encoder
+from shared.joint.layout import CurrentLoop
+from shared.joint.sine import fill_sine
+from shared.joint.tick import begin_commission
+from shared.joint.winding import probe_begin, probe_step, ratio, winding_inductance
+from shared.record import pack
+from shared.wire import names as w
+
+from .plant import Plant
+
+FULL, VERIFY = s.COMMISSION_FULL, s.COMMISSION_VERIFY
+
+
+def begun(p, kind):
+    for _ in range(5):
+        p.tick(setpoint=False)
+    begin_commission(p.state, p.commission, kind)
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_COMMISSIONING) == w.RESULT_OK
+    return p
+
+
+def commission(kind, arrange=None, pose_rad=None, until=None, **plant):
+    p = Plant(**plant)
+    if arrange:
+        arrange(p)
+    begun(p, kind)
+    if pose_rad is not None:
+        p.commission.pose_given, p.commission.pose = 1, round(pose_rad / p.units.rad_per_rc)
+    for tick in range(30000):
+        p.tick(setpoint=False)
+        over = tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT)
+        if over or p.commission.phase == until:
+            break
+    return p
+
+
+def offset_error(p, true):
+    return ((p.settings.elec_offset - true + 32768) & 65535) - 32768
+
+
+@pytest.mark.parametrize(("offset", "direction", "sign"), [(12345, -1, 1), (50000, 1, -1)])
+def test_it_finds_everything(offset, direction, sign):
+    def unknown(p):
+        p.settings.pole_pairs, p.settings.bemf, p.settings.omega_l = 11, 1, 1
+        p.loop.kp, p.loop.ki = 400, 60
+
+    p = commission(FULL, unknown, elec_offset_brad=offset, direction=direction, commissioned=False, sign=sign)
+    wanted = Plant().blocks
+    assert p.state.fault_code == 0
+    assert (p.settings.commissioned, p.settings.direction, p.settings.pole_pairs) == (1, direction, 7)
+    assert abs(offset_error(p, offset)) < 182  # 1 electrical degree
+    assert p.settings.joint_encoder_sign == sign  # it turns with the rotor here
+    assert p.loop.electrical_gain == 28 * direction
+    assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
+    assert p.settings.bemf == pytest.approx(wanted.settings.bemf, rel=0.02)
+    assert p.settings.omega_l == pytest.approx(wanted.settings.omega_l, rel=0.04)  # the plant is solved in four steps
+    assert (p.loop.kp, p.loop.ki) == pytest.approx((wanted.loop.kp, wanted.loop.ki), rel=0.04)
+
+
+def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_nothing():
+    start, far = Plant().joint_rad(), []
+
+    class Watched(Plant):
+        def tick(self, setpoint=True):
+            super().tick(setpoint)
+            far.append(abs(self.joint_rad() - start))
+
+    p = Watched(elec_offset_brad=900)
+    before, gains = pack(p.settings), (p.loop.kp, p.loop.ki)
+    begun(p, VERIFY)
+    for _ in range(6000):
+        p.tick(setpoint=False)
+    assert (p.state.fault_code, p.state.drive_state) == (0, w.STATE_SWITCH_ON_DISABLED)
+    assert (pack(p.settings), (p.loop.kp, p.loop.ki)) == (before, gains)
+    assert math.degrees(max(far)) < 360 / 7 / 22 * 1.2
+
+
+def test_the_pose_sets_both_zeros():
+    pose = 0.25
+    p = commission(FULL, pose_rad=pose, elec_offset_brad=900, commissioned=False)
+    zero_rad = 0.3 / 22 - pose  # the plant starts at 0.3 rad of the rotor
+    p.angle = (zero_rad + 0.4) * 22
+    p.read_slow()
+    p.state.fraction = p.rotor()
+    assert home_by_encoder(p.settings, p.state, p.io) == 1
+    assert p.state.position * p.units.rad_per_rc == pytest.approx(0.4, abs=3e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "arrange", "code"),
+    [
+        (FULL, lambda p: setattr(p, "offsets", [2400, 2048, 2048]), f.FAULT_COMMISSION_OFFSET),
+        (FULL, lambda p: setattr(p.settings, "commission_bus_least", 7000), f.FAULT_COMMISSION_BUS),
+        (FULL, lambda p: setattr(p, "blocked", True), f.FAULT_COMMISSION_NOT_FREE),
+        (VERIFY, lambda p: setattr(p, "blocked", True), f.FAULT_COMMISSION_NOT_FREE),
+        (FULL, lambda p: setattr(p, "r", 30.0), f.FAULT_COMMISSION_NO_CURRENT),
+        (VERIFY, lambda p: setattr(p, "r", 30.0), f.FAULT_COMMISSION_NO_CURRENT),
+        (FULL, lambda p: setattr(p, "l", 3e-5), f.FAULT_COMMISSION_WINDING),
+        (FULL, lambda p: setattr(p, "friction", 0.045), f.FAULT_COMMISSION_FRICTION),
+        (VERIFY, lambda p: setattr(p, "swapped", True), f.FAULT_COMMISSION_PHASE_ORDER),
+        (VERIFY, lambda p: setattr(p.settings, "elec_offset", 9000), f.FAULT_COMMISSION_OFFSET_CHANGED),
+    ],
+)
+def test_refusals_have_a_reason_and_change_nothing(kind, arrange, code):
+    p = Plant()
+    arrange(p)
+    before, gains = pack(p.settings), (p.loop.kp, p.loop.ki)
+    p = commission(kind, arrange)
+    assert p.state.fault_code == code
+    assert pack(p.settings) == before
+    assert (p.loop.kp, p.loop.ki) == gains
+    assert (p.loop.reference_d, p.loop.reference_q, p.loop.probing) == (0, 0, 0)
+    assert p.loop.electrical_gain == 4 * p.settings.pole_pairs * p.settings.direction
+
+
+def refused(prepare, each):
+    """Run only the rest phase with readings of our own."""
+    p = Plant()
+    begin_commission(p.state, p.commission, FULL)
+    prepare(p)
+    for tick in range(264):
+        for k in range(3):
+            p.loop.raw[k] = 2048
+        each(p, tick)
+        c.commission_step(p.loop, p.settings, p.state, p.io, p.commission)
+    return p.commission.reason, p.commission.reason_value
+
+
+def nothing(*_):
+    pass
+
+
+@pytest.mark.parametrize(
+    ("prepare", "each", "reason", "value"),
+    [
+        (nothing, lambda p, t: p.loop.raw.__setitem__(1, 2048 + 15 * (-1) ** t), f.FAULT_COMMISSION_NOISE, 30),
+        (nothing, lambda p, t: setattr(p.loop, "rotor", 100 + t % 12), f.FAULT_COMMISSION_ENCODER, 11),
+        (lambda p: setattr(p.state, "rate", 9000), nothing, f.FAULT_COMMISSION_MOVING, 9000),
+        (lambda p: setattr(p.state, "bus", 100), nothing, f.FAULT_COMMISSION_BUS, 100),
+    ],
+)
+def test_checks_at_rest(prepare, each, reason, value):
+    def with_bus(p):
+        p.state.bus = 6144
+        prepare(p)
+
+    assert refused(with_bus, each) == (reason, value)
+
+
+@pytest.mark.parametrize(
+    ("raws", "reason", "value"),
+    [((2400, 2100, 2100), f.FAULT_COMMISSION_SUM, 456), ((2300, 2048, 1796), f.FAULT_COMMISSION_PHASE_OPEN, 2)],
+)
+def test_phases_that_do_not_add_up_or_carry_nothing_are_refused(raws, reason, value):
+    p = Plant()
+    p.commission.phase, p.commission.kind, p.commission.phase_ticks = s.PHASE_SETTLE, FULL, 511
+    for k, raw in enumerate(raws):
+        p.loop.raw[k] = raw
+    assert c.commission_step(p.loop, p.settings, p.state, p.io, p.commission) == s.PHASE_IDLE
+    assert (p.commission.reason, p.commission.reason_value) == (reason, value)
+
+
+def test_a_joint_encoder_that_does_not_follow_is_refused():
+    class Stuck(Plant):
+        def read_slow(self):
+            super().read_slow()
+            self.io.joint_raw = 77
+
+    p = begun(Stuck(), VERIFY)
+    for _ in range(4000):
+        p.tick(setpoint=False)
+    assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
+
+
+@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_SPIN + 1))
+def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
+    p = commission(FULL, until=phase)
+    assert p.commission.phase == phase
+    before = Plant()
+    for _ in range(20):
+        p.tick(setpoint=False)
+    drive_disarm(p.state)
+    p.tick(setpoint=False)
+    assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
+    assert not p.bridge
+    assert (p.loop.electrical_gain, p.loop.reference_d, p.loop.reference_q, p.commission.phase) == (28, 0, 0, 0)
+    assert (p.loop.kp, p.loop.ki, p.loop.probing) == (before.loop.kp, before.loop.ki, 0)
+    assert (p.loop.alternate_d, p.loop.alternate_q, max(p.loop.bend)) == (0, 0, 0)
+    assert pack(p.settings) == pack(before.settings)
+
+
+def test_an_emergency_stop_ends_it():
+    p = commission(FULL, until=s.PHASE_SPIN)
+    p.io.e_stop = 1
+    p.tick(setpoint=False)
+    assert (p.state.fault_code, p.bridge, p.loop.probing) == (f.FAULT_EMERGENCY_STOP, False, 0)
+
+
+@given(st.integers(0, (1 << 30) - 1), st.integers(1, 1 << 29), st.integers(0, 30))
+def test_a_ratio_is_exact_or_at_its_end(numerator, denominator, bits):
+    exact = (numerator << bits) // denominator
+    found = ratio(numerator, denominator, bits)
+    assert found == exact if exact < 1 << 29 else found <= min(exact, (1 << 30) - 1)
+
+
+def test_a_ratio_of_nothing_is_0():
+    assert (ratio(5, 0, 3), ratio(-1, 7, 3)) == (0, 0)
+
+
+@given(st.integers(200, 8000), st.integers(40, 4000), st.floats(0.001, 1.7))
+def test_the_inductance_of_an_alternating_current(volt, current, x):
+    """x = R T / L. Current and resistance are made from the law that the function inverts: 0.7 % and the rounding."""
+    resistance = math.tanh(x / 2) * volt / current
+    raw = round(resistance * 65536)
+    found = winding_inductance(volt << 4, current << 4, raw)
+    if raw < 1 or raw > 0x3FFFF or found == 0:
+        assert raw < 1 or raw > 0x3FFFF or math.tanh(x / 2) > 0.699
+        return
+    assert found / 65536 == pytest.approx(resistance / x if x > 0.02 else volt / current / 2, rel=0.008, abs=3e-4)
+
+
+def test_a_winding_that_settles_within_a_step_has_no_inductance():
+    assert winding_inductance(1000 << 4, 1000 << 4, 50000) == 0
+
+
+@given(st.lists(st.integers(-1500, 1500), min_size=4, max_size=4), st.integers(0, 16383))
+def test_readings_are_straightened_as_the_harmonics_say(q4, rotor):
+    loop = CurrentLoop()
+    fill_sine(loop)
+    fill_bend(loop, *q4)
+    angle = rotor / 16384 * math.tau
+    bend = q4[0] * math.cos(angle) + q4[1] * math.sin(angle)
+    bend += q4[2] * math.cos(2 * angle) + q4[3] * math.sin(2 * angle)
+    away = (straightened(loop, rotor) - rotor - bend / 16 + 8192) % 16384 - 8192
+    lines = 0.005 * math.hypot(q4[0], q4[1]) / 16 + 0.02 * math.hypot(q4[2], q4[3]) / 16
+    assert abs(away) <= 2 + lines
+
+
+def test_an_unbent_reading_stays_as_it_is():
+    loop = CurrentLoop()
+    assert [straightened(loop, rotor) for rotor in range(0, 16384, 97)] == list(range(0, 16384, 97))
+
+
+def test_sums_alternate_with_the_voltage_and_stay_small():
+    loop = CurrentLoop()
+    loop.level, loop.alternate_d = 1000, 300
+    probe_begin(loop, 1)
+    for _ in range(46000):
+        loop.current_d, loop.voltage_d = 50 + 7 * loop.probe_sign, -23170 * loop.probe_sign
+        probe_step(loop)
+        assert loop.feed_d == 1000 + 300 * loop.probe_sign
+    assert (loop.probe_steps, loop.sum_current_d, loop.sum_voltage_d) == (46000, 7 * 46000, -23170 * 46000)
+    assert loop.sum_voltage_d >= -(1 << 30)
