@@ -83,16 +83,17 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
 
 @hot
 def give_way(walk: Trot, leg: int) -> int:
-    """A foot that is held up goes no further than it can and does not push; return how much less, lu.
+    """A foot that is held up is sent half as far ahead of where it is; return how much less, lu.
 
-    It gets free by rising, and then goes on at its speed.
+    It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
+    would come down short of it, and the body go on over it.
     """
     residual = walk.residual
     held = walk.held
     short = walk.short
     short[leg] = 0
     if held[leg]:
-        short[leg] = -residual[leg * 2]
+        short[leg] = -(residual[leg * 2] >> 1)
     return short[leg]
 
 

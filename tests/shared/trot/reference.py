@@ -245,7 +245,7 @@ class FloatTrot:
             return 1
         if self.u > 0.1:
             self.hold_up(leg)
-        self.short[leg] = -self.residual[leg][0] if self.held[leg] else 0.0
+        self.short[leg] = -self.residual[leg][0] / 2 if self.held[leg] else 0.0
         return 0
 
     def begin_swing(self, leg):
@@ -288,6 +288,9 @@ class FloatTrot:
                 x, y, z = self.feet[leg]
                 back = self.drive[0] - wz * y + wy * z, self.drive[1] + wz * x - wx * z, wx * y - wy * x + rise
                 self.feet[leg] = [p - speed * self.dt for p, speed in zip((x, y, z), back, strict=True)]
+                if self.known > self.delay:
+                    over = max(0.0, self.residual[leg][1] - 123 / 1024 * self.leg_m)
+                    self.feet[leg][2] += over * 8 * self.dt / self.f.cycle_s
 
     def swing_feet(self, pose):
         u = self.u

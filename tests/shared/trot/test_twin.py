@@ -9,6 +9,7 @@ import pytest
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
 from shared.sense.sensed import Sensed
+from shared.trot.feet import spare
 from shared.trot.state import Trot
 from shared.trot.trot import trot_start, trot_tick
 
@@ -124,3 +125,32 @@ def test_a_foot_that_meets_something_is_the_same_in_both():
     assert pair.twin.high_left > 0
     assert max(pair.walk.tops) == pair.params.trot.highest_lift
     assert pair.worst_m < MOST_M
+
+
+def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():
+    """It stands folded by 0.2 of the leg, and is sent 0.12 below that, not the whole way."""
+    pair = Pair("caramelo", 50)
+    lifted, free = 0.2 * pair.twin.leg_m, pair.plant.joints_brad
+    x, y, z = pair.twin.feet[0]
+    folded = [round(q * BRAD_PER_RAD) for q in pair.twin.inverse(0, (x, y, z + lifted))]
+    pair.plant.joints_brad = lambda: folded + free()[3:] if len(pair.twin.past) > 5 else free()
+    for _ in range(40):
+        pair.tick((0.0, 0.0, 0.0), (0, 0), (0, 0, 0), moving=False)
+    assert pair.worst_m < MOST_M
+    below_m = pair.scale.metres(pair.walk.residual[1])
+    assert 0.11 * pair.twin.leg_m < below_m < 0.15 * pair.twin.leg_m
+
+
+@pytest.mark.parametrize("rate_hz", [20, 50, 500])
+@pytest.mark.parametrize("name", ["caramelo", "parallel"])
+def test_what_a_standing_foot_is_spared_is_as_the_floats_say(name, rate_hz):
+    """Over all that a foot can be off; at most 1 lf less, and what the rate's integer is rounded to."""
+    pair = Pair(name, rate_hz)
+    walk, params, twin = pair.walk, pair.params, pair.twin
+    most, share = params.leg_length * 123 // 1024, 8 / twin.f.cycle_s / rate_hz
+    for off in (*range(-40000, 40000, 37), most, most + 1, 32767 + most):
+        walk.residual[1], walk.state.known = off, 100
+        exact = min(32767, max(0, off - most)) * share * 256
+        assert spare(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.raise_q16)
+        walk.state.known = params.sent_ticks
+        assert spare(params, walk, 0) == 0

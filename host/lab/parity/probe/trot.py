@@ -138,6 +138,7 @@ PROBES = (
     _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("stand_feet", feet, (ROBOT, WALK)),
+    _probe("spare", feet, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
     Probe("cycloid_way_q15", feet.cycloid_way_q15, (SHARE,)),
     _probe("swing_feet", feet, (ROBOT, WALK, POSE), fit=_moving_first),

