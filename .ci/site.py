@@ -13,7 +13,8 @@ from typing import Any
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 FROM_ROOT = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
-EXAMPLES = ("caramelo", "parallel", "pupper")  # a key's example is that of the first that has it
+EXAMPLES = ("caramelo", "parallel", "solo12")  # a key's example is that of the first that has it
+GAIT = "examples/pace.toml"  # of a gait of one's own
 
 COMMANDS = """# Commands
 
@@ -124,7 +125,8 @@ def keys_page() -> str:
     from host.robot.model import Robot
 
     tables: dict[str, list[str]] = {}
-    comments = [comments_of(name) for name in EXAMPLES]
+    comments = [comments_of((ROOT / f"host/robot/files/{name}.toml").read_text()) for name in EXAMPLES]
+    comments.append({f"gait.own.{key}": told for key, told in comments_of((ROOT / GAIT).read_text()).items()})
     for path, allowed, needed in keys(Robot):
         table, _, key = path.rpartition(".")
         meaning = next((told[path] for told in comments if path in told), "")
@@ -173,11 +175,10 @@ def allowed_by(field: Any) -> str:
     return ""
 
 
-def comments_of(robot: str) -> dict[str, str]:
-    """Return the meanings that stand behind a robot file's lines, by key; the kind of a joint or bus is in the path."""
+def comments_of(text: str) -> dict[str, str]:
+    """Return the meanings that stand behind a file's lines, by key; the kind of a joint or bus is in the path."""
     import tomllib
 
-    text = (ROOT / f"host/robot/files/{robot}.toml").read_text()
     kinds = {name: table["kind"] for name, table in tomllib.loads(text).items()
              if isinstance(table, dict) and "kind" in table}  # fmt: skip
     found, table = {}, ""

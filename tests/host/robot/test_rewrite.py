@@ -19,7 +19,7 @@ def test_every_number_of_a_robot_has_a_source(name):
     assert set(found.values()) <= {"", "paper", "configuration", "urdf", "menagerie", "datasheet", "measured",
                                    "simulated", "derived", "assumed", "chosen"}
     numbers = [f"{table}.{key}" for table, inside in data.items() if isinstance(inside, dict) and table != "actuator"
-               for key, value in inside.items() if isinstance(value, int | float)]
+               for key, value in inside.items() if type(value) in (int, float)]
     assert len(numbers) > 40
     assert [key for key in numbers if not found[key]] == []
 
