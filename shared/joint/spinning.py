@@ -81,8 +81,9 @@ def _push(loop: CurrentLoop, settings: JointSettings, commission: Commission, ra
     """
     sign = commission.sign
     wanted = settings.rate_max >> 1
-    if wanted > _ELECTRICAL_RATE // commission.pole_pairs:
-        wanted = _ELECTRICAL_RATE // commission.pole_pairs
+    fastest = _ELECTRICAL_RATE // saturate(commission.pole_pairs, 1, 50)
+    if wanted > fastest:
+        wanted = fastest
     most = settings.commission_current >> 1
     slip = saturate(wanted - rate * sign, -wanted, wanted)
     current = (slip >> 4) * most // ((wanted >> 4) + 1) * sign

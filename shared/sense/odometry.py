@@ -51,6 +51,8 @@ class Odometry:
 
 
 _FAR = const(0x3FFF0000)
+_DOUBT_MAX = const(0x3F000000)  # rad Q26: 15.75
+_FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
 _GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
 _ARM_MAX = const(16383)
 _TURN_MAX = const(0x8000)  # 2^-18 rad / tick, as the attitude tells it
@@ -111,11 +113,13 @@ def odometry_step(
 
 @hot
 def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odometry) -> int:
-    """Write what each foot counts, by what it carries; return the sum, 0 if none carries.
+    """Write what each foot counts, by what it carries; return the sum, 0 if none counts.
 
-    Only those count that are to stand, or were a tick before the goals that the joints answer: drives lag.
+    Only those count that are to stand, or were a tick before the goals that the joints answer: drives lag. Where the
+    joints tell of less than a quarter of the weight, stiff as they are, those count alike that are to stand.
     """
     total = 0
+    carried = 0
     for leg in range(LEGS):
         if swinging >> leg & 1 == 0:
             odometry.ends[leg] = params.sent_ticks + 2
@@ -126,6 +130,12 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             weight = saturate(sensing.force_q12[leg] >> 6, 0, 64)
         odometry.weight[leg] = weight * weight
         total += weight * weight
+        carried += weight
+    if carried < _FELT:
+        total = 0
+        for leg in range(LEGS):
+            odometry.weight[leg] = 1 - (swinging >> leg & 1)
+            total += odometry.weight[leg]
     whole = 0
     if total:
         for leg in range(LEGS):
@@ -274,12 +284,12 @@ def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odome
         ahead, aside = aside, ahead
     odometry.way = saturate(odometry.way + (ahead + (aside >> 1) + 2 >> 2), 0, _FAR)
     odometry.slip = saturate(odometry.slip + (slip + 2 >> 2), 0, _FAR)
-    doubt = (saturate(slip, 0, 8191) << 16) // params.leg_length
+    doubt = saturate((saturate(slip, 0, 8191) << 16) // params.leg_length, 0, 0xFFFFF)
     if odometry.gyro:
         doubt += _BIAS_Q26 // params.rate_hz
     else:
         doubt <<= 4
-    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _FAR)
+    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _DOUBT_MAX)
     return odometry.doubt_q26
 
 

@@ -86,14 +86,17 @@ def give_way(walk: Trot, leg: int) -> int:
     """A foot that is held up is sent half as far ahead of where it is; return how much less, lu.
 
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
-    would come down short of it, and the body go on over it.
+    would come down short of it, and the body go on over it. Told to stop it does not push.
     """
+    state = walk.state
     residual = walk.residual
     held = walk.held
     short = walk.short
     short[leg] = 0
     if held[leg]:
-        short[leg] = -(residual[leg * 2] >> 1)
+        short[leg] = -residual[leg * 2]
+        if state.foot_speed[0]:
+            short[leg] = -(residual[leg * 2] >> 1)
     return short[leg]
 
 

@@ -40,10 +40,16 @@ class Odometry:
         self.move(shift, turn, slip, walks, by_gyro)
 
     def weights(self, forces, swinging):
-        """Return the squares of what the feet carry; none of those that are to swing and have done so for a while."""
+        """Return the squares of what the feet carry; none of those that are to swing and have done so for a while.
+
+        By the plan alone where the joints tell of less than a quarter of the weight.
+        """
         for leg in range(4):
             self.ends[leg] = max(0, self.ends[leg] - 1) if swinging >> leg & 1 else self.sent_ticks + 2
-        return [limit(force, 0.0, 1.0) ** 2 if ends else 0.0 for force, ends in zip(forces, self.ends)]
+        carried = [limit(force, 0.0, 1.0) if ends else 0.0 for force, ends in zip(forces, self.ends)]
+        if sum(carried) < 0.25:
+            return [float(not swinging >> leg & 1) for leg in range(4)]
+        return [force**2 for force in carried]
 
     def move(self, shift, turn, slip, walks, by_gyro):
         """Move by a shift and a turn, and let the doubts grow."""

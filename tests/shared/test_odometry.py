@@ -198,7 +198,8 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     signs = (1 if corner & 1 else -1), (1 if corner & 2 else -1)
     core.place[:] = [sign * (FAR - near % 12000) for sign in signs]
     core.astray[:] = [sign * (FAR - near) for sign in signs]
-    core.way = core.slip = core.doubt_q26 = FAR - near % 4096
+    core.way = core.slip = FAR - near % 4096
+    core.doubt_q26 = 0x3F000000 - near % 4096
     core.heading = (near << 1) - (1 << 25) >> 2
     o.place_body(ahead, aside, 32768, int(walks), core)
     o.count_way(params, ahead, aside, 131068, core)
@@ -206,5 +207,5 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     assert max(abs(value) for value in pack(core)) < 1 << 30
     assert max(abs(value) for value in core.place) <= FAR
     assert core.way <= FAR
-    assert core.doubt_q26 <= FAR
+    assert core.doubt_q26 <= 0x3F000000
     assert FAR / (1 << params.length_shift) == pytest.approx(8191.5)

@@ -15,12 +15,9 @@ typedef mp_obj_t core_obj;
 
 // An attribute of an object. Looked for, it costs a hundred instructions; so each place that asks keeps where it lay.
 #define core_get(object, name) ({ static uint16_t place; core_get_at(object, name, &place); })
-static core_obj core_get_at(core_obj object, qstr name, uint16_t *place) {
-    if (mp_obj_is_obj(object) && mp_obj_is_instance_type(((mp_obj_base_t *)MP_OBJ_TO_PTR(object))->type)) {
+static __attribute__((noinline)) core_obj core_find(core_obj object, qstr name, uint16_t *place) {
+    if (mp_obj_is_instance_type(mp_obj_get_type(object))) {
         mp_map_t *own = &((mp_obj_instance_t *)MP_OBJ_TO_PTR(object))->members;
-        if (*place < own->alloc && own->table[*place].key == MP_OBJ_NEW_QSTR(name)) {
-            return own->table[*place].value;
-        }
         mp_map_elem_t *found = mp_map_lookup(own, MP_OBJ_NEW_QSTR(name), MP_MAP_LOOKUP);
         if (found != NULL) {
             *place = found - own->table;
@@ -29,18 +26,31 @@ static core_obj core_get_at(core_obj object, qstr name, uint16_t *place) {
     }
     return mp_load_attr(object, name);
 }
+static core_obj core_get_at(core_obj object, qstr name, uint16_t *place) {
+    mp_obj_instance_t *instance = MP_OBJ_TO_PTR(object);
+    if (mp_obj_is_obj(object) && mp_obj_is_instance_type(instance->base.type) && *place < instance->members.alloc) {
+        mp_map_elem_t *kept = &instance->members.table[*place];
+        if (kept->key == MP_OBJ_NEW_QSTR(name)) {
+            return kept->value;
+        }
+    }
+    return core_find(object, name, place);
+}
 
 // The elements of an array or of bytes, or the address that a number is (a chip's registers).
-static void *core_block(core_obj object) {
-    if (mp_obj_is_exact_type(object, &mp_type_array) || mp_obj_is_exact_type(object, &mp_type_bytearray)) {
-        return ((mp_obj_array_t *)MP_OBJ_TO_PTR(object))->items;
-    }
+static __attribute__((noinline)) void *core_address(core_obj object) {
     if (mp_obj_is_int(object)) {
         return (void *)(uintptr_t)mp_obj_get_int_truncated(object);
     }
     mp_buffer_info_t info;
     mp_get_buffer_raise(object, &info, MP_BUFFER_READ);
     return info.buf;
+}
+static void *core_block(core_obj object) {
+    if (mp_obj_is_exact_type(object, &mp_type_array) || mp_obj_is_exact_type(object, &mp_type_bytearray)) {
+        return ((mp_obj_array_t *)MP_OBJ_TO_PTR(object))->items;
+    }
+    return core_address(object);
 }
 
 static inline core_obj core_item(core_obj object, int32_t place) {

@@ -25,7 +25,7 @@ ROLES: dict[str, tuple[str, ...]] = {
 # What MicroPython's build needs of a C module: wrapping integers, and pointers of two kinds to one array. The ports'
 # own -Os comes behind a module's flags, so speed is asked for where they ask for size.
 _MAKE = ("SRC_USERMOD_C += $(USERMOD_DIR)/core.c\nCFLAGS_USERMOD += -fwrapv -fno-strict-aliasing\n"
-         f"$(BUILD)/{MODULE}/core.o: COPT += -O2\n")
+         f"$(BUILD)/{MODULE}/core.o: COPT += -O3\n")
 
 
 @dataclass(frozen=True)

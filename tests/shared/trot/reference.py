@@ -245,7 +245,8 @@ class FloatTrot:
             return 1
         if self.u > 0.1:
             self.hold_up(leg)
-        self.short[leg] = -self.residual[leg][0] / 2 if self.held[leg] else 0.0
+        behind = self.residual[leg][0] / (2 if self.foot_speed[0] else 1)
+        self.short[leg] = -behind if self.held[leg] else 0.0
         return 0
 
     def begin_swing(self, leg):

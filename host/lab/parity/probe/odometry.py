@@ -60,7 +60,7 @@ def _anywhere(dice):
         WAY.astray[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
     WAY.way = dice.bits(30) & FAR
     WAY.slip = WAY.way >> dice.bits(3)
-    WAY.doubt_q26 = FAR - dice.bits(20)
+    WAY.doubt_q26 = 0x3F000000 - dice.bits(20)
     WAY.heading = 0x7FFFFF - dice.bits(10)
 
 

@@ -253,6 +253,8 @@ PARTS = (
     _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
     _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
     _part("meet", planner_senses.meet, (ROBOT, GOAL), STATE),
+    _part("feel_legs", planner_senses.feel_legs, (ROBOT,), STATE, _live),
+    _part("follow_way", planner_senses.follow_way, (ROBOT,), STATE, _live),
     _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
     _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
