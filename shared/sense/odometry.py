@@ -51,7 +51,7 @@ class Odometry:
 
 
 _FAR = const(0x3FFF0000)
-_DOUBT_MAX = const(0x3F000000)  # rad Q26: 15.75
+_SUM_MAX = const(0x3F000000)  # of what grows by up to 2^24 in a tick: 15.75 rad Q26
 _FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
 _GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
 _ARM_MAX = const(16383)
@@ -264,8 +264,8 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
         odometry.place[axis] = saturate(odometry.place[axis] + whole, -_FAR, _FAR)
     if walks:
         doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
-        odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_FAR, _FAR)
-        odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_FAR, _FAR)
+        odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
+        odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
     return 0
 
 
@@ -289,7 +289,7 @@ def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odome
         doubt += _BIAS_Q26 // params.rate_hz
     else:
         doubt <<= 4
-    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _DOUBT_MAX)
+    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _SUM_MAX)
     return odometry.doubt_q26
 
 

@@ -17,7 +17,7 @@ from tests.float_twin.odometry import Odometry as Twin
 from .bars import repeatable
 from .robots import NAMES, block, rad
 
-FAR = 0x3FFF0000  # where the place stays
+FAR, SUM = 0x3FFF0000, 0x3F000000  # where the place stays, and what adds up beside it
 FEET_M = ((0.15, -0.07), (0.15, 0.07), (-0.15, -0.07), (-0.15, 0.07))
 EVEN = (0.25,) * 4
 
@@ -165,7 +165,7 @@ def test_where_no_foot_carries_it_goes_on_as_it_went_and_lost_it_stands():
     pair = Pair()
     walk(pair, 100, (0.004, 0.0, 0.0), gyro=True)
     before = pair.place_m[0]
-    pair.step(FEET_M, (0.0,) * 4, turned=(0, 0, 0))
+    pair.step(FEET_M, (0.0,) * 4, swinging=15, turned=(0, 0, 0))
     assert pair.place_m[0] - before == pytest.approx(0.004, rel=0.02)
     o.odometry_lost(pair.core)
     lost = list(pair.core.place)
@@ -173,6 +173,16 @@ def test_where_no_foot_carries_it_goes_on_as_it_went_and_lost_it_stands():
     assert list(pair.core.place) == lost, "nothing is told by legs that were not seen a tick ago"
     o.odometry_restart(pair.core)
     assert (list(pair.core.place), pair.core.heading, pair.core.way) == ([0, 0], 0, 0)
+
+
+@pytest.mark.parametrize("force", [0.0, 0.06])
+def test_where_the_joints_tell_of_no_weight_those_feet_count_that_are_to_stand(force):
+    """However little the feet in the air seem to carry: 0.06 of the weight each."""
+    pair = Pair()
+    for tick in range(101):
+        feet = [(x - 0.004 * tick if leg in (0, 3) else x + 0.01 * tick, y) for leg, (x, y) in enumerate(FEET_M)]
+        pair.step(feet, (0.0, force, force, 0.0), swinging=6, turned=(0, 0, 0))
+    assert pair.place_m[0] == pytest.approx(0.4, rel=0.03)
 
 
 def test_in_the_plane_whose_gyroscope_tells_no_turn_the_feet_do():
@@ -197,9 +207,9 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     core, params = o.Odometry(), block("caramelo")
     signs = (1 if corner & 1 else -1), (1 if corner & 2 else -1)
     core.place[:] = [sign * (FAR - near % 12000) for sign in signs]
-    core.astray[:] = [sign * (FAR - near) for sign in signs]
+    core.astray[:] = [sign * (SUM - near % 4096) for sign in signs]
     core.way = core.slip = FAR - near % 4096
-    core.doubt_q26 = 0x3F000000 - near % 4096
+    core.doubt_q26 = SUM - near % 4096
     core.heading = (near << 1) - (1 << 25) >> 2
     o.place_body(ahead, aside, 32768, int(walks), core)
     o.count_way(params, ahead, aside, 131068, core)
@@ -207,5 +217,5 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     assert max(abs(value) for value in pack(core)) < 1 << 30
     assert max(abs(value) for value in core.place) <= FAR
     assert core.way <= FAR
-    assert core.doubt_q26 <= 0x3F000000
+    assert core.doubt_q26 <= SUM
     assert FAR / (1 << params.length_shift) == pytest.approx(8191.5)

@@ -24,7 +24,7 @@ TURN = Range(-32768, 32768)
 WEIGHTS = Range(253, 256)
 SLIP = Range(0, 131068)
 TURNED = Block(SENSED.turned, (3, INT30))
-FAR = 0x3FFF0000
+FAR, SUM = 0x3FFF0000, 0x3F000000
 
 
 def _begin():
@@ -57,10 +57,10 @@ def _anywhere(dice):
     """All that adds up near its ends."""
     for axis in range(2):
         WAY.place[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
-        WAY.astray[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
+        WAY.astray[axis] = SUM - dice.bits(20) if dice.bits(1) else dice.bits(20) - SUM
     WAY.way = dice.bits(30) & FAR
     WAY.slip = WAY.way >> dice.bits(3)
-    WAY.doubt_q26 = 0x3F000000 - dice.bits(20)
+    WAY.doubt_q26 = SUM - dice.bits(20)
     WAY.heading = 0x7FFFFF - dice.bits(10)
 
 
