@@ -1,12 +1,11 @@
 // The page: one websocket; sends the sticks when they change and ten times a second while they are in use.
 import { Keys, Pad, Stick, still } from "/inputs.js";
+import { connect, send, stop } from "/link.js";
 import { askForPairing } from "/pairing.js";
 import { Plots, STATUS } from "/plots.js";
 import { View } from "/view.js";
 
 const AGAIN_MS = 100; // a third of the robot's dead-man time
-const PING_MS = 1000;
-const RECONNECT_MS = 700;
 const SILENT_MS = 1000;
 const POSES = [
   ["x", "Ahead", "m"], ["y", "Left", "m"], ["z", "Up", "m"], ["roll", "Roll", "rad"], ["pitch", "Nose down", "rad"], ["yaw", "Turn left", "rad"],
@@ -22,7 +21,7 @@ const $ = (id) => document.getElementById(id);
 const HOLD_MS = 700; // a choice just made here is not overwritten by a status that does not know of it yet
 
 let chosenMs = -HOLD_MS;
-let socket = null, hello = null, status = null, heardMs = 0, sentMs = 0;
+let hello = null, status = null, heardMs = 0, sentMs = 0;
 const sticks = [
   new Stick($("walk"), { right: ["left", -1], up: ["forward", 1] }, changed),
   new Stick($("turn"), { right: ["turn", -1], up: ["pitch", 1] }, changed),
@@ -32,15 +31,10 @@ let walked_m = 0, place = null, ground = "", agreedMs = 0;
 const keys = new Keys(changed);
 const pad = new Pad(changed, { 1: stop, 8: () => send({ type: "reset" }), 9: () => posture("stand") });
 
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/ws`);
-  socket.onmessage = (event) => receive(JSON.parse(event.data));
-  socket.onclose = () => {
-    hello = status = null;
-    show();
-    askForPairing(told);
-    setTimeout(connect, RECONNECT_MS);
-  };
+function lost() {
+  hello = status = null;
+  show();
+  askForPairing(told);
 }
 
 function told(answer) {
@@ -93,16 +87,8 @@ function slider([name, label, unit], index) {
   return [text, input, output];
 }
 
-function send(message) {
-  if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
-}
-
 const mine = () => Boolean(hello && status && status.driver && status.driver[0] === "web" && status.driver[1] === hello.page);
 const free = () => Boolean(status && (!status.driver || mine()));
-
-function stop(timeStamp) {
-  send({ type: "stop", t_ms: performance.timeOrigin + (timeStamp || performance.now()) });
-}
 
 function choose(message) {
   chosenMs = performance.now();
@@ -243,16 +229,10 @@ const SHORT = {
 };
 
 addEventListener("keydown", (event) => {
-  if (event.code === "Space") {
-    if (!event.repeat) stop(event.timeStamp);
-    event.preventDefault(); // also on a focused button: space always stops, Enter presses buttons
-    return;
-  }
-  if (event.ctrlKey || event.altKey || event.metaKey || event.target.matches("input:not([type=range],[type=checkbox]), select")) return;
+  if (event.code === "Space" || event.ctrlKey || event.altKey || event.metaKey || event.target.matches("input:not([type=range],[type=checkbox]), select")) return;
   if (keys.press(event)) event.preventDefault();
   else if (event.code in SHORT && !event.repeat) SHORT[event.code]();
 });
-addEventListener("keyup", (event) => event.code === "Space" && event.preventDefault());
 document.addEventListener("visibilitychange", () => document.hidden && mine() && send({ type: "release" }));
 
 function level() {
@@ -262,8 +242,6 @@ function level() {
   }
 }
 
-$("stop").addEventListener("pointerdown", (event) => stop(event.timeStamp));
-$("stop").addEventListener("click", (event) => event.detail === 0 && stop(event.timeStamp));
 $("take").addEventListener("click", () => send({ type: mine() ? "release" : "take" }));
 $("reset").addEventListener("click", () => send({ type: "reset" }));
 $("level").addEventListener("click", level);
@@ -283,10 +261,9 @@ for (const button of document.querySelectorAll("[data-posture]")) {
 $("unpair").addEventListener("click", () => fetch("/unpair", { method: "POST" }));
 
 setInterval(again, AGAIN_MS);
-setInterval(() => send({ type: "ping", t_ms: performance.now() }), PING_MS);
 setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
 (function frame(timeStamp) {
   pad.poll(timeStamp);
   requestAnimationFrame(frame);
 })(performance.now());
-connect();
+connect(receive, lost);

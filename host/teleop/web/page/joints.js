@@ -1,8 +1,9 @@
 // The joints' page: parameters of one joint as a tree, its signals as plots, steps of its goal.
+import { connect, send } from "/link.js";
 import { askForPairing } from "/pairing.js";
 import { Plots } from "/plots.js";
 
-const PING_MS = 1000, RECONNECT_MS = 700, SILENT_MS = 1000;
+const SILENT_MS = 1000;
 const SIGNALS = new Map(["goal °", "angle °", "speed °/s", "current A", "winding °C", "supply V"].map((text, i) => {
   const [name, unit] = text.split(" ");
   return [name, [(sample) => sample[i + 1], unit]];
@@ -10,21 +11,12 @@ const SIGNALS = new Map(["goal °", "angle °", "speed °/s", "current A", "wind
 const $ = (id) => document.getElementById(id);
 const plots = new Plots($("plot-pick"), $("plot-clear"), $("plot-list"), SIGNALS, (sample) => sample[0], 4);
 const rows = new Map(); // name: {row, input, output, of}
-let socket = null, hello = null, status = null, values = { values: {} }, heardMs = 0, taken_s = 0;
+let hello = null, status = null, values = { values: {} }, heardMs = 0, taken_s = 0;
 
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/ws`);
-  socket.onmessage = (event) => receive(JSON.parse(event.data));
-  socket.onclose = () => {
-    hello = status = null;
-    askForPairing(show);
-    show();
-    setTimeout(connect, RECONNECT_MS);
-  };
-}
-
-function send(message) {
-  if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+function lost() {
+  hello = status = null;
+  askForPairing(show);
+  show();
 }
 
 function receive(message) {
@@ -117,12 +109,6 @@ function whyNot(id, silent) {
   return "";
 }
 
-function stop() {
-  send({ type: "stop", t_ms: performance.timeOrigin + performance.now() });
-}
-
-$("stop").addEventListener("pointerdown", stop);
-$("stop").addEventListener("click", (event) => event.detail === 0 && stop());
 $("arm").addEventListener("click", () => send({ type: "arm", on: !status.armed }));
 $("clear").addEventListener("click", () => send({ type: "clear" }));
 $("keep").addEventListener("click", () => send({ type: "keep", node: status.node }));
@@ -144,12 +130,5 @@ $("find").addEventListener("input", () => {
     details.open = found && words !== "";
   }
 });
-addEventListener("keydown", (event) => {
-  if (event.code !== "Space" || event.target.matches("input[type=search]")) return;
-  if (!event.repeat) stop();
-  event.preventDefault(); // also on a focused button: space always stops, Enter presses buttons
-});
-addEventListener("keyup", (event) => event.code === "Space" && event.preventDefault());
-setInterval(() => send({ type: "ping", t_ms: performance.now() }), PING_MS);
 setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
-connect();
+connect(receive, lost);
