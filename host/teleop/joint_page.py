@@ -18,7 +18,6 @@ from ..bus.can.params import find_all, read, write
 from ..bus.can.service import joint_name
 from ..control.arbiter import Client
 from ..control.messages import JOINT_KEYS, Message
-from ..protocol.frames import kinds
 from ..protocol.parameters import Parameter, load
 from ..robot.coupling import to_joint
 from ..robot.model import Robot
@@ -29,7 +28,6 @@ from .joint_step import Step
 TOLD_EVERY_S = 0.05
 VALUES_EVERY_S = 0.25
 KEPT_S = 0.5  # of the signals in each telling: a page may miss some of them
-STATES = dict(next(s for s in kinds()[w.HEARTBEAT_ID + 1].message.signals if s.name == "state").choices)
 BRAD_DEG, WIRE_DEG_S, WIRE_A = 360 / 65536, 360 / 4096, 1 / 4096
 
 
@@ -216,4 +214,4 @@ class JointPage:
             return "not there"
         if view.heartbeat.fault:
             return self._bus.cycle.guard.fault_text(view)
-        return STATES[view.state].replace("_", " ")
+        return view.state_words

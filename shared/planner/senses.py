@@ -85,7 +85,7 @@ def feel_legs(planner: PlannerState) -> int:
     if valid.tilt:
         roll = saturate(tilt[0], -32768, 32767)
         pitch = saturate(tilt[1], -32768, 32767)
-    return sense_legs(planner.params, sensed.joints, roll, pitch, planner.sensing)
+    return sense_legs(planner.params, sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 
 @hot

@@ -8,7 +8,7 @@ from ..gait.gaits import GAITS, gait_for
 from ..gait.steps import SPEED_SIZE, Steps
 from ..gait.table import Clock
 from ..runtime import zeros
-from ..sense.legs import Sensing
+from ..sense.legs import MeasuredFeet, Sensing
 from ..sense.odometry import Odometry
 from ..sense.sensed import Sensed
 from ..trot.state import Trot
@@ -51,10 +51,11 @@ class PlannerState:
         self.joints_past = Past()
         self.tilt_past = Past()
         self.leg_flags = zeros(LEGS)
+        self.measured_feet = MeasuredFeet()
         self.sensing = Sensing()
         self.odometry = Odometry()
         self.crawl = Crawl(params)
-        self.trot = Trot()
+        self.trot = Trot(self.measured_feet)
         self.fade = Fade()
         self.retreat = Retreat()
         self.back = Command()  # what the trot is told while it backs off

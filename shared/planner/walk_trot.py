@@ -24,13 +24,13 @@ def start_trot(planner: PlannerState) -> int:
     trot = planner.trot
     work = trot.work
     feet = trot.feet
-    measured = trot.measured
+    sent = planner.feet
     pose = planner.pose
     posed = trot.posed
     trot_reset(planner.params, planner.trot)
-    legs_forward(planner.params, planner.joints, work.waves, trot.measured)
+    legs_forward(planner.params, planner.joints, work.waves, planner.feet)
     for at in range(JOINTS):
-        feet[at] = measured[at] << LF_BITS
+        feet[at] = sent[at] << LF_BITS
     for axis in range(POSE_SIZE):
         posed[axis] = pose[axis]
     solve(planner.params, planner.trot)

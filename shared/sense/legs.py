@@ -10,10 +10,20 @@ two torques are the foot's force along the leg:
 with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
+from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, record, vector
-from ..runtime import Ints, const, hot
+from ..runtime import Ints, const, hot, zeros
+
+
+class MeasuredFeet:
+    """The feet that the measured joints have, in the body, from the middle of the hips."""
+
+    def __init__(self) -> None:
+        self.now = zeros(JOINTS)  # lu
+        self.before = zeros(JOINTS)  # lu, a tick ago
+        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
 
 
 @record
@@ -68,13 +78,17 @@ def keep_sent(sensing: Sensing, joints: Ints) -> int:
 
 
 @hot
-def sense_legs(params: Params, joints: Ints, roll_brad: int, pitch_brad: int, sensing: Sensing) -> int:
+def sense_legs(
+    params: Params, joints: Ints, roll_brad: int, pitch_brad: int, feet: MeasuredFeet, sensing: Sensing
+) -> int:
     """Take 12 measured joints, update feet and forces; return the ticks known, up to 100.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
     the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
+    now = feet.now
+    before = feet.before
     sensing.roll = roll_brad
     sensing.pitch = pitch_brad
     sensing.roll_sine_q13 = sin_q15(roll_brad) >> 2
@@ -85,8 +99,14 @@ def sense_legs(params: Params, joints: Ints, roll_brad: int, pitch_brad: int, se
     sensing.answered = -1
     if sensing.known > params.sent_ticks:
         sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
+    for at in range(JOINTS):
+        before[at] = now[at]
+    legs_forward(params, joints, feet.waves, feet.now)
+    keep_feet(joints, feet.now, sensing)
     for leg in range(LEGS):
-        sense_leg(params, leg, joints, sensing)
+        sensing.force_q12[leg] = 0
+        if sensing.answered >= 0:
+            sensing.force_q12[leg] = leg_force(params, leg, joints, feet.waves, sensing)
     for joint in range(JOINTS):
         sensing.joints[joint] = joints[joint]
     if sensing.known < 100:
@@ -95,71 +115,38 @@ def sense_legs(params: Params, joints: Ints, roll_brad: int, pitch_brad: int, se
 
 
 @hot
-def sense_leg(params: Params, leg: int, joints: Ints, sensing: Sensing) -> int:
-    """Write one foot into ``level`` and ``rolled`` and its force into ``force_q12``; return 0. Used by sense_legs.
+def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> int:
+    """Turn the measured feet level into ``level``; write where their contacts had been without rolling; return 0.
 
-    A foot is within 65534 lu of the body's middle along each axis, because leg and hip are within 32767 lu.
+    feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
+    rolled + 1 lu. Used by sense_legs. Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
-    base = params.legs[leg]
-    hip = joints[leg * 3]
-    thigh = joints[leg * 3 + 1]
-    shank = thigh + joints[leg * 3 + 2]
-    length = base.thigh_length
-    knee_drop = length * cos_q15(thigh) + 0x4000 >> 15  # mul_q15 without its call, here and below
-    place = base.hip
-    x = place[0] - (length * sin_q15(thigh) + 0x4000 >> 15)
-    length = base.calf_length
-    calf_drop = length * cos_q15(shank) + 0x4000 >> 15
-    x -= length * sin_q15(shank) + 0x4000 >> 15
-    drop = knee_drop + calf_drop
-    side = base.hip_length
-    sine = sin_q15(hip)
-    cosine = cos_q15(hip)
-    y = place[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
-    z = place[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
-    keep_foot(leg, hip, shank, x, y, z, sensing)
-    sensing.force_q12[leg] = 0
-    if sensing.answered >= 0:
-        sensing.force_q12[leg] = leg_force(params, leg, joints, knee_drop, calf_drop, sensing)
+    to = 0
+    for at in range(0, JOINTS, 3):
+        sine = sensing.pitch_sine_q13
+        cosine = sensing.pitch_cosine_q13
+        ahead = feet[at] * cosine + feet[at + 2] * sine + 0x1000 >> 13
+        z = feet[at + 2] * cosine - feet[at] * sine + 0x1000 >> 13
+        sine = sensing.roll_sine_q13
+        cosine = sensing.roll_cosine_q13
+        aside = feet[at + 1] * cosine - z * sine + 0x1000 >> 13
+        sensing.level[at] = ahead
+        sensing.level[at + 1] = aside
+        sensing.level[at + 2] = feet[at + 1] * sine + z * cosine + 0x1000 >> 13
+        shank = (joints[at + 1] + joints[at + 2] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
+        hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
+        sensing.rolled[to] = ahead - (sensing.rolls_q12 * shank >> 12)
+        sensing.rolled[to + 1] = aside + (sensing.rolls_q12 * hip >> 12)
+        to += 2
     return 0
 
 
 @hot
-def keep_foot(leg: int, hip_brad: int, shank_brad: int, x: int, y: int, z: int, sensing: Sensing) -> int:
-    """Turn a foot at (x, y, z) in the body level into ``level``; write where its contact had been without rolling.
-
-    x, y, z: lu within +-65534. hip, shank: angles of the leg in the body about x and y, brad. ``rolled``: error at
-    most 1/600 of the way rolled + 1 lu. Returns 0. Used by sense_leg.
-    Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
-    """
-    at = leg * 3
-    sine = sensing.pitch_sine_q13
-    cosine = sensing.pitch_cosine_q13
-    ahead = x * cosine + z * sine + 0x1000 >> 13
-    z = z * cosine - x * sine + 0x1000 >> 13
-    sine = sensing.roll_sine_q13
-    cosine = sensing.roll_cosine_q13
-    aside = y * cosine - z * sine + 0x1000 >> 13
-    sensing.level[at] = ahead
-    sensing.level[at + 1] = aside
-    sensing.level[at + 2] = y * sine + z * cosine + 0x1000 >> 13
-    at = leg * 2
-    rolls_q12 = sensing.rolls_q12
-    shank_brad = (shank_brad + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
-    hip_brad = (hip_brad + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
-    sensing.rolled[at] = ahead - (rolls_q12 * shank_brad >> 12)
-    sensing.rolled[at + 1] = aside + (rolls_q12 * hip_brad >> 12)
-    return 0
-
-
-@hot
-def leg_force(
-    params: Params, leg: int, joints: Ints, knee_drop: int, calf_drop: int, sensing: Sensing
-) -> int:
+def leg_force(params: Params, leg: int, joints: Ints, waves: Ints, sensing: Sensing) -> int:
     """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
-    knee_drop, calf_drop: ak and ac of this file's head, lu. A calf motor on the body answers the errors of thigh
-    and calf together. A leg within about 2 deg of straight gives 0. Intermediates: two halves of 32767 * 32767.
+    A calf motor on the body answers the errors of thigh and calf together. A leg within about 2 deg of straight gives
+    0. Intermediates: two halves of 32767 * 32767.
     """
     at = leg * 3 + 1
     sent = sensing.answered + at
@@ -181,6 +168,8 @@ def leg_force(
     arms = -((base.thigh_length * base.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
     if arms < _STRAIGHT and arms > -_STRAIGHT:
         return 0
+    knee_drop = base.thigh_length * waves[at + JOINTS] + 0x4000 >> 15
+    calf_drop = base.calf_length * waves[at + JOINTS + 1] + 0x4000 >> 15
     force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
     return saturate(force, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
 

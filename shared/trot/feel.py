@@ -1,11 +1,10 @@
-"""What the trot measures: its feet, the body's speed over them, and how far each is from where it was sent.
+"""What the measured feet tell the trot: the body's speed over them, and how far each is from where it was sent.
 
 A foot that stands does not move, so the body moves against it: against the motion of the foot in the body stands its
 turn with the body's rates, and what is left is the body's speed over that foot, tipping included.
 """
 
-from ..body.legs import legs_forward
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from .state import Trot
@@ -16,8 +15,8 @@ _GAP_MAX = const(131071)  # lu Q4
 
 
 @hot
-def feel(params: Params, walk: Trot, joints: Ints, turned: Ints, valid: int) -> int:
-    """Take 12 measured joints, brad, and the turn of this tick, 3 x 2^-18 rad; return the ticks they are known.
+def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
+    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad; return the ticks they are known.
 
     ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
     """
@@ -28,12 +27,6 @@ def feel(params: Params, walk: Trot, joints: Ints, turned: Ints, valid: int) -> 
             state.seen[axis] = state.foot_speed[axis]
             state.drift_q8[axis] = 0
         return 0
-    measured = walk.measured
-    before = walk.before
-    for at in range(JOINTS):
-        before[at] = measured[at]
-    work = walk.work
-    legs_forward(params, joints, work.waves, walk.measured)
     if state.known:
         see_speed(params, walk, turned)
     if state.known > params.sent_ticks:

@@ -5,6 +5,7 @@ from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..body.pose import POSE_SIZE
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot, zeros
+from ..sense.legs import MeasuredFeet
 
 CYCLE_Q20 = const(0x100000)
 DELAY_TICKS = const(16)  # what is kept of the past; params.sent_ticks is at most 15
@@ -52,16 +53,16 @@ class Wish:
 
 
 class Trot:
-    """The trot of one robot. Feet are in the body, from the middle of the hips."""
+    """The trot of one robot. Feet are in the body, from the middle of the hips; sense_legs measures them."""
 
-    def __init__(self) -> None:
+    def __init__(self, feet: MeasuredFeet) -> None:
         self.state = TrotState()
         self.wish = Wish()
         self.work = LegsWork()
         self.feet = zeros(JOINTS)  # lf, planned
         self.starts = zeros(JOINTS)  # lu, level: where each swing began
-        self.measured = zeros(JOINTS)  # lu
-        self.before = zeros(JOINTS)  # lu, the same a tick ago
+        self.measured = feet.now  # lu
+        self.before = feet.before  # lu, the same a tick ago
         self.free_q4 = zeros(2 * LEGS)  # lu Q4: x and z where the foot would be if nothing hindered it
         self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
         self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose

@@ -34,9 +34,9 @@ def trot_start(params: Params, walk: Trot) -> int:
 def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Ints, goal: Ints) -> int:
     """Plan one tick into ``goal`` (12 brad); return flags of legs out of reach or at their limits (reach.py, leg.py).
 
-    speed: lf / tick and yaw18 / tick, slewed, within 2^18; pose: POSE_SIZE, slewed, lengths within 32767; what
-    else is wanted of it is in ``walk.wish``. Without measured joints, tilt or rates ``known`` is 0 in the state, and it
-    goes by its commands.
+    sensed: its joints have been told to sense_legs, so that their feet are in walk.measured. speed: lf / tick and
+    yaw18 / tick, slewed, within 2^18; pose: POSE_SIZE, slewed, lengths within 32767; what else is wanted of it is in
+    ``walk.wish``. Without measured joints, tilt or rates ``known`` is 0 in the state, and it goes by its commands.
     """
     valid = sensed.valid
     state = walk.state
@@ -46,7 +46,7 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Int
         still = 1
     if known == 0:
         forget(sensed)
-    feel(params, walk, sensed.joints, sensed.turned, known)
+    feel(params, walk, sensed.turned, known)
     steer(params, walk, speed, sensed.turned, pose)
     lean(params, walk, sensed.tilt, sensed.turned, pose)
     if state.known:

@@ -83,7 +83,7 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
             sent[leg * 3 + j] = round(goal[j] / rad(1))
             measured[leg * 3 + j] = joints[j]
         for _ in range(params.sent_ticks + 2):
-            sensing.sense_legs(params, measured, 0, 0, state)
+            sensing.sense_legs(params, measured, 0, 0, sensing.MeasuredFeet(), state)
             sensing.keep_sent(state, sent)
         arms = abs(math.sin(rad(joints[2]))) * min(si.l2, si.l3) / (si.l2 + si.l3)
         assert state.force_q12[leg] == pytest.approx(force, rel=0.02, abs=6 / arms)
@@ -98,7 +98,7 @@ def test_level_feet_are_the_measured_legs_turned_by_roll_and_pitch(name):
     for _ in range(200):
         roll, pitch = dice.randint(-8000, 8000), dice.randint(-8000, 8000)
         joints = array("i", [dice.randint(-20000, 20000) for _ in range(12)])
-        sensing.sense_legs(params, joints, roll, pitch, state)
+        sensing.sense_legs(params, joints, roll, pitch, sensing.MeasuredFeet(), state)
         a, b = rad(roll), rad(pitch)
         for leg in range(4):
             si = leg_si(params, leg)

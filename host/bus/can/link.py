@@ -31,10 +31,11 @@ from shared.wire.codec import (
 )
 from shared.wire.framing import NODES, frame_block, frame_node
 
-from ...protocol.frames import new_frame
+from ...protocol.frames import kinds, new_frame
 from .port import Port
 
 GROUPS = NODES // 4
+STATES = dict(next(s for s in kinds()[w.HEARTBEAT_ID + 1].message.signals if s.name == "state").choices)
 # Read at once: more than the shortest frames of two full buses in a cycle of 200 Hz, and less time than half of it.
 RECEIVE_MOST = 256
 HEARTBEAT_S = 1.0  # five heartbeats
@@ -65,6 +66,11 @@ class JointView:
     def state(self) -> int:
         """Return STATE_* of the last heartbeat."""
         return self.heartbeat.state
+
+    @property
+    def state_words(self) -> str:
+        """Return what the state is called."""
+        return STATES[self.state].replace("_", " ")
 
     @property
     def enabled(self) -> bool:

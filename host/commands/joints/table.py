@@ -27,7 +27,7 @@ def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
     position = view.reply.position
     return {
         "joint": joint_name(view.node),
-        "state": str(heartbeat["state"]).replace("_", " "),
+        "state": view.state_words,
         "mode": heartbeat["mode"],
         "motor_deg": None if position == w.NOT_AVAILABLE else round(position * 360 / 65536, 2),
         "current_A": round(view.reply.current / 4096, 3),

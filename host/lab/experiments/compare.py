@@ -4,7 +4,6 @@ import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -39,12 +38,3 @@ def t_test(first: Sample, second: Sample) -> float | None:
         return None
     p = stats.ttest_ind_from_stats(first.mean, first.sd, first.n, second.mean, second.sd, second.n).pvalue
     return float(f"{float(p):.4g}") if math.isfinite(p) else None
-
-
-def comparison(quantity: str, ours: tuple[Sample, Sample] | None, theirs: tuple[Sample, Sample]) -> dict[str, Any]:
-    """Return one row of a table of t-tests: ours, and the paper's recomputed from its means and deviations."""
-    return {
-        "quantity": quantity,
-        "p_two_sided": None if ours is None else t_test(*ours),
-        "paper_p_two_sided": t_test(*theirs),
-    }

@@ -37,12 +37,6 @@ class Made:
     faults: tuple[str, ...] = ("",) * JOINTS
 
 
-def as_filed(robot: Robot) -> Made:
-    """Return a robot whose servos all are as its file says."""
-    servo = servo_of(robot)
-    return Made((figures_of(servo, 0.004),) * JOINTS, servo.supply_ohm, 0.002)
-
-
 def drawn(robot: Robot, seed: int, fault: str = "", joint: int = 0) -> Made:
     """Return a robot drawn at random around its file: each number its own, brothers within some percent of another."""
     chance, servo = Random(f"made {seed}"), servo_of(robot)

@@ -9,7 +9,7 @@ import pytest
 from caramelo import JOINT_NAMES, BadValue, Error, Fault, Robot
 from host.control.arbiter import DEAD_MAN_S
 from host.robot.scale import joints_rad
-from tests.host.library.places import prompt
+from tests.host.library.places import prompt, robot_in
 
 FAST = 3.0  # rad/s
 TINY = 1e-9
@@ -182,13 +182,16 @@ def test_a_block_left_in_the_middle_of_a_stream_sits_down_from_there():
     assert complaints(robot, written(robot), 2.0) == []
 
 
-def test_a_speed_is_walked_until_nothing_is_set(robot):
+def test_a_speed_is_walked_until_nothing_is_set():
     """The arbiter's dead-man stops a walk; its 0.3 s and a cycle of the trot (1.12 s) later it stands."""
     states = []
-    for number, now in enumerate(robot.stream(hz=10, seconds=4.0)):
-        if number < 10:
-            robot.set_speed(0.05)
-        states.append(now.state)
+    with robot_in("sim") as robot:
+        robot.stand()
+        for number, now in enumerate(robot.stream(hz=10, seconds=4.0)):
+            if number < 10:
+                robot.set_speed(0.05)
+            states.append(now.state)
+        assert robot.odometry.x_m > 0.02
     assert states[5:10] == ["walking"] * 5
     assert states[-1] == "standing"
 

@@ -8,6 +8,7 @@ import pytest
 
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
+from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.sensed import Sensed
 from shared.trot.feet import spare
 from shared.trot.state import Trot
@@ -37,9 +38,9 @@ class Pair:
     """Both trots of one robot, on the same senses and commands."""
 
     def __init__(self, name, rate_hz):
-        robot = load_robot(name)
+        robot, self.feet, self.sensing = load_robot(name), MeasuredFeet(), Sensing()
         self.params, self.scale, self.rate_hz = core_params(robot, rate_hz), scale_of(robot, rate_hz), rate_hz
-        self.twin, self.walk, self.goal = FloatTrot(robot, rate_hz), Trot(), [0] * 12
+        self.twin, self.walk, self.goal = FloatTrot(robot, rate_hz), Trot(self.feet), [0] * 12
         trot_start(self.params, self.walk)
         self.plant, self.sensed = Plant(self.twin, rate_hz), Sensed()
         self.worst_brad = self.worst_m = 0.0
@@ -61,6 +62,7 @@ class Pair:
         pose_si = [scale.metres(p) for p in pose[:3]] + [p / BRAD_PER_RAD for p in pose[3:]]
         goals = self.twin.tick(senses, speed_si, pose_si, moving, balance)
         self.walk.wish.moving, self.walk.wish.balance = int(moving), int(balance)
+        sense_legs(self.params, sensed.joints, 0, 0, self.feet, self.sensing)
         trot_tick(self.params, self.walk, sensed, told, list(pose), self.goal)
         self.plant.sent.append(goals)
         self._compare(goals)

@@ -17,7 +17,7 @@ from shared.planner.command import Command
 from shared.planner.handover import Fade
 from shared.record import copy
 from shared.runtime import zeros
-from shared.sense.legs import Sensing, keep_sent, sense_legs, sensing_reset
+from shared.sense.legs import MeasuredFeet, Sensing, keep_sent, sense_legs, sensing_reset
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
@@ -55,6 +55,7 @@ EVEN = CRAWL.even
 EVENT = CRAWL.event
 STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, EVEN, EVENT, CRAWL.goals, CRAWL.jumps)
 SENSING = Sensing()
+MEASURED = MeasuredFeet()
 JOINTS = zeros(12)
 GOALS = zeros(12)
 PLACE = Range(-(1 << 23), (1 << 23) - 1)
@@ -195,7 +196,7 @@ class _Walk:
         for joint in range(12):
             JOINTS[joint] += (GOALS[joint] - JOINTS[joint]) // 2 + dice.bits(5) - 16
         OWN.lateral_q12 = 0 if self.ticks // 400 & 1 else LATERAL_Q12
-        sense_legs(PARAMS[0], JOINTS, values[3], values[4], SENSING)
+        sense_legs(PARAMS[0], JOINTS, values[3], values[4], MEASURED, SENSING)
         for leg in range(4):
             SENSING.force_q12[leg] = 1024 + dice.bits(8) if dice.bits(3) else 2000
             if leg == STAGE.leg and STAGE.stage in (LIFT, SWING, HANG):
@@ -209,7 +210,7 @@ class _Walk:
             JOINTS[leg * 3 + 2] = -16000 - dice.bits(10)
         for joint in range(12):
             GOALS[joint] = JOINTS[joint]
-        sense_legs(PARAMS[0], JOINTS, 0, 0, SENSING)
+        sense_legs(PARAMS[0], JOINTS, 0, 0, MEASURED, SENSING)
         crawl.crawl_start(CRAWL, SENSING, JOINTS, GOALS, 0, 0)
 
 

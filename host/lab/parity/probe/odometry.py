@@ -15,6 +15,7 @@ from .sensing import ANGLES
 SOURCES = ("sense.odometry",)
 
 SENSING = Sensing()
+MEASURED = legs.MeasuredFeet()
 SENSED = Sensed()
 WAY = Odometry()
 FLAG = Range(0, 1)
@@ -41,7 +42,8 @@ def _walk(values, dice):
         near = ANGLES.array[joint] + dice.bits(8) - 128
         ANGLES.array[joint] = BRAD.any(dice) if far else min(32767, max(-32768, near))
     legs.keep_sent(SENSING, ANGLES.array)
-    legs.sense_legs(params, ANGLES.array, BRAD.any(dice) if far else dice.bits(10), -dice.bits(10), SENSING)
+    roll_brad = BRAD.any(dice) if far else dice.bits(10)
+    legs.sense_legs(params, ANGLES.array, roll_brad, -dice.bits(10), MEASURED, SENSING)
     for leg in range(4):
         SENSING.force_q12[leg] = dice.bits(15) - 16384
     for axis in range(3):

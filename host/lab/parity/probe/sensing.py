@@ -1,9 +1,10 @@
 """shared/sense/legs.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
 
 
+from shared.body.legs import legs_forward
 from shared.runtime import zeros
 from shared.sense import legs as sensing
-from shared.sense.legs import Sensing
+from shared.sense.legs import MeasuredFeet, Sensing
 
 from .draw import Range
 from .draws import BRAD, LEG, ROBOT
@@ -15,11 +16,11 @@ SOURCES = ("sense.legs",)
 
 ANGLES = Block(zeros(12), (12, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))
+FEET = MeasuredFeet()
 BLOCK = Sensing()
 ROW = Row(BLOCK)
-DROP = Range(-32767, 32767)
 ANGLE18 = Range(-131072, 131071)
-PLACE = Range(-65534, 65534)
+PLACES = Block(zeros(12), (12, Range(-65534, 65534)))
 GAIN = Range(0, 32767)
 
 
@@ -31,10 +32,16 @@ def _some_ticks(values, dice):
         sensing.keep_sent(BLOCK, GOALS.array)
 
 
+def _forward(values, dice):
+    """The same with the feet of these joints."""
+    _some_ticks(values, dice)
+    legs_forward(values[0], ANGLES.array, FEET.waves, FEET.now)
+
+
 def _begin():
     sensing.sensing_reset(BLOCK)
     BLOCK.known = 90
-    sensing.sense_legs(PARAMS[0], ANGLES.array, 2000, -1000, BLOCK)  # for the parts: what is the same for all legs
+    sensing.sense_legs(PARAMS[0], ANGLES.array, 2000, -1000, FEET, BLOCK)  # what is the same for all legs
 
 
 def _soil(values, dice):
@@ -47,22 +54,13 @@ PROBES = (
     Probe(
         "sense_legs",
         sensing.sense_legs,
-        (ROBOT, ANGLES, BRAD, BRAD, BLOCK),
+        (ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK),
         watch=(BLOCK,),
         fit=_some_ticks,
         begin=_begin,
         vectors=2,
     ),
-    Probe(
-        "sense_leg", sensing.sense_leg, (ROBOT, LEG, ANGLES, BLOCK), watch=(BLOCK,), fit=_some_ticks, begin=_begin
-    ),
-    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, DROP, DROP, BLOCK), fit=_some_ticks, begin=_begin),
+    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, FEET.waves, BLOCK), fit=_forward, begin=_begin),
     Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
-    Probe(
-        "keep_foot",
-        sensing.keep_foot,
-        (LEG, ANGLE18, ANGLE18, PLACE, PLACE, PLACE, BLOCK),
-        watch=(BLOCK,),
-        begin=_begin,
-    ),
+    Probe("keep_feet", sensing.keep_feet, (ANGLES, PLACES, BLOCK), watch=(BLOCK,), begin=_begin),
 )

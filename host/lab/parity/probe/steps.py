@@ -113,13 +113,6 @@ def _near_line(values, dice):
     values[1] = rest + (values[1] >> 4)
 
 
-def _some_started(values, dice):
-    for leg in range(4):
-        step = STEPS.legs[leg]
-        step.ticks = dice.bits(4)
-        step.tick = dice.bits(1)
-
-
 PROBES = (
     Probe("steps_reset", steps.steps_reset, (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
     Probe("steps_at_rest", steps.steps_at_rest, (ROBOT, STEPS), fit=_near_rest),

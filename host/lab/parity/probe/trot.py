@@ -3,6 +3,7 @@
 from shared.body.pose import POSE_SIZE
 from shared.gait.steps import SPEED_SIZE
 from shared.runtime import zeros
+from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.sensed import Sensed
 from shared.trot import clock, feel, feet, ground, lead, react, state, steer, trot
 
@@ -22,10 +23,11 @@ SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
 POSE = Block(zeros(POSE_SIZE), (3, Range(-8191, 8191)), (3, BRAD))
 TURNED = Block(zeros(3), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
-ANGLES = Block(zeros(12), (12, BRAD))
 GOAL = zeros(12)
 SENSED = Sensed()
-WALK = state.Trot()
+FEET = MeasuredFeet()
+SENSING = Sensing()
+WALK = state.Trot(FEET)
 ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.jams, WALK.peak, WALK.usual, WALK.short)
@@ -35,7 +37,7 @@ ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joint
 
 def _begin():
     sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
-    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL) + sensed:
+    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING) + sensed:
         _clear(block)
     state.trot_reset(PARAMS[0], WALK)
 
@@ -71,6 +73,7 @@ def _live(values, dice):
     for _ in range(2):
         _sense(dice)
         _wish(dice)
+        sense_legs(params, SENSED.joints, SENSED.tilt[0], SENSED.tilt[1], FEET, SENSING)
         trot.trot_tick(params, WALK, SENSED, SPEED.array, POSE.array, GOAL)
 
 
@@ -117,7 +120,7 @@ def _probe(name, module, arguments, watch=STATE, fit=_live, vectors=1):
 
 PROBES = (
     _probe("trot_reset", state, (ROBOT, WALK)),
-    _probe("feel", feel, (ROBOT, WALK, ANGLES, TURNED, FLAG), ALL),
+    _probe("feel", feel, (ROBOT, WALK, TURNED, FLAG), ALL),
     _probe("see_speed", feel, (ROBOT, WALK, TURNED)),
     _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
     _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
