@@ -46,6 +46,7 @@ class Kinds:
         self.modules = modules
         self.layouts = Layouts(modules)
         self.attributes = {name for module in modules.values() for name in _attributes(module.tree)}
+        self.exchanged: set[tuple[tuple[str, str] | None, str]] = set()  # attributes that hot functions set, by class
         self._globals: dict[str, dict[str, Value]] = {}
         self._classes: dict[tuple[str, str], dict[str, Value]] = {}
 

@@ -26,6 +26,7 @@ def lower(modules: dict[str, Module]) -> dict[str, Module]:
     """Return the modules with arrays in the place of records. BuildError names file, line and what is wrong."""
     kinds = Kinds(modules)
     fields = kinds.layouts.names()
+    kinds.exchanged |= {pair for module in modules.values() for pair in _exchanged(module, kinds)}
     return refresh({name: _lowered(module, kinds, fields) for name, module in modules.items()})
 
 
@@ -49,6 +50,20 @@ def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
                for node in module.tree.body if isinstance(node, ast.ClassDef) and node not in declared}
     tree = ast.parse(text, module.path)
     return Module(module.name, module.path, text, tree, module.is_package, blocks=blocks, holders=holders)
+
+
+def _exchanged(module: Module, kinds: Kinds) -> set[tuple[tuple[str, str] | None, str]]:
+    """Return the attributes, with their classes, that the hot functions of a module give to another object."""
+    found = set()
+    for function in hot_functions(module.tree):
+        lowering = Lowering(module, kinds, set(), Places(module.text))
+        lowering.known(function)
+        for node in ast.walk(function):
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+                owner = lowering.resolve(node.value)
+                if owner is not None and owner.kind == "object":
+                    found.add((owner.owner, node.attr))
+    return found
 
 
 def _functions(module: Module) -> list[tuple[ast.FunctionDef, tuple[str, str] | None]]:
@@ -95,7 +110,7 @@ class Lowering:
         self.module, self.kinds, self.fields, self.place = module, kinds, fields, place
         self.names: dict[str, Value] = dict(kinds.globals_of(module))
         self.hot = False
-        self._heads: dict[str, str] = {}  # aliases to be made at the function's head
+        self._heads: dict[str, tuple[str, str]] = {}  # aliases to be made at the function's head: kind and what of
         self._given: set[str] = set()
 
     def module_level(self, inside: set[int]) -> list[Edit]:
@@ -240,12 +255,19 @@ class Lowering:
         """Return the name of the array; in hot functions that of its alias."""
         if not self.hot or base.kind in ("within",):
             return base.text
-        if base.text in self._given and base.text == base.raw:
-            self._heads[base.text] = f"_{base.text}"
-            return f"_{base.text}"
-        if not base.text.isidentifier():
+        if base.text.isidentifier() and not (base.text in self._given and base.text == base.raw):
+            return base.text
+        first, *rest = base.text.split(".")
+        if first not in self._given or not all(name.isidentifier() for name in rest):
             raise self.module.error(node, f"{base.text} is read through a name: give it one first")
-        return base.text
+        owner = self.names[first]
+        for name in rest:
+            if (owner.owner, name) in self.kinds.exchanged:
+                raise self.module.error(node, f"{base.text} may be another one later: give it a name first")
+            owner = self.kinds.attribute(owner, name) or owner
+        alias = f"_{base.text.replace('.', '_')}"
+        self._heads[alias] = (_POINTERS[base.kind], base.text)
+        return alias
 
     def _times(self, index: ast.expr, size: int) -> str:
         value = constant_value(index, self.module.constants)
@@ -314,7 +336,7 @@ class Lowering:
 
     def _head(self, function: ast.FunctionDef) -> Edit:
         """Make the aliases, on a line that is there."""
-        text = "; ".join(f"{alias} = ptr32({name})" for name, alias in self._heads.items())
+        text = "; ".join(f"{alias} = {kind}({name})" for alias, (kind, name) in self._heads.items())
         return beside(self.module, function, text, self.place)
 
 

@@ -109,6 +109,11 @@ LOWERINGS = {  # beside HOT: what is written, and what becomes of it
     "an array that is only handed on has none": (
         "@hot\ndef g(feet: Ints) -> int:\n    return g(feet)\n", "@hot\ndef g(feet) -> int:\n    return g(feet)\n",
     ),
+    "an array of an object is read through one, too": (
+        "@hot\ndef g(holder: Holder, leg: int) -> int:\n    return holder.feet[leg] + holder.robot.arm.length\n",
+        "@hot\ndef g(holder, leg: int) -> int:\n    _holder_feet = ptr32(holder.feet); "
+        "_holder_robot = ptr32(holder.robot); return _holder_feet[leg] + _holder_robot[17]\n",
+    ),
     "nor has one in an ordinary function": (
         "def g(feet: Ints, leg: int):\n    return feet[leg]\n", "def g(feet, leg: int):\n    return feet[leg]\n",
     ),
@@ -151,14 +156,17 @@ def test_mypyc_gets_a_class(tmp_path):
     assert found.count("\n") == (HEAD + HOT).count("\n")
 
 
+ROBOTS = "feet: list[Robot], leg: int) -> int:\n"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
         ("robot.arm.length", "robot.arm.lenght", r"shared/one.py:40: Leg has no field lenght"),
         ("robot: Robot, feet", "robot, feet", r"what is robot\? .legs is a field of a record: annotate robot"),
         ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:42: limb is a part of a block"),
-        ("mine.rate_hz", "holder.robot.rate_hz", r"shared/one.py:41: holder.robot is read through a name"),
-        ("out[leg] = feet", "holder.feet[leg] = feet", r"shared/one.py:41: holder.feet is read through a name"),
+        ("feet: Ints, leg: int) -> int:\n", ROBOTS + "    leg = feet[leg].rate_hz\n", r"feet\[leg\] is read through a name"),
+        ("limb.length +=", "holder.feet = holder.feet\n    holder.feet[leg] +=", r"41: holder.feet may be another one later"),
         ('    """Do."""\n', "    if leg:\n        leg = 1\n", "36: a hot function that begins with a block"),
         ("    mine = holder.robot\n", "    mine = holder.robot\n    mine = robot\n", r"one name for one record"),
     ],
