@@ -36,13 +36,12 @@ def legs_waves(joints: Ints, waves: Ints) -> int:
     Each as sin_q15 and cos_q15, the same lines twice: in an inner loop they take a third longer on CPython.
     """
     table = SIN_Q16
-    thigh = 0
+    calf = 2
     for joint in range(JOINTS):
         angle = joints[joint]
-        if joint % 3 == 1:
-            thigh = angle
-        elif joint % 3 == 2:
-            angle += thigh
+        if joint == calf:
+            angle += joints[joint - 1]
+            calf += 3
         index = angle >> 6 & 511
         value = table[index]
         value = value * 64 + (table[index + 1] - value) * (angle & 63) + 96 >> 7

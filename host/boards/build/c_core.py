@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from .c_holders import converted, holders_text
+from .c_holders import converted, holders_text, room_of
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
@@ -91,8 +91,9 @@ def _expose(module: Module, function: ast.FunctionDef) -> str:
     if not given:
         return f"CORE_EXPOSE_0({name})"
     blocks = module.blocks.get(function.name, {})
-    values = [f"CORE_NUMBER(a[{i}])" if p.annotation else converted(f"a[{i}]", blocks.get(p.arg))
-              for i, p in enumerate(given)]
+    kinds = [blocks.get(p.arg) for p in given]
+    values = [f"CORE_NUMBER(a[{i}])" if p.annotation else converted(f"a[{i}]", kind, room_of(kind))
+              for i, (p, kind) in enumerate(zip(given, kinds, strict=True))]
     return f"CORE_EXPOSE_N({name}, {len(given)}, {', '.join(values)})"
 
 

@@ -28,11 +28,16 @@ def accessor(kind: str | None, attribute: str) -> str:
     return f"{holder_type(kind)}__{attribute}"
 
 
-def converted(text: str, kind: str | None) -> str:
-    """Return an object as a hot function takes it that wants a ``kind``."""
+def converted(text: str, kind: str | None, room: str = "") -> str:
+    """Return an object as a hot function takes it that wants a ``kind``; ``room``: the address of a holder's struct."""
     if kind is None:
         return text
-    return f"core_block({text})" if kind == ARRAY else f"&({holder_type(kind)}){{.object = {text}}}"
+    return f"core_block({text})" if kind == ARRAY else f"{holder_type(kind)}_of({room}, {text})"
+
+
+def room_of(kind: str | None) -> str:
+    """Return the address of a struct that lasts as long as the C function that asks for it."""
+    return "" if kind in (None, ARRAY) else f"__builtin_alloca(sizeof({holder_type(kind)}))"
 
 
 def holders_text(chosen: list[Module], modules: dict[str, Module]) -> str:
@@ -57,13 +62,22 @@ def _add(kind: str, modules: dict[str, Module], texts: dict[str, str]) -> None:
     types = {attribute: "int32_t *" if of == ARRAY else f"{holder_type(of)} " for attribute, of in held.items()}
     members = [f"{of}{attribute}_;" for attribute, of in types.items()]
     lines = ["typedef struct {", "    core_obj object;", *(f"    {member}" for member in members), f"}} {name};"]
-    texts[kind] = "\n".join([*lines, *(_find(kind, attribute, of) for attribute, of in held.items())])
+    texts[kind] = "\n".join([*lines, _make(name, held), *(_find(kind, at, of) for at, of in held.items())])
+
+
+def _make(name: str, held: dict[str, str]) -> str:
+    """Return the function that begins a struct: nothing is known. Store by store: memset of so few takes far longer."""
+    members = [f"{attribute}_" if of == ARRAY else f"{attribute}_.object" for attribute, of in held.items()]
+    forget = "".join(f" held->{member} = 0;" for member in members)
+    return (f"static inline {name} *{name}_of({name} *held, core_obj object) {{\n"
+            f"    held->object = object;{forget}\n    return held;\n}}")
 
 
 def _find(kind: str, attribute: str, of: str) -> str:
     array = of == ARRAY
     place = f"held->{attribute}_" if array else f"held->{attribute}_.object"
     asked = f"core_get(held->object, CORE_NAME({attribute}))"
+    found = f"{place} = core_block({asked})" if array else converted(asked, of, f"&held->{attribute}_")
     return (f"static {c_type(of)}{accessor(kind, attribute)}({holder_type(kind)} *held) {{\n"
-            f"    if (!{place}) {place} = {f'core_block({asked})' if array else asked};\n"
+            f"    if (!{place}) {found};\n"
             f"    return {'' if array else '&'}held->{attribute}_;\n}}")

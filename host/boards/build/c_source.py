@@ -9,7 +9,7 @@ the call is kept first, because C leaves the order of evaluation open and Python
 
 import ast
 
-from .c_holders import ARRAY, accessor, c_type, converted
+from .c_holders import ARRAY, accessor, c_type, converted, holder_type
 from .rules import MARKS, aliases, hot_arity
 from .source import Module, resolve
 
@@ -269,7 +269,11 @@ class FunctionWriter:
         """Return ``node`` as a function takes it that wants a ``kind``."""
         if kind is not None and self._kind(node) == kind:
             return self._known(node)
-        return converted(self._object(node), kind)
+        room = ""
+        if kind not in (None, ARRAY):
+            room = self._name()
+            self._line(f"{holder_type(kind)} {room};")
+        return converted(self._object(node), kind, f"&{room}")
 
     def _known(self, node: ast.expr) -> str:
         """Return an array or what holds arrays: a parameter, or an attribute of one."""
