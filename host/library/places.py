@@ -66,8 +66,9 @@ def find_place(name: str, robot: Robot, port: str | None, calibration: Path | No
 
 def _real(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
     if robot.bus.kind != BUS_OF[name]:
-        other = next(place for place, kind in BUS_OF.items() if kind == robot.bus.kind)
-        raise BadValue(f"place {name!r}: the joints of {robot.name} are {other!r}")
+        others = [place for place, kind in BUS_OF.items() if kind == robot.bus.kind]
+        has = f"the joints of {robot.name} are {others[0]!r}" if others else f"{robot.name} is for sim and space only"
+        raise BadValue(f"place {name!r}: {has}")
     parts = real(robot, port, calibration)
     if imu is None:
         parts = replace(parts, attitude=Attitude(robot, AbsentImu(NO_IMU)))

@@ -49,6 +49,7 @@ def test_every_exception_is_an_error(wrong):
         ({"gait": "gallop"}, "gait 'gallop': allowed "),
         ({"place": "can"}, "place 'can': the joints of caramelo are 'servos'"),
         ({"place": "servos", "robot": "parallel"}, "the joints of parallel are 'can'"),
+        ({"place": "servos", "robot": "pupper"}, "place 'servos': pupper is for sim and space only"),
         ({"port": "/dev/ttyUSB0"}, "port, calibration and imu are for servos and can only"),
         ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: of joints on CAN it is INTERFACE:CHANNEL"),
         ({"place": "can", "robot": "parallel", "port": "virtual:x", "imu": "usb"}, "imu usb: allowed: i2c"),
