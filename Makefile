@@ -33,7 +33,7 @@ $(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make setup: $(PYTHON) comes without its venv module: on Debian, apt-get install python3-venv" >&2; exit 1; }
 	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
 	$(BIN)/python .ci/requirements.py '$(EXTRAS)' > .venv/requirements.txt
-	@echo "make setup, 1 of 2: download, then half a minute of installing in which pip says nothing"
+	@echo "make setup, 1 of 2: the packages it needs; pip says nothing while it installs what has come"
 	$(PIP) $(COMPILE) --require-hashes --requirement .venv/requirements.txt
 	@echo "make setup, 2 of 2: caramelo itself"
 	$(PIP) --quiet --no-deps --no-build-isolation --editable .
