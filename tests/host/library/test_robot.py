@@ -10,6 +10,7 @@ import pytest
 import caramelo
 from caramelo import BadValue, Error, Fault, NotAchieved, Robot
 from host.bus.base import JOINTS
+from host.library.errors import own_words
 from host.robot.file import load_robot
 from host.robot.poses import seated_pose_rad
 from host.util.errors import UserError
@@ -60,6 +61,21 @@ def test_a_wrong_argument_is_named_in_the_librarys_words(arguments, words):
     with pytest.raises(Error, match=words.replace("?", r"\?")) as raised:
         Robot(**arguments)
     assert "--" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ("--log /none/x.mcap: can't be written", "record /none/x.mcap: can't be written"),
+        ("--bus-delay 3: allowed 0 .. 0.5 s", "bus_delay 3: allowed 0 .. 0.5 s"),
+        ("no servo answers: find it with: caramelo servos scan --all-bauds",) * 2,
+        ("ttyUSB1: no such port; name yours with --port", "ttyUSB1: no such port; name yours with port"),
+    ],
+)
+def test_options_are_called_as_arguments_and_commands_stay_as_they_are_typed(told, words):
+    with pytest.raises(Error) as raised, own_words():
+        raise UserError(told)
+    assert str(raised.value) == words
 
 
 @pytest.mark.parametrize(
