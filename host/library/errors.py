@@ -27,6 +27,10 @@ class Fault(Error):
     """The robot stopped by itself, or was stopped: the first cause. It stays so until ``reset``."""
 
 
+for _each in (Error, BadValue, NotAchieved, Fault):
+    _each.__module__ = "caramelo"  # as whoever catches it calls it, and as a traceback does then
+
+
 @contextmanager
 def own_words() -> Iterator[None]:
     """Turn what the command line would say into an Error: options are called as the library's arguments are."""

@@ -1,8 +1,10 @@
 """The library's Robot: what it refuses and in which words, what it does when something goes wrong, what it records."""
 
 import json
+import pickle
 import sys
 import threading
+import traceback
 from math import degrees, inf, nan
 
 import pytest
@@ -61,6 +63,13 @@ def test_a_wrong_argument_is_named_in_the_librarys_words(arguments, words):
     with pytest.raises(Error, match=words.replace("?", r"\?")) as raised:
         Robot(**arguments)
     assert "--" not in str(raised.value)
+
+
+def test_a_traceback_calls_errors_as_they_are_imported():
+    for kind in (Error, BadValue, Fault, NotAchieved):
+        line = traceback.format_exception_only(kind("no"))[-1]
+        assert line == f"caramelo.{kind.__name__}: no\n"
+        assert type(pickle.loads(pickle.dumps(kind("no")))) is kind
 
 
 @pytest.mark.parametrize(
