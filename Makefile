@@ -14,6 +14,7 @@
 PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
 JOBS ?= 2
+COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
@@ -32,7 +33,9 @@ $(STAMP): pyproject.toml constraints.txt .ci/requirements.py
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { echo "make setup: $(PYTHON) comes without its venv module: on Debian, apt-get install python3-venv" >&2; exit 1; }
 	@$(BIN)/python -c '' 2>/dev/null || $(PYTHON) -m venv --clear .venv
 	$(BIN)/python .ci/requirements.py '$(EXTRAS)' > .venv/requirements.txt
-	$(PIP) --require-hashes --requirement .venv/requirements.txt
+	@echo "make setup, 1 of 2: the packages it needs; pip says nothing while it installs what has come"
+	$(PIP) $(COMPILE) --require-hashes --requirement .venv/requirements.txt
+	@echo "make setup, 2 of 2: caramelo itself"
 	$(PIP) --quiet --no-deps --no-build-isolation --editable .
 	@touch $@
 
@@ -40,7 +43,7 @@ setup-pi:
 	@$(MAKE) --no-print-directory setup EXTRAS=web,record,pi
 
 demo:
-	@$(MAKE) --no-print-directory setup EXTRAS=sim,space,web
+	@$(MAKE) --no-print-directory setup EXTRAS=sim,space,web COMPILE=--no-compile
 	$(BIN)/caramelo walk --in $$($(BIN)/python -c 'import mujoco' 2>/dev/null && echo space || echo plane) --speed 0.15 \
 		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 

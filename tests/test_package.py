@@ -22,6 +22,7 @@ from tests.waiting import PATIENCE_S
 
 FOLDERS = ("host", "shared", "sim2d", "firmware")
 PACKED = ("caramelo", *FOLDERS)
+BESIDE = (".ci", "docs", "examples", "tests")  # in an sdist
 BUILD = "from setuptools import build_meta as build; print(build.{what}({folder!r}))"
 
 
@@ -48,18 +49,25 @@ def build(what, source, folder):
 
 @pytest.fixture(scope="module")
 def source(tmp_path_factory):
-    """Return a copy of what is packed."""
+    """Return a copy of the checkout."""
     folder = tmp_path_factory.mktemp("source")
-    for name in PACKED:
+    for name in (*PACKED, *BESIDE):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__", "*.so"))
-    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, folder)
+    for path in ROOT.iterdir():
+        if path.is_file() and path.name not in (".git", ".gitignore"):
+            shutil.copy(path, folder)
     return folder
 
 
 @pytest.fixture(scope="module")
 def wheel(source, tmp_path_factory):
     return build("build_wheel", source, tmp_path_factory.mktemp("wheel"))
+
+
+def files(folder):
+    """Return the files of a folder, but for what a build leaves there."""
+    paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return {str(path) for path in paths if path.parts[0] != "build" and not path.parts[0].endswith(".egg-info")}
 
 
 def names(wheel):
@@ -93,6 +101,7 @@ def test_an_sdist_makes_the_same_wheel(wheel, source, tmp_path):
     with tarfile.open(build("build_sdist", source, tmp_path)) as held:
         held.extractall(tmp_path / "unpacked", filter="data")
     (unpacked,) = (tmp_path / "unpacked").iterdir()
+    assert files(source) - files(unpacked) == set(), "it is the checkout"
     assert names(build("build_wheel", unpacked, tmp_path)) == names(wheel)
 
 

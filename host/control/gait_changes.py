@@ -12,6 +12,7 @@ from shared.crawl.even import LEGS_EVEN
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
+from shared.planner.pose import tell_margin
 from sim2d.notes import Note
 
 from ..robot.gait_names import gait_names
@@ -54,6 +55,8 @@ def change_reason(driver: Driver) -> str:
 
 def margin_m(driver: Driver) -> float:
     """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
+    if driver.planner.status.mover != MOVER_CRAWL:
+        tell_margin(driver.planner)  # neither the trot nor standing up has use for it
     return driver.scale.metres(driver.planner.status.margin)
 
 

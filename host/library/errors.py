@@ -8,6 +8,7 @@ from ..util.errors import UserError
 from ..util.extras import missing_library
 
 _FLAG = re.compile(r"(?<!\S)--([a-z][a-z-]*)")  # an option of the command line
+_CALLED = {"log": "record"}  # what the library calls otherwise
 
 
 class Error(Exception):
@@ -26,18 +27,28 @@ class Fault(Error):
     """The robot stopped by itself, or was stopped: the first cause. It stays so until ``reset``."""
 
 
+for _each in (Error, BadValue, NotAchieved, Fault):
+    _each.__module__ = "caramelo"  # as whoever catches it calls it, and as a traceback does then
+
+
 @contextmanager
 def own_words() -> Iterator[None]:
     """Turn what the command line would say into an Error: options are called as the library's arguments are."""
     try:
         yield
     except UserError as error:
-        raise Error(_FLAG.sub(lambda found: found[1].replace("-", "_"), str(error))) from None
+        raise Error(_renamed(str(error))) from None
     except ModuleNotFoundError as error:
         missing = missing_library(error)
         if missing is None:
             raise
         raise Error(str(missing)) from None
+
+
+def _renamed(text: str) -> str:
+    """Call options as the arguments are; a command that is to be typed keeps its own."""
+    told, command, options = text.partition("caramelo ")
+    return _FLAG.sub(lambda found: _CALLED.get(found[1], found[1].replace("-", "_")), told) + command + options
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:

@@ -61,13 +61,14 @@ def find_place(name: str, robot: Robot, port: str | None, calibration: Path | No
         return _real(name, robot, port, calibration, imu)
     if port is not None or calibration is not None or imu != "":
         raise BadValue(f"place {name!r}: port, calibration and imu are for servos and can only")
-    return _plane(robot) if name == "sim" else _space(robot)
+    return _simulated(robot, name == "space")
 
 
 def _real(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
     if robot.bus.kind != BUS_OF[name]:
-        other = next(place for place, kind in BUS_OF.items() if kind == robot.bus.kind)
-        raise BadValue(f"place {name!r}: the joints of {robot.name} are {other!r}")
+        others = [place for place, kind in BUS_OF.items() if kind == robot.bus.kind]
+        has = f"the joints of {robot.name} are {others[0]!r}" if others else f"{robot.name} is for sim and space only"
+        raise BadValue(f"place {name!r}: {has}")
     parts = real(robot, port, calibration)
     if imu is None:
         parts = replace(parts, attitude=Attitude(robot, AbsentImu(NO_IMU)))
@@ -76,26 +77,11 @@ def _real(name: str, robot: Robot, port: str | None, calibration: Path | None, i
     return Place(parts)
 
 
-def _plane(robot: Robot) -> Place:
-    from ..robot.poses import seated_pose_rad
+def _simulated(robot: Robot, space: bool) -> Place:
     from ..sim.bus import SimulatedBus
-    from ..sim.imu import SimulatedImu
-    from ..sim.plant import PlanePlant
+    from ..sim.hardware import simulated
 
     clock = SimulatedClock()
-    plant = PlanePlant(robot, seated_pose_rad(robot))
-    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
-    parts = Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back, turns=False)
-    return Place(parts, clock, clock.advance, lambda: (plant.x_m, 0.0, 0.0))
-
-
-def _space(robot: Robot) -> Place:
-    from ..sim.bus import SimulatedBus
-    from ..sim.imu import SimulatedImu
-    from ..sim.space.plant import SpacePlant
-
-    clock = SimulatedClock()
-    plant = SpacePlant(robot)
-    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
-    parts = Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back)
-    return Place(parts, clock, clock.advance, plant.pose)
+    parts = simulated(robot, space, clock)
+    assert isinstance(parts.bus, SimulatedBus)
+    return Place(parts, clock, clock.advance, parts.bus.plant.pose)

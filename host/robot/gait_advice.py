@@ -7,7 +7,7 @@ not name has not been tried.
 from .gait_names import gait_names
 from .model import Robot
 
-UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: caramelo experiment table2 tries it"
+UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: caramelo walk --in space tries it"
 
 
 def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0) -> str:

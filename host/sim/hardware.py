@@ -1,6 +1,7 @@
 """Stand-ins for a robot's hardware: emulated servos in a process of their own, or the plane's drives without a bus."""
 
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -19,22 +20,22 @@ from .stage import ground, profiles
 PUT_BACK_S = 0.01  # the loop waits for the answer
 
 
-def simulated(robot: Robot, space: bool = False) -> Hardware:
+def simulated(robot: Robot, space: bool = False, clock: Callable[[], float] = time.monotonic) -> Hardware:
     """Return the drives of the plane, or of three dimensions, which goals reach without any bus."""
     if space:
-        return _in_space(robot)
-    bus = SimulatedBus(robot)
+        return _in_space(robot, clock)
+    bus = SimulatedBus(robot, clock)
     attitude = Attitude(robot, SimulatedImu(robot, bus.plant.inertial))
     return Hardware(bus, attitude, bus.plant.put_back, turns=False, simulated=True)
 
 
-def _in_space(robot: Robot) -> Hardware:
+def _in_space(robot: Robot, clock: Callable[[], float]) -> Hardware:
     from .space.plant import SpacePlant
 
     plant = SpacePlant(robot)
     stage = Stage(profiles(), lambda name: plant.set_ground(ground(name)), plant.place)
     attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
-    return Hardware(SimulatedBus(robot, plant=plant), attitude, plant.put_back, simulated=True, stage=stage)
+    return Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back, simulated=True, stage=stage)
 
 
 @contextmanager

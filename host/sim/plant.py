@@ -145,6 +145,10 @@ class Plant(ABC):
         """Return turning speed (rad/s) and specific force (m/s2) in body axes, mean since the last call."""
         return (0.0, 0.0, 0.0), (0.0, 0.0, GRAVITY_M_S2)
 
+    def pose(self) -> tuple[float, float, float]:
+        """Return where the body is, x and y in m, and its yaw, rad."""
+        return 0.0, 0.0, 0.0
+
     @abstractmethod
     def _run(self, steps: int) -> None:
         """Advance by so many sub-steps."""
@@ -252,6 +256,10 @@ class PlanePlant(Plant):
     def x_m(self) -> float:
         """Where the body is."""
         return float(self.world.parts.bodies[0].position.x)
+
+    def pose(self) -> tuple[float, float, float]:
+        """See Plant."""
+        return self.x_m, 0.0, 0.0
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""

@@ -83,7 +83,7 @@ class SpacePlant(Plant):
         raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
 
     def pose(self) -> tuple[float, float, float]:
-        """Return where the body is, x and y in m, and its yaw, rad."""
+        """See Plant."""
         x_m, y_m, _ = self.world.position_m().tolist()
         return x_m, y_m, self.world.attitude_rad()[2]
 

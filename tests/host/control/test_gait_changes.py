@@ -2,7 +2,15 @@
 
 import pytest
 
-from host.control.gait_changes import GaitWatch, change_lines, change_reason, crawl_event, gait_now, notes_json
+from host.control.gait_changes import (
+    GaitWatch,
+    change_lines,
+    change_reason,
+    crawl_event,
+    gait_now,
+    margin_m,
+    notes_json,
+)
 from host.control.planner import Driver
 from host.robot.file import load_robot
 from shared.crawl import state as crawl
@@ -91,3 +99,18 @@ def test_notes_become_json_and_rows(driver):
     rows = notes_json(notes)
     assert rows == [{"time_s": 0.04, "to": "crawl", "reason": "the crawl was commanded"}]
     assert change_lines(rows) == [("at 0.0 s: crawl", "the crawl was commanded")]
+
+
+def test_the_margin_is_told_while_it_stands_and_while_it_trots(driver):
+    def margins_m(mode, seconds, **speed):
+        driver.set_command(mode=mode, gait="trot", **speed)
+        told, goals = [], None
+        for _ in range(round(seconds * driver.rate_hz)):
+            driver.sense(goals, 0.0, 0.0)
+            goals = driver.step()
+            told.append(margin_m(driver))
+        return told
+
+    assert margins_m("stand", 5.0)[-1] > 0.05
+    assert min(margins_m("walk", 3.0, vx_m_s=0.1)) < 0.01, "on two feet"
+    assert margins_m("stand", 3.0)[-1] > 0.05, "after a trot, too"

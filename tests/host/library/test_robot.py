@@ -1,8 +1,10 @@
 """The library's Robot: what it refuses and in which words, what it does when something goes wrong, what it records."""
 
 import json
+import pickle
 import sys
 import threading
+import traceback
 from math import degrees, inf, nan
 
 import pytest
@@ -10,6 +12,7 @@ import pytest
 import caramelo
 from caramelo import BadValue, Error, Fault, NotAchieved, Robot
 from host.bus.base import JOINTS
+from host.library.errors import own_words
 from host.robot.file import load_robot
 from host.robot.poses import seated_pose_rad
 from host.util.errors import UserError
@@ -49,6 +52,7 @@ def test_every_exception_is_an_error(wrong):
         ({"gait": "gallop"}, "gait 'gallop': allowed "),
         ({"place": "can"}, "place 'can': the joints of caramelo are 'servos'"),
         ({"place": "servos", "robot": "parallel"}, "the joints of parallel are 'can'"),
+        ({"place": "servos", "robot": "pupper"}, "place 'servos': pupper is for sim and space only"),
         ({"port": "/dev/ttyUSB0"}, "port, calibration and imu are for servos and can only"),
         ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: of joints on CAN it is INTERFACE:CHANNEL"),
         ({"place": "can", "robot": "parallel", "port": "virtual:x", "imu": "usb"}, "imu usb: allowed: i2c"),
@@ -59,6 +63,28 @@ def test_a_wrong_argument_is_named_in_the_librarys_words(arguments, words):
     with pytest.raises(Error, match=words.replace("?", r"\?")) as raised:
         Robot(**arguments)
     assert "--" not in str(raised.value)
+
+
+def test_a_traceback_calls_errors_as_they_are_imported():
+    for kind in (Error, BadValue, Fault, NotAchieved):
+        line = traceback.format_exception_only(kind("no"))[-1]
+        assert line == f"caramelo.{kind.__name__}: no\n"
+        assert type(pickle.loads(pickle.dumps(kind("no")))) is kind
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ("--log /none/x.mcap: can't be written", "record /none/x.mcap: can't be written"),
+        ("--bus-delay 3: allowed 0 .. 0.5 s", "bus_delay 3: allowed 0 .. 0.5 s"),
+        ("no servo answers: find it with: caramelo servos scan --all-bauds",) * 2,
+        ("ttyUSB1: no such port; name yours with --port", "ttyUSB1: no such port; name yours with port"),
+    ],
+)
+def test_options_are_called_as_arguments_and_commands_stay_as_they_are_typed(told, words):
+    with pytest.raises(Error) as raised, own_words():
+        raise UserError(told)
+    assert str(raised.value) == words
 
 
 @pytest.mark.parametrize(
