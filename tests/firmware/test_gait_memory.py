@@ -111,4 +111,4 @@ def test_machine_code_does_the_same_and_takes_no_memory(reference, sources, tmp_
 
 def test_a_planted_allocation_is_found(sources, tmp_path):
     with pytest.raises(Exception, match="memory allocation failed, heap is locked"):
-        ran(Wasi(), sources, tmp_path, PLANTED)
+        ran(Wasi("source"), sources, tmp_path, PLANTED)

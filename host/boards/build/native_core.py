@@ -23,8 +23,8 @@ from .typed import typed_modules
 _SETUP = """from mypyc.build import mypycify
 from setuptools import setup
 setup(name="caramelo_core", packages=[], ext_modules=mypycify(
-    ["--config-file=", "--ignore-missing-imports", *{paths!r}], opt_level="1", multi_file=True))
-"""  # opt_level 3 takes a third longer and is no faster; in several files a Pi has the memory for it
+    ["--config-file=", "--ignore-missing-imports", *{paths!r}], opt_level="1", debug_level="0", multi_file=True))
+"""  # more of either takes longer and is no faster; in several files a Pi has the memory for it
 _TIME_LIMIT_S = 3600.0  # a minute on a PC; a small Pi takes many
 _LEFT = ("shared.runtime", "shared.record", "shared.wire.")
 

@@ -1,7 +1,7 @@
 """Runs the vectors in every runtime and finds the first one that differs."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -63,10 +63,11 @@ def call(function: str, *arguments: object) -> str:
 
 
 def examine(
-    runtimes: list[Runtime], sources: Path, work: Path, vectors: int, progress: Callable[[str], None]
+    runtimes: list[Runtime], sources: Path, work: Path, vectors: int, progress: Callable[[str], None],
+    known: Sequence[Report] = (),
 ) -> list[Report]:
-    """Ask every runtime; the first of them is the reference the others are compared with."""
-    reports: list[Report] = []
+    """Ask every runtime; the first is the reference the others are compared with, unless it is ``known`` already."""
+    reports = list(known)
     try:
         for runtime in runtimes:
             progress(runtime.name)

@@ -62,28 +62,30 @@ def check(value: object) -> Checked:
     """Return ``value`` as Checked and remember its size; Overflow if it is no small integer."""
     if type(value) is not int and not isinstance(value, bool | Checked):
         raise Overflow(f"{value!r}: a {type(value).__name__} where an integer is wanted")
-    number = int(value)
-    if not LOW <= number <= HIGH:
-        raise Overflow(f"{number} is outside -2^30 .. 2^30-1")
-    size = number if number >= 0 else -number - (number == LOW)
-    if size > WATCH.largest:
-        WATCH.largest = size
+    return _small(int(value))
+
+
+def _small(number: int) -> Checked:
+    """Return a plain integer as Checked; most of the time of a check is spent here."""
+    if not -WATCH.largest <= number <= WATCH.largest:
+        if not LOW <= number <= HIGH:
+            raise Overflow(f"{number} is outside -2^30 .. 2^30-1")
+        WATCH.largest = number if number >= 0 else -number - (number == LOW)
     return Checked(number)
 
 
 def _operator(name: str) -> Callable[[Checked, object], Checked]:
     plain = getattr(int, name)
-    shift = "shift" in name
+    shift, swapped = "shift" in name, name.startswith("__r") and name != "__rshift__"
 
     def operate(self: Checked, other: object) -> Checked:
-        if isinstance(other, list | tuple | str):
-            return NotImplemented  # [0] * n, at set-up
         if not isinstance(other, int):
+            if isinstance(other, list | tuple | str):
+                return NotImplemented  # [0] * n, at set-up
             raise Overflow(f"{int(self)} {name} {other!r}: a {type(other).__name__}")
-        count = int(self) if name.startswith("__r") and name != "__rshift__" else int(other)
-        if shift and not 0 <= count < 32:
-            raise Overflow(f"{name} by {count}: a processor shifts by 0 .. 31")
-        return check(plain(int(self), int(other)))
+        if shift and not 0 <= (self if swapped else other) < 32:
+            raise Overflow(f"{name} by {int(self if swapped else other)}: a processor shifts by 0 .. 31")
+        return _small(plain(self, other))
 
     return operate
 
@@ -101,7 +103,7 @@ class CheckedArray(plain_array.array):  # type: ignore[type-arg]
             raise Overflow("a slice of an array: an allocation")
         if index < 0:
             raise Overflow(f"index {int(index)}: a pointer reads before the array")
-        return check(plain_array.array.__getitem__(self, index))
+        return _small(plain_array.array.__getitem__(self, index))
 
     def __setitem__(self, index: Any, value: Any) -> None:
         if index < 0:
@@ -135,7 +137,7 @@ def _next(left: list[int]) -> Checked:
 
 
 def _range(*bounds: int) -> Iterator[Checked]:
-    return (check(index) for index in builtins.range(*bounds))
+    return (_small(index) for index in builtins.range(*bounds))
 
 
 def _integer(value: object) -> Checked:
@@ -189,7 +191,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         return compile(ast.fix_missing_locations(tree), path, "exec")
 
     def exec_module(self, module: ModuleType) -> None:
-        module.__dict__.update(_checked=check, range=_range, int=_integer)
+        module.__dict__.update(_checked=_small, range=_range, int=_integer)
         super().exec_module(module)
         if module.__name__ == "shared.runtime":
             module.__dict__.update(zeros=_zeros, table=_table)

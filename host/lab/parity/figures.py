@@ -73,7 +73,7 @@ def public_functions(sources: Path, source: str) -> list[str]:
 
 def fuel(sources: Path, work: Path) -> dict[str, int]:
     """Return what one call of each function costs in the WASI VM, exact: the same in every run."""
-    runtime = Wasi()
+    runtime = Wasi(counting=True)
     tree = runtime.prepare(sources, work)
     found = {}
     for module in modules_of(runtime, tree):

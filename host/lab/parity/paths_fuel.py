@@ -122,14 +122,14 @@ def path_fuel(work: Path) -> dict[str, int]:
 
 
 def _joint(work: Path) -> dict[str, list[int]]:
-    runtime = Wasi()
+    runtime = Wasi(counting=True)
     answer = runtime.ask(runtime.prepare(_sources("joint", work), work), joint_script(PROLOGUE + _registers()))
     check_driven(answer)
     return measured(answer["names"], runtime.marks)
 
 
 def _gait(work: Path) -> dict[str, list[int]]:
-    runtime = Wasi()
+    runtime = Wasi(counting=True)
     tree = runtime.prepare(_sources("gait", work), work)
     walk = crawl_walk(load_robot(ROBOT), EXTENT.crawl_ticks)
     (tree / _WRITTEN).write_bytes(b"".join(walk))

@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,14 @@ import pytest
 
 from host.boards import core
 from host.boards.build.native_core import build_core, why_not
-from host.boards.runtimes import Unix, Wasi
+from host.boards.build.source import closure, read_modules
+from host.boards.runtimes import CPython, Unix, Wasi, base, unix, wasi
+from host.lab.parity.check import Report, collect
 from host.lab.parity.figures import allocations, largest_values, promises
 from host.lab.parity.sources import gather
 from tests.waiting import wait_until
 
+VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
 MAKING_S = 600.0  # the slowest measurement takes minutes when every other worker computes too
 
 
@@ -22,6 +26,19 @@ MAKING_S = 600.0  # the slowest measurement takes minutes when every other worke
 def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with shared/ and the vectors; not to be changed."""
     return gather(tmp_path_factory.mktemp("gathered"))
+
+
+@pytest.fixture
+def few(sources: Path, tmp_path: Path) -> Path:
+    """A folder with shared/num/fixed.py and its vectors alone, which are quick; swing, so that it is two modules."""
+    modules = read_modules(sources, ("shared", "probe"))
+    for name in closure(modules, ["probe.answer", "probe.fixed", "shared.gait.swing"]):
+        path = tmp_path / "few" / modules[name].path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(sources / modules[name].path, path)
+    with (tmp_path / "few/probe/__init__.py").open("a") as probes:
+        probes.write("\nMODULES = ('fixed',)\n")
+    return tmp_path / "few"
 
 
 @pytest.fixture(scope="session")
@@ -53,6 +70,31 @@ def _wait_for(kept: Path) -> Any:
     good, result = pickle.loads(kept.read_bytes())
     assert good, result
     return result
+
+
+@pytest.fixture(autouse=True)
+def _compiled_once(sources, once, monkeypatch):
+    """All tests and workers run on the same compiled tree of the sources; nobody changes it."""
+
+    def compiled(of: Path, work: Path, emitter: str, arch: str) -> Path:
+        if of != sources:
+            return base.compile_sources(of, work, emitter, arch)
+        return once(f"{emitter}-{arch}", lambda folder: base.compile_sources(of, folder, emitter, arch))
+
+    for user in (unix, wasi):
+        monkeypatch.setattr(user, "compile_sources", compiled)
+
+
+@pytest.fixture(scope="session")
+def reference(sources, once) -> Report:
+    """What CPython answers to the vectors."""
+
+    def ask(work: Path) -> Report:
+        report = Report(CPython())
+        collect(report, sources, work, VECTORS)
+        return report
+
+    return once("reference", ask)
 
 
 @pytest.fixture(scope="session")

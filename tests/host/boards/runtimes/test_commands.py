@@ -6,6 +6,7 @@ import pytest
 
 from host.cli import main
 from host.commands import parity as command
+from host.lab.parity import sources as gathering
 
 
 def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]:
@@ -15,7 +16,13 @@ def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, 
     return code, json.loads(lines[0])
 
 
-def test_parity_reports_each_runtime(capsys):
+@pytest.fixture
+def quick(few, monkeypatch):
+    """The command asks for the vectors of one module."""
+    monkeypatch.setattr(gathering, "gather", lambda work: few)
+
+
+def test_parity_reports_each_runtime(capsys, quick):
     code, found = run_json(capsys, "parity", "--runtime", "wasi-bytecode", "--vectors", "8")
     assert code == 0
     assert found["identical"] is True
@@ -26,7 +33,7 @@ def test_parity_reports_each_runtime(capsys):
     assert found["runtimes"][0]["digest"] == found["runtimes"][1]["digest"]
 
 
-def test_parity_exits_1_if_a_runtime_fails(capsys, monkeypatch):
+def test_parity_exits_1_if_a_runtime_fails(capsys, quick, monkeypatch):
     from host.boards.runtimes import Wasi
 
     monkeypatch.setattr(Wasi, "execute", lambda self, tree, script: "not an answer")

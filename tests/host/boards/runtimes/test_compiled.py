@@ -17,11 +17,11 @@ from host.boards.runtimes import Compiled, CPython
 from host.lab.parity.check import Report, collect, examine, failures, first_difference
 from host.util.errors import UserError
 
+from .conftest import VECTORS
 from .plant import plant
 
 pytestmark = pytest.mark.skipif(native_core.why_not() is not None, reason=str(native_core.why_not()))
 
-VECTORS = 80  # 2000 ticks of each gait
 WHERE = "import shared.body.leg, sys; sys.stdout.write(shared.body.leg.__file__)"
 
 
@@ -33,9 +33,9 @@ def run_caramelo(arguments: list[str], home: str, code: str = "") -> str:
     return done.stdout
 
 
-def test_the_compiled_core_agrees_over_the_whole_range(sources, compiled_home, tmp_path, monkeypatch):
+def test_the_compiled_core_agrees_over_the_whole_range(sources, reference, compiled_home, tmp_path, monkeypatch):
     monkeypatch.setenv(core.SWITCH, str(compiled_home))
-    reports = examine([CPython(), Compiled()], sources, tmp_path, VECTORS, lambda name: None)
+    reports = examine([Compiled()], sources, tmp_path, VECTORS, lambda name: None, [reference])
     assert list(failures(reports)) == []
     assert reports[0].digest == reports[1].digest
     assert reports[1].vectors > 20_000
@@ -52,14 +52,9 @@ def test_it_is_machine_code_that_agrees(sources, compiled_home, tmp_path, monkey
     assert said.strip().endswith(".so")
 
 
-def test_a_wrong_machine_code_is_found_with_its_vector(sources, tmp_path, monkeypatch):
-    probe = sources / "probe" / "__init__.py"
-    one = probe.read_text() + "\nMODULES = ('fixed',)\n"
-    few = plant(sources, tmp_path, "probe/__init__.py", probe.read_text(), one)
+def test_a_wrong_machine_code_is_found_with_its_vector(few, tmp_path, monkeypatch):
     wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    return value\n\n\n@hot\ndef cos_q15(",
                   "    return value - (value >> 14)\n\n\n@hot\ndef cos_q15(")
-    only = ("shared.num.fixed", "shared.gait.swing")
-    monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name in only)
     monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
     reference, other = Report(CPython()), Report(Compiled())
     (tmp_path / "a").mkdir()

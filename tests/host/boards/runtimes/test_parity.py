@@ -10,9 +10,8 @@ from host.lab.parity.coverage import TracedNode, compare, cover
 from host.lab.parity.figures import promises, public_functions
 from tests.marks import skip_without
 
+from .conftest import VECTORS
 from .plant import plant
-
-VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
 
 
 def unregistered(sources: Path, work: Path) -> list[str]:
@@ -43,8 +42,8 @@ def agree(reports: list[Report]) -> None:
     assert {report.digest for report in reports if not report.skipped} == {reports[0].digest}
 
 
-def test_the_unchanged_source_agrees_in_a_32_bit_vm(sources, tmp_path):
-    reports = examine([CPython(), Wasi("source")], sources, tmp_path, VECTORS, lambda name: None)
+def test_the_unchanged_source_agrees_in_a_32_bit_vm(sources, reference, tmp_path):
+    reports = examine([Wasi("source")], sources, tmp_path, VECTORS, lambda name: None, [reference])
     agree(reports)
     assert reports[0].vectors > 20_000
     assert [report.word_bits for report in reports] == [64, 32]
@@ -55,20 +54,18 @@ def test_every_emitter_agrees(sources, tmp_path):
     agree(examine([CPython(), Wasi("bytecode"), *built], sources, tmp_path, 16, lambda name: None))
 
 
-def planted_report(runtime: Runtime, sources: Path, work: Path) -> Report:
-    """Return a report on shared/num/fixed.py alone, which is quick."""
-    probe = sources / "probe" / "__init__.py"
-    few = plant(sources, work, "probe/__init__.py", probe.read_text(), probe.read_text() + "\nMODULES = ('fixed',)\n")
+def report_of(runtime: Runtime, sources: Path, work: Path) -> Report:
     report = Report(runtime)
-    collect(report, few, work, 40)
+    collect(report, sources, work, 40)
     return report
 
 
-def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
-    reference = planted_report(CPython(), sources, tmp_path / "reference")
+def test_a_planted_difference_is_found_with_its_vector(few, tmp_path):
+    reference = report_of(CPython(), few, tmp_path / "reference")
     end = "    return value\n\n\n@hot\ndef cos_q15("
-    copy = plant(sources, tmp_path, "shared/num/fixed.py", end, "    if value > 32000:\n        return 32767\n" + end)
-    other = planted_report(Wasi("source"), copy, tmp_path / "other")
+    wrong = "    if value > 32000:\n        return 32767\n"
+    copy = plant(few, tmp_path / "wrong", "shared/num/fixed.py", end, wrong + end)
+    other = report_of(Wasi("source"), copy, tmp_path / "other")
     assert other.failure is None
     difference = first_difference(reference, other)
     assert difference is not None
@@ -82,16 +79,16 @@ def test_a_planted_difference_is_found_with_its_vector(sources, tmp_path):
     assert f"inputs [{angle}]" in difference.sentence()
 
 
-def test_a_module_that_does_not_even_load_is_a_failure_not_a_pass(sources, tmp_path):
-    copy = plant(sources, tmp_path, "shared/num/fixed.py", "def saturate(", "def saturate(value, *, low")
-    report = planted_report(Wasi("source"), copy, tmp_path / "other")
+def test_a_module_that_does_not_even_load_is_a_failure_not_a_pass(few, tmp_path):
+    copy = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "def saturate(", "def saturate(value, *, low")
+    report = report_of(Wasi("source"), copy, tmp_path / "other")
     assert report.failure is not None
     assert report.digests == {}
 
 
-def test_a_missing_runtime_says_why(sources, tmp_path, monkeypatch):
+def test_a_missing_runtime_says_why(few, tmp_path, monkeypatch):
     monkeypatch.setattr(Unix, "missing", lambda self: "the unix VM comes for linux x86_64 only")
-    reports = examine([CPython(), Unix("viper")], sources, tmp_path, 8, lambda name: None)
+    reports = examine([CPython(), Unix("viper")], few, tmp_path, 8, lambda name: None)
     assert reports[1].skipped == "the unix VM comes for linux x86_64 only"
     assert list(failures(reports)) == []
 

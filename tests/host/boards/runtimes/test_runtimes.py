@@ -4,7 +4,6 @@ import time
 
 import pytest
 
-from host.boards.core import SWITCH
 from host.boards.runtimes import Board, CPython, Node, RuntimeFailure, Unix, Wasi, all_runtimes, wasi
 from host.boards.runtimes.process import run_command
 from host.lab.parity.check import call
@@ -15,14 +14,13 @@ from .pretend_board import PretendBoard
 ASK = "print('chatter')\nprint('@@{\"answer\": 42}')\n"
 
 
-def test_every_runtime_that_is_here_answers(sources, compiled_home, tmp_path, monkeypatch):
-    monkeypatch.setenv(SWITCH, str(compiled_home))
+def test_every_runtime_that_is_here_answers(few, tmp_path):
     asked = 0
     for runtime in all_runtimes():
         if runtime.missing() is None:
             work = tmp_path / runtime.name
             work.mkdir()
-            assert runtime.ask(runtime.prepare(sources, work), ASK) == {"answer": 42}
+            assert runtime.ask(runtime.prepare(few, work), ASK) == {"answer": 42}
             asked += 1
     assert asked >= 3
 
@@ -45,7 +43,7 @@ def test_fuel_is_the_same_in_every_run(tmp_path):
     script = mark + "x = 0\nfor i in range(1000):\n    x += i\n" + mark + "print('@@{}')\n"
     burnt = []
     for _ in range(2):
-        runtime = Wasi()
+        runtime = Wasi(counting=True)
         runtime.ask(tmp_path, script)
         burnt.append((runtime.fuel, runtime.marks))
     assert burnt[0] == burnt[1]
@@ -78,16 +76,16 @@ def test_what_is_missing_says_what_to_do(tmp_path, monkeypatch):
 
 
 @NEEDS_UNIX
-def test_a_board_is_asked_over_its_serial_port_and_left_as_it_was(sources, tmp_path):
+def test_a_board_is_asked_over_its_serial_port_and_left_as_it_was(few, tmp_path):
     home = tmp_path / "home"
     home.mkdir()
     (home / "main.py").write_text("print('of the owner')\n")
     with PretendBoard(home) as pretend:
         board = Board(pretend.port)
         assert board.missing() is None
-        tree = board.prepare(sources, tmp_path)
+        tree = board.prepare(few, tmp_path)
         assert (home / "parity" / "shared" / "num" / "fixed.mpy").exists()
-        expected = CPython().ask(CPython().prepare(sources, tmp_path), call("parity", "fixed", 20))
+        expected = CPython().ask(CPython().prepare(few, tmp_path), call("parity", "fixed", 20))
         assert board.ask(tree, call("parity", "fixed", 20)) == expected
         with pytest.raises(RuntimeFailure, match="on purpose"):
             board.ask(tree, "raise ValueError('on purpose')\n")
