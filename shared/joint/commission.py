@@ -36,6 +36,8 @@ from .faults import (
     FAULT_NONE,
 )
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
+from .mechanics import mechanics_begin, mechanics_step
+from .outer import keep_outer, restore_outer
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .turning import turn_step
@@ -89,6 +91,7 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     if commission.kept_kp:
         loop.kp = commission.kept_kp
         loop.ki = commission.kept_ki
+    restore_outer(settings, commission.kept_outer)
     commission.phase = PHASE_IDLE
     commission.kind = 0
     loop.probing = 0
@@ -130,7 +133,10 @@ def commission_step(
     elif phase < PHASE_SPIN:
         if turn_step(loop, settings, io, commission):
             _turned(loop, settings, commission)
-    elif spin_step(loop, settings, state, commission):
+    elif phase == PHASE_SPIN:
+        if spin_step(loop, settings, state, commission):
+            mechanics_begin(loop, settings, commission)
+    elif mechanics_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)
     if commission.phase == PHASE_IDLE:
         commission_abort(loop, settings, commission)
@@ -164,6 +170,7 @@ def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Joi
     if commission.phase_ticks == 1:
         commission.kept_kp = loop.kp
         commission.kept_ki = loop.ki
+        keep_outer(settings, commission.kept_outer)
         if commission.kind == COMMISSION_FULL:
             state.homed = 0
             fill_bend(loop, 0, 0, 0, 0)
@@ -222,6 +229,7 @@ def _write(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
         settings.age = settings.age * pairs // before
     commission.kept_kp = loop.kp
     commission.kept_ki = loop.ki
+    commission.kept_outer[0] = 0
     settings.elec_offset = commission.offset_found
     settings.direction = commission.direction
     settings.pole_pairs = pairs
