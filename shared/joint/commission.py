@@ -2,7 +2,8 @@
 
     at rest, bridge off (here) -> winding: R, L, gains (winding.py)
     -> once round and back and round again: direction, pole pairs, offset, eccentricity (turning.py)
-    -> to and fro by itself: flux linkage, and the offset anew (spinning.py) -> done
+    -> to and fro by itself: flux linkage, and the offset anew (spinning.py)
+    -> the same gently: inertia, friction, gains of the outer loops (mechanics.py, outer.py) -> done
 
 Each part checks what it relies on and ends everything with a reason, FAULT_COMMISSION_*. What is found is written only
 when everything is. The current never exceeds the trip level, the rotor stays within the turn it was taken round, and
@@ -78,6 +79,8 @@ def commission_start(commission: Commission, kind: int) -> int:
     commission.level = 0
     commission.error_sum = 0
     commission.error_way = 0
+    commission.play_sum = 0
+    commission.backlash = -1
     commission.moved = 0
     commission.joint_moved = 0
     commission.moved_seen = 0
@@ -91,7 +94,7 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     if commission.kept_kp:
         loop.kp = commission.kept_kp
         loop.ki = commission.kept_ki
-    restore_outer(settings, commission.kept_outer)
+    restore_outer(settings, commission)
     commission.phase = PHASE_IDLE
     commission.kind = 0
     loop.probing = 0
@@ -170,7 +173,7 @@ def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Joi
     if commission.phase_ticks == 1:
         commission.kept_kp = loop.kp
         commission.kept_ki = loop.ki
-        keep_outer(settings, commission.kept_outer)
+        keep_outer(settings, commission)
         if commission.kind == COMMISSION_FULL:
             state.homed = 0
             fill_bend(loop, 0, 0, 0, 0)

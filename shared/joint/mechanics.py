@@ -17,13 +17,13 @@ from .outer import set_outer_gains
 from .spinning import swing, swing_current, swing_rate, turn_round
 from .winding import probe_begin, ratio
 
-_LEVELS = const(3)  # by the current, by the velocity loop, likewise at half of that speed
+_LEVELS = const(4)  # by the current; by the velocity loop; likewise with a better gain; at half of that speed
 _PERIODS = const(3)
 _TICKS_MOST = const(8000)  # of a level: 8000 times ten currents of 12288 stay below 2^30
 _WORK_MOST = const(0x3FFFFFF)
 _MOVED_MOST = const(1023)
 _MIDDLE = const(1024)  # rc: the speed in the middle is that on the mean over so much to either side
-_BRAKING = const(7000)  # rc: twice the way in which the velocity loop brings the rotor to rest
+_BRAKING = const(4000)  # rc: twice the way in which the velocity loop brings the rotor to rest
 _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
 
 
@@ -142,11 +142,12 @@ def _end_level(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if level == 0:
         state.velocity_integral = 0
         commission.swing_reference = state.rate * commission.direction
-    elif level == 1:
+    elif level == 2:
         commission.swing_rate = commission.swing_rate >> 1
-    else:
+    elif level > 2:
         loop.probing = 0
         _find_friction(commission)
+        set_outer_gains(settings, commission.inertia, settings.velocity_w)
         return 1
     _choose_acceleration(settings, commission)
     _begin_level(loop, commission)
@@ -155,7 +156,7 @@ def _end_level(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 
 @hot
 def _choose_acceleration(settings: JointSettings, commission: Commission) -> int:
-    """Set acceleration and speed so that the way of braking is _BRAKING / 2 and a quarter of the current limit does it."""
+    """Choose acceleration and speed: braking takes _BRAKING / 2, and no more than a quarter of the current limit."""
     rate = saturate(commission.swing_rate, _LEAST, 0x3FFFF) >> 4
     most = (settings.commission_current << 11) // saturate(commission.inertia, 1, 0x3FFFF)
     acceleration = rate * rate // _BRAKING + 1
@@ -174,7 +175,9 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> int:
     work = commission.work_in - commission.work_out - pulled
     square = (commission.square_middle << 8) // saturate(commission.way_middle, 1, _WORK_MOST)
     commission.inertia = ratio(work >> 1, (square << 4) * _PERIODS, 14) // 10
-    if set_outer_gains(settings, commission.inertia, settings.velocity_w >> 1) == 0:
+    w = settings.velocity_w
+    fits = set_outer_gains(settings, commission.inertia, w)
+    if fits == 0 or set_outer_gains(settings, commission.inertia, w >> 1) == 0:
         return refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
     return 0
 
@@ -182,10 +185,10 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> int:
 @hot
 def _find_friction(commission: Commission) -> int:
     """Return the friction at rest in cu, Q4, and find what it grows by with the speed; neither is below 0."""
-    slower = commission.speed_q4[1] - commission.speed_q4[2]
-    more = commission.friction_q4[1] - commission.friction_q4[2]
+    slower = commission.speed_q4[2] - commission.speed_q4[3]
+    more = commission.friction_q4[2] - commission.friction_q4[3]
     commission.viscous = ratio(more, slower, 8)
-    rest = commission.friction_q4[1] - (commission.viscous * commission.speed_q4[1] >> 8)
+    rest = commission.friction_q4[2] - (commission.viscous * commission.speed_q4[2] >> 8)
     if rest < 0:
         rest = 0
     commission.coulomb = rest

@@ -5,10 +5,10 @@ gives. The position loop's gain is its bandwidth, whatever turns.
 """
 
 from ..num.fixed import saturate
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
+from .commission_state import Commission
 from .layout import JointSettings
 
-KEPT = const(5)
 _P_MOST = const(8191)  # limits of the parameters
 _I_MOST = const(8191)
 _INERTIA_MOST = const(0x3FFF0)  # Q12
@@ -37,8 +37,9 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
 
 
 @hot
-def keep_outer(settings: JointSettings, kept: Ints) -> int:
+def keep_outer(settings: JointSettings, commission: Commission) -> int:
     """Remember the gains before commissioning; return the first."""
+    kept = commission.kept_outer
     kept[0] = settings.velocity_p
     kept[1] = settings.velocity_i
     kept[2] = settings.damp
@@ -48,8 +49,9 @@ def keep_outer(settings: JointSettings, kept: Ints) -> int:
 
 
 @hot
-def restore_outer(settings: JointSettings, kept: Ints) -> int:
+def restore_outer(settings: JointSettings, commission: Commission) -> int:
     """Go back to them, if there are any; return 1 if so."""
+    kept = commission.kept_outer
     if kept[0] == 0:
         return 0
     settings.velocity_p = kept[0]

@@ -38,7 +38,7 @@ class Drawn:
 
     def bench(self) -> Bench:
         """Return it on the bench, not commissioned."""
-        setup = JointSetup(-1.0, 1.9, inertia_kg_m2=self.load.inertia_kg_m2)
+        setup = JointSetup(-1.0, 1.9, inertia_kg_m2=self.file.motor.rotor_inertia_kg_m2 * self.file.gear.ratio**2)
         bench = Bench(self.file, self.load, setup, False, self.offset_rad, self.seed, self.real)
         bench.wrong.eccentric_rad, bench.wrong.eccentric_at_rad = self.eccentric_rad, self.eccentric_at_rad
         return bench
@@ -75,9 +75,14 @@ def draw(seed: int) -> Drawn:
         cogging_Nm=rated_Nm * rng.uniform(0.0, 0.08),
         cogging_waves=6 * pairs,
         source_ohm=0.02,
+        viscous_Nms_rad=rated_Nm * rng.uniform(0.0, 0.03) / (8.0 * gear),
+        friction_Nm=rated_Nm * gear * rng.uniform(0.003, 0.02),
+        torque_Nm=rated_Nm * gear * rng.uniform(-0.003, 0.003),  # less than that holds
     )
+    guess = between(rng, 0.5, 2.0)  # what the file says of the inertia
     return Drawn(
-        replaced(real, nominal, {}, {}), real, load, rng.uniform(0, tau), radians(rng.uniform(0.5, 2.0)),
+        replaced(real, {**nominal, "rotor_inertia_kg_m2": rotor_kg_m2 * guess}, {}, {}), real, load,
+        rng.uniform(0, tau), radians(rng.uniform(0.5, 2.0)),
         rng.uniform(0, tau), seed,
     )  # fmt: skip
 

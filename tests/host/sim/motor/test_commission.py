@@ -129,7 +129,7 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
     assert found["eccentricity_deg"] == pytest.approx(0.86, abs=0.1)
     assert told["failed"] == {}
     assert load_robot(str(out)).actuator.motor.resistance_ohm == pytest.approx(found["resistance_ohm"], rel=1e-3)
-    assert out.read_text().count(": measured)") == 4
+    assert out.read_text().count(": measured)") == 7
 
 
 @pytest.mark.parametrize(
