@@ -138,14 +138,13 @@ def _tell(
             for f in made
         ]  # fmt: skip
         print_table(head, rows)
-        rows = [
+        print_table(swung, [
             (
                 f.node, f"{f.inertia_kg_m2:.3g}", f"{f.coulomb_Nm:.3g}", f"{f.viscous_Nms_rad:.2g}",
                 "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}", f.velocity_p,
             )
             for f in made
-        ]  # fmt: skip
-        print_table(swung, rows)
+        ])  # fmt: skip
     done = "verified" if verify else "commissioned"
     file = f"; {written} written" if written else ""
     screen().print(f"{asked - len(failed)} of {asked} joints {done}{file}", soft_wrap=True)
