@@ -50,10 +50,12 @@ from shared.wire.names import (
     RESULT_WRONG_STATE,
 )
 from shared.wire.parameters import (
+    PARAMETER_BACKLASH,
     PARAMETER_BAD_FRAMES,
     PARAMETER_BUILD_ID,
     PARAMETER_BUS_OFF,
     PARAMETER_CHALLENGE,
+    PARAMETER_COULOMB,
     PARAMETER_FAULT_CODE,
     PARAMETER_FAULT_TICK,
     PARAMETER_FAULT_VALUE,
@@ -68,6 +70,7 @@ from shared.wire.parameters import (
     PARAMETER_UNIQUE_ID_0,
     PARAMETER_UNIQUE_ID_3,
     PARAMETER_UPTIME,
+    PARAMETER_VISCOUS,
 )
 from shared.wire.receive import Link, start_session
 
@@ -329,6 +332,12 @@ class Service:
             return commission.inductance_q
         if parameter == PARAMETER_FRICTION_LAG:
             return commission.lag
+        if parameter == PARAMETER_COULOMB:
+            return commission.coulomb
+        if parameter == PARAMETER_VISCOUS:
+            return commission.viscous
+        if parameter == PARAMETER_BACKLASH:
+            return commission.backlash
         return 0
 
 

@@ -330,6 +330,12 @@ WORDS: dict[int, Words] = {
         "check the rotor's magnets and the supply's voltage",
         PLAIN,
     ),
+    f.FAULT_COMMISSION_INERTIA: Words(
+        "commissioning: inertia",
+        "an inertia of {} was found, for which the velocity loop can have no gain",
+        "check that the joint swings freely; else change velocity_bandwidth_hz",
+        PLAIN,
+    ),
 }
 
 

@@ -227,6 +227,7 @@ def _commission(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> di
         "commission_bus_most": round(bldc.drive.over_voltage_V / units.volt_per_vu),
         "verify": 2731,  # 15 electrical degrees
         "current_w": round(2 * pi * bldc.drive.current_bandwidth_hz / bldc.drive.current_loop_hz * 4096),
+        "velocity_w": round(2 * pi * bldc.drive.velocity_bandwidth_hz / MOTION_HZ * 65536),
     }
 
 

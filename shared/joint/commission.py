@@ -2,7 +2,8 @@
 
     at rest, bridge off (here) -> winding: R, L, gains (winding.py)
     -> once round and back and round again: direction, pole pairs, offset, eccentricity (turning.py)
-    -> to and fro by itself: flux linkage, and the offset anew (spinning.py) -> done
+    -> to and fro by itself: flux linkage, and the offset anew (spinning.py)
+    -> the same gently: inertia, friction, gains of the outer loops (mechanics.py, outer.py) -> done
 
 Each part checks what it relies on and ends everything with a reason, FAULT_COMMISSION_*. What is found is written only
 when everything is. The current never exceeds the trip level, the rotor stays within the turn it was taken round, and
@@ -36,6 +37,8 @@ from .faults import (
     FAULT_NONE,
 )
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
+from .mechanics import mechanics_begin, mechanics_step
+from .outer import keep_outer, restore_outer
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .turning import turn_step
@@ -76,6 +79,8 @@ def commission_start(commission: Commission, kind: int) -> int:
     commission.level = 0
     commission.error_sum = 0
     commission.error_way = 0
+    commission.play_sum = 0
+    commission.backlash = -1
     commission.moved = 0
     commission.joint_moved = 0
     commission.moved_seen = 0
@@ -89,6 +94,7 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     if commission.kept_kp:
         loop.kp = commission.kept_kp
         loop.ki = commission.kept_ki
+    restore_outer(settings, commission)
     commission.phase = PHASE_IDLE
     commission.kind = 0
     loop.probing = 0
@@ -130,7 +136,10 @@ def commission_step(
     elif phase < PHASE_SPIN:
         if turn_step(loop, settings, io, commission):
             _turned(loop, settings, commission)
-    elif spin_step(loop, settings, state, commission):
+    elif phase == PHASE_SPIN:
+        if spin_step(loop, settings, state, commission):
+            mechanics_begin(loop, settings, commission)
+    elif mechanics_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)
     if commission.phase == PHASE_IDLE:
         commission_abort(loop, settings, commission)
@@ -164,6 +173,7 @@ def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Joi
     if commission.phase_ticks == 1:
         commission.kept_kp = loop.kp
         commission.kept_ki = loop.ki
+        keep_outer(settings, commission)
         if commission.kind == COMMISSION_FULL:
             state.homed = 0
             fill_bend(loop, 0, 0, 0, 0)
@@ -222,6 +232,7 @@ def _write(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
         settings.age = settings.age * pairs // before
     commission.kept_kp = loop.kp
     commission.kept_ki = loop.ki
+    commission.kept_outer[0] = 0
     settings.elec_offset = commission.offset_found
     settings.direction = commission.direction
     settings.pole_pairs = pairs

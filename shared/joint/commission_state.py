@@ -54,6 +54,8 @@ class Commission:
     harmonic_sum: Ints = vector(4, "brad rc", "the same with cosine and sine of the rotor's angle and of twice that")
     mean_back: int = field("brad", "field less rotor on the way back")
     lag: int = field("brad", "by which friction holds the rotor behind the field")
+    play_sum: int = field("rc^2", "joint encoder less rotor, over the rotor's way, in rc of the rotor")
+    play_back: int = field("rc", "its mean on the way back, Q4")
     offset_found: int = field("brad", "electrical offset found")
     bend: Ints = vector(4, "rc", "found: JointSettings.bend_cos1 and so on, Q4")
     # spin
@@ -65,6 +67,28 @@ class Commission:
     dead_sum_q: int = field("vu ticks", "across it, likewise")
     flux: int = field("vu / (8 rate)", "found: JointSettings.bemf, Q16")
     current_change: int = field("cu", "sum of all changes of the current along the motion")
+    # mechanics
+    away: int = field("rc", "from the middle of the swing, electrical-signed")
+    swing_level: int = field("", "0: by the current; 1, 2: by the velocity loop; 3: likewise at half of the speed")
+    swing_rate: int = field("rate", "speed of the swing")
+    swing_acceleration: int = field("rate/tick", "of its rate, where the velocity loop swings the rotor")
+    swing_reference: int = field("rate", "that rate, electrical-signed")
+    periods: int = field("", "whole swings done; -1 before the first")
+    period_ticks: int = field("ticks", "that they took")
+    impulse: int = field("cu ticks", "sum of the current, times 10")
+    work_in: int = field("cu rc", "work of the current on the way to the middle, times 10 / 1024")
+    work_out: int = field("cu rc", "on the way from it, likewise")
+    way_in: int = field("rc", "signed sum of the ways to the middle")
+    square_middle: int = field("rc^3/tick^2", "squared speed times way near the middle, summed, 1/4096 of it")
+    way_middle: int = field("rc", "sum of these ways")
+    square_way: int = field("rc^2/tick", "sum of speed times way, 1/16 of it")
+    friction_q4: Ints = vector(4, "cu", "at each level, Q4")
+    speed_q4: Ints = vector(4, "rc/tick", "mean over the way, of each level, Q4")
+    kept_outer: Ints = vector(5, "", "gains of the outer loops before commissioning (outer.py); the first 0: none")
+    inertia: int = field("cu / (rate / tick)", "found, with what hangs on the rotor, Q12")
+    coulomb: int = field("cu", "found: friction at rest, Q4")
+    viscous: int = field("cu / rate", "found: what it grows by, Q16")
+    backlash: int = field("rc", "found: rotor encoder against joint encoder, Q4; -1 without a joint encoder")
 
 
 PHASE_IDLE = const(0)
@@ -79,6 +103,7 @@ PHASE_FORWARD = const(8)
 PHASE_BACK = const(9)
 PHASE_AGAIN = const(10)
 PHASE_SPIN = const(11)
+PHASE_SWING = const(12)
 
 
 @hot

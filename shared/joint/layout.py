@@ -188,6 +188,7 @@ class JointSettings:
     bend_sin1: int = field("rc", "likewise")
     bend_cos2: int = field("rc", "twice a turn, Q4")
     bend_sin2: int = field("rc", "likewise")
+    velocity_w: int = field("rad / tick", "bandwidth of the velocity loop that commissioning sets, Q16")
 
 
 @record

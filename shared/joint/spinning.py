@@ -49,44 +49,64 @@ def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
 @hot
 def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Do one tick; return 1 when the flux is found."""
-    moved = wrap_count(loop.rotor - commission.rotor_last) * commission.direction
-    commission.rotor_last = loop.rotor
-    commission.moved += moved * commission.direction
-    commission.way += moved * commission.sign
-    rate = state.rate * commission.direction
-    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + (rate * commission.pole_pairs >> _LEAD_SHIFT)
-    away = (commission.moved - commission.centre) * commission.direction
-    if away > _FAR or away < -_FAR:
-        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
-        return 0
-    if away * commission.sign > _QUARTER:
-        commission.sign = 0 - commission.sign
-        loop.probe_sign = commission.sign
-        commission.half_swings += 1
-    _push(loop, settings, commission, rate)
+    commission.way += swing(loop, state, commission) * commission.sign
+    turn_round(commission)
+    loop.probe_sign = commission.sign
+    _push(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
         refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
-        return 0
-    if commission.half_swings < _HALVES:
+    if commission.reason or commission.half_swings < _HALVES:
         return 0
     loop.probing = 0
     return _find_flux(loop, commission)
 
 
 @hot
-def _push(loop: CurrentLoop, settings: JointSettings, commission: Commission, rate: int) -> int:
-    """Ask for a current that falls from half of the commissioning current at rest to none at the wanted speed.
+def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
+    """Follow the rotor and lead the commutation; return how far it moved in this tick, rc, electrical-signed."""
+    moved = wrap_count(loop.rotor - commission.rotor_last)
+    commission.rotor_last = loop.rotor
+    commission.moved += moved
+    commission.away = (commission.moved - commission.centre) * commission.direction
+    lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
+    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
+    if commission.away > _FAR or commission.away < -_FAR:
+        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+    return moved * commission.direction
 
-    What it costs in voltage besides resistance is summed up along ``sign``. Return the current.
-    """
-    sign = commission.sign
+
+@hot
+def turn_round(commission: Commission) -> int:
+    """Change the direction a quarter of a turn from the middle; return it."""
+    if commission.away * commission.sign > _QUARTER:
+        commission.sign = 0 - commission.sign
+        commission.half_swings += 1
+    return commission.sign
+
+
+@hot
+def swing_rate(settings: JointSettings, commission: Commission) -> int:
+    """Return the speed of a swing: half of the speed limit, or what its commutation allows."""
     wanted = settings.rate_max >> 1
     fastest = _ELECTRICAL_RATE // saturate(commission.pole_pairs, 1, 50)
     if wanted > fastest:
-        wanted = fastest
-    most = settings.commission_current >> 1
-    slip = saturate(wanted - rate * sign, -wanted, wanted)
-    current = (slip >> 4) * most // ((wanted >> 4) + 1) * sign
+        return fastest
+    return wanted
+
+
+@hot
+def swing_current(settings: JointSettings, state: JointState, commission: Commission, wanted: int) -> int:
+    """Return the current that falls from half of the commissioning current at rest to none at the ``wanted`` speed."""
+    sign = commission.sign
+    slip = saturate(wanted - state.rate * commission.direction * sign, -wanted, wanted)
+    return (slip >> 4) * (settings.commission_current >> 1) // ((wanted >> 4) + 1) * sign
+
+
+@hot
+def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Ask for the swing's current and sum up what it costs in voltage besides resistance; return the current."""
+    sign = commission.sign
+    current = swing_current(settings, state, commission, swing_rate(settings, commission))
     commission.current_change += (current - loop.reference_q) * sign
     lost = (commission.dead_q4 << 8) // (hypot(loop.reference_d, current) + 1) * sign
     commission.dead_sum_d += lost * loop.reference_d >> 8

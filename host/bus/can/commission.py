@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import hypot
+from math import degrees, hypot
 
 from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY
 from shared.wire import names as w
 
 from ...robot.actuators import Bldc
 from ...robot.joint_heat import COPPER_PER_K
-from ...robot.joint_units import RATE_PER_RAD_S, Board, choose_units
+from ...robot.joint_units import MOTION_HZ, RATE_PER_RAD_S, Board, choose_units
 from ...util.errors import NOT_ACHIEVED, UserError
 from .joints import CanJoints
 from .params import find_all, read
@@ -18,7 +18,8 @@ LONGEST_S = 60.0  # a commissioning ends by itself long before
 LOOK_S = 0.1
 NAMES = (
     "pole_pairs", "direction", "bemf", "current_kp", "current_ki", "resistance", "inductance_d", "inductance_q",
-    "friction_lag", "bend_cos1", "bend_sin1", "bend_cos2", "bend_sin2",
+    "friction_lag", "coulomb", "viscous", "backlash", "inertia", "velocity_p",
+    "bend_cos1", "bend_sin1", "bend_cos2", "bend_sin2",
 )  # fmt: skip
 
 
@@ -35,8 +36,13 @@ class Found:
     torque_constant_Nm_A: float
     eccentricity_deg: float  # of the rotor encoder, amplitude at the rotor
     friction_lag_deg: float  # electrical, at the commissioning current
+    inertia_kg_m2: float  # at the rotor, with what hangs on it
+    coulomb_Nm: float  # at the rotor
+    viscous_Nms_rad: float  # at the rotor
+    backlash_deg: float | None  # at the joint; None without a joint encoder
     current_kp: int
     current_ki: int
+    velocity_p: int
 
     @property
     def inductance_H(self) -> float:
@@ -73,6 +79,8 @@ def found(bus: CanJoints, node: int, bldc: Bldc) -> Found:
     raw = {p.name: read(bus.requests, node, p) for p in find_all(NAMES)}
     units, hz = choose_units(bldc, Board()), bldc.drive.current_loop_hz
     ohm = units.volt_per_vu / units.ampere_per_cu
+    Nm_A = 1.5 * raw["bemf"] / 65536 / 8 * RATE_PER_RAD_S * units.volt_per_vu
+    Nm = Nm_A * units.ampere_per_cu
     winding_C = bus.link.views[node].status.winding_temperature / 16
     bends = [raw[f"bend_{wave}"] / 16 * 360 / 16384 for wave in ("cos1", "sin1", "cos2", "sin2")]
     return Found(
@@ -80,8 +88,11 @@ def found(bus: CanJoints, node: int, bldc: Bldc) -> Found:
         resistance_ohm=raw["resistance"] / 65536 * ohm / (1 + COPPER_PER_K * (winding_C - 25)),
         inductance_d_H=raw["inductance_d"] / 65536 * ohm / hz,
         inductance_q_H=raw["inductance_q"] / 65536 * ohm / hz,
-        torque_constant_Nm_A=1.5 * raw["bemf"] / 65536 / 8 * RATE_PER_RAD_S * units.volt_per_vu,
+        torque_constant_Nm_A=Nm_A,
         eccentricity_deg=hypot(*bends[:2]) + hypot(*bends[2:]),
         friction_lag_deg=raw["friction_lag"] * 360 / 65536,
-        current_kp=raw["current_kp"], current_ki=raw["current_ki"],
+        inertia_kg_m2=raw["inertia"] / 256 * Nm * RATE_PER_RAD_S / MOTION_HZ,
+        coulomb_Nm=raw["coulomb"] / 16 * Nm, viscous_Nms_rad=raw["viscous"] / 65536 * Nm * RATE_PER_RAD_S,
+        backlash_deg=degrees(raw["backlash"] / 16 * units.rad_per_rc) if raw["backlash"] >= 0 else None,
+        current_kp=raw["current_kp"], current_ki=raw["current_ki"], velocity_p=raw["velocity_p"],
     )  # fmt: skip

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from ...bus.can.commission import Found
     from ...bus.can.joints import CanJoints
 
-TAKES_S = 40.0  # about, for the bar
-MOTOR_KEYS = ("pole_pairs", "resistance_ohm", "inductance_H", "torque_constant_Nm_A")
+TAKES_S = 45.0  # about, for the bar
+MOTOR_KEYS = ("pole_pairs", "resistance_ohm", "inductance_H", "torque_constant_Nm_A", "coulomb_Nm")
 
 
 def commission(
@@ -88,13 +88,29 @@ def _write(robot: str, out: Path, made: "list[Found]") -> None:
     from ...robot.file import find
 
     values = {}
-    for key in MOTOR_KEYS:
-        each = [getattr(one, key) for one in made]
+    for name, each in _measured(robot, made).items():
         middle = median(each)
         spread = max(abs(value / middle - 1) for value in each) if len(each) > 1 else None
         new = Measure(middle, spread).new(middle, "", date.today())
-        values[f"actuator.motor.{key}"] = new if key != "pole_pairs" else _whole(new)
+        values[name] = new if name != "actuator.motor.pole_pairs" else _whole(new)
     write_checked(find(robot), out, values)
+
+
+def _measured(robot: str, made: "list[Found]") -> dict[str, list[float]]:
+    """Return what goes into the robot file, of every joint that found it.
+
+    The rotor's own inertia is what was found less what the file says that the joint turns; none if nothing is left.
+    """
+    from ...robot.file import load_robot
+    from ...robot.joint_setups import joint_setups
+
+    data = load_robot(robot)
+    setups, gear = joint_setups(data), data.actuator.gear.ratio  # type: ignore[union-attr]
+    found = {f"actuator.motor.{key}": [getattr(one, key) for one in made] for key in MOTOR_KEYS}
+    own = [one.inertia_kg_m2 - setups[one.node - 1].inertia_kg_m2 / gear**2 for one in made]
+    found["actuator.motor.rotor_inertia_kg_m2"] = own if min(own) > 0 else []
+    found["actuator.gear.backlash_deg"] = [one.backlash_deg for one in made if one.backlash_deg is not None]
+    return {name: each for name, each in found.items() if each}
 
 
 def _whole(new: Any) -> Any:
@@ -112,6 +128,7 @@ def _tell(
         return
     if made:
         head = ("node", "pole pairs", "direction", "R ohm", "Ld mH", "Lq mH", "N m/A", "magnet deg", "lag deg")
+        swung = ("node", "inertia kg m2", "friction N m", "growing N m s", "play deg", "velocity_p")
         rows = [
             (
                 f.node, f.pole_pairs, f.direction, f"{f.resistance_ohm:.4g}", f"{f.inductance_d_H * 1e3:.4g}",
@@ -121,6 +138,13 @@ def _tell(
             for f in made
         ]  # fmt: skip
         print_table(head, rows)
+        print_table(swung, [
+            (
+                f.node, f"{f.inertia_kg_m2:.3g}", f"{f.coulomb_Nm:.3g}", f"{f.viscous_Nms_rad:.2g}",
+                "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}", f.velocity_p,
+            )
+            for f in made
+        ])  # fmt: skip
     done = "verified" if verify else "commissioned"
     file = f"; {written} written" if written else ""
     screen().print(f"{asked - len(failed)} of {asked} joints {done}{file}", soft_wrap=True)

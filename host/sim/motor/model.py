@@ -34,6 +34,8 @@ class Load:
     open_phase: int = -1  # 0 .. 2: that phase's wire is off
     cogging_Nm: float = 0.0  # amplitude at the rotor
     cogging_waves: int = 0  # a turn
+    viscous_Nms_rad: float = 0.0  # at the rotor
+    friction_Nm: float = 0.0  # dry, of the joint behind the gear
     stop_rad: float | None = None  # of the joint: it goes no further
 
 
@@ -162,7 +164,7 @@ class Motor:
         else:
             on_rotor *= self.efficiency
         flux_Vs = self.psi_Vs + (self.l_H - self.lq_H) * self.i_d
-        drive = 1.5 * self.pole_pairs * flux_Vs * self.i_q - on_rotor
+        drive = 1.5 * self.pole_pairs * flux_Vs * self.i_q - on_rotor - load.viscous_Nms_rad * self.rotor_rad_s
         if load.cogging_waves:
             drive -= load.cogging_Nm * sin(load.cogging_waves * self.rotor_rad)
         friction = self.coulomb_Nm
@@ -179,10 +181,17 @@ class Motor:
         if load.blocked:
             self.joint_rad_s = 0.0
         else:
-            self.joint_rad_s += seconds * (on_joint + load.torque_Nm) / load.inertia_kg_m2
-            self.joint_rad += seconds * self.joint_rad_s
-            if load.stop_rad is not None and self.joint_rad > load.stop_rad:
-                self.joint_rad, self.joint_rad_s = load.stop_rad, 0.0
+            self._move_joint(seconds, on_joint + load.torque_Nm)
+
+    def _move_joint(self, seconds: float, torque_Nm: float) -> None:
+        """The joint moves on under ``torque_Nm``; its dry friction brings it to rest within a step, or only brakes."""
+        load = self.load
+        pushed = self.joint_rad_s + seconds * torque_Nm / load.inertia_kg_m2
+        braked = seconds * load.friction_Nm / load.inertia_kg_m2
+        self.joint_rad_s = pushed - min(braked, max(-braked, pushed))
+        self.joint_rad += seconds * self.joint_rad_s
+        if load.stop_rad is not None and self.joint_rad > load.stop_rad:
+            self.joint_rad, self.joint_rad_s = load.stop_rad, 0.0
 
     def warm(self, seconds: float) -> None:
         """Bring the heat of the last ``seconds`` into the winding, and on to housing and air."""

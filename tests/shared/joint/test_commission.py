@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from host.robot.joint_units import RATE_PER_RAD_S
 from shared.joint import commission as c
 from shared.joint import commission_state as s
 from shared.joint import faults as f
@@ -13,6 +14,7 @@ from shared.joint.bend import fill_bend, straightened
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.layout import CurrentLoop
+from shared.joint.outer import set_outer_gains
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
 from shared.joint.winding import probe_begin, probe_step, ratio, winding_inductance
@@ -56,6 +58,7 @@ def test_it_finds_everything(offset, direction, sign):
     def unknown(p):
         p.settings.pole_pairs, p.settings.bemf, p.settings.omega_l = 11, 1, 1
         p.loop.kp, p.loop.ki = 400, 60
+        p.settings.velocity_p, p.settings.velocity_i, p.settings.inertia, p.settings.accel = 100, 50, 30, 9000
 
     p = commission(FULL, unknown, elec_offset_brad=offset, direction=direction, commissioned=False, sign=sign)
     wanted = Plant().blocks
@@ -68,6 +71,11 @@ def test_it_finds_everything(offset, direction, sign):
     assert p.settings.bemf == pytest.approx(wanted.settings.bemf, rel=0.02)
     assert p.settings.omega_l == pytest.approx(wanted.settings.omega_l, rel=0.04)  # the plant is solved in four steps
     assert (p.loop.kp, p.loop.ki) == pytest.approx((wanted.loop.kp, wanted.loop.ki), rel=0.04)
+    for name in ("inertia", "velocity_p", "velocity_i", "accel", "damp"):
+        assert getattr(p.settings, name) == pytest.approx(getattr(wanted.settings, name), rel=0.04)
+    ampere = p.friction / p.bldc.motor.torque_constant_Nm_A
+    assert p.commission.coulomb / 16 * p.units.ampere_per_cu == pytest.approx(ampere, rel=0.05)
+    assert p.commission.backlash / 16 < 2  # rc: this motor has none
 
 
 def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_nothing():
@@ -110,6 +118,7 @@ def test_the_pose_sets_both_zeros():
         (VERIFY, lambda p: setattr(p, "r", 30.0), f.FAULT_COMMISSION_NO_CURRENT),
         (FULL, lambda p: setattr(p, "l", 3e-5), f.FAULT_COMMISSION_WINDING),
         (FULL, lambda p: setattr(p, "friction", 0.045), f.FAULT_COMMISSION_FRICTION),
+        (FULL, lambda p: setattr(p.settings, "velocity_w", 9), f.FAULT_COMMISSION_INERTIA),
         (VERIFY, lambda p: setattr(p, "swapped", True), f.FAULT_COMMISSION_PHASE_ORDER),
         (VERIFY, lambda p: setattr(p.settings, "elec_offset", 9000), f.FAULT_COMMISSION_OFFSET_CHANGED),
     ],
@@ -185,7 +194,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
     assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
 
 
-@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_SPIN + 1))
+@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_SWING + 1))
 def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = commission(FULL, until=phase)
     assert p.commission.phase == phase
@@ -200,6 +209,65 @@ def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     assert (p.loop.kp, p.loop.ki, p.loop.probing) == (before.loop.kp, before.loop.ki, 0)
     assert (p.loop.alternate_d, p.loop.alternate_q, max(p.loop.bend)) == (0, 0, 0)
     assert pack(p.settings) == pack(before.settings)
+
+
+@pytest.mark.parametrize(("name", "pull_Nm"), [("a load that pulls one way", 0.006), ("viscous friction", 0.0)])
+def test_inertia_and_friction_whatever_pulls(name, pull_Nm):
+    """0.006 N m at the rotor are a tenth of what half of the current limit gives."""
+    viscous_Nms_rad = 0.0 if pull_Nm else 3e-5
+
+    class Pulled(Plant):
+        def move(self, seconds):
+            begun = self.commission.phase >= s.PHASE_SPIN
+            self.load_Nm = (pull_Nm if begun else 0.0) + viscous_Nms_rad * self.speed
+            super().move(seconds)
+
+    p = begun(Pulled(commissioned=False), FULL)
+    while p.commission.phase:
+        p.tick(setpoint=False)
+    Nm = p.bldc.motor.torque_constant_Nm_A * p.units.ampere_per_cu
+    assert p.state.fault_code == 0
+    assert p.settings.inertia == pytest.approx(Plant().settings.inertia, rel=0.04)
+    assert p.commission.coulomb / 16 * Nm == pytest.approx(p.friction, rel=0.1)
+    assert p.commission.viscous / 65536 * Nm * RATE_PER_RAD_S == pytest.approx(viscous_Nms_rad, rel=0.15, abs=2e-6)
+
+
+def test_play_is_what_both_ways_differ_by():
+    class Loose(Plant):
+        """The joint follows the rotor's edge of a play of 0.2 degrees, as one with friction does."""
+
+        slack, at = math.radians(0.1), 0.3 / 22
+
+        def joint_rad(self):
+            angle = self.angle / self.units.gear
+            self.at = min(angle + self.slack, max(angle - self.slack, self.at))
+            return self.at
+
+    p = begun(Loose(commissioned=False), FULL)
+    while p.commission.phase:
+        p.tick(setpoint=False)
+    assert math.degrees(p.commission.backlash / 16 * p.units.rad_per_rc) == pytest.approx(0.2, abs=0.01)
+
+
+def test_play_cannot_be_measured_without_a_joint_encoder():
+    p = commission(FULL, commissioned=False, has_joint_encoder=False)
+    assert (p.state.fault_code, p.commission.backlash) == (0, -1)
+
+
+@given(st.integers(16, 0x3FFFF), st.integers(1, 20588))
+def test_the_velocity_loops_gains_are_those_of_inertia_and_bandwidth(inertia, w):
+    settings = Plant().settings
+    before = pack(settings)
+    kp = inertia / 4096 * w / 65536
+    if set_outer_gains(settings, inertia, w) == 0:
+        assert pack(settings) == before
+        assert inertia > 0x3FFF0 or not 4.1 < kp * 4096 < 8100 or not 1.1 < kp * w / 4 < 8100
+        return
+    assert settings.velocity_p == pytest.approx(kp * 4096, abs=0.6 + kp * 4096 * 8 / w)
+    assert settings.velocity_i == pytest.approx(settings.velocity_p / 4096 * w / 4, abs=1)
+    assert settings.inertia == pytest.approx(inertia / 16, abs=0.6)
+    accel = 1.2 * settings.commission_current * 4096 / inertia
+    assert settings.accel == pytest.approx(max(16, min(65535, accel)), abs=3)
 
 
 def test_an_emergency_stop_ends_it():

@@ -9,6 +9,8 @@ from shared.joint import (
     encoder,
     feed,
     homing,
+    mechanics,
+    outer,
     protection,
     report,
     sine,
@@ -52,6 +54,8 @@ SOURCES = (
     "joint.encoder",
     "joint.feed",
     "joint.homing",
+    "joint.mechanics",
+    "joint.outer",
     "joint.protection",
     "joint.report",
     "joint.sine",
@@ -178,7 +182,7 @@ def _probing(values, dice):
 
 def skip_ahead(dice):
     """To near the end of any phase."""
-    skip_to(dice, 1 + dice.below(state.PHASE_SPIN))
+    skip_to(dice, 1 + dice.below(state.PHASE_SWING))
 
 
 def skip_to(dice, phase):
@@ -187,7 +191,7 @@ def skip_to(dice, phase):
     full = COMMISSION.kind == state.COMMISSION_FULL
     travel = pairs * 65536 if full else 32768
     COMMISSION.phase = phase
-    COMMISSION.phase_ticks = (0, 250, 318, 509, 510, 510, 250, 250, 9, 9, 9, 3990)[phase]
+    COMMISSION.phase_ticks = (0, 250, 318, 509, 510, 510, 250, 250, 9, 9, 9, 3990, 7990)[phase]
     COMMISSION.angle = 1280 if phase == state.PHASE_BACK else travel - 1280
     COMMISSION.travel = (42 * 65536 if full else travel) if phase == state.PHASE_FORWARD else travel
     COMMISSION.moved = COMMISSION.angle // (4 * pairs)
@@ -212,6 +216,7 @@ def skip_to(dice, phase):
     COMMISSION.sign = 1 - 2 * dice.bits(1)
     COMMISSION.half_swings = dice.below(9)
     COMMISSION.way = 40000 + dice.bits(15)
+    swinging(dice)
     for axis in range(3):
         COMMISSION.raw_sum[axis] = 2048 * 248
     probed(dice, phase)
@@ -221,6 +226,26 @@ def skip_to(dice, phase):
     COMMISSION.rest_rotor = LOOP.rotor
     if dice.below(3) == 0:
         go_wrong(dice.below(6), dice.bits(16) - 32768)
+
+
+def swinging(dice):
+    """What the swings have summed up, near the end of one."""
+    COMMISSION.swing_level = dice.below(4)
+    COMMISSION.swing_rate = 512 + dice.bits(16)
+    COMMISSION.swing_acceleration = 1 + dice.bits(11)
+    COMMISSION.swing_reference = dice.bits(16) - 32768
+    COMMISSION.periods = dice.below(4) - 1
+    COMMISSION.period_ticks = 1 + dice.bits(12)
+    COMMISSION.impulse = dice.bits(26) - (1 << 25)
+    COMMISSION.work_in = 100000 + dice.bits(20)
+    COMMISSION.work_out = -dice.bits(18)
+    COMMISSION.way_in = dice.bits(14) - (1 << 13)
+    COMMISSION.way_middle = 1 + dice.bits(13)
+    COMMISSION.square_middle = dice.bits(18)
+    COMMISSION.square_way = dice.bits(20)
+    COMMISSION.inertia = 1000 + dice.bits(14)
+    COMMISSION.away = dice.bits(12) - (1 << 11)
+    outer.keep_outer(SETTINGS, COMMISSION)
 
 
 def probed(dice, phase):
@@ -357,6 +382,15 @@ PROBES = (
     _probe(turning, "turn_step", LOOP, SETTINGS, IO, COMMISSION, fit=_in_phases(8, 10)),
     _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(10, 10)),
     _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(11, 11)),
+    _probe(spinning, "swing", LOOP, STATE, COMMISSION, fit=_in_phases(11, 12)),
+    _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(11, 12)),
+    _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
+    _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(11, 12)),
+    _probe(mechanics, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
+    _probe(mechanics, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
+    _probe(outer, "set_outer_gains", SETTINGS, Range(0, 1 << 18), Range(0, 20588)),
+    _probe(outer, "keep_outer", SETTINGS, COMMISSION),
+    _probe(outer, "restore_outer", SETTINGS, COMMISSION),
     Probe("fill_sine", sine.fill_sine, (LOOP,), watch=(LOOP,), ticks=False),
     _probe(tick, "joint_reset", LOOP, SETTINGS, STATE, ROTOR),
     _probe(tick, "slow_tick", SETTINGS, STATE, IO, CURVE),

@@ -7,7 +7,7 @@ from math import degrees, pi, radians, sin, sqrt, tau
 from host.robot.actuators import Bldc
 from host.robot.file import load_robot
 from host.robot.joint_faults import fault_sentence
-from host.robot.joint_units import JointSetup
+from host.robot.joint_units import MOTION_HZ, RATE_PER_RAD_S, JointSetup
 from host.sim.motor.bench import Bench
 from host.sim.motor.model import Load
 from shared.joint.bend import straightened
@@ -38,7 +38,7 @@ class Drawn:
 
     def bench(self) -> Bench:
         """Return it on the bench, not commissioned."""
-        setup = JointSetup(-1.0, 1.9, inertia_kg_m2=self.load.inertia_kg_m2)
+        setup = JointSetup(-1.0, 1.9, inertia_kg_m2=self.file.motor.rotor_inertia_kg_m2 * self.file.gear.ratio**2)
         bench = Bench(self.file, self.load, setup, False, self.offset_rad, self.seed, self.real)
         bench.wrong.eccentric_rad, bench.wrong.eccentric_at_rad = self.eccentric_rad, self.eccentric_at_rad
         return bench
@@ -75,9 +75,14 @@ def draw(seed: int) -> Drawn:
         cogging_Nm=rated_Nm * rng.uniform(0.0, 0.08),
         cogging_waves=6 * pairs,
         source_ohm=0.02,
+        viscous_Nms_rad=rated_Nm * rng.uniform(0.0, 0.03) / (8.0 * gear),
+        friction_Nm=rated_Nm * gear * rng.uniform(0.003, 0.02),
+        torque_Nm=rated_Nm * gear * rng.uniform(-0.003, 0.003),  # less than that holds
     )
+    guess = between(rng, 0.5, 2.0)  # what the file says of the inertia
     return Drawn(
-        replaced(real, nominal, {}, {}), real, load, rng.uniform(0, tau), radians(rng.uniform(0.5, 2.0)),
+        replaced(real, {**nominal, "rotor_inertia_kg_m2": rotor_kg_m2 * guess}, {}, {}), real, load,
+        rng.uniform(0, tau), radians(rng.uniform(0.5, 2.0)),
         rng.uniform(0, tau), seed,
     )  # fmt: skip
 
@@ -107,10 +112,17 @@ def commissioned(bench: Bench, kind: int = COMMISSION_FULL) -> str:
 
 
 def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
-    """Return by how much what was found is off: shares, and degrees of the rotor and of the electrical turn."""
+    """Return by how much what was found is off: shares, and degrees of the rotor and of the electrical turn.
+
+    Friction as a share of what the joint has at its current limit, play in degrees of the joint.
+    """
     c, s, u, m = bench.joint.control.commission, bench.joint.control.settings, bench.units, bench.motor
     ohm = u.volt_per_vu / u.ampere_per_cu / 65536
     pairs = -m.pole_pairs if drawn.load.swapped_phases else m.pole_pairs
+    Nm = 1.5 * m.psi_Vs * m.pole_pairs * u.ampere_per_cu
+    inertia = m.rotor_kg_m2 + drawn.load.inertia_kg_m2 / m.gear**2
+    wanted_hz = drawn.file.drive.velocity_bandwidth_hz
+    dry_Nm = m.coulomb_Nm + drawn.load.friction_Nm / m.gear
     emf_Vs = s.bemf / 65536 / 8 * 256 * 16384 / tau / 1000 * u.volt_per_vu  # V per rad/s of the rotor
     offset = -drawn.offset_rad if drawn.load.swapped_phases else drawn.offset_rad
     away = []
@@ -126,6 +138,10 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "flux": emf_Vs / (m.psi_Vs * m.pole_pairs) - 1,
         "offset_elec_deg": degrees(mean),
         "eccentric_deg": max(abs(degrees(a - mean)) for a in away) / m.pole_pairs,
+        "inertia": s.inertia / 256 * Nm * RATE_PER_RAD_S / MOTION_HZ / inertia - 1,
+        "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (drawn.real.drive.current_limit_A / u.ampere_per_cu * Nm),
+        "velocity_hz": s.velocity_p / 4096 * Nm * RATE_PER_RAD_S / inertia / tau / wanted_hz - 1,
+        "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.real.gear.backlash_deg,
         "seconds": bench.time_s - STAND_MS / 1000,
     }  # fmt: skip
 

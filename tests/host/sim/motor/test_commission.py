@@ -16,7 +16,8 @@ from .drawn import LONGEST_S, PARALLEL, commissioned, draw, errors, replaced
 
 MOST = {
     "pole_pairs": 0, "resistance": 0.05, "inductance_d": 0.05, "inductance_q": 0.05, "flux": 0.03,
-    "offset_elec_deg": 3.0, "eccentric_deg": 0.1, "seconds": LONGEST_S,
+    "offset_elec_deg": 3.0, "eccentric_deg": 0.1, "inertia": 0.1, "friction_share": 0.025, "velocity_hz": 0.15,
+    "play_deg": 0.06, "seconds": LONGEST_S,
 }  # fmt: skip
 
 
@@ -127,9 +128,11 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
     assert found["inductance_d_H"] == pytest.approx(motor.inductance_H, rel=0.02)
     assert found["torque_constant_Nm_A"] == pytest.approx(motor.torque_constant_Nm_A, rel=0.03)
     assert found["eccentricity_deg"] == pytest.approx(0.86, abs=0.1)
+    assert found["coulomb_Nm"] == pytest.approx(motor.coulomb_Nm, abs=0.002)
+    assert found["backlash_deg"] is None  # a thigh has no joint encoder
     assert told["failed"] == {}
     assert load_robot(str(out)).actuator.motor.resistance_ohm == pytest.approx(found["resistance_ohm"], rel=1e-3)
-    assert out.read_text().count(": measured)") == 4
+    assert out.read_text().count(": measured)") == 6
 
 
 @pytest.mark.parametrize(
