@@ -18,6 +18,7 @@ from ..sense.sensed import Sensed
 from .command import Command
 from .exchange import choose_mover
 from .goals import follow_goals
+from .lifted import put_down, watch_weight
 from .movers import change_mover, tick_mover
 from .posture import posture_step
 from .senses import feel_legs, follow_way, take_senses
@@ -56,15 +57,17 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
     feel_legs(planner)
+    lifted = put_down(planner, command.mode)
     state = status.state
     if state == LIMP:
         follow_joints(planner, planner.sensed)
     elif state == RISING or state == SITTING:
         if posture_step(planner.move, planner.goal) == 0:
             status.state = state + 1
-    elif state != SEATED:
+    elif state != SEATED and lifted == 0:
         move(planner, command, planner.sensed)
-    follow_way(planner)
+    if follow_way(planner):
+        watch_weight(planner)
     follow_goals(planner.params, planner.goal, planner.joints)
     if sensing.known:
         keep_sent(planner.sensing, planner.joints)

@@ -126,6 +126,8 @@ def settle(planner: PlannerState) -> int:
     status.mover = MOVER_TABLE
     status.backs = 0
     status.holds = 0
+    status.carries = 0
+    status.doubted = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     sensing_reset(planner.sensing)

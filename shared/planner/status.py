@@ -22,6 +22,7 @@ BLIND = const(0x400)  # joints, attitude or turning rates are missing: the trot 
 ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
 POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
+LIFTED = const(0x4000)  # its feet no longer carry it: the legs hold still until it is put down and told anew to walk
 
 
 @record
@@ -45,4 +46,7 @@ class Status:
     held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
+    carries: int = field("", "1: the feet have been felt to carry the robot, and not to carry nothing since")
+    doubted: int = field("ticks", "in a row in which they were felt otherwise")
+    lifted: int = field("", "1: lifted off the ground, and not yet put down and told to stand")
 

@@ -41,6 +41,7 @@ class Odometry:
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
     ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
+    carried: int = field("own weight / 64", "by the feet that are to stand, felt by the joints' errors")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
@@ -52,7 +53,7 @@ class Odometry:
 
 _FAR = const(0x3FFF0000)
 _SUM_MAX = const(0x3F000000)  # of what grows by up to 2^24 in a tick: 15.75 rad Q26
-_FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
+FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
 _GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
 _ARM_MAX = const(16383)
 _TURN_MAX = const(0x8000)  # 2^-18 rad / tick, as the attitude tells it
@@ -131,7 +132,8 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
         odometry.weight[leg] = weight * weight
         total += weight * weight
         carried += weight
-    if carried < _FELT:
+    odometry.carried = carried
+    if carried < FELT:
         total = 0
         for leg in range(LEGS):
             odometry.weight[leg] = 1 - (swinging >> leg & 1)
