@@ -24,7 +24,7 @@ from .safety import Fault, Safety, torque_limit
 # A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
 STRETCHED = 0.5
 OVER = object()
-STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
+STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "lifted", "sitting", "fault")
 Attitude = tuple[float, float] | None
 Rates = tuple[float, float, float] | None
 # The planner's state in the driver's words.
@@ -261,6 +261,8 @@ class Supervisor:
         if self.safety.first is not None:
             return "fault"
         word = self.driver.state
+        if self.driver.lifted:
+            return "lifted"
         if word == "walking" and exchange_phase(self.driver):
             return "crawling"
         return _WORDS.get(word, word)
@@ -282,6 +284,8 @@ class Supervisor:
         arbiter, planner = self.arbiter, self.driver.state
         if self.leaving:
             return "leaving: it sits down and lets go"
+        if self.driver.lifted:
+            return self.driver.lifted
         if planner in ("rising", "sitting"):
             return "wait until it stands" if planner == "rising" else "sitting down"
         if planner == "seated":
