@@ -127,7 +127,7 @@ def settle(planner: PlannerState) -> int:
     status.backs = 0
     status.holds = 0
     status.carries = 0
-    status.doubted = 0
+    status.felt_q12 = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     sensing_reset(planner.sensing)

@@ -46,7 +46,7 @@ class Status:
     held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
-    carries: int = field("", "1: the feet have been felt to carry the robot, and not to carry nothing since")
-    doubted: int = field("ticks", "in a row in which they were felt otherwise")
+    carries: int = field("", "1: the feet were felt to carry the robot, and not to carry nothing since")
+    felt_q12: int = field("own weight Q12", "what they carry together, evened over 0.2 s")
     lifted: int = field("", "1: lifted off the ground, and not yet put down and told to stand")
 

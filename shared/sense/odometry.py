@@ -41,7 +41,7 @@ class Odometry:
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
     ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
-    carried: int = field("own weight / 64", "by the feet that are to stand, felt by the joints' errors")
+    carried_q12: int = field("own weight Q12", "sum of the forces of the feet that are to stand")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
@@ -53,7 +53,7 @@ class Odometry:
 
 _FAR = const(0x3FFF0000)
 _SUM_MAX = const(0x3F000000)  # of what grows by up to 2^24 in a tick: 15.75 rad Q26
-FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
+_FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
 _GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
 _ARM_MAX = const(16383)
 _TURN_MAX = const(0x8000)  # 2^-18 rad / tick, as the attitude tells it
@@ -121,6 +121,7 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     """
     total = 0
     carried = 0
+    odometry.carried_q12 = 0
     for leg in range(LEGS):
         if swinging >> leg & 1 == 0:
             odometry.ends[leg] = params.sent_ticks + 2
@@ -128,12 +129,12 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.ends[leg] -= 1
         weight = 0
         if odometry.ends[leg]:
+            odometry.carried_q12 += sensing.force_q12[leg]
             weight = saturate(sensing.force_q12[leg] >> 6, 0, 64)
         odometry.weight[leg] = weight * weight
         total += weight * weight
         carried += weight
-    odometry.carried = carried
-    if carried < FELT:
+    if carried < _FELT:
         total = 0
         for leg in range(LEGS):
             odometry.weight[leg] = 1 - (swinging >> leg & 1)

@@ -132,9 +132,10 @@ def _live_about_to_lift(values, dice):
     _live(values, dice)
     robot: Planner = values[0]
     status = robot.status
-    robot.odometry.carried = dice.bits(6)
+    robot.odometry.carried_q12 = dice.bits(17) - 65536
     status.carries = dice.bits(1)
-    status.doubted = (robot.params.rate_hz >> 2 << 3 * dice.bits(1)) - dice.bits(1)
+    status.felt_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
+    robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
     status.lifted = dice.bits(1)
 
 
