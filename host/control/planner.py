@@ -25,7 +25,7 @@ from .odometry import Odometry, read_odometry
 MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
 
 PUT_DOWN = "lifted off the ground, it holds its legs still: put it down"
-LET_GO = "it was lifted: let go of the sticks, then drive again"
+LET_GO = "it was off the ground: let go of the sticks, then drive again"
 
 
 @dataclass(frozen=True)
