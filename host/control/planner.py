@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from shared.gait.table import MOVER_TABLE
 from shared.planner import command as core
-from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
+from shared.planner.command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
 from shared.planner.status import RISING, STANDING, STATE_NAMES
 from shared.record import pack
@@ -22,7 +22,7 @@ from ..robot.scale import brad, core_params, joints_rad, scale_of
 from ..robot.trot_tuning import limit
 from .odometry import Odometry, read_odometry
 
-MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
+MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT, "fold": MODE_FOLD}
 
 PUT_DOWN = "lifted off the ground, it holds its legs still: put it down"
 LET_GO = "it was off the ground: let go of the sticks, then drive again"

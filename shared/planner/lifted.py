@@ -9,10 +9,11 @@ hold still feel no loads but true ones. Who has risen on a stand, or has joints 
 """
 
 from ..runtime import const, hot
-from .command import MODE_LIMP, MODE_SIT, MODE_STAND
+from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND
+from .posture import posture_step
 from .state import PlannerState
 from .states import begin_move
-from .status import LIFTED, RISING
+from .status import LIFTED, RISING, STANDING
 
 _HALF_Q12 = const(2048)
 _QUARTER_Q12 = const(1024)
@@ -23,23 +24,38 @@ _RISEN = const(4)  # ticks for which the joints have answered a robot that has r
 def watch_weight(planner: PlannerState) -> int:
     """Take what the feet were felt to carry in this tick; return 1 if the robot is lifted, else 0.
 
-    Where that begins the legs go to the stance. Intermediates: 2^17 * 2^8, at 20 Hz.
+    Where that begins the legs go to the stance. A body that is shifted feels other loads, and is not looked at.
+    Intermediates: 2^17 * 2^8, at 20 Hz.
     """
+    status = planner.status
+    params = planner.params
+    odometry = planner.odometry
+    if status.shifts:
+        return status.lifted
+    status.felt_q12 += (odometry.carried_q12 - status.felt_q12) * (5120 // (params.rate_hz + 5)) >> 10
+    if status.carries == 0:
+        ask(planner)
+    elif status.felt_q12 < _QUARTER_Q12:
+        status.lifted = 1
+        status.flags |= LIFTED
+        begin_move(planner, planner.sensed, RISING)
+        posture_step(planner.move, planner.goal)
+    return status.lifted
+
+
+@hot
+def ask(planner: PlannerState) -> int:
+    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands; return 1 if so."""
     status = planner.status
     params = planner.params
     sensing = planner.sensing
     odometry = planner.odometry
-    status.felt_q12 += (odometry.carried_q12 - status.felt_q12) * (5120 // (params.rate_hz + 5)) >> 10
-    if sensing.known == params.sent_ticks + _RISEN:
+    risen = params.sent_ticks + _RISEN
+    if sensing.known == risen:
         status.felt_q12 = odometry.carried_q12
-    if status.felt_q12 >= _QUARTER_Q12:
-        if status.felt_q12 >= _HALF_Q12 and (status.lifted or sensing.known == params.sent_ticks + _RISEN):
-            status.carries = 1
-    elif status.carries:
-        status.lifted = 1
-        status.flags |= LIFTED
-        begin_move(planner, planner.sensed, RISING)
-    return status.lifted
+    if status.felt_q12 >= _HALF_Q12 and (sensing.known == risen or status.state == STANDING):
+        status.carries = 1
+    return status.carries
 
 
 @hot
@@ -48,7 +64,7 @@ def put_down(planner: PlannerState, mode: int) -> int:
     status = planner.status
     if status.lifted == 0:
         return 0
-    if mode == MODE_LIMP or mode == MODE_SIT or (mode == MODE_STAND and status.carries):
+    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and status.carries):
         status.lifted = 0
         return 0
     status.flags |= LIFTED

@@ -10,7 +10,8 @@ STANDING = const(2)
 WALKING = const(3)
 SITTING = const(4)
 SEATED = const(5)
-STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated")
+FOLDING = const(6)  # on its belly: the legs go to its sides, then under it
+STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated", "folding")
 
 # Flags of a tick
 # Bits 0 .. 2: a foot was out of reach, TOO_FAR, TOO_NEAR, INSIDE_HIP; 3 .. 5: a joint was at its limit, LIMIT_HIP ..
@@ -29,7 +30,7 @@ LIFTED = const(0x4000)  # its feet no longer carry it: the legs hold still until
 class Status:
     """What the planner of one robot does and tells: its state, flags and counts."""
 
-    state: int = field("", "LIMP .. SEATED")
+    state: int = field("", "LIMP .. FOLDING")
     gait: int = field("", "the gait being walked")
     height: int = field("lu", "swing height of the gait")
     flags: int = field("", "flags of this tick")
@@ -46,7 +47,9 @@ class Status:
     held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
+    shifts: int = field("", "1: the commanded pose moves the body in this tick")
     carries: int = field("", "1: the feet were felt to carry the robot, and not to carry nothing since")
     felt_q12: int = field("own weight Q12", "what they carry together, evened over 0.2 s")
+    folded: int = field("", "1: the legs of one that lies on its belly are folded beside it, and go under it")
     lifted: int = field("", "1: lifted off the ground, and not yet put down and told to stand")
 
