@@ -113,7 +113,7 @@ def how_it_lies(attitude_rad: tuple[float, float]) -> str:
     """Return what has become of a robot that has fallen, by its roll and pitch, and what to do."""
     roll_rad, pitch_rad = attitude_rad
     if not lies_over(attitude_rad):
-        return "the robot has fallen and lies on its belly: it can get up by itself, keep clear of its legs"
+        return "the robot has fallen and lies on its belly: it may get up by itself, keep clear of its legs"
     if abs(roll_rad) > FALLEN_RAD:
         where = "right side" if roll_rad > 0 else "left side"
     elif cos(pitch_rad) < -cos(FALLEN_RAD):
