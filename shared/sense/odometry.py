@@ -121,7 +121,7 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     """
     total = 0
     carried = 0
-    odometry.carried_q12 = 0
+    felt = 0
     for leg in range(LEGS):
         if swinging >> leg & 1 == 0:
             odometry.ends[leg] = params.sent_ticks + 2
@@ -129,11 +129,13 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.ends[leg] -= 1
         weight = 0
         if odometry.ends[leg]:
-            odometry.carried_q12 += sensing.force_q12[leg]
-            weight = saturate(sensing.force_q12[leg] >> 6, 0, 64)
+            force = sensing.force_q12[leg]
+            felt += force
+            weight = saturate(force >> 6, 0, 64)
         odometry.weight[leg] = weight * weight
         total += weight * weight
         carried += weight
+    odometry.carried_q12 = felt
     if carried < _FELT:
         total = 0
         for leg in range(LEGS):
