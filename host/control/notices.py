@@ -5,6 +5,7 @@ from shared.planner import status as core
 TOLD_S = 3.0  # an odd reading is a matter of one tick, too short to be seen (chosen)
 WORDS = {
     core.POSE_HELD: "pose out of reach: held at the nearest",
+    core.FALLEN: "tilted too far: it sits down",
     core.ODD_READING: "a reading of joints or tilt was odd and was left out",
 }
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 from shared.gait.table import MOVER_TABLE
 from shared.planner import command as core
-from shared.planner.command import MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
+from shared.planner.command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
-from shared.planner.status import STATE_NAMES
+from shared.planner.status import RISING, STANDING, STATE_NAMES
 from shared.record import pack
 from shared.sense.odometry import odometry_restart
 from shared.sense.sensed import Sensed
@@ -22,7 +22,10 @@ from ..robot.scale import brad, core_params, joints_rad, scale_of
 from ..robot.trot_tuning import limit
 from .odometry import Odometry, read_odometry
 
-MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT}
+MODES = {"limp": MODE_LIMP, "stand": MODE_STAND, "walk": MODE_WALK, "sit": MODE_SIT, "fold": MODE_FOLD}
+
+PUT_DOWN = "lifted off the ground, it holds its legs still: put it down"
+LET_GO = "it was off the ground: let go of the sticks, then drive again"
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,14 @@ class Driver:
     def state(self) -> str:
         """The planner's state in a word."""
         return STATE_NAMES[self.planner.status.state]
+
+    @property
+    def lifted(self) -> str:
+        """Return what to do with a robot that was lifted off the ground and holds its legs still; "" if it was not."""
+        status = self.planner.status
+        if not status.lifted or status.state not in (RISING, STANDING):
+            return ""
+        return LET_GO if status.carries else PUT_DOWN
 
     @property
     def odometry(self) -> Odometry:

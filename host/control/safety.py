@@ -6,8 +6,8 @@ there is nobody left to sit down with.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from math import inf
+from dataclasses import dataclass, field, replace
+from math import cos, inf
 
 from ..bus.base import JOINT_LABELS, JOINTS, Fault, Measured
 from ..robot.model import Robot
@@ -17,6 +17,7 @@ SILENT_S = 0.2  # a joint that has not answered for so long is missing: ten tick
 SLOW_SILENT_S = 2.0  # temperature and voltage, which come in turns (chosen)
 LOW_FOR_S = 1.0  # a battery dips when all legs push (chosen)
 FALLEN_RAD = 1.0  # roll or pitch beyond which no leg can help (chosen)
+SLOW = ("limp", "rising", "sitting", "seated", "folding")  # states of the planner with the torque of standing up
 MANY_MISSING = 3  # more silent joints than a leg has: the bus is dead, not a servo (chosen)
 
 
@@ -47,6 +48,11 @@ class Safety:
             self.first = fault
         self.action = max(self.action, fault.action, key=ACTIONS.index)
 
+    def tell_how_it_lies(self, attitude_rad: tuple[float, float] | None) -> None:
+        """Say of a robot that has fallen how it lies now; it may have rolled on, or been turned over."""
+        if self.first is not None and self.first.cause == "fallen" and attitude_rad is not None:
+            self.first = replace(self.first, sentence=how_it_lies(attitude_rad))
+
     def reset(self, measured: Measured, attitude_rad: tuple[float, float] | None = None) -> str:
         """Forget the faults, unless something is still wrong: return that sentence, "" if all is well."""
         self.first, self.action = None, "none"
@@ -58,7 +64,7 @@ class Safety:
         yield from measured.faults
         yield from self._silent(measured)
         if attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD:
-            yield Fault("limp", "fallen", "the robot has fallen over: put it on its feet")
+            yield Fault("limp", "fallen", how_it_lies(attitude_rad))
         yield from self._tripped(measured)
         yield from self._hot(measured)
         yield from self._battery(measured)
@@ -98,6 +104,25 @@ class Safety:
             yield Fault("sit", "battery", f"battery low: {volts:.1f} V, allowed {low_V:.1f}; charge it")
 
 
+def lies_over(attitude_rad: tuple[float, float] | None) -> bool:
+    """Return whether the robot lies on a side, on its back or on its nose: no leg can help it up from there."""
+    return attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD
+
+
+def how_it_lies(attitude_rad: tuple[float, float]) -> str:
+    """Return what has become of a robot that has fallen, by its roll and pitch, and what to do."""
+    roll_rad, pitch_rad = attitude_rad
+    if not lies_over(attitude_rad):
+        return "the robot has fallen and lies on its belly: it may get up by itself, keep clear of its legs"
+    if abs(roll_rad) > FALLEN_RAD:
+        where = "right side" if roll_rad > 0 else "left side"
+    elif cos(pitch_rad) < -cos(FALLEN_RAD):
+        where = "back"
+    else:
+        where = "nose" if pitch_rad > 0 else "tail"
+    return f"the robot has fallen over onto its {where}: put it on its feet, it can't turn over by itself"
+
+
 def torque_limit(robot: Robot, state: str) -> float:
     """Return the share of stall torque for a planner state: little while it stands up or sits down, all else full."""
-    return robot.stand.torque_fraction if state in ("limp", "rising", "sitting", "seated") else 1.0
+    return robot.stand.torque_fraction if state in SLOW else 1.0

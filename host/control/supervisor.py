@@ -19,16 +19,18 @@ from .joint_stream import JointStream
 from .messages import Drive
 from .notices import Notices
 from .planner import Driver
-from .safety import Fault, Safety, torque_limit
+from .safety import Fault, Safety, how_it_lies, lies_over, torque_limit
 
 # A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
 STRETCHED = 0.5
+# How far ahead the tilt of a robot that falls is looked at (chosen: to be limp within 0.1 s).
+FALLS_S = 0.1
 OVER = object()
-STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "sitting", "fault")
+STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "lifted", "sitting", "fault")
 Attitude = tuple[float, float] | None
 Rates = tuple[float, float, float] | None
 # The planner's state in the driver's words.
-_WORDS = {"limp": "disarmed", "rising": "standing up", "seated": "sitting"}
+_WORDS = {"limp": "disarmed", "folding": "standing up", "rising": "standing up", "seated": "sitting"}
 
 
 @dataclass(frozen=True)
@@ -45,8 +47,9 @@ class Supervisor:
 
     ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None where they are not to be believed.
 
-    ``planar``: it lives in the sagittal plane, where it neither sways nor turns. ``put_back``: a reset puts a limp
-    simulated robot on its feet, which is a person's task with a real one.
+    ``planar``: it lives in the sagittal plane, where it neither sways nor turns, nor folds its legs at its sides.
+    ``put_back``: a reset puts a simulated robot that can't get up by itself on its feet: a person's task with a real
+    one.
     """
 
     def __init__(
@@ -60,7 +63,7 @@ class Supervisor:
         planar: bool = False,
     ) -> None:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
-        self._read_rates = rates
+        self._read_rates, self._planar = rates, planar
         self.driver = Driver(robot, rate_hz, planar)
         self.arbiter = Arbiter(gait=robot.gait.default, gaits=gait_names(robot))
         self.safety = Safety(robot)
@@ -82,7 +85,21 @@ class Supervisor:
         self.measured = self.bus.read()
         self.attitude = self._read_attitude()
         if self.armed:
-            self.safety.update(self.measured, self.attitude)
+            self.safety.update(self.measured, self._attitude_to_come())
+        else:
+            self.safety.tell_how_it_lies(self.attitude)
+
+    def _attitude_to_come(self) -> Attitude:
+        """Return the attitude; of a robot tilted so far that any gait stops, that of 0.1 s later as it goes on turning.
+
+        One that falls turns faster than the gyroscope tells, so what is known of it lags behind.
+        """
+        rates, gets_up = self._read_rates(), self.driver.state in ("folding", "rising")
+        if self.attitude is None or rates is None or gets_up:
+            return self.attitude
+        if max(map(abs, self.attitude)) < self.robot.gait.fallen_rad:
+            return self.attitude
+        return self.attitude[0] + FALLS_S * rates[0], self.attitude[1] + FALLS_S * rates[1]
 
     def act(self, now_s: float) -> None:
         """Plan one tick and write its goals, or let go."""
@@ -152,9 +169,10 @@ class Supervisor:
             self._resetting = None
 
     def _reset(self) -> Iterator[None]:
-        if not self.armed and (self.safety.action == "limp" or self.stretched()):
+        helpless = self.stretched() or self.safety.action == "limp" if self._planar else lies_over(self.attitude)
+        if not self.armed and helpless:
             self._put_back()
-            self.attitude = None
+            self.attitude = self._read_attitude()
         try:
             while not self.bus.try_clear_faults():
                 yield
@@ -165,8 +183,17 @@ class Supervisor:
             yield  # they are read anew
         self.safety.reset(self.measured, self.attitude)
 
+    def cannot_rise(self) -> str:
+        """Return why it can't get up by itself from how it lies, "" if it can.
+
+        It folds its legs first if it knows that it lies on its belly.
+        """
+        if self.attitude is None or self._planar:
+            return self.stretched()
+        return how_it_lies(self.attitude) if lies_over(self.attitude) else ""
+
     def stretched(self) -> str:
-        """Return why it can't stand up from where its legs are, "" if it can.
+        """Return why it can't push itself up with the legs where they are, "" if it can.
 
         A robot that went limp while it walked lies on its belly with the legs stretched to the rear; pushing itself
         up from there tips it over its nose (seen in the plane: by 58 degrees).
@@ -219,7 +246,8 @@ class Supervisor:
         if self.stream.active:
             return "stand"
         if posture == "stand":
-            return "walk" if sticks.moves else "stand"
+            folds = self.driver.state == "folding" or (self.driver.state == "limp" and self.stretched() != "")
+            return "fold" if folds else "walk" if sticks.moves else "stand"
         seated = self.driver.state == "seated"
         return "limp" if posture == "rest" and seated else "sit"
 
@@ -227,7 +255,7 @@ class Supervisor:
         """Switch the torque on, limited, with the goals where the joints are; a bad line takes several ticks."""
         if not self.measured.complete:
             return
-        if self.stretched():
+        if self.cannot_rise():
             if max(self.measured.age_s) < 1 / self.driver.rate_hz:  # else a lost answer may hide where a leg is now
                 self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
             return
@@ -261,6 +289,8 @@ class Supervisor:
         if self.safety.first is not None:
             return "fault"
         word = self.driver.state
+        if self.driver.lifted:
+            return "lifted"
         if word == "walking" and exchange_phase(self.driver):
             return "crawling"
         return _WORDS.get(word, word)
@@ -275,15 +305,18 @@ class Supervisor:
         if not self.measured.complete:
             return "the joints' positions are not known yet"
         if not self.armed:
-            return self.stretched() or "the joints are off: stand up first"
+            return self.cannot_rise() or "the joints are off: stand up first"
         return self._reason_of_state(now_s)
 
     def _reason_of_state(self, now_s: float) -> str:
         arbiter, planner = self.arbiter, self.driver.state
         if self.leaving:
             return "leaving: it sits down and lets go"
-        if planner in ("rising", "sitting"):
-            return "wait until it stands" if planner == "rising" else "sitting down"
+        if self.driver.lifted:
+            return self.driver.lifted
+        if planner in ("folding", "rising", "sitting"):
+            return {"folding": "it lies on its belly and folds its legs", "rising": "wait until it stands"}.get(
+                planner, "sitting down")
         if planner == "seated":
             return "seated: stand up first"
         if arbiter.driver is None:

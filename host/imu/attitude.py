@@ -22,7 +22,9 @@ from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError, ImuLate
 STUCK_S = 0.5  # real readings are never so long alike: their noise is several counts (measured on simulated noise)
 RETRY_S = 0.5  # between tries to open a missing sensor (chosen)
 GAP_S = 0.1  # so long a missing reading is taken to be like the last: a body turns little meanwhile (chosen)
-SATURATED_TICKS = 5  # a bump may saturate one reading (chosen)
+# A robot that falls turns faster than an MPU6050 tells at 250 deg/s: for up to 0.3 s in space. Meanwhile the attitude
+# lags behind, but it still tells the fall.
+SATURATED_S = 0.5
 
 
 class Attitude:
@@ -38,6 +40,7 @@ class Attitude:
         self._axes = Axes(robot.imu.axes)
         self._rate_hz = rate_hz or robot.control.rate_hz
         self._stuck_ticks = round(STUCK_S * self._rate_hz)
+        self._saturated_ticks = round(SATURATED_S * self._rate_hz)
         self._last: tuple[int, ...] = ()
         self._alike = self._saturated = self._gap = 0
         self._gap_ticks = round(GAP_S * self._rate_hz)
@@ -141,7 +144,7 @@ class Attitude:
         self._saturated = self._saturated + 1 if max(map(abs, counts)) >= INT16_MAX else 0
         if self._alike >= self._stuck_ticks:
             return "the IMU is stuck: it repeats the same reading; switch it off and on, check its wires"
-        if self._saturated >= SATURATED_TICKS:
+        if self._saturated >= self._saturated_ticks:
             return "the IMU is at the end of its range: is imu.gyro_counts_per_deg_s too large for this robot?"
         return ""
 

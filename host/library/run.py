@@ -98,13 +98,19 @@ class Run:
         self._ticks.do(what)
 
     def tick(self) -> Sensed:
-        """Say again what is driven and return what is known after the next tick; Fault if the robot has stopped."""
+        """Say again what is driven and return what is known after the next tick; Fault if the robot has stopped.
+
+        NotAchieved if it was lifted off the ground while it was driven.
+        """
         if self.sticks is not None:
             self.send(self.sticks.message())
         self._ticks.wait()
         if self.sensed.fault:
             self.sticks = None
             raise Fault(self.sensed.fault)
+        if self.sensed.state == "lifted" and self.sticks is not None and self.sticks.moves:
+            self.sticks = None
+            raise NotAchieved(self.supervisor.driver.lifted)
         return self.sensed
 
     def until(self, done: Callable[[Sensed], bool], most_s: float, what: str) -> None:

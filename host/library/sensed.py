@@ -15,11 +15,11 @@ JOINT_NAMES = tuple(f"{leg}_{joint}" for leg in LEG_NAMES for joint in _JOINTS)
 class Sensed:
     """One tick. Lists of twelve are in the order of ``JOINT_NAMES``; lists of four in that of ``LEG_NAMES``.
 
-    ``state``: disarmed, standing up, standing, walking, crawling, sitting or fault. ``fault``: why the robot stopped by
-    itself or was stopped, "" if it was not. ``remark``: what else there is to know, such as a pose out of reach.
-    ``load``: each joint's share of its stall torque, -1 .. 1. ``age_s``: how old position, speed and load are, inf for
-    a joint that never answered. ``attitude_rad``: roll and pitch, ``rates_rad_s``: turning speeds about x, y and z;
-    None while they are not known. ``swinging``: the legs that are planned to be in the air.
+    ``state``: disarmed, standing up, standing, walking, crawling, lifted, sitting or fault. ``fault``: why the robot
+    stopped by itself or was stopped, "" if it was not. ``remark``: what else there is to know, such as a pose out of
+    reach. ``load``: each joint's share of its stall torque, -1 .. 1. ``age_s``: how old position, speed and load are,
+    inf for a joint that never answered. ``attitude_rad``: roll and pitch, ``rates_rad_s``: turning speeds about x, y
+    and z; None while they are not known. ``swinging``: the legs that are planned to be in the air.
     """
 
     time_s: float = 0.0

@@ -1,8 +1,10 @@
 """Poses of a robot's legs by where their feet are, and of the whole robot with its feet at rest: standing, seated."""
 
 from ..util.errors import UserError
-from .kinematics_si import Vector, leg_inverse
+from .kinematics_si import Vector, leg_forward, leg_inverse
 from .model import Robot
+
+FOLDS = 24  # angles of a joint that are looked at for folding: steps of 6 deg at most
 
 
 def leg_to_rad(robot: Robot, leg: int, foot_m: Vector) -> Vector | None:
@@ -26,3 +28,26 @@ def rest_pose_rad(robot: Robot) -> list[float]:
 def seated_pose_rad(robot: Robot) -> list[float]:
     """Return the twelve angles in which a robot waits: seated."""
     return [angle for leg in range(4) for angle in leg_pose_rad(robot, leg, robot.stance.sit_height_m)]
+
+
+def folded_leg_rad(robot: Robot, leg: int) -> Vector:
+    """Return the joints of a leg folded beside a robot that lies on its belly.
+
+    The hip is as far out as it goes; of a grid of thigh and calf angles those that bring the foot nearest to where it
+    is at rest along the body, no lower than the belly, where it would lift the robot.
+    """
+    belly_m = robot.geometry.foot_radius_m - robot.links.trunk.size_m[2] / 2
+    rest_m = robot.foot_m(leg, robot.stance.sit_height_m)[0]
+    hips, thighs, calves = robot.joint_limits_rad(leg)
+    hip = hips[1] if robot.side(leg) > 0 else hips[0]
+
+    def off_m(pose: Vector) -> float:
+        x_m, _, z_m = leg_forward(robot.geometry.links_m, robot.side(leg), pose)
+        return abs(x_m - rest_m) + abs(z_m - belly_m) + FOLDS * max(0.0, belly_m - z_m)
+
+    return min(((hip, thigh, calf) for thigh in _between(*thighs) for calf in _between(*calves)), key=off_m)
+
+
+def _between(low: float, high: float) -> list[float]:
+    """Return evenly spaced angles from the lowest to the highest."""
+    return [low + (high - low) * i / (FOLDS - 1) for i in range(FOLDS)]

@@ -17,6 +17,7 @@ from .crawl_tuning import fill_crawl
 from .drives import BUS_DELAY_S, STIFFNESS_KEYS, joint_drives
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
+from .poses import folded_leg_rad
 from .statics import push_on_two_N, torques_Nm
 from .trot_tuning import fill_trot
 
@@ -182,6 +183,8 @@ def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
     for joint, (low_rad, high_rad) in enumerate(robot.joint_limits_rad(leg)):
         base.lowest[joint] = ceil(low_rad * BRAD_PER_RAD)
         base.highest[joint] = floor(high_rad * BRAD_PER_RAD)
+    for joint, angle_rad in enumerate(folded_leg_rad(robot, leg)):
+        base.lies[joint] = min(max(brad(angle_rad), base.lowest[joint]), base.highest[joint])
     hip_m = (*robot.hip_m(leg), 0.0)
     foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
     for axis in range(3):

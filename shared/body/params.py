@@ -44,6 +44,7 @@ class Leg:
     highest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
     hip: Ints = vector(3, "lu", "the hip in the body")
     rest: Ints = vector(3, "lu", "the foot in the body at rest")
+    lies: Ints = vector(3, "brad", "joints of the leg folded beside a robot that lies on its belly")
     clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
 
 

@@ -30,6 +30,7 @@ MODE_LIMP = const(0)  # drive nothing: the joints are not held
 MODE_STAND = const(1)
 MODE_WALK = const(2)
 MODE_SIT = const(3)
+MODE_FOLD = const(4)  # one that lies limp on its belly: fold the legs, then sit; else as MODE_SIT
 
 
 @hot
@@ -79,7 +80,8 @@ def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed:
 
 @hot
 def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> int:
-    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 0."""
+    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 1 if so."""
+    moves = 0
     for axis in range(POSE_SIZE):
         wanted = 0
         if standing:
@@ -89,4 +91,5 @@ def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> in
                 wanted = saturate(wanted, -top, top)
         if pose[axis] != wanted:
             pose[axis] = slew(pose[axis], wanted, params.pose_slew[axis])
-    return 0
+            moves = 1
+    return moves

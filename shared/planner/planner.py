@@ -2,7 +2,7 @@
 
     command, senses -> mover -> feet -> balance -> body pose -> 4 x leg -> limits -> wanted -> speed -> joints
 
-States: limp (nothing is driven), rising, standing, walking, sitting (going down), seated. A
+States: limp (nothing is driven), rising, standing, walking, sitting (going down), seated, folding (on its belly). A
 command names a mode, and the planner goes there through the states between: nobody walks who has
 not stood up first, and nobody sits down in mid-stride.
 
@@ -18,12 +18,13 @@ from ..sense.sensed import Sensed
 from .command import Command
 from .exchange import choose_mover
 from .goals import follow_goals
+from .lifted import put_down, watch_weight
 from .movers import change_mover, tick_mover
 from .posture import posture_step
 from .senses import feel_legs, follow_way, take_senses
 from .state import PlannerState
-from .states import choose_state, follow_joints, settle
-from .status import LIMP, RISING, SEATED, SITTING
+from .states import choose_state, end_move, follow_joints, settle
+from .status import FOLDING, LIMP, RISING, SEATED, SITTING
 
 
 class Planner(PlannerState):
@@ -56,15 +57,17 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
     feel_legs(planner)
+    lifted = put_down(planner, command.mode)
     state = status.state
     if state == LIMP:
         follow_joints(planner, planner.sensed)
-    elif state == RISING or state == SITTING:
+    elif state == RISING or state == SITTING or state == FOLDING:
         if posture_step(planner.move, planner.goal) == 0:
-            status.state = state + 1
-    elif state != SEATED:
+            end_move(planner)
+    elif state != SEATED and lifted == 0:
         move(planner, command, planner.sensed)
-    follow_way(planner)
+    if follow_way(planner):
+        watch_weight(planner)
     follow_goals(planner.params, planner.goal, planner.joints)
     if sensing.known:
         keep_sent(planner.sensing, planner.joints)

@@ -4,7 +4,7 @@ from ..body.params import JOINTS
 from ..num.fixed import saturate
 from ..runtime import Ints, hot
 from ..sense.legs import sense_legs, sensing_reset
-from ..sense.odometry import odometry_lost, odometry_step
+from ..sense.odometry import odometry_lost, odometry_step, weigh_feet
 from ..sense.sensed import Sensed
 from .goals import believe
 from .state import PlannerState
@@ -90,7 +90,10 @@ def feel_legs(planner: PlannerState) -> int:
 
 @hot
 def follow_way(planner: PlannerState) -> int:
-    """Follow the body's way over the feet that stand, as planned in this tick; return 1, 0 where they tell none."""
+    """Follow the body's way over the feet that stand, as planned in this tick; return 1, 0 where they tell nothing.
+
+    In the hand they tell no way, only what they carry.
+    """
     status = planner.status
     sensing = planner.sensing
     sensed = planner.sensed
@@ -98,6 +101,10 @@ def follow_way(planner: PlannerState) -> int:
     if sensing.known == 0 or valid.joints == 0:
         odometry_lost(planner.odometry)
         return 0
+    if status.lifted:
+        odometry_lost(planner.odometry)
+        weigh_feet(planner.params, planner.sensing, status.swinging, planner.odometry)
+        return 1
     walks = 0
     if status.state == WALKING:
         walks = 1

@@ -1,8 +1,10 @@
 """Which state follows which: stand up before walking, sit down from a stand, lie limp, give up when tilted too far.
 
     limp -> rising -> standing -> walking -> standing -> sitting -> seated -> rising
+    limp -> folding -> seated
 
-A move between stand and seat goes from the joints' present goals to the next stance, all legs at once.
+A move between stand and seat goes from the joints' present goals to the next stance, all legs at once. One that lies on
+its belly, the legs anywhere, folds them at its sides, where they lift nothing, and then puts its feet under it.
 """
 
 from ..body.balance import balance_reset
@@ -14,14 +16,15 @@ from ..runtime import hot
 from ..sense.legs import sensing_reset
 from ..sense.sensed import Sensed
 from ..trot.trot import trot_start
-from .command import MODE_LIMP, MODE_SIT, MODE_STAND, Command
+from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
 from .pose import solve_legs
-from .posture import posture_start
+from .posture import posture_start, posture_step
 from .state import PlannerState
 from .status import (
     BAD_COMMAND,
     FALLEN,
+    FOLDING,
     LIMP,
     NO_JOINTS,
     NOT_DRIVEN,
@@ -38,7 +41,7 @@ def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int
     """Go where the commanded mode leads from the present state; return 0."""
     status = planner.status
     mode = command.mode
-    if mode < MODE_LIMP or mode > MODE_SIT:
+    if mode < MODE_LIMP or mode > MODE_FOLD:
         status.flags |= BAD_COMMAND
         mode = MODE_STAND
     state = status.state
@@ -51,9 +54,11 @@ def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int
     if mode == MODE_LIMP:
         status.state = LIMP
         status.swinging = 0
-    elif mode == MODE_SIT:
+    elif mode == MODE_SIT or mode == MODE_FOLD:
         if state == STANDING or state == RISING:
             begin_move(planner, sensed, SITTING)
+        elif state == LIMP and mode == MODE_FOLD:
+            begin_move(planner, sensed, FOLDING)
     elif state == LIMP or state == SEATED or state == SITTING:
         begin_move(planner, sensed, RISING)
     return 0
@@ -86,7 +91,7 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
 
 @hot
 def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
-    """Start RISING to the rest stance or SITTING down from the last goals; return 0.
+    """Start RISING to the rest stance, SITTING down or FOLDING the legs, from the last goals; return 0.
 
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
@@ -105,7 +110,37 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
     if state == SITTING:
         fold_legs(planner)
     solve_legs(planner, planner.goal)
+    if state == FOLDING:
+        lie_folded(planner)
     posture_start(planner.params, planner.move, planner.joints, planner.goal)
+    return 0
+
+
+@hot
+def end_move(planner: PlannerState) -> int:
+    """A move is done: go to the state that follows; return it. Legs folded at the sides go under the robot first."""
+    status = planner.status
+    if status.state != FOLDING:
+        status.state += 1
+    elif status.folded:
+        status.state = SEATED
+    else:
+        begin_move(planner, planner.sensed, SITTING)
+        posture_step(planner.move, planner.goal)
+        status.state = FOLDING
+        status.folded = 1
+    return status.state
+
+
+@hot
+def lie_folded(planner: PlannerState) -> int:
+    """Want all legs folded at the sides; return 0."""
+    params = planner.params
+    goal = planner.goal
+    for leg in range(LEGS):
+        lies = params.legs[leg].lies
+        for joint in range(3):
+            goal[leg * 3 + joint] = lies[joint]
     return 0
 
 
@@ -126,6 +161,10 @@ def settle(planner: PlannerState) -> int:
     status.mover = MOVER_TABLE
     status.backs = 0
     status.holds = 0
+    status.folded = 0
+    status.shifts = 0
+    status.carries = 0
+    status.felt_q12 = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     sensing_reset(planner.sensing)

@@ -10,7 +10,8 @@ STANDING = const(2)
 WALKING = const(3)
 SITTING = const(4)
 SEATED = const(5)
-STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated")
+FOLDING = const(6)  # on its belly: the legs go to its sides, then under it
+STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated", "folding")
 
 # Flags of a tick
 # Bits 0 .. 2: a foot was out of reach, TOO_FAR, TOO_NEAR, INSIDE_HIP; 3 .. 5: a joint was at its limit, LIMIT_HIP ..
@@ -22,13 +23,14 @@ BLIND = const(0x400)  # joints, attitude or turning rates are missing: the trot 
 ODD_READING = const(0x1000)  # a reading was too far from the one before it to be true: that one is gone by
 POSE_HELD = const(0x2000)  # the commanded pose is out of reach: the body stays where the standing legs end
 FALLEN = const(0x800)  # tilted too far for too long: it sits down, until told to sit or to be limp
+LIFTED = const(0x4000)  # its feet no longer carry it: the legs hold still until it is put down and told anew to walk
 
 
 @record
 class Status:
     """What the planner of one robot does and tells: its state, flags and counts."""
 
-    state: int = field("", "LIMP .. SEATED")
+    state: int = field("", "LIMP .. FOLDING")
     gait: int = field("", "the gait being walked")
     height: int = field("lu", "swing height of the gait")
     flags: int = field("", "flags of this tick")
@@ -45,4 +47,9 @@ class Status:
     held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
+    shifts: int = field("", "1: the commanded pose moves the body in this tick")
+    carries: int = field("", "1: the feet were felt to carry the robot, and not to carry nothing since")
+    felt_q12: int = field("own weight Q12", "what they carry together, evened over 0.2 s")
+    folded: int = field("", "1: the legs of one that lies on its belly are folded beside it, and go under it")
+    lifted: int = field("", "1: lifted off the ground, and not yet put down and told to stand")
 

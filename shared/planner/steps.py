@@ -24,10 +24,11 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
         halves = 0
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
     held = 0
+    status.shifts = 0
     if status.beyond or status.holds:
         held = hold_back(planner, command)
     if held == 0:
-        slew_pose(planner.params, command, 1, planner.pose)
+        status.shifts = slew_pose(planner.params, command, 1, planner.pose)
     return still
 
 
@@ -69,7 +70,7 @@ def hold_back(planner: PlannerState, command: Command) -> int:
             for axis in range(POSE_SIZE):
                 status.held[axis] = command.pose[axis]
         status.holds = 1
-        slew_pose(planner.params, command, 0, planner.pose)
+        status.shifts = slew_pose(planner.params, command, 0, planner.pose)
     elif other:
         status.holds = 0
     if status.holds:

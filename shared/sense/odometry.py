@@ -41,6 +41,7 @@ class Odometry:
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
     ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
+    carried_q12: int = field("own weight Q12", "sum of the forces of the feet that are to stand")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
@@ -120,6 +121,7 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     """
     total = 0
     carried = 0
+    felt = 0
     for leg in range(LEGS):
         if swinging >> leg & 1 == 0:
             odometry.ends[leg] = params.sent_ticks + 2
@@ -127,10 +129,13 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.ends[leg] -= 1
         weight = 0
         if odometry.ends[leg]:
-            weight = saturate(sensing.force_q12[leg] >> 6, 0, 64)
+            force = sensing.force_q12[leg]
+            felt += force
+            weight = saturate(force >> 6, 0, 64)
         odometry.weight[leg] = weight * weight
         total += weight * weight
         carried += weight
+    odometry.carried_q12 = felt
     if carried < _FELT:
         total = 0
         for leg in range(LEGS):

@@ -43,6 +43,11 @@ def in_state(state, rate_hz=50):
         walker.mode(c.MODE_STAND)
         walker.ticks(10)
         return walker
+    if state == n.FOLDING:
+        walker.mode(c.MODE_FOLD)
+        walker.ticks(40)
+        assert walker.state == state
+        return walker
     walker.stand()
     if state == n.WALKING:
         walker.gait("even-trot")
@@ -60,7 +65,7 @@ def in_state(state, rate_hz=50):
     return walker
 
 
-@pytest.mark.parametrize("state", range(6), ids=n.STATE_NAMES)
+@pytest.mark.parametrize("state", range(7), ids=n.STATE_NAMES)
 def test_limp_from_every_state_at_once(state):
     walker = in_state(state)
     walker.mode(c.MODE_LIMP)
@@ -74,7 +79,7 @@ def test_limp_from_every_state_at_once(state):
     assert list(walker.planner.joints) == fallen
 
 
-@pytest.mark.parametrize("state", range(6), ids=n.STATE_NAMES)
+@pytest.mark.parametrize("state", range(7), ids=n.STATE_NAMES)
 @pytest.mark.parametrize("mode", [c.MODE_STAND, c.MODE_WALK, c.MODE_SIT])
 def test_every_mode_is_reached_from_every_state(state, mode):
     walker = in_state(state)
@@ -85,6 +90,29 @@ def test_every_mode_is_reached_from_every_state(state, mode):
         assert walker.state == n.LIMP  # a limp robot lies already
         return
     walker.until({c.MODE_STAND: n.STANDING, c.MODE_WALK: n.WALKING, c.MODE_SIT: n.SEATED}[mode])
+
+
+@pytest.mark.parametrize("mode", [c.MODE_FOLD, c.MODE_STAND, c.MODE_SIT])
+def test_a_robot_on_its_belly_folds_its_legs_before_it_puts_them_under_it(mode):
+    """At its sides first, in the pose of the robot's data, slowly; whatever else is told meanwhile; then it sits."""
+    walker = in_state(n.FOLDING)
+    walker.mode(mode)
+    lies = [angle for leg in walker.params.legs for angle in leg.lies]
+    low, high = limits_of(walker.params)
+    assert all(a <= b <= c for a, b, c in zip(low, lies, high, strict=True))
+    folded = False
+    while walker.state == n.FOLDING:
+        before = list(walker.planner.joints)
+        walker.tick()
+        off = max(abs(a - b) for a, b in zip(walker.planner.joints, lies, strict=True))
+        folded = folded or off <= walker.params.joint_step
+        steps = [abs(a - b) for a, b in zip(walker.planner.joints, before, strict=True)]
+        assert max(steps) <= walker.params.joint_step + 2
+    assert folded
+    assert walker.state == n.SEATED
+    seat = walker.params.sit_z
+    for leg, foot in zip(walker.params.legs, walker.feet_m(), strict=True):
+        assert foot[2] == pytest.approx((leg.hip[2] + seat) * walker.unit_m, abs=0.001)
 
 
 def test_nobody_sits_down_in_mid_stride():
@@ -320,7 +348,7 @@ def every_block(planner):
     return [getattr(planner, name) for name in names.split()] + inner
 
 
-STATES = [in_state(state) for state in range(6)]
+STATES = [in_state(state) for state in range(7)]
 
 
 def test_unknown_modes_and_gaits_are_reported_and_replaced():

@@ -24,6 +24,7 @@ from ..export.mjcf import ModelOptions, drives
 from ..grounds import make_ground
 from ..imu import SimulatedImu
 from ..walk import WAYS, WalkSpec
+from .hand import Hand, lifted_m
 from .world import Array, World
 
 # (dt_s, impratio): the fast one is twice as fast, and a gait's figures stay the same.
@@ -144,17 +145,37 @@ def walk_in_space(
     """Simulate the walk; the same spec gives the same recording on the same machine."""
     walker = SpaceWalker(spec, fast)
     walker.stand_up()
-    log, push = _Log(walker, spec), spec.push
+    log, disturb = _Log(walker, spec), _disturbance(spec, walker.world)
     ahead, left, turn = (spec.speed_m_s * share for share in WAYS[spec.way])
     walker.driver.set_command(mode="walk", vx_m_s=ahead, vy_m_s=left, wz_rad_s=turn)
     outcome = log.add(progress)
     while outcome is None:
-        if push is not None:
-            pushed = 0 <= log.time_s - push.at_s < push.seconds - 1e-9
-            walker.world.push(push.force_N if pushed else (0.0, 0.0))
+        disturb(log.time_s)
         walker.tick()
         outcome = log.add(progress)
     return log.close(outcome)
+
+
+def _disturbance(spec: WalkSpec, world: World) -> Callable[[float], None]:
+    """Return what is to be called before each tick with its time: it pushes the trunk, or lifts it, as specified."""
+    push, lift = spec.push, spec.lift
+    hands: list[Hand] = []
+
+    def act(time_s: float) -> None:
+        if push is not None:
+            pushed = 0 <= time_s - push.at_s < push.seconds - 1e-9
+            world.push(push.force_N if pushed else (0.0, 0.0))
+        if lift is None or time_s < lift.at_s:
+            return
+        if not hands:
+            hands.append(Hand(world))
+        since_s = time_s - lift.at_s
+        if since_s < lift.seconds:
+            hands[0].hold(lifted_m(since_s, lift.height_m, lift.seconds))
+        else:
+            hands[0].let_go()
+
+    return act
 
 
 def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:

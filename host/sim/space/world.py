@@ -37,7 +37,7 @@ class World:
         made = replace(options, at_rest=False, honest=kind.honest, self_collision=kind.honest and kind.self_collision)
         self.model = mujoco.MjModel.from_xml_string(mjcf(robot, made))
         self.data = mujoco.MjData(self.model)
-        self._trunk = self.model.body("trunk").id
+        self.trunk = self.model.body("trunk").id
         self.joints = Joints(self.model)
         # The trunk's own coordinates: loose stones come before it, and on a stand it has none.
         hip_q, hip_v = int(self.joints.q[0]), int(self.joints.v[0])
@@ -107,7 +107,7 @@ class World:
 
     def push(self, force_N: tuple[float, float]) -> None:
         """Push the middle of the trunk, N ahead and to the left in the ground's axes, until told otherwise."""
-        self.data.xfrc_applied[self._trunk, :2] = force_N
+        self.data.xfrc_applied[self.trunk, :2] = force_N
 
     def advance(self) -> None:
         """Run one control period; goals act from the sub-step they arrive at."""
@@ -167,6 +167,15 @@ class World:
     def position_m(self) -> Array:
         """Return the middle of the hips."""
         return np.array(self.data.qpos[self._at])
+
+    def turn(self) -> Array:
+        """Return the body's attitude as a quaternion w, x, y, z."""
+        return np.array(self.data.qpos[self._turn])
+
+    def velocity(self) -> tuple[Array, Array]:
+        """Return the body's velocity in the ground's axes, m/s, and its turning speed in its own, rad/s."""
+        end = self._velocity.stop
+        return np.array(self.data.qvel[self._velocity]), np.array(self.data.qvel[end : end + 3])
 
     def attitude_rad(self) -> tuple[float, float, float]:
         """Return roll, pitch and yaw, fixed axes (ROS)."""

@@ -30,12 +30,15 @@ class Silence:
 
 
 class Rig:
-    """One robot. ``run`` ticks, sending ``message`` every 0.1 s as ``client``."""
+    """One robot, in the plane unless ``plant`` is another.
 
-    def __init__(self, name="caramelo"):
-        self.now_s = 0.0
+    ``run`` ticks, sending ``message`` every 0.1 s as ``client``; ``each`` is called before each tick.
+    """
+
+    def __init__(self, name="caramelo", plant=None):
+        self.now_s, self.each = 0.0, lambda: None
         self.robot = load_robot(name)
-        self.bus = SimulatedBus(self.robot, self.clock)
+        self.bus = SimulatedBus(self.robot, self.clock, plant)
         self.bus.open()
         attitude = Attitude(self.robot, SimulatedImu(self.robot, self.bus.plant.inertial))
         self.put_back = 0
@@ -46,7 +49,8 @@ class Rig:
             attitude.align()
 
         self.supervisor = Supervisor(
-            self.robot, self.bus, attitude.update, put_back=put_back, rates=lambda: attitude.rates_rad_s, planar=True
+            self.robot, self.bus, attitude.update, put_back=put_back, rates=lambda: attitude.rates_rad_s,
+            planar=plant is None,
         )
         self.loop = Loop(self.supervisor, clock=self.clock)
         self.arbiter = self.supervisor.arbiter
@@ -61,6 +65,7 @@ class Rig:
         for tick in range(round(seconds / self.loop.pacer.period_s)):
             if message is not None and tick % 5 == 0:
                 self.send(message, client)
+            self.each()
             self.loop.tick(Silence())
             self.now_s += self.loop.pacer.period_s
 

@@ -174,8 +174,8 @@ def noisy(tick):
     ("reading", "after", "words"),
     [
         (lambda tick: (5, 1, 2, 0, 0, 16384), RATE_HZ // 2 + 1, "the IMU is stuck"),
-        (lambda tick: (32767, tick % 7, 0, 0, 0, 16384), 5, "the IMU is at the end of its range"),
-        (lambda tick: (0, tick % 7, 0, 0, -32768, 16384), 5, "the IMU is at the end of its range"),
+        (lambda tick: (32767, tick % 7, 0, 0, 0, 16384), RATE_HZ // 2, "the IMU is at the end of its range"),
+        (lambda tick: (0, tick % 7, 0, 0, -32768, 16384), RATE_HZ // 2, "the IMU is at the end of its range"),
         (lambda tick: ImuError("I2C 1: stopped answering"), 1, "stopped answering"),
     ],
 )

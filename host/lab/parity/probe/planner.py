@@ -6,7 +6,7 @@ from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
-from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot
+from shared.planner import exchange, lifted, movers, planner, walk_crawl, walk_table, walk_trot
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
@@ -26,6 +26,7 @@ from .row import Row, clear
 SOURCES = (
     "planner.planner",
     "planner.exchange",
+    "planner.lifted",
     "planner.movers",
     "planner.pose",
     "planner.senses",
@@ -50,7 +51,7 @@ SENSED_ROW = row_of(SENSED)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
-ANY_MODE = Range(-1, 4)
+ANY_MODE = Range(-1, 5)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
 ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
 TROT_GAIT = GAIT_NAMES.index("trot")
@@ -124,6 +125,19 @@ def _live(values, dice):
 def _live_in(values, dice):
     _live(values, dice)
     values[2] = n.RISING if values[2] else n.SITTING
+
+
+def _live_about_to_lift(values, dice):
+    """Any state, the feet carrying or not, mostly about to be believed; lifted or not."""
+    _live(values, dice)
+    robot: Planner = values[0]
+    status = robot.status
+    robot.odometry.carried_q12 = dice.bits(17) - 65536
+    status.carries = dice.bits(1)
+    status.felt_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
+    status.shifts = 0 if dice.bits(2) else 1
+    robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
+    status.lifted = dice.bits(1)
 
 
 class Walk(Probe):
@@ -243,6 +257,8 @@ PARTS = (
     _part("choose_state", planner_states.choose_state, (ROBOT, COMMAND, SENSED), STATE),
     _part("begin_move", planner_states.begin_move, (ROBOT, SENSED, Range(0, 1)), STATE, _live_in),
     _part("settle", planner_states.settle, (ROBOT,), STATE + FEET),
+    _part("end_move", planner_states.end_move, (ROBOT,), STATE),
+    _part("lie_folded", planner_states.lie_folded, (ROBOT,), (ROBOTS[0].goal, ROBOTS[1].goal)),
     _part("fold_legs", planner_states.fold_legs, (ROBOT,), FEET),
     _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
     _part("follow_command", planner_steps.follow_command, (ROBOT, COMMAND, Range(0, 2)), POSES),
@@ -256,6 +272,9 @@ PARTS = (
     _part("feel_legs", planner_senses.feel_legs, (ROBOT,), STATE, _live),
     _part("follow_way", planner_senses.follow_way, (ROBOT,), STATE, _live),
     _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
+    _part("watch_weight", lifted.watch_weight, (ROBOT,), STATE, _live_about_to_lift),
+    _part("ask", lifted.ask, (ROBOT,), STATE, _live_about_to_lift),
+    _part("put_down", lifted.put_down, (ROBOT, ANY_MODE), STATE, _live_about_to_lift),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
     _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
     _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),

@@ -175,7 +175,7 @@ function follow() {
 }
 
 const ACTING = ["take", "stand", "sit", "rest", "reset", "gait", "balance", "level", "ground"];
-const UP = ["standing up", "standing", "walking", "crawling"];
+const UP = ["standing up", "standing", "walking", "crawling", "lifted"];
 
 // Why a control can't act now, "" if it can.
 function whyNot(id, silent) {

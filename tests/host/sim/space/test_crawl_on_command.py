@@ -29,6 +29,7 @@ def crawl_from(ground, at_m, seconds=30.0, gait="trot"):
     driver.set_command(mode="walk", gait=gait, vx_m_s=0.05)
     for tick in range(round(seconds * RATE_HZ)):
         walker.tick()
+        assert not driver.lifted
         if commanded is None and world.position_m()[0] - start_m >= at_m:
             commanded = tick
             driver.set_command(mode="walk", gait="crawl", vx_m_s=0.05)

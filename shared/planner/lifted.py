@@ -1,0 +1,71 @@
+"""Lifted off the ground: feet that carried the robot carry nothing any more.
+
+What the feet that are to stand carry together is the weight, evened over 0.2 s: in walks over steps, stairs and stones,
+with a bus slower than the robot file says, too, it fell to 0.42 of the own weight at the lowest. In the hand it falls
+below a quarter within 0.3 s. That the feet carry at all is seen as soon as it has risen, and in the hand: legs that
+hold still feel no loads but true ones. Who has risen on a stand, or has joints too stiff to tell, is not lifted.
+
+    carries nothing -> slowly to the stance, hold it -> carries again and is told to stand -> stands
+"""
+
+from ..runtime import const, hot
+from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND
+from .posture import posture_step
+from .state import PlannerState
+from .states import begin_move
+from .status import LIFTED, RISING, STANDING
+
+_HALF_Q12 = const(2048)
+_QUARTER_Q12 = const(1024)
+_RISEN = const(4)  # ticks for which the joints have answered a robot that has risen
+
+
+@hot
+def watch_weight(planner: PlannerState) -> int:
+    """Take what the feet were felt to carry in this tick; return 1 if the robot is lifted, else 0.
+
+    Where that begins the legs go to the stance. A body that is shifted feels other loads, and is not looked at.
+    Intermediates: 2^17 * 2^8, at 20 Hz.
+    """
+    status = planner.status
+    params = planner.params
+    odometry = planner.odometry
+    if status.shifts:
+        return status.lifted
+    status.felt_q12 += (odometry.carried_q12 - status.felt_q12) * (5120 // (params.rate_hz + 5)) >> 10
+    if status.carries == 0:
+        ask(planner)
+    elif status.felt_q12 < _QUARTER_Q12:
+        status.lifted = 1
+        status.flags |= LIFTED
+        begin_move(planner, planner.sensed, RISING)
+        posture_step(planner.move, planner.goal)
+    return status.lifted
+
+
+@hot
+def ask(planner: PlannerState) -> int:
+    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands; return 1 if so."""
+    status = planner.status
+    params = planner.params
+    sensing = planner.sensing
+    odometry = planner.odometry
+    risen = params.sent_ticks + _RISEN
+    if sensing.known == risen:
+        status.felt_q12 = odometry.carried_q12
+    if status.felt_q12 >= _HALF_Q12 and (sensing.known == risen or status.state == STANDING):
+        status.carries = 1
+    return status.carries
+
+
+@hot
+def put_down(planner: PlannerState, mode: int) -> int:
+    """Return 1 while the robot is lifted: until its feet carry and it is told to stand, or it is to sit or be limp."""
+    status = planner.status
+    if status.lifted == 0:
+        return 0
+    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and status.carries):
+        status.lifted = 0
+        return 0
+    status.flags |= LIFTED
+    return 1

@@ -1,0 +1,95 @@
+"""A robot in space that somebody lifts, as its driver is told of it: on the page, in the status, in a program."""
+
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
+
+from host.control.hardware import Hardware
+from host.control.planner import LET_GO, PUT_DOWN
+from host.control.telemetry import Extra, status
+from host.imu.attitude import Attitude
+from host.library.errors import NotAchieved
+from host.library.places import Place, SimulatedClock
+from host.library.robot import Robot
+from host.robot.file import load_robot
+from host.sim.bus import SimulatedBus
+from host.sim.imu import SimulatedImu
+from host.sim.space.hand import Hand
+from host.sim.space.plant import SpacePlant
+
+from .rig import AHEAD, STILL, Rig
+
+LIFT_M = 0.1
+
+
+def told(rig):
+    """Return state and reason as the page, the terminal and scripts get them."""
+    news = status(rig.loop, Extra())
+    return news["state"], news["reason"]
+
+
+def test_the_driver_is_told_and_has_to_let_go_of_the_sticks():
+    plant = SpacePlant(load_robot("caramelo"))
+    rig = Rig(plant=plant)
+    rig.stand()
+    rig.run(3.0, AHEAD)
+    assert told(rig) == ("walking", "")
+    hand = Hand(plant.world)
+    rig.each = lambda: hand.hold(LIFT_M)
+    rig.run(1.0, AHEAD)
+    assert told(rig) == ("lifted", PUT_DOWN)
+    rig.run(1.0, STILL)
+    assert told(rig) == ("lifted", PUT_DOWN), "the sticks alone are not enough"
+    place = rig.supervisor.driver.odometry
+    rig.each = lambda: hand.hold(0.0)
+    rig.run(0.6, AHEAD)
+    hand.let_go()
+    rig.each = lambda: None
+    rig.run(2.5, AHEAD)
+    assert told(rig) == ("lifted", LET_GO)
+    rig.run(0.2, STILL)
+    assert told(rig) == ("standing", "the sticks are at rest")
+    assert rig.supervisor.driver.odometry.x_m == pytest.approx(place.x_m, abs=0.005)
+    rig.run(1.0, AHEAD)
+    assert told(rig) == ("walking", "")
+
+
+def test_in_the_hand_it_sits_down_and_lets_go_as_told():
+    plant = SpacePlant(load_robot("caramelo"))
+    rig = Rig(plant=plant)
+    rig.stand()
+    rig.run(3.0, AHEAD)
+    hand = Hand(plant.world)
+    rig.each = lambda: hand.hold(LIFT_M)
+    rig.run(1.0, AHEAD)
+    assert rig.supervisor.state == "lifted"
+    rig.send({"type": "posture", "posture": "rest"})
+    rig.run(4.0)
+    assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
+
+
+def test_a_program_that_walks_is_told():
+    """The walk raises, and the next one waits until the robot stands on the ground."""
+    robot = load_robot("caramelo")
+    clock = SimulatedClock()
+    plant = SpacePlant(robot)
+    hand = None
+
+    def advance(seconds):
+        if hand is not None:
+            hand.hold(LIFT_M)
+        clock.advance(seconds)
+
+    parts = Hardware(SimulatedBus(robot, clock, plant), Attitude(robot, SimulatedImu(robot, plant.inertial)),
+                     plant.put_back)
+    with Robot(Place(parts, clock, advance, plant.pose)) as caramelo:
+        caramelo.stand()
+        caramelo.walk(0.05, seconds=2.5)
+        hand = Hand(plant.world)
+        with pytest.raises(NotAchieved, match="lifted off the ground"):
+            caramelo.walk(0.05, seconds=2.0)
+        assert caramelo.sensed.state == "lifted"
+        hand.let_go()
+        hand = None
+        caramelo.walk(0.05, seconds=0.5)
+        assert caramelo.sensed.state == "standing"
