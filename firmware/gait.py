@@ -160,9 +160,8 @@ def take_joints(reader: Reader, frame, sensed: Sensed) -> int:
     """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
     if is_length(reader, frame, 2 * JOINTS) == 0:
         return 0
-    valid = sensed.valid
     read_each(frame, TAKEN, sensed.joints, 0, JOINTS)
-    valid.joints = 1
+    sensed.valid.joints = 1
     return 1
 
 
@@ -202,8 +201,6 @@ def tick(board: GaitBoard, fault: int) -> int:
 def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
     """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
     valid = sensed.valid
-    tilt = sensed.tilt
-    turned = sensed.turned
     valid.tilt = 0
     valid.turned = 0
     if fault:
@@ -213,9 +210,9 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
         valid.tilt = 1
         valid.turned = 1
     for axis in range(3):
-        turned[axis] = attitude.turned[axis]
-    tilt[0] = attitude.roll
-    tilt[1] = attitude.pitch
+        sensed.turned[axis] = attitude.turned[axis]
+    sensed.tilt[0] = attitude.roll
+    sensed.tilt[1] = attitude.pitch
     return valid.tilt
 
 
@@ -237,11 +234,10 @@ def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> 
 @hot
 def own_flags(status: BoardStatus, sensed: Sensed, fault: int) -> int:
     """Return the application's flags."""
-    valid = sensed.valid
     flags = fault << _FAULT_SHIFT
     if fault:
         flags |= SENSOR_FAULT
-    elif valid.tilt == 0:
+    elif sensed.valid.tilt == 0:
         flags |= ALIGNING_NOW
     if status.command_age >= status.stale_age:
         flags |= COMMAND_STALE

@@ -53,11 +53,10 @@ def setup_pid(params: Params, pid: Pid) -> int:
 @hot
 def balance_reset(balance: Balance) -> int:
     """Forget what both controllers have learnt and correct by nothing; return 0."""
-    correction = balance.correction
     pid_reset(balance.roll)
     pid_reset(balance.pitch)
-    correction.roll = 0
-    correction.pitch = 0
+    balance.correction.roll = 0
+    balance.correction.pitch = 0
     return 0
 
 
@@ -83,8 +82,6 @@ def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) 
     sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
     Intermediates: 16383 * 32768 < 2^30.
     """
-    correction = balance.correction
-    controller = balance.roll
     roll = pid_step(balance.roll, pose[POSE_ROLL], roll_brad)
     pitch = pid_step(balance.pitch, pose[POSE_PITCH], pitch_brad)
     size = roll
@@ -94,11 +91,11 @@ def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) 
         size -= pitch
     else:
         size += pitch
-    limit = controller.output_max
+    limit = balance.roll.output_max
     if size > limit:
         share_q15 = (limit << 15) // size
         roll = mul_q15(roll, share_q15)
         pitch = mul_q15(pitch, share_q15)
-    correction.roll = roll
-    correction.pitch = pitch
+    balance.correction.roll = roll
+    balance.correction.pitch = pitch
     return 0

@@ -93,7 +93,6 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
     A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
     """
     squares = work.squares
-    lengths = work.lengths
     flags = 0
     at = 0
     for leg in range(LEGS):
@@ -113,7 +112,7 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
         length_sq = x * x
         if squares[leg] > 0:
             length_sq += squares[leg]
-        lengths[leg] = length_sq
+        work.lengths[leg] = length_sq
         squares[leg + LEGS] = length_sq - limb.inner_sq
         squares[leg] = limb.outer_sq - length_sq
         at += 3
@@ -149,16 +148,14 @@ def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> int:
     Of the hip: one arctangent of the product of two complex numbers. Of the thigh: towards the foot. Of the calf: half
     its bend. The lead of the thigh before the foot's direction is half the bend too where thigh and calf are equal.
     """
-    drops = work.drops
     roots = work.roots
-    lengths = work.lengths
     rises = work.rises
     runs = work.runs
     count = 3 * LEGS
     at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        drop = drops[leg]
+        drop = work.drops[leg]
         y = hip_feet[at + 1]
         z = hip_feet[at + 2]
         side = limb.hip_length
@@ -171,7 +168,7 @@ def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> int:
         if limb.half_diff:
             count = 4 * LEGS
             rises[leg + 3 * LEGS] = roots[leg] * roots[leg + LEGS] >> 1
-            runs[leg + 3 * LEGS] = (lengths[leg] >> 1) + limb.half_diff
+            runs[leg + 3 * LEGS] = (work.lengths[leg] >> 1) + limb.half_diff
         at += 3
     return arctans_brad18(work.rises, work.runs, work.turns, count)
 

@@ -36,9 +36,8 @@ def crawl_start(
     joints: 12 measured brad within +-32768; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
     """
-    sent = crawl.goals
     for joint in range(JOINTS):
-        sent[joint] = goals[joint]
+        crawl.goals[joint] = goals[joint]
     forget(crawl)
     start_map(crawl, sensing, joints, roll_brad, pitch_brad)
     start_support(sensing, crawl.support)
@@ -54,23 +53,19 @@ def crawl_start(
 def forget(crawl: Crawl) -> int:
     """Put back what a step does not set anew; return 0."""
     support = crawl.support
-    path = crawl.path
-    even = crawl.even
-    stage = crawl.stage
-    event = crawl.event
     for leg in range(LEGS):
         support.stance[leg] = 0
         support.force_q12[leg] = 0
     support.heavy_q12 = 0
     support.warp = 0
     for axis in range(POSE_SIZE):
-        path.integral[axis] = 0
-        path.sag[axis] = 0
-    even.landed = 0
-    even.even_steps = 0
-    stage.ahead = 0
-    event.code = 0
-    event.number = 0
+        crawl.path.integral[axis] = 0
+        crawl.path.sag[axis] = 0
+    crawl.even.landed = 0
+    crawl.even.even_steps = 0
+    crawl.stage.ahead = 0
+    crawl.event.code = 0
+    crawl.event.number = 0
     return 0
 
 
@@ -177,9 +172,8 @@ def rebase(crawl: Crawl) -> int:
     Exact: the same whole number is taken from everything that is a place, so nothing in the robot's
     motion changes, and the numbers stay within 2^16 lu however far it walks.
     """
-    params = crawl.params
     map = crawl.map
-    far = params.leg_length << LF_BITS - 1
+    far = crawl.params.leg_length << LF_BITS - 1
     aside = far * 3 >> 1
     x = map.body_pose[0]
     y = map.body_pose[1]

@@ -115,13 +115,12 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
 @hot
 def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
     """Solve one leg into ``crawl.joints`` under the pose taken last, with its sag if it stands; return reach flags."""
-    support = crawl.support
     rotation = crawl.rotation
     place_foot(crawl, leg, swings)
     flags = reach_foot(crawl.params, leg, crawl.hip_feet, crawl.reached)
     leg_inverse(crawl.params, leg, crawl.reached, crawl.joints)
     if swings == 0:
-        load = support.load_q12[leg]
+        load = crawl.support.load_q12[leg]
         fx = load * rotation[6] + 0x2000 >> 14
         fy = load * rotation[7] + 0x2000 >> 14
         fz = load * rotation[8] + 0x2000 >> 14
@@ -132,27 +131,23 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 @hot
 def bridge(crawl: Crawl, leg: int, swings: int) -> int:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
-    joints = crawl.joints
-    goals = crawl.goals
-    jumps = crawl.jumps
     take_pose(crawl.path, swings, crawl.pose, crawl.rotation)
     leg_goal(crawl, leg, swings)
     for joint in range(leg * 3, leg * 3 + 3):
-        jumps[joint] = saturate(goals[joint] - joints[joint], -32768, 32767) << LF_BITS
+        crawl.jumps[joint] = saturate(crawl.goals[joint] - crawl.joints[joint], -32768, 32767) << LF_BITS
     return 0
 
 
 @hot
 def solve_legs(crawl: Crawl) -> int:
     """Solve the stance legs under the commanded pose, the swing leg under the wanted one; return their reach flags."""
-    support = crawl.support
     together = 0
     take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
     for leg in range(LEGS):
-        if support.stance[leg]:
+        if crawl.support.stance[leg]:
             together |= leg_goal(crawl, leg, 0)
     for leg in range(LEGS):
-        if support.stance[leg] == 0:
+        if crawl.support.stance[leg] == 0:
             take_pose(crawl.path, 1, crawl.pose, crawl.rotation)
             together |= leg_goal(crawl, leg, 1)
     return together
@@ -161,23 +156,17 @@ def solve_legs(crawl: Crawl) -> int:
 @hot
 def legs_goals(crawl: Crawl, joints: Ints) -> int:
     """Write all twelve goals (brad) of this tick into ``joints``; return the flags of reach and limits together."""
-    params = crawl.params
-    stage = crawl.stage
-    swing = crawl.swing
-    solved = crawl.joints
-    goals = crawl.goals
-    jumps = crawl.jumps
-    swing.limited = 0
+    crawl.swing.limited = 0
     together = solve_legs(crawl)
     for joint in range(JOINTS):
-        jump = jumps[joint]
-        joints[joint] = saturate(solved[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
-        jumps[joint] = jump - fraction(jump, params.crawl.jump_q15)
+        jump = crawl.jumps[joint]
+        joints[joint] = saturate(crawl.joints[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
+        crawl.jumps[joint] = jump - fraction(jump, crawl.params.crawl.jump_q15)
     for leg in range(LEGS):
         limited = limit_joints(crawl.params, leg, joints)
-        if limited and leg == stage.leg:
-            swing.limited = 1
+        if limited and leg == crawl.stage.leg:
+            crawl.swing.limited = 1
         together |= limited
     for joint in range(JOINTS):
-        goals[joint] = joints[joint]
+        crawl.goals[joint] = joints[joint]
     return together

@@ -41,11 +41,9 @@ _TRIES = const(3)
 @hot
 def enter(crawl: Crawl, next: int) -> int:
     """Begin a stage, a swing at rest; return it."""
-    stage = crawl.stage
-    swing = crawl.swing
-    stage.stage = next
-    stage.stage_tick = 0
-    swing.speed = 0
+    crawl.stage.stage = next
+    crawl.stage.stage_tick = 0
+    crawl.swing.speed = 0
     return next
 
 
@@ -53,32 +51,28 @@ def enter(crawl: Crawl, next: int) -> int:
 def tell(crawl: Crawl, code: int, z_lf: int) -> int:
     """Keep an event of the present leg with a height off the expected one; return how many so far."""
     event = crawl.event
-    stage = crawl.stage
-    even = crawl.even
     event.code = code
-    event.leg = stage.leg
+    event.leg = crawl.stage.leg
     event.z = z_lf >> LF_BITS
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
-        even.even_steps = 0
+        crawl.even.even_steps = 0
     return event.number
 
 
 @hot
 def start_stages(crawl: Crawl) -> int:
     """Begin with the shift off the first leg; return the ticks of the body's move."""
-    stage = crawl.stage
-    stage.turn = 0
-    stage.leg = _ORDER & 15
+    crawl.stage.turn = 0
+    crawl.stage.leg = _ORDER & 15
     return plan_shift(crawl)
 
 
 @hot
 def take_stage(crawl: Crawl, ahead_lf: int) -> int:
     """Take one tick of the state machine; return its stage. ahead_lf: as crawl_tick."""
-    params = crawl.params
     stage = crawl.stage
-    step = params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
+    step = crawl.params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
     stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
     stage.ahead = saturate(stage.ahead + saturate(ahead_lf, 0, step), -step, step)
     move_body(crawl.path)
@@ -96,8 +90,7 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> int:
 def swing_stage(crawl: Crawl, leg: int) -> int:
     """Take one tick of the stages in which ``leg`` is in the air; return 0."""
     stage = crawl.stage
-    swing = crawl.swing
-    keep_past(crawl.contact, swing.place[0])
+    keep_past(crawl.contact, crawl.swing.place[0])
     if stage.stage == LIFT:
         if lift_foot(crawl.params, crawl.swing):
             start_swing(crawl.params, crawl.swing)
@@ -117,8 +110,7 @@ def plan_shift(crawl: Crawl) -> int:
 
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
-    stage = crawl.stage
-    leg = stage.leg
+    leg = crawl.stage.leg
     wanted = resting_x(crawl.params, crawl.map, crawl.support)
     if steps_down(crawl.params, crawl.map, crawl.footholds, leg):
         above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
@@ -131,8 +123,7 @@ def plan_shift(crawl: Crawl) -> int:
 @hot
 def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
-    params = crawl.params
-    return (x_lf >> LF_BITS) - params.legs[leg].hip[0] + params.com_x
+    return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip[0] + crawl.params.com_x
 
 
 @hot
@@ -198,23 +189,19 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
 @hot
 def lift_off(crawl: Crawl, leg: int) -> int:
     """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
-    map = crawl.map
-    support = crawl.support
-    footholds = crawl.footholds
     swing = crawl.swing
-    contact = crawl.contact
     for axis in range(3):
-        swing.place[axis] = map.feet[leg * 3 + axis]
+        swing.place[axis] = crawl.map.feet[leg * 3 + axis]
     aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
-    support.stance[leg] = 0
-    support.share_q12[leg] = 0
+    crawl.support.stance[leg] = 0
+    crawl.support.share_q12[leg] = 0
     swing.tries = 0
     swing.risers = 0
     swing.dropped = 0
     if leg < RR:
-        footholds.taken[leg] = 0
+        crawl.footholds.taken[leg] = 0
     for at in range(PAST_SIZE):
-        contact.past[at] = swing.place[0]
+        crawl.contact.past[at] = swing.place[0]
     enter(crawl, LIFT)
     return bridge(crawl, leg, 1)
 
@@ -222,17 +209,14 @@ def lift_off(crawl: Crawl, leg: int) -> int:
 @hot
 def swing_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick across: into a riser go back and over, at the end hang; return 0."""
-    params = crawl.params
-    map = crawl.map
-    stage = crawl.stage
     swing = crawl.swing
-    there = swing_foot(crawl.swing, crawl.path, stage.stage_tick)
-    x = map.seen[leg * 3]
-    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, stage.stage_tick):
+    there = swing_foot(crawl.swing, crawl.path, crawl.stage.stage_tick)
+    x = crawl.map.seen[leg * 3]
+    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, crawl.stage.stage_tick):
         swing.risers += 1
-        tell(crawl, EVENT_RISER, map.seen[leg * 3 + 2] - swing.ground)
-        swing.place[0] = x - (params.crawl.riser_retreat << LF_BITS)
-        swing.top = swing.place[2] + (params.crawl.clear_contact << LF_BITS)
+        tell(crawl, EVENT_RISER, crawl.map.seen[leg * 3 + 2] - swing.ground)
+        swing.place[0] = x - (crawl.params.crawl.riser_retreat << LF_BITS)
+        swing.top = swing.place[2] + (crawl.params.crawl.clear_contact << LF_BITS)
         enter(crawl, LIFT)
     elif there:
         enter(crawl, HANG)
@@ -243,14 +227,11 @@ def swing_tick(crawl: Crawl, leg: int) -> int:
 def hang_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick of creeping down while the tare is taken; return 0."""
     params = crawl.params
-    stage = crawl.stage
-    support = crawl.support
-    swing = crawl.swing
-    swing.place[2] -= params.crawl.hang_speed
-    take_tare(crawl.params, crawl.contact, support.force_q12[leg], stage.stage_tick)
-    if stage.stage_tick >= params.crawl.hang_ticks:
+    crawl.swing.place[2] -= params.crawl.hang_speed
+    take_tare(crawl.params, crawl.contact, crawl.support.force_q12[leg], crawl.stage.stage_tick)
+    if crawl.stage.stage_tick >= params.crawl.hang_ticks:
         enter(crawl, LOWER)
-        swing.speed = params.crawl.hang_speed
+        crawl.swing.speed = params.crawl.hang_speed
         start_contact(crawl.contact)
     return 0
 
@@ -259,19 +240,16 @@ def hang_tick(crawl: Crawl, leg: int) -> int:
 def lower_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
     params = crawl.params
-    map = crawl.map
-    support = crawl.support
     swing = crawl.swing
-    contact = crawl.contact
     lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing, leg)
-    touches = feel_ground(crawl.params, crawl.contact, support.force_q12[leg], swing.speed, leg)
-    z = map.seen[leg * 3 + 2]
+    touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg], swing.speed, leg)
+    z = crawl.map.seen[leg * 3 + 2]
     below = swing.ground - swing.place[2] >> LF_BITS
     if swing.tries < _TRIES and corner_lift(crawl.params, crawl.map, crawl.path, leg) > params.crawl.shin_lift:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
-    elif below > params.crawl.drop_depth and contact.load_ticks == 0 and swing.tries < _TRIES and (
+    elif below > params.crawl.drop_depth and crawl.contact.load_ticks == 0 and swing.tries < _TRIES and (
         leg >= RR or swing.dropped == 0
     ):
         find_ground(crawl, leg)
@@ -292,9 +270,8 @@ def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> int:
 def free_shin(crawl: Crawl, leg: int) -> int:
     """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
     params = crawl.params
-    map = crawl.map
     swing = crawl.swing
-    z = map.seen[leg * 3 + 2]
+    z = crawl.map.seen[leg * 3 + 2]
     tell(crawl, EVENT_SHIN, z - swing.ground)
     top = z + (params.crawl.shin_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
@@ -310,7 +287,6 @@ def free_shin(crawl: Crawl, leg: int) -> int:
 def touch(crawl: Crawl, leg: int, z: int) -> int:
     """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be; return 0."""
     params = crawl.params
-    map = crawl.map
     swing = crawl.swing
     edge = params.crawl.edge_height << LF_BITS
     rise = z - swing.ground
@@ -323,7 +299,7 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     further = params.crawl.edge_advance
     if leg < RR:
         swing.ground = z
-    elif swing.ground >= map.feet[leg * 3 + 2] - edge:
+    elif swing.ground >= crawl.map.feet[leg * 3 + 2] - edge:
         further = -params.crawl.edge_retreat
     lift_again(crawl, swing.place[0] + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
     return 0
@@ -341,13 +317,12 @@ def find_ground(crawl: Crawl, leg: int) -> int:
 def drop_front(crawl: Crawl, leg: int) -> int:
     """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
     params = crawl.params
-    map = crawl.map
     swing = crawl.swing
     other = (FR + FL - leg) * 3
     swing.dropped = 1
     low = swing.ground - (params.crawl.edge_height * 2 // 3 << LF_BITS)
     behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
-    if map.feet[other + 2] < low and map.feet[other] < behind:
+    if crawl.map.feet[other + 2] < low and crawl.map.feet[other] < behind:
         return 0
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
@@ -360,10 +335,9 @@ def drop_front(crawl: Crawl, leg: int) -> int:
 def drop_hind(crawl: Crawl, leg: int) -> int:
     """No ground where the foothold is: further on when it goes up, else nearer; return 0."""
     params = crawl.params
-    map = crawl.map
     swing = crawl.swing
     further = -params.crawl.edge_advance
-    if swing.target[2] > map.feet[leg * 3 + 2] + (params.crawl.edge_height << LF_BITS):
+    if swing.target[2] > crawl.map.feet[leg * 3 + 2] + (params.crawl.edge_height << LF_BITS):
         further = params.crawl.edge_advance
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     top = swing.ground + (params.crawl.clear_contact << LF_BITS)
@@ -374,24 +348,20 @@ def drop_hind(crawl: Crawl, leg: int) -> int:
 @hot
 def land(crawl: Crawl, leg: int) -> int:
     """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
-    params = crawl.params
     map = crawl.map
-    support = crawl.support
-    footholds = crawl.footholds
     stage = crawl.stage
-    swing = crawl.swing
     for axis in range(leg * 3, leg * 3 + 3):
         map.feet[axis] = map.seen[axis]
-    support.stance[leg] = 1
-    support.share_q12[leg] = 0
-    tell(crawl, EVENT_LANDED, map.feet[leg * 3 + 2] - swing.ground)
+    crawl.support.stance[leg] = 1
+    crawl.support.share_q12[leg] = 0
+    tell(crawl, EVENT_LANDED, map.feet[leg * 3 + 2] - crawl.swing.ground)
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
-        footholds.taken[leg] = 1
+        crawl.footholds.taken[leg] = 1
     note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3
     stage.leg = _ORDER >> (stage.turn << 2) & 15
-    stage.ahead -= params.crawl.stride << LF_BITS - 2
+    stage.ahead -= crawl.params.crawl.stride << LF_BITS - 2
     enter(crawl, REST)
     return 0

@@ -57,7 +57,6 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
     It begins from a stand, when its gait is commanded and a way that it can go. Without measured joints or attitude it
     does not (BLIND).
     """
-    valid = sensed.valid
     status = planner.status
     gait = planner.gait
     if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
@@ -67,7 +66,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
         crawls = 1
     elif held_up_for_good(planner) == 0:
         return 0
-    if valid.joints == 0 or valid.tilt == 0:
+    if sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         status.flags |= BLIND
         return 0
     if crawls:
@@ -80,22 +79,15 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
 @hot
 def back_off(planner: PlannerState) -> int:
     """The held-up trot begins to back off, with low swings: behind it the ground is known; return 0: it trots on."""
-    status = planner.status
-    trot = planner.trot
-    state = trot.state
-    state.high_left = 0
-    status.backs = 1
+    planner.trot.state.high_left = 0
+    planner.status.backs = 1
     return retreat_start(planner.retreat)
 
 
 @hot
 def held_up_for_good(planner: PlannerState) -> int:
     """Return 1 if the trot has been held up for longer than over any step it takes, else 0."""
-    params = planner.params
-    status = planner.status
-    trot = planner.trot
-    state = trot.state
-    if status.mover == MOVER_TROT and state.held_ticks > params.rate_hz * _HELD_S:
+    if planner.status.mover == MOVER_TROT and planner.trot.state.held_ticks > planner.params.rate_hz * _HELD_S:
         return 1
     return 0
 
@@ -106,21 +98,18 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
     It is given up when the command is no longer one for it, or when the senses it needs are missing.
     """
-    valid = sensed.valid
     status = planner.status
     gait = planner.gaits[wanted_gait(planner, command)]
-    trot = planner.trot
-    state = trot.state
     keeps_on = straight_on(planner.params, command)
     if command.mode != MODE_WALK or status.fallen or exchanges(gait.mover) == 0:
         keeps_on = 0
-    if keeps_on == 0 or valid.joints == 0 or valid.tilt == 0:
+    if keeps_on == 0 or sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         status.backs = 0
         return 0
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, state.seen[0], standing, planner.retreat, planner.back):
+    if retreat_step(planner.params, command, planner.trot.state.seen[0], standing, planner.retreat, planner.back):
         status.backs = 0
         return 1
     return 0

@@ -28,11 +28,9 @@ def watch_weight(planner: PlannerState) -> int:
     Intermediates: 2^17 * 2^8, at 20 Hz.
     """
     status = planner.status
-    params = planner.params
-    odometry = planner.odometry
     if status.shifts:
         return status.lifted
-    status.felt_q12 += (odometry.carried_q12 - status.felt_q12) * (5120 // (params.rate_hz + 5)) >> 10
+    status.felt_q12 += (planner.odometry.carried_q12 - status.felt_q12) * (5120 // (planner.params.rate_hz + 5)) >> 10
     if status.carries == 0:
         ask(planner)
     elif status.felt_q12 < _QUARTER_Q12:
@@ -47,13 +45,10 @@ def watch_weight(planner: PlannerState) -> int:
 def ask(planner: PlannerState) -> int:
     """See whether the feet carry the robot: when it has risen, before it walks, or while it stands; return 1 if so."""
     status = planner.status
-    params = planner.params
-    sensing = planner.sensing
-    odometry = planner.odometry
-    risen = params.sent_ticks + _RISEN
-    if sensing.known == risen:
-        status.felt_q12 = odometry.carried_q12
-    if status.felt_q12 >= _HALF_Q12 and (sensing.known == risen or status.state == STANDING):
+    risen = planner.params.sent_ticks + _RISEN
+    if planner.sensing.known == risen:
+        status.felt_q12 = planner.odometry.carried_q12
+    if status.felt_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
         status.carries = 1
     return status.carries
 

@@ -21,10 +21,9 @@ from .walk_trot import start_trot, stop_trot, walk_trot
 @hot
 def change_mover(planner: PlannerState, mover: int) -> int:
     """Let ``mover`` have the ticks from now on; return it."""
-    status = planner.status
-    if mover != status.mover:
+    if mover != planner.status.mover:
         stop_mover(planner)
-        status.mover = mover
+        planner.status.mover = mover
         start_mover(planner, mover)
     return mover
 
@@ -58,9 +57,8 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 @hot
 def stop_mover(planner: PlannerState) -> int:
     """End the work of the mover at work; return 0. A table, which ends with its feet at rest, needs no stop."""
-    status = planner.status
-    if status.mover == MOVER_CRAWL:
+    if planner.status.mover == MOVER_CRAWL:
         stop_crawl(planner)
-    elif status.mover == MOVER_TROT:
+    elif planner.status.mover == MOVER_TROT:
         stop_trot(planner)
     return 0

@@ -52,7 +52,6 @@ class Planner(PlannerState):
 def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of the planner; returns its flags."""
     status = planner.status
-    sensing = planner.sensing
     status.flags = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
@@ -69,7 +68,7 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     if follow_way(planner):
         watch_weight(planner)
     follow_goals(planner.params, planner.goal, planner.joints)
-    if sensing.known:
+    if planner.sensing.known:
         keep_sent(planner.sensing, planner.joints)
     return status.flags
 
@@ -77,10 +76,9 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 @hot
 def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """One tick of standing or walking by the mover whose turn it is; return why it gave way, or REASON_NONE."""
-    status = planner.status
     change_mover(planner, choose_mover(planner, command, sensed))
     reason = tick_mover(planner, command, sensed)
     if reason:
-        status.reason = reason
+        planner.status.reason = reason
         change_mover(planner, MOVER_TROT)
     return reason

@@ -17,36 +17,31 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> int:
 
     Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
     """
-    status = planner.status
-    params = planner.params
     valid = sensed.valid
     believed = planner.sensed
     known = believed.valid
     known.tilt = 0
     if valid.tilt:
-        odd = believe(sensed.tilt, 2, params.tilt_step, believed.tilt, planner.tilt_past)
+        odd = believe(sensed.tilt, 2, planner.params.tilt_step, believed.tilt, planner.tilt_past)
         known.tilt = note_odd(planner, odd)
     known.joints = 0
     if valid.joints:
-        odd = believe(sensed.joints, JOINTS, params.read_step, believed.joints, planner.joints_past)
-        if status.met == 0:
+        odd = believe(sensed.joints, JOINTS, planner.params.read_step, believed.joints, planner.joints_past)
+        if planner.status.met == 0:
             meet(planner, believed.joints)
         known.joints = note_odd(planner, odd)
-        status.met |= known.joints
+        planner.status.met |= known.joints
     known.turned = valid.turned
-    turned = sensed.turned
-    kept = believed.turned
     for axis in range(3):
-        kept[axis] = turned[axis]
+        believed.turned[axis] = sensed.turned[axis]
     return 0
 
 
 @hot
 def note_odd(planner: PlannerState, odd: int) -> int:
     """Set ODD_READING if some readings were odd; return 1 if the others are known (``odd`` is not -1), else 0."""
-    status = planner.status
     if odd > 0:
-        status.flags |= ODD_READING
+        planner.status.flags |= ODD_READING
     if odd < 0:
         return 0
     return 1
@@ -55,11 +50,9 @@ def note_odd(planner: PlannerState, odd: int) -> int:
 @hot
 def meet(planner: PlannerState, read: Ints) -> int:
     """Take the joints as they were read as the goals; return 0."""
-    joints = planner.joints
-    goal = planner.goal
     for joint in range(JOINTS):
-        goal[joint] = read[joint]
-        joints[joint] = read[joint]
+        planner.goal[joint] = read[joint]
+        planner.joints[joint] = read[joint]
     return 0
 
 
@@ -69,23 +62,18 @@ def feel_legs(planner: PlannerState) -> int:
 
     Where the tilt is not known it is taken as none. What is not measured tells nothing.
     """
-    status = planner.status
-    sensing = planner.sensing
-    sensed = planner.sensed
-    valid = sensed.valid
-    tilt = sensed.tilt
-    if status.state != STANDING and status.state != WALKING:
-        if sensing.known:
+    if planner.status.state != STANDING and planner.status.state != WALKING:
+        if planner.sensing.known:
             sensing_reset(planner.sensing)
         return 0
-    if valid.joints == 0:
+    if planner.sensed.valid.joints == 0:
         return 0
     roll = 0
     pitch = 0
-    if valid.tilt:
-        roll = saturate(tilt[0], -32768, 32767)
-        pitch = saturate(tilt[1], -32768, 32767)
-    return sense_legs(planner.params, sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
+    if planner.sensed.valid.tilt:
+        roll = saturate(planner.sensed.tilt[0], -32768, 32767)
+        pitch = saturate(planner.sensed.tilt[1], -32768, 32767)
+    return sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 
 @hot
@@ -95,10 +83,7 @@ def follow_way(planner: PlannerState) -> int:
     In the hand they tell no way, only what they carry.
     """
     status = planner.status
-    sensing = planner.sensing
-    sensed = planner.sensed
-    valid = sensed.valid
-    if sensing.known == 0 or valid.joints == 0:
+    if planner.sensing.known == 0 or planner.sensed.valid.joints == 0:
         odometry_lost(planner.odometry)
         return 0
     if status.lifted:

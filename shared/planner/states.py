@@ -70,20 +70,18 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
-    valid = sensed.valid
     tilt = sensed.tilt
     status = planner.status
-    params = planner.params
     if mode == MODE_LIMP or mode == MODE_SIT:
         status.fallen = 0
-    most = params.tilt_max
+    most = planner.params.tilt_max
     tilted = 0
     if tilt[0] > most or tilt[0] < -most or tilt[1] > most or tilt[1] < -most:
         tilted = status.tilted + 1
-    if valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
+    if sensed.valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
         tilted = 0
     status.tilted = tilted
-    if tilted > params.tilt_ticks:
+    if tilted > planner.params.tilt_ticks:
         status.fallen = 1
         status.tilted = 0
     return status.fallen
@@ -96,10 +94,9 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
     """
-    valid = sensed.valid
     status = planner.status
     known = 0
-    if valid.joints:
+    if sensed.valid.joints:
         known = joints_near(planner.params, sensed.joints, planner.joints)
     if status.state == LIMP and known == 0:
         status.flags |= NO_JOINTS
@@ -135,28 +132,22 @@ def end_move(planner: PlannerState) -> int:
 @hot
 def lie_folded(planner: PlannerState) -> int:
     """Want all legs folded at the sides; return 0."""
-    params = planner.params
-    goal = planner.goal
     for leg in range(LEGS):
-        lies = params.legs[leg].lies
+        lies = planner.params.legs[leg].lies
         for joint in range(3):
-            goal[leg * 3 + joint] = lies[joint]
+            planner.goal[leg * 3 + joint] = lies[joint]
     return 0
 
 
 @hot
 def settle(planner: PlannerState) -> int:
     """Forget all motion: feet at rest under a level body, speed 0; return 0."""
-    speed = planner.speed
-    pose = planner.pose
-    posed = planner.posed
     for axis in range(SPEED_SIZE):
-        speed[axis] = 0
+        planner.speed[axis] = 0
     for axis in range(POSE_SIZE):
-        pose[axis] = 0
-        posed[axis] = 0
-    fade = planner.fade
-    fade.left = 0
+        planner.pose[axis] = 0
+        planner.posed[axis] = 0
+    planner.fade.left = 0
     status = planner.status
     status.mover = MOVER_TABLE
     status.backs = 0
@@ -176,22 +167,16 @@ def settle(planner: PlannerState) -> int:
 @hot
 def fold_legs(planner: PlannerState) -> int:
     """Raise all planned feet to the seat's height under the hips; return 0."""
-    params = planner.params
-    feet = planner.feet
     for leg in range(LEGS):
-        feet[leg * 3 + 2] = params.legs[leg].hip[2] + params.sit_z
+        planner.feet[leg * 3 + 2] = planner.params.legs[leg].hip[2] + planner.params.sit_z
     return 0
 
 
 @hot
 def follow_joints(planner: PlannerState, sensed: Sensed) -> int:
     """Limp: the goals are where the joints are, and nothing holds them; return 0."""
-    valid = sensed.valid
-    joints = sensed.joints
-    status = planner.status
-    goal = planner.goal
-    status.flags |= NOT_DRIVEN
-    if valid.joints:
+    planner.status.flags |= NOT_DRIVEN
+    if sensed.valid.joints:
         for joint in range(JOINTS):
-            goal[joint] = joints[joint]
+            planner.goal[joint] = sensed.joints[joint]
     return 0

@@ -57,11 +57,10 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     (POSE_HELD). A leg in the air only cuts its own swing short.
     """
     status = planner.status
-    pose = planner.pose
     posed = 0
     other = 0
     for axis in range(POSE_SIZE):
-        if pose[axis]:
+        if planner.pose[axis]:
             posed = 1
         if status.held[axis] != command.pose[axis]:
             other = 1
@@ -81,11 +80,9 @@ def hold_back(planner: PlannerState, command: Command) -> int:
 @hot
 def lift_height(planner: PlannerState, height_lu: int) -> int:
     """Return how high a swing lifts, lu: as commanded (0 or less: the gait's own), within reach."""
-    status = planner.status
-    params = planner.params
     if height_lu <= 0:
-        height_lu = status.height
-    return saturate(height_lu, 0, -params.sit_z)
+        height_lu = planner.status.height
+    return saturate(height_lu, 0, -planner.params.sit_z)
 
 
 @hot
@@ -121,16 +118,14 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
     """
     gait = planner.gait
     other = planner.gaits[wanted]
-    speed = planner.speed
-    top = planner.top
     fits = 1
     for axis in range(SPEED_SIZE):
         most = other.speed_max[axis]
-        if speed[axis] > most or speed[axis] < -most:
+        if planner.speed[axis] > most or planner.speed[axis] < -most:
             fits = 0
         if gait.speed_max[axis] < most:
             most = gait.speed_max[axis]
-        top[axis] = most
+        planner.top[axis] = most
     return fits
 
 
@@ -148,14 +143,12 @@ def wanted_gait(planner: PlannerState, command: Command) -> int:
 @hot
 def use_gait(planner: PlannerState, gait: int) -> int:
     """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
-    status = planner.status
-    params = planner.params
     clock = planner.clock
     clock.tick = 0
     clock.made_q10 = 0
     clock.segment = 0
-    status.gait = gait
+    planner.status.gait = gait
     planner.gait = planner.gaits[gait]
     taken = planner.gait
-    status.height = (taken.height_mm << params.length_shift) // 1000
+    planner.status.height = (taken.height_mm << planner.params.length_shift) // 1000
     return 0

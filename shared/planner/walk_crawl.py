@@ -18,11 +18,9 @@ from .steps import use_gait, wanted_gait
 @hot
 def start_crawl(planner: PlannerState) -> int:
     """Stand as the feet are; the crawl begins once the joints' loads are known; return 0."""
-    speed = planner.speed
-    stage = planner.crawl.stage
     for axis in range(SPEED_SIZE):
-        speed[axis] = 0
-    stage.stage = STILL
+        planner.speed[axis] = 0
+    planner.crawl.stage.stage = STILL
     return 0
 
 
@@ -32,20 +30,14 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
     While joints or attitude are missing the goals stay as they are. It is STANDING where the crawl rests.
     """
-    valid = sensed.valid
-    tilt = sensed.tilt
-    status = planner.status
-    params = planner.params
-    sensing = planner.sensing
-    stage = planner.crawl.stage
-    if valid.joints == 0 or valid.tilt == 0:
-        status.flags |= BLIND
+    if sensed.valid.joints == 0 or sensed.valid.tilt == 0:
+        planner.status.flags |= BLIND
         return REASON_NONE
-    roll = saturate(tilt[0], -32768, 32767)
-    pitch = saturate(tilt[1], -32768, 32767)
-    if stage.stage == STILL and sensing.known > params.sent_ticks + 1:
+    roll = saturate(sensed.tilt[0], -32768, 32767)
+    pitch = saturate(sensed.tilt[1], -32768, 32767)
+    if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.sent_ticks + 1:
         crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
-    if stage.stage == STILL:
+    if planner.crawl.stage.stage == STILL:
         return REASON_NONE
     return crawl_on(planner, command, sensed, roll, pitch)
 
@@ -54,7 +46,6 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int, pitch: int) -> int:
     """One tick of the begun crawl; return why it gives way now, or REASON_NONE. roll, pitch: brad."""
     status = planner.status
-    support = planner.crawl.support
     stage = planner.crawl.stage
     reason = gives_way(planner, command)
     ahead = command.speed[0]
@@ -62,9 +53,9 @@ def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int,
         ahead = 0
     status.flags |= crawl_tick(planner.crawl, planner.sensing, sensed.joints, roll, pitch, ahead, planner.goal)
     status.swinging = 0
-    if support.stance[stage.leg] == 0:
+    if planner.crawl.support.stance[stage.leg] == 0:
         status.swinging = 1 << stage.leg
-    status.margin = support.margin
+    status.margin = planner.crawl.support.margin
     status.state = WALKING
     if stage.stage != REST:
         return REASON_NONE
@@ -80,7 +71,6 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     A gait that does not crawl is commanded, or a way the crawl cannot go; where the gait is a trot's, also on
     even ground. A command of no speed at all lets it rest.
     """
-    status = planner.status
     wanted = wanted_gait(planner, command)
     gait = planner.gaits[wanted]
     if command.mode != MODE_WALK:
@@ -91,7 +81,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
-    if gait.mover == MOVER_TROT and status.gait != wanted:
+    if gait.mover == MOVER_TROT and planner.status.gait != wanted:
         return REASON_COMMAND
     use_gait(planner, wanted)
     if gait.mover != MOVER_CRAWL and ground_even(planner.crawl.even):
@@ -102,9 +92,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
 @hot
 def stop_crawl(planner: PlannerState) -> int:
     """End the crawl, which rests: the trot walks on from the goals sent last; return 0."""
-    status = planner.status
-    speed = planner.speed
     for axis in range(SPEED_SIZE):
-        speed[axis] = 0
-    status.state = WALKING
+        planner.speed[axis] = 0
+    planner.status.state = WALKING
     return 0

@@ -19,13 +19,11 @@ def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     The first cycle is walked at half speed: all feet start at rest, in the middle of their way, and the last to
     swing would else be left a whole stride behind.
     """
-    status = planner.status
-    clock = planner.clock
     wanted = wanted_gait(planner, command)
     fits = limit_to_both(planner, wanted)
-    still = follow_command(planner, command, 1 + status.cycles)
+    still = follow_command(planner, command, 1 + planner.status.cycles)
     if stands(planner, still) == 0:
-        if clock.tick == 0:
+        if planner.clock.tick == 0:
             start_swings(planner.gait, planner.clock, planner.steps)
         step_feet(planner, lift_height(planner, command.height))
         next_cycle(planner, wanted, fits, still)

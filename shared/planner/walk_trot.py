@@ -21,18 +21,12 @@ from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 @hot
 def start_trot(planner: PlannerState) -> int:
     """Begin where the goals sent last have the feet; return 0."""
-    trot = planner.trot
-    work = trot.work
-    feet = trot.feet
-    sent = planner.feet
-    pose = planner.pose
-    posed = trot.posed
     trot_reset(planner.params, planner.trot)
-    legs_forward(planner.params, planner.joints, work.waves, planner.feet)
+    legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
     for at in range(JOINTS):
-        feet[at] = sent[at] << LF_BITS
+        planner.trot.feet[at] = planner.feet[at] << LF_BITS
     for axis in range(POSE_SIZE):
-        posed[axis] = pose[axis]
+        planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
     return 0
 
@@ -44,9 +38,7 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     Without measured joints, tilt or rates it goes on by what it is told (BLIND).
     """
     status = planner.status
-    trot = planner.trot
-    state = trot.state
-    wish = trot.wish
+    wish = planner.trot.wish
     still = follow_trot(planner, command)
     if status.state == STANDING and still == 0:
         status.state = WALKING
@@ -62,7 +54,7 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         status.beyond = 1
     if wish.moving and still and trot_done(planner.trot):
         status.state = STANDING
-    if state.known == 0:
+    if planner.trot.state.known == 0:
         status.flags |= BLIND
         if command.balance:
             status.flags |= NO_ATTITUDE
@@ -75,21 +67,16 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
 
     What another mover is to walk it does not: it comes to a stand.
     """
-    params = planner.params
-    status = planner.status
-    trot = planner.trot
-    state = trot.state
-    top = planner.top
     wanted = wanted_gait(planner, command)
     limit_to_both(planner, wanted)
-    if state.high_left:
+    if planner.trot.state.high_left:
         for axis in range(2):
-            top[axis] = saturate(top[axis], 0, params.trot.high_speed)
+            planner.top[axis] = saturate(planner.top[axis], 0, planner.params.trot.high_speed)
     halves = 0
     gait = planner.gaits[wanted]
     if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and straight_on(planner.params, command) == 0):
         halves = 2
-        if status.gait != wanted:
+        if planner.status.gait != wanted:
             use_gait(planner, wanted)
     return follow_command(planner, command, halves)
 
@@ -97,32 +84,22 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
 @hot
 def tell_trot(planner: PlannerState) -> int:
     """Write the feet, in the body, and the legs in swing to where the planner tells them; return those, bits."""
-    status = planner.status
-    trot = planner.trot
-    state = trot.state
-    planned = trot.feet
-    hip_feet = trot.hip_feet
-    feet = planner.feet
-    reached = planner.reached
     for at in range(JOINTS):
-        feet[at] = planned[at] >> LF_BITS
-        reached[at] = hip_feet[at]
-    leg_flags = planner.leg_flags
+        planner.feet[at] = planner.trot.feet[at] >> LF_BITS
+        planner.reached[at] = planner.trot.hip_feet[at]
     for leg in range(LEGS):
-        leg_flags[leg] = 0
-    status.swinging = state.swinging
-    status.margin = 0
-    return state.swinging
+        planner.leg_flags[leg] = 0
+    planner.status.swinging = planner.trot.state.swinging
+    planner.status.margin = 0
+    return planner.trot.state.swinging
 
 
 @hot
 def stop_trot(planner: PlannerState) -> int:
     """End the trot, which stands: another goes on from its goals; return 0."""
-    status = planner.status
-    speed = planner.speed
     for axis in range(SPEED_SIZE):
-        speed[axis] = 0
+        planner.speed[axis] = 0
     steps_reset(planner.params, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
-    status.cycles = 0
+    planner.status.cycles = 0
     return 0

@@ -87,8 +87,6 @@ def sense_legs(
     the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
-    now = feet.now
-    before = feet.before
     sensing.roll = roll_brad
     sensing.pitch = pitch_brad
     sensing.roll_sine_q13 = sin_q15(roll_brad) >> 2
@@ -100,7 +98,7 @@ def sense_legs(
     if sensing.known > params.sent_ticks:
         sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
     for at in range(JOINTS):
-        before[at] = now[at]
+        feet.before[at] = feet.now[at]
     legs_forward(params, joints, feet.waves, feet.now)
     keep_feet(joints, feet.now, sensing)
     for leg in range(LEGS):

@@ -96,13 +96,12 @@ def odometry_step(
     swinging: legs that are planned to swing, bits. walks 0: the robot stands. After 10 m over feet that stay the place
     is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
     """
-    valid = sensed.valid
     total = weigh_feet(params, sensing, swinging, odometry)
     see_feet(sensing, total, odometry)
     if odometry.known:
         turn = 0
         odometry.gyro = 0
-        if walks and valid.turned and valid.tilt and params.lateral_q12:
+        if walks and sensed.valid.turned and sensed.valid.tilt and params.lateral_q12:
             odometry.gyro = 1
             turn = turn_of_body(sensing, sensed.turned)
         elif total:

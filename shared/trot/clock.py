@@ -17,10 +17,9 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
     ``still`` 1: the command is to stand. One that is not to move stands, in the middle between two swings.
     """
     state = walk.state
-    wish = walk.wish
     setup = params.trot
     step = setup.phase_step_q20
-    if wish.moving == 0:
+    if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
         return stand_all(walk)
@@ -30,7 +29,6 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
     elif state.still_q20 < _STILL_MAX:
         state.still_q20 += step
     stands = walk.stands
-    early = walk.early
     state.swinging = 0
     state.standing = 0
     for leg in range(LEGS):
@@ -39,14 +37,14 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
             part = part + (CYCLE_Q20 >> 1) & CYCLE_Q20 - 1
         part -= setup.stance_q20
         if part < 0:
-            early[leg] = 0
+            walk.early[leg] = 0
             stands[leg] = 1
         else:
             share = (part >> 5) * setup.swing_rate_q13 >> 13
             if share > 32767:
                 share = 32767
             state.swing_q15 = share
-            if early[leg] == 0:
+            if walk.early[leg] == 0:
                 if stands[leg]:
                     count_held(params, walk, leg)
                     lift_off(walk, leg)
@@ -61,12 +59,9 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
 @hot
 def stand_all(walk: Trot) -> int:
     """All legs stand; return how many."""
-    state = walk.state
-    stands = walk.stands
-    early = walk.early
     for leg in range(LEGS):
-        stands[leg] = 1
-        early[leg] = 0
-    state.swinging = 0
-    state.standing = LEGS
+        walk.stands[leg] = 1
+        walk.early[leg] = 0
+    walk.state.swinging = 0
+    walk.state.standing = LEGS
     return LEGS

@@ -47,13 +47,11 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
     Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
     """
     state = walk.state
-    past_stands = walk.past_stands
     measured = walk.measured
-    before = walk.before
     about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
     about_y = saturate(turned[1], -_TURN_MAX, _TURN_MAX)
     about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
-    stood = past_stands[state.ring_at - params.sent_ticks - 1 & 15] & past_stands[state.ring_at - 1 & 15]
+    stood = walk.past_stands[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stands[state.ring_at - 1 & 15]
     count = 0
     ahead = 0
     aside = 0
@@ -63,8 +61,8 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
             x = measured[at] >> 1
             y = measured[at + 1] >> 1
             z = measured[at + 2] >> 1
-            ahead -= (measured[at] - before[at] << LF_BITS) + (about_y * z - about_z * y >> 9)
-            aside -= (measured[at + 1] - before[at + 1] << LF_BITS) + (about_z * x - about_x * z >> 9)
+            ahead -= (measured[at] - walk.before[at] << LF_BITS) + (about_y * z - about_z * y >> 9)
+            aside -= (measured[at + 1] - walk.before[at + 1] << LF_BITS) + (about_z * x - about_x * z >> 9)
             count += 1
         at += 3
     if count:
@@ -79,12 +77,9 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
 @hot
 def free_feet(params: Params, walk: Trot) -> int:
     """Begin the residuals: every foot is where it was sent; return 0."""
-    state = walk.state
-    past_feet = walk.past_feet
-    free_q4 = walk.free_q4
-    sent = (state.ring_at - params.sent_ticks & 15) * 2 * LEGS
+    sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
     for at in range(2 * LEGS):
-        free_q4[at] = past_feet[sent + at] << 4
+        walk.free_q4[at] = walk.past_feet[sent + at] << 4
     return 0
 
 
@@ -95,23 +90,19 @@ def see_residual(params: Params, walk: Trot) -> int:
     That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
     1/16 lu. Intermediates: 2^17 * 2^12.
     """
-    state = walk.state
-    measured = walk.measured
-    past_feet = walk.past_feet
     free_q4 = walk.free_q4
-    residual = walk.residual
     share_q12 = params.trot.free_lag_q12
-    sent = (state.ring_at - params.sent_ticks & 15) * 2 * LEGS
+    sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
     foot = 0
     for at in range(0, 2 * LEGS, 2):
-        gap = (past_feet[sent + at] << 4) - free_q4[at]
-        rise = (past_feet[sent + at + 1] << 4) - free_q4[at + 1]
+        gap = (walk.past_feet[sent + at] << 4) - free_q4[at]
+        rise = (walk.past_feet[sent + at + 1] << 4) - free_q4[at + 1]
         if gap > _GAP_MAX or gap < -_GAP_MAX or rise > _GAP_MAX or rise < -_GAP_MAX:
             gap = saturate(gap, -_GAP_MAX, _GAP_MAX)
             rise = saturate(rise, -_GAP_MAX, _GAP_MAX)
         free_q4[at] += gap * share_q12 + 2048 >> 12
         free_q4[at + 1] += rise * share_q12 + 2048 >> 12
-        residual[at] = measured[foot] - (free_q4[at] >> 4)
-        residual[at + 1] = measured[foot + 2] - (free_q4[at + 1] >> 4)
+        walk.residual[at] = walk.measured[foot] - (free_q4[at] >> 4)
+        walk.residual[at + 1] = walk.measured[foot + 2] - (free_q4[at + 1] >> 4)
         foot += 3
     return 0

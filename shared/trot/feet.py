@@ -25,14 +25,13 @@ def stand_feet(params: Params, walk: Trot) -> int:
     """
     state = walk.state
     feet = walk.feet
-    stands = walk.stands
     half = params.leg_length << LF_BITS - 1
     about_x = state.roll_18
     about_y = state.pitch_18
     about_z = state.turn_18
     at = 0
     for leg in range(LEGS):
-        if stands[leg]:
+        if walk.stands[leg]:
             rest = params.legs[leg].rest
             x = feet[at] >> LF_BITS + 1
             y = feet[at + 1] >> LF_BITS + 1
@@ -61,11 +60,9 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
     A leg that can't lift its corner of the body gives all its force, whichever way that points, and throws the body
     ahead. What is beyond 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
     """
-    state = walk.state
-    residual = walk.residual
-    if state.known <= params.sent_ticks:
+    if walk.state.known <= params.sent_ticks:
         return 0
-    over = saturate(residual[leg * 2 + 1] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
+    over = saturate(walk.residual[leg * 2 + 1] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
     return over * params.trot.raise_q16 >> 4
 
 
@@ -75,8 +72,6 @@ def lift_off(walk: Trot, leg: int) -> int:
     state = walk.state
     feet = walk.feet
     starts = walk.starts
-    ascent = walk.ascent
-    short = walk.short
     at = leg * 3
     x = feet[at] >> LF_BITS
     y = feet[at + 1] >> LF_BITS
@@ -85,8 +80,8 @@ def lift_off(walk: Trot, leg: int) -> int:
     z += y * state.roll_q14 >> 14
     starts[at] = x + (z * state.pitch_q14 >> 14)
     starts[at + 2] = z - (x * state.pitch_q14 >> 14)
-    ascent[leg] = 0
-    short[leg] = 0
+    walk.ascent[leg] = 0
+    walk.short[leg] = 0
     return 0
 
 
@@ -107,11 +102,8 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> int:
     the way for which the pendulum of the body's height goes on evenly, and further by what the speed is wrong.
     All in level axes, then turned into the body with the tilt to come. Intermediates: 32767 * 32767 + 2^14.
     """
-    state = walk.state
     setup = params.trot
-    stands = walk.stands
-    tops = walk.tops
-    share = state.swing_q15
+    share = walk.state.swing_q15
     ahead = share * setup.ahead_rate_q13 >> 13
     if ahead > 32767:
         ahead = 32767
@@ -120,9 +112,9 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> int:
     up = 32767 - cos_q15(share << 1) >> 1
     low = -setup.height - pose[2]
     for leg in range(LEGS):
-        if stands[leg] == 0:
+        if walk.stands[leg] == 0:
             swing_foot(params, walk, leg, pose, share, way)
-            settle_foot(walk, leg, mul_q15(tops[leg], up), low, down)
+            settle_foot(walk, leg, mul_q15(walk.tops[leg], up), low, down)
     return 0
 
 
@@ -134,9 +126,7 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int,
     """
     state = walk.state
     setup = params.trot
-    feet = walk.feet
     starts = walk.starts
-    short = walk.short
     rest = params.legs[leg].rest
     at = leg * 3
     x = rest[0] + params.com_x - pose[0]
@@ -148,10 +138,10 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int,
     back = saturate((state.drive[0] - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - starts[at] + back, -_FAR, _FAR)
     x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
-    feet[at] = x - short[leg] << LF_BITS
+    walk.feet[at] = x - walk.short[leg] << LF_BITS
     back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
-    feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
+    walk.feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
     return 0
 
 
@@ -164,12 +154,11 @@ def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> i
     """
     state = walk.state
     feet = walk.feet
-    starts = walk.starts
     at = leg * 3
     x = saturate(feet[at] >> LF_BITS, -_WIDE, _WIDE)
     y = saturate(feet[at + 1] >> LF_BITS, -_WIDE, _WIDE)
     low += ground_z(walk, x, y)
-    z = starts[at + 2] + mul_q15(saturate(low - starts[at + 2], -_FAR, _FAR), down_q15) + lifted
+    z = walk.starts[at + 2] + mul_q15(saturate(low - walk.starts[at + 2], -_FAR, _FAR), down_q15) + lifted
     z = saturate(z, -_FAR, _FAR)
     feet[at] = x - (z * state.pitch_q14 >> 14) << LF_BITS
     z += x * state.pitch_q14 >> 14

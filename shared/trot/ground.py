@@ -22,13 +22,12 @@ def feel_slope(params: Params, walk: Trot) -> int:
     mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
     measured = walk.measured
-    stands = walk.stands
     middle_x = 0
     middle_y = 0
     middle_z = 0
     count = 0
     for leg in range(LEGS):
-        if stands[leg]:
+        if walk.stands[leg]:
             middle_x += measured[leg * 3]
             middle_y += measured[leg * 3 + 1]
             middle_z += level_z(walk, leg)
@@ -42,7 +41,7 @@ def feel_slope(params: Params, walk: Trot) -> int:
     along_y = 0
     square = 0
     for leg in range(LEGS):
-        if stands[leg]:
+        if walk.stands[leg]:
             x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
             y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
             off = level_z(walk, leg) - middle_z - ground_z(walk, x, y)
@@ -79,5 +78,4 @@ def level_z(walk: Trot, leg: int) -> int:
 @hot
 def ground_z(walk: Trot, x: int, y: int) -> int:
     """Return how much higher than below the body the ground is expected at a place, lu; x, y within +-65535."""
-    state = walk.state
-    return (x * (state.slope_q20[0] >> 6) >> 14) + (y * (state.slope_q20[1] >> 6) >> 14)
+    return (x * (walk.state.slope_q20[0] >> 6) >> 14) + (y * (walk.state.slope_q20[1] >> 6) >> 14)

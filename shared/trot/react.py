@@ -25,11 +25,10 @@ MET_NOW = const(2)  # in this tick, whose goals are not led
 def react(params: Params, walk: Trot, leg: int) -> int:
     """Look at one foot in the air; return 1 if it stands from now on, 0 if it swings on."""
     state = walk.state
-    residual = walk.residual
     ascent = walk.ascent
     if state.known <= params.sent_ticks:
         return 0
-    up = residual[leg * 2 + 1]
+    up = walk.residual[leg * 2 + 1]
     if state.swing_q15 <= _MIDDLE:
         if state.swing_q15 > _RISEN and -up > ascent[leg]:
             ascent[leg] = -up
@@ -52,15 +51,10 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     """
     state = walk.state
     setup = params.trot
-    residual = walk.residual
-    tops = walk.tops
-    held = walk.held
-    peak = walk.peak
-    usual = walk.usual
     high = 0
-    if tops[leg] >= setup.high_lift:
+    if walk.tops[leg] >= setup.high_lift:
         high = 1
-    behind = residual[6 - leg * 2] - residual[leg * 2]
+    behind = walk.residual[6 - leg * 2] - walk.residual[leg * 2]
     if state.foot_speed[0] < 0:
         behind = -behind
     turn = state.turn_18
@@ -69,15 +63,15 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE and high == 0:
         most = params.leg_length * _BEHIND_Q10 >> 10
-    if behind > peak[leg]:
-        peak[leg] = behind
-    if behind <= most + usual[leg] + (turn * setup.turn_side >> 10):
+    if behind > walk.peak[leg]:
+        walk.peak[leg] = behind
+    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10):
         return 0
-    held[leg] = 1
+    walk.held[leg] = 1
     if high == 0:
         state.blocked += 1
         state.high_left = setup.high_way
-        tops[leg] = setup.high_lift
+        walk.tops[leg] = setup.high_lift
     return 1
 
 
@@ -88,15 +82,12 @@ def give_way(walk: Trot, leg: int) -> int:
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
     would come down short of it, and the body go on over it. Told to stop it does not push.
     """
-    state = walk.state
-    residual = walk.residual
-    held = walk.held
     short = walk.short
     short[leg] = 0
-    if held[leg]:
-        short[leg] = -residual[leg * 2]
-        if state.foot_speed[0]:
-            short[leg] = -(residual[leg * 2] >> 1)
+    if walk.held[leg]:
+        short[leg] = -walk.residual[leg * 2]
+        if walk.state.foot_speed[0]:
+            short[leg] = -(walk.residual[leg * 2] >> 1)
     return short[leg]
 
 
@@ -112,9 +103,6 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     state = walk.state
     held = walk.held
     jams = walk.jams
-    peak = walk.peak
-    usual = walk.usual
-    tops = walk.tops
     speed = state.foot_speed[0]
     seen = state.seen[0]
     if speed < 0:
@@ -123,12 +111,12 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     count = jams[leg] - 1
     if state.high_left and (held[leg] or seen * 3 < speed):
         count += 3
-    tops[leg] = state.lift
+    walk.tops[leg] = state.lift
     if held[leg] and state.high_left:
-        tops[leg] = params.trot.highest_lift
+        walk.tops[leg] = params.trot.highest_lift
     if held[leg] == 0:
-        usual[leg] += peak[leg] - usual[leg] >> 2
-    peak[leg] = 0
+        walk.usual[leg] += walk.peak[leg] - walk.usual[leg] >> 2
+    walk.peak[leg] = 0
     held[leg] = 0
     jams[leg] = saturate(count, 0, _SWINGS_MAX)
     most = 0
@@ -147,15 +135,12 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
 
     The next swings are high.
     """
-    state = walk.state
     setup = params.trot
     measured = walk.measured
     feet = walk.feet
-    early = walk.early
-    load_q12 = walk.load_q12
     at = leg * 3
     met = level_z(walk, leg) + setup.height - ground_z(walk, measured[at], measured[at + 1])
-    state.high_left = setup.high_way
+    walk.state.high_left = setup.high_way
     given = met - (met >> 2)
     small = params.leg_length * _SMALL_Q10 >> 10
     if met < small and met > -small:
@@ -163,9 +148,9 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
     feet[at] = measured[at] << LF_BITS
     feet[at + 1] = measured[at + 1] << LF_BITS
     feet[at + 2] = measured[at + 2] - given << LF_BITS
-    load_q12[leg] = _QUARTER_Q12
-    early[leg] = MET_NOW
-    state.touched += 1
+    walk.load_q12[leg] = _QUARTER_Q12
+    walk.early[leg] = MET_NOW
+    walk.state.touched += 1
     return 1
 
 
@@ -173,11 +158,10 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
 def lift_on(params: Params, walk: Trot) -> int:
     """Count down the way to go with high swings; return the top of the next swings, lu."""
     state = walk.state
-    wish = walk.wish
     setup = params.trot
     state.lift = setup.low_lift
-    if wish.height > 0:
-        state.lift = saturate(wish.height, 0, setup.highest_lift)
+    if walk.wish.height > 0:
+        state.lift = saturate(walk.wish.height, 0, setup.highest_lift)
     if state.high_left:
         if state.lift < setup.high_lift:
             state.lift = setup.high_lift

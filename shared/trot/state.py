@@ -88,16 +88,6 @@ def trot_reset(params: Params, walk: Trot) -> int:
     """Stand at rest, with nothing measured; return 0."""
     state = walk.state
     setup = params.trot
-    feet = walk.feet
-    stands = walk.stands
-    early = walk.early
-    load_q12 = walk.load_q12
-    held = walk.held
-    short = walk.short
-    peak = walk.peak
-    usual = walk.usual
-    jams = walk.jams
-    posed = walk.posed
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
     state.heading_18 = 0
@@ -114,17 +104,17 @@ def trot_reset(params: Params, walk: Trot) -> int:
         state.seen[axis] = 0
         state.drift_q8[axis] = 0
     for axis in range(POSE_SIZE):
-        posed[axis] = 0
+        walk.posed[axis] = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        stands[leg] = 1
-        early[leg] = 0
-        load_q12[leg] = 0
-        held[leg] = 0
-        short[leg] = 0
-        peak[leg] = 0
-        usual[leg] = 0
-        jams[leg] = 0
+        walk.stands[leg] = 1
+        walk.early[leg] = 0
+        walk.load_q12[leg] = 0
+        walk.held[leg] = 0
+        walk.short[leg] = 0
+        walk.peak[leg] = 0
+        walk.usual[leg] = 0
+        walk.jams[leg] = 0
         for axis in range(3):
-            feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
+            walk.feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
     return 0

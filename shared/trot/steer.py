@@ -26,7 +26,6 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
     Intermediates: 2^18 * 2^10, 2^17 * 2^12.
     """
     state = walk.state
-    wish = walk.wish
     setup = params.trot
     for axis in range(2):
         told = saturate(speed[axis], -_SPEED_MAX, _SPEED_MAX)
@@ -44,15 +43,14 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         further = (-missed >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
     wait_for_feet(params, walk, pose)
-    posed = walk.posed
-    turn = speed[2] + ((pose[5] - posed[5]) * _BRAD_18 >> 10)
-    posed[5] = pose[5]
-    if wish.moving:
+    turn = speed[2] + ((pose[5] - walk.posed[5]) * _BRAD_18 >> 10)
+    walk.posed[5] = pose[5]
+    if walk.wish.moving:
         missed = turn - saturate(turned[2], -_HEADING_MAX, _HEADING_MAX)
         state.heading_18 = saturate(state.heading_18 + missed, -_HEADING_MAX, _HEADING_MAX)
         turn += state.heading_18 * setup.heading_q16 >> 16
     state.turn_18 = saturate(turn, -_TURN_MAX, _TURN_MAX)
-    if wish.moving == 0:
+    if walk.wish.moving == 0:
         for axis in range(2):
             state.drive[axis] = 0
             state.drift_q8[axis] = 0
@@ -66,18 +64,16 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
     too far from rest is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
     """
-    state = walk.state
-    feet = walk.feet
-    if state.high_left == 0:
+    if walk.state.high_left == 0:
         return 0
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest
-        total += (feet[leg * 3] >> LF_BITS) - rest[0]
+        total += (walk.feet[leg * 3] >> LF_BITS) - rest[0]
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
-    state.drive[0] -= slow
+    walk.state.drive[0] -= slow
     return slow
 
 
@@ -89,7 +85,6 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> in
     it. Intermediates: 2^13 * 2^15.3.
     """
     state = walk.state
-    wish = walk.wish
     setup = params.trot
     posed = walk.posed
     for axis in range(2):
@@ -100,7 +95,7 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> in
         then_q14 = saturate(now_18 + (rate * setup.tilt_lead_q8 >> 8) >> 4, -_LEAN_MAX, _LEAN_MAX)
         further = pose[axis + 3] - posed[axis + 3]
         posed[axis + 3] = pose[axis + 3]
-        if wish.balance and state.known:
+        if walk.wish.balance and state.known:
             wrong = saturate(angle - pose[axis + 3], -_TILT_MAX, _TILT_MAX)
             turn = -(wrong * setup.level_q12 >> 12)
         else:
@@ -121,16 +116,13 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> in
 def rise(params: Params, walk: Trot, pose: Ints) -> int:
     """Write how fast the body rises, with its pose and to its height above the standing feet; return it, lf / tick."""
     state = walk.state
-    posed = walk.posed
-    feet = walk.feet
-    stands = walk.stands
     total = 0
     for leg in range(LEGS):
-        if stands[leg]:
-            total += feet[leg * 3 + 2] >> LF_BITS
+        if walk.stands[leg]:
+            total += walk.feet[leg * 3 + 2] >> LF_BITS
     state.rise = 0
     if state.standing:
         low = saturate(params.trot.height + pose[2] + total // state.standing, -16383, 16383)
-        state.rise = (low * params.trot.raise_q16 >> 8) + (pose[2] - posed[2] << LF_BITS)
-    posed[2] = pose[2]
+        state.rise = (low * params.trot.raise_q16 >> 8) + (pose[2] - walk.posed[2] << LF_BITS)
+    walk.posed[2] = pose[2]
     return state.rise

@@ -39,7 +39,6 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Int
     ``walk.wish``. Without measured joints, tilt or rates ``known`` is 0 in the state, and it goes by its commands.
     """
     valid = sensed.valid
-    state = walk.state
     known = valid.joints & valid.tilt & valid.turned
     still = 0
     if speed[0] == 0 and speed[1] == 0 and speed[2] == 0:
@@ -49,13 +48,13 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Int
     feel(params, walk, sensed.turned, known)
     steer(params, walk, speed, sensed.turned, pose)
     lean(params, walk, sensed.tilt, sensed.turned, pose)
-    if state.known:
+    if walk.state.known:
         feel_slope(params, walk)
     lift_on(params, walk)
     go_on(params, walk, still)
     rise(params, walk, pose)
     stand_feet(params, walk)
-    if state.swinging:
+    if walk.state.swinging:
         swing_feet(params, walk, pose)
     keep_past(walk)
     flags = solve(params, walk)
@@ -69,12 +68,10 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Int
 @hot
 def forget(sensed: Sensed) -> int:
     """Take tilt and rates that go with nothing else as level and still; return 0."""
-    tilt = sensed.tilt
-    turned = sensed.turned
     for axis in range(2):
-        tilt[axis] = 0
+        sensed.tilt[axis] = 0
     for axis in range(3):
-        turned[axis] = 0
+        sensed.turned[axis] = 0
     return 0
 
 
@@ -82,21 +79,17 @@ def forget(sensed: Sensed) -> int:
 def keep_past(walk: Trot) -> int:
     """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered; return 0."""
     state = walk.state
-    feet = walk.feet
-    stands = walk.stands
-    short = walk.short
     past_feet = walk.past_feet
-    past_stands = walk.past_stands
     to = state.ring_at * 2 * LEGS
     at = 0
     for leg in range(LEGS):
-        past_feet[to] = feet[at] >> LF_BITS
-        if stands[leg] == 0:
-            past_feet[to] += short[leg]
-        past_feet[to + 1] = feet[at + 2] >> LF_BITS
+        past_feet[to] = walk.feet[at] >> LF_BITS
+        if walk.stands[leg] == 0:
+            past_feet[to] += walk.short[leg]
+        past_feet[to + 1] = walk.feet[at + 2] >> LF_BITS
         to += 2
         at += 3
-    past_stands[state.ring_at] = 15 - state.swinging
+    walk.past_stands[state.ring_at] = 15 - state.swinging
     state.ring_at = state.ring_at + 1 & 15
     return 0
 
@@ -104,7 +97,6 @@ def keep_past(walk: Trot) -> int:
 @hot
 def trot_done(walk: Trot) -> int:
     """Return 1 when the trot may end in a stand: all feet stand, set down since the command is to stand; else 0."""
-    state = walk.state
-    if state.standing == LEGS and state.still_q20 > _CYCLE_AND_HALF:
+    if walk.state.standing == LEGS and walk.state.still_q20 > _CYCLE_AND_HALF:
         return 1
     return 0

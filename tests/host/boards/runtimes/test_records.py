@@ -156,7 +156,8 @@ def test_mypyc_gets_a_class(tmp_path):
     assert found.count("\n") == (HEAD + HOT).count("\n")
 
 
-ROBOTS = "feet: list[Robot], leg: int) -> int:\n"
+ROBOTS = "feet: list[Robot], leg: int) -> int:\n    leg = feet[leg].rate_hz\n"
+EXCHANGED = "holder.feet = holder.feet\n    holder.feet[leg] +="
 
 
 @pytest.mark.parametrize(
@@ -165,8 +166,8 @@ ROBOTS = "feet: list[Robot], leg: int) -> int:\n"
         ("robot.arm.length", "robot.arm.lenght", r"shared/one.py:40: Leg has no field lenght"),
         ("robot: Robot, feet", "robot, feet", r"what is robot\? .legs is a field of a record: annotate robot"),
         ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:42: limb is a part of a block"),
-        ("feet: Ints, leg: int) -> int:\n", ROBOTS + "    leg = feet[leg].rate_hz\n", r"feet\[leg\] is read through a name"),
-        ("limb.length +=", "holder.feet = holder.feet\n    holder.feet[leg] +=", r"41: holder.feet may be another one later"),
+        ("feet: Ints, leg: int) -> int:\n", ROBOTS, r"feet\[leg\] is read through a name"),
+        ("limb.length +=", EXCHANGED, r"41: holder.feet may be another one later"),
         ('    """Do."""\n', "    if leg:\n        leg = 1\n", "36: a hot function that begins with a block"),
         ("    mine = holder.robot\n", "    mine = holder.robot\n    mine = robot\n", r"one name for one record"),
     ],
