@@ -3,7 +3,7 @@
     at rest, bridge off (here) -> winding: R, L, gains (winding.py)
     -> once round and back and round again: direction, pole pairs, offset, eccentricity (turning.py)
     -> to and fro by itself: flux linkage, and the offset anew (spinning.py)
-    -> the same gently: inertia, friction, gains of the outer loops (mechanics.py, outer.py) -> done
+    -> the same gently: inertia, friction, gains of the outer loops (swinging.py, outer.py) -> done
 
 Each part checks what it relies on and ends everything with a reason, FAULT_COMMISSION_*. What is found is written only
 when everything is. The current never exceeds the trip level, the rotor stays within the turn it was taken round, and
@@ -37,10 +37,10 @@ from .faults import (
     FAULT_NONE,
 )
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
-from .mechanics import mechanics_begin, mechanics_step
 from .outer import keep_outer, restore_outer
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
+from .swinging import mechanics_begin, mechanics_step
 from .turning import turn_step
 from .winding import ratio, winding_step
 

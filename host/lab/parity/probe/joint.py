@@ -9,13 +9,13 @@ from shared.joint import (
     encoder,
     feed,
     homing,
-    mechanics,
     outer,
     protection,
     report,
     sine,
     spinning,
     svpwm,
+    swinging,
     thermal,
     tick,
     turning,
@@ -54,7 +54,7 @@ SOURCES = (
     "joint.encoder",
     "joint.feed",
     "joint.homing",
-    "joint.mechanics",
+    "joint.swinging",
     "joint.outer",
     "joint.protection",
     "joint.report",
@@ -216,7 +216,7 @@ def skip_to(dice, phase):
     COMMISSION.sign = 1 - 2 * dice.bits(1)
     COMMISSION.half_swings = dice.below(9)
     COMMISSION.way = 40000 + dice.bits(15)
-    swinging(dice)
+    swung(dice)
     for axis in range(3):
         COMMISSION.raw_sum[axis] = 2048 * 248
     probed(dice, phase)
@@ -228,7 +228,7 @@ def skip_to(dice, phase):
         go_wrong(dice.below(6), dice.bits(16) - 32768)
 
 
-def swinging(dice):
+def swung(dice):
     """What the swings have summed up, near the end of one."""
     COMMISSION.swing_level = dice.below(4)
     COMMISSION.swing_rate = 512 + dice.bits(16)
@@ -386,8 +386,8 @@ PROBES = (
     _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(11, 12)),
     _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
     _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(11, 12)),
-    _probe(mechanics, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
-    _probe(mechanics, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
+    _probe(swinging, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
+    _probe(swinging, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
     _probe(outer, "set_outer_gains", SETTINGS, Range(0, 1 << 18), Range(0, 20588)),
     _probe(outer, "keep_outer", SETTINGS, COMMISSION),
     _probe(outer, "restore_outer", SETTINGS, COMMISSION),
