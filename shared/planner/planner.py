@@ -18,13 +18,13 @@ from ..sense.sensed import Sensed
 from .command import Command
 from .exchange import choose_mover
 from .goals import follow_goals
-from .lifted import put_down, watch_weight
 from .movers import change_mover, tick_mover
 from .posture import posture_step
 from .senses import feel_legs, follow_way, take_senses
 from .state import PlannerState
 from .states import choose_state, end_move, follow_joints, settle
 from .status import FOLDING, LIMP, RISING, SEATED, SITTING
+from .weight import put_down, watch_weight
 
 
 class Planner(PlannerState):

@@ -6,7 +6,7 @@ from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
-from shared.planner import exchange, lifted, movers, planner, walk_crawl, walk_table, walk_trot
+from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot, weight
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
@@ -26,7 +26,7 @@ from .row import Row, clear
 SOURCES = (
     "planner.planner",
     "planner.exchange",
-    "planner.lifted",
+    "planner.weight",
     "planner.movers",
     "planner.pose",
     "planner.senses",
@@ -272,9 +272,9 @@ PARTS = (
     _part("feel_legs", planner_senses.feel_legs, (ROBOT,), STATE, _live),
     _part("follow_way", planner_senses.follow_way, (ROBOT,), STATE, _live),
     _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
-    _part("watch_weight", lifted.watch_weight, (ROBOT,), STATE, _live_about_to_lift),
-    _part("ask", lifted.ask, (ROBOT,), STATE, _live_about_to_lift),
-    _part("put_down", lifted.put_down, (ROBOT, ANY_MODE), STATE, _live_about_to_lift),
+    _part("watch_weight", weight.watch_weight, (ROBOT,), STATE, _live_about_to_lift),
+    _part("ask", weight.ask, (ROBOT,), STATE, _live_about_to_lift),
+    _part("put_down", weight.put_down, (ROBOT, ANY_MODE), STATE, _live_about_to_lift),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
     _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
     _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),

@@ -1,4 +1,4 @@
-"""shared/planner/lifted.py against the rule as a sentence has it, in seconds: who is lifted, and when it is over."""
+"""shared/planner/weight.py against the rule as a sentence has it, in seconds: who is lifted, and when it is over."""
 
 import random
 
@@ -6,7 +6,7 @@ import pytest
 
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.lifted import put_down, watch_weight
+from shared.planner.weight import put_down, watch_weight
 
 from .walker import Walker
 
