@@ -29,6 +29,7 @@ LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
 
 FALLEN_S = 0.1  # tilted for so long is fallen
+EVENED_S = 0.2  # over which the odometry's speeds and the weight felt are evened (chosen)
 FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
 
 
@@ -87,6 +88,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     scale = scale_of(robot, rate_hz)
     params = Params()
     params.rate_hz = scale.rate_hz
+    params.evened_q10 = floor(1024 / (1 + EVENED_S * scale.rate_hz))
     params.length_shift = scale.length_shift
     _speeds(params, robot, scale)
     _pose_limits(params, robot, scale)

@@ -53,6 +53,7 @@ class Params:
     """One robot at one rate of its planner. Three values are x, y and turning, or hip, thigh and calf."""
 
     rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
+    evened_q10: int = field("Q10 / tick", "share of a new value in what is evened over 0.2 s")
     length_shift: int = field("", "lu = 2^-shift m")
     speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "largest speeds along x and y, and of turning")
     speed_slew: Ints = vector(3, "lf / tick^2, yaw18 / tick^2", "how fast these change")

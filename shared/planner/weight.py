@@ -30,7 +30,7 @@ def watch_weight(planner: PlannerState) -> int:
     status = planner.status
     if status.shifts:
         return status.lifted
-    status.felt_q12 += (planner.odometry.carried_q12 - status.felt_q12) * (5120 // (planner.params.rate_hz + 5)) >> 10
+    status.felt_q12 += (planner.odometry.carried_q12 - status.felt_q12) * planner.params.evened_q10 >> 10
     if status.carries == 0:
         ask(planner)
     elif status.felt_q12 < _QUARTER_Q12:

@@ -235,7 +235,7 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
         slip >>= 8
     if walks:
         count_way(params, ahead, aside, slip, odometry)
-    share_q10 = 5120 // (params.rate_hz + 5)
+    share_q10 = params.evened_q10
     odometry.speed[0] += ((ahead << 6) - odometry.speed[0]) * share_q10 + 512 >> 10
     odometry.speed[1] += ((aside << 6) - odometry.speed[1]) * share_q10 + 512 >> 10
     odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10

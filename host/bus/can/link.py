@@ -35,7 +35,6 @@ from ...protocol.frames import kinds, new_frame
 from .port import Port
 
 GROUPS = NODES // 4
-STATES = dict(next(s for s in kinds()[w.HEARTBEAT_ID + 1].message.signals if s.name == "state").choices)
 # Read at once: more than the shortest frames of two full buses in a cycle of 200 Hz, and less time than half of it.
 RECEIVE_MOST = 256
 HEARTBEAT_S = 1.0  # five heartbeats
@@ -70,7 +69,8 @@ class JointView:
     @property
     def state_words(self) -> str:
         """Return what the state is called."""
-        return STATES[self.state].replace("_", " ")
+        signals = kinds()[w.HEARTBEAT_ID + self.node].message.signals
+        return dict(next(s for s in signals if s.name == "state").choices)[self.state].replace("_", " ")
 
     @property
     def enabled(self) -> bool:
