@@ -4,6 +4,7 @@ from host.boards.core import use_core
 
 use_core()  # before anything of the core is imported
 
+from host.control.health import Finding  # noqa: E402
 from host.control.odometry import Odometry  # noqa: E402
 from host.library.errors import BadValue, Error, Fault, NotAchieved  # noqa: E402
 from host.library.robot import Robot  # noqa: E402
@@ -17,6 +18,7 @@ __all__ = [
     "BadValue",
     "Error",
     "Fault",
+    "Finding",
     "NotAchieved",
     "Odometry",
     "Robot",

@@ -1,5 +1,6 @@
 """`caramelo health`: how the robot is, one line for each part with a verdict."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,6 +12,7 @@ from . import HARDWARE
 
 if TYPE_CHECKING:
     from ..control.health import Finding
+    from ..imu.attitude import Attitude
 
 LOOK_S = 2.0  # the sensor takes one of them to find out where up is
 
@@ -39,6 +41,7 @@ def health(
 
     Examples: caramelo health; caramelo health --sim --json; caramelo health --robot parallel --port socketcan:can0
     """
+    from ..control.health import findings
     from ..teleop.look import SERVICE, runs, seen_on_socket
 
     if not LOOK_S <= seconds <= 600:
@@ -49,30 +52,28 @@ def health(
         raise UserError("--sim: not with --socket, which asks a drive that runs")
     opens = sim or port is not None or imu is not None or calibration is not None
     where = socket if socket is not None else SERVICE if not opens and runs(SERVICE) else None
+    found: Sequence[Finding]
     if where is not None:
         write_note(f"asking the drive at {where}")
-        found = judged(seen_on_socket(where, seconds))
+        found = tuple(findings(*seen_on_socket(where, seconds)))
     else:
         which = "simulated" if direct else "emulated" if sim else "real"
         found = _opened(robot, which, port, calibration, imu, seconds)
     return _tell(found, where or ("simulation" if sim else "opened"), as_json)
 
 
-def judged(seen: "tuple[dict, dict, dict] | list[Finding]") -> "list[Finding]":
-    """Return the lines of what was seen, or of why nothing was."""
-    from ..control.health import findings
-
-    return seen if isinstance(seen, list) else list(findings(*seen))
-
-
 def _opened(
     name: str, which: str, port: str | None, calibration: Path | None, imu: str | None, seconds: float
-) -> "list[Finding]":
-    """Return the lines of joints and sensor opened for some time."""
-    from ..control import priority
+) -> "Sequence[Finding]":
+    """Return the lines of a robot opened for some time; if that fails, why, and whether the sensor answers."""
+    from ..control.health import BAD, Finding, version_finding
+    from ..imu.attitude import Attitude
     from ..imu.choose import I2C, open_source
+    from ..library.errors import Error
+    from ..library.places import Place
+    from ..library.robot import Robot
     from ..robot.file import find, load_robot
-    from ..teleop.look import seen_by_opening
+    from ..util.version import versions
     from ._hardware import hardware
 
     robot = load_robot(name)
@@ -80,14 +81,29 @@ def _opened(
         raise UserError(f"{robot.name}: this software can not drive it, it is simulated only: add --sim")
     if which == "emulated" and robot.bus.kind != "dynamixel":
         which = "simulated"  # there is no servo bus to emulate
-    sensor = open_source(robot, imu or I2C)
+    sensor = Attitude(robot, open_source(robot, imu or I2C))
     write_note(f"reading {robot.name} for {seconds:g} s, joints off")
-    priority.ask()
-    parts = hardware(robot, which, port, calibration, str(find(name)), imu)
-    return judged(seen_by_opening(robot, parts, sensor, seconds))
+    try:
+        chosen = hardware(robot, which, port, calibration, str(find(name)), imu)
+        with chosen as parts, Robot(Place(parts), name) as opened:
+            return opened.health(seconds)
+    except (UserError, Error) as error:
+        return [Finding("joints", BAD, str(error)), _answers(sensor), version_finding({**versions(), "joints": ""})]
 
 
-def _tell(found: "list[Finding]", source: str, as_json: bool) -> int:
+def _answers(sensor: "Attitude") -> "Finding":
+    """Return whether the sensor answers."""
+    from ..control.health import BAD, OK, Finding
+
+    try:
+        sensor.open()
+        sensor.update()
+    finally:
+        sensor.close()
+    return Finding("IMU", BAD, sensor.fault) if sensor.fault else Finding("IMU", OK, f"{sensor.source.kind} answers")
+
+
+def _tell(found: "Sequence[Finding]", source: str, as_json: bool) -> int:
     bad = [each for each in found if each.verdict == "bad"]
     if as_json:
         lines = [{"name": each.name, "verdict": each.verdict, "found": each.found} for each in found]

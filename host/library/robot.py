@@ -7,6 +7,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from ..control.health import Finding
 from ..control.messages import Drive
 from ..control.odometry import Odometry
 from ..robot.file import load_robot
@@ -81,7 +82,7 @@ class Robot:
         with own_words():
             self._run = Run(self._file, self._place, self._record)
         self._run.send({"type": "gait", "gait": self._gait})
-        self._run.tick()
+        self._run.wait()
         return self
 
     def close(self) -> None:
@@ -160,6 +161,17 @@ class Robot:
         if name not in self.gaits:
             raise BadValue(f"gait {name!r}: allowed {', '.join(self.gaits)}")
         return name
+
+    def health(self, seconds: float = 2.0) -> tuple[Finding, ...]:
+        """Let time pass, then tell how the robot is, a line for each part with the verdict ok, note or bad.
+
+        The parts: robot, loop, missed deadlines, bus errors by joint, IMU, battery, heat, versions. Counts are of the
+        time since it was opened. Nothing moves by it, and a fault is one of its lines, no error.
+        """
+        run = self._opened
+        for _ in range(round(finite("seconds", seconds, 0.0, LONGEST_S, "s") * run.rate_hz)):
+            run.wait()
+        return run.findings()
 
     # --- postures
 

@@ -6,9 +6,11 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from ..control.arbiter import Client
+from ..control.health import Finding, findings
 from ..control.loop import Loop
 from ..control.messages import Drive, Message
 from ..control.opening import open_supervisor
+from ..control.telemetry import Extra, about, status
 from ..robot.model import Robot
 from .errors import Error, Fault, NotAchieved
 from .places import Place
@@ -33,6 +35,7 @@ class Run:
             self.supervisor = open_supervisor(opened, robot, place.hardware, sleep=place.advance or time.sleep)
             self.rate_hz = self.supervisor.driver.rate_hz
             self.loop = Loop(self.supervisor, self._after_tick, place.clock)
+            self._first = status(self.loop, Extra())
             if record is not None:
                 self._add_record(opened, record)
             self._ticks = self._make_ticks()
@@ -97,6 +100,17 @@ class Run:
         """Call something between two ticks."""
         self._ticks.do(what)
 
+    def wait(self) -> None:
+        """Return after the next tick, whatever the robot's state is then."""
+        self._ticks.wait()
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return the verdict on each part, of all that has been since it was opened."""
+        attitude = self.place.hardware.attitude
+        extra = Extra(attitude_note=attitude.fault or attitude.note, readings_missed=attitude.missed)
+        last = self._ticks.do(lambda: status(self.loop, extra))
+        return tuple(findings(about(self.robot, self.place.hardware), self._first, last))
+
     def tick(self) -> Sensed:
         """Say again what is driven and return what is known after the next tick; Fault if the robot has stopped.
 
@@ -104,7 +118,7 @@ class Run:
         """
         if self.sticks is not None:
             self.send(self.sticks.message())
-        self._ticks.wait()
+        self.wait()
         if self.sensed.fault:
             self.sticks = None
             raise Fault(self.sensed.fault)
@@ -126,7 +140,7 @@ class Run:
         """Let go at once; may be called from another thread."""
         self.place.hardware.bus.emergency_stop()
         self._ticks.do(lambda: self.loop.receive(CLIENT, {"type": "stop"}))
-        self._ticks.wait()
+        self.wait()
 
     def close(self) -> None:
         """Sit down, let go, and end everything; let go at once where sitting down is not possible."""
@@ -144,5 +158,5 @@ class Run:
         for _ in range(round(LEAVING_S * self.rate_hz)):
             if not self.supervisor.armed:
                 return
-            self._ticks.wait()
+            self.wait()
         raise NotAchieved(f"the robot has not sat down within {LEAVING_S:g} s and was let go where it is")

@@ -184,6 +184,19 @@ def test_a_tripped_joint_ends_the_walk_and_is_named(robot):
     assert robot.sensed.fault == ""
 
 
+def test_it_tells_how_it_is_and_a_fault_is_a_line_of_it(robot):
+    lines = {line.name: (line.verdict, line.found) for line in robot.health(1.0)}
+    assert lines["robot"] == ("ok", "caramelo: standing")
+    assert lines["loop"][1].startswith("50.0 of 50 Hz in the last ")
+    assert lines["IMU"][0] == "bad"
+    bus_of(robot).error[4] = "overload"
+    told = next(line for line in robot.health(0.1) if line.name == "robot")
+    assert told.verdict == "bad"
+    assert "FL thigh: overload" in told.found
+    with pytest.raises(BadValue, match=r"seconds -1: allowed 0 \.\. 3600 s"):
+        robot.health(-1)
+
+
 class Mine(Exception):
     """What goes wrong in a user's own program."""
 
