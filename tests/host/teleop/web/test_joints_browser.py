@@ -32,7 +32,9 @@ def page():
             says(page, "#word", "disarmed")
             yield page
     finally:
+        process.terminate()
         end_child(process, PATIENCE_S)
+    assert process.returncode == 0
     assert complaints == []
 
 
