@@ -22,7 +22,7 @@ from host.util.errors import UserError
 from host.util.extras import EXTRA_OF
 from host.util.files import atomic_path, check_folder, write_bytes, write_text
 from tests import ROOT
-from tests.interrupts import hear_ctrl_c
+from tests.interrupts import hear_signals
 from tests.waiting import PATIENCE_S
 
 CARAMELO = Path(sys.executable).parent / "caramelo"
@@ -224,7 +224,7 @@ def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
         stderr=subprocess.PIPE,
         text=True,
         cwd=ROOT,
-        preexec_fn=hear_ctrl_c,
+        preexec_fn=hear_signals,
     )
     assert process.stdout.readline() == "ready\n"
     process.send_signal(number)
