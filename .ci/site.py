@@ -65,11 +65,9 @@ def from_root(text: str) -> str:
 
 def command_pages() -> dict[str, str]:
     """Return a page for each command or group, and ``index``."""
-    import typer
+    from host.cli import build_command
 
-    from host.cli import build_app
-
-    top = typer.main.get_command(build_app())
+    top = build_command()
     pages = {name: f"# caramelo {name}\n\n" + "\n".join(sections(command, f"caramelo {name}"))
              for name, command in top.commands.items()}  # fmt: skip
     rows = [f"| [`caramelo {name}`]({name}.md) | {first(command)} |" for name, command in sorted(top.commands.items())]

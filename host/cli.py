@@ -5,9 +5,11 @@ import pkgutil
 import signal
 import sys
 from collections.abc import Sequence
+from functools import cache
 from typing import Annotated
 
 import typer
+from typer.core import TyperGroup
 
 from . import commands
 from .boards.core import use_core
@@ -32,8 +34,9 @@ EPILOG = (
 )
 
 
-def build_app() -> typer.Typer:
-    """Return the app with the commands of every file in host/commands."""
+@cache
+def build_command() -> TyperGroup:
+    """Return the command with those of every file in host/commands below it, made once."""
     app = typer.Typer(
         name="caramelo",
         help=HELP,
@@ -46,7 +49,9 @@ def build_app() -> typer.Typer:
     found = [module.name for module in pkgutil.iter_modules(commands.__path__) if not module.name.startswith("_")]
     for name in sorted(found, key=lambda name: name not in commands.FIRST):
         importlib.import_module(f"{commands.__name__}.{name}").register(app)
-    return app
+    command = typer.main.get_command(app)
+    assert isinstance(command, TyperGroup)
+    return command
 
 
 def _print_version(wanted: bool) -> None:
@@ -86,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         use_core()
-        code = build_app()(args=arguments, prog_name="caramelo", standalone_mode=False)
+        code = build_command()(args=arguments, prog_name="caramelo", standalone_mode=False)
     except UserError as error:
         write_error(str(error))
         return error.exit_code

@@ -3,14 +3,15 @@
 import os
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from host import cli
 from host.boards.core import SWITCH, use_core
 
 os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
 use_core()
-settings.register_profile("caramelo", deadline=None)  # how long an example takes says how busy the machine is
+# How long an example takes, to run or to be drawn, says how busy the machine is.
+settings.register_profile("caramelo", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("caramelo")
 
 

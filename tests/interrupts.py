@@ -1,8 +1,9 @@
-"""Lets a child process hear Ctrl-C: a shell's background job, and so its children, is started deaf to it."""
+"""Lets a child hear what ends it: what a shell starts behind it is deaf to Ctrl-C, what nohup starts to SIGHUP."""
 
 import signal
 
 
-def hear_ctrl_c():
+def hear_signals():
     """For Popen's ``preexec_fn``."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)

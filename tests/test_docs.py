@@ -9,9 +9,8 @@ import subprocess
 import sys
 
 import pytest
-import typer
 
-from host.cli import build_app
+from host.cli import build_command
 from tests import ROOT
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -39,7 +38,7 @@ def complaint(shown):
     if words[0] == "make":
         targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
         return "" if words[1] in targets else f"make has no target {words[1]}"
-    command, at = typer.main.get_command(build_app()), 1
+    command, at = build_command(), 1
     while at < len(words) and words[at] in getattr(command, "commands", {}):
         command, at = command.commands[words[at]], at + 1
     if getattr(command, "commands", None) and at < len(words) and not words[at].startswith(("-", "[")):
@@ -115,7 +114,7 @@ def site():
 
 
 def test_the_site_has_every_command_with_every_option(site):
-    top = typer.main.get_command(build_app())
+    top = build_command()
     for name, command in top.commands.items():
         page = site[f"commands/{name}.md"]
         for below in getattr(command, "commands", {"": command}).values():

@@ -22,7 +22,7 @@ from host.util.errors import UserError
 from host.util.extras import EXTRA_OF
 from host.util.files import atomic_path, check_folder, write_bytes, write_text
 from tests import ROOT
-from tests.interrupts import hear_ctrl_c
+from tests.interrupts import hear_signals
 from tests.waiting import PATIENCE_S
 
 CARAMELO = Path(sys.executable).parent / "caramelo"
@@ -57,13 +57,11 @@ def test_version_is_the_distributions(run):
 def test_every_file_of_commands_registers_something():
     names = [path.stem for path in Path(commands.__path__[0]).glob("[!_]*.py")]
     assert names
-    app = cli.build_app()
-    assert len(app.registered_commands) + len(app.registered_groups) >= len(names)
+    assert len(cli.build_command().commands) >= len(names)
 
 
 def test_every_command_explains_itself_with_an_example(run):
-    app = typer.main.get_command(cli.build_app())
-    for path, command in walk_commands(app, ()):
+    for path, command in walk_commands(cli.build_command(), ()):
         code, out, _ = run(*path, "--help")
         assert code == 0
         assert len(" ".join(out.split())) > 80, path
@@ -78,7 +76,7 @@ def walk_commands(command, path):
 
 
 def test_start_imports_nothing_slow():
-    code = "import sys; from host import cli; cli.build_app(); print(' '.join(sys.modules))"
+    code = "import sys; from host import cli; cli.build_command(); print(' '.join(sys.modules))"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT).stdout
     assert {name.partition(".")[0] for name in loaded.split()} & SLOW_TO_IMPORT == set()
 
@@ -167,7 +165,7 @@ def test_robots_check_tells_what_a_robot_can_not_carry_and_which_key_to_change(r
 
 
 def app_that_raises(error):
-    """Return a build_app whose only command raises."""
+    """Return a build_command whose only command raises."""
 
     def build():
         app = typer.Typer(pretty_exceptions_enable=False)
@@ -176,7 +174,7 @@ def app_that_raises(error):
         def fail():
             raise error
 
-        return app
+        return typer.main.get_command(app)
 
     return build
 
@@ -191,13 +189,13 @@ def app_that_raises(error):
     ],
 )  # fmt: skip
 def test_errors_become_a_line_and_an_exit_code(run, monkeypatch, error, code, line):
-    monkeypatch.setattr(cli, "build_app", app_that_raises(error))
+    monkeypatch.setattr(cli, "build_command", app_that_raises(error))
     assert run() == (code, "", line + "\n")
 
 
 @pytest.mark.parametrize("error", [ModuleNotFoundError("no", name="hostt"), ZeroDivisionError("bug")])
 def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
-    monkeypatch.setattr(cli, "build_app", app_that_raises(error))
+    monkeypatch.setattr(cli, "build_command", app_that_raises(error))
     with pytest.raises(type(error)):
         cli.main([])
 
@@ -207,14 +205,15 @@ def test_a_mistake_of_ours_keeps_its_traceback(monkeypatch, error):
 ])  # fmt: skip
 def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
     script = (
-        "import signal, sys; from pathlib import Path; import typer\n"
+        "import sys, time; from pathlib import Path; import typer\n"
         "from host import cli; from host.util import files\n"
         "app = typer.Typer(pretty_exceptions_enable=False)\n"
         "@app.command()\n"
         "def slow(path: Path):\n"
         "    with files.atomic_path(path) as draft, draft.open('w') as file:\n"
-        "        file.write('half'); file.flush(); print('ready', flush=True); signal.pause()\n"
-        "cli.build_app = lambda: app\n"
+        "        file.write('half'); file.flush(); print('ready', flush=True)\n"
+        "        while True: time.sleep(0.01)\n"  # one wait could begin just after the signal has come
+        "cli.build_command = lambda: typer.main.get_command(app)\n"
         "sys.exit(cli.main())"
     )
     target = tmp_path / "result.html"
@@ -225,11 +224,11 @@ def test_what_ends_a_command_leaves_no_file(tmp_path, number, code, words):
         stderr=subprocess.PIPE,
         text=True,
         cwd=ROOT,
-        preexec_fn=hear_ctrl_c,
+        preexec_fn=hear_signals,
     )
     assert process.stdout.readline() == "ready\n"
     process.send_signal(number)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=PATIENCE_S)
     assert process.returncode == code
     assert err == f"caramelo: stopped by {words}\n"
     assert os.listdir(tmp_path) == ["result.html"]

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from .watched import PATIENCE_S
+
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 FLAGS = (
     "--no-sandbox",
@@ -16,6 +18,7 @@ FLAGS = (
     "--disable-sync",
 )
 KEYS = {"push": "w", "let go": "w", "stop": "Space", "stand": "t", "reset": "r"}
+PATIENCE_MS = 1000 * PATIENCE_S
 DESK = {"width": 1280, "height": 900}
 # A gamepad that the caller moves: window.pad is what the browser would tell.
 FAKE_PAD = """
@@ -41,10 +44,11 @@ def missing() -> str:
 @contextmanager
 def open_browser() -> Iterator[Any]:
     """Yield the machine's own browser, without a window."""
-    from playwright.sync_api import sync_playwright
+    from playwright.sync_api import expect, sync_playwright
 
     with sync_playwright() as library:
-        browser = library.chromium.launch(executable_path=executable(), args=list(FLAGS))
+        expect.set_options(timeout=PATIENCE_MS)
+        browser = library.chromium.launch(executable_path=executable(), args=list(FLAGS), timeout=PATIENCE_MS)
         yield browser
         browser.close()
 

@@ -19,10 +19,7 @@ from ... import NAME
 from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
 
-START_S = 30.0
-END_S = 30.0
-ANSWER_S = 15.0
-PATIENCE_S = 30.0  # a busy machine may take so long for what is due within a second
+PATIENCE_S = 120.0  # a busy machine may take so long for what is due within a second
 CHUNK = 1 << 16
 
 Status = dict[str, Any]
@@ -81,7 +78,7 @@ class Watched:
         os.write(self._terminal[0], text.encode())
 
     def _connect(self) -> socket.socket:
-        end_s = time.monotonic() + START_S
+        end_s = time.monotonic() + PATIENCE_S
         while time.monotonic() < end_s and self.process.poll() is None:
             script = socket.socket(socket.AF_UNIX)
             try:
@@ -101,7 +98,7 @@ class Watched:
     def status(self) -> Status:
         """Return a status younger than the call; older ones that wait are thrown away. Both clocks are one."""
         asked_s = time.monotonic()
-        self.script.settimeout(ANSWER_S)
+        self.script.settimeout(PATIENCE_S)
         while True:
             while b"\n" not in self._buffer:
                 data = self.script.recv(CHUNK)
@@ -129,7 +126,7 @@ class Watched:
         self.process.send_signal(signal.SIGTERM)
         stdout = self.process.stdout
         text = stdout.read() if stdout is not None else "{}"
-        self.process.wait(END_S)
+        self.process.wait(PATIENCE_S)
         figures: dict[str, Any] = json.loads(text)
         return figures
 

@@ -23,7 +23,7 @@ from host.robot.file import load_robot
 from host.robot.trot_tuning import GAIT
 from host.sim.walk import WalkSpec
 from tests.children import children_of
-from tests.interrupts import hear_ctrl_c
+from tests.interrupts import hear_signals
 from tests.waiting import PATIENCE_S, wait_until
 
 pytest.importorskip("numpy")
@@ -356,7 +356,7 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
     target = tmp_path / "out"
     process = subprocess.Popen(
         [CARAMELO, "experiment", "ramp", "--gait", "paper-trot", "--jobs", "2", "--no-3d", "--out", target],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=hear_ctrl_c,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=hear_signals,
     )
     wait_until(lambda: len(children_of(process.pid)) >= 3, "two workers and Python's own helper")
     os.killpg(process.pid, signal.SIGINT)

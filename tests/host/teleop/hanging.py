@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 from host.bus.dynamixel.calibration.data import nominal, save_calibration
-from host.lab.teleop.watched import PATIENCE_S, Watched
+from host.lab.teleop.watched import Watched
 from host.robot.file import load_robot
 from host.sim.servos.process import Emulator
 from host.util.errors import UserError
@@ -23,6 +23,7 @@ def fsync(descriptor):
     _fsync(descriptor)
 os.fsync = fsync
 """
+AGAIN_S = 90.0  # what does not walk by then is started again
 DRIVE = {"vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
 
 
@@ -55,7 +56,7 @@ class Drive(Watched):
     def walk(self):
         """Stand up and walk."""
         self.stand(lambda status: status["state"] == "standing")
-        self.wait(lambda status: self.drive(0.05) or status["state"] == "walking")
+        self.wait(lambda status: self.drive(0.05) or status["state"] == "walking", AGAIN_S)
 
     def stand(self, enough):
         """Ask to stand up until ``enough``; on a busy machine switching on may need more than one try."""
@@ -68,7 +69,7 @@ class Drive(Watched):
             self.drive(0.0)
             return enough(status)
 
-        self.wait(ask, 3 * PATIENCE_S)
+        self.wait(ask, AGAIN_S)
 
     def drive(self, vx_m_s):
         self.say(type="drive", vx_m_s=vx_m_s, **DRIVE)

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from host.commands.teleop import END_MOST_S
 from host.teleop.ending import end_all
+from tests.waiting import PATIENCE_S
 
 from .hanging import driving
 
@@ -43,7 +43,7 @@ def test_the_second_ctrl_c_lets_go_before_anything_is_closed(tmp_path, monkeypat
         print(f"hanging {hung}: torque off after {1000 * took_s:.1f} ms")
         assert took_s < BUSY * AIMED_AT_S
         ended_s = time.monotonic()
-        drive.process.communicate(timeout=2 * END_MOST_S)
+        drive.process.communicate(timeout=PATIENCE_S)
         print(f"ended after {time.monotonic() - ended_s:.1f} s")
 
 
@@ -55,7 +55,7 @@ def test_it_ends_though_nobody_takes_its_output(tmp_path, monkeypatch):
             while True:
                 os.write(filler, bytes(65536))
         assert let_go(drive) < BUSY * AIMED_AT_S
-        assert drive.process.wait(4 * END_MOST_S) == -signal.SIGALRM
+        assert drive.process.wait(PATIENCE_S) == -signal.SIGALRM
         os.close(filler)
 
 

@@ -3,7 +3,6 @@
 import os
 import signal
 import socket
-import time
 import urllib.request
 
 import pytest
@@ -13,27 +12,29 @@ from host.teleop.hub import Hub
 from host.teleop.side import AGAIN_S, PAGE, SILENT_S, STEADY_S, UNREACHABLE_S, SideProcess
 from host.util.errors import UserError
 from tests.host.control.rig import SCRIPT, STILL, Rig
-from tests.waiting import wait_until
+from tests.waiting import PATIENCE_S, wait_until
 
 CODE = "314159"
+TURN_S = 0.02
 SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}}
 
 
 class Side:
-    """The loop's side of a page on a clock that runs, and that the test may move on."""
+    """The loop's side of a page on a clock that runs with its turns, and that the test may move on."""
 
     def __init__(self):
-        self.skipped_s = 0.0
+        self.time_s = 0.0
         self.rig = Rig()
         self.port = free_port()
         self.hub = Hub(self.rig.loop.receive, self.rig.loop.drop)
-        self.web = SideProcess(PAGE, ("127.0.0.1", self.port), SETUP, lambda: time.monotonic() + self.skipped_s)
+        self.web = SideProcess(PAGE, ("127.0.0.1", self.port), SETUP, lambda: self.time_s)
         self.web.start(self.hub)
         self.web.wait(self.hub)
 
     def turn(self):
         """What the loop does, a few ticks long."""
-        self.hub.poll(0.02)
+        self.time_s += TURN_S
+        self.hub.poll(TURN_S)
         self.web.watch(self.hub, self.rig.supervisor)
 
     def until(self, found):
@@ -58,7 +59,7 @@ def side():
 
 
 def served(port):
-    with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=10) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{port}/", timeout=PATIENCE_S) as answer:
         return answer.status
 
 
@@ -80,7 +81,7 @@ def test_the_code_is_told_by_nothing_it_says(side):
 def test_a_process_that_stands_still_is_replaced(side):
     os.kill(side.web.process.pid, signal.SIGSTOP)
     side.turn()
-    side.skipped_s += SILENT_S + 0.5
+    side.time_s += SILENT_S + 0.5
     side.turn()
     assert side.web.note.startswith("no page: the page's process has said nothing for ")
     side.until(lambda: side.web.note.startswith("http"))
@@ -94,10 +95,10 @@ def test_a_robot_that_stands_alone_without_a_page_sits_down(side):
     assert (rig.arbiter.driver, rig.supervisor.armed) == (None, True)
     side.kill()
     with socket.create_server(("127.0.0.1", side.port)):  # so that it can't come back
-        side.skipped_s += UNREACHABLE_S / 2
+        side.time_s += UNREACHABLE_S / 2
         side.turn()
         assert rig.supervisor.safety.first is None, "there is still time to come back"
-        side.skipped_s += UNREACHABLE_S / 2
+        side.time_s += UNREACHABLE_S / 2
         side.turn()
         assert rig.supervisor.safety.first.cause == "page"
         assert "out of reach" in rig.supervisor.safety.sentence
@@ -111,7 +112,7 @@ def test_somebody_else_who_drives_goes_on_without_the_page(side):
     rig.stand()
     side.kill()
     rig.run(0.2, STILL, SCRIPT)
-    side.skipped_s += 2 * UNREACHABLE_S
+    side.time_s += 2 * UNREACHABLE_S
     side.turn()
     assert rig.supervisor.safety.first is None
 
@@ -120,13 +121,14 @@ def test_a_page_that_is_back_in_time_is_forgiven(side):
     side.rig.stand()
     side.rig.run(5.0)
     side.kill()
-    side.skipped_s += AGAIN_S
+    side.time_s += AGAIN_S
     side.until(lambda: side.web.note.startswith("http"))
-    for _ in range(int(UNREACHABLE_S / SILENT_S) + 2):
+    ends_s, starts = side.time_s + UNREACHABLE_S + STEADY_S, side.web.starts
+    while side.time_s < ends_s:
         heard_s = side.web._heard_s
         side.until(lambda heard_s=heard_s: side.web._heard_s > heard_s)
-        side.skipped_s += STEADY_S * 0.9
-    side.turn()
+        side.time_s += SILENT_S - 2.0  # it speaks once a second
+    assert side.web.starts == starts
     assert side.rig.supervisor.safety.first is None
 
 
@@ -135,7 +137,7 @@ def test_a_page_that_never_steadies_is_not_forgiven(side):
     side.rig.run(5.0)
     while side.rig.supervisor.safety.first is None:
         side.kill()
-        side.skipped_s += UNREACHABLE_S / 4
+        side.time_s += UNREACHABLE_S / 4
         side.until(lambda: side.web.note.startswith("http") or side.rig.supervisor.safety.first)
         assert side.web.starts < 20
     assert side.rig.supervisor.safety.first.cause == "page"

@@ -16,7 +16,7 @@ from host.teleop import gamepad as pads
 from host.teleop.hub import Hub
 from host.teleop.keyboard import Keyboard
 from tests.host.control.rig import RESET, SCRIPT, STOP
-from tests.waiting import let_pass, wait_until
+from tests.waiting import PATIENCE_S, let_pass, wait_until
 
 from .test_devices import FakePad
 
@@ -77,7 +77,7 @@ def running(tmp_path):
     }
     yield loop, bus, pulls
     loop.running = False
-    thread.join(5)
+    thread.join(PATIENCE_S)
     script.close()
     hub.close()
     for descriptor in (keys_out, keys_in, pad.reading, pad.writing):

@@ -13,7 +13,7 @@ from host.util.child import end_child
 
 @pytest.mark.parametrize(
     ("code", "patience_s", "ending"),
-    [("import sys; sys.stdin.read()", 30.0, 0), ("import signal; signal.pause()", 0.2, -signal.SIGKILL)],
+    [("import sys; sys.stdin.read()", 60.0, 0), ("import signal; signal.pause()", 0.2, -signal.SIGKILL)],
     ids=["obeys", "hangs"],
 )
 def test_a_child_ends_and_its_pipes_are_closed(code, patience_s, ending):

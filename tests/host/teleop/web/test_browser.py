@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from host.lab.teleop.browser import DESK, FAKE_PAD, missing, open_browser
+from host.lab.teleop.browser import DESK, FAKE_PAD, PATIENCE_MS, missing, open_browser
 from host.robot.file import load_robot
 from host.robot.gait_advice import gait_advice
 from host.sim.stage import profiles
@@ -42,6 +42,7 @@ def open_page(browser, teleop):
 
     def open_page(viewport=DESK, touch=False, script=None, scheme="light"):
         context = browser.new_context(viewport=viewport, has_touch=touch, color_scheme=scheme)
+        context.set_default_timeout(PATIENCE_MS)
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -188,9 +189,12 @@ def test_a_page_that_hangs_stops_the_robot(teleop, open_page):
     page = open_page()
     page.keyboard.down("w")
     teleop.wait(walks)
-    page.evaluate("setTimeout(() => { const end = Date.now() + 5000; while (Date.now() < end); }, 0)")
-    status = teleop.wait(lambda status: not status["fresh"], 4.5)
+    debugger = page.context.new_cdp_session(page)
+    debugger.send("Debugger.enable")
+    debugger.send("Debugger.pause")  # its next line of script waits until it is let go on
+    status = teleop.wait(lambda status: not status["fresh"])
     assert status["reason"].startswith("no command from web")
+    debugger.send("Debugger.resume")
     page.keyboard.up("w")
 
 
