@@ -13,7 +13,7 @@
 
 PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
-JOBS ?= 3
+JOBS ?= 2
 COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
@@ -48,7 +48,6 @@ demo:
 		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 
 # All three run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
-# JOBS: one more than the two cores of a small machine, because many tests wait for processes that keep to the clock.
 test: setup
 	@failed=; said=$$(mktemp); \
 	$(BIN)/mypy >$$said 2>&1 & mypy=$$!; \
