@@ -7,7 +7,6 @@ from ... import ROOT
 from .compiler import compile_text
 from .lower import lowered_modules
 from .rewrite import EMITTERS, rewrite
-from .source import PACKAGES
 
 BUDGET = Path(__file__).with_name("size_budget.json")
 ARCH = "armv7emsp"  # the STM32F405 of both boards
@@ -17,9 +16,9 @@ GROWS = ("shared/gait/gaits.py",)  # a table for each gait: it may grow by any g
 Sizes = dict[str, dict[str, int]]
 
 
-def measure_sizes(root: Path, packages: tuple[str, ...] = PACKAGES) -> Sizes:
+def measure_sizes(root: Path) -> Sizes:
     """Return the bytes of every module as bytecode, native and viper."""
-    modules = lowered_modules(root, packages)
+    modules = lowered_modules(root)
     return {
         module.path: {
             emitter: len(compile_text(rewrite(module, modules, emitter, ARCH), module.path, emitter, ARCH))

@@ -82,8 +82,8 @@ class CanWire:
     the chip's block or "wire". ``disturb`` counts frames to come that are hit by an error.
     """
 
-    def __init__(self, can: BxCan, rate_hz: int = 1_000_000) -> None:
-        self.can, self.rate_hz = can, rate_hz
+    def __init__(self, can: BxCan) -> None:
+        self.can, self.rate_hz = can, 1_000_000
         self.sent: list[tuple[int, int, str, Frame]] = []
         self.disturb = 0
         self.free_at = 0
