@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 from ... import ROOT
+from ...util.files import write_text
 from .compiler import compile_text
 from .lower import lowered_modules
 from .rewrite import EMITTERS, rewrite
@@ -33,9 +34,7 @@ def read_budget() -> Sizes:
 
 
 def write_budget(sizes: Sizes) -> None:
-    new = BUDGET.with_suffix(".new")
-    new.write_text(json.dumps(sizes, indent=1, sort_keys=True) + "\n")
-    new.replace(BUDGET)
+    write_text(BUDGET, json.dumps(sizes, indent=1, sort_keys=True) + "\n")
 
 
 def over_budget(sizes: Sizes, budget: Sizes) -> list[str]:
