@@ -46,9 +46,25 @@ class Commands:
             return {"error": f"{type(error).__name__}: {error}"}
         return answer
 
-    def on_trip(self, servo: int) -> dict[str, Any]:
+    def on_trip(self, servo: int, bits: int = t.OVERLOADED) -> dict[str, Any]:
         """Raise hardware errors of a servo."""
-        self._bus.servo(servo).trip()
+        self._bus.servo(servo).trip(bits)
+        return {}
+
+    def on_put(self, servo: int, register: str, value: int) -> dict[str, Any]:
+        """Set any register of a servo, such as its temperature."""
+        self._bus.servo(servo).put(t.REGISTERS[register], value)
+        return {}
+
+    def on_put_all(self, register: str, value: int) -> dict[str, Any]:
+        """Set a register of all servos, such as the voltage."""
+        for servo in self._bus.servos:
+            servo.put(t.REGISTERS[register], value)
+        return {}
+
+    def on_missing(self, servo: int, missing: bool = True) -> dict[str, Any]:
+        """Pull a servo's plug, or put it back."""
+        self._bus.servo(servo).missing = missing
         return {}
 
     def on_plug(self, joints: list[int]) -> dict[str, Any]:
