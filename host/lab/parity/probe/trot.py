@@ -11,7 +11,6 @@ from .draw import Range
 from .draws import BRAD, LEG
 from .probe import Block, Pick, Probe
 from .robots import PARAMS
-from .row import clear
 
 PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "trot")
 SOURCES = tuple(["trot." + part for part in PARTS])
@@ -39,8 +38,14 @@ ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joint
 def _begin():
     sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
     for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING) + sensed:
-        clear(block)
+        _clear(block)
     state.trot_reset(PARAMS[0], WALK)
+
+
+def _clear(block):
+    row = Block(block).row
+    for at in range(len(row)):
+        row[at] = 0
 
 
 def _sense(dice):
