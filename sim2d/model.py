@@ -66,11 +66,6 @@ class ServoModel:
         if self.armature_kgm2 < 0 or self.coulomb_Nm < 0:
             raise ValueError("servo: armature_kgm2 and coulomb_Nm must not be negative")
 
-    @property
-    def no_load_speed_rad_s(self) -> float:
-        """Speed at which full duty gives no torque, rad/s."""
-        return self.stall_torque_Nm / self.damping_Nms_rad
-
     def at_voltage(self, voltage_V: float) -> "ServoModel":
         """Return the same servo at another supply voltage: interpolated, never extrapolated.
 
@@ -105,12 +100,10 @@ def least_inertia_kgm2(damping_Nms_rad: float, dt_s: float) -> float:
 
 @dataclass(frozen=True)
 class SensorModel:
-    """What the sensors lose: joint encoder steps and white noise of the attitude, all off by default."""
+    """What the sensors lose: joint encoder steps and white noise of the pitch, both off by default."""
 
     encoder_counts_per_turn: int = 0
     pitch_noise_rad: float = 0.0
-    pitch_rate_noise_rad_s: float = 0.0
-    specific_force_noise_m_s2: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -123,18 +123,18 @@ def _stones(draw: _Draw, recording: Recording, rows: Array) -> Iterator[str]:
 def _ground(draw: _Draw, recording: Recording) -> Iterator[str]:
     """Treads and risers from far to near, lines on what is level, and the near side."""
     ahead, behind = recording.torso_x_m.max() + WIDTH_M, recording.torso_x_m.min() - WIDTH_M
-    for line in recording.terrain.polylines:
-        for (x0, z0), (x1, z1) in reversed(list(pairwise(line))):
-            if x1 == x0 and z1 < z0:
-                continue  # faces away
-            look = f'fill="{RISER if x1 == x0 else TREAD}" stroke="{LINE}"'
-            yield draw.still(_strip((x0, z0), (x1, z1)), look)
-            first, last = max(x0, behind), min(x1, ahead)
-            for x in np.arange(np.ceil(first / LINES_M), np.floor(last / LINES_M) + 1) * LINES_M:
-                z = np.interp(x, (x0, x1), (z0, z1))
-                yield draw.still(_strip((x, z), (x, z))[1:3], f'stroke="{LINE}" fill="none"', "polyline")
-        side = np.array([(x, -GROUND_M, z) for x, z in solid(line)])
-        yield draw.still(side, f'fill="{EDGE}" stroke="{RISER}" stroke-width="2"')
+    line = recording.terrain.points_m
+    for (x0, z0), (x1, z1) in reversed(list(pairwise(line))):
+        if x1 == x0 and z1 < z0:
+            continue  # faces away
+        look = f'fill="{RISER if x1 == x0 else TREAD}" stroke="{LINE}"'
+        yield draw.still(_strip((x0, z0), (x1, z1)), look)
+        first, last = max(x0, behind), min(x1, ahead)
+        for x in np.arange(np.ceil(first / LINES_M), np.floor(last / LINES_M) + 1) * LINES_M:
+            z = np.interp(x, (x0, x1), (z0, z1))
+            yield draw.still(_strip((x, z), (x, z))[1:3], f'stroke="{LINE}" fill="none"', "polyline")
+    side = np.array([(x, -GROUND_M, z) for x, z in solid(line)])
+    yield draw.still(side, f'fill="{EDGE}" stroke="{RISER}" stroke-width="2"')
 
 
 def _strip(start: tuple[float, float], end: tuple[float, float]) -> Array:

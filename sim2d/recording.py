@@ -50,7 +50,6 @@ class Recording:
     torso_x_m: Array
     torso_z_m: Array
     torso_pitch_rad: Array
-    torso_speed_m_s: Array
     joint_rad: Array
     joint_speed_rad_s: Array
     goal_rad: Array
@@ -129,7 +128,6 @@ class Log:
             torso_x_m=origin[:, 0],
             torso_z_m=origin[:, 1],
             torso_pitch_rad=-state[:, 0, 2],
-            torso_speed_m_s=state[:, 0, 3].copy(),
             joint_rad=_twelve(state[:, :, 2], goals[:, HIP::3]),
             joint_speed_rad_s=_twelve(state[:, :, 5], np.zeros((len(goals), 4))),
             goal_rad=goals,

@@ -1,4 +1,4 @@
-"""What the controller gets to know: joint encoders, drives' torques, attitude, accelerometer, with their losses."""
+"""What the controller gets to know: joint encoders, attitude, accelerometer, with their losses."""
 
 import math
 import random
@@ -16,13 +16,12 @@ class Sensed:
     """What a controller gets each tick. Angles about +y: pitch > 0 is nose down. The plane has no roll.
 
     ``specific_force_m_s2`` is what an accelerometer at the torso's centre of mass reads, body x and z, mean
-    over the last tick: (0, +9.81) at rest. Hip joints report their goal; torques are the drives' own.
+    over the last tick: (0, +9.81) at rest. Hip joints report their goal.
     """
 
     time_s: float
     joint_position_rad: Sequence[float]
     joint_speed_rad_s: Sequence[float]
-    joint_torque_Nm: Sequence[float]
     roll_rad: float
     pitch_rad: float
     pitch_rate_rad_s: float
@@ -41,15 +40,14 @@ class Sensors:
     def read(self, state: bytes, hips_rad: Sequence[float], time_s: float) -> Sensed:
         """Return the sensed values for the bodies' ``state`` (see World.state)."""
         _, _, angle, vx, vz, turn = struct.unpack_from("6d", state)
-        model, world = self._model, self._world
+        world = self._world
         return Sensed(
             time_s=time_s,
             joint_position_rad=[self._encoded(q) for q in all_joints(world.position_rad, hips_rad)],
             joint_speed_rad_s=all_joints(world.speed_rad_s, (0.0,) * 4),
-            joint_torque_Nm=all_joints(world.torque_Nm, (0.0,) * 4),
             roll_rad=0.0,
-            pitch_rad=-angle + self._noise(model.pitch_noise_rad),
-            pitch_rate_rad_s=-turn + self._noise(model.pitch_rate_noise_rad_s),
+            pitch_rad=-angle + self._noise(self._model.pitch_noise_rad),
+            pitch_rate_rad_s=-turn,
             specific_force_m_s2=self._specific_force(angle, vx, vz),
         )
 
@@ -63,8 +61,7 @@ class Sensors:
         self._last_velocity, self._last_steps = (vx, vz), self._world.steps
         az += GRAVITY_M_S2
         cos, sin = math.cos(angle), math.sin(angle)
-        sigma = self._model.specific_force_noise_m_s2
-        return cos * ax + sin * az + self._noise(sigma), -sin * ax + cos * az + self._noise(sigma)
+        return cos * ax + sin * az, -sin * ax + cos * az
 
     def _encoded(self, angle_rad: float) -> float:
         counts = self._model.encoder_counts_per_turn

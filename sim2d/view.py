@@ -42,7 +42,7 @@ def animation_html(recording: Recording, title: str, sentence: str, facts: list[
         "stall_Nm": _rounded(recording.stall_Nm, 3),
         "ground_z": _rounded(ground[rows], 4),
         "view_m": _rounded(_view_m(recording, ground, torso_half_m)[rows].max(axis=0), 3),
-        "terrain": [[[round(x, 4), round(z, 4)] for x, z in solid(line)] for line in recording.terrain.polylines],
+        "terrain": [[[round(x, 4), round(z, 4)] for x, z in solid(recording.terrain.points_m)]],
         "stones": [[[round(x, 4), round(z, 4)] for x, z in stone.corners_m] for stone in recording.terrain.loose],
         "stone_moves": _stone_moves(recording, rows),
         "foot_radius_m": recording.foot_radius_m,
@@ -105,7 +105,7 @@ def turned(corners_m: Sequence[Point], place_m: Array, turn_rad: float) -> Array
     return np.asarray(np.array(corners_m) @ np.array([[cos, sin], [-sin, cos]]) + place_m)
 
 
-def solid(line: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def solid(line: Sequence[Point]) -> list[Point]:
     """A ground line closed far below, so that it can be filled."""
     deep = min(z for _, z in line) - 0.5
     return [*line, (line[-1][0], deep), (line[0][0], deep)]
@@ -136,9 +136,8 @@ def path_png(recording: Recording, title: str, target: Path) -> None:
 def _draw_side(axes: Any, rec: Recording) -> None:
     body = np.concatenate([rec.hip_xz_m, rec.knee_xz_m, rec.foot_xz_m], axis=1)
     left, right = float(body[:, :, 0].min()) - 0.05, float(body[:, :, 0].max()) + 0.05
-    for line in rec.terrain.polylines:
-        xs, zs = zip(*solid(line), strict=True)
-        axes.fill(xs, zs, color="#d9cfc0", edgecolor="#8d7c62", linewidth=1.2)
+    xs, zs = zip(*solid(rec.terrain.points_m), strict=True)
+    axes.fill(xs, zs, color="#d9cfc0", edgecolor="#8d7c62", linewidth=1.2)
     _draw_stones(axes, rec)
     for leg in range(4):
         foot = rec.foot_xz_m[:, leg]

@@ -249,7 +249,7 @@ def _add_ground(space: pymunk.Space, terrain: Terrain) -> None:
             continue
         segment = pymunk.Segment(space.static_body, start, end, 0.0)
         segment.set_neighbors(points[max(i - 1, 0)], points[min(i + 2, len(points) - 1)])
-        segment.friction = terrain.friction
+        segment.friction = 1.0  # so the foot's own decides: Chipmunk multiplies
         space.add(segment)
     for stone in terrain.loose:
         shape = pymunk.Poly(None, list(stone.corners_m))
@@ -258,5 +258,5 @@ def _add_ground(space: pymunk.Space, terrain: Terrain) -> None:
         pebble = pymunk.Body(mass_kg, pymunk.moment_for_poly(mass_kg, list(stone.corners_m)))
         pebble.position = (stone.x_m, stone.z_m)
         shape.body = pebble
-        shape.friction = terrain.friction
+        shape.friction = 1.0
         space.add(pebble, shape)

@@ -25,10 +25,10 @@ def closed_form(alpha: float, beta: float) -> tuple[float, float, float]:
     return a + middle, b + middle, c + middle
 
 
-def accuracy(bldc: Bldc, seed: int = 0) -> dict[str, Any]:
+def accuracy(bldc: Bldc) -> dict[str, Any]:
     """Return the worst errors of SVPWM and of the current step, and whether both are within their bars."""
-    svpwm_error, outside = _svpwm_error(bldc, random.Random(seed))
-    step_error = _step_error(bldc, random.Random(seed + 1))
+    svpwm_error, outside = _svpwm_error(bldc, random.Random(0))
+    step_error = _step_error(bldc, random.Random(1))
     return {
         "ok": svpwm_error <= SVPWM_MOST and step_error <= STEP_MOST and outside == 0,
         "vectors": VECTORS,

@@ -1,12 +1,11 @@
 """Writes everything made from joints.dbc and parameters.toml: codec, names, limits, docs tables.
 
-Run as ``python -m host.protocol.generate`` (``--check`` only compares). No line of the output depends on the machine.
+Run as ``python -m host.protocol.generate``. No line of the output depends on the machine.
 """
 
 from __future__ import annotations
 
 import hashlib
-import sys
 from pathlib import Path
 
 from .. import ROOT
@@ -61,18 +60,6 @@ def outputs() -> dict[Path, str]:
     }
 
 
-def main(arguments: list[str]) -> int:
-    made = outputs()
-    stale = [path for path, text in made.items() if not path.exists() or path.read_text() != text]
-    if "--check" in arguments:
-        names = ", ".join(str(path.relative_to(ROOT)) for path in stale)
-        told = f"out of date: {names}; run python -m host.protocol.generate"
-        print(told if stale else "the protocol's files are up to date")
-        return 1 if stale else 0
-    for path in stale:
-        write_text(path, made[path])
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    for path, text in outputs().items():
+        write_text(path, text)

@@ -17,11 +17,9 @@ class SimulatedBus(Bus):
 
     kind = "simulated"
 
-    def __init__(
-        self, robot: Robot, clock: Callable[[], float] = time.monotonic, plant: Plant | None = None, seed: int = 0
-    ) -> None:
+    def __init__(self, robot: Robot, clock: Callable[[], float] = time.monotonic, plant: Plant | None = None) -> None:
         super().__init__()
-        self.plant = PlanePlant(robot, seated_pose_rad(robot), seed) if plant is None else plant
+        self.plant = PlanePlant(robot, seated_pose_rad(robot)) if plant is None else plant
         self._clock, self._start_s = clock, clock()
         self._supply_V = robot.actuator.supply_V
 

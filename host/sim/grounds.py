@@ -51,10 +51,7 @@ FLAT = GroundSpec()
 
 
 def make_terrain(spec: GroundSpec) -> Terrain:
-    """Return the ground in the plane, and of what only space has the step that is met; UserError if it can't be.
-
-    The terrain's friction is 1, so the foot's own decides (see sim2d).
-    """
+    """Return the ground in the plane, and of what only space has the step that is met; UserError if it can't be."""
     height, start, length = spec.height, spec.start_m, spec.length_m
     makers: dict[str, Callable[[], Terrain]] = {
         "flat": terrain.flat,

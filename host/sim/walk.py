@@ -102,7 +102,6 @@ class PlannerController:
         self._driver = Driver(spec.robot, planar=True)
         self.rate_hz = self._driver.rate_hz
         self._driver.set_command(mode="walk", gait=spec.gait, vx_m_s=spec.speed_m_s, balance=spec.balance)
-        self.flags_seen = 0
         self.watch = GaitWatch(self._driver)
 
     def tick(self, sensed: Sensed) -> Sequence[float]:
@@ -110,7 +109,6 @@ class PlannerController:
         rates = (0.0, sensed.pitch_rate_rad_s, 0.0)
         self._driver.sense(sensed.joint_position_rad, sensed.roll_rad, sensed.pitch_rad, rates)
         goals = self._driver.step()
-        self.flags_seen |= self._driver.flags
         self.watch.look()
         return goals
 

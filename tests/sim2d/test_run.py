@@ -65,7 +65,7 @@ def test_signs_nose_down_is_positive_and_so_is_falling_forward(robot):
 
 
 def test_encoders_round_and_noise_is_seeded(robot):
-    sensors = SensorModel(4096, 0.01, 0.02, 0.1)
+    sensors = SensorModel(4096, 0.01)
     noisy = replace(robot, sensors=sensors)
 
     def sensed(seed):

@@ -52,15 +52,9 @@ def test_gravel_lies_on_the_ground_without_overlap():
         assert max(math.hypot(x, z) for x, z in stone.corners_m) <= stone.z_m * (1 + 1e-9)
 
 
-def test_polylines_are_what_is_collided_with():
-    ground = terrain.step(0.02)
-    assert ground.polylines == [list(ground.points_m)]
-
-
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: terrain.flat(friction=0.0),
         lambda: terrain.ramp(60.0),
         lambda: terrain.ramp(5.0, start_m=0.0),
         lambda: terrain.step(0.5),

@@ -94,7 +94,7 @@ def test_the_picture_has_the_stones_too(stony, monkeypatch, tmp_path):
     monkeypatch.setattr(Axes, "fill", lambda axes, *a, **more: filled.append(a) or draw(axes, *a, **more))
     path_png(stony, "title", tmp_path / "path.png")
     assert (tmp_path / "path.png").stat().st_size > 10_000
-    assert len(filled) == len(stony.terrain.polylines) + 2 * len(stony.terrain.loose)
+    assert len(filled) == 1 + 2 * len(stony.terrain.loose)
 
 
 def test_a_run_of_one_row_is_drawn(tmp_path):

@@ -147,13 +147,9 @@ class Kinds:
         """Return what attribute ``name`` of an object is; its text is the base's with the name behind."""
         if base.owner is None:
             return None
-        value = self._members(base.owner).get(name)
+        value = self.members(base.owner).get(name)
         text = f"{base.raw or base.text}.{name}"
         return replace(value, text=text, raw=text) if value else None
-
-    def members(self, owner: tuple[str, str]) -> dict[str, Value]:
-        """Return the attributes that are known of a class, by name."""
-        return self._members(owner)
 
     def _class(self, module: Module, name: str) -> tuple[str, str] | None:
         """Return the class that ``name`` is; where it sets up nothing of its own, the one that it is derived from."""
@@ -165,14 +161,15 @@ class Kinds:
                 return above or (found[0].name, node.name)
         return None
 
-    def _members(self, owner: tuple[str, str]) -> dict[str, Value]:
+    def members(self, owner: tuple[str, str]) -> dict[str, Value]:
+        """Return the attributes that are known of a class, by name."""
         if owner not in self._classes:
             self._classes[owner] = found = {}
             module = self.modules[owner[0]]
             declared = next(n for n in module.tree.body if isinstance(n, ast.ClassDef) and n.name == owner[1])
             for base in declared.bases:
                 above = self._class(module, base.id) if isinstance(base, ast.Name) else None
-                found.update(self._members(above) if above else {})
+                found.update(self.members(above) if above else {})
             for node in declared.body:
                 if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
                     self._keep(found, node.target.id, self.annotated(module, node.annotation, ""))

@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 from ... import ROOT
+from ...util.files import write_text
 from .compiler import compile_text
 from .lower import lowered_modules
 from .rewrite import EMITTERS, rewrite
-from .source import PACKAGES
 
 BUDGET = Path(__file__).with_name("size_budget.json")
 ARCH = "armv7emsp"  # the STM32F405 of both boards
@@ -17,9 +17,9 @@ GROWS = ("shared/gait/gaits.py",)  # a table for each gait: it may grow by any g
 Sizes = dict[str, dict[str, int]]
 
 
-def measure_sizes(root: Path, packages: tuple[str, ...] = PACKAGES) -> Sizes:
+def measure_sizes(root: Path) -> Sizes:
     """Return the bytes of every module as bytecode, native and viper."""
-    modules = lowered_modules(root, packages)
+    modules = lowered_modules(root)
     return {
         module.path: {
             emitter: len(compile_text(rewrite(module, modules, emitter, ARCH), module.path, emitter, ARCH))
@@ -34,9 +34,7 @@ def read_budget() -> Sizes:
 
 
 def write_budget(sizes: Sizes) -> None:
-    new = BUDGET.with_suffix(".new")
-    new.write_text(json.dumps(sizes, indent=1, sort_keys=True) + "\n")
-    new.replace(BUDGET)
+    write_text(BUDGET, json.dumps(sizes, indent=1, sort_keys=True) + "\n")
 
 
 def over_budget(sizes: Sizes, budget: Sizes) -> list[str]:

@@ -1,64 +1,30 @@
-"""Writes shared/num/tables.py: the look-up tables of the fixed-point primitives.
+"""Writes shared/num/tables.py, the look-up tables of the fixed-point primitives: python -m host.boards.build.tables.
 
-Run as ``python -m host.boards.build.tables`` (``--check`` only compares). Every entry is the correctly
-rounded value of its formula, computed with integers from a 40-digit decimal series, so the file
-is the same on every machine.
+Every entry is its formula's value, correctly rounded: none is nearer than 1e-5 to a half, and a double errs by 1e-10.
 """
 
-import sys
-from decimal import ROUND_HALF_EVEN, Decimal, getcontext
+from math import atan, isqrt, pi, sin
 
 from ... import ROOT
-
-getcontext().prec = 50
 
 TARGET = ROOT / "shared" / "num" / "tables.py"
 INTERVALS = 256  # one table spans its argument range in 256 steps, so an index is one byte
 
 
-def arctan(x: Decimal) -> Decimal:
-    """arctan by its Taylor series after two halvings of the argument; 0 <= x <= 1."""
-    for _ in range(3):
-        x = x / (1 + (1 + x * x).sqrt())
-    term, total, n = x, x, 1
-    while abs(term) > Decimal(10) ** -45:
-        n += 2
-        term = -term * x * x
-        total += term / n
-    return 8 * total
-
-
-PI = 4 * arctan(Decimal(1))
-
-
-def sine(x: Decimal) -> Decimal:
-    """sin by its Taylor series; 0 <= x <= pi/2."""
-    term, total, n = x, x, 1
-    while abs(term) > Decimal(10) ** -45:
-        n += 2
-        term = -term * x * x / (n * (n - 1))
-        total += term
-    return total
-
-
-def nearest(x: Decimal) -> int:
-    return int(x.quantize(Decimal(1), rounding=ROUND_HALF_EVEN))
-
-
 def sine_half_q16() -> list[int]:
     """sin over the first half turn in Q16; the highest entry, 65536, is stored as 65535."""
-    quarter = [min(nearest(65536 * sine(PI / 2 * i / INTERVALS)), 65535) for i in range(INTERVALS + 1)]
+    quarter = [min(round(65536 * sin(pi / 2 * i / INTERVALS)), 65535) for i in range(INTERVALS + 1)]
     return quarter + quarter[-2::-1]
 
 
 def arctan_brad18() -> list[int]:
     """arctan of i/256 in 1/2^18 of a turn."""
-    return [nearest((1 << 18) / (2 * PI) * arctan(Decimal(i) / INTERVALS)) for i in range(INTERVALS + 1)]
+    return [round((1 << 18) / (2 * pi) * atan(i / INTERVALS)) for i in range(INTERVALS + 1)]
 
 
 def root_seed() -> list[int]:
     """Upper seed of the square root: ceil(sqrt((i + 65) * 2^24 - 1)), i = top 6 bits of [2^28, 2^30)."""
-    return [int((Decimal((i + 65) << 22) - 1).sqrt()) + 1 for i in range(192)]
+    return [isqrt(((i + 65) << 22) - 1) + 1 for i in range(192)]
 
 
 def listing(name: str, values: list[int], comment: str) -> str:
@@ -80,15 +46,5 @@ def render() -> str:
     return head + "\n".join(parts)
 
 
-def main(arguments: list[str]) -> int:
-    text = render()
-    if "--check" in arguments:
-        same = TARGET.read_text() == text
-        print(f"shared/num/tables.py {'is up to date' if same else 'differs: run python -m host.boards.build.tables'}")
-        return 0 if same else 1
-    TARGET.write_text(text)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    TARGET.write_text(render())

@@ -44,10 +44,8 @@ class CortexM(Runtime):
     emitter = "viper"
     timeout_s = 3600.0  # the planner's vectors alone take some minutes, and a busy machine many times that
 
-    def __init__(self, counting: bool = False, emitter: str = "viper") -> None:
+    def __init__(self, counting: bool = False) -> None:
         self.counting = counting
-        self.emitter = emitter
-        self.name = f"cortex-m-{emitter}"
         self.marks: list[int] = []
 
     def missing(self) -> str | None:

@@ -53,11 +53,11 @@ def step_specs(options: Options, kind: str, height_m: float, speed_m_s: float = 
     return specs
 
 
-def load_specs(options: Options, knees: str, load_kg: float, usual: int = WALKS) -> list[WalkSpec]:
+def load_specs(options: Options, knees: str, load_kg: float) -> list[WalkSpec]:
     """Return walks of 1.5 m of level ground with a payload, the knees turned as named."""
     robot = with_knees(options.robot, knees)
     spec = WalkSpec(robot, options.gait, SPEED_M_S, distance_m=1.5, payload_kg=load_kg)
-    return [drawn(spec, seed) for seed in options.seeds(usual)]
+    return [drawn(spec, seed) for seed in options.seeds(WALKS)]
 
 
 def slope_cases(options: Options) -> list[Case]:

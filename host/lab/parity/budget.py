@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+from ...util.files import write_text
+
 BUDGET = Path(__file__).with_name("fuel_budget.json")
 GROWTH = 0.05
 WALK = "planner.tick:"  # a whole tick of a walk; one in a gait added as a table may cost what the dearest does
@@ -13,9 +15,7 @@ def read_budget() -> dict[str, int]:
 
 
 def write_budget(fuel: dict[str, int]) -> None:
-    new = BUDGET.with_suffix(".new")
-    new.write_text(json.dumps(fuel, indent=1) + "\n")
-    new.replace(BUDGET)
+    write_text(BUDGET, json.dumps(fuel, indent=1) + "\n")
 
 
 def is_added(name: str, budget: dict[str, int]) -> bool:

@@ -57,7 +57,7 @@ class TracedNode(Node):
         super().__init__("micropython-settrace.wasm")
 
 
-def cover(sources: Path, work: Path, vectors: int = VECTORS) -> Coverage:
+def cover(sources: Path, work: Path) -> Coverage:
     """Run the vectors in the traced VM; RuntimeFailure if the VM fails."""
     runtime = TracedNode()
     skipped = runtime.missing()
@@ -65,7 +65,7 @@ def cover(sources: Path, work: Path, vectors: int = VECTORS) -> Coverage:
         return Coverage(skipped=skipped)
     work.mkdir(parents=True)
     tree = runtime.prepare(sources, work)
-    ran = runtime.ask(tree, f"from probe import trace\ntrace.lines({vectors})\n")["lines"]
+    ran = runtime.ask(tree, f"from probe import trace\ntrace.lines({VECTORS})\n")["lines"]
     if not ran:
         raise RuntimeFailure("node-settrace: no line of shared/ was traced")
     return compare(sources, {path: set(lines) for path, lines in ran.items()})

@@ -146,14 +146,14 @@ def allocations(runtime: Wasi | Unix, sources: Path, work: Path) -> dict[str, Al
     return found
 
 
-def largest_values(sources: Path, work: Path, vectors: int = CHECKED_VECTORS) -> dict[str, tuple[int, str | None]]:
+def largest_values(sources: Path, work: Path) -> dict[str, tuple[int, str | None]]:
     """Return the largest intermediate of each function on checked integers, and the error that stopped it."""
     runtime = CPython()
     tree = runtime.prepare(sources, work)
     shutil.copy(Path(__file__).with_name("checked.py"), tree)
     found = {}
     for module in modules_of(runtime, tree):
-        rows = runtime.ask(tree, f"import checked\nchecked.answer({module!r}, {vectors})\n")["rows"]
+        rows = runtime.ask(tree, f"import checked\nchecked.answer({module!r}, {CHECKED_VECTORS})\n")["rows"]
         for row in rows:
             found[f"{module}.{row['name']}"] = (row["largest"], row["error"])
     return found

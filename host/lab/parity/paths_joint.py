@@ -56,7 +56,7 @@ def joint_figures(image: bytes) -> RoleFigures:
 
 
 def _chip() -> Chip:
-    chip = Chip(hse_hz=12_000_000)
+    chip = Chip()
     shunts: dict[str, int] = dict.fromkeys(("PC0", "PC1", "PC2"), SAMPLES["shunt"])
     rest = {"PC3": SAMPLES["bus"], "PA4": SAMPLES["thermistor"], "TEMPERATURE": SAMPLES["mcu"]}
     for pin, counts in (shunts | rest).items():

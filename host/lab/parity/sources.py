@@ -36,9 +36,9 @@ def gather(work: Path, root: Path = ROOT) -> Path:
     return sources
 
 
-def add_floats(tree: Path, root: Path = ROOT) -> bool:
+def add_floats(tree: Path) -> bool:
     """Copy the float reference into a tree; False if there is none, as in an installation without the tests."""
-    twin = root / "tests" / "float_twin"
+    twin = ROOT / "tests" / "float_twin"
     if twin.is_dir():
         shutil.copytree(twin, tree / "float_twin", ignore=shutil.ignore_patterns("__pycache__"))
     return twin.is_dir()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
-from itertools import islice, pairwise, takewhile
 from typing import TYPE_CHECKING
 
 from .adc import Sample
@@ -42,20 +41,13 @@ class SampleCheck:
         return self.window is not None and self.before >= settling and self.after >= 0
 
 
-def overlaps(windows: list[tuple[int, int]], begin: int, end: int) -> list[tuple[int, int]]:
-    """Return the parts of windows (in order of time) that lie in [begin, end)."""
-    first = bisect_right(windows, begin, key=lambda window: window[1])
-    inside = takewhile(lambda window: window[0] < end, islice(windows, first, None))
-    return [(max(a, begin), min(b, end)) for a, b in inside]
-
-
 def place(phase: str, sample: Sample, windows: list[tuple[int, int]]) -> SampleCheck:
     """Find the window that a sample begins in."""
-    at = bisect_right(windows, sample.earliest, key=lambda window: window[0]) - 1
-    if at < 0 or windows[at][1] <= sample.earliest:
+    at = bisect_right(windows, sample.trigger, key=lambda window: window[0]) - 1
+    if at < 0 or windows[at][1] <= sample.trigger:
         return SampleCheck(phase, sample, None, -1, -1)
     begin, end = windows[at]
-    return SampleCheck(phase, sample, (begin, end), sample.earliest - begin, end - sample.latest)
+    return SampleCheck(phase, sample, (begin, end), sample.trigger - begin, end - sample.latest)
 
 
 class HalfBridges:
@@ -93,15 +85,6 @@ class HalfBridges:
         assert phase.low_windows is not None
         return phase.low_windows + ([(phase.low_since, self.chip.now)] if phase.low else [])
 
-    def half_bridge_windows(self) -> list[tuple[int, dict[str, list[tuple[int, int]]]]]:
-        """Return for every PWM period (from one bottom of TIM1 to the next) when each low side was on."""
-        bottoms = [cycle for cycle, where in self.chip.tim1.boundaries if where == "bottom"]
-        windows = {name: self.low_windows(name) for name in self.phases}
-        return [
-            (begin, {name: overlaps(spans, begin, end) for name, spans in windows.items()})
-            for begin, end in pairwise(bottoms)
-        ]
-
     def check_samples(self, channels: dict[tuple[str, int], str]) -> list[SampleCheck]:
         """Return for every conversion of ``{("ADC1", 10): "a", ...}`` how it lies in its phase's low-side window."""
         windows = {name: self.low_windows(name) for name in self.phases}
@@ -111,4 +94,4 @@ class HalfBridges:
                 phase = channels.get((sample.adc, sample.channel))
                 if phase is not None:
                     checks.append(place(phase, sample, windows[phase]))
-        return sorted(checks, key=lambda check: check.sample.earliest)
+        return sorted(checks, key=lambda check: check.sample.trigger)

@@ -79,14 +79,13 @@ class CanWire:
     """A bus of ``rate_hz`` with the chip and other nodes on it.
 
     ``send`` queues frames of other nodes. ``sent`` holds (start, end, sender, frame) of what went through; sender is
-    the chip's block or "wire". ``others`` says whether any other node acknowledges; ``disturb`` counts frames to come
-    that are hit by an error; ``stuck`` holds the bus dominant.
+    the chip's block or "wire". ``disturb`` counts frames to come that are hit by an error.
     """
 
-    def __init__(self, can: BxCan, rate_hz: int = 1_000_000) -> None:
-        self.can, self.rate_hz = can, rate_hz
+    def __init__(self, can: BxCan) -> None:
+        self.can, self.rate_hz = can, 1_000_000
         self.sent: list[tuple[int, int, str, Frame]] = []
-        self.others, self.stuck, self.disturb = True, False, 0
+        self.disturb = 0
         self.free_at = 0
         self._queue: list[Frame] = []
         self._listeners: list[Callable[[str, Frame], None]] = []
@@ -108,22 +107,15 @@ class CanWire:
     def offer(self) -> None:
         """Start the frame that wins the bus, if the bus is free and there is one."""
         chip = self.can.chip
-        if self.busy or self.stuck:
+        if self.busy:
             return
         if chip.now < self.free_at:
             chip.at(self.free_at, self.offer)
             return
         mailbox = self.can.scheduled()
-        own = self.can.frame_in(mailbox) if mailbox is not None else None
-        other = min(self._queue, key=head) if self._queue else None
-        if own is not None and other is not None:
-            if head(own) <= head(other):
-                other = None
-            else:
-                assert mailbox is not None
-                self.can.lost_arbitration(mailbox)
-                own = None
-        if own is not None and mailbox is not None:
+        own = None if mailbox is None else self.can.frame_in(mailbox)
+        other = min(self._queue, key=head, default=None)
+        if own is not None and (other is None or head(own) <= head(other)):
             self._begin(own, mailbox)
         elif other is not None:
             self._begin(other, None)
@@ -132,28 +124,20 @@ class CanWire:
         self.busy = True
         start = self.can.chip.now
         sender = "wire" if mailbox is None else self.can.name
-        if mailbox is not None:
-            self.can.sending = mailbox
-        failed = self._fails(mailbox)
+        failed = self._fails()
         bits = duration_bits(frame) + (ERROR_BITS if failed else 0)
         end = start + round(bits * self.bit_cycles)
         self.free_at = end + round(PAUSE_BITS * self.bit_cycles)
         self.can.chip.at(end, lambda: self._end(start, sender, frame, mailbox, failed))
 
-    def _fails(self, mailbox: int | None) -> str:
-        """Return what goes wrong with the frame that begins, '' if nothing does."""
+    def _fails(self) -> bool:
+        """Tell whether something goes wrong with the frame that begins."""
         if self.disturb:
             self.disturb -= 1
-            return "disturbed"
-        if not self.can.rate_matches(self.rate_hz):
-            return "rate"
-        if mailbox is not None and not self.others and not self.can.loops_back:
-            return "acknowledge"
-        if mailbox is None and not self.others and not self.can.acknowledges:
-            return "acknowledge"
-        return ""
+            return True
+        return not self.can.rate_matches(self.rate_hz)
 
-    def _end(self, start: int, sender: str, frame: Frame, mailbox: int | None, failed: str) -> None:
+    def _end(self, start: int, sender: str, frame: Frame, mailbox: int | None, failed: bool) -> None:
         self.busy = False
         if not failed:
             self.sent.append((start, self.can.chip.now, sender, frame))

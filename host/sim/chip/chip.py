@@ -6,15 +6,13 @@ from collections.abc import Callable
 
 from .adc import Adc, AdcCommon
 from .bxcan import BxCan
-from .cortex import Dwt, FloatControl, Nvic, SystemControl, SysTick
 from .counter import Counter
-from .exti import Exti
 from .factory import Factory
 from .flash import Flash
 from .gpio import PORTS, Gpio
 from .iwdg import Iwdg
+from .nvic import Nvic
 from .pins import Pins
-from .power import Power, SystemConfiguration
 from .rcc import Rcc
 from .registers import Complaint, Peripheral
 from .spi import Spi
@@ -27,20 +25,16 @@ PAGE = 0x100
 
 
 class Chip:
-    """An STM32F405 with 1 MiB of flash.
+    """An STM32F405 with 1 MiB of flash, its clocks as start-up code leaves them: 168 MHz, APB1 42 MHz, APB2 84 MHz.
 
-    ``running``: the clock tree stands as start-up code leaves it (168 MHz, APB1 42 MHz, APB2 84 MHz), as a MicroPython
-    application finds it; otherwise as after a reset. ``hse_hz`` is the board's crystal, ``lsi_hz`` the true rate of the
-    internal low-speed oscillator (17 to 47 kHz, DS8626).
-
-    ``analog[name]`` is a function of the cycle that gives counts of 0 to 4095; names are pins ("PC0"), channels
-    ("ADC1_IN10"), "TEMPERATURE", "VREFINT" and "VBAT".
+    ``lsi_hz`` is the true rate of the internal low-speed oscillator (17 to 47 kHz, DS8626). ``analog[name]`` is a
+    function of the cycle that gives counts of 0 to 4095; names are pins ("PC0") and "TEMPERATURE".
 
     ``complaints`` holds what the manual forbids and the driver did, ``doubts`` where the driver relies on something the
     manual leaves open, ``events`` everything that happened as (cycle, source, what), except from ``muted`` sources.
     """
 
-    def __init__(self, hse_hz: int = 8_000_000, running: bool = True, lsi_hz: float = 32_000) -> None:
+    def __init__(self, lsi_hz: float = 32_000) -> None:
         self.time = Timeline()
         self.lsi_hz = lsi_hz
         self.complaints: list[Complaint] = []
@@ -51,25 +45,17 @@ class Chip:
         self.analog: dict[str, Analog] = {}
         self.resets: list[tuple[int, str]] = []
         self._port_of: dict[str, Gpio] = {}
-        self._trigger_level: dict[str, int] = {}
-        self._build(hse_hz)
+        self._build()
         self.pins = Pins(self)
-        if running:
-            self.rcc.start_at_full_speed()
-            self.flash.value["ACR"] = 0x705
 
-    def _build(self, hse_hz: int) -> None:
+    def _build(self) -> None:
         """Make the blocks. Base addresses: RM0090 table 1."""
-        self.rcc = Rcc(self, "RCC", 0x4002_3800, hse_hz=hse_hz)
+        self.rcc = Rcc(self, "RCC", 0x4002_3800)
         self.ports = {
             letter: Gpio(self, f"GPIO{letter}", 0x4002_0000 + 0x400 * n, clock=("AHB1ENR", n))
             for n, letter in enumerate(PORTS)
         }
         self.nvic = Nvic(self, "NVIC", 0xE000_E100, 0xC00)
-        self.scb = SystemControl(self, "SCB", 0xE000_ED00, 0x100)
-        self.fpu = FloatControl(self, "FPU", 0xE000_EF00, 0x100)
-        self.systick = SysTick(self, "SysTick", 0xE000_E000, 0x100)
-        self.dwt = Dwt(self, "DWT", 0xE000_1000, 0x100)
         self.tim1 = Tim(self, "TIM1", 0x4001_0000, clock=("APB2ENR", 0))
         self.tim5 = Counter(self, "TIM5", 0x4000_0C00, clock=("APB1ENR", 3))
         self.adc_common = AdcCommon(self, "ADC_COMMON", 0x4001_2300, 0x100, clock=("APB2ENR", 8))
@@ -79,21 +65,15 @@ class Chip:
         }
         self.spis = {
             "SPI1": Spi(self, "SPI1", 0x4001_3000, clock=("APB2ENR", 12)),
-            "SPI2": Spi(self, "SPI2", 0x4000_3800, clock=("APB1ENR", 14)),
             "SPI3": Spi(self, "SPI3", 0x4000_3C00, clock=("APB1ENR", 15)),
         }
-
         self.can1 = BxCan(self, "CAN1", 0x4000_6400, clock=("APB1ENR", 25))
         self.iwdg = Iwdg(self, "IWDG", 0x4000_3000)
         self.flash = Flash(self, "FLASH", 0x4002_3C00)
-        self.power = Power(self, "PWR", 0x4000_7000, clock=("APB1ENR", 28))
-        self.syscfg = SystemConfiguration(self, "SYSCFG", 0x4001_3800, clock=("APB2ENR", 14))
-        self.exti = Exti(self, "EXTI", 0x4001_3C00)
         self.factory = Factory(self, "factory", 0x1FFF_7A00, 0x100)
         self.blocks: list[Peripheral] = [
-            self.rcc, *self.ports.values(), self.nvic, self.scb, self.fpu, self.systick, self.dwt, self.tim1, self.tim5,
-            self.adc_common, *self.adcs.values(), *self.spis.values(), self.can1, self.iwdg, self.flash,
-            self.power, self.syscfg, self.exti, self.factory,
+            self.rcc, *self.ports.values(), self.nvic, self.tim1, self.tim5, self.adc_common, *self.adcs.values(),
+            *self.spis.values(), self.can1, self.iwdg, self.flash, self.factory,
         ]  # fmt: skip
         self._pages = {
             page: block
@@ -151,10 +131,6 @@ class Chip:
         if source not in self.muted:
             self.events.append((self.now, source, what))
 
-    def happened(self, source: str, what: str = "") -> list[int]:
-        """Return the cycles of a source's events that begin with ``what``."""
-        return [cycle for cycle, who, told in self.events if who == source and told.startswith(what)]
-
     # -- complaints --
 
     def _tell(self, told: list[Complaint], peripheral: str, register: str, reason: str) -> None:
@@ -171,13 +147,6 @@ class Chip:
         """Record that the driver relies on a reading of the manual that is open."""
         self._tell(self.doubts, peripheral, register, reason)
 
-    def forgive(self) -> None:
-        """Forget complaints, doubts and events up to now."""
-        self.complaints.clear()
-        self.doubts.clear()
-        self.counts.clear()
-        self.events.clear()
-
     # -- inside --
 
     def port(self, pin: str) -> Gpio:
@@ -186,7 +155,7 @@ class Chip:
         if port is not None:
             return port
         if pin[:1] != "P" or pin[1:2] not in self.ports or not pin[2:].isdigit() or int(pin[2:]) > 15:
-            raise ValueError(f"pin {pin!r}: pins are named P, A to I, 0 to 15, as PA8")
+            raise ValueError(f"pin {pin!r}: pins are named P, A to D, 0 to 15, as PA8")
         self._port_of[pin] = self.ports[pin[1]]
         return self.ports[pin[1]]
 
@@ -194,29 +163,17 @@ class Chip:
         """Return the pin that carries a signal as ``"TIM1_CH1"``; none or several is a complaint."""
         return self.pins.pin_of(signal)
 
-    def need_full_speed(self, peripheral: str) -> None:
-        """Complain if a block that keeps time starts while SYSCLK is not the PLL's 168 MHz."""
-        if not self.rcc.on_pll:
-            self.complain(peripheral, "CR1", "started before SYSCLK is the PLL: its times are not those modelled")
-
-    def someone_waits(self, line: str) -> bool:
-        """Tell whether an ADC is set to start on a trigger line."""
-        return any(line in adc.awaited for adc in self.adcs.values())
-
-    def trigger(self, line: str, level: int) -> None:
-        """Give an internal trigger line as "TIM1_TRGO" a level; ADCs that wait for it see the edge."""
-        if self._trigger_level.get(line, 0) != level:
-            self._trigger_level[line] = level
-            for adc in self.adcs.values():
-                if line in adc.awaited:
-                    adc.edge(line, level)
+    def trigger_adcs(self) -> None:
+        """Let timer 1's TRGO rise; ADCs that wait for it see the edge."""
+        for adc in self.adcs.values():
+            adc.edge()
 
     def pending_interrupts(self) -> list[int]:
         """Return the exceptions that wait and may run, most urgent first (exception number = interrupt + 16)."""
         return self.nvic.waiting()
 
     def reset(self, cause: str) -> None:
-        """Reset all blocks; ``cause`` is power, pin, software, iwdg, wwdg or low-power (7.1, 7.3.21)."""
+        """Reset all blocks; ``cause`` is power, pin, software or iwdg (7.1, 7.3.21)."""
         self.note("RCC", f"reset: {cause}")
         self.resets.append((self.now, cause))
         for block in self.blocks:

@@ -1,4 +1,7 @@
-"""The DRV8323S gate driver, after its data sheet (TI SLVSDJ3: sections 8.5 SPI, 8.6 register maps, 7.6 timing)."""
+"""The DRV8323S gate driver, after its data sheet (TI SLVSDJ3: sections 8.5 SPI, 8.6 register maps, 7.6 timing).
+
+Locking its registers and clearing faults by a short low of ENABLE are left out. SDO and nFAULT have pull-ups.
+"""
 
 from __future__ import annotations
 
@@ -15,36 +18,25 @@ FAULT1, FAULT2, CONTROL, GATE_HS, GATE_LS, OCP, CSA = range(7)
 RESET = {FAULT1: 0, FAULT2: 0, CONTROL: 0, GATE_HS: 0x3FF, GATE_LS: 0x7FF, OCP: 0x159, CSA: 0x283}
 WRITABLE = {CONTROL: 0x3FF, GATE_HS: 0x7FF, GATE_LS: 0x7FF, OCP: 0x7FF, CSA: 0x7FF}
 READ = 1 << 15
-CLR_FLT, BRAKE, COAST = 1, 2, 4
+CLR_FLT = 1
 FAULT, OTW = 1 << 10, 1 << 7
-LOCKED, UNLOCKED = 6, 3  # 8.6.3 LOCK
-WAKE_NS, SLEEP_NS, RESET_PULSE_NS = 1_000_000, 1_000_000, (8_000, 40_000)  # t_WAKE, t_SLEEP, t_RST
+UNLOCKED = 3  # 8.6.3 LOCK
+WAKE_NS = SLEEP_NS = 1_000_000  # t_WAKE, t_SLEEP
 
 
 class Drv8323s(SpiSlave):
-    """A gate driver. ``raise_fault(FAULT1, bit)`` makes a fault; nFAULT is pulled low on ``fault_pin``.
+    """A gate driver. ``raise_fault(FAULT1, bit)`` makes a fault; nFAULT is pulled low on ``fault_pin``."""
 
-    ``pulled_up``: SDO and nFAULT are open drain and want pull-up resistors; without them MISO stays low.
-    """
-
+    name = "DRV8323S"
     max_hz = 10_000_000
     select_to_clock_ns = 50.0  # t_SU_nSCS
     deselected_ns = 400.0  # t_HI_nSCS
 
-    def __init__(
-        self,
-        chip: Chip,
-        spi: str,
-        select_pin: str,
-        enable_pin: str,
-        fault_pin: str | None = None,
-        pulled_up: bool = True,
-        name: str = "DRV8323S",
-    ) -> None:
+    def __init__(self, chip: Chip, spi: str, select_pin: str, enable_pin: str, fault_pin: str) -> None:
         super().__init__(chip, spi, select_pin)
-        self.name, self.enable_pin, self.fault_pin, self.pulled_up = name, enable_pin, fault_pin, pulled_up
+        self.fault_pin = fault_pin
         self.registers = dict(RESET)
-        self.awake, self.ready_at, self.low_since = False, 0, -1_000_000_000
+        self.awake, self.ready_at = False, 0
         self._sleep_due: Due | None = None
         chip.pins.watch(enable_pin, self._enable_changed)
         if chip.pins.level(enable_pin) == 1:
@@ -57,19 +49,13 @@ class Drv8323s(SpiSlave):
         if level == 1:
             self._enabled()
         elif self.awake:
-            self.low_since = self.chip.now
             self._sleep_due = self.chip.at(self.chip.now + round(cycles_of_ns(SLEEP_NS)), self._sleep)
 
     def _enabled(self) -> None:
         if self._sleep_due:
             self._sleep_due.cancel()
-        low_ns = (self.chip.now - self.low_since) / 0.168
-        if self.awake and RESET_PULSE_NS[0] <= low_ns <= RESET_PULSE_NS[1]:
-            self._clear_faults()
-        elif self.awake:
-            self.complain(
-                "ENABLE", f"low for {low_ns / 1000:.1f} us: neither a fault reset (8 to 40 us) nor sleep (1 ms)"
-            )
+        if self.awake:
+            self.complain("ENABLE", "low for less than the 1 ms after which it sleeps")
         else:
             self.awake, self.ready_at = True, self.chip.now + round(cycles_of_ns(WAKE_NS))
             self.chip.at(self.ready_at, self._show_fault)
@@ -100,9 +86,8 @@ class Drv8323s(SpiSlave):
 
     def _show_fault(self) -> None:
         """nFAULT is open drain. Asleep and until t_WAKE is over the data sheet leaves it open: here it is low."""
-        if self.fault_pin:
-            low = bool(self.registers[FAULT1] & FAULT) or not self.ready
-            self.chip.pins.drive_pin(self.fault_pin, 0 if low else 1 if self.pulled_up else None)
+        low = bool(self.registers[FAULT1] & FAULT) or not self.ready
+        self.chip.pins.drive_pin(self.fault_pin, 0 if low else 1)
 
     # -- SPI, 8.5.1 --
 
@@ -117,12 +102,10 @@ class Drv8323s(SpiSlave):
 
     def respond(self, command: int) -> int:
         """The register's value follows the five command bits in the same word, in a write too."""
-        if not self.pulled_up:
-            return 0
         return self.registers.get(command >> 11 & 15, 0) if self.ready else 0xFFFF
 
-    def wrong_length(self, bits: int) -> None:
-        self.complain("SPI", f"{bits} bits in a word: ignored")
+    def wrong_length(self) -> None:
+        self.complain("SPI", "not 16 bits: ignored")
 
     def take(self, word: int) -> None:
         address, data = word >> 11 & 15, word & 0x7FF
@@ -134,20 +117,11 @@ class Drv8323s(SpiSlave):
             self._write(address, data)
 
     def _write(self, address: int, data: int) -> None:
-        """LOCK = 110 keeps all but itself and the lowest bits of the control register (8.6.3)."""
-        if self.registers[GATE_HS] >> 8 & 7 == LOCKED:
-            data = self._unlocked_part(address, data)
-        if address == GATE_HS and data >> 8 & 7 not in (LOCKED, UNLOCKED):
-            data = data & 0xFF | self.registers[GATE_HS] & 0x700
+        if address == GATE_HS and data >> 8 & 7 != UNLOCKED:
+            self.complain("SPI", "locking is not modelled (8.6.3)")
         if data & ~WRITABLE[address]:
             self.complain("SPI", f"reserved bits 0x{data & ~WRITABLE[address]:X} of register {address} written")
         self.registers[address] = data & WRITABLE[address]
         if address == CONTROL and data & CLR_FLT:
             self.registers[CONTROL] &= ~CLR_FLT
             self._clear_faults()
-
-    def _unlocked_part(self, address: int, data: int) -> int:
-        free = {CONTROL: 7, GATE_HS: 0x700}.get(address, 0)
-        if (data ^ self.registers[address]) & ~free:
-            self.complain("SPI", f"register {address} written while locked")
-        return data & free | self.registers[address] & ~free

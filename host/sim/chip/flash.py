@@ -1,4 +1,4 @@
-"""The flash memory and its interface: RM0090 section 3, the STM32F405's 1 MiB. Option bytes and OTP are left out."""
+"""The flash memory and its interface: RM0090 section 3, the STM32F405's 1 MiB, without option bytes and interrupts."""
 
 from __future__ import annotations
 
@@ -11,10 +11,8 @@ from .timeline import Due, cycles_of_ns
 START, SIZE = 0x0800_0000, 1 << 20
 SECTORS = (*(16,) * 4, 64, *(128,) * 7)  # KiB, table 5
 KEYS = (0x4567_0123, 0xCDEF_89AB)
-EOP, OPERR, WRPERR, PGAERR, PGPERR, PGSERR, BSY = (1 << n for n in (0, 1, 4, 5, 6, 7, 16))
-PG, SER, MER, STRT, EOPIE, ERRIE, LOCK = (1 << n for n in (0, 1, 2, 16, 24, 25, 31))
-FLASH_IRQ = 4
-LATENCY_AT_168_MHZ = 5  # table 10, 2.7 to 3.6 V
+PGAERR, PGPERR, PGSERR, BSY = (1 << n for n in (5, 6, 7, 16))
+PG, SER, STRT, LOCK = (1 << n for n in (0, 1, 16, 31))
 # DS8626, flash memory at 2.7 to 3.6 V: sector erase in ms by PSIZE (x8, x16, x32), typical and longest; a word in ns.
 ERASE_MS = {16: ((400, 300, 250), (800, 600, 500)), 64: ((1200, 700, 550), (2400, 1400, 1100)),
             128: ((2000, 1300, 1000), (4000, 2600, 2000))}  # fmt: skip
@@ -32,23 +30,20 @@ class Flash(Peripheral):
 
     ``step(what, address, value)`` is called before every program ("program") and erase ("erase"), and may raise to
     cut the power there; ``cut_power()`` leaves what is under way half done. ``longest`` takes the longest times of the
-    data sheet instead of the typical ones. ``changed(address, length)`` is called when contents have changed.
+    data sheet instead of the typical ones.
     """
 
     write_sizes: ClassVar = (1, 2, 4)
     registers: ClassVar = (
-        Register("ACR", 0x00, 0, 0x1F07),
+        Register("ACR", 0x00, 0x705, 0x1F07),  # as start-up code leaves it
         Register("KEYR", 0x04, readable=False),
-        Register("OPTKEYR", 0x08, readable=False),
         Register("SR", 0x0C, 0, 0xF3),
-        Register("CR", 0x10, LOCK, 0x8301_037F | 0x0100_0000),
-        Register("OPTCR", 0x14, 0x0FFF_AAED, 0x0FFF_FFEF),
+        Register("CR", 0x10, LOCK, LOCK | STRT | 0x378 | SER | PG),
     )
 
     def power_up(self) -> None:
         self.contents = bytearray(b"\xff" * SIZE)
         self.step: Callable[[str, int, int], None] | None = None
-        self.changed: Callable[[int, int], None] | None = None
         self.longest = False
         self._due: Due | None = None
         self._half: Callable[[], None] | None = None
@@ -58,10 +53,6 @@ class Flash(Peripheral):
         self.cut_power()
         super().reset()
         self.key_step = 0
-
-    def check_latency(self) -> None:
-        if self.value["ACR"] & 7 < LATENCY_AT_168_MHZ:
-            self.complain("ACR", "fewer than 5 wait states when SYSCLK goes to 168 MHz (3.5.1)")
 
     # -- memory --
 
@@ -87,7 +78,7 @@ class Flash(Peripheral):
             self._fail(PGPERR, f"0x{address:08X} written in {8 * size} bits, PSIZE says {8 << (control >> 8 & 3)}")
         elif address % size:
             self._fail(PGAERR, f"0x{address:08X} is not aligned to {size} bytes")
-        elif not self.value["SR"] & (PGSERR | PGPERR | PGAERR | WRPERR):
+        elif not self.value["SR"] & (PGSERR | PGPERR | PGAERR):
             self._program(address, value, size)
         else:
             self.complain("SR", "programming with an error flag still set (3.6.4)")
@@ -110,8 +101,6 @@ class Flash(Peripheral):
 
     def _set(self, at: int, data: bytes) -> None:
         self.contents[at : at + len(data)] = data
-        if self.changed:
-            self.changed(START + at, len(data))
 
     def _start(self, cycles: int, done: Callable[[], None], half: Callable[[], None]) -> None:
         self.busy_until, self._half = self.chip.now + cycles, half
@@ -120,9 +109,8 @@ class Flash(Peripheral):
         def finish() -> None:
             done()
             self._half = None
-            self.value["SR"] = self.value["SR"] & ~BSY | (EOP if self.value["CR"] & EOPIE else 0)
+            self.value["SR"] &= ~BSY
             self.value["CR"] &= ~STRT
-            self._interrupt()
 
         self._due = self.chip.at(self.busy_until, finish)
 
@@ -135,14 +123,8 @@ class Flash(Peripheral):
         self._half, self.busy_until = None, 0
 
     def _fail(self, flag: int, reason: str) -> None:
-        self.value["SR"] |= flag | (OPERR if self.value["CR"] & ERRIE else 0)
+        self.value["SR"] |= flag
         self.complain("memory", reason)
-        self._interrupt()
-
-    def _interrupt(self) -> None:
-        flags, control = self.value["SR"], self.value["CR"]
-        active = (flags & EOP and control & EOPIE) or (flags & OPERR and control & ERRIE)
-        self.chip.nvic.line(FLASH_IRQ, self.name, bool(active))
 
     # -- registers, 3.9 --
 
@@ -160,7 +142,6 @@ class Flash(Peripheral):
     def write_SR(self, old: int, new: int) -> None:
         """Flags are cleared by writing 1 (3.9.5)."""
         self.value["SR"] = old & ~(new & 0xF3)
-        self._interrupt()
 
     def write_CR(self, old: int, new: int) -> None:
         if old & LOCK:
@@ -175,7 +156,7 @@ class Flash(Peripheral):
     def _erase(self, control: int) -> None:
         """Sector erase: SER, SNB, then STRT (3.6.3)."""
         sector = control >> 3 & 15
-        if control & MER or not control & SER:
+        if not control & SER:
             self.refuse("CR", control & ~STRT, "STRT without SER; mass erase is not modelled")
         elif sector >= len(SECTORS):
             self.refuse("CR", control & ~STRT, f"sector {sector} does not exist (table 5)")

@@ -1,22 +1,25 @@
-"""GPIO ports, RM0090 section 8."""
+"""GPIO ports, RM0090 section 8, without the lock of their settings."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from functools import partial
 from typing import ClassVar
 
 from .pins import ANALOG
 from .registers import Peripheral, Register
 
-PORTS = "ABCDEFGHI"
+PORTS = "ABCD"
 # 8.4.1, 8.4.3, 8.4.4: port A and B wake with the debug pins in use.
 MODER_RESET = {"A": 0xA800_0000, "B": 0x0000_0280}
 OSPEEDR_RESET = {"A": 0x0C00_0000, "B": 0x0000_00C0}
 PUPDR_RESET = {"A": 0x6400_0000, "B": 0x0000_0100}
-LCKK = 1 << 16
+# Registers that say what a pin is: bits of each pin, and the first pin.
+SETTINGS = {"MODER": (2, 0), "OTYPER": (1, 0), "PUPDR": (2, 0), "AFRL": (4, 0), "AFRH": (4, 8)}
 
 
 class Gpio(Peripheral):
-    """One port of 16 pins (port I has 12)."""
+    """One port of 16 pins."""
 
     write_sizes: ClassVar = (1, 2, 4)
     registers: ClassVar = (
@@ -27,25 +30,25 @@ class Gpio(Peripheral):
         Register("IDR", 0x10, 0, 0),
         Register("ODR", 0x14, 0, 0xFFFF),
         Register("BSRR", 0x18, 0, readable=False),
-        Register("LCKR", 0x1C, 0, 0x1_FFFF),
         Register("AFRL", 0x20),
         Register("AFRH", 0x24),
     )
 
     def power_up(self) -> None:
         self.letter = self.name[-1]
+        for name in SETTINGS:
+            self.on_write(name, partial(self._set, name))
         self._reset_values()
 
     def _reset_values(self) -> None:
         self.value["MODER"] = MODER_RESET.get(self.letter, 0)
         self.value["OSPEEDR"] = OSPEEDR_RESET.get(self.letter, 0)
         self.value["PUPDR"] = PUPDR_RESET.get(self.letter, 0)
-        self.lock_step, self.lock_pins, self.locked = 0, 0, 0
 
     def reset(self) -> None:
         super().reset()
         self._reset_values()
-        self._changed(0xFFFF)
+        self._changed(range(16))
 
     # -- what a pin does, 8.3 --
 
@@ -71,40 +74,15 @@ class Gpio(Peripheral):
         """Return what the resistor pulls the pin to (8.4.4), None if there is none."""
         return {1: 1, 2: 0}.get(self.value["PUPDR"] >> 2 * self._number(pin) & 3)
 
-    def _changed(self, mask: int) -> None:
-        self.chip.pins.reconfigured([f"P{self.letter}{n}" for n in range(16) if mask >> n & 1])
+    def _changed(self, numbers: Iterable[int]) -> None:
+        self.chip.pins.reconfigured([f"P{self.letter}{n}" for n in numbers])
 
     # -- registers, 8.4 --
 
-    def _configure(self, name: str, old: int, new: int, width: int, first: int = 0) -> None:
-        """Fields of locked pins keep their value until the next reset (8.3.6)."""
-        changed = 0
-        for n in range(16 if width < 4 else 8):
-            field = ((1 << width) - 1) << width * n
-            if (old ^ new) & field:
-                if self.locked >> (n + first) & 1:
-                    self.value[name] = self.value[name] & ~field | old & field
-                    self.complain(name, f"pin {n + first} is locked (8.3.6)")
-                changed |= 1 << (n + first)
-        self._changed(changed)
-
-    def write_MODER(self, old: int, new: int) -> None:
-        self._configure("MODER", old, new, 2)
-
-    def write_OTYPER(self, old: int, new: int) -> None:
-        self._configure("OTYPER", old, new, 1)
-
-    def write_OSPEEDR(self, old: int, new: int) -> None:
-        self._configure("OSPEEDR", old, new, 2)
-
-    def write_PUPDR(self, old: int, new: int) -> None:
-        self._configure("PUPDR", old, new, 2)
-
-    def write_AFRL(self, old: int, new: int) -> None:
-        self._configure("AFRL", old, new, 4)
-
-    def write_AFRH(self, old: int, new: int) -> None:
-        self._configure("AFRH", old, new, 4, 8)
+    def _set(self, name: str, old: int, new: int) -> None:
+        width, first = SETTINGS[name]
+        field = (1 << width) - 1
+        self._changed(first + n for n in range(min(16, 32 // width)) if (old ^ new) >> width * n & field)
 
     def read_IDR(self) -> int:
         """Analog pins read 0: their input stage is off (8.3.12). So do pins that float, which a chip would not say."""
@@ -128,16 +106,3 @@ class Gpio(Peripheral):
         self.value["BSRR"] = 0
         self.value["ODR"] = old & ~(new >> 16) | new & 0xFFFF
         self.write_ODR(old, self.value["ODR"])
-
-    def write_LCKR(self, _old: int, new: int) -> None:
-        """The sequence 1, 0, 1 of LCKK with the same pins, then a read (8.4.8)."""
-        pins, key = new & 0xFFFF, new >> 16 & 1
-        if self.locked or (self.lock_step and pins != self.lock_pins) or key != (1, 0, 1)[self.lock_step % 3]:
-            self.lock_step = 0
-        else:
-            self.lock_pins, self.lock_step = pins, self.lock_step + 1
-
-    def read_LCKR(self) -> int:
-        if self.lock_step == 3:
-            self.locked, self.lock_step = self.lock_pins, 0
-        return self.locked | LCKK * bool(self.locked) if self.locked else self.value["LCKR"] & 0xFFFF

@@ -173,7 +173,7 @@ class JointBoard:
     def reset_cause(self) -> int:
         """Return 0 power, 2 reset pin, 3 software, 4 watchdog, 5 other, by the flags in RCC_CSR (7.3.21)."""
         flags = self.model.read(RCC + 0x74)
-        for bit, number in ((29, 4), (30, 4), (28, 3), (27, 0), (26, 2)):
+        for bit, number in ((29, 4), (28, 3), (27, 0), (26, 2)):
             if flags >> bit & 1:
                 return number
         return 5
@@ -209,8 +209,6 @@ class JointBoard:
     def _restart(self) -> None:
         self._resets = len(self.model.resets)
         self._timer, self.handling = None, False
-        self.model.rcc.start_at_full_speed()  # start-up code, as in a new Chip
-        self.model.flash.value["ACR"] = 0x705
         self.model.advance(BOOT_CYCLES)
         raise Restart(self.model.resets[-1][1])
 

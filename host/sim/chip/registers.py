@@ -27,7 +27,7 @@ class Complaint:
 
 @dataclass(frozen=True)
 class Register:
-    """One register: ``write`` are the bits software may set, ``clear`` those cleared by writing 0 (rc_w0).
+    """One register: ``write`` are the modelled bits that software may set, ``clear`` those cleared by writing 0.
 
     ``back`` are read-only bits that the hardware changes: a word written back as it was read is no mistake.
     """
@@ -47,7 +47,6 @@ class Peripheral:
     registers: ClassVar[tuple[Register, ...]] = ()
     read_sizes: ClassVar[tuple[int, ...]] = (1, 2, 4)
     write_sizes: ClassVar[tuple[int, ...]] = (2, 4)
-    interrupts: ClassVar[tuple[int, ...]] = ()
 
     def __init__(self, chip: Chip, name: str, base: int, size: int = 0x400, clock: tuple[str, int] | None = None):
         self.chip, self.name, self.base, self.size, self.clock = chip, name, base, size, clock
@@ -64,6 +63,10 @@ class Peripheral:
 
     def power_up(self) -> None:
         """Set up what the block has besides registers."""
+
+    def on_write(self, register: str, act: Callable[[int, int], None]) -> None:
+        """Have ``act(old, new)`` called when a register was written, of several that are alike."""
+        self._writers[next(one.offset for one in self.registers if one.name == register)] = act
 
     def reset(self) -> None:
         """Put every register to its reset value. Subclasses stop what they have under way first."""
@@ -124,7 +127,7 @@ class Peripheral:
         whole = rest | (value & part) << shift
         forbidden = whole & ~register.write & ~register.clear & ~register.back & ~old
         if forbidden and not register.clear:
-            self.complain(register.name, f"write of reserved or read-only bits 0x{forbidden:X}")
+            self.complain(register.name, f"write of bits that are reserved, read-only or not modelled: 0x{forbidden:X}")
         keep = ~register.write & ~register.clear
         new = old & keep | whole & register.write | old & whole & register.clear
         self.value[register.name] = new

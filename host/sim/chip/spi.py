@@ -1,35 +1,30 @@
-"""SPI1 to SPI3 as masters: RM0090 section 28. No DMA, CRC, TI frames, I2S or slave mode."""
+"""SPI1 and SPI3 as masters of 16-bit words, one after the other: RM0090 section 28."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar
 
+from .rcc import APB1_CYCLES, APB2_CYCLES
 from .registers import Peripheral, Register
 from .timeline import CORE_HZ, Due
 
 if TYPE_CHECKING:
     from .spi_slave import SpiSlave
 
-CPHA, CPOL, MSTR, SPE, LSBFIRST, SSI, SSM, DFF = (1 << n for n in (0, 1, 2, 6, 7, 8, 9, 11))
-UNMODELLED_CR1 = 0xF400 | LSBFIRST
-SSOE, ERRIE, RXNEIE, TXEIE = (1 << n for n in (2, 5, 6, 7))
-RXNE, TXE, MODF, OVR, BSY = (1 << n for n in (0, 1, 5, 6, 7))
-INTERRUPT = {"SPI1": 35, "SPI2": 36, "SPI3": 51}
+CPHA, CPOL, MSTR, SPE, SSI, SSM, DFF = (1 << n for n in (0, 1, 2, 6, 8, 9, 11))
+RATE = 7 << 3
+RXNE, TXE, OVR, BSY = (1 << n for n in (0, 1, 6, 7))
+BITS = 16
 
 
 class Spi(Peripheral):
     """One SPI block. ``slaves`` are the chips on its wires; ``frames`` are (start, end, sent, received)."""
 
     registers: ClassVar = (
-        Register("CR1", 0x00, 0, 0xFFFF),
-        Register("CR2", 0x04, 0, 0xF7),
-        Register("SR", 0x08, 2, 0, clear=0x10),
+        Register("CR1", 0x00, 0, CPHA | CPOL | MSTR | RATE | SPE | SSI | SSM | DFF),
+        Register("CR2", 0x04, 0, 0),
+        Register("SR", 0x08, TXE, 0),
         Register("DR", 0x0C, 0, 0xFFFF),
-        Register("CRCPR", 0x10, 7, 0xFFFF),
-        Register("RXCRCR", 0x14, 0, 0),
-        Register("TXCRCR", 0x18, 0, 0),
-        Register("I2SCFGR", 0x1C, 0, 0xFBF),
-        Register("I2SPR", 0x20, 2, 0x3FF),
     )
 
     def power_up(self) -> None:
@@ -39,17 +34,14 @@ class Spi(Peripheral):
         self._idle()
 
     def _idle(self) -> None:
-        self.waiting: int | None = None  # the word in the transmit buffer
         self.shifting: int | None = None  # the word on the wire
         self.received, self.start = 0, 0
         self._due = []
-        self.ovr_step = 0
         self.checked = False
 
     def reset(self) -> None:
         self._abort()
         super().reset()
-        self._interrupt()
 
     def _abort(self) -> None:
         for due in self._due:
@@ -59,14 +51,9 @@ class Spi(Peripheral):
     # -- settings, 28.5.1 --
 
     @property
-    def bits(self) -> int:
-        return 16 if self.value["CR1"] & DFF else 8
-
-    @property
     def bit_cycles(self) -> int:
         """Core cycles of one bit: PCLK / 2 to 256 (BR). SPI1 is on APB2."""
-        rcc = self.chip.rcc
-        bus = rcc.apb2_divider if self.name == "SPI1" else rcc.apb1_divider
+        bus = APB2_CYCLES if self.name == "SPI1" else APB1_CYCLES
         return bus << ((self.value["CR1"] >> 3 & 7) + 1)
 
     @property
@@ -79,11 +66,7 @@ class Spi(Peripheral):
         return 2 * bool(self.value["CR1"] & CPOL) + bool(self.value["CR1"] & CPHA)
 
     def write_CR1(self, old: int, new: int) -> None:
-        self.value["SR"] &= ~MODF
-        changed = old ^ new
-        if new & UNMODELLED_CR1:
-            self.complain("CR1", "CRC, one-wire, receive-only and LSB-first modes are not modelled")
-        if old & new & SPE and changed & (DFF | CPOL | CPHA | 0x38):
+        if old & new & SPE and (old ^ new) & (DFF | CPOL | CPHA | RATE):
             self.complain("CR1", "DFF, CPOL, CPHA or BR changed while SPE is set (28.5.1)")
         if old & ~new & SPE and self.shifting is not None:
             self.complain("CR1", "SPE cleared while a frame is under way: wait for TXE, then for BSY to fall (28.3.8)")
@@ -91,28 +74,8 @@ class Spi(Peripheral):
             self.value["SR"] = self.value["SR"] & RXNE | TXE
         if new & ~old & SPE:
             self.checked = False
-            self._check_master()
-
-    def _check_master(self) -> None:
-        """28.3.10: a master whose NSS is low falls back to being a slave."""
-        word = self.value["CR1"]
-        if not word & MSTR:
-            self.complain("CR1", "slave mode is not modelled")
-        elif self._nss_low():
-            self.value["SR"] |= MODF
-            self.value["CR1"] &= ~(MSTR | SPE)
-            self.complain("CR1", "NSS is low (SSM without SSI, or the pin): mode fault (28.3.10)")
-
-    def _nss_low(self) -> bool:
-        word = self.value["CR1"]
-        if word & SSM:
-            return not word & SSI
-        return not self.value["CR2"] & SSOE and self.chip.pins.input_level(f"{self.name}_NSS") == 0
-
-    def write_CR2(self, _old: int, new: int) -> None:
-        if new & 3:
-            self.complain("CR2", "DMA is not modelled")
-        self._interrupt()
+            if not new & DFF or new & (MSTR | SSM | SSI) != MSTR | SSM | SSI:
+                self.complain("CR1", "only a master of 16-bit words with SSM and SSI is modelled (28.3.10)")
 
     # -- transfers, 28.3.5, 28.3.7 --
 
@@ -120,21 +83,16 @@ class Spi(Peripheral):
         self.value["DR"] = old  # the two directions have buffers of their own
         if self.value["CR1"] & (SPE | MSTR) != SPE | MSTR:
             self.complain("DR", "written while SPE or MSTR is 0")
-            return
-        if self.waiting is not None:
-            self.complain("DR", "written while TXE is 0: the word that waited is lost (28.3.7)")
-        self.waiting = new & ((1 << self.bits) - 1)
-        self.value["SR"] &= ~TXE
-        if self.shifting is None:
-            self._shift()
-        self._interrupt()
+        elif self.shifting is not None:
+            self.complain("DR", "written while a frame is under way: a word that waits is not modelled")
+        else:
+            self._shift(new)
 
-    def _shift(self) -> None:
-        """The word goes to the shift register and TXE comes back."""
+    def _shift(self, word: int) -> None:
         self._check_pins()
-        self.shifting, self.waiting, self.start = self.waiting, None, self.chip.now
-        self.value["SR"] |= TXE | BSY
-        end = self.start + self.bits * self.bit_cycles
+        self.shifting, self.start = word, self.chip.now
+        self.value["SR"] |= BSY
+        end = self.start + BITS * self.bit_cycles
         # With CPHA the last bit is sampled at its second edge, half a bit before the end; without at its first.
         sampled = end - self.bit_cycles // 2 if self.value["CR1"] & CPHA else end - self.bit_cycles
         self._due = [self.chip.at(max(sampled, self.start), self._sampled), self.chip.at(end, self._ended)]
@@ -144,7 +102,6 @@ class Spi(Peripheral):
     def _check_pins(self) -> None:
         if not self.checked:
             self.checked = True
-            self.chip.need_full_speed(self.name)
             for wire in ("SCK", "MISO", "MOSI"):
                 self.chip.pins.pin_of(f"{self.name}_{wire}", self.name)
 
@@ -155,8 +112,8 @@ class Spi(Peripheral):
         if len(selected) > 1:
             names = ", ".join(slave.name for slave in selected)
             self.complain("MISO", f"several slaves are selected: {names}")
-        answers = [slave.exchange(self, self.shifting, self.bits) for slave in selected]
-        self.received = answers[0] if answers else (1 << self.bits) - 1
+        answers = [slave.exchange(self, self.shifting) for slave in selected]
+        self.received = answers[0] if answers else 0xFFFF
         if not answers:
             self.chip.note(self.name, "frame with no slave selected")
         if self.value["SR"] & RXNE:
@@ -165,41 +122,14 @@ class Spi(Peripheral):
         else:
             self.value["DR"] = self.received
             self.value["SR"] |= RXNE
-        self._interrupt()
 
     def _ended(self) -> None:
         assert self.shifting is not None
         self.frames.append((self.start, self.chip.now, self.shifting, self.received))
         self.chip.note(self.name, f"sent 0x{self.shifting:X}, received 0x{self.received:X}")
         self.shifting = None
-        if self.waiting is not None:
-            self._shift()
-        else:
-            self.value["SR"] &= ~BSY
-        self._interrupt()
-
-    # -- reading --
+        self.value["SR"] &= ~BSY
 
     def read_DR(self) -> int:
         self.value["SR"] &= ~RXNE
-        self.ovr_step = 1 if self.value["SR"] & OVR else 0
-        self._interrupt()
         return self.value["DR"]
-
-    def read_SR(self) -> int:
-        """OVR goes by reading DR, then SR; MODF by reading SR, then writing CR1 (28.3.10)."""
-        word = self.value["SR"]
-        if self.ovr_step:
-            self.value["SR"] &= ~OVR
-            self.ovr_step = 0
-            self._interrupt()
-        return word
-
-    def _interrupt(self) -> None:
-        flags, enables = self.value["SR"], self.value["CR2"]
-        active = (
-            (flags & RXNE and enables & RXNEIE)
-            or (flags & TXE and enables & TXEIE)
-            or (flags & (OVR | MODF) and enables & ERRIE)
-        )
-        self.chip.nvic.line(INTERRUPT[self.name], self.name, bool(active))

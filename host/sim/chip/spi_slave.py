@@ -23,7 +23,8 @@ class SpiSlave:
     def __init__(self, chip: Chip, spi: str, select_pin: str) -> None:
         self.chip, self.bus, self.select_pin = chip, chip.spis[spi], select_pin
         self.selected_at = self.deselected_at = self.clock_stopped_at = -1_000_000
-        self.shift_in, self.bits_in, self.word_out = 0, 0, 0
+        self.heard: list[int] = []  # the words since the select
+        self.word_out = 0
         self.clocking = False
         self.clocked_wrong = False
         self.bus.slaves.append(self)
@@ -48,8 +49,8 @@ class SpiSlave:
         """Return how long the chip stays selected after the last clock edge, at least."""
         return 0.0
 
-    def wrong_length(self, bits: int) -> None:
-        """The chip was deselected after another number of bits."""
+    def wrong_length(self) -> None:
+        """The chip was deselected after more or less than one word."""
 
     def complain(self, what: str, reason: str) -> None:
         self.chip.complain(self.name, what, reason)
@@ -70,7 +71,7 @@ class SpiSlave:
         if self._late(self.deselected_at, self.deselected_ns):
             self.complain("select", f"high for less than {self.deselected_ns:g} ns between words")
         self.selected, self.selected_at = True, self.chip.now
-        self.shift_in, self.bits_in, self.clocked_wrong = 0, 0, False
+        self.heard, self.clocked_wrong = [], False
         self.word_out = self.answer()
 
     def _deselected(self) -> None:
@@ -78,14 +79,14 @@ class SpiSlave:
         if self.clocking:
             self.complain("select", "high while a frame is under way")
             self.clocking = False
-            self.wrong_length(self.bits_in)
+            self.wrong_length()
             return
-        if self.bits_in and self._late(self.clock_stopped_at, self.clock_to_deselect_ns()):
+        if self.heard and self._late(self.clock_stopped_at, self.clock_to_deselect_ns()):
             self.complain("select", f"high less than {self.clock_to_deselect_ns():.0f} ns after the last clock edge")
-        if self.bits_in == 16 and not self.clocked_wrong:
-            self.take(self.shift_in)
-        elif self.bits_in:
-            self.wrong_length(self.bits_in)
+        if len(self.heard) == 1 and not self.clocked_wrong:
+            self.take(self.heard[0])
+        elif self.heard:
+            self.wrong_length()
 
     def frame_begins(self, spi: Spi) -> None:
         if not self.selected:
@@ -96,18 +97,13 @@ class SpiSlave:
         if self._late(self.selected_at, self.select_to_clock_ns):
             self.complain("select", f"low less than {self.select_to_clock_ns:g} ns before the clock")
 
-    def exchange(self, spi: Spi, word: int, bits: int) -> int:
-        """Take ``bits`` bits and return as many. In a wrong mode both sides miss the bits by one edge."""
+    def exchange(self, spi: Spi, word: int) -> int:
+        """Take a word and return one. In a wrong mode both sides miss the bits by one edge."""
         if spi.mode != 1:
             self.complain("SCK", f"mode {spi.mode}, the chip works in mode 1")
             self.clocked_wrong = True
         self.clocking, self.clock_stopped_at = False, self.chip.now
-        first = self.bits_in == 0
-        self.shift_in = (self.shift_in << bits | word) & 0xFFFF
-        self.bits_in += bits
-        other = self.respond(word << (16 - bits)) if first else None
-        if other is not None:
-            self.word_out = other
-        sent = self.word_out >> (16 - bits) & ((1 << bits) - 1)
-        self.word_out = self.word_out << bits & 0xFFFF
+        self.heard.append(word)
+        other = self.respond(word)
+        sent = self.word_out if other is None else other
         return sent >> 1 if spi.mode != 1 else sent

@@ -9,9 +9,9 @@ from .pins import Level
 if TYPE_CHECKING:
     from .tim import Tim
 
-MOE, AOE, BKP, BKE, OSSR, OSSI = (1 << n for n in (15, 14, 13, 12, 11, 10))
+MOE, BKP, BKE, OSSR, OSSI = (1 << n for n in (15, 13, 12, 11, 10))
 BIF = 1 << 7
-CCPC = 1
+CHANNELS = (1, 2, 3)
 
 
 def dead_time_ticks(code: int) -> int:
@@ -31,52 +31,26 @@ class OutputStage:
         self._clear()
 
     def _clear(self) -> None:
-        self.ccer = 0  # the bits in force: preloaded with CCPC (17.4.2)
-        self.changed_at = [0] * 5  # when the reference, or what overrides it, last changed
+        self.changed_at = [0] * 4  # when the reference, or what overrides it, last changed
         self.level: dict[str, Level] = {}
 
     def reset(self) -> None:
         self._clear()
-        for channel in (1, 2, 3, 4):
+        for channel in CHANNELS:
             self._set(f"CH{channel}", None)
-            if channel < 4:
-                self._set(f"CH{channel}N", None)
+            self._set(f"CH{channel}N", None)
 
     # -- what changes outputs --
 
     def reference(self, channel: int) -> None:
         """OCxREF has changed: one output goes off now, the other on after the dead time."""
-        line = f"{self.tim.name}_CC{channel}"
-        if self.tim.chip.someone_waits(line) and not self._follows(channel):
-            self._doubt_trigger(channel, line)
-        if self.tim.cc_trigger == "reference":
-            self.tim.chip.trigger(line, self.tim.ref[channel])
         if self.tim.value["BDTR"] & MOE:  # otherwise the idle levels stand
             self.changed_at[channel] = self.tim.chip.now
             self.refresh(channel)
 
-    def _follows(self, channel: int) -> bool:
-        """Tell whether the output is OCxREF itself: enabled, MOE on, active high."""
-        enabled = self._enables(channel)[0] and self.tim.value["BDTR"] & MOE
-        return bool(enabled and self._active(channel, 0))
-
-    def _doubt_trigger(self, channel: int, line: str) -> None:
-        self.tim.doubt(
-            f"CH{channel}",
-            f"an ADC waits for {line} while MOE or CC{channel}E is off or CC{channel}P is set: section 13 speaks of "
-            "the CC event, reports differ on whether the ADC gets OCxREF or the output behind the output stage (here: "
-            f"the {self.tim.cc_trigger}, by cc_trigger). TRGO from OCxREF (MMS) is certain",
-        )
-
-    def enables_written(self) -> None:
-        if not self.tim.value["CR2"] & CCPC:
-            self.commutate()
-
-    def commutate(self) -> None:
-        """COM event (or no preload): CCxE and CCxNE come into force."""
-        old, self.ccer = self.ccer, self.tim.value["CCER"]
-        for channel in (1, 2, 3):
-            if (old ^ self.ccer) >> 4 * (channel - 1) & 5:
+    def enables_written(self, old: int, new: int) -> None:
+        for channel in CHANNELS:
+            if (old ^ new) >> 4 * (channel - 1) & 5:
                 self.changed_at[channel] = self.tim.chip.now
         self.refresh_all()
 
@@ -92,15 +66,8 @@ class OutputStage:
     def _main_enable_changed(self) -> None:
         on = self.tim.value["BDTR"] & MOE
         self.tim.chip.note(self.tim.name, "MOE on" if on else "MOE off")
-        self.changed_at = [self.tim.chip.now] * 5
+        self.changed_at = [self.tim.chip.now] * 4
         self.refresh_all()
-
-    def automatic_enable(self) -> None:
-        """AOE: MOE is set by the next update if the break input is not active (17.4.18)."""
-        word = self.tim.value["BDTR"]
-        if word & AOE and not word & MOE and not self.break_active():
-            self.tim.value["BDTR"] |= MOE
-            self._main_enable_changed()
 
     # -- break, 17.3.12 --
 
@@ -122,20 +89,17 @@ class OutputStage:
         self.tim.value["BDTR"] &= ~MOE
         if was_on:
             self._main_enable_changed()
-        self.tim._flag(BIF)
+        self.tim.flag(BIF)
 
     # -- levels --
 
     def refresh_all(self) -> None:
-        for channel in (1, 2, 3, 4):
+        for channel in CHANNELS:
             self.refresh(channel)
 
     def refresh(self, channel: int) -> None:
         """Set both outputs of a channel to what table 94 says, and come back when the dead time is over."""
         now = self.tim.chip.now
-        if channel == 4:
-            self._set("CH4", self._levels(4, settled=True)[0])
-            return
         end = self.changed_at[channel] + self.tim.dead_time
         if now < end:
             self.tim.chip.at(end, lambda: self._after_dead_time(channel, end))
@@ -153,7 +117,7 @@ class OutputStage:
             self.refresh(channel)
 
     def _enables(self, channel: int) -> tuple[int, int]:
-        bits = self.ccer >> 4 * (channel - 1)
+        bits = self.tim.value["CCER"] >> 4 * (channel - 1)
         return bits & 1, bits >> 2 & 1
 
     def _active(self, channel: int, negative: int) -> int:
@@ -166,8 +130,6 @@ class OutputStage:
         main_on, negative_on = self._enables(channel)
         if not word & MOE:
             return self._idle(channel, settled)
-        if channel == 4:
-            negative_on = 0
         if main_on and negative_on:
             return self._pair(channel, ref, settled)
         off = bool(word & OSSR and (main_on or negative_on))
@@ -184,17 +146,13 @@ class OutputStage:
         return self._shape(channel, 0, int(ref and settled)), self._shape(channel, 1, int(not ref and settled))
 
     def _idle(self, channel: int, settled: bool) -> tuple[Level, Level]:
-        """MOE is 0: not driven without OSSI; with it inactive at once, then OISx and OISxN after the dead time."""
+        """MOE is 0: not driven without OSSI; with it inactive at once, low after the dead time, as OISx and OISxN."""
         if not self.tim.value["BDTR"] & OSSI or not any(self._enables(channel)):
             return None, None
-        if not settled:
-            return self._shape(channel, 0, 0), self._shape(channel, 1, 0)
-        idle = self.tim.value["CR2"] >> (8 + 2 * (channel - 1))
-        main, negative = idle & 1, idle >> 1 & 1
-        if channel < 4 and main == self._active(channel, 0) and negative == self._active(channel, 1):
+        active = self._active(channel, 0), self._active(channel, 1)
+        if settled and active == (0, 0):
             self.tim.complain("CR2", f"OIS{channel} and OIS{channel}N both on (table 94): the model keeps both off")
-            return self._shape(channel, 0, 0), self._shape(channel, 1, 0)
-        return main, negative
+        return (0, 0) if settled and active != (0, 0) else (1 - active[0], 1 - active[1])
 
     def _check_pair(self, channel: int, main: Level, negative: Level) -> None:
         """Shoot-through as the gates see it: both levels high."""
@@ -208,5 +166,3 @@ class OutputStage:
         name = self.tim.name
         self.tim.chip.note(f"{name} outputs", f"{output} = {'Z' if level is None else level}")
         self.tim.chip.pins.drive(f"{name}_{output}", level)
-        if output[-1] != "N" and self.tim.cc_trigger == "output":
-            self.tim.chip.trigger(f"{name}_{output.replace('CH', 'CC')}", level or 0)

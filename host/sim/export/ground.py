@@ -3,7 +3,6 @@
 import itertools
 import math
 import random
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from sim2d.terrain import Point, Terrain
@@ -18,9 +17,8 @@ STONE_DENSITY_KG_M3 = 2500.0
 
 @dataclass(frozen=True)
 class Block:
-    """One body of the ground: ``kind`` box or ellipsoid, half sizes, turned by pitch, then yaw; loose with a mass."""
+    """A box of the ground: its half sizes, turned by pitch, then yaw; loose with a mass."""
 
-    kind: str
     centre_m: Vector
     half_m: Vector
     pitch_rad: float = 0.0
@@ -44,10 +42,8 @@ class Ground:
     blocks: tuple[Block, ...] = ()
 
 
-def extrude(
-    terrain: Terrain, right_m: float = -HALF_WIDTH_M, left_m: float = HALF_WIDTH_M, yaw_rad: float = 0.0
-) -> Ground:
-    """Return the polyline drawn out from y = ``right_m`` to ``left_m``, turned by ``yaw_rad`` about its first corner.
+def extrude(terrain: Terrain, right_m: float = -HALF_WIDTH_M, yaw_rad: float = 0.0) -> Ground:
+    """Return the polyline drawn out from y = ``right_m`` to the left, turned by ``yaw_rad`` about its first corner.
 
     ValueError for loose stones: a disc of the plane is no stone of the world (see ``stones``).
     """
@@ -58,12 +54,12 @@ def extrude(
     blocks = []
     for start, end in itertools.pairwise(terrain.points_m):
         if end[0] > start[0] and (start[1] > floor_m or end[1] > floor_m):
-            block = _slab(start, end, floor_m, right_m, left_m)
+            block = _slab(start, end, floor_m, right_m)
             blocks.append(_turned(block, pivot_x_m, yaw_rad))
     return Ground(terrain.name, floor_m, tuple(blocks))
 
 
-def _slab(start: Point, end: Point, floor_m: float, right_m: float, left_m: float) -> Block:
+def _slab(start: Point, end: Point, floor_m: float, right_m: float) -> Block:
     """Return a box whose top is the line from ``start`` to ``end``; a level one stands on the floor's depth."""
     along_m, rise_m = end[0] - start[0], end[1] - start[1]
     length_m, pitch_rad = math.hypot(along_m, rise_m), -math.atan2(rise_m, along_m)
@@ -72,17 +68,17 @@ def _slab(start: Point, end: Point, floor_m: float, right_m: float, left_m: floa
     middle = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2
     centre = (
         middle[0] - math.sin(pitch_rad) * half_depth_m,
-        (right_m + left_m) / 2,
+        (right_m + HALF_WIDTH_M) / 2,
         middle[1] - math.cos(pitch_rad) * half_depth_m,
     )
-    return Block("box", centre, (length_m / 2, (left_m - right_m) / 2, half_depth_m), pitch_rad)
+    return Block(centre, (length_m / 2, (HALF_WIDTH_M - right_m) / 2, half_depth_m), pitch_rad)
 
 
 def _turned(block: Block, pivot_x_m: float, yaw_rad: float) -> Block:
     cos, sin = math.cos(yaw_rad), math.sin(yaw_rad)
     x, y, z = block.centre_m
     centre = (pivot_x_m + cos * (x - pivot_x_m) - sin * y, sin * (x - pivot_x_m) + cos * y, z)
-    return Block(block.kind, centre, block.half_m, block.pitch_rad, yaw_rad, block.mass_kg)
+    return Block(centre, block.half_m, block.pitch_rad, yaw_rad, block.mass_kg)
 
 
 def stones(
@@ -103,12 +99,4 @@ def _stone(
     half = (rng.uniform(0.008, 0.02), rng.uniform(0.008, 0.02), high_m / 2)
     centre = (start_m + rng.uniform(0, length_m), rng.uniform(-half_width_m, half_width_m), high_m / 2)
     mass_kg = 8 * half[0] * half[1] * half[2] * STONE_DENSITY_KG_M3 if loose else 0.0
-    return Block("box", centre, half, 0.0, rng.uniform(0, math.pi), mass_kg)
-
-
-def joined(name: str, grounds: Sequence[Ground]) -> Ground:
-    """Return several grounds as one; all must have the same floor."""
-    floors = {ground.floor_m for ground in grounds}
-    if len(floors) != 1:
-        raise ValueError(f"ground {name}: floors {sorted(floors)} m differ")
-    return Ground(name, floors.pop(), tuple(block for ground in grounds for block in ground.blocks))
+    return Block(centre, half, 0.0, rng.uniform(0, math.pi), mass_kg)

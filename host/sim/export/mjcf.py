@@ -96,7 +96,7 @@ def _add_ground(world: Xml.Element, ground: Ground) -> None:
                                    "pos": _vector((0, 0, ground.floor_m)), "rgba": "0.75 0.72 0.66 1"})
     for i, block in enumerate(ground.blocks):
         parent, place = world, {"pos": _vector(block.centre_m), "quat": _vector(block.quaternion)}
-        shape = {**_SOLVER, "name": f"ground{i}", "type": block.kind, "size": _vector(block.half_m), "group": "2",
+        shape = {**_SOLVER, "name": f"ground{i}", "type": "box", "size": _vector(block.half_m), "group": "2",
                  "rgba": "0.6 0.55 0.48 1"}
         if block.mass_kg > 0:
             parent = Xml.SubElement(world, "body", {"name": f"stone{i}", **place})

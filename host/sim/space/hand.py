@@ -8,6 +8,7 @@ from sim2d.model import GRAVITY_M_S2
 from .world import World
 
 _HOLD_RAD_S = 12.0  # how stiff the hand is, as the frequency of a robot that hangs in it (assumed)
+_LIFTS_M_S = 0.3  # (assumed)
 _WITH_LEGS = 2.0  # of the trunk's moments of inertia, what the hand turns (assumed)
 
 
@@ -38,6 +39,6 @@ class Hand:
         self._world.data.xfrc_applied[self._world.trunk] = 0.0
 
 
-def lifted_m(time_s: float, height_m: float, seconds: float, speed_m_s: float = 0.3) -> float:
+def lifted_m(time_s: float, height_m: float, seconds: float) -> float:
     """Return how high a hand is that lifts by a height, and puts down so that it is back after ``seconds``."""
-    return max(0.0, min(height_m, speed_m_s * time_s, speed_m_s * (seconds - time_s)))
+    return max(0.0, min(height_m, _LIFTS_M_S * time_s, _LIFTS_M_S * (seconds - time_s)))

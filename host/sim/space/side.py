@@ -27,7 +27,6 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         torso_x_m=rec.position_m[:, 0],
         torso_z_m=rec.position_m[:, 2],
         torso_pitch_rad=rec.attitude_rad[:, 1],
-        torso_speed_m_s=_rate(rec.position_m[:, 0], rec.time_s),
         joint_rad=rec.joint_rad,
         joint_speed_rad_s=_rate(rec.joint_rad, rec.time_s),
         goal_rad=rec.goal_rad,

@@ -16,7 +16,7 @@ from tests import ROOT
 # ESC sequences, C1 as one character, a title, backspace, writing direction, half a surrogate, markup that ends nothing.
 FOREIGN = "a\x1b[2Jb\x9b31mc\x1b]0;title\x07d\x08e\u202ef\ud800g\x00h\x7fi[/x][red]j:smile:"
 # These write to a program that reads their output, not to a person.
-FOR_PROGRAMS = ("lab/parity/probe/", "lab/parity/checked.py", "protocol/generate.py", "boards/build/tables.py")
+FOR_PROGRAMS = ("lab/parity/probe/", "lab/parity/checked.py")
 
 
 def is_safe(text):

@@ -1,4 +1,4 @@
-"""NVIC, SysTick, SCB, cycle counter (PM0214), watchdog (RM0090 section 21) and flash memory (section 3)."""
+"""NVIC (PM0214), watchdog (RM0090 section 21) and flash memory (section 3)."""
 
 import pytest
 
@@ -6,10 +6,7 @@ from host.sim.chip.flash import START, sector_range
 
 from .board import CSR, FLASH, IWDG, clocked, reasons
 
-ISER, ICER, ISPR, IPR = 0xE000_E100, 0xE000_E180, 0xE000_E200, 0xE000_E400
-SYST_CTRL, SYST_LOAD, SYST_VAL, ICSR, VTOR, AIRCR, SHPR3 = (0xE000_E000 + n for n in
-                                                           (0x10, 0x14, 0x18, 0xD04, 0xD08, 0xD0C, 0xD20))  # fmt: skip
-CYCCNT = 0xE000_1004
+ISER, IPR = 0xE000_E100, 0xE000_E400
 
 
 # -- NVIC --
@@ -18,15 +15,16 @@ CYCCNT = 0xE000_1004
 def test_the_most_urgent_enabled_interrupt_comes_first():
     chip = clocked()
     chip.write(ISER, 1 << 18 | 1 << 25)
-    chip.write(ISPR, 1 << 18 | 1 << 25 | 1 << 5)  # 5 is not enabled
+    for interrupt in (18, 25, 5):  # 5 is not enabled
+        chip.nvic.line(interrupt, "test", True)
     chip.write(IPR + 18, 0x20, 1)
     chip.write(IPR + 25, 0x10, 1)
     assert chip.pending_interrupts() == [41, 34]
     chip.nvic.enter(41)
+    chip.nvic.line(25, "test", False)
     assert chip.pending_interrupts() == []  # 34 is less urgent than what runs
     chip.nvic.leave()
     assert chip.pending_interrupts() == [34]
-    assert chip.read(ICSR) >> 12 & 0x1FF == 21  # the lowest number of equal priority, enabled or not
 
 
 def test_priorities_have_four_bits():
@@ -49,91 +47,7 @@ def test_a_line_that_stays_high_comes_again():
     assert chip.pending_interrupts() == []
 
 
-def test_sub_priorities_do_not_interrupt():
-    chip = clocked()
-    chip.write(AIRCR, 0x05FA_0500)  # PRIGROUP 5: bits 7 and 6 decide
-    chip.write(ISER, 1 << 18 | 1 << 25)
-    chip.write(IPR + 18, 0x10, 1)
-    chip.write(ISPR, 1 << 25 | 1 << 18)
-    assert chip.pending_interrupts() == [41, 34]
-    chip.nvic.enter(34)
-    assert chip.pending_interrupts() == []
-
-
-# -- SysTick, SCB, DWT --
-
-
-def test_systick_counts_load_plus_one():
-    chip = clocked()
-    chip.write(SYST_LOAD, 999)
-    chip.write(SYST_VAL, 0)
-    begin = chip.now
-    chip.write(SYST_CTRL, 7)
-    chip.advance(3500)
-    assert [cycle - begin for cycle in chip.happened("NVIC", "exception 15")] == [1000]  # pending until it is taken
-    assert chip.read(SYST_VAL) == 500
-    assert chip.read(SYST_CTRL) >> 16 == 1
-    assert chip.read(SYST_CTRL) >> 16 == 0  # reading clears COUNTFLAG
-    assert chip.pending_interrupts() == [15]
-
-
-def test_pendsv_is_set_and_taken_back():
-    chip = clocked()
-    chip.write(SHPR3, 0xF0 << 16)
-    chip.write(ICSR, 1 << 28)
-    assert chip.pending_interrupts() == [14]
-    chip.write(ICSR, 1 << 27)
-    assert chip.pending_interrupts() == []
-
-
-def test_a_software_reset_needs_the_key():
-    chip = clocked()
-    chip.write(AIRCR, 4)
-    assert chip.resets == []
-    chip.write(CSR, 1 << 24)
-    chip.write(AIRCR, 0x05FA_0004)
-    assert chip.read(CSR) >> 28 == 1
-    assert chip.rcc.read_CFGR() == 0  # back on HSI
-
-
-def test_the_cycle_counter_counts_cycles():
-    chip = clocked()
-    chip.write(0xE000_1000, 0x4000_0001)
-    chip.write(CYCCNT, 0)
-    chip.advance(12_345)
-    assert chip.read(CYCCNT) == 12_345
-
-
-# -- EXTI, 12.3, and the factory's words --
-
-IMR, RTSR, FTSR, PR, EXTICR1 = 0x4001_3C00, 0x4001_3C08, 0x4001_3C0C, 0x4001_3C14, 0x4001_3808
-
-
-def test_a_falling_pin_raises_its_line():
-    chip = clocked()
-    chip.pins.drive_pin("PB2", 1)
-    chip.write(EXTICR1, 1 << 8)  # line 2 is PB2
-    chip.write(FTSR, 4)
-    chip.write(IMR, 4)
-    chip.write(ISER, 1 << 8)
-    chip.pins.drive_pin("PA2", 0)
-    assert chip.pending_interrupts() == []
-    chip.pins.drive_pin("PB2", 0)
-    assert chip.pending_interrupts() == [16 + 8]
-    assert chip.read(PR) == 4
-    chip.nvic.enter(24)
-    chip.write(PR, 4)
-    chip.nvic.leave()
-    chip.pins.drive_pin("PB2", 1)
-    assert chip.pending_interrupts() == []
-
-
-def test_the_line_shows_also_without_the_mask():
-    chip = clocked()
-    chip.write(RTSR, 1 << 5)
-    chip.pins.drive_pin("PA5", 1)
-    assert chip.read(PR) == 1 << 5
-    assert chip.pending_interrupts() == []
+# -- the factory's words --
 
 
 def test_the_factory_words_are_read_in_half_words():

@@ -15,9 +15,8 @@ from host.robot.ability import ability
 from host.robot.file import load_robot, robot_names
 from host.robot.poses import rest_pose_rad
 from host.robot.trot_tuning import trot_figures
-from host.sim.export.ground import Ground
 from host.sim.export.mjcf import ModelOptions
-from host.sim.space.walk import EXACT, SpaceWalker
+from host.sim.space.walk import SpaceWalker
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
 
@@ -56,7 +55,7 @@ def without_dry_friction(robot):
 def test_every_robot_sags_as_the_check_states(name):
     """Within 20 %: the check knows no dry friction, which is taken out, and no pitch of a robot that sags."""
     robot = without_dry_friction(load_robot(name))
-    world = World(robot, ModelOptions(dt_s=EXACT[0], impratio=EXACT[1]), robot.control.rate_hz)
+    world = World(robot, ModelOptions(), robot.control.rate_hz)
     before_m = world.position_m()[2]
     world.send(rest_pose_rad(robot))
     for _ in range(2 * robot.control.rate_hz):
@@ -71,7 +70,7 @@ def gets_m(share):
     supply = tuple(p.model_copy(update={"stall_Nm": p.stall_Nm * scale}) for p in robot.actuator.supply)
     robot = robot.model_copy(update={"actuator": robot.actuator.model_copy(update={"supply": supply})})
     assert max(ability(robot).on_two) == pytest.approx(share, rel=0.001)
-    walker = SpaceWalker(WalkSpec(robot, "trot"), Ground("flat"))
+    walker = SpaceWalker(WalkSpec(robot, "trot"))
     walker.stand_up()
     walker.driver.set_command(mode="walk", vx_m_s=0.1)
     for _ in range(6 * walker.driver.rate_hz):
