@@ -3,7 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .ground import ground_z, level_z
+from .ground import climbs, ground_z, level_z
 from .state import CYCLE_Q20, Trot
 
 _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
@@ -155,14 +155,30 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
+def top_speed(params: Params, walk: Trot) -> int:
+    """Return the fastest along x and y while swings are high, lf / tick: less where it climbs more than one edge.
+
+    Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
+    """
+    if walk.state.high_gone == params.trot.edge_way and climbs(walk):
+        return params.trot.slow_speed
+    return params.trot.high_speed
+
+
+@hot
 def lift_on(params: Params, walk: Trot) -> int:
-    """Count down the way to go with high swings; return the top of the next swings, lu."""
+    """Count down the way to go with high swings; return the top of the next swings, lu.
+
+    Where it climbs it does not get less: on stairs the feet land where their plane has them, and meet nothing.
+    """
     state = walk.state
     setup = params.trot
     state.lift = setup.low_lift
     if walk.wish.height > 0:
         state.lift = saturate(walk.wish.height, 0, setup.highest_lift)
-    if state.high_left:
+    if state.high_left == 0:
+        state.high_gone = 0
+    else:
         if state.lift < setup.high_lift:
             state.lift = setup.high_lift
         gone = 0
@@ -173,5 +189,8 @@ def lift_on(params: Params, walk: Trot) -> int:
             gone += speed
         if gone < setup.high_slowest:
             gone = setup.high_slowest
+        state.high_gone = saturate(state.high_gone + gone, 0, setup.edge_way)
+        if climbs(walk):
+            gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
     return state.lift

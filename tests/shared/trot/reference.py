@@ -65,7 +65,7 @@ class FloatTrot:
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
         self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
-        self.heading = self.high_left = self.u = 0.0
+        self.heading = self.high_left = self.high_gone = self.u = 0.0
         self.load, self.stands, self.early = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
@@ -211,7 +211,11 @@ class FloatTrot:
         if self.high_left:
             self.lift = self.high
             gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
-            self.high_left = max(0.0, self.high_left - gone)
+            self.high_gone = min(tuning.EDGE_LENGTHS * self.f.length_m, self.high_gone + gone)
+            climbs = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
+            self.high_left = max(0.0, self.high_left - (0.0 if climbs else gone))
+        else:
+            self.high_gone = 0.0
 
     # --- who swings
 
