@@ -83,3 +83,25 @@ def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
         nominal_voltage_V=drive.voltage_V,
         speed_loop=True,
     )
+
+
+def friction_bands(robot: Robot) -> tuple[tuple[float, float, float], float]:
+    """Return half of the band in which a joint sticks: unloaded, rad of hip, thigh and calf, and per sag under a load.
+
+    A motor that turns a load L gives (L (1 + l) + f) / (1 - m) where it goes against it and (L (1 - l) - f) / (1 + m)
+    where it goes with it, by M6 (arXiv 2410.08650) at rest: f is dry, m and l are the shares of motor and load. Half
+    of their difference is (f + (m + l) L) / (1 - m^2). A servo's stall torque is its data sheet's, behind its friction.
+    """
+    drive, behind = robot.actuator, 1.0
+    if isinstance(drive, Servo):
+        f = drive.friction
+        dry_Nm, motor, load = drive.coulomb_Nm + f.stribeck_Nm, f.load_motor, f.load_external
+        behind -= motor + f.load_motor_stribeck
+    elif isinstance(drive, Bldc):
+        dry_Nm, motor, load = drive.motor.coulomb_Nm * drive.gear.ratio, 1.0 - drive.gear.efficiency, 0.0
+    else:
+        dry_Nm, motor, load = drive.coulomb_Nm, 0.0, 0.0
+    share = behind / (1.0 - motor**2)
+    hip, thigh, calf = (dry_Nm / ratio * share / joint.stiffness_Nm_rad
+                        for ratio, joint in zip((1.0, 1.0, robot.calf_drive.ratio), joint_drives(robot), strict=True))
+    return (hip, thigh, calf), (motor + load) * share

@@ -50,7 +50,7 @@ def solve(params: Params, walk: Trot) -> int:
 
 @hot
 def lead(params: Params, walk: Trot, goal: Ints) -> int:
-    """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later; return 0.
+    """Write 12 goals, brad: the joints, what load and friction take of them, and where they will be a lag later; return 0.
 
     Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Intermediates: 2^15 * 2^14.
     """
@@ -61,11 +61,13 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag
-        if walk.stands[leg] == 0:
-            led = lag >> 1
         if walk.early[leg] == MET_NOW:
             walk.early[leg] = MET
             led = 0
+        elif walk.stands[leg]:
+            slide(params, walk, leg, goal)
+        else:
+            led = lag >> 1
         at = leg * 3
         for joint in range(3):
             top = params.joint_top[joint]
@@ -74,4 +76,37 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
                 step = saturate(step, -top, top)
             goal[at] += step * led >> 8
             at += 1
+    return 0
+
+
+@hot
+def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> int:
+    """Add to the goals of a leg that stands what friction holds back of its joints' motion; return 0.
+
+    Half of the band in which a joint sticks, towards where it goes; of a slow joint less, so that one at rest is not
+    led to and fro. ``goal`` has what load takes, of which gears hold a share. Part of lead.
+    Intermediates: 2^16 * 2^14, 2^13 * 2^14, 2^15 * 2^12.
+    """
+    setup = params.trot
+    friction = setup.friction
+    joints = walk.joints
+    before = walk.joints_before
+    at = leg * 3
+    step = 0
+    given = 0
+    ahead = 0
+    for joint in range(3):
+        if params.coupled == 0 or joint < 2:
+            step = 0
+            given = 0
+            ahead = 0
+        step += joints[at] - before[at]
+        given += goal[at] - joints[at]
+        held = given
+        if held < 0:
+            held = -held
+        held = friction[joint] + (held * setup.friction_q12 >> 12)
+        ahead = (saturate(step * setup.slides_q16 >> 4, -_ONE_Q12, _ONE_Q12) * held >> 12) - ahead
+        goal[at] += ahead
+        at += 1
     return 0

@@ -65,7 +65,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         most = params.leg_length * _BEHIND_Q10 >> 10
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
-    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10):
+    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10) or goes_on(walk, leg):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -73,6 +73,22 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         state.high_left = setup.high_way
         walk.tops[leg] = setup.high_lift
     return 1
+
+
+@hot
+def goes_on(walk: Trot, leg: int) -> int:
+    """Return 1 if a foot in the air goes on along its way at more than half of its mate's speed: nothing holds it."""
+    measured = walk.measured
+    before = walk.before
+    mate = 9 - leg * 3
+    gone = measured[leg * 3] - before[leg * 3] << 1
+    least = measured[mate] - before[mate]
+    if walk.state.foot_speed[0] < 0:
+        gone = -gone
+        least = -least
+    if gone > least:
+        return 1
+    return 0
 
 
 @hot
