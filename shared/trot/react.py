@@ -65,7 +65,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         most = params.leg_length * _BEHIND_Q10 >> 10
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
-    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10) or goes_on(walk, leg):
+    most += walk.usual[leg] + (turn * setup.turn_side >> 10)
+    if behind <= most or (behind <= most << 1 and goes_on(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -77,16 +78,13 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
 
 @hot
 def goes_on(walk: Trot, leg: int) -> int:
-    """Return 1 if a foot in the air goes on along its way at more than half of its mate's speed: nothing holds it."""
-    measured = walk.measured
-    before = walk.before
-    mate = 9 - leg * 3
-    gone = measured[leg * 3] - before[leg * 3] << 1
-    least = measured[mate] - before[mate]
-    if walk.state.foot_speed[0] < 0:
+    """Return 1 if a foot in the air goes ahead faster than the body is to, else 0: it is late, and nothing holds it."""
+    speed = walk.state.foot_speed[0]
+    gone = walk.measured[leg * 3] - walk.before[leg * 3] << LF_BITS
+    if speed < 0:
+        speed = -speed
         gone = -gone
-        least = -least
-    if gone > least:
+    if gone > speed:
         return 1
     return 0
 
