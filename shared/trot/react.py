@@ -66,7 +66,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
-    if behind <= most or (behind <= most << 1 and goes_on(walk, leg)):
+    if behind <= most or (high == 0 and behind <= most << 1 and may_be_late(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -77,14 +77,22 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
-def goes_on(walk: Trot, leg: int) -> int:
-    """Return 1 if a foot in the air goes ahead faster than the body is to, else 0: it is late, and nothing holds it."""
+def may_be_late(walk: Trot, leg: int) -> int:
+    """Return 1 if a foot in the air that is behind its mate may just be late, 0 if something holds it.
+
+    A late one goes ahead faster than the body is to; and before their swing is measured neither it nor its mate does.
+    """
+    measured = walk.measured
+    before = walk.before
+    mate = 9 - leg * 3
     speed = walk.state.foot_speed[0]
-    gone = walk.measured[leg * 3] - walk.before[leg * 3] << LF_BITS
+    gone = measured[leg * 3] - before[leg * 3] << LF_BITS
+    mate_gone = measured[mate] - before[mate]
     if speed < 0:
         speed = -speed
         gone = -gone
-    if gone > speed:
+        mate_gone = -mate_gone
+    if gone > speed or mate_gone <= 0:
         return 1
     return 0
 
