@@ -80,7 +80,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
 def may_be_late(walk: Trot, leg: int) -> int:
     """Return 1 if a foot in the air that is behind its mate may just be late, 0 if something holds it.
 
-    A late one goes ahead faster than the body is to; and before their swing is measured neither it nor its mate does.
+    A late one goes ahead faster than the body is to; and where a late bus has not told of the swing yet, its mate does
+    not go ahead either.
     """
     measured = walk.measured
     before = walk.before
@@ -92,7 +93,7 @@ def may_be_late(walk: Trot, leg: int) -> int:
         speed = -speed
         gone = -gone
         mate_gone = -mate_gone
-    if gone > speed or mate_gone <= 0:
+    if gone > speed or (mate_gone <= 0 and walk.state.swing_q15 > _FREE):
         return 1
     return 0
 
