@@ -50,9 +50,10 @@ def solve(params: Params, walk: Trot) -> int:
 
 @hot
 def lead(params: Params, walk: Trot, goal: Ints) -> int:
-    """Write 12 goals, brad: the joints, what load and friction take of them, and where they will be a lag later; return 0.
+    """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later; return 0.
 
-    Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Intermediates: 2^15 * 2^14.
+    Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Friction is led where feet
+    carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
     for at in range(JOINTS):
@@ -64,10 +65,10 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
         if walk.early[leg] == MET_NOW:
             walk.early[leg] = MET
             led = 0
-        elif walk.stands[leg]:
-            slide(params, walk, leg, goal)
-        else:
+        elif walk.stands[leg] == 0:
             led = lag >> 1
+        elif walk.state.high_left == 0:
+            slide(params, walk, leg, goal)
         at = leg * 3
         for joint in range(3):
             top = params.joint_top[joint]
@@ -81,10 +82,10 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
 
 @hot
 def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> int:
-    """Add to the goals of a leg that stands what friction holds back of its joints' motion; return 0.
+    """Add to the goals of a leg that stands what friction holds back of its joints' motion; return 0. Part of lead.
 
-    Half of the band in which a joint sticks, towards where it goes; of a slow joint less, so that one at rest is not
-    led to and fro. ``goal`` has what load takes, of which gears hold a share. Part of lead.
+    It is dry friction and a share of the load, which ``goal`` already has: what the joints give under it. Of a slow
+    joint less is led, so that one at rest is not sent to and fro. A calf's motor on the body feels thigh + calf.
     Intermediates: 2^16 * 2^14, 2^13 * 2^14, 2^15 * 2^12.
     """
     setup = params.trot
