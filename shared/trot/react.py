@@ -66,7 +66,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
-    if behind <= most or (high == 0 and behind <= most << 1 and may_be_late(walk, leg)):
+    if behind <= most or (high == 0 and behind <= most + (most >> 1) and may_be_late(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:

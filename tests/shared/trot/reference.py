@@ -266,7 +266,7 @@ class FloatTrot:
         most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
-        if behind > most and (high or behind > 2 * most or not self.may_be_late(leg)):
+        if behind > most and (high or behind > 1.5 * most or not self.may_be_late(leg)):
             self.held[leg] = True
             if not high:
                 self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
