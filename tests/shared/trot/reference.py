@@ -355,7 +355,7 @@ class FloatTrot:
             slides = (0.0, 0.0, 0.0)
             if self.early[leg] == 2:
                 self.early[leg], led = 1, 0.0
-            elif self.stands[leg]:
+            elif self.stands[leg] and not self.high_left:
                 slides = self.slide(steps, give)
             for i, q in enumerate(joints):
                 low, high = self.robot.joint_limits_rad(leg)[i]
@@ -366,7 +366,7 @@ class FloatTrot:
         """Return what is led of the friction of a leg's joints, which their motors feel."""
         (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
         steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
-        slow, most = tuning.SLIDES_SHARE * self.fastest[0], 0.5 if self.high_left else 1.0
-        led = [limit(step / slow, most) * (dry + self.of_sag * abs(given))
+        slow = tuning.SLIDES_SHARE * self.fastest[0]
+        led = [limit(step / slow, 1.0) * (dry + self.of_sag * abs(given))
                for step, given, dry in zip(steps, give, self.friction, strict=True)]
         return led[0], led[1], led[2] - coupled * led[1]
