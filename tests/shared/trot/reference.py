@@ -367,6 +367,6 @@ class FloatTrot:
         (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
         steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
         slow = tuning.SLIDES_SHARE * self.fastest[0]
-        led = [limit(step / slow, 1.0) * (dry + self.of_sag * abs(given))
+        led = [limit(step / slow, 1.0) * (dry + tuning.GEARS_LED * self.of_sag * abs(given))
                for step, given, dry in zip(steps, give, self.friction, strict=True)]
         return led[0], led[1], led[2] - coupled * led[1]
