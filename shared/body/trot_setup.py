@@ -37,5 +37,8 @@ class TrotSetup:
     rolling_q15: int = field("Q15", "speed of a round foot's centre per speed of the body")
     tilt_lead_q8: int = field("ticks Q8", "from measuring the tilt to the middle of the tick in which goals act")
     lag_q8: int = field("ticks Q8", "drives' lag: damping over stiffness")
+    friction: Ints = vector(3, "brad", "what dry friction holds back of each motor, up to 2^12")
+    friction_q12: int = field("Q12", "friction of the load, per what the joint gives under it, up to 2^13")
+    slides_q16: int = field("Q16 / (brad / tick)", "share of that which is led per speed, up to 2^14")
     free_lag_q12: int = field("Q12 / tick", "share of the way to its reference that an unhindered foot goes")
     load_step_q12: int = field("own weight / tick Q12", "how fast a foot's expected load changes")

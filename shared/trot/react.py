@@ -65,7 +65,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         most = params.leg_length * _BEHIND_Q10 >> 10
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
-    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10):
+    most += walk.usual[leg] + (turn * setup.turn_side >> 10)
+    if behind <= most or (high == 0 and behind <= most + (most >> 1) and may_be_late(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -73,6 +74,28 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         state.high_left = setup.high_way
         walk.tops[leg] = setup.high_lift
     return 1
+
+
+@hot
+def may_be_late(walk: Trot, leg: int) -> int:
+    """Return 1 if a foot in the air that is behind its mate may just be late, 0 if something holds it.
+
+    A late one goes ahead faster than the body is to; and where a late bus has not told of the swing yet, its mate does
+    not go ahead either.
+    """
+    measured = walk.measured
+    before = walk.before
+    mate = 9 - leg * 3
+    speed = walk.state.foot_speed[0]
+    gone = measured[leg * 3] - before[leg * 3] << LF_BITS
+    mate_gone = measured[mate] - before[mate]
+    if speed < 0:
+        speed = -speed
+        gone = -gone
+        mate_gone = -mate_gone
+    if gone > speed or (mate_gone <= 0 and walk.state.swing_q15 > _FREE):
+        return 1
+    return 0
 
 
 @hot
