@@ -83,3 +83,26 @@ def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
         nominal_voltage_V=drive.voltage_V,
         speed_loop=True,
     )
+
+
+def friction_bands(robot: Robot) -> tuple[tuple[float, float, float], float]:
+    """Return what friction holds back of hip, thigh and calf as they turn: unloaded, rad, and per sag under a load.
+
+    A motor that turns a load L gives (L (1 + l) + f) / (1 - m) where it goes against it and (L (1 - l) - f) / (1 + m)
+    where it goes with it, by M6 (arXiv 2410.08650) once Stribeck has faded: f is dry, m and l are the shares of motor
+    and load. Half of their difference is (f + (m + l) L) / (1 - m^2). A servo's stall torque is its data sheet's,
+    behind the friction at rest.
+    """
+    drive, behind = robot.actuator, 1.0
+    motor = load = 0.0
+    if isinstance(drive, Servo):
+        dry_Nm, motor, load = drive.coulomb_Nm, drive.friction.load_motor, drive.friction.load_external
+        behind -= motor + drive.friction.load_motor_stribeck
+    elif isinstance(drive, Bldc):
+        dry_Nm, motor = drive.motor.coulomb_Nm * drive.gear.ratio, 1.0 - drive.gear.efficiency
+    else:
+        dry_Nm = drive.coulomb_Nm
+    share = behind / (1.0 - motor**2)
+    hip, thigh, calf = (dry_Nm / ratio * share / joint.stiffness_Nm_rad
+                        for ratio, joint in zip((1.0, 1.0, robot.calf_drive.ratio), joint_drives(robot), strict=True))
+    return (hip, thigh, calf), (motor + load) * share

@@ -10,6 +10,7 @@ from ..runtime import const, hot
 from .state import Trot
 
 _MOST_Q20 = const(314573)  # 0.3, 17 deg
+_STEEP_Q20 = const(104858)  # 0.1: half of what stairs of 0.17 of the leg rise
 _STEP_Q14 = const(8191)
 _FAR = const(32767)
 
@@ -64,6 +65,17 @@ def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> int:
     step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
     return state.slope_q20[axis]
+
+
+@hot
+def climbs(walk: Trot) -> int:
+    """Return 1 where the ground rises along the way as stairs do, or an edge with the hind feet still below; else 0."""
+    rise = walk.state.slope_q20[0]
+    if walk.state.foot_speed[0] < 0:
+        rise = -rise
+    if rise > _STEEP_Q20:
+        return 1
+    return 0
 
 
 @hot

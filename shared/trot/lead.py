@@ -52,7 +52,8 @@ def solve(params: Params, walk: Trot) -> int:
 def lead(params: Params, walk: Trot, goal: Ints) -> int:
     """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later; return 0.
 
-    Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Intermediates: 2^15 * 2^14.
+    Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Friction is led where feet
+    carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
     for at in range(JOINTS):
@@ -61,11 +62,13 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag
-        if walk.stands[leg] == 0:
-            led = lag >> 1
         if walk.early[leg] == MET_NOW:
             walk.early[leg] = MET
             led = 0
+        elif walk.stands[leg] == 0:
+            led = lag >> 1
+        elif walk.state.high_left == 0:
+            slide(params, walk, leg, goal)
         at = leg * 3
         for joint in range(3):
             top = params.joint_top[joint]
@@ -74,4 +77,37 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
                 step = saturate(step, -top, top)
             goal[at] += step * led >> 8
             at += 1
+    return 0
+
+
+@hot
+def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> int:
+    """Add to the goals of a leg that stands what friction holds back of its joints' motion; return 0. Part of lead.
+
+    It is dry friction and a share of the load, which ``goal`` already has: what the joints give under it. Of a slow
+    joint less is led, so that one at rest is not sent to and fro. A calf's motor on the body feels thigh + calf.
+    Intermediates: 2^16 * 2^14, 2^13 * 2^14, 2^15 * 2^12.
+    """
+    setup = params.trot
+    friction = setup.friction
+    joints = walk.joints
+    before = walk.joints_before
+    at = leg * 3
+    step = 0
+    given = 0
+    ahead = 0
+    for joint in range(3):
+        if params.coupled == 0 or joint < 2:
+            step = 0
+            given = 0
+            ahead = 0
+        step += joints[at] - before[at]
+        given += goal[at] - joints[at]
+        held = given
+        if held < 0:
+            held = -held
+        held = friction[joint] + (held * setup.friction_q12 >> 12)
+        ahead = (saturate(step * setup.slides_q16 >> 4, -_ONE_Q12, _ONE_Q12) * held >> 12) - ahead
+        goal[at] += ahead
+        at += 1
     return 0

@@ -3,7 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .ground import ground_z, level_z
+from .ground import climbs, ground_z, level_z
 from .state import CYCLE_Q20, Trot
 
 _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
@@ -65,7 +65,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         most = params.leg_length * _BEHIND_Q10 >> 10
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
-    if behind <= most + walk.usual[leg] + (turn * setup.turn_side >> 10):
+    most += walk.usual[leg] + (turn * setup.turn_side >> 10)
+    if behind <= most or (high == 0 and behind <= most + (most >> 1) and may_be_late(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -73,6 +74,28 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         state.high_left = setup.high_way
         walk.tops[leg] = setup.high_lift
     return 1
+
+
+@hot
+def may_be_late(walk: Trot, leg: int) -> int:
+    """Return 1 if a foot in the air that is behind its mate may just be late, 0 if something holds it.
+
+    A late one goes ahead faster than the body is to; and where a late bus has not told of the swing yet, its mate does
+    not go ahead either.
+    """
+    measured = walk.measured
+    before = walk.before
+    mate = 9 - leg * 3
+    speed = walk.state.foot_speed[0]
+    gone = measured[leg * 3] - before[leg * 3] << LF_BITS
+    mate_gone = measured[mate] - before[mate]
+    if speed < 0:
+        speed = -speed
+        gone = -gone
+        mate_gone = -mate_gone
+    if gone > speed or (mate_gone <= 0 and walk.state.swing_q15 > _FREE):
+        return 1
+    return 0
 
 
 @hot
@@ -155,14 +178,30 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
+def top_speed(params: Params, walk: Trot) -> int:
+    """Return the fastest along x and y while swings are high, lf / tick: less where it climbs more than one edge.
+
+    Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
+    """
+    if walk.state.high_gone == params.trot.edge_way and climbs(walk):
+        return params.trot.slow_speed
+    return params.trot.high_speed
+
+
+@hot
 def lift_on(params: Params, walk: Trot) -> int:
-    """Count down the way to go with high swings; return the top of the next swings, lu."""
+    """Count down the way to go with high swings; return the top of the next swings, lu.
+
+    Where it climbs it does not get less: on stairs the feet land where their plane has them, and meet nothing.
+    """
     state = walk.state
     setup = params.trot
     state.lift = setup.low_lift
     if walk.wish.height > 0:
         state.lift = saturate(walk.wish.height, 0, setup.highest_lift)
-    if state.high_left:
+    if state.high_left == 0:
+        state.high_gone = 0
+    else:
         if state.lift < setup.high_lift:
             state.lift = setup.high_lift
         gone = 0
@@ -173,5 +212,8 @@ def lift_on(params: Params, walk: Trot) -> int:
             gone += speed
         if gone < setup.high_slowest:
             gone = setup.high_slowest
+        state.high_gone = saturate(state.high_gone + gone, 0, setup.edge_way)
+        if climbs(walk):
+            gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
     return state.lift

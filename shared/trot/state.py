@@ -34,6 +34,7 @@ class TrotState:
     swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
     lift: int = field("lu", "top of the next swings")
     high_left: int = field("lf", "way still to go with high swings")
+    high_gone: int = field("lf", "way gone with high swings, up to what one edge takes")
     swinging: int = field("", "legs in the air, bits")
     standing: int = field("", "how many legs stand")
     still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
@@ -93,6 +94,7 @@ def trot_reset(params: Params, walk: Trot) -> int:
     state.heading_18 = 0
     state.lift = setup.low_lift
     state.high_left = 0
+    state.high_gone = 0
     state.swinging = 0
     state.standing = LEGS
     state.still_q20 = 0

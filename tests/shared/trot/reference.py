@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from host.robot import trot_tuning as tuning
-from host.robot.drives import BUS_DELAY_S, joint_drives
+from host.robot.drives import BUS_DELAY_S, friction_bands, joint_drives
 from sim2d.model import GRAVITY_M_S2 as G
 
 LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
@@ -60,18 +60,19 @@ class FloatTrot:
         self.give = [robot.mass_kg * G / drive.stiffness_Nm_rad for drive in drives]
         self.fastest = [math.floor(robot.actuator.fastest_rad_s * k * self.dt * 65536 / math.tau) * math.tau / 65536
                         for k in (1.0, 1.0, ratio)]
+        self.friction, self.of_sag = friction_bands(robot)
         self.delay = 1 + math.floor(BUS_DELAY_S * rate_hz + 1e-9)
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
         self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
-        self.heading = self.high_left = self.u = 0.0
+        self.heading = self.high_left = self.high_gone = self.u = 0.0
         self.load, self.stands, self.early = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
         self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
         self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
-        self.known, self.measured, self.free = 0, None, None
+        self.known, self.measured, self.before, self.free = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
         self.joints, self.slope = None, [0.0, 0.0]
@@ -119,7 +120,7 @@ class FloatTrot:
         feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
         if self.known:
             self.see_speed(feet, [limit(rate * self.dt, TURN_MAX) / self.dt for rate in senses.rates])
-        self.measured = feet
+        self.before, self.measured = self.measured or feet, feet
         if self.known > self.delay:
             self.see_residual(feet)
         elif self.known == self.delay:
@@ -211,7 +212,11 @@ class FloatTrot:
         if self.high_left:
             self.lift = self.high
             gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
-            self.high_left = max(0.0, self.high_left - gone)
+            self.high_gone = min(tuning.EDGE_LENGTHS * self.f.length_m, self.high_gone + gone)
+            climbs = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
+            self.high_left = max(0.0, self.high_left - (0.0 if climbs else gone))
+        else:
+            self.high_gone = 0.0
 
     # --- who swings
 
@@ -264,10 +269,17 @@ class FloatTrot:
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
         most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
         self.peak[leg] = max(self.peak[leg], behind)
-        if behind > most + self.usual[leg] + turning:
+        most += self.usual[leg] + turning
+        if behind > most and (high or behind > 1.5 * most or not self.may_be_late(leg)):
             self.held[leg] = True
             if not high:
                 self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
+
+    def may_be_late(self, leg):
+        gone, mate_gone = (self.measured[at][0] - self.before[at][0] for at in (leg, 3 - leg))
+        if self.foot_speed[0] < 0:
+            gone, mate_gone = -gone, -mate_gone
+        return gone > abs(self.foot_speed[0]) * self.dt or (mate_gone <= 0 and self.u > 0.4)
 
     def touch_early(self, leg):
         x, y, z = self.measured[leg]
@@ -342,12 +354,23 @@ class FloatTrot:
             wanted = 1 / max(1, sum(self.stands)) if self.stands[leg] else 0.0
             self.load[leg] += limit(wanted - self.load[leg], step)
             led = self.f.lag_s / self.dt * (1.0 if self.stands[leg] else 0.5)
+            joints = self.joints[3 * leg : 3 * leg + 3]
+            give, steps = self.sag(leg, joints, self.feet[leg]), [q - before[3 * leg + i] for i, q in enumerate(joints)]
+            slides = (0.0, 0.0, 0.0)
             if self.early[leg] == 2:
                 self.early[leg], led = 1, 0.0
-            joints = self.joints[3 * leg : 3 * leg + 3]
-            give = self.sag(leg, joints, self.feet[leg])
+            elif self.stands[leg] and not self.high_left:
+                slides = self.slide(steps, give)
             for i, q in enumerate(joints):
                 low, high = self.robot.joint_limits_rad(leg)[i]
-                lead = led * limit(q - before[3 * leg + i], self.fastest[i])
-                goals.append(max(low, min(high, q + give[i] + lead)))
+                goals.append(max(low, min(high, q + give[i] + slides[i] + led * limit(steps[i], self.fastest[i]))))
         return goals
+
+    def slide(self, steps, give):
+        """Return what is led of the friction of a leg's joints, which their motors feel."""
+        (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
+        steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
+        slow = tuning.SLIDES_SHARE * self.fastest[0]
+        led = [limit(step / slow, 1.0) * (dry + tuning.GEARS_LED * self.of_sag * abs(given))
+               for step, given, dry in zip(steps, give, self.friction, strict=True)]
+        return led[0], led[1], led[2] - coupled * led[1]

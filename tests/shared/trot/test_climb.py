@@ -1,0 +1,78 @@
+"""Stairs: swings stay high while it climbs, and what climbs more than one edge is walked slowly."""
+
+import pytest
+
+from host.robot import trot_tuning as tuning
+from shared.trot.ground import climbs
+from shared.trot.react import lift_on, top_speed
+
+from .test_twin import Pair
+
+
+@pytest.fixture
+def pair():
+    one = Pair("caramelo", 50)
+    one.walk.state.high_left = one.params.trot.high_way
+    return one
+
+
+@pytest.mark.parametrize("way", [-1, 0, 1])
+def test_it_climbs_where_the_ground_rises_along_the_way(pair, way):
+    """Over all slopes that the trot can believe, ahead and back."""
+    state = pair.walk.state
+    state.foot_speed[0] = way * 1000
+    for slope_q20 in range(-314573, 314574, 997):
+        state.slope_q20[0] = slope_q20
+        assert climbs(pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
+
+
+def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
+    state, setup = pair.walk.state, pair.params.trot
+    state.slope_q20[0] = 1 << 18
+    for _ in range(1000):
+        lift_on(pair.params, pair.walk)
+    assert state.high_left == setup.high_way
+    state.slope_q20[0] = 0
+    for _ in range(setup.high_way // setup.high_slowest + 2):
+        lift_on(pair.params, pair.walk)
+    assert state.high_left == 0
+    assert state.lift == setup.low_lift
+    assert state.high_gone == 0
+
+
+def test_one_edge_is_walked_faster_than_stairs(pair):
+    state, setup, figures = pair.walk.state, pair.params.trot, pair.twin.f
+    slow_m_s = pair.scale.metres_per_second(setup.slow_speed)
+    assert slow_m_s == pytest.approx(tuning.SLOW_FROUDE * (9.81 * figures.height_m) ** 0.5, rel=0.01)
+    state.slope_q20[0] = 1 << 18
+    gone_m = 0.0
+    while top_speed(pair.params, pair.walk) == setup.high_speed:
+        lift_on(pair.params, pair.walk)
+        gone_m += pair.scale.metres(setup.high_slowest / 256)
+    assert gone_m == pytest.approx(tuning.EDGE_LENGTHS * figures.length_m, rel=0.02)
+    assert top_speed(pair.params, pair.walk) == setup.slow_speed
+    state.slope_q20[0] = 0
+    assert top_speed(pair.params, pair.walk) == setup.high_speed
+
+
+def test_the_way_with_high_swings_is_as_the_floats_say(pair):
+    """A foot is held in its swing, and the ground told to climb; both count the same way with high swings."""
+    held, free = [], pair.plant.joints_brad
+
+    def joints():
+        now = free()
+        if 100 <= len(held) < 107:
+            now[1:3] = held[99][1:3]
+        held.append(now)
+        return now
+
+    pair.walk.state.high_left = 0
+    pair.plant.joints_brad = joints
+    for n in range(160):
+        if n == 112:
+            pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+        pair.tick((0.15 * min(1.0, n / 50), 0.0, 0.0), (0, 0), (0, 0, 0), moving=n > 25)
+        for name in ("high_left", "high_gone"):
+            mine = pair.scale.metres(getattr(pair.walk.state, name) / 256)
+            assert mine == pytest.approx(getattr(pair.twin, name), abs=0.001), (n, name)
+    assert pair.twin.high_gone > 0.05
