@@ -36,9 +36,9 @@ SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
 TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
-HIGH_FROUDE = 0.08  # of sqrt(g h): the fastest meanwhile
+HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
 EDGE_LENGTHS = 1.2  # of the body: after such a way with high swings one edge is soon over
-SLOW_FROUDE = 0.02  # of sqrt(g h): the fastest where it still climbs after that, as on stairs
+STAIRS_FROUDE = 0.02  # of sqrt(g h): the fastest where it still climbs after that, as on stairs
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
 SWING_ASKS = 1.5  # of a drive's no-load speed may the goals of a swing ask: what lags rounds them off
 STEP_LEG = 0.16  # of the leg: the highest step that every robot is to walk up
@@ -123,7 +123,7 @@ class TrotFigures:
     @property
     def climbing_m_s(self) -> float:
         """The fastest while swings are high."""
-        return HIGH_FROUDE * sqrt(GRAVITY_M_S2 * self.height_m)
+        return HIGH_SPEED * self.leg_m / self.cycle_s
 
     def swing(self, speed_m_s: float, lift_m: float) -> list[tuple[float, float]]:
         """Return where a foot in the air is sent, x ahead and z up of its rest, at SWING_POINTS even times.
@@ -229,7 +229,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(f.climbing_m_s / rate * fine)
     setup.edge_way = round(EDGE_LENGTHS * f.length_m * fine)
-    setup.slow_speed = round(SLOW_FROUDE * sqrt(GRAVITY_M_S2 * f.height_m) / rate * fine)
+    setup.stairs_speed = round(STAIRS_FROUDE * sqrt(GRAVITY_M_S2 * f.height_m) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
     setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
     setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)

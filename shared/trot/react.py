@@ -184,7 +184,7 @@ def top_speed(params: Params, walk: Trot) -> int:
     Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
     """
     if walk.state.high_gone == params.trot.edge_way and climbs(walk):
-        return params.trot.slow_speed
+        return params.trot.stairs_speed
     return params.trot.high_speed
 
 

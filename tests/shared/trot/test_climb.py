@@ -42,15 +42,15 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
 
 def test_one_edge_is_walked_faster_than_stairs(pair):
     state, setup, figures = pair.walk.state, pair.params.trot, pair.twin.f
-    slow_m_s = pair.scale.metres_per_second(setup.slow_speed)
-    assert slow_m_s == pytest.approx(tuning.SLOW_FROUDE * (9.81 * figures.height_m) ** 0.5, rel=0.01)
+    slow_m_s = pair.scale.metres_per_second(setup.stairs_speed)
+    assert slow_m_s == pytest.approx(tuning.STAIRS_FROUDE * (9.81 * figures.height_m) ** 0.5, rel=0.01)
     state.slope_q20[0] = 1 << 18
     gone_m = 0.0
     while top_speed(pair.params, pair.walk) == setup.high_speed:
         lift_on(pair.params, pair.walk)
         gone_m += pair.scale.metres(setup.high_slowest / 256)
     assert gone_m == pytest.approx(tuning.EDGE_LENGTHS * figures.length_m, rel=0.02)
-    assert top_speed(pair.params, pair.walk) == setup.slow_speed
+    assert top_speed(pair.params, pair.walk) == setup.stairs_speed
     state.slope_q20[0] = 0
     assert top_speed(pair.params, pair.walk) == setup.high_speed
 
