@@ -22,7 +22,7 @@ class TrotSetup:
     high_way: int = field("lf", "way for which swings stay high")
     high_speed: int = field("lf / tick", "the fastest along x and y meanwhile")
     edge_way: int = field("lf", "way with high swings that one edge takes at most")
-    stairs_speed: int = field("lf / tick", "the fastest along x and y on steep ground after that")
+    stairs_speed: int = field("lf / tick", "the same where it still climbs after that")
     high_slowest: int = field("lf / tick", "slower counts as this for that way")
     neutral_q8: int = field("ticks Q8", "foothold ahead of rest, per speed")
     capture_q8: int = field("ticks Q8", "foothold further ahead, per speed that is too much")
