@@ -37,6 +37,7 @@ LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the f
 TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
+LATE_FROUDE = 0.08  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
 EDGE_LENGTHS = 1.2  # of the body: after such a way with high swings one edge is soon over
 STAIRS_FROUDE = 0.02  # of sqrt(g h): the fastest where it still climbs after that, as on stairs
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
@@ -183,6 +184,14 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
     return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
 
 
+def high_speed_m_s(robot: Robot) -> float:
+    """Return the fastest while swings are high: less where they ask too much of the drives without any way ahead."""
+    figures = trot_figures(robot)
+    if max(_asked(robot, figures, 0.0, figures.own["high_lift"] * figures.leg_m)) <= SWING_ASKS:
+        return figures.climbing_m_s
+    return min(figures.climbing_m_s, LATE_FROUDE * sqrt(GRAVITY_M_S2 * figures.height_m))
+
+
 def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
     """Return what a swing asks of the drives' speeds; infinite out of reach."""
     poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
@@ -227,7 +236,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
-    setup.high_speed = round(f.climbing_m_s / rate * fine)
+    setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.edge_way = round(EDGE_LENGTHS * f.length_m * fine)
     setup.stairs_speed = round(STAIRS_FROUDE * sqrt(GRAVITY_M_S2 * f.height_m) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)

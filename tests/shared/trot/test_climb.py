@@ -3,6 +3,7 @@
 import pytest
 
 from host.robot import trot_tuning as tuning
+from host.robot.file import load_robot
 from shared.trot.ground import climbs
 from shared.trot.react import lift_on, top_speed
 
@@ -76,3 +77,11 @@ def test_the_way_with_high_swings_is_as_the_floats_say(pair):
             mine = pair.scale.metres(getattr(pair.walk.state, name) / 256)
             assert mine == pytest.approx(getattr(pair.twin, name), abs=0.001), (n, name)
     assert pair.twin.high_gone > 0.05
+
+
+@pytest.mark.parametrize(("name", "slow"), [("caramelo", True), ("spotmicro", True), ("parallel", False)])
+def test_drives_that_are_too_slow_for_high_swings_walk_them_slowly(name, slow):
+    robot = load_robot(name)
+    figures = tuning.trot_figures(robot)
+    froude = tuning.high_speed_m_s(robot) / (9.81 * figures.height_m) ** 0.5
+    assert froude == pytest.approx(tuning.LATE_FROUDE, rel=0.001) if slow else froude > 2 * tuning.LATE_FROUDE
