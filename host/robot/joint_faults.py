@@ -336,6 +336,12 @@ WORDS: dict[int, Words] = {
         "check that the joint swings freely; else change velocity_bandwidth_hz",
         PLAIN,
     ),
+    f.FAULT_COMMISSION_COGGING: Words(
+        "commissioning: cogging",
+        "the rotor's cogging takes {}, more than can be held against",
+        "check that nothing rubs once or more often a turn; else this motor is too rough for its current limit",
+        AMPERE,
+    ),
 }
 
 

@@ -3,9 +3,11 @@
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
 from .faults import FAULT_NONE
+from .layout import WAVES
 
 COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
 COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
+COGS = const(512)  # places of the rotor's turn in which the cogging is added up
 
 
 @record
@@ -89,6 +91,20 @@ class Commission:
     coulomb: int = field("cu", "found: friction at rest, Q4")
     viscous: int = field("cu / rate", "found: what it grows by, Q16")
     backlash: int = field("rc", "found: rotor encoder against joint encoder, Q4; -1 without a joint encoder")
+    # cogging
+    rate_last: int = field("rate", "in the tick before")
+    creep_rounds: int = field("", "of a quarter of a turn that have been crept")
+    creep_whole: int = field("", "1: the table holds the whole turn")
+    creep_before: int = field("cu", "amplitude of the strongest wave in the round before, Q4")
+    order: int = field("", "how often a turn the wave is that the table is looked at for")
+    order_last: int = field("", "the last of them")
+    place: int = field("", "of the table that comes next")
+    cosine_sum: int = field("cu rc", "of the table and that wave, times 10 / 256")
+    sine_sum: int = field("cu rc", "likewise")
+    wave_order: Ints = vector(WAVES, "", "found: how often a turn, 0 none")
+    wave_current: Ints = vector(WAVES, "cu", "found: amplitude, Q4")
+    wave_phase: Ints = vector(WAVES, "brad", "found: of the wave at the rotor's reading 0")
+    cogging: Ints = vector(COGS, "cu rc", "current over the rotor's way at each place, times 10")
 
 
 PHASE_IDLE = const(0)
@@ -104,6 +120,9 @@ PHASE_BACK = const(9)
 PHASE_AGAIN = const(10)
 PHASE_SPIN = const(11)
 PHASE_SWING = const(12)
+PHASE_CREEP = const(13)
+PHASE_ROUND = const(14)
+PHASE_WAVES = const(15)
 
 
 @hot

@@ -64,7 +64,7 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
     if commission.swing_level == 0:
         loop.reference_q = swing_current(settings, state, commission, commission.swing_rate)
     else:
-        _follow(loop, settings, state, commission)
+        follow_rate(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
         refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
     if commission.reason:
@@ -76,7 +76,7 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 
 @hot
-def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Let the velocity loop follow a rate that goes to and fro at an even acceleration; return the current."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration

@@ -32,7 +32,7 @@ from .winding import point
 
 _TURN = const(16384)  # rc
 _ELECTRICAL = const(0xFFFF)  # brad of an electrical turn, less one
-_STEP = const(192)  # brad a tick: 2.9 electrical turns a second
+_STEP = const(256)  # brad a tick: 3.9 electrical turns a second
 _VERIFY_TRAVEL = const(32768)
 _VERIFY_STEP = const(32)
 _PAIRS_MOST = const(40)

@@ -1,0 +1,226 @@
+"""Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
+
+At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
+both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
+first creeps a quarter of a turn to and fro, and the strongest wave of what it found already acts on the next round; once
+that hardly changes any more, it creeps round the whole turn, and the strongest waves of that are kept.
+"""
+
+from ..num.fixed import atan2_brad, hypot, saturate
+from ..runtime import const, hot
+from .cogging import hold_waves, put_wave
+from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
+from .faults import FAULT_COMMISSION_COGGING
+from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
+from .spinning import swing
+from .swinging import follow_rate
+from .winding import probe_begin, ratio
+
+_HALF_TURN = const(8192)  # rc from the middle
+_SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
+_MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
+_ROUNDS_MOST = const(6)  # until it creeps round the whole turn
+_TICKS_MOST = const(20000)  # of a round
+_ORDERS = const(12)  # times the pole pairs: the highest order looked for
+_ORDER_MOST = const(250)  # with 512 places
+_BESIDE = const(6)  # orders: so blurred is what a short round shows
+_PLACES = const(128)  # of the table in a tick
+_SINE_STEPS = const(1023)  # of the sine table, less one
+_CHANGE_MOST = const(4095)  # rate a tick
+_CURRENT_MOST = const(0x7FFFF)  # cu, times 10
+_MOVED_MOST = const(1023)
+_TABLE_MOST = const(0x1FFFFFFF)
+_STEPS = const(10)  # current steps in a tick
+
+
+@hot
+def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Begin to creep, six waves a pole pair at 0.79 of the velocity loop's bandwidth; return PHASE_CREEP."""
+    commission.creep_rounds = 0
+    commission.swing_rate = settings.velocity_w * 4 // (3 * saturate(commission.pole_pairs, 1, 50)) + 1
+    commission.swing_acceleration = (commission.swing_rate >> 4) + 1
+    for wave in range(WAVES):
+        put_wave(loop, wave, 0, 0, 0)
+    return _round(loop, commission, PHASE_CREEP)
+
+
+@hot
+def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
+    commission.half_swings = 0
+    if commission.away * commission.sign < 0 - _SHORT and phase == PHASE_CREEP:
+        commission.half_swings = 1
+    commission.way = 0
+    for place in range(COGS):
+        commission.cogging[place] = 0
+    probe_begin(loop, 1)
+    return go_on(commission, phase)
+
+
+@hot
+def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Do one tick; return 1 when the cogging's waves are found: they act from then on."""
+    phase = commission.phase
+    current = loop.sum_current_q
+    probe_begin(loop, 1)
+    moved = swing(loop, state, commission)
+    change = (state.rate - commission.rate_last) * commission.direction
+    commission.rate_last = state.rate
+    if phase == PHASE_WAVES:
+        _hold(loop, settings, state, commission)
+        return _look_for_waves(loop, commission)
+    far = _SHORT
+    if phase == PHASE_ROUND:
+        far = _HALF_TURN
+    if commission.away * commission.sign > far + _MARGIN:
+        commission.sign = 0 - commission.sign
+        commission.half_swings += 1
+    _follow(loop, settings, state, commission, far)
+    if commission.phase_ticks > _TICKS_MOST:
+        refuse(commission, FAULT_COMMISSION_COGGING, loop.reference_q)
+    if commission.reason:
+        return 0
+    if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
+        _add(loop, commission, current, change, moved)
+    if commission.half_swings > 2:
+        return _look(loop, commission)
+    return 0
+
+
+@hot
+def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, far: int) -> int:
+    """Creep, three times as fast on the way to where a round begins; return the current."""
+    rate = commission.swing_rate
+    if commission.half_swings == 0 and commission.away * commission.sign < far - _MARGIN:
+        commission.swing_rate = rate * 3
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = rate
+    return loop.reference_q
+
+
+@hot
+def _add(loop: CurrentLoop, commission: Commission, current: int, change: int, moved: int) -> int:
+    """Add one tick's current over its way to the place where the rotor is; return that current, times 10."""
+    change = saturate(change, -_CHANGE_MOST, _CHANGE_MOST)
+    taken = saturate(commission.inertia, 0, 0x3FFFF) * change >> 12
+    current = saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+    way = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign
+    place = loop.rotor >> 5
+    commission.cogging[place] = saturate(commission.cogging[place] + current * way, -_TABLE_MOST, _TABLE_MOST)
+    commission.way += way
+    return current
+
+
+@hot
+def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Let the rotor stand while the table is looked at; return the current."""
+    rate = commission.swing_rate
+    commission.swing_rate = 0
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = rate
+    return loop.reference_q
+
+
+@hot
+def _look(loop: CurrentLoop, commission: Commission) -> int:
+    """Begin to look for waves: for all after the first round and the last, else for those beside the one that acts; return 0."""
+    first = saturate(commission.pole_pairs, 1, 50)
+    last = saturate(first * _ORDERS, 1, _ORDER_MOST)
+    commission.creep_whole = 0
+    if commission.phase == PHASE_ROUND:
+        commission.creep_whole = 1
+    elif commission.creep_rounds > 0:
+        first = loop.wave_order[0] - _BESIDE
+        last = first + _BESIDE + _BESIDE
+    commission.creep_before = loop.wave_current[0]
+    commission.order = first
+    commission.order_last = last
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
+    for wave in range(WAVES):
+        commission.wave_order[wave] = 0
+        commission.wave_current[wave] = 0
+    go_on(commission, PHASE_WAVES)
+    return 0
+
+
+@hot
+def _look_for_waves(loop: CurrentLoop, commission: Commission) -> int:
+    """Multiply a part of the table with a wave; after the last wave go on, or return 1 after the last round."""
+    order = commission.order
+    cosine = commission.cosine_sum
+    sine = commission.sine_sum
+    begin = commission.place
+    for place in range(begin, begin + _PLACES):
+        at = (place + place + 1) * order & _SINE_STEPS
+        value = commission.cogging[place] >> 8
+        value = saturate(value, -32767, 32767)
+        cosine += value * loop.sine[at + COSINE_AT] >> 15
+        sine += value * loop.sine[at] >> 15
+    commission.cosine_sum = cosine
+    commission.sine_sum = sine
+    commission.place = begin + _PLACES
+    if commission.place < COGS:
+        return 0
+    _take_wave(commission, order, cosine, sine)
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
+    commission.order = order + 1
+    if order < commission.order_last:
+        return 0
+    return _next_round(loop, commission)
+
+
+@hot
+def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
+    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+
+    A place is as wide as 1/512 turn: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    """
+    current = ratio(hypot(cosine, sine), saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
+    current = saturate(current, 0, 0x7FFF)
+    current += current * (order * order * 105 >> 12) >> 12
+    weakest = 0
+    for wave in range(WAVES):
+        if commission.wave_current[wave] < commission.wave_current[weakest]:
+            weakest = wave
+    if current > commission.wave_current[weakest]:
+        commission.wave_order[weakest] = order
+        commission.wave_current[weakest] = current
+        commission.wave_phase[weakest] = atan2_brad(cosine, sine)
+    return current
+
+
+@hot
+def _next_round(loop: CurrentLoop, commission: Commission) -> int:
+    """Let the strongest wave act on the next round, or all of them after the last; return 1 then, else 0."""
+    strongest = 0
+    for wave in range(WAVES):
+        put_wave(loop, wave, 0, 0, 0)
+        if commission.wave_current[wave] > commission.wave_current[strongest]:
+            strongest = wave
+    if commission.creep_whole:
+        for wave in range(WAVES):
+            if commission.wave_current[wave] < commission.wave_current[strongest] >> 3:
+                commission.wave_order[wave] = 0
+                commission.wave_current[wave] = 0
+            _act(loop, commission, wave, wave)
+        return 1
+    _act(loop, commission, 0, strongest)
+    hold_waves(loop, 1)
+    commission.creep_rounds += 1
+    change = loop.wave_current[0] - commission.creep_before
+    settled = change < loop.wave_current[0] >> 3 and change > 0 - (loop.wave_current[0] >> 3)
+    if settled or commission.creep_rounds >= _ROUNDS_MOST:
+        _round(loop, commission, PHASE_ROUND)
+    else:
+        _round(loop, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _act(loop: CurrentLoop, commission: Commission, place: int, wave: int) -> int:
+    return put_wave(
+        loop, place, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave]
+    )
