@@ -35,6 +35,7 @@ class Quantity:
 PLAIN = Quantity("")
 MS = Quantity("ms")
 COUNTS = Quantity("counts")
+PERCENT = Quantity("%")
 CELSIUS = Quantity("degrees C", fixed=1 / 16)
 ELECTRICAL = Quantity("electrical degrees", fixed=360 / 65536)
 AMPERE = Quantity("cu", "A", lambda units: units.ampere_per_cu)
@@ -341,6 +342,24 @@ WORDS: dict[int, Words] = {
         "the rotor's cogging takes {}, more than can be held against",
         "check that nothing rubs once or more often a turn; else this motor is too rough for its current limit",
         AMPERE,
+    ),
+    f.FAULT_COMMISSION_CURRENT_LOOP: Words(
+        "commissioning: current loop",
+        "the current loop has {} of the wanted bandwidth",
+        "commission it again; if it returns, the winding is not linear: change current_bandwidth_hz",
+        PERCENT,
+    ),
+    f.FAULT_COMMISSION_VELOCITY_LOOP: Words(
+        "commissioning: velocity loop",
+        "the velocity loop has {} of the wanted bandwidth",
+        "look for what the joint carries or touches; else change velocity_bandwidth_hz",
+        PERCENT,
+    ),
+    f.FAULT_COMMISSION_POSITION_LOOP: Words(
+        "commissioning: position loop",
+        "the position loop has {} of the wanted bandwidth",
+        "look for what the joint touches; else change position_bandwidth_hz",
+        PERCENT,
     ),
 }
 

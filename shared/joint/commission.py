@@ -19,6 +19,8 @@ from .commission_state import (
     COMMISSION_FULL,
     PHASE_FORWARD,
     PHASE_IDLE,
+    PHASE_PROVE_CURRENT,
+    PHASE_PROVE_VELOCITY,
     PHASE_RAMP,
     PHASE_REST,
     PHASE_SPIN,
@@ -41,6 +43,7 @@ from .faults import (
 )
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .outer import keep_outer, restore_outer
+from .proving import prove_begin, prove_current, prove_step
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .swinging import mechanics_begin, mechanics_step
@@ -136,8 +139,11 @@ def commission_step(
     commission.phase_ticks += 1
     if phase == PHASE_REST:
         _rest(loop, settings, state, io, commission)
-    elif phase < PHASE_FORWARD:
+    elif phase < PHASE_PROVE_CURRENT:
         winding_step(loop, settings, commission)
+    elif phase == PHASE_PROVE_CURRENT:
+        if prove_current(loop, settings, commission):
+            go_on(commission, PHASE_FORWARD)
     elif phase < PHASE_SPIN:
         if turn_step(loop, settings, io, commission):
             _turned(loop, settings, commission)
@@ -147,7 +153,10 @@ def commission_step(
     elif phase == PHASE_SWING:
         if mechanics_step(loop, settings, state, commission):
             creep_begin(loop, settings, commission)
-    elif creep_step(loop, settings, state, commission):
+    elif phase < PHASE_PROVE_VELOCITY:
+        if creep_step(loop, settings, state, commission):
+            prove_begin(loop, settings, commission)
+    elif prove_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)
     if commission.phase == PHASE_IDLE:
         commission_abort(loop, settings, commission)

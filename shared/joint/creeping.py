@@ -23,7 +23,6 @@ _ROUNDS_MOST = const(6)  # until it creeps round the whole turn
 _TICKS_MOST = const(20000)  # of a round
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
-_BESIDE = const(6)  # orders: so blurred is what a short round shows
 _PLACES = const(128)  # of the table in a tick
 _SINE_STEPS = const(1023)  # of the sine table, less one
 _CHANGE_MOST = const(4095)  # rate a tick
@@ -122,18 +121,16 @@ def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
 
 @hot
 def _look(loop: CurrentLoop, commission: Commission) -> int:
-    """Begin to look for waves: for all after the first round and the last, else for those beside the one that acts; return 0."""
-    first = saturate(commission.pole_pairs, 1, 50)
-    last = saturate(first * _ORDERS, 1, _ORDER_MOST)
+    """Begin to look for waves, of a short round only for multiples of the poles, as the strongest is; return 0."""
+    pairs = saturate(commission.pole_pairs, 1, 50)
     commission.creep_whole = 0
+    commission.order_step = pairs + pairs
     if commission.phase == PHASE_ROUND:
         commission.creep_whole = 1
-    elif commission.creep_rounds > 0:
-        first = loop.wave_order[0] - _BESIDE
-        last = first + _BESIDE + _BESIDE
+        commission.order_step = 1
     commission.creep_before = loop.wave_current[0]
-    commission.order = first
-    commission.order_last = last
+    commission.order = pairs + pairs
+    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
     commission.place = 0
     commission.cosine_sum = 0
     commission.sine_sum = 0
@@ -166,8 +163,8 @@ def _look_for_waves(loop: CurrentLoop, commission: Commission) -> int:
     commission.place = 0
     commission.cosine_sum = 0
     commission.sine_sum = 0
-    commission.order = order + 1
-    if order < commission.order_last:
+    commission.order = order + commission.order_step
+    if commission.order <= commission.order_last:
         return 0
     return _next_round(loop, commission)
 

@@ -11,9 +11,9 @@ from .commission_state import (
     COMMISSION_VERIFY,
     PHASE_ALTERNATE_D,
     PHASE_ALTERNATE_Q,
-    PHASE_FORWARD,
     PHASE_HIGH,
     PHASE_LOW,
+    PHASE_PROVE_CURRENT,
     PHASE_SETTLE,
     Commission,
     go_on,
@@ -296,11 +296,11 @@ def _tune(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
 
 @hot
 def _close_loop(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the current loop hold the current from where the voltage is; return PHASE_FORWARD."""
+    """Let the current loop hold the current from where the voltage is; return the phase that follows."""
     loop.feed_q = 0
     loop.integral_q = 0
     loop.reference_q = 0
     loop.reference_d = settings.commission_current
     loop.integral_d = commission.level << 13
     loop.feed_d = 0
-    return go_on(commission, PHASE_FORWARD)
+    return go_on(commission, PHASE_PROVE_CURRENT)

@@ -1,0 +1,263 @@
+"""Commissioning's proofs: does each loop have the bandwidth that it was given?
+
+Current: a small sine at the wanted bandwidth, added up in the interrupt. At its bandwidth a loop's answer is as large as
+what it still misses, whatever comes late: |L| = 1. Of d and q the mean is taken, because both have the gain of the mean
+inductance. Velocity: the rotor runs, and steps of the speed up and down again take the inertia's momentum: kp / J is the
+bandwidth. Friction, a load that pulls, the gear's losses, play and spring cancel or give back what they take. Position:
+steps ahead and back on the run; p times the area of the error in three time constants is 0.87 of the step, as a model of the loops in each other has it.
+"""
+
+from ..num.fixed import hypot, saturate
+from ..runtime import const, hot
+from .cascade import velocity_loop, write_current
+from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, Commission, go_on, refuse
+from .faults import (
+    FAULT_COMMISSION_CURRENT_LOOP,
+    FAULT_COMMISSION_FRICTION,
+    FAULT_COMMISSION_POSITION_LOOP,
+    FAULT_COMMISSION_VELOCITY_LOOP,
+)
+from .layout import COSINE_AT, CurrentLoop, JointSettings, JointState
+from .spinning import swing, swing_rate, turn_round
+from .swinging import follow_rate
+from .winding import probe_begin, ratio
+
+SINE_ON_D = const(2)  # CurrentLoop.probing
+SINE_ON_Q = const(3)
+_BRAD_Q14 = const(41722)  # per rad, 65536 / 2 pi, 4 of 4096
+_SINE_TICKS = const(256)
+_LEAST = const(85)  # per cent of the wanted bandwidth
+_MOST = const(115)
+_SHARE_MOST = const(999)  # per cent
+_WINDOW = const(786432)  # of a velocity step: 12 / w, for w in rad / tick, Q16
+_WINDOW_MOST = const(500)  # ticks
+_RUN = const(224694)  # rc/256: what a run's slower speed times a window is, so that seven are 3/8 turn
+_HALVES = const(6)  # runs, to and fro
+_TICKS_MOST = const(8000)
+_CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
+_AREA = const(87)  # per cent of the step over p: with 3.75 times the bandwidth within, 85 with 2.5 times, 90 with 6 times
+_ERROR_MOST = const(8191)  # rc
+
+
+@hot
+def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> int:
+    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w; return it."""
+    probe_begin(loop, 1)
+    loop.sine_at = 0
+    loop.sine_add = settings.current_w * _BRAD_Q14 >> 14
+    loop.sine_current = settings.commission_current >> 2
+    loop.probing = probing
+    return loop.sine_current
+
+
+@hot
+def sine_step(loop: CurrentLoop) -> int:
+    """Add up answer and error with the sine and its cosine, and set the next current, in the interrupt; return it.
+
+    Up to 20000 steps: 24576 cu of them times as much stay below 2^30.
+    """
+    at = loop.sine_at >> 6
+    sine = loop.sine[at]
+    cosine = loop.sine[at + COSINE_AT]
+    wanted = loop.sine_current * sine >> 15
+    got = loop.current_q
+    if loop.probing == SINE_ON_D:
+        got = loop.current_d - loop.level_current
+    loop.sum_current_d += got * sine >> 15
+    loop.sum_current_q += got * cosine >> 15
+    loop.sum_voltage_d += (wanted - got) * sine >> 15
+    loop.sum_voltage_q += (wanted - got) * cosine >> 15
+    loop.sine_at = (loop.sine_at + loop.sine_add) & 0xFFFF
+    wanted = loop.sine_current * loop.sine[loop.sine_at >> 6] >> 15
+    if loop.probing == SINE_ON_D:
+        loop.reference_d = loop.level_current + wanted
+    else:
+        loop.reference_q = wanted
+    return wanted
+
+
+@hot
+def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Do one tick; return 1 when both axes of the current loop are done and have their bandwidth."""
+    if loop.probing < SINE_ON_D:
+        loop.level_current = settings.commission_current
+        commission.proved = 0
+        sine_begin(loop, settings, SINE_ON_D)
+    if commission.phase_ticks < _SINE_TICKS:
+        return 0
+    commission.phase_ticks = 0
+    probing = loop.probing
+    loop.probing = 0
+    loop.reference_d = settings.commission_current
+    loop.reference_q = 0
+    missed = hypot(loop.sum_voltage_d, loop.sum_voltage_q)
+    commission.proved += saturate(ratio(missed, hypot(loop.sum_current_d, loop.sum_current_q), 12), 1, 0xFFFF)
+    if probing == SINE_ON_D:
+        sine_begin(loop, settings, SINE_ON_Q)
+        return 0
+    share = saturate(819200 // commission.proved, 0, _SHARE_MOST)
+    if share < _LEAST or share > _MOST:
+        refuse(commission, FAULT_COMMISSION_CURRENT_LOOP, share)
+        return 0
+    return 1
+
+
+@hot
+def prove_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Begin to run to and fro with steps of the speed; return PHASE_PROVE_VELOCITY."""
+    window = saturate(_WINDOW // saturate(settings.velocity_w, 1, 20588), 8, _WINDOW_MOST)
+    slow = saturate(_RUN // window, 1, swing_rate(settings, commission) >> 1)
+    commission.window = window
+    commission.swing_rate = slow
+    return _begin_runs(commission, PHASE_PROVE_VELOCITY)
+
+
+@hot
+def _begin_runs(commission: Commission, phase: int) -> int:
+    commission.swing_acceleration = (commission.swing_rate >> 5) + 1
+    commission.half_swings = 0
+    commission.run_ticks = -1
+    commission.impulse = 0
+    commission.way = 0
+    return go_on(commission, phase)
+
+
+@hot
+def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Do one tick; return 1 when velocity and position loop have their bandwidths."""
+    current = loop.reference_q  # without what holds against the cogging, which gives back what it takes
+    moved = swing(loop, state, commission)
+    sign = commission.sign
+    if turn_round(commission) != sign:
+        commission.run_ticks = -1
+    if commission.phase_ticks > _TICKS_MOST:
+        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+    if commission.reason:
+        return 0
+    if commission.phase == PHASE_PROVE_VELOCITY:
+        return _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+    return _run_position(loop, settings, state, commission)
+
+
+@hot
+def _run_velocity(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, current: int, moved: int
+) -> int:
+    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count. Return 0."""
+    slow = commission.swing_rate
+    ticks = commission.run_ticks
+    window = commission.window
+    most = commission.swing_acceleration
+    if ticks >= 0 or commission.away * commission.sign + (slow * window * 7 >> 9) > 0 and commission.half_swings > 0:
+        commission.run_ticks = ticks + 1
+        _weigh(commission, ticks + 1, current, moved)
+        if ticks >= window and ticks < 3 * window:
+            commission.swing_rate = slow << 1
+        if ticks >= window:
+            commission.swing_acceleration = 0x3FFFF
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = slow
+    commission.swing_acceleration = most
+    if commission.half_swings > _HALVES:
+        return _end_velocity(loop, settings, commission)
+    return 0
+
+
+@hot
+def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
+    """Add a tick up; return the current's weight, 32 and less.
+
+    The mean speed of a window changes by what acts in it, growing from none to all, and from all to none in the next.
+    Two changes, up less down: what is the same both ways (friction, a load) or grows with the speed has no weight.
+    """
+    window = commission.window
+    part = ticks // window
+    weight = (ticks - part * window << 5) // window
+    if part == 0:
+        commission.way -= moved
+    elif part == 1:
+        weight = 32
+    elif part == 2:
+        commission.way += moved + moved
+        weight = 32 - weight - weight
+    elif part == 3:
+        weight = -32
+    elif part == 4:
+        commission.way -= moved
+        weight -= 32
+    else:
+        weight = 0
+    commission.impulse += current * weight
+    return weight
+
+
+@hot
+def _end_velocity(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0."""
+    inertia = ratio(commission.impulse, saturate(commission.way, 1, 0x3FFFFFF), 4)
+    inertia = inertia * commission.window >> 5  # Q12: 4096 / (32 256), of it 16
+    share = saturate(commission.inertia * 100 // saturate(inertia, 1, 0x3FFFF), 0, _SHARE_MOST)
+    commission.proved = share
+    if share < _LEAST or share > _MOST:
+        return refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
+    commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
+    _begin_runs(commission, PHASE_PROVE_POSITION)
+    return 0
+
+
+@hot
+def _run_position(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """One tick of a run: the position loop takes over, and after a window its goal jumps; return 1 after the last."""
+    slow = commission.swing_rate
+    window = commission.window
+    ticks = commission.run_ticks
+    if ticks < 0 and (commission.half_swings < 1 or commission.away * commission.sign + (slow * window >> 8) < 0):
+        commission.goal = commission.away << 8
+        follow_rate(loop, settings, state, commission)
+        return 0
+    commission.run_ticks = ticks + 1
+    commission.goal += slow * commission.sign
+    jump = (slow >> 1) * 64 // saturate(settings.position_p, 1, 4095)
+    if commission.half_swings & 2:
+        jump = -jump
+    if ticks == window:
+        commission.goal += (jump * commission.sign) << 8
+        commission.way += saturate(jump, 0, _ERROR_MOST) + saturate(-jump, 0, _ERROR_MOST)
+    return _hold_position(loop, settings, state, commission, jump)
+
+
+@hot
+def _hold_position(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, jump: int
+) -> int:
+    """The position loop, and the sum of its error after the jump; return 1 after the last run."""
+    error = saturate((commission.goal >> 8) - commission.away, -_ERROR_MOST, _ERROR_MOST)
+    ticks = commission.run_ticks
+    window = commission.window
+    along = error * commission.sign
+    if jump < 0:
+        along = -along
+    if ticks <= window and ticks > window >> 1:
+        commission.impulse -= along + along
+    elif ticks > window + 1 and ticks <= window + window + 1:
+        commission.impulse += along
+    rate = commission.swing_rate * commission.sign + (error * settings.position_p >> 6)
+    state.rate_reference = rate * commission.direction * settings.joint_sign
+    commission.swing_reference = rate
+    velocity_loop(settings, state, 0)
+    write_current(loop, settings, state)
+    if commission.half_swings > _HALVES:
+        return _end_position(loop, settings, commission)
+    return 0
+
+
+@hot
+def _end_position(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Find the bandwidth in per cent of the wanted one; return 1, or 0 if it is not reached."""
+    loop.probing = 0
+    area = saturate(commission.impulse, 1, 0x3FFFFF) * (settings.position_p >> 3) >> 11
+    share = saturate(commission.way * _AREA // saturate(area, 1, 0x3FFFFF), 0, _SHARE_MOST)
+    if share < _LEAST or share > _MOST:
+        refuse(commission, FAULT_COMMISSION_POSITION_LOOP, share)
+        return 0
+    return 1
