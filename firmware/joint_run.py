@@ -19,9 +19,8 @@ from shared.joint.faults import (
     FAULT_OVERRUN,
 )
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
-from shared.joint.proving import sine_step
+from shared.joint.probe import probe_step
 from shared.joint.tick import motion_tick
-from shared.joint.winding import probe_step
 from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot
 
@@ -103,9 +102,7 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
         run.raw_sum[1] += loop.raw[1]
         run.raw_sum[2] += loop.raw[2]
         run.offset_steps -= 1
-    if loop.probing > 1:
-        sine_step(loop)
-    elif loop.probing:
+    if loop.probing:
         probe_step(loop)
     if code or run.steps_since_motion > _MOTION_LATE_STEPS:
         run.bridge = 0

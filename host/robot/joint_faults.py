@@ -361,6 +361,18 @@ WORDS: dict[int, Words] = {
         "look for what the joint touches; else change position_bandwidth_hz",
         PERCENT,
     ),
+    f.FAULT_COMMISSION_LOAD: Words(
+        "commissioning: load",
+        "half of the current limit needs {} to the speed limit: the load is too heavy for this motor",
+        "take the load off; else lower speed_limit_rad_s or take a larger motor",
+        MS,
+    ),
+    f.FAULT_COMMISSION_PLAY: Words(
+        "commissioning: play",
+        "the joint has a play of {} against its rotor",
+        "tighten the gear, the joint encoder's magnet and whatever is between them",
+        DEGREE,
+    ),
 }
 
 

@@ -1,8 +1,8 @@
 """Cogging: the rotor's teeth pull it to and fro as it turns, and a current fed forward holds against that.
 
-A table of waves over the rotor's turn: how often a turn, how much current, and where in the wave the reading 0 lies. The
-current step adds them up at each reading of the rotor. What is asked for and the waves together stay within the
-current limit.
+A table of waves over the rotor's turn: how often a turn, how much current, and where in the wave the reading 0 lies.
+They are added up at each reading of the rotor, before the current step. What is asked for and the waves together stay
+within the current limit.
 """
 
 from ..num.fixed import saturate

@@ -2,7 +2,7 @@
 
 At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
 both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
-first creeps a quarter of a turn to and fro, and the strongest wave of what it found already acts on the next round; once
+first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
 that hardly changes any more, it creeps round the whole turn, and the strongest waves of that are kept.
 """
 
@@ -12,9 +12,10 @@ from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
+from .probe import probe_begin
 from .spinning import swing
 from .swinging import follow_rate
-from .winding import probe_begin, ratio
+from .winding import ratio
 
 _HALF_TURN = const(8192)  # rc from the middle
 _SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
@@ -34,9 +35,9 @@ _STEPS = const(10)  # current steps in a tick
 
 @hot
 def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to creep, six waves a pole pair at 0.79 of the velocity loop's bandwidth; return PHASE_CREEP."""
+    """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
     commission.creep_rounds = 0
-    commission.swing_rate = settings.velocity_w * 4 // (3 * saturate(commission.pole_pairs, 1, 50)) + 1
+    commission.swing_rate = settings.velocity_w * 3 // (2 * saturate(commission.pole_pairs, 1, 50)) + 1
     commission.swing_acceleration = (commission.swing_rate >> 4) + 1
     for wave in range(WAVES):
         put_wave(loop, wave, 0, 0, 0)
@@ -66,7 +67,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     commission.rate_last = state.rate
     if phase == PHASE_WAVES:
         _hold(loop, settings, state, commission)
-        return _look_for_waves(loop, commission)
+        return _look_for_waves(loop, settings, commission)
     far = _SHORT
     if phase == PHASE_ROUND:
         far = _HALF_TURN
@@ -142,7 +143,7 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
 
 
 @hot
-def _look_for_waves(loop: CurrentLoop, commission: Commission) -> int:
+def _look_for_waves(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
     """Multiply a part of the table with a wave; after the last wave go on, or return 1 after the last round."""
     order = commission.order
     cosine = commission.cosine_sum
@@ -166,7 +167,7 @@ def _look_for_waves(loop: CurrentLoop, commission: Commission) -> int:
     commission.order = order + commission.order_step
     if commission.order <= commission.order_last:
         return 0
-    return _next_round(loop, commission)
+    return _next_round(loop, settings, commission)
 
 
 @hot
@@ -190,13 +191,20 @@ def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> in
 
 
 @hot
-def _next_round(loop: CurrentLoop, commission: Commission) -> int:
-    """Let the strongest wave act on the next round, or all of them after the last; return 1 then, else 0."""
+def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Let the strongest wave act on the next round, or all of them after the last; return 1 then, else 0.
+
+    A wave of more than a quarter of the current limit is refused.
+    """
     strongest = 0
     for wave in range(WAVES):
         put_wave(loop, wave, 0, 0, 0)
         if commission.wave_current[wave] > commission.wave_current[strongest]:
             strongest = wave
+    current = commission.wave_current[strongest] >> 4
+    if current > settings.commission_current >> 1:
+        refuse(commission, FAULT_COMMISSION_COGGING, current)
+        return 0
     if commission.creep_whole:
         for wave in range(WAVES):
             if commission.wave_current[wave] < commission.wave_current[strongest] >> 3:
@@ -208,11 +216,11 @@ def _next_round(loop: CurrentLoop, commission: Commission) -> int:
     hold_waves(loop, 1)
     commission.creep_rounds += 1
     change = loop.wave_current[0] - commission.creep_before
-    settled = change < loop.wave_current[0] >> 3 and change > 0 - (loop.wave_current[0] >> 3)
-    if settled or commission.creep_rounds >= _ROUNDS_MOST:
-        _round(loop, commission, PHASE_ROUND)
-    else:
+    little = loop.wave_current[0] >> 3
+    if commission.creep_rounds < _ROUNDS_MOST and (change > little or change < 0 - little):
         _round(loop, commission, PHASE_CREEP)
+    else:
+        _round(loop, commission, PHASE_ROUND)
     return 0
 
 

@@ -32,8 +32,8 @@ _RAD_Q22 = const(402)  # rad per brad
 def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
-    Reads raw, reference_d, _q and cogging_q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns STEP_DONE, or
-    what current_repair has to finish.
+    Reads raw, reference_d, _q and cogging_q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns
+    STEP_DONE, or what current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer

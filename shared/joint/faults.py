@@ -61,6 +61,8 @@ FAULT_COMMISSION_COGGING = const(85)  # cu: amplitude of a wave, or what could n
 FAULT_COMMISSION_CURRENT_LOOP = const(86)  # per cent: its bandwidth of the wanted one
 FAULT_COMMISSION_VELOCITY_LOOP = const(87)  # likewise
 FAULT_COMMISSION_POSITION_LOOP = const(88)  # likewise
+FAULT_COMMISSION_PLAY = const(89)  # rc between rotor and joint encoder
+FAULT_COMMISSION_LOAD = const(90)  # ms that half of the current limit needs to the speed limit
 
 
 @hot

@@ -116,16 +116,18 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
     """Do what the mode wants: commission, home, follow the set-points or brake; return what feed_voltages does."""
     if state.torque == TORQUE_DRIVE and state.mode == MODE_COMMISSIONING:
         return _commission(loop, settings, state, io, commission)
-    hold_waves(loop, state.torque == TORQUE_DRIVE)
+    waves = 0
     if state.torque == TORQUE_DRIVE:
         if state.mode == MODE_HOMING:
             _home(settings, state)
+        waves = 1
         cascade_step(settings, state, io)
     elif state.torque == TORQUE_DAMP:
         damping_current(settings, state)
     else:
         state.current_reference = 0
         current_relax(loop)
+    hold_waves(loop, waves)
     write_current(loop, settings, state)
     lead_angle(loop, settings, state)
     return feed_voltages(loop, settings, state)

@@ -15,9 +15,10 @@ from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.layout import CurrentLoop
 from shared.joint.outer import set_outer_gains
+from shared.joint.probe import probe_begin, probe_step
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
-from shared.joint.winding import probe_begin, probe_step, ratio, winding_inductance
+from shared.joint.winding import ratio, winding_inductance
 from shared.record import pack
 from shared.wire import names as w
 
@@ -41,7 +42,7 @@ def commission(kind, arrange=None, pose_rad=None, until=None, **plant):
     begun(p, kind)
     if pose_rad is not None:
         p.commission.pose_given, p.commission.pose = 1, round(pose_rad / p.units.rad_per_rc)
-    for tick in range(30000):
+    for tick in range(60000):
         p.tick(setpoint=False)
         over = tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT)
         if over or p.commission.phase == until:
@@ -194,7 +195,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
     assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
 
 
-@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_SWING + 1))
+@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_PROVE_POSITION + 1))
 def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = commission(FULL, until=phase)
     assert p.commission.phase == phase
