@@ -180,7 +180,8 @@ def _end_velocity(loop: CurrentLoop, settings: JointSettings, commission: Commis
         _begin_velocity(settings, commission)
         return 0
     if share < _LEAST_VELOCITY or share > _MOST_VELOCITY:
-        return refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
+        refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
+        return 0
     commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
     _begin_runs(commission, PHASE_PROVE_POSITION)
     return 0
