@@ -163,6 +163,8 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
     assert found["torque_constant_Nm_A"] == pytest.approx(motor.torque_constant_Nm_A, rel=0.03)
     assert found["eccentricity_deg"] == pytest.approx(0.86, abs=0.1)
     assert found["coulomb_Nm"] == pytest.approx(motor.coulomb_Nm, abs=0.002)
+    assert found["velocity_bandwidth_hz"] == pytest.approx(30.0, abs=0.01)
+    assert found["cogging_Nm"] < 0.001  # this motor has none
     assert found["backlash_deg"] is None  # a thigh has no joint encoder
     assert told["failed"] == {}
     assert load_robot(str(out)).actuator.motor.resistance_ohm == pytest.approx(found["resistance_ohm"], rel=1e-3)
