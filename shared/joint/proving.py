@@ -40,6 +40,7 @@ _STEPS = const(10)  # current steps in a tick
 _CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
 _AREA = const(87)  # per cent of a step over p: 87 with 3.75 times the bandwidth within, 85 with 2.5 times, 90 with 6
 _ERROR_MOST = const(8191)  # rc
+_IMPULSE_MOST = const(0x1FFFFFFF)
 
 
 @hot
@@ -144,7 +145,7 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
     The mean speed of a window changes by what acts in it, growing from none to all, and from all to none in the next.
     Two changes, up less down: what is the same both ways (friction, a load) or grows with the speed has no weight.
     """
-    window = commission.window
+    window = saturate(commission.window, 1, _WINDOW_MOST)
     part = ticks // window
     weight = (ticks - part * window << 5) // window
     if part == 0:
@@ -161,7 +162,7 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
         weight -= 32
     else:
         weight = 0
-    commission.impulse += current * weight
+    commission.impulse = saturate(commission.impulse + current * weight, -_IMPULSE_MOST, _IMPULSE_MOST)
     return weight
 
 
