@@ -71,6 +71,7 @@ class Commission:
     current_change: int = field("cu", "sum of all changes of the current along the motion")
     # proofs of the loops
     proved: int = field("", "error over answer of a current's sine, Q12, both axes; then bandwidth found, per cent")
+    repeated: int = field("", "1: the proof under way is the second of its kind")
     velocity_w: int = field("rad / tick", "found: the velocity loop's bandwidth, the wanted one or less, Q16")
     run_ticks: int = field("ticks", "since a run's windows began; -1 before that")
     goal: int = field("rc/256", "of the position loop, about centre, electrical-signed")
@@ -99,7 +100,11 @@ class Commission:
     # cogging
     rate_last: int = field("rate", "in the tick before")
     creep_rounds: int = field("", "of a quarter of a turn that have been crept")
-    creep_whole: int = field("", "1: the table holds the whole turn")
+    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2, 3: ripple without and with the waves")
+    wave: int = field("", "that is checked")
+    worst: int = field("", "of those checked")
+    worst_left: int = field("", "what it leaves of the ripple, in 1/256")
+    ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")
     creep_before: int = field("cu", "amplitude of the strongest wave in the round before, Q4")
     order: int = field("", "how often a turn the wave is that the table is looked at for")
     order_step: int = field("", "from one to the next")

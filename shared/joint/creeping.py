@@ -3,7 +3,11 @@
 At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
 both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
 first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
-that hardly changes any more, it creeps round the whole turn, and the strongest waves of that are kept.
+that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
+
+Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them.
+As long as one does not take at least a quarter of the speed's ripple away, so often a turn, the worst is dropped. What
+the gear's play adds to the ripple no wave takes away: a good wave may leave more than half.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -20,8 +24,13 @@ from .winding import ratio
 _HALF_TURN = const(8192)  # rc from the middle
 _SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
 _MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
-_ROUNDS_MOST = const(6)  # until it creeps round the whole turn
+_ROUNDS_MOST = const(4)  # until it creeps round the whole turn
 _TICKS_MOST = const(20000)  # of a round
+_SHORT_ROUNDS = const(0)  # Commission.creep_part
+_WHOLE_ROUND = const(1)
+_WITHOUT = const(2)
+_WITH = const(3)
+_LEFT_MOST = const(192)  # of the ripple, in 1/256
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
 _PLACES = const(128)  # of the table in a tick
@@ -37,6 +46,7 @@ _STEPS = const(10)  # current steps in a tick
 def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
     """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
     commission.creep_rounds = 0
+    commission.creep_part = _SHORT_ROUNDS
     commission.swing_rate = settings.velocity_w * 3 // (2 * saturate(commission.pole_pairs, 1, 50)) + 1
     commission.swing_acceleration = (commission.swing_rate >> 4) + 1
     for wave in range(WAVES):
@@ -58,7 +68,7 @@ def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
 
 @hot
 def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Do one tick; return 1 when the cogging's waves are found: they act from then on."""
+    """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
     phase = commission.phase
     current = loop.sum_current_q
     probe_begin(loop, 1)
@@ -67,7 +77,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     commission.rate_last = state.rate
     if phase == PHASE_WAVES:
         _hold(loop, settings, state, commission)
-        return _look_for_waves(loop, settings, commission)
+        return _look_at_table(loop, settings, commission)
     far = _SHORT
     if phase == PHASE_ROUND:
         far = _HALF_TURN
@@ -80,7 +90,9 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.reason:
         return 0
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
-        _add(loop, commission, current, change, moved)
+        _add(loop, commission, _ripple_or_current(commission, current, change, moved), moved)
+    if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
+        return _look_again(commission)
     if commission.half_swings > 2:
         return _look(loop, commission)
     return 0
@@ -88,9 +100,12 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 
 @hot
 def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, far: int) -> int:
-    """Creep, three times as fast on the way to where a round begins; return the current."""
+    """Creep, faster on the way to where a round begins; return the current."""
     rate = commission.swing_rate
-    if commission.half_swings == 0 and commission.away * commission.sign < far - _MARGIN:
+    at = commission.away * commission.sign
+    if commission.creep_part >= _WITHOUT and at < 0 - far - _MARGIN:
+        commission.swing_rate += rate >> 1
+    elif commission.half_swings == 0 and at < far - _MARGIN:
         commission.swing_rate = rate * 3
     follow_rate(loop, settings, state, commission)
     commission.swing_rate = rate
@@ -98,16 +113,27 @@ def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commi
 
 
 @hot
-def _add(loop: CurrentLoop, commission: Commission, current: int, change: int, moved: int) -> int:
-    """Add one tick's current over its way to the place where the rotor is; return that current, times 10."""
+def _ripple_or_current(commission: Commission, current: int, change: int, moved: int) -> int:
+    """Return what is added up: while the waves are checked how much faster than wanted the rotor is, as a rate.
+
+    Else the current that the motion alone takes, times 10: less the acceleration's.
+    """
+    if commission.creep_part >= _WITHOUT:
+        speed = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign << 8
+        return saturate(speed - commission.swing_rate, -_CURRENT_MOST, _CURRENT_MOST)
     change = saturate(change, -_CHANGE_MOST, _CHANGE_MOST)
     taken = saturate(commission.inertia, 0, 0x3FFFF) * change >> 12
-    current = saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+    return saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+
+
+@hot
+def _add(loop: CurrentLoop, commission: Commission, value: int, moved: int) -> int:
+    """Add one tick's value over its way to the place where the rotor is; return the way."""
     way = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign
     place = loop.rotor >> 5
-    commission.cogging[place] = saturate(commission.cogging[place] + current * way, -_TABLE_MOST, _TABLE_MOST)
+    commission.cogging[place] = saturate(commission.cogging[place] + value * way, -_TABLE_MOST, _TABLE_MOST)
     commission.way += way
-    return current
+    return way
 
 
 @hot
@@ -124,27 +150,39 @@ def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
 def _look(loop: CurrentLoop, commission: Commission) -> int:
     """Begin to look for waves, of a short round only for multiples of the poles, as the strongest is; return 0."""
     pairs = saturate(commission.pole_pairs, 1, 50)
-    commission.creep_whole = 0
     commission.order_step = pairs + pairs
-    if commission.phase == PHASE_ROUND:
-        commission.creep_whole = 1
+    if commission.creep_part == _WHOLE_ROUND:
         commission.order_step = 1
     commission.creep_before = loop.wave_current[0]
     commission.order = pairs + pairs
     commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
-    commission.place = 0
-    commission.cosine_sum = 0
-    commission.sine_sum = 0
     for wave in range(WAVES):
         commission.wave_order[wave] = 0
         commission.wave_current[wave] = 0
+    return _begin_look(commission)
+
+
+@hot
+def _look_again(commission: Commission) -> int:
+    """Begin to look at the speed's ripple, so often a turn as the waves are; return 0."""
+    commission.wave = 0
+    commission.worst_left = 0
+    commission.order = commission.wave_order[0]
+    return _begin_look(commission)
+
+
+@hot
+def _begin_look(commission: Commission) -> int:
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
     go_on(commission, PHASE_WAVES)
     return 0
 
 
 @hot
-def _look_for_waves(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Multiply a part of the table with a wave; after the last wave go on, or return 1 after the last round."""
+def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Multiply a part of the table with a wave; after the last wave go on, or return 1 after the check."""
     order = commission.order
     cosine = commission.cosine_sum
     sine = commission.sine_sum
@@ -160,10 +198,12 @@ def _look_for_waves(loop: CurrentLoop, settings: JointSettings, commission: Comm
     commission.place = begin + _PLACES
     if commission.place < COGS:
         return 0
-    _take_wave(commission, order, cosine, sine)
     commission.place = 0
     commission.cosine_sum = 0
     commission.sine_sum = 0
+    if commission.creep_part >= _WITHOUT:
+        return _check_wave(loop, commission, cosine, sine)
+    _take_wave(commission, order, cosine, sine)
     commission.order = order + commission.order_step
     if commission.order <= commission.order_last:
         return 0
@@ -171,14 +211,59 @@ def _look_for_waves(loop: CurrentLoop, settings: JointSettings, commission: Comm
 
 
 @hot
-def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
-    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> int:
+    """Return the amplitude of a wave in the table, in cu, Q4, or in rate when that was added up.
 
     A place is as wide as 1/512 turn: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
     """
     current = ratio(hypot(cosine, sine), saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
     current = saturate(current, 0, 0x7FFF)
-    current += current * (order * order * 105 >> 12) >> 12
+    return current + (current * (order * order * 105 >> 12) >> 12)
+
+
+@hot
+def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: int) -> int:
+    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if none is to be dropped."""
+    wave = commission.wave
+    ripple = _amplitude(commission, commission.order, cosine, sine)
+    if commission.creep_part == _WITHOUT:
+        commission.ripple[wave] = ripple
+    elif commission.order:
+        left = (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF)
+        if left > commission.worst_left:
+            commission.worst_left = left
+            commission.worst = wave
+    if wave < WAVES - 1:
+        commission.wave = wave + 1
+        commission.order = commission.wave_order[wave + 1]
+        return 0
+    if commission.creep_part == _WITH and _drop_worst(loop, commission):
+        return 1
+    hold_waves(loop, 1)
+    commission.creep_part = _WITH
+    _round(loop, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _drop_worst(loop: CurrentLoop, commission: Commission) -> int:
+    """Drop the worst wave if it leaves too much; return 1 if it does not or no wave remains, else 0."""
+    if commission.worst_left <= _LEFT_MOST:
+        return 1
+    worst = commission.worst
+    commission.wave_order[worst] = 0
+    commission.wave_current[worst] = 0
+    _act(loop, commission, worst, worst)
+    for wave in range(WAVES):
+        if commission.wave_order[wave]:
+            return 0
+    return 1
+
+
+@hot
+def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
+    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4."""
+    current = _amplitude(commission, order, cosine, sine)
     weakest = 0
     for wave in range(WAVES):
         if commission.wave_current[wave] < commission.wave_current[weakest]:
@@ -192,7 +277,7 @@ def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> in
 
 @hot
 def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the strongest wave act on the next round, or all of them after the last; return 1 then, else 0.
+    """Let the strongest wave act on the next round, or all of them after the last; return 0.
 
     A wave of more than a quarter of the current limit is refused.
     """
@@ -205,13 +290,8 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     if current > settings.commission_current >> 1:
         refuse(commission, FAULT_COMMISSION_COGGING, current)
         return 0
-    if commission.creep_whole:
-        for wave in range(WAVES):
-            if commission.wave_current[wave] < commission.wave_current[strongest] >> 3:
-                commission.wave_order[wave] = 0
-                commission.wave_current[wave] = 0
-            _act(loop, commission, wave, wave)
-        return 1
+    if commission.creep_part == _WHOLE_ROUND:
+        return _begin_check(loop, commission, commission.wave_current[strongest] >> 3)
     _act(loop, commission, 0, strongest)
     hold_waves(loop, 1)
     commission.creep_rounds += 1
@@ -220,7 +300,24 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     if commission.creep_rounds < _ROUNDS_MOST and (change > little or change < 0 - little):
         _round(loop, commission, PHASE_CREEP)
     else:
+        commission.creep_part = _WHOLE_ROUND
         _round(loop, commission, PHASE_ROUND)
+    return 0
+
+
+@hot
+def _begin_check(loop: CurrentLoop, commission: Commission, least: int) -> int:
+    """Make all waves of at least that amplitude ready, but creep without them, twice as fast; return 0."""
+    for wave in range(WAVES):
+        if commission.wave_current[wave] < least:
+            commission.wave_order[wave] = 0
+            commission.wave_current[wave] = 0
+        _act(loop, commission, wave, wave)
+    hold_waves(loop, 0)
+    commission.creep_part = _WITHOUT
+    commission.swing_rate = commission.swing_rate << 1
+    commission.swing_acceleration = commission.swing_acceleration << 1
+    _round(loop, commission, PHASE_CREEP)
     return 0
 
 

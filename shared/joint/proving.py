@@ -27,14 +27,15 @@ from .winding import ratio
 _SINE_TICKS = const(256)
 _LEAST = const(85)  # per cent of the wanted bandwidth
 _MOST = const(115)
-_LEAST_VELOCITY = const(75)  # of good motors, in whose gear the load rattles, 82 .. 128 were found
-_MOST_VELOCITY = const(140)
+_LEAST_OUTER = const(50)  # of velocity and position: a gear with play, spring and losses alone makes 75 .. 150
+_MOST_OUTER = const(200)
+_LOWER_VELOCITY = const(75)  # below, a quarter less bandwidth is tried
 _SHARE_MOST = const(999)  # per cent
 _WINDOW = const(786432)  # of a velocity step: 12 / w, for w in rad / tick, Q16
 _WINDOW_MOST = const(500)  # ticks
 _RUN = const(224694)  # rc/256: what a run's slower speed times a window is, so that seven are 3/8 turn
-_RUNS = const(6)  # of the velocity loop, to and fro
-_RUNS_POSITION = const(4)
+_RUNS = const(4)  # of the velocity loop, to and fro
+_RUNS_POSITION = const(2)
 _TICKS_MOST = const(16000)  # of the runs with one bandwidth
 _STEPS = const(10)  # current steps in a tick
 _CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
@@ -73,14 +74,15 @@ def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commis
 def prove_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
     """Begin to run to and fro with steps of the speed; return PHASE_PROVE_VELOCITY."""
     commission.velocity_w = settings.velocity_w
+    commission.repeated = 0
     return _begin_velocity(settings, commission)
 
 
 @hot
 def _begin_velocity(settings: JointSettings, commission: Commission) -> int:
-    """Run with the gains of commission.velocity_w."""
+    """Run with the gains of commission.velocity_w; the second time twice as fast, over strong cogging."""
     set_outer_gains(settings, commission.inertia, commission.velocity_w)
-    window = saturate(_WINDOW // saturate(commission.velocity_w, 1, 20588), 8, _WINDOW_MOST)
+    window = saturate(_WINDOW // saturate(commission.velocity_w, 1, 20588), 8, _WINDOW_MOST) >> commission.repeated
     commission.window = window
     commission.swing_rate = saturate(_RUN // window, 1, swing_rate(settings, commission) >> 1)
     return _begin_runs(commission, PHASE_PROVE_VELOCITY)
@@ -170,22 +172,38 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
 def _end_velocity(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
     """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0.
 
-    A load that rattles in the gear's play swallows what the loop gives: then a quarter less bandwidth is tried, twice.
+    What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
+    quarter less bandwidth is tried, twice.
     """
     inertia = ratio(commission.impulse, saturate(commission.way, 1, 0x3FFFFFF), 4)
     inertia = inertia * commission.window >> 5  # Q12: 4096 / (32 256), of it 16
     share = saturate(commission.inertia * 100 // saturate(inertia, 1, 0x3FFFF), 0, _SHARE_MOST)
     commission.proved = share
-    if share < _LEAST_VELOCITY and commission.velocity_w > settings.velocity_w * 5 >> 3:
-        commission.velocity_w -= settings.velocity_w >> 2
+    poor = share < _LOWER_VELOCITY or share > _MOST_OUTER
+    if poor and (commission.repeated == 0 or _lower_velocity(settings, commission, share)):
+        commission.repeated = 1
         _begin_velocity(settings, commission)
-        return 0
-    if share < _LEAST_VELOCITY or share > _MOST_VELOCITY:
+    elif share < _LEAST_OUTER or share > _MOST_OUTER:
         refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
-        return 0
-    commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
-    _begin_runs(commission, PHASE_PROVE_POSITION)
+    else:
+        commission.repeated = 0
+        _begin_position(settings, commission)
     return 0
+
+
+@hot
+def _lower_velocity(settings: JointSettings, commission: Commission, share: int) -> int:
+    """Return 1 with a quarter less bandwidth where a loop has too little of it, 0 where that has been done twice."""
+    if share > _MOST_OUTER or commission.velocity_w <= settings.velocity_w * 5 >> 3:
+        return 0
+    commission.velocity_w -= settings.velocity_w >> 2
+    return 1
+
+
+@hot
+def _begin_position(settings: JointSettings, commission: Commission) -> int:
+    commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
+    return _begin_runs(commission, PHASE_PROVE_POSITION)
 
 
 @hot
@@ -230,17 +248,22 @@ def _hold_position(
     velocity_loop(settings, state, 0)
     write_current(loop, settings, state)
     if commission.half_swings > _RUNS_POSITION:
-        return _end_position(loop, settings, commission)
+        return _end_position(settings, commission)
     return 0
 
 
 @hot
-def _end_position(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+def _end_position(settings: JointSettings, commission: Commission) -> int:
     """Find the bandwidth in per cent of the wanted one; return 1, or 0 if it is not reached."""
-    loop.probing = 0
     area = saturate(commission.impulse, 1, 0x3FFFFF) * (settings.position_p >> 3) >> 11
     share = saturate(commission.way * _AREA // saturate(area, 1, 0x3FFFFF), 0, _SHARE_MOST)
-    if share < _LEAST or share > _MOST:
+    commission.proved = share
+    if share >= _LEAST_OUTER and share <= _MOST_OUTER:
+        return 1
+    if commission.repeated:
         refuse(commission, FAULT_COMMISSION_POSITION_LOOP, share)
         return 0
-    return 1
+    commission.repeated = 1
+    commission.swing_rate = saturate(commission.swing_rate << 1, 1, swing_rate(settings, commission) >> 1)
+    _begin_position(settings, commission)
+    return 0

@@ -264,7 +264,10 @@ def swung(dice):
 def crept(dice):
     """What a round of creeping has summed up, and how far its table has been looked at."""
     COMMISSION.creep_rounds = dice.below(7)
-    COMMISSION.creep_whole = dice.bits(1)
+    COMMISSION.creep_part = dice.below(4)
+    COMMISSION.wave = dice.below(3)
+    COMMISSION.worst = dice.below(3)
+    COMMISSION.worst_left = dice.bits(9)
     COMMISSION.order = 2 + dice.bits(7)
     COMMISSION.order_step = 1 + dice.bits(4)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
@@ -290,6 +293,7 @@ def ran(dice):
     """Where a run of the proofs is."""
     COMMISSION.run_ticks = dice.below(300) - 1
     COMMISSION.proved = 4096 + dice.bits(11)
+    COMMISSION.repeated = dice.bits(1)
     COMMISSION.goal = dice.bits(20) - (1 << 19)
 
 
