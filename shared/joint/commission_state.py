@@ -100,7 +100,7 @@ class Commission:
     # cogging
     rate_last: int = field("rate", "in the tick before")
     creep_rounds: int = field("", "of a quarter of a turn that have been crept")
-    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2, 3: ripple without and with the waves")
+    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2 .. 4: ripple without and with waves")
     wave: int = field("", "that is checked")
     worst: int = field("", "of those checked")
     worst_left: int = field("", "what it leaves of the ripple, in 1/256")

@@ -6,8 +6,9 @@ first creeps three sixteenths of a turn to and fro, and the strongest wave of wh
 that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
 
 Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them.
-As long as one does not take at least a quarter of the speed's ripple away, so often a turn, the worst is dropped. What
-the gear's play adds to the ripple no wave takes away: a good wave may leave more than half.
+If one does not take at least a quarter of the speed's ripple away, so often a turn, the worst is dropped and the
+others run once more; if one of them does not either, all are dropped. What the gear's play adds to the ripple no wave
+takes away: a good one may leave more than half.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -30,6 +31,7 @@ _SHORT_ROUNDS = const(0)  # Commission.creep_part
 _WHOLE_ROUND = const(1)
 _WITHOUT = const(2)
 _WITH = const(3)
+_WITH_FEWER = const(4)
 _LEFT_MOST = const(192)  # of the ripple, in 1/256
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
@@ -237,27 +239,34 @@ def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: in
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]
         return 0
-    if commission.creep_part == _WITH and _drop_worst(loop, commission):
+    if commission.creep_part > _WITHOUT and _drop_worst(loop, commission):
         return 1
     hold_waves(loop, 1)
-    commission.creep_part = _WITH
+    commission.creep_part += 1
     _round(loop, commission, PHASE_CREEP)
     return 0
 
 
 @hot
 def _drop_worst(loop: CurrentLoop, commission: Commission) -> int:
-    """Drop the worst wave if it leaves too much; return 1 if it does not or no wave remains, else 0."""
+    """Drop the worst wave if it leaves too much, all of them the second time; return 1 if that is all, else 0."""
     if commission.worst_left <= _LEFT_MOST:
         return 1
-    worst = commission.worst
-    commission.wave_order[worst] = 0
-    commission.wave_current[worst] = 0
-    _act(loop, commission, worst, worst)
+    remain = 0
     for wave in range(WAVES):
-        if commission.wave_order[wave]:
-            return 0
+        if commission.creep_part == _WITH_FEWER or wave == commission.worst:
+            _drop(loop, commission, wave)
+        remain += commission.wave_order[wave]
+    if remain:
+        return 0
     return 1
+
+
+@hot
+def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
+    commission.wave_order[wave] = 0
+    commission.wave_current[wave] = 0
+    return _act(loop, commission, wave, wave)
 
 
 @hot
@@ -310,8 +319,7 @@ def _begin_check(loop: CurrentLoop, commission: Commission, least: int) -> int:
     """Make all waves of at least that amplitude ready, but creep without them, twice as fast; return 0."""
     for wave in range(WAVES):
         if commission.wave_current[wave] < least:
-            commission.wave_order[wave] = 0
-            commission.wave_current[wave] = 0
+            _drop(loop, commission, wave)
         _act(loop, commission, wave, wave)
     hold_waves(loop, 0)
     commission.creep_part = _WITHOUT

@@ -292,9 +292,9 @@ def later(phase, **change):
     [
         (lambda: later(s.PHASE_PROVE_CURRENT, l=0.6), f.FAULT_COMMISSION_CURRENT_LOOP),
         (lambda: later(s.PHASE_PROVE_CURRENT, l=1.6), f.FAULT_COMMISSION_CURRENT_LOOP),
-        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.5), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.4), f.FAULT_COMMISSION_VELOCITY_LOOP),
         (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=3.0), f.FAULT_COMMISSION_VELOCITY_LOOP),
-        (lambda: later(s.PHASE_PROVE_POSITION, inertia=4.0), f.FAULT_COMMISSION_POSITION_LOOP),
+        (lambda: later(s.PHASE_PROVE_POSITION, inertia=100.0), f.FAULT_COMMISSION_POSITION_LOOP),
     ],
 )
 def test_loops_that_are_not_what_was_found_are_named(plant, code):

@@ -264,7 +264,7 @@ def swung(dice):
 def crept(dice):
     """What a round of creeping has summed up, and how far its table has been looked at."""
     COMMISSION.creep_rounds = dice.below(7)
-    COMMISSION.creep_part = dice.below(4)
+    COMMISSION.creep_part = dice.below(5)
     COMMISSION.wave = dice.below(3)
     COMMISSION.worst = dice.below(3)
     COMMISSION.worst_left = dice.bits(9)
