@@ -104,7 +104,9 @@ def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commi
     """Creep, faster on the way to where a round begins; return the current."""
     rate = commission.swing_rate
     at = commission.away * commission.sign
-    if (commission.half_swings == 0 and at < far - _MARGIN) or at < 0 - far - _MARGIN:
+    if commission.creep_part == _WITHOUT and at < 0 - far - 2 * _MARGIN:
+        commission.swing_rate = rate * 3
+    elif commission.half_swings == 0 and at < far - _MARGIN:
         commission.swing_rate = rate * 3
     follow_rate(loop, settings, state, commission)
     commission.swing_rate = rate
