@@ -100,10 +100,10 @@ class Commission:
     # cogging
     rate_last: int = field("rate", "in the tick before")
     creep_rounds: int = field("", "of a quarter of a turn that have been crept")
-    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2 .. 4: ripple without and with waves")
+    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2 .. 5: without, with waves; fast, slowly")
     wave: int = field("", "that is checked")
-    worst: int = field("", "of those checked")
-    worst_left: int = field("", "what it leaves of the ripple, in 1/256")
+    useless: int = field("", "waves that left too much of the ripple, bits")
+    useless_fast: int = field("", "likewise when it ran twice as fast, bits")
     ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")
     creep_before: int = field("cu", "amplitude of the strongest wave in the round before, Q4")
     order: int = field("", "how often a turn the wave is that the table is looked at for")

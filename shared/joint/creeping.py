@@ -5,10 +5,10 @@ both ways: friction cancels, and so does what comes late. Strong cogging lets th
 first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
 that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
 
-Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them.
-If one does not take at least a quarter of the speed's ripple away, so often a turn, the worst is dropped and the
-others run once more; if one of them does not either, all are dropped. What the gear's play adds to the ripple no wave
-takes away: a good one may leave more than half.
+Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them,
+and where that does not show it, as slowly as they were found. A wave that takes at neither speed a quarter of the
+speed's ripple away, so often a turn, is dropped. What the gear's play adds to the ripple no wave takes away: a good one
+may leave more than half.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -31,7 +31,8 @@ _SHORT_ROUNDS = const(0)  # Commission.creep_part
 _WHOLE_ROUND = const(1)
 _WITHOUT = const(2)
 _WITH = const(3)
-_WITH_FEWER = const(4)
+_WITHOUT_SLOWLY = const(4)
+_WITH_SLOWLY = const(5)
 _LEFT_MOST = const(192)  # of the ripple, in 1/256
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
@@ -168,7 +169,7 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
 def _look_again(commission: Commission) -> int:
     """Begin to look at the speed's ripple, so often a turn as the waves are; return 0."""
     commission.wave = 0
-    commission.worst_left = 0
+    commission.useless = 0
     commission.order = commission.wave_order[0]
     return _begin_look(commission)
 
@@ -225,41 +226,48 @@ def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> in
 
 @hot
 def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: int) -> int:
-    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if none is to be dropped."""
+    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
     wave = commission.wave
     ripple = _amplitude(commission, commission.order, cosine, sine)
-    if commission.creep_part == _WITHOUT:
+    if commission.creep_part == _WITHOUT or commission.creep_part == _WITHOUT_SLOWLY:
         commission.ripple[wave] = ripple
-    elif commission.order:
-        left = (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF)
-        if left > commission.worst_left:
-            commission.worst_left = left
-            commission.worst = wave
+    elif commission.order and (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > _LEFT_MOST:
+        commission.useless |= 1 << wave
     if wave < WAVES - 1:
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]
         return 0
-    if commission.creep_part > _WITHOUT and _drop_worst(loop, commission):
+    return _next_check(loop, commission)
+
+
+@hot
+def _next_check(loop: CurrentLoop, commission: Commission) -> int:
+    """Go on with the waves, or slowly and without them if one was of no use; return 1 if the check is over, else 0."""
+    part = commission.creep_part
+    if part == _WITH_SLOWLY:
+        _drop_useless(loop, commission)
+        return 1
+    if part == _WITH and commission.useless == 0:
         return 1
     hold_waves(loop, 1)
-    commission.creep_part += 1
+    if part == _WITH:
+        hold_waves(loop, 0)
+        commission.useless_fast = commission.useless
+        commission.swing_rate = commission.swing_rate >> 1
+        commission.swing_acceleration = commission.swing_acceleration >> 1
+    commission.creep_part = part + 1
     _round(loop, commission, PHASE_CREEP)
     return 0
 
 
 @hot
-def _drop_worst(loop: CurrentLoop, commission: Commission) -> int:
-    """Drop the worst wave if it leaves too much, all of them the second time; return 1 if that is all, else 0."""
-    if commission.worst_left <= _LEFT_MOST:
-        return 1
-    remain = 0
+def _drop_useless(loop: CurrentLoop, commission: Commission) -> int:
+    """Drop the waves that were of no use at either speed; return which, bits."""
+    useless = commission.useless & commission.useless_fast
     for wave in range(WAVES):
-        if commission.creep_part == _WITH_FEWER or wave == commission.worst:
+        if useless >> wave & 1:
             _drop(loop, commission, wave)
-        remain += commission.wave_order[wave]
-    if remain:
-        return 0
-    return 1
+    return useless
 
 
 @hot

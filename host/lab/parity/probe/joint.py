@@ -264,10 +264,10 @@ def swung(dice):
 def crept(dice):
     """What a round of creeping has summed up, and how far its table has been looked at."""
     COMMISSION.creep_rounds = dice.below(7)
-    COMMISSION.creep_part = dice.below(5)
+    COMMISSION.creep_part = dice.below(6)
     COMMISSION.wave = dice.below(3)
-    COMMISSION.worst = dice.below(3)
-    COMMISSION.worst_left = dice.bits(9)
+    COMMISSION.useless = dice.bits(3)
+    COMMISSION.useless_fast = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
     COMMISSION.order_step = 1 + dice.bits(4)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
