@@ -5,6 +5,7 @@ The board reads the sensors, calls ``take_step`` 10 000 times a second and
 """
 
 from shared.joint.bend import straightened
+from shared.joint.cogging import cogging_step
 from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step, set_offsets
 from shared.joint.encoder import home_by_encoder
@@ -18,8 +19,8 @@ from shared.joint.faults import (
     FAULT_OVERRUN,
 )
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
+from shared.joint.probe import probe_step
 from shared.joint.tick import motion_tick
-from shared.joint.winding import probe_step
 from shared.record import field, record, vector
 from shared.runtime import Ints, const, hot
 
@@ -88,6 +89,8 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
         invalid = 1
     else:
         rotor = straightened(loop, rotor)
+    if loop.waves:
+        cogging_step(loop, rotor)
     masked = loop.masked
     loop.masked = masked | run.masked_before
     run.masked_before = masked

@@ -70,6 +70,7 @@ from shared.wire.parameters import (
     PARAMETER_UNIQUE_ID_0,
     PARAMETER_UNIQUE_ID_3,
     PARAMETER_UPTIME,
+    PARAMETER_VELOCITY_W_FOUND,
     PARAMETER_VISCOUS,
 )
 from shared.wire.receive import Link, start_session
@@ -338,6 +339,8 @@ class Service:
             return commission.viscous
         if parameter == PARAMETER_BACKLASH:
             return commission.backlash
+        if parameter == PARAMETER_VELOCITY_W_FOUND:
+            return commission.velocity_w
         return 0
 
 

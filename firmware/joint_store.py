@@ -8,6 +8,7 @@ import binascii
 import struct
 
 from shared.joint.bend import set_bend
+from shared.joint.cogging import set_waves
 from shared.joint.commission import set_commutation
 from shared.joint.current import keep_gains, set_loop
 from shared.joint.thermal import CURVE_SIZE
@@ -73,6 +74,7 @@ class Parameters:
             set_at(control.settings, parameter - PARAMETER_POLE_PAIRS, value)
             if parameter >= PARAMETER_BEND_COS1:
                 set_bend(control.loop, control.settings)
+                set_waves(control.loop, control.settings)
             if control.armed() == 0:
                 set_commutation(control.loop, control.settings)
 

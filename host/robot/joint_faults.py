@@ -35,6 +35,7 @@ class Quantity:
 PLAIN = Quantity("")
 MS = Quantity("ms")
 COUNTS = Quantity("counts")
+PERCENT = Quantity("%")
 CELSIUS = Quantity("degrees C", fixed=1 / 16)
 ELECTRICAL = Quantity("electrical degrees", fixed=360 / 65536)
 AMPERE = Quantity("cu", "A", lambda units: units.ampere_per_cu)
@@ -335,6 +336,42 @@ WORDS: dict[int, Words] = {
         "an inertia of {} was found, for which the velocity loop can have no gain",
         "check that the joint swings freely; else change velocity_bandwidth_hz",
         PLAIN,
+    ),
+    f.FAULT_COMMISSION_COGGING: Words(
+        "commissioning: cogging",
+        "the rotor's cogging takes {}, more than can be held against",
+        "check that nothing rubs once or more often a turn; else this motor is too rough for its current limit",
+        AMPERE,
+    ),
+    f.FAULT_COMMISSION_CURRENT_LOOP: Words(
+        "commissioning: current loop",
+        "the current loop has {} of the wanted bandwidth",
+        "commission it again; if it returns, the winding is not linear: change current_bandwidth_hz",
+        PERCENT,
+    ),
+    f.FAULT_COMMISSION_VELOCITY_LOOP: Words(
+        "commissioning: velocity loop",
+        "the velocity loop has {} of the wanted bandwidth",
+        "look for what the joint carries or touches; else change velocity_bandwidth_hz",
+        PERCENT,
+    ),
+    f.FAULT_COMMISSION_POSITION_LOOP: Words(
+        "commissioning: position loop",
+        "the position loop has {} of the wanted bandwidth",
+        "look for what the joint touches; else change position_bandwidth_hz",
+        PERCENT,
+    ),
+    f.FAULT_COMMISSION_LOAD: Words(
+        "commissioning: load",
+        "half of the current limit needs {} to the speed limit: the load is too heavy for this motor",
+        "take the load off; else lower speed_limit_rad_s or take a larger motor",
+        MS,
+    ),
+    f.FAULT_COMMISSION_PLAY: Words(
+        "commissioning: play",
+        "the joint has a play of {} against its rotor",
+        "tighten the gear, the joint encoder's magnet and whatever is between them",
+        DEGREE,
     ),
 }
 

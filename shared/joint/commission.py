@@ -14,17 +14,22 @@ electrical turn to and fro, 1.2 deg at a 22:1 joint with 7 pole pairs; direction
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .bend import fill_bend, set_bend, straightened
+from .cogging import hold_waves, set_waves
 from .commission_state import (
     COMMISSION_FULL,
     PHASE_FORWARD,
     PHASE_IDLE,
+    PHASE_PROVE_CURRENT,
+    PHASE_PROVE_VELOCITY,
     PHASE_RAMP,
     PHASE_REST,
     PHASE_SPIN,
+    PHASE_SWING,
     Commission,
     go_on,
     refuse,
 )
+from .creeping import creep_begin, creep_step
 from .current import current_reset, set_offsets
 from .encoder import wrap_count
 from .faults import (
@@ -38,6 +43,7 @@ from .faults import (
 )
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .outer import keep_outer, restore_outer
+from .proving import prove_begin, prove_current, prove_step
 from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .swinging import mechanics_begin, mechanics_step
@@ -105,6 +111,8 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     loop.reference_d = 0
     loop.reference_q = 0
     set_bend(loop, settings)
+    hold_waves(loop, 0)
+    set_waves(loop, settings)
     set_commutation(loop, settings)
     return PHASE_IDLE
 
@@ -131,15 +139,24 @@ def commission_step(
     commission.phase_ticks += 1
     if phase == PHASE_REST:
         _rest(loop, settings, state, io, commission)
-    elif phase < PHASE_FORWARD:
+    elif phase < PHASE_PROVE_CURRENT:
         winding_step(loop, settings, commission)
+    elif phase == PHASE_PROVE_CURRENT:
+        if prove_current(loop, settings, commission):
+            go_on(commission, PHASE_FORWARD)
     elif phase < PHASE_SPIN:
         if turn_step(loop, settings, io, commission):
             _turned(loop, settings, commission)
     elif phase == PHASE_SPIN:
         if spin_step(loop, settings, state, commission):
             mechanics_begin(loop, settings, commission)
-    elif mechanics_step(loop, settings, state, commission):
+    elif phase == PHASE_SWING:
+        if mechanics_step(loop, settings, state, commission):
+            creep_begin(loop, settings, commission)
+    elif phase < PHASE_PROVE_VELOCITY:
+        if creep_step(loop, settings, state, commission):
+            prove_begin(loop, settings, commission)
+    elif prove_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)
     if commission.phase == PHASE_IDLE:
         commission_abort(loop, settings, commission)
@@ -174,6 +191,7 @@ def _rest(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Joi
         commission.kept_kp = loop.kp
         commission.kept_ki = loop.ki
         keep_outer(settings, commission)
+        hold_waves(loop, 0)
         if commission.kind == COMMISSION_FULL:
             state.homed = 0
             fill_bend(loop, 0, 0, 0, 0)
@@ -240,6 +258,7 @@ def _write(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
     settings.bend_sin1 = commission.bend[1]
     settings.bend_cos2 = commission.bend[2]
     settings.bend_sin2 = commission.bend[3]
+    _write_waves(settings, commission)
     settings.commissioned = 1
     if settings.has_joint_encoder:
         same = commission.moved_forward ^ commission.joint_moved_forward
@@ -250,6 +269,21 @@ def _write(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
     if commission.pose_given:
         set_zeros(settings, commission)
     return go_on(commission, PHASE_IDLE)
+
+
+@hot
+def _write_waves(settings: JointSettings, commission: Commission) -> int:
+    """Write the cogging's waves; return how often a turn the first is."""
+    settings.cogging_order_0 = commission.wave_order[0]
+    settings.cogging_current_0 = saturate(commission.wave_current[0], 0, 0x7FFF)
+    settings.cogging_phase_0 = commission.wave_phase[0]
+    settings.cogging_order_1 = commission.wave_order[1]
+    settings.cogging_current_1 = saturate(commission.wave_current[1], 0, 0x7FFF)
+    settings.cogging_phase_1 = commission.wave_phase[1]
+    settings.cogging_order_2 = commission.wave_order[2]
+    settings.cogging_current_2 = saturate(commission.wave_current[2], 0, 0x7FFF)
+    settings.cogging_phase_2 = commission.wave_phase[2]
+    return settings.cogging_order_0
 
 
 @hot

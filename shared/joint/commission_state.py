@@ -3,9 +3,11 @@
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
 from .faults import FAULT_NONE
+from .layout import WAVES
 
 COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
 COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
+COGS = const(512)  # places of the rotor's turn in which the cogging is added up
 
 
 @record
@@ -67,6 +69,12 @@ class Commission:
     dead_sum_q: int = field("vu ticks", "across it, likewise")
     flux: int = field("vu / (8 rate)", "found: JointSettings.bemf, Q16")
     current_change: int = field("cu", "sum of all changes of the current along the motion")
+    # proofs of the loops
+    proved: int = field("", "error over answer of a current's sine, Q12, both axes; then bandwidth found, per cent")
+    repeated: int = field("", "1: the proof under way is the second of its kind")
+    velocity_w: int = field("rad / tick", "found: the velocity loop's bandwidth, the wanted one or less, Q16")
+    run_ticks: int = field("ticks", "since a run's windows began; -1 before that")
+    goal: int = field("rc/256", "of the position loop, about centre, electrical-signed")
     # mechanics
     away: int = field("rc", "from the middle of the swing, electrical-signed")
     swing_level: int = field("", "0: by the current; 1, 2: by the velocity loop; 3: likewise at half of the speed")
@@ -89,6 +97,25 @@ class Commission:
     coulomb: int = field("cu", "found: friction at rest, Q4")
     viscous: int = field("cu / rate", "found: what it grows by, Q16")
     backlash: int = field("rc", "found: rotor encoder against joint encoder, Q4; -1 without a joint encoder")
+    # cogging
+    rate_last: int = field("rate", "in the tick before")
+    creep_rounds: int = field("", "of a quarter of a turn that have been crept")
+    creep_part: int = field("", "0: short rounds; 1: the whole turn; 2 .. 5: without, with waves; fast, slowly")
+    wave: int = field("", "that is checked")
+    useless: int = field("", "waves that left too much of the ripple, bits")
+    useless_fast: int = field("", "likewise when it ran twice as fast, bits")
+    ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")
+    creep_before: int = field("cu", "amplitude of the strongest wave in the round before, Q4")
+    order: int = field("", "how often a turn the wave is that the table is looked at for")
+    order_step: int = field("", "from one to the next")
+    order_last: int = field("", "the last of them")
+    place: int = field("", "of the table that comes next")
+    cosine_sum: int = field("cu rc", "of the table and that wave, times 10 / 256")
+    sine_sum: int = field("cu rc", "likewise")
+    wave_order: Ints = vector(WAVES, "", "found: how often a turn, 0 none")
+    wave_current: Ints = vector(WAVES, "cu", "found: amplitude, Q4")
+    wave_phase: Ints = vector(WAVES, "brad", "found: of the wave at the rotor's reading 0")
+    cogging: Ints = vector(COGS, "cu rc", "current over the rotor's way at each place, times 10")
 
 
 PHASE_IDLE = const(0)
@@ -99,11 +126,17 @@ PHASE_HIGH = const(4)
 PHASE_LOW = const(5)
 PHASE_ALTERNATE_D = const(6)
 PHASE_ALTERNATE_Q = const(7)
-PHASE_FORWARD = const(8)
-PHASE_BACK = const(9)
-PHASE_AGAIN = const(10)
-PHASE_SPIN = const(11)
-PHASE_SWING = const(12)
+PHASE_PROVE_CURRENT = const(8)
+PHASE_FORWARD = const(9)
+PHASE_BACK = const(10)
+PHASE_AGAIN = const(11)
+PHASE_SPIN = const(12)
+PHASE_SWING = const(13)
+PHASE_CREEP = const(14)
+PHASE_ROUND = const(15)
+PHASE_WAVES = const(16)
+PHASE_PROVE_VELOCITY = const(17)
+PHASE_PROVE_POSITION = const(18)
 
 
 @hot

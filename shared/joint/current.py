@@ -32,8 +32,8 @@ _RAD_Q22 = const(402)  # rad per brad
 def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     """Do one current step; ``d`` comes as the rotor count 0 .. 16383, ``q`` not 0 if that reading failed its check.
 
-    Reads raw, reference_d and _q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns STEP_DONE, or
-    what current_repair has to finish.
+    Reads raw, reference_d, _q and cogging_q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns
+    STEP_DONE, or what current_repair has to finish.
 
     Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt
     phase reads -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer
@@ -62,7 +62,7 @@ def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     d = loop.reference_d - d
     loop.integral_d = d * loop.ki + loop.integral_d
     d = ((d * loop.kp + loop.integral_d + 4096) >> 13) + loop.feed_d
-    q = loop.reference_q - q
+    q = loop.reference_q + loop.cogging_q - q
     loop.integral_q = q * loop.ki + loop.integral_q
     q = ((q * loop.kp + loop.integral_q + 4096) >> 13) + loop.feed_q
     loop.voltage_d = d
@@ -159,7 +159,7 @@ def limit_voltage(loop: CurrentLoop) -> int:
             v = 0 - limit
         loop.voltage_d = v
     limit = round_sqrt(loop.limit_square - v * v)
-    error = loop.reference_q - loop.current_q
+    error = loop.reference_q + loop.cogging_q - loop.current_q
     v = loop.voltage_q
     if v > limit or v < 0 - limit:
         if (v ^ error) >= 0:
@@ -185,6 +185,7 @@ def current_reset(loop: CurrentLoop, rotor: int) -> int:
     loop.current_q = 0
     loop.reference_d = 0
     loop.reference_q = 0
+    loop.cogging_q = 0
     loop.feed_d = 0
     loop.feed_q = 0
     return current_relax(loop)

@@ -57,6 +57,12 @@ FAULT_COMMISSION_END_STOP = const(81)  # rc moved until it stood
 FAULT_COMMISSION_MAGNET = const(82)  # rc, amplitude of the eccentricity
 FAULT_COMMISSION_FLUX = const(83)  # back-EMF that no motor has, in the unit of JointSettings.bemf
 FAULT_COMMISSION_INERTIA = const(84)  # inertia, Q12, for which the velocity loop can have no gain
+FAULT_COMMISSION_COGGING = const(85)  # cu: amplitude of a wave, or what could not turn the rotor
+FAULT_COMMISSION_CURRENT_LOOP = const(86)  # per cent: its bandwidth of the wanted one
+FAULT_COMMISSION_VELOCITY_LOOP = const(87)  # likewise
+FAULT_COMMISSION_POSITION_LOOP = const(88)  # likewise
+FAULT_COMMISSION_PLAY = const(89)  # rc between rotor and joint encoder
+FAULT_COMMISSION_LOAD = const(90)  # ms that half of the current limit needs to the speed limit
 
 
 @hot

@@ -12,6 +12,7 @@ from ..runtime import Ints, const
 
 SINE_SIZE = const(1280)
 COSINE_AT = const(256)  # a quarter turn on in the table
+WAVES = const(3)  # of the cogging that are held against
 BENDS = const(33)  # of the rotor encoder's eccentricity, 32 a turn and the first once more
 
 
@@ -24,6 +25,7 @@ class CurrentLoop:
     masked: int = field("", "bits 0 .. 2: phase a, b, c had no time to be sampled")
     reference_d: int = field("cu", "current wanted along the rotor's flux")
     reference_q: int = field("cu", "current wanted across it, positive turns towards growing electrical angle")
+    cogging_q: int = field("cu", "current that holds against the cogging, added to reference_q (cogging.py)")
     feed_d: int = field("vu", "voltage fed forward on d")
     feed_q: int = field("vu", "voltage fed forward on q")
     limit_square: int = field("vu^2", "square of voltage_limit")
@@ -54,7 +56,7 @@ class CurrentLoop:
     offset_q4: Ints = vector(3, "1/16 count", "readings of phases a, b, c at no current")
     tripped: int = field("", "1 after a trip, until the motion tick has taken it")
     rotor_rejected: int = field("rc", "last reading that was rejected but passed its check; -1 none")
-    probing: int = field("", "1: the interrupt adds up what commissioning asks for (winding.py)")
+    probing: int = field("", "1: the interrupt adds up what commissioning asks for (probe.py); 2, 3: a sine on d, q")
     probe_sign: int = field("", "+-1, of the sums")
     probe_steps: int = field("", "current steps added up")
     sum_current_d: int = field("cu", "")
@@ -64,6 +66,15 @@ class CurrentLoop:
     level: int = field("vu", "voltage on d about which it alternates")
     alternate_d: int = field("vu", "voltage on d that changes its sign at every step; 0 none")
     alternate_q: int = field("vu", "likewise on q")
+    sine_at: int = field("brad", "of the sine that is added to the wanted current while commissioning (probe.py)")
+    sine_add: int = field("brad / step", "by which it goes on")
+    sine_current: int = field("cu", "its amplitude")
+    level_current: int = field("cu", "current on d about which it swings")
+    current_most: int = field("cu", "reference_q and cogging_q together stay within it")
+    waves: int = field("", "of the cogging that act; 0 while the joint does not drive")
+    wave_order: Ints = vector(WAVES, "", "of each: how often a turn, 0 none")
+    wave_current: Ints = vector(WAVES, "cu", "of each: amplitude, Q4")
+    wave_phase: Ints = vector(WAVES, "1/1024 wave", "of each: at the rotor's reading 0")
     bend: Ints = vector(BENDS, "rc", "to be added to the rotor encoder's reading at each 1/32 turn (bend.py)")
     sine: Ints = vector(SINE_SIZE, "", "Q15, the sine of each 1/1024 turn, and of a quarter turn more for the cosine")
 
@@ -189,6 +200,15 @@ class JointSettings:
     bend_cos2: int = field("rc", "twice a turn, Q4")
     bend_sin2: int = field("rc", "likewise")
     velocity_w: int = field("rad / tick", "bandwidth of the velocity loop that commissioning sets, Q16")
+    cogging_order_0: int = field("", "first wave of the cogging: how often a turn, 0 none")
+    cogging_current_0: int = field("cu", "its amplitude, Q4")
+    cogging_phase_0: int = field("brad", "of the wave, at the rotor's reading 0")
+    cogging_order_1: int = field("", "likewise the second wave")
+    cogging_current_1: int = field("cu", "likewise")
+    cogging_phase_1: int = field("brad", "likewise")
+    cogging_order_2: int = field("", "likewise the third wave")
+    cogging_current_2: int = field("cu", "likewise")
+    cogging_phase_2: int = field("brad", "likewise")
 
 
 @record

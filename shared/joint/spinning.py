@@ -14,8 +14,9 @@ from .commission_state import PHASE_SPIN, Commission, go_on, refuse
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
 from .layout import CurrentLoop, JointSettings, JointState
+from .probe import probe_begin
 from .sine import TABLE_HALF_STEP
-from .winding import probe_begin, ratio
+from .winding import ratio
 
 _QUARTER = const(4096)  # rc
 _FAR = const(12288)  # rc from the centre

@@ -11,11 +11,12 @@ from ..num.fixed import isqrt, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
 from .commission_state import PHASE_SWING, Commission, go_on, refuse
-from .faults import FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_INERTIA
+from .faults import FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_INERTIA, FAULT_COMMISSION_LOAD
 from .layout import CurrentLoop, JointSettings, JointState
 from .outer import set_outer_gains
+from .probe import probe_begin
 from .spinning import swing, swing_current, swing_rate, turn_round
-from .winding import probe_begin, ratio
+from .winding import ratio
 
 _LEVELS = const(4)  # by the current; by the velocity loop; likewise with a better gain; at half of that speed
 _PERIODS = const(3)
@@ -24,6 +25,7 @@ _WORK_MOST = const(0x3FFFFFF)
 _MOVED_MOST = const(1023)
 _MIDDLE = const(1024)  # rc: the speed in the middle is that on the mean over so much to either side
 _BRAKING = const(4000)  # rc: twice the way in which the velocity loop brings the rotor to rest
+_SLOW_MOST = const(300)  # ticks to the speed limit with half of the current (chosen; the parallel robot's need 110)
 _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
 
 
@@ -64,7 +66,7 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
     if commission.swing_level == 0:
         loop.reference_q = swing_current(settings, state, commission, commission.swing_rate)
     else:
-        _follow(loop, settings, state, commission)
+        follow_rate(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
         refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
     if commission.reason:
@@ -76,7 +78,7 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 
 @hot
-def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Let the velocity loop follow a rate that goes to and fro at an even acceleration; return the current."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
@@ -148,10 +150,21 @@ def _end_level(loop: CurrentLoop, settings: JointSettings, state: JointState, co
         loop.probing = 0
         _find_friction(commission)
         set_outer_gains(settings, commission.inertia, settings.velocity_w)
-        return 1
+        return _check_load(settings, commission)
     _choose_acceleration(settings, commission)
     _begin_level(loop, commission)
     return 0
+
+
+@hot
+def _check_load(settings: JointSettings, commission: Commission) -> int:
+    """Return 1 if half of the current limit brings the rotor to the speed limit soon enough, else 0."""
+    acceleration = (settings.commission_current << 12) // saturate(commission.inertia, 1, 0x3FFFF)
+    ticks = settings.rate_max // saturate(acceleration, 1, 0x3FFFFFF)
+    if ticks > _SLOW_MOST:
+        refuse(commission, FAULT_COMMISSION_LOAD, ticks)
+        return 0
+    return 1
 
 
 @hot

@@ -6,6 +6,7 @@ The fourth, the current step, is current.py. motion_tick may be interrupted by i
 from ..runtime import Ints, hot
 from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
 from .cascade import cascade_reset, cascade_step, damping_current, write_current
+from .cogging import hold_waves
 from .commission import (
     commission_abort,
     commission_needs_bridge,
@@ -91,6 +92,7 @@ def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Jo
     gather_heat(loop, state)
     limit = settings.current_max * state.derate >> 15
     state.current_limit = limit
+    loop.current_most = limit
     return limit
 
 
@@ -114,15 +116,18 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
     """Do what the mode wants: commission, home, follow the set-points or brake; return what feed_voltages does."""
     if state.torque == TORQUE_DRIVE and state.mode == MODE_COMMISSIONING:
         return _commission(loop, settings, state, io, commission)
+    waves = 0
     if state.torque == TORQUE_DRIVE:
         if state.mode == MODE_HOMING:
             _home(settings, state)
+        waves = 1
         cascade_step(settings, state, io)
     elif state.torque == TORQUE_DAMP:
         damping_current(settings, state)
     else:
         state.current_reference = 0
         current_relax(loop)
+    hold_waves(loop, waves)
     write_current(loop, settings, state)
     lead_angle(loop, settings, state)
     return feed_voltages(loop, settings, state)

@@ -24,6 +24,7 @@ from .faults import (
     FAULT_COMMISSION_MAGNET,
     FAULT_COMMISSION_NOT_FREE,
     FAULT_COMMISSION_PHASE_ORDER,
+    FAULT_COMMISSION_PLAY,
     FAULT_COMMISSION_POLE_PAIRS,
     FAULT_NONE,
 )
@@ -32,13 +33,14 @@ from .winding import point
 
 _TURN = const(16384)  # rc
 _ELECTRICAL = const(0xFFFF)  # brad of an electrical turn, less one
-_STEP = const(192)  # brad a tick: 2.9 electrical turns a second
+_STEP = const(256)  # brad a tick: 3.9 electrical turns a second
 _VERIFY_TRAVEL = const(32768)
 _VERIFY_STEP = const(32)
 _PAIRS_MOST = const(40)
 _ERROR_MOST = const(16383)  # brad: a quarter of an electrical turn, beyond which no field holds a rotor
 _LAG_MOST = const(5461)  # brad: 30 degrees, half of the commissioning current's torque
 _APART_MOST = const(8191)  # rc: half a rotor turn
+_PLAY_MOST = const(91)  # a degree of the joint, of gear_q8 and for rc in Q4, times 32
 _BEND_MOST = const(2549)  # rc in Q4: 3.5 degrees
 
 
@@ -195,6 +197,8 @@ def _find_backlash(settings: JointSettings, commission: Commission, mean_q4: int
     commission.backlash = -1
     if settings.has_joint_encoder:
         commission.backlash = saturate((commission.play_back - mean_q4) * commission.direction, 0, _APART_MOST << 3) * 2
+        if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
+            refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
     return commission.backlash
 
 

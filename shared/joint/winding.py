@@ -11,9 +11,9 @@ from .commission_state import (
     COMMISSION_VERIFY,
     PHASE_ALTERNATE_D,
     PHASE_ALTERNATE_Q,
-    PHASE_FORWARD,
     PHASE_HIGH,
     PHASE_LOW,
+    PHASE_PROVE_CURRENT,
     PHASE_SETTLE,
     Commission,
     go_on,
@@ -27,6 +27,7 @@ from .faults import (
     FAULT_COMMISSION_WINDING,
 )
 from .layout import CurrentLoop, JointSettings
+from .probe import probe_begin
 from .sine import TABLE_HALF_STEP
 
 _MOST = const(0x3FFFFFFF)
@@ -83,40 +84,6 @@ def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> in
     series = 6554 + (square * 4681 >> 15)  # 1/5, 1/7
     series = 10923 + (square * series >> 15)  # 1/3
     return ratio(impedance >> 1, 32768 + (square * series >> 15), 15)
-
-
-@hot
-def probe_begin(loop: CurrentLoop, sign: int) -> int:
-    """Add up from the next current step on, currents and voltages times ``sign``; return 0."""
-    loop.probing = 0  # the interrupt may come between any two of these
-    loop.probe_sign = sign
-    loop.probe_steps = 0
-    loop.sum_current_d = 0
-    loop.sum_current_q = 0
-    loop.sum_voltage_d = 0
-    loop.sum_voltage_q = 0
-    loop.probing = 1
-    return 0
-
-
-@hot
-def probe_step(loop: CurrentLoop) -> int:
-    """Add one current step up, in the interrupt; where a voltage alternates, change its sign. Return the next sign.
-
-    Up to 46 000 steps: 23170 of them times as much stay below 2^30.
-    """
-    sign = loop.probe_sign
-    loop.probe_steps += 1
-    loop.sum_current_d += loop.current_d * sign
-    loop.sum_current_q += loop.current_q * sign
-    loop.sum_voltage_d += loop.voltage_d * sign
-    loop.sum_voltage_q += loop.voltage_q * sign
-    if loop.alternate_d | loop.alternate_q:
-        sign = 0 - sign
-        loop.probe_sign = sign
-        loop.feed_d = loop.level + loop.alternate_d * sign
-        loop.feed_q = loop.alternate_q * sign
-    return sign
 
 
 @hot
@@ -296,11 +263,11 @@ def _tune(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
 
 @hot
 def _close_loop(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the current loop hold the current from where the voltage is; return PHASE_FORWARD."""
+    """Let the current loop hold the current from where the voltage is; return the phase that follows."""
     loop.feed_q = 0
     loop.integral_q = 0
     loop.reference_q = 0
     loop.reference_d = settings.commission_current
     loop.integral_d = commission.level << 13
     loop.feed_d = 0
-    return go_on(commission, PHASE_FORWARD)
+    return go_on(commission, PHASE_PROVE_CURRENT)

@@ -3,7 +3,7 @@
 from ..runtime import const
 
 # Of the meaning of every frame and parameter; host and joint refuse each other when it differs.
-PROTOCOL_HASH = const(0xCE12)
+PROTOCOL_HASH = const(0x5AD9)
 
 # Identifier of node 0 or group 0, and length in bytes, of each kind of frame.
 E_STOP_ID = const(0x000)

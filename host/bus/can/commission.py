@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import degrees, hypot
+from math import degrees, hypot, tau
 
 from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY
 from shared.wire import names as w
@@ -14,12 +14,13 @@ from ...util.errors import NOT_ACHIEVED, UserError
 from .joints import CanJoints
 from .params import find_all, read
 
-LONGEST_S = 60.0  # a commissioning ends by itself long before
+LONGEST_S = 90.0  # a commissioning ends by itself before
 LOOK_S = 0.1
 NAMES = (
     "pole_pairs", "direction", "bemf", "current_kp", "current_ki", "resistance", "inductance_d", "inductance_q",
     "friction_lag", "coulomb", "viscous", "backlash", "inertia", "velocity_p",
-    "bend_cos1", "bend_sin1", "bend_cos2", "bend_sin2",
+    "bend_cos1", "bend_sin1", "bend_cos2", "bend_sin2", "velocity_w_found",
+    "cogging_current_0", "cogging_current_1", "cogging_current_2",
 )  # fmt: skip
 
 
@@ -40,6 +41,8 @@ class Found:
     coulomb_Nm: float  # at the rotor
     viscous_Nms_rad: float  # at the rotor
     backlash_deg: float | None  # at the joint; None without a joint encoder
+    cogging_Nm: float  # at the rotor, amplitude of the strongest wave
+    velocity_bandwidth_hz: float  # that the velocity loop was given
     current_kp: int
     current_ki: int
     velocity_p: int
@@ -94,5 +97,7 @@ def found(bus: CanJoints, node: int, bldc: Bldc) -> Found:
         inertia_kg_m2=raw["inertia"] / 256 * Nm * RATE_PER_RAD_S / MOTION_HZ,
         coulomb_Nm=raw["coulomb"] / 16 * Nm, viscous_Nms_rad=raw["viscous"] / 65536 * Nm * RATE_PER_RAD_S,
         backlash_deg=degrees(raw["backlash"] / 16 * units.rad_per_rc) if raw["backlash"] >= 0 else None,
+        cogging_Nm=max(raw[f"cogging_current_{wave}"] for wave in range(3)) / 16 * Nm,
+        velocity_bandwidth_hz=raw["velocity_w_found"] / 65536 * MOTION_HZ / tau,
         current_kp=raw["current_kp"], current_ki=raw["current_ki"], velocity_p=raw["velocity_p"],
     )  # fmt: skip

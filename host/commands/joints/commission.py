@@ -29,8 +29,8 @@ def commission(
 ) -> int:  # fmt: skip
     """Let a joint measure its motor in the leg, set its current loop and keep it. Exit code 1 with the reason if not.
 
-    The rotor goes round once from where it stands: legs in the air, the joint in the middle of its range. With --sim
-    each joint is simulated with its motor.
+    The rotor goes round once and a little more from where it stands: legs in the air, the joint in the middle of its
+    range. With --sim each joint is simulated with its motor.
 
     Examples: caramelo joints commission 5 --sim; caramelo joints commission all --out measured.toml
     """
@@ -128,7 +128,7 @@ def _tell(
         return
     if made:
         head = ("node", "pole pairs", "direction", "R ohm", "Ld mH", "Lq mH", "N m/A", "magnet deg", "lag deg")
-        swung = ("node", "inertia kg m2", "friction N m", "growing N m s", "play deg", "velocity_p")
+        swung = ("node", "inertia kg m2", "friction N m", "growing N m s", "play deg", "cogging N m", "velocity Hz")
         rows = [
             (
                 f.node, f.pole_pairs, f.direction, f"{f.resistance_ohm:.4g}", f"{f.inductance_d_H * 1e3:.4g}",
@@ -141,7 +141,8 @@ def _tell(
         print_table(swung, [
             (
                 f.node, f"{f.inertia_kg_m2:.3g}", f"{f.coulomb_Nm:.3g}", f"{f.viscous_Nms_rad:.2g}",
-                "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}", f.velocity_p,
+                "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}",
+                f"{f.cogging_Nm:.2g}", f"{f.velocity_bandwidth_hz:.3g}",
             )
             for f in made
         ])  # fmt: skip

@@ -10,10 +10,11 @@ from host.robot.joint_gains import JointBlocks, joint_blocks
 from host.robot.joint_units import Board, JointSetup
 from shared.joint import layout as j
 from shared.joint.bend import straightened
+from shared.joint.cogging import cogging_step
 from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step
+from shared.joint.probe import probe_step
 from shared.joint.tick import joint_reset, motion_tick, slow_tick
-from shared.joint.winding import probe_step
 
 SUBSTEPS = 4
 
@@ -101,6 +102,8 @@ class Plant:
         self.acting = [self.loop.duty[k] / self.loop.period for k in range(3)]
         self.read_currents()
         rotor, self.answer = straightened(self.loop, self.answer), self.rotor()
+        if self.loop.waves:
+            cogging_step(self.loop, rotor)
         code = current_step(rotor, 0, self.loop)
         if code:
             code = current_repair(code, rotor, 0, self.loop)

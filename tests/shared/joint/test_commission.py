@@ -15,9 +15,10 @@ from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.layout import CurrentLoop
 from shared.joint.outer import set_outer_gains
+from shared.joint.probe import probe_begin, probe_step
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
-from shared.joint.winding import probe_begin, probe_step, ratio, winding_inductance
+from shared.joint.winding import ratio, winding_inductance
 from shared.record import pack
 from shared.wire import names as w
 
@@ -34,6 +35,15 @@ def begun(p, kind):
     return p
 
 
+def finished(p):
+    """Commission ``p`` to the end, and the tick in which a fault is latched."""
+    begun(p, FULL)
+    while p.commission.phase:
+        p.tick(setpoint=False)
+    p.tick(setpoint=False)
+    return p
+
+
 def commission(kind, arrange=None, pose_rad=None, until=None, **plant):
     p = Plant(**plant)
     if arrange:
@@ -41,7 +51,7 @@ def commission(kind, arrange=None, pose_rad=None, until=None, **plant):
     begun(p, kind)
     if pose_rad is not None:
         p.commission.pose_given, p.commission.pose = 1, round(pose_rad / p.units.rad_per_rc)
-    for tick in range(30000):
+    for tick in range(60000):
         p.tick(setpoint=False)
         over = tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT)
         if over or p.commission.phase == until:
@@ -194,7 +204,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
     assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
 
 
-@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_SWING + 1))
+@pytest.mark.parametrize("phase", range(s.PHASE_REST, s.PHASE_PROVE_POSITION + 1))
 def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = commission(FULL, until=phase)
     assert p.commission.phase == phase
@@ -232,17 +242,95 @@ def test_inertia_and_friction_whatever_pulls(name, pull_Nm):
     assert p.commission.viscous / 65536 * Nm * RATE_PER_RAD_S == pytest.approx(viscous_Nms_rad, rel=0.15, abs=2e-6)
 
 
+class Cogging(Plant):
+    """Two waves of cogging, 4 and 1 % of the torque at the current limit, of 42 and 84 a turn."""
+
+    waves = ((42, 0.04, 0.5), (84, 0.01, 2.0))
+    acts_from = s.PHASE_RAMP
+
+    def move(self, seconds):
+        acts = self.commission.phase >= self.acts_from
+        torque = self.bldc.motor.torque_constant_Nm_A * self.bldc.drive.current_limit_A * acts
+        self.load_Nm = sum(share * torque * math.sin(order * self.angle + at) for order, share, at in self.waves)
+        super().move(seconds)
+
+
+@pytest.mark.parametrize("direction", [1, -1])
+def test_the_waves_of_the_cogging_are_found(direction):
+    """Each within 15 % of the strongest: of the weaker one that is 60 %."""
+    p = finished(Cogging(commissioned=False, direction=direction))
+    assert p.state.fault_code == 0
+    found = {getattr(p.settings, f"cogging_order_{k}"): k for k in range(3)}
+    limit = p.bldc.drive.current_limit_A / p.units.ampere_per_cu
+    for order, share, at in Cogging.waves:
+        current, phase = (getattr(p.settings, f"cogging_{name}_{found[order]}") for name in ("current", "phase"))
+        wanted = share * limit * direction
+        away = math.dist(
+            (current / 16 * math.cos(phase / 65536 * math.tau), current / 16 * math.sin(phase / 65536 * math.tau)),
+            (wanted * math.cos(at), wanted * math.sin(at)),
+        )
+        assert away < 0.15 * Cogging.waves[0][1] * limit
+    assert max(p.loop.wave_order) in (42, 84)  # and it has handed them to the interrupt
+
+
+def later(phase, **change):
+    """Return a plant that changes by these factors when commissioning comes to ``phase``."""
+
+    class Changed(Plant):
+        def tick(self, setpoint=True):
+            super().tick(setpoint)
+            if change and self.commission.phase == phase:
+                for name, factor in change.items():
+                    setattr(self, name, getattr(self, name) * factor)
+                change.clear()
+
+    return Changed(commissioned=False)
+
+
+@pytest.mark.parametrize(
+    ("plant", "code"),
+    [
+        (lambda: later(s.PHASE_PROVE_CURRENT, l=0.6), f.FAULT_COMMISSION_CURRENT_LOOP),
+        (lambda: later(s.PHASE_PROVE_CURRENT, l=1.6), f.FAULT_COMMISSION_CURRENT_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.4), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=3.0), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_POSITION, inertia=100.0), f.FAULT_COMMISSION_POSITION_LOOP),
+    ],
+)
+def test_loops_that_are_not_what_was_found_are_named(plant, code):
+    p = plant()
+    before = pack(p.settings)
+    finished(p)
+    assert p.state.fault_code == code
+    assert pack(p.settings) == before
+
+
+def test_cogging_of_more_than_a_quarter_of_the_current_limit_is_named():
+    class Rough(Cogging):
+        waves = ((14, 0.35, 0.5),)
+        acts_from = s.PHASE_CREEP
+
+    assert finished(Rough(commissioned=False)).state.fault_code == f.FAULT_COMMISSION_COGGING
+
+
+class Loose(Plant):
+    """The joint follows the rotor's edge of a play, as one with friction does."""
+
+    slack, at = math.radians(0.1), 0.3 / 22
+
+    def joint_rad(self):
+        angle = self.angle / self.units.gear
+        self.at = min(angle + self.slack, max(angle - self.slack, self.at))
+        return self.at
+
+
+def test_too_much_play_is_named():
+    p = Loose(commissioned=False)
+    p.slack = math.radians(0.7)
+    assert finished(p).state.fault_code == f.FAULT_COMMISSION_PLAY
+
+
 def test_play_is_what_both_ways_differ_by():
-    class Loose(Plant):
-        """The joint follows the rotor's edge of a play of 0.2 degrees, as one with friction does."""
-
-        slack, at = math.radians(0.1), 0.3 / 22
-
-        def joint_rad(self):
-            angle = self.angle / self.units.gear
-            self.at = min(angle + self.slack, max(angle - self.slack, self.at))
-            return self.at
-
     p = begun(Loose(commissioned=False), FULL)
     while p.commission.phase:
         p.tick(setpoint=False)

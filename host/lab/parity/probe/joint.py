@@ -3,14 +3,18 @@
 from shared.joint import (
     bend,
     cascade,
+    cogging,
     commission,
+    creeping,
     current,
     drive_state,
     encoder,
     feed,
     homing,
     outer,
+    probe,
     protection,
+    proving,
     report,
     sine,
     spinning,
@@ -49,6 +53,8 @@ SOURCES = (
     "joint.commission",
     "joint.commission_state",
     "joint.cascade",
+    "joint.cogging",
+    "joint.creeping",
     "joint.current",
     "joint.drive_state",
     "joint.encoder",
@@ -56,7 +62,9 @@ SOURCES = (
     "joint.homing",
     "joint.swinging",
     "joint.outer",
+    "joint.probe",
     "joint.protection",
+    "joint.proving",
     "joint.report",
     "joint.sine",
     "joint.spinning",
@@ -77,6 +85,7 @@ OFFSET = Range(0, 65520)
 POSITION = Range(-(1 << 28), 1 << 28)
 PURPOSE = Range(0, 8)
 HARMONIC = Range(-4095, 4095)
+TICKS = (0, 250, 318, 509, 510, 510, 250, 250, 255, 9, 9, 9, 3990, 7990, 9990, 9990, 9, 90, 90)  # of each PHASE_*
 TURNS = Range(-(1 << 30) + 2, (1 << 30) - 2)
 
 
@@ -174,7 +183,9 @@ def _in_phases(first, last):
 
 def _probing(values, dice):
     live(values, dice)
-    winding.probe_begin(LOOP, 1)
+    probe.probe_begin(LOOP, 1)
+    if dice.bits(1):
+        probe.sine_begin(LOOP, SETTINGS, probe.SINE_ON_D + dice.bits(1))
     LOOP.alternate_d = dice.bits(10) * dice.bits(1)
     LOOP.alternate_q = dice.bits(10) * dice.bits(1)
     LOOP.level = dice.bits(10)
@@ -182,7 +193,7 @@ def _probing(values, dice):
 
 def skip_ahead(dice):
     """To near the end of any phase."""
-    skip_to(dice, 1 + dice.below(state.PHASE_SWING))
+    skip_to(dice, 1 + dice.below(state.PHASE_PROVE_POSITION))
 
 
 def skip_to(dice, phase):
@@ -191,7 +202,7 @@ def skip_to(dice, phase):
     full = COMMISSION.kind == state.COMMISSION_FULL
     travel = pairs * 65536 if full else 32768
     COMMISSION.phase = phase
-    COMMISSION.phase_ticks = (0, 250, 318, 509, 510, 510, 250, 250, 9, 9, 9, 3990, 7990)[phase]
+    COMMISSION.phase_ticks = TICKS[phase]
     COMMISSION.angle = 1280 if phase == state.PHASE_BACK else travel - 1280
     COMMISSION.travel = (42 * 65536 if full else travel) if phase == state.PHASE_FORWARD else travel
     COMMISSION.moved = COMMISSION.angle // (4 * pairs)
@@ -217,6 +228,8 @@ def skip_to(dice, phase):
     COMMISSION.half_swings = dice.below(9)
     COMMISSION.way = 40000 + dice.bits(15)
     swung(dice)
+    crept(dice)
+    ran(dice)
     for axis in range(3):
         COMMISSION.raw_sum[axis] = 2048 * 248
     probed(dice, phase)
@@ -248,9 +261,52 @@ def swung(dice):
     outer.keep_outer(SETTINGS, COMMISSION)
 
 
+def crept(dice):
+    """What a round of creeping has summed up, and how far its table has been looked at."""
+    COMMISSION.creep_rounds = dice.below(7)
+    COMMISSION.creep_part = dice.below(6)
+    COMMISSION.wave = dice.below(3)
+    COMMISSION.useless = dice.bits(3)
+    COMMISSION.useless_fast = dice.bits(3)
+    COMMISSION.order = 2 + dice.bits(7)
+    COMMISSION.order_step = 1 + dice.bits(4)
+    COMMISSION.order_last = COMMISSION.order + dice.bits(5)
+    COMMISSION.place = dice.below(4) << 7
+    COMMISSION.cosine_sum = dice.bits(24) - (1 << 23)
+    COMMISSION.sine_sum = dice.bits(24) - (1 << 23)
+    for place in range(state.COGS):
+        COMMISSION.cogging[place] = dice.bits(24) - (1 << 23)
+    waved(dice)
+
+
+def waved(dice):
+    """Waves of a cogging, which act or not."""
+    for wave in range(3):
+        cogging.put_wave(LOOP, wave, dice.below(512), dice.bits(15), dice.bits(16))
+        COMMISSION.wave_order[wave] = dice.bits(8)
+        COMMISSION.wave_current[wave] = dice.bits(15)
+        COMMISSION.wave_phase[wave] = dice.bits(16) - 32768
+    LOOP.waves = 3 * dice.bits(1)
+
+
+def ran(dice):
+    """Where a run of the proofs is."""
+    COMMISSION.run_ticks = dice.below(300) - 1
+    COMMISSION.proved = 4096 + dice.bits(11)
+    COMMISSION.repeated = dice.bits(1)
+    COMMISSION.goal = dice.bits(20) - (1 << 19)
+
+
+def _waving(values, dice):
+    live(values, dice)
+    waved(dice)
+
+
 def probed(dice, phase):
     """What the interrupt has added up by then."""
-    winding.probe_begin(LOOP, 1)
+    probe.probe_begin(LOOP, 1)
+    if phase == state.PHASE_PROVE_CURRENT:
+        probe.sine_begin(LOOP, SETTINGS, probe.SINE_ON_D + dice.bits(1))
     steps = 2560
     LOOP.probe_steps = steps
     LOOP.sum_current_d = steps * (200 + dice.bits(9))
@@ -371,23 +427,34 @@ PROBES = (
     _probe(commission, "commission_needs_bridge", COMMISSION),
     _probe(commission, "commission_step", LOOP, SETTINGS, STATE, IO, COMMISSION, fit=_commissioning, vectors=2),
     _probe(commission, "set_zeros", SETTINGS, COMMISSION, fit=_posed),
-    _probe(state, "refuse", COMMISSION, Range(64, 83), Range(-(1 << 23), (1 << 23) - 1)),
-    _probe(state, "go_on", COMMISSION, Range(0, 11)),
+    _probe(state, "refuse", COMMISSION, Range(64, 90), Range(-(1 << 23), (1 << 23) - 1)),
+    _probe(state, "go_on", COMMISSION, Range(0, 18)),
     _probe(winding, "ratio", Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30)),
     _probe(winding, "winding_inductance", Range(1, 1 << 22), Range(1, 1 << 20), Range(0, 1 << 18)),
-    _probe(winding, "probe_begin", LOOP, SIGN),
-    _probe(winding, "probe_step", LOOP, fit=_probing),
+    _probe(probe, "probe_begin", LOOP, SIGN),
+    _probe(probe, "probe_step", LOOP, fit=_probing),
+    _probe(probe, "sine_begin", LOOP, SETTINGS, Range(2, 3)),
     _probe(winding, "point", LOOP, COMMISSION),
     _probe(winding, "winding_step", LOOP, SETTINGS, COMMISSION, fit=_in_phases(2, 7)),
-    _probe(turning, "turn_step", LOOP, SETTINGS, IO, COMMISSION, fit=_in_phases(8, 10)),
-    _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(10, 10)),
-    _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(11, 11)),
-    _probe(spinning, "swing", LOOP, STATE, COMMISSION, fit=_in_phases(11, 12)),
-    _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(11, 12)),
-    _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
-    _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(11, 12)),
-    _probe(swinging, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(11, 12)),
-    _probe(swinging, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
+    _probe(turning, "turn_step", LOOP, SETTINGS, IO, COMMISSION, fit=_in_phases(9, 11)),
+    _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(11, 11)),
+    _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
+    _probe(spinning, "swing", LOOP, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(12, 13)),
+    _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(12, 13)),
+    _probe(swinging, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(swinging, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(13, 13)),
+    _probe(swinging, "follow_rate", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(creeping, "creep_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(13, 13)),
+    _probe(creeping, "creep_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 16)),
+    _probe(proving, "prove_current", LOOP, SETTINGS, COMMISSION, fit=_in_phases(8, 8)),
+    _probe(proving, "prove_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(16, 16)),
+    _probe(proving, "prove_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(17, 18)),
+    _probe(cogging, "cogging_step", LOOP, ROTOR, fit=_waving),
+    _probe(cogging, "set_waves", LOOP, SETTINGS),
+    _probe(cogging, "put_wave", LOOP, Range(0, 2), Range(0, 511), Range(0, 40000), Range(-32768, 65535)),
+    _probe(cogging, "hold_waves", LOOP, Range(0, 1)),
     _probe(outer, "set_outer_gains", SETTINGS, Range(0, 1 << 18), Range(0, 20588)),
     _probe(outer, "keep_outer", SETTINGS, COMMISSION),
     _probe(outer, "restore_outer", SETTINGS, COMMISSION),

@@ -12,6 +12,7 @@ from host.sim.motor.bench import Bench
 from host.sim.motor.model import Load
 from shared.joint.bend import straightened
 from shared.joint.commission_state import COMMISSION_FULL
+from shared.joint.layout import WAVES
 from shared.wire import names as w
 
 PARALLEL = load_robot("parallel").actuator
@@ -121,7 +122,7 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
     pairs = -m.pole_pairs if drawn.load.swapped_phases else m.pole_pairs
     Nm = 1.5 * m.psi_Vs * m.pole_pairs * u.ampere_per_cu
     inertia = m.rotor_kg_m2 + drawn.load.inertia_kg_m2 / m.gear**2
-    wanted_hz = drawn.file.drive.velocity_bandwidth_hz
+    wanted_hz = drawn.file.drive.velocity_bandwidth_hz * c.velocity_w / s.velocity_w  # less where the gear rattles
     dry_Nm = m.coulomb_Nm + drawn.load.friction_Nm / m.gear
     emf_Vs = s.bemf / 65536 / 8 * 256 * 16384 / tau / 1000 * u.volt_per_vu  # V per rad/s of the rotor
     offset = -drawn.offset_rad if drawn.load.swapped_phases else drawn.offset_rad
@@ -142,8 +143,21 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (drawn.real.drive.current_limit_A / u.ampere_per_cu * Nm),
         "velocity_hz": s.velocity_p / 4096 * Nm * RATE_PER_RAD_S / inertia / tau / wanted_hz - 1,
         "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.real.gear.backlash_deg,
+        "cogging_left": cogging_left(drawn, bench),
         "seconds": bench.time_s - STAND_MS / 1000,
     }  # fmt: skip
+
+
+def cogging_left(drawn: Drawn, bench: Bench) -> float:
+    """Return what the waves leave of the cogging's torque, as a share of it: rms over the turn."""
+    settings, m, at = bench.joint.control.settings, bench.motor, [k / 4096 * tau for k in range(4096)]
+    left = [drawn.load.cogging_Nm * sin(drawn.load.cogging_waves * rotor_rad) for rotor_rad in at]
+    Nm = 1.5 * m.psi_Vs * m.pole_pairs * bench.units.ampere_per_cu * settings.direction / 16
+    for wave in range(WAVES):
+        order, current, phase = (getattr(settings, f"cogging_{name}_{wave}") for name in ("order", "current", "phase"))
+        for k, rotor_rad in enumerate(at):
+            left[k] -= current * Nm * sin(order * rotor_rad + phase / 65536 * tau)
+    return sqrt(sum(Nm * Nm for Nm in left) / 4096) / (drawn.load.cogging_Nm / sqrt(2))
 
 
 def straight_rad(drawn: Drawn, bench: Bench, rotor_rad: float) -> float:

@@ -3,6 +3,7 @@
 import json
 import math
 import random
+import statistics
 from dataclasses import replace
 
 import pytest
@@ -10,14 +11,23 @@ import pytest
 from host.cli import main
 from host.robot.file import load_robot
 from host.sim.motor.bench import Bench
-from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY
+from host.sim.motor.model import Load
+from shared.joint.commission_state import (
+    COMMISSION_FULL,
+    COMMISSION_VERIFY,
+    PHASE_CREEP,
+    PHASE_PROVE_CURRENT,
+    PHASE_PROVE_VELOCITY,
+)
+from shared.joint.layout import WAVES
+from shared.wire import names as w
 
 from .drawn import LONGEST_S, PARALLEL, commissioned, draw, errors, replaced
 
 MOST = {
     "pole_pairs": 0, "resistance": 0.05, "inductance_d": 0.05, "inductance_q": 0.05, "flux": 0.03,
     "offset_elec_deg": 3.0, "eccentric_deg": 0.1, "inertia": 0.1, "friction_share": 0.025, "velocity_hz": 0.15,
-    "play_deg": 0.06, "seconds": LONGEST_S,
+    "play_deg": 0.06, "cogging_left": 0.2, "seconds": LONGEST_S,
 }  # fmt: skip
 
 
@@ -71,6 +81,25 @@ def load(**more):
     return lambda b: vars(b.load).update(more)
 
 
+def later(phase, **more):
+    """Return what changes the load from ``phase`` of commissioning on, or the winding's inductance by a factor."""
+
+    def plant(bench):
+        move = bench.motor.advance
+
+        def advance(*step):
+            if more and bench.joint.control.commission.phase >= phase:
+                for name, value in more.items():
+                    setattr(bench.motor if hasattr(bench.motor, name) else bench.load, name, value)
+                bench.motor._decay_key = (0.0, 0.0)
+                more.clear()
+            move(*step)
+
+        bench.motor.advance = advance
+
+    return plant
+
+
 DEFECTS = {
     "phase a open": (load(open_phase=0), "phase 1 of 3"),
     "phase b open": (load(open_phase=1), "phase 2 of 3"),
@@ -89,6 +118,11 @@ DEFECTS = {
     "rotor encoder noisy": (wrong(rotor_noise=4.0), "encoder"),
     "rotor encoder lost": (wrong(rotor_lost=True), "encoder lost"),
     "joint encoder's magnet off": (wrong(joint_stuck=True), "joint encoder"),
+    "play in the gear": (lambda b: (setattr(b.motor, "slack_rad", 0.02), load(friction_Nm=0.2)(b)), "play"),
+    "load too heavy": (load(inertia_kg_m2=0.06), "load"),
+    "cogging too strong": (later(PHASE_CREEP, cogging_Nm=0.04, cogging_waves=14), "cogging"),
+    "winding saturates": (later(PHASE_PROVE_CURRENT, l_H=1.7e-4, lq_H=1.7e-4), "current loop"),
+    "load comes off": (later(PHASE_PROVE_VELOCITY, inertia_kg_m2=0.001), "velocity loop"),
     "joint turning": (lambda b: vars(b.motor).update(rotor_rad_s=8.0, joint_rad_s=8.0 / 22, coulomb_Nm=0.0), "moving"),
 }
 
@@ -133,6 +167,8 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
     assert found["torque_constant_Nm_A"] == pytest.approx(motor.torque_constant_Nm_A, rel=0.03)
     assert found["eccentricity_deg"] == pytest.approx(0.86, abs=0.1)
     assert found["coulomb_Nm"] == pytest.approx(motor.coulomb_Nm, abs=0.002)
+    assert found["velocity_bandwidth_hz"] == pytest.approx(30.0, abs=0.01)
+    assert found["cogging_Nm"] < 0.001  # this motor has none
     assert found["backlash_deg"] is None  # a thigh has no joint encoder
     assert told["failed"] == {}
     assert load_robot(str(out)).actuator.motor.resistance_ohm == pytest.approx(found["resistance_ohm"], rel=1e-3)
@@ -150,3 +186,27 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
 def test_wrong_use_is_told_before_anything_moves(capsys, arguments, sentence):
     assert main(["joints", "commission", *arguments, "--sim"]) == 2
     assert sentence in capsys.readouterr().err
+
+
+def ripple(bench):
+    """Return the rms of the rotor's speed about its mean in 0.8 s of constant speed, rad/s."""
+    speeds = []
+    bench.run(400)
+    for _ in range(800):
+        bench.run(1)
+        speeds.append(bench.motor.rotor_rad_s)
+    return statistics.pstdev(speeds)
+
+
+def test_the_coggings_ripple_at_a_constant_speed_is_cut_by_five():
+    """A cogging of 8 % of the torque at the current limit, passed 15 times a second."""
+    motor, drive = PARALLEL.motor, PARALLEL.drive
+    cogging = Load(cogging_Nm=0.08 * motor.torque_constant_Nm_A * drive.current_limit_A, cogging_waves=42)
+    bench = Bench(PARALLEL, cogging, commissioned=False)
+    assert commissioned(bench) == ""
+    bench.state.homed = 1
+    bench.arm(w.MODE_VELOCITY, 15.0 / 42 * math.tau / PARALLEL.gear.ratio)
+    held = ripple(bench)
+    for wave in range(WAVES):
+        bench.joint.control.loop.wave_current[wave] = 0
+    assert ripple(bench) > 5 * held

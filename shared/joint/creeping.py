@@ -1,0 +1,344 @@
+"""Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
+
+At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
+both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
+first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
+that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
+
+Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them,
+and where that does not show it, as slowly as they were found. A wave that takes at neither speed a quarter of the
+speed's ripple away, so often a turn, is dropped. What the gear's play adds to the ripple no wave takes away: a good one
+may leave more than half.
+"""
+
+from ..num.fixed import atan2_brad, hypot, saturate
+from ..runtime import const, hot
+from .cogging import hold_waves, put_wave
+from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
+from .faults import FAULT_COMMISSION_COGGING
+from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
+from .probe import probe_begin
+from .spinning import swing
+from .swinging import follow_rate
+from .winding import ratio
+
+_HALF_TURN = const(8192)  # rc from the middle
+_SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
+_MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
+_ROUNDS_MOST = const(4)  # until it creeps round the whole turn
+_TICKS_MOST = const(20000)  # of a round
+_SHORT_ROUNDS = const(0)  # Commission.creep_part
+_WHOLE_ROUND = const(1)
+_WITHOUT = const(2)
+_WITH = const(3)
+_WITHOUT_SLOWLY = const(4)
+_WITH_SLOWLY = const(5)
+_LEFT_MOST = const(192)  # of the ripple, in 1/256
+_ORDERS = const(12)  # times the pole pairs: the highest order looked for
+_ORDER_MOST = const(250)  # with 512 places
+_PLACES = const(128)  # of the table in a tick
+_SINE_STEPS = const(1023)  # of the sine table, less one
+_CHANGE_MOST = const(4095)  # rate a tick
+_CURRENT_MOST = const(0x7FFFF)  # cu, times 10
+_MOVED_MOST = const(1023)
+_TABLE_MOST = const(0x1FFFFFFF)
+_STEPS = const(10)  # current steps in a tick
+
+
+@hot
+def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
+    commission.creep_rounds = 0
+    commission.creep_part = _SHORT_ROUNDS
+    commission.swing_rate = settings.velocity_w * 3 // (2 * saturate(commission.pole_pairs, 1, 50)) + 1
+    commission.swing_acceleration = (commission.swing_rate >> 4) + 1
+    for wave in range(WAVES):
+        put_wave(loop, wave, 0, 0, 0)
+    return _round(loop, commission, PHASE_CREEP)
+
+
+@hot
+def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
+    commission.half_swings = 0
+    if commission.away * commission.sign < 0 - _SHORT and phase == PHASE_CREEP:
+        commission.half_swings = 1
+    commission.way = 0
+    for place in range(COGS):
+        commission.cogging[place] = 0
+    probe_begin(loop, 1)
+    return go_on(commission, phase)
+
+
+@hot
+def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
+    phase = commission.phase
+    current = loop.sum_current_q
+    probe_begin(loop, 1)
+    moved = swing(loop, state, commission)
+    change = (state.rate - commission.rate_last) * commission.direction
+    commission.rate_last = state.rate
+    if phase == PHASE_WAVES:
+        _hold(loop, settings, state, commission)
+        return _look_at_table(loop, settings, commission)
+    far = _SHORT
+    if phase == PHASE_ROUND:
+        far = _HALF_TURN
+    if commission.away * commission.sign > far + _MARGIN:
+        commission.sign = 0 - commission.sign
+        commission.half_swings += 1
+    _follow(loop, settings, state, commission, far)
+    if commission.phase_ticks > _TICKS_MOST:
+        refuse(commission, FAULT_COMMISSION_COGGING, loop.reference_q)
+    if commission.reason:
+        return 0
+    if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
+        _add(loop, commission, _ripple_or_current(commission, current, change, moved), moved)
+    if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
+        return _look_again(commission)
+    if commission.half_swings > 2:
+        return _look(loop, commission)
+    return 0
+
+
+@hot
+def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, far: int) -> int:
+    """Creep, faster on the way to where a round begins; return the current."""
+    rate = commission.swing_rate
+    at = commission.away * commission.sign
+    if commission.creep_part >= _WITHOUT and at < 0 - far - _MARGIN:
+        commission.swing_rate += rate >> 1
+    elif commission.half_swings == 0 and at < far - _MARGIN:
+        commission.swing_rate = rate * 3
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = rate
+    return loop.reference_q
+
+
+@hot
+def _ripple_or_current(commission: Commission, current: int, change: int, moved: int) -> int:
+    """Return what is added up: while the waves are checked how much faster than wanted the rotor is, as a rate.
+
+    Else the current that the motion alone takes, times 10: less the acceleration's.
+    """
+    if commission.creep_part >= _WITHOUT:
+        speed = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign << 8
+        return saturate(speed - commission.swing_rate, -_CURRENT_MOST, _CURRENT_MOST)
+    change = saturate(change, -_CHANGE_MOST, _CHANGE_MOST)
+    taken = saturate(commission.inertia, 0, 0x3FFFF) * change >> 12
+    return saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+
+
+@hot
+def _add(loop: CurrentLoop, commission: Commission, value: int, moved: int) -> int:
+    """Add one tick's value over its way to the place where the rotor is; return the way."""
+    way = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign
+    place = loop.rotor >> 5
+    commission.cogging[place] = saturate(commission.cogging[place] + value * way, -_TABLE_MOST, _TABLE_MOST)
+    commission.way += way
+    return way
+
+
+@hot
+def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Let the rotor stand while the table is looked at; return the current."""
+    rate = commission.swing_rate
+    commission.swing_rate = 0
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = rate
+    return loop.reference_q
+
+
+@hot
+def _look(loop: CurrentLoop, commission: Commission) -> int:
+    """Begin to look for waves, of a short round only for multiples of the poles, as the strongest is; return 0."""
+    pairs = saturate(commission.pole_pairs, 1, 50)
+    commission.order_step = pairs + pairs
+    if commission.creep_part == _WHOLE_ROUND:
+        commission.order_step = 1
+    commission.creep_before = loop.wave_current[0]
+    commission.order = pairs + pairs
+    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
+    for wave in range(WAVES):
+        commission.wave_order[wave] = 0
+        commission.wave_current[wave] = 0
+    return _begin_look(commission)
+
+
+@hot
+def _look_again(commission: Commission) -> int:
+    """Begin to look at the speed's ripple, so often a turn as the waves are; return 0."""
+    commission.wave = 0
+    commission.useless = 0
+    commission.order = commission.wave_order[0]
+    return _begin_look(commission)
+
+
+@hot
+def _begin_look(commission: Commission) -> int:
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
+    go_on(commission, PHASE_WAVES)
+    return 0
+
+
+@hot
+def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Multiply a part of the table with a wave; after the last wave go on, or return 1 after the check."""
+    order = commission.order
+    cosine = commission.cosine_sum
+    sine = commission.sine_sum
+    begin = commission.place
+    for place in range(begin, begin + _PLACES):
+        at = (place + place + 1) * order & _SINE_STEPS
+        value = commission.cogging[place] >> 8
+        value = saturate(value, -32767, 32767)
+        cosine += value * loop.sine[at + COSINE_AT] >> 15
+        sine += value * loop.sine[at] >> 15
+    commission.cosine_sum = cosine
+    commission.sine_sum = sine
+    commission.place = begin + _PLACES
+    if commission.place < COGS:
+        return 0
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
+    if commission.creep_part >= _WITHOUT:
+        return _check_wave(loop, commission, cosine, sine)
+    _take_wave(commission, order, cosine, sine)
+    commission.order = order + commission.order_step
+    if commission.order <= commission.order_last:
+        return 0
+    return _next_round(loop, settings, commission)
+
+
+@hot
+def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> int:
+    """Return the amplitude of a wave in the table, in cu, Q4, or in rate when that was added up.
+
+    A place is as wide as 1/512 turn: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    """
+    current = ratio(hypot(cosine, sine), saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
+    current = saturate(current, 0, 0x7FFF)
+    return current + (current * (order * order * 105 >> 12) >> 12)
+
+
+@hot
+def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: int) -> int:
+    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
+    wave = commission.wave
+    ripple = _amplitude(commission, commission.order, cosine, sine)
+    if commission.creep_part == _WITHOUT or commission.creep_part == _WITHOUT_SLOWLY:
+        commission.ripple[wave] = ripple
+    elif commission.order and (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > _LEFT_MOST:
+        commission.useless |= 1 << wave
+    if wave < WAVES - 1:
+        commission.wave = wave + 1
+        commission.order = commission.wave_order[wave + 1]
+        return 0
+    return _next_check(loop, commission)
+
+
+@hot
+def _next_check(loop: CurrentLoop, commission: Commission) -> int:
+    """Go on with the waves, or slowly and without them if one was of no use; return 1 if the check is over, else 0."""
+    part = commission.creep_part
+    if part == _WITH_SLOWLY:
+        _drop_useless(loop, commission)
+        return 1
+    if part == _WITH and commission.useless == 0:
+        return 1
+    hold_waves(loop, 1)
+    if part == _WITH:
+        hold_waves(loop, 0)
+        commission.useless_fast = commission.useless
+        commission.swing_rate = commission.swing_rate >> 1
+        commission.swing_acceleration = commission.swing_acceleration >> 1
+    commission.creep_part = part + 1
+    _round(loop, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _drop_useless(loop: CurrentLoop, commission: Commission) -> int:
+    """Drop the waves that were of no use at either speed; return which, bits."""
+    useless = commission.useless & commission.useless_fast
+    for wave in range(WAVES):
+        if useless >> wave & 1:
+            _drop(loop, commission, wave)
+    return useless
+
+
+@hot
+def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
+    commission.wave_order[wave] = 0
+    commission.wave_current[wave] = 0
+    return _act(loop, commission, wave, wave)
+
+
+@hot
+def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
+    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4."""
+    current = _amplitude(commission, order, cosine, sine)
+    weakest = 0
+    for wave in range(WAVES):
+        if commission.wave_current[wave] < commission.wave_current[weakest]:
+            weakest = wave
+    if current > commission.wave_current[weakest]:
+        commission.wave_order[weakest] = order
+        commission.wave_current[weakest] = current
+        commission.wave_phase[weakest] = atan2_brad(cosine, sine)
+    return current
+
+
+@hot
+def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Let the strongest wave act on the next round, or all of them after the last; return 0.
+
+    A wave of more than a quarter of the current limit is refused.
+    """
+    strongest = 0
+    for wave in range(WAVES):
+        put_wave(loop, wave, 0, 0, 0)
+        if commission.wave_current[wave] > commission.wave_current[strongest]:
+            strongest = wave
+    current = commission.wave_current[strongest] >> 4
+    if current > settings.commission_current >> 1:
+        refuse(commission, FAULT_COMMISSION_COGGING, current)
+        return 0
+    if commission.creep_part == _WHOLE_ROUND:
+        return _begin_check(loop, commission, commission.wave_current[strongest] >> 3)
+    _act(loop, commission, 0, strongest)
+    hold_waves(loop, 1)
+    commission.creep_rounds += 1
+    change = loop.wave_current[0] - commission.creep_before
+    little = loop.wave_current[0] >> 3
+    if commission.creep_rounds < _ROUNDS_MOST and (change > little or change < 0 - little):
+        _round(loop, commission, PHASE_CREEP)
+    else:
+        commission.creep_part = _WHOLE_ROUND
+        _round(loop, commission, PHASE_ROUND)
+    return 0
+
+
+@hot
+def _begin_check(loop: CurrentLoop, commission: Commission, least: int) -> int:
+    """Make all waves of at least that amplitude ready, but creep without them, twice as fast; return 0."""
+    for wave in range(WAVES):
+        if commission.wave_current[wave] < least:
+            _drop(loop, commission, wave)
+        _act(loop, commission, wave, wave)
+    hold_waves(loop, 0)
+    commission.creep_part = _WITHOUT
+    commission.swing_rate = commission.swing_rate << 1
+    commission.swing_acceleration = commission.swing_acceleration << 1
+    _round(loop, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _act(loop: CurrentLoop, commission: Commission, place: int, wave: int) -> int:
+    return put_wave(
+        loop, place, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave]
+    )

@@ -1,0 +1,272 @@
+"""Commissioning's proofs: does each loop have the bandwidth that it was given?
+
+Current: a small sine at the wanted bandwidth, added up in the interrupt. At its bandwidth a loop's answer is as large
+as what it still misses, whatever comes late: |L| = 1. Of d and q the mean is taken, because both have the gain of the
+mean inductance. Velocity: the rotor runs, and steps of its speed up and down again take the momentum of the inertia
+that turns: the bandwidth is kp / J. Friction and a load that pulls have no share in it. Position: steps ahead and back
+on the run; p times the area of the error in three time constants is 0.87 of the step, as a model of the loops in each
+other has it.
+"""
+
+from ..num.fixed import hypot, saturate
+from ..runtime import const, hot
+from .cascade import velocity_loop, write_current
+from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, Commission, go_on, refuse
+from .faults import (
+    FAULT_COMMISSION_CURRENT_LOOP,
+    FAULT_COMMISSION_POSITION_LOOP,
+    FAULT_COMMISSION_VELOCITY_LOOP,
+)
+from .layout import CurrentLoop, JointSettings, JointState
+from .outer import set_outer_gains
+from .probe import SINE_ON_D, SINE_ON_Q, probe_begin, sine_begin
+from .spinning import swing, swing_rate, turn_round
+from .swinging import follow_rate
+from .winding import ratio
+
+_SINE_TICKS = const(256)
+_LEAST = const(85)  # per cent of the wanted bandwidth
+_MOST = const(115)
+_LEAST_OUTER = const(50)  # of velocity and position; of good motors with play in the gear 57 .. 186 were found
+_MOST_OUTER = const(200)
+_LOWER_VELOCITY = const(75)  # below, a quarter less bandwidth is tried
+_SHARE_MOST = const(999)  # per cent
+_WINDOW = const(786432)  # of a velocity step: 12 / w, for w in rad / tick, Q16
+_WINDOW_MOST = const(500)  # ticks
+_RUN = const(224694)  # rc/256: what a run's slower speed times a window is, so that seven are 3/8 turn
+_RUNS = const(4)  # of the velocity loop, to and fro
+_RUNS_POSITION = const(2)
+_TICKS_MOST = const(16000)  # of the runs with one bandwidth
+_STEPS = const(10)  # current steps in a tick
+_CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
+_AREA = const(87)  # per cent of a step over p: 87 with 3.75 times the bandwidth within, 85 with 2.5 times, 90 with 6
+_ERROR_MOST = const(8191)  # rc
+_IMPULSE_MOST = const(0x1FFFFFFF)
+
+
+@hot
+def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Do one tick; return 1 when both axes of the current loop are done and have their bandwidth."""
+    if loop.probing < SINE_ON_D:
+        loop.level_current = settings.commission_current
+        commission.proved = 0
+        sine_begin(loop, settings, SINE_ON_D)
+    if commission.phase_ticks < _SINE_TICKS:
+        return 0
+    commission.phase_ticks = 0
+    probing = loop.probing
+    loop.probing = 0
+    loop.reference_d = settings.commission_current
+    loop.reference_q = 0
+    missed = hypot(loop.sum_voltage_d, loop.sum_voltage_q)
+    commission.proved += saturate(ratio(missed, hypot(loop.sum_current_d, loop.sum_current_q), 12), 1, 0xFFFF)
+    if probing == SINE_ON_D:
+        sine_begin(loop, settings, SINE_ON_Q)
+        return 0
+    share = saturate(819200 // commission.proved, 0, _SHARE_MOST)
+    if share < _LEAST or share > _MOST:
+        refuse(commission, FAULT_COMMISSION_CURRENT_LOOP, share)
+        return 0
+    return 1
+
+
+@hot
+def prove_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Begin to run to and fro with steps of the speed; return PHASE_PROVE_VELOCITY."""
+    commission.velocity_w = settings.velocity_w
+    commission.repeated = 0
+    return _begin_velocity(settings, commission)
+
+
+@hot
+def _begin_velocity(settings: JointSettings, commission: Commission) -> int:
+    """Run with the gains of commission.velocity_w; the second time twice as fast, over strong cogging."""
+    set_outer_gains(settings, commission.inertia, commission.velocity_w)
+    window = saturate(_WINDOW // saturate(commission.velocity_w, 1, 20588), 8, _WINDOW_MOST) >> commission.repeated
+    commission.window = window
+    commission.swing_rate = saturate(_RUN // window, 1, swing_rate(settings, commission) >> 1)
+    return _begin_runs(commission, PHASE_PROVE_VELOCITY)
+
+
+@hot
+def _begin_runs(commission: Commission, phase: int) -> int:
+    commission.swing_acceleration = (commission.swing_rate >> 5) + 1
+    commission.half_swings = 0
+    commission.run_ticks = -1
+    commission.impulse = 0
+    commission.way = 0
+    return go_on(commission, phase)
+
+
+@hot
+def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Do one tick; return 1 when velocity and position loop have their bandwidths."""
+    current = loop.sum_current_q // _STEPS - loop.cogging_q
+    probe_begin(loop, 1)
+    moved = swing(loop, state, commission)
+    sign = commission.sign
+    if turn_round(commission) != sign:
+        commission.run_ticks = -1
+    if commission.phase_ticks > _TICKS_MOST:
+        refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, 0)
+    if commission.reason:
+        return 0
+    if commission.phase == PHASE_PROVE_VELOCITY:
+        return _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+    return _run_position(loop, settings, state, commission)
+
+
+@hot
+def _run_velocity(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, current: int, moved: int
+) -> int:
+    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count. Return 0."""
+    slow = commission.swing_rate
+    ticks = commission.run_ticks
+    window = commission.window
+    most = commission.swing_acceleration
+    if ticks >= 0 or (commission.away * commission.sign + (slow * window * 7 >> 9) > 0 and commission.half_swings > 0):
+        commission.run_ticks = ticks + 1
+        _weigh(commission, ticks + 1, current, moved)
+        if ticks >= window and ticks < 3 * window:
+            commission.swing_rate = slow << 1
+        if ticks >= window:
+            commission.swing_acceleration = 0x3FFFF
+    follow_rate(loop, settings, state, commission)
+    commission.swing_rate = slow
+    commission.swing_acceleration = most
+    if commission.half_swings > _RUNS:
+        return _end_velocity(loop, settings, commission)
+    return 0
+
+
+@hot
+def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
+    """Add a tick up; return the current's weight, 32 and less.
+
+    The mean speed of a window changes by what acts in it, growing from none to all, and from all to none in the next.
+    Two changes, up less down: what is the same both ways (friction, a load) or grows with the speed has no weight.
+    """
+    window = saturate(commission.window, 1, _WINDOW_MOST)
+    part = ticks // window
+    weight = (ticks - part * window << 5) // window
+    if part == 0:
+        commission.way -= moved
+    elif part == 1:
+        weight = 32
+    elif part == 2:
+        commission.way += moved + moved
+        weight = 32 - weight - weight
+    elif part == 3:
+        weight = -32
+    elif part == 4:
+        commission.way -= moved
+        weight -= 32
+    else:
+        weight = 0
+    commission.impulse = saturate(commission.impulse + current * weight, -_IMPULSE_MOST, _IMPULSE_MOST)
+    return weight
+
+
+@hot
+def _end_velocity(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0.
+
+    What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
+    quarter less bandwidth is tried, twice.
+    """
+    inertia = ratio(commission.impulse, saturate(commission.way, 1, 0x3FFFFFF), 4)
+    inertia = inertia * commission.window >> 5  # Q12: 4096 / (32 256), of it 16
+    share = saturate(commission.inertia * 100 // saturate(inertia, 1, 0x3FFFF), 0, _SHARE_MOST)
+    commission.proved = share
+    if _try_again(settings, commission, share):
+        _begin_velocity(settings, commission)
+    elif share < _LEAST_OUTER or share > _MOST_OUTER:
+        refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
+    else:
+        commission.repeated = 0
+        _begin_position(settings, commission)
+    return 0
+
+
+@hot
+def _try_again(settings: JointSettings, commission: Commission, share: int) -> int:
+    """Return 1 if a share is poor and to be measured again: faster, then with a quarter less bandwidth, twice."""
+    if share >= _LOWER_VELOCITY and share <= _MOST_OUTER:
+        return 0
+    if commission.repeated == 0:
+        commission.repeated = 1
+        return 1
+    if share > _MOST_OUTER or commission.velocity_w <= settings.velocity_w * 5 >> 3:
+        return 0
+    commission.velocity_w -= settings.velocity_w >> 2
+    return 1
+
+
+@hot
+def _begin_position(settings: JointSettings, commission: Commission) -> int:
+    commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
+    return _begin_runs(commission, PHASE_PROVE_POSITION)
+
+
+@hot
+def _run_position(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """One tick of a run: the position loop takes over, and after a window its goal jumps; return 1 after the last."""
+    slow = commission.swing_rate
+    window = commission.window
+    ticks = commission.run_ticks
+    if ticks < 0 and (commission.half_swings < 1 or commission.away * commission.sign + (slow * window >> 8) < 0):
+        commission.goal = commission.away << 8
+        follow_rate(loop, settings, state, commission)
+        return 0
+    commission.run_ticks = ticks + 1
+    commission.goal += slow * commission.sign
+    jump = (slow >> 1) * 64 // saturate(settings.position_p, 1, 4095)
+    if commission.half_swings & 2:
+        jump = -jump
+    if ticks == window:
+        commission.goal += (jump * commission.sign) << 8
+        commission.way += saturate(jump, 0, _ERROR_MOST) + saturate(-jump, 0, _ERROR_MOST)
+    return _hold_position(loop, settings, state, commission, jump)
+
+
+@hot
+def _hold_position(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, jump: int
+) -> int:
+    """The position loop, and the sum of its error after the jump; return 1 after the last run."""
+    error = saturate((commission.goal >> 8) - commission.away, -_ERROR_MOST, _ERROR_MOST)
+    ticks = commission.run_ticks
+    window = commission.window
+    along = error * commission.sign
+    if jump < 0:
+        along = -along
+    if ticks <= window and ticks > window >> 1:
+        commission.impulse -= along + along
+    elif ticks > window + 1 and ticks <= window + window + 1:
+        commission.impulse += along
+    rate = commission.swing_rate * commission.sign + (error * settings.position_p >> 6)
+    state.rate_reference = rate * commission.direction * settings.joint_sign
+    commission.swing_reference = rate
+    velocity_loop(settings, state, 0)
+    write_current(loop, settings, state)
+    if commission.half_swings > _RUNS_POSITION:
+        return _end_position(settings, commission)
+    return 0
+
+
+@hot
+def _end_position(settings: JointSettings, commission: Commission) -> int:
+    """Find the bandwidth in per cent of the wanted one; return 1, or 0 if it is not reached."""
+    area = saturate(commission.impulse, 1, 0x3FFFFF) * (settings.position_p >> 3) >> 11
+    share = saturate(commission.way * _AREA // saturate(area, 1, 0x3FFFFF), 0, _SHARE_MOST)
+    commission.proved = share
+    if share >= _LEAST_OUTER and share <= _MOST_OUTER:
+        return 1
+    if commission.repeated:
+        refuse(commission, FAULT_COMMISSION_POSITION_LOOP, share)
+        return 0
+    commission.repeated = 1
+    commission.swing_rate = saturate(commission.swing_rate << 1, 1, swing_rate(settings, commission) >> 1)
+    _begin_position(settings, commission)
+    return 0
