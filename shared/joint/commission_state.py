@@ -103,7 +103,6 @@ class Commission:
     creep_part: int = field("", "0: short rounds; 1: the whole turn; 2 .. 5: without, with waves; fast, slowly")
     wave: int = field("", "that is checked")
     useless: int = field("", "waves that left too much of the ripple, bits")
-    useless_fast: int = field("", "likewise when it ran twice as fast, bits")
     ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")
     creep_before: int = field("cu", "amplitude of the strongest wave in the round before, Q4")
     order: int = field("", "how often a turn the wave is that the table is looked at for")

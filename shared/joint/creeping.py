@@ -6,9 +6,9 @@ first creeps three sixteenths of a turn to and fro, and the strongest wave of wh
 that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
 
 Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them,
-and where that does not show it, as slowly as they were found. A wave that takes at neither speed a quarter of the
-speed's ripple away, so often a turn, is dropped. What the gear's play adds to the ripple no wave takes away: a good one
-may leave more than half.
+each to take a quarter of the speed's ripple away, so often a turn. If one does not, all are looked at as slowly as they
+were found, and what does not take half of it away there is dropped. What the gear's play adds to the ripple no wave
+takes away: a good one may leave more than half.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -34,6 +34,7 @@ _WITH = const(3)
 _WITHOUT_SLOWLY = const(4)
 _WITH_SLOWLY = const(5)
 _LEFT_MOST = const(192)  # of the ripple, in 1/256
+_LEFT_SLOWLY = const(128)  # the same when it creeps slowly
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
 _PLACES = const(128)  # of the table in a tick
@@ -229,9 +230,12 @@ def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: in
     """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
     wave = commission.wave
     ripple = _amplitude(commission, commission.order, cosine, sine)
+    most = _LEFT_MOST
+    if commission.creep_part == _WITH_SLOWLY:
+        most = _LEFT_SLOWLY
     if commission.creep_part == _WITHOUT or commission.creep_part == _WITHOUT_SLOWLY:
         commission.ripple[wave] = ripple
-    elif commission.order and (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > _LEFT_MOST:
+    elif commission.order and (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > most:
         commission.useless |= 1 << wave
     if wave < WAVES - 1:
         commission.wave = wave + 1
@@ -252,7 +256,6 @@ def _next_check(loop: CurrentLoop, commission: Commission) -> int:
     hold_waves(loop, 1)
     if part == _WITH:
         hold_waves(loop, 0)
-        commission.useless_fast = commission.useless
         commission.swing_rate = commission.swing_rate >> 1
         commission.swing_acceleration = commission.swing_acceleration >> 1
     commission.creep_part = part + 1
@@ -262,12 +265,11 @@ def _next_check(loop: CurrentLoop, commission: Commission) -> int:
 
 @hot
 def _drop_useless(loop: CurrentLoop, commission: Commission) -> int:
-    """Drop the waves that were of no use at either speed; return which, bits."""
-    useless = commission.useless & commission.useless_fast
+    """Drop the waves that were of no use; return which, bits."""
     for wave in range(WAVES):
-        if useless >> wave & 1:
+        if commission.useless >> wave & 1:
             _drop(loop, commission, wave)
-    return useless
+    return commission.useless
 
 
 @hot

@@ -267,7 +267,6 @@ def crept(dice):
     COMMISSION.creep_part = dice.below(6)
     COMMISSION.wave = dice.below(3)
     COMMISSION.useless = dice.bits(3)
-    COMMISSION.useless_fast = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
     COMMISSION.order_step = 1 + dice.bits(4)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
