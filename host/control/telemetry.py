@@ -4,6 +4,7 @@ from dataclasses import astuple, dataclass, field
 from math import inf, isfinite
 from typing import Any
 
+from ..imu.attitude import Attitude
 from ..robot.gait_advice import gait_advice
 from ..robot.model import Robot
 from ..util.version import versions
@@ -40,6 +41,10 @@ class Extra:
     ground: str = ""  # of a simulation in space
     place: Place | None = None  # on it
     web_counts: dict[str, int] = field(default_factory=dict)
+
+    def look_at(self, attitude: Attitude) -> None:
+        """Take in why the attitude is not known, and how many readings were missed."""
+        self.attitude_note, self.readings_missed = attitude.fault or attitude.note, attitude.missed
 
 
 def rounded(values: Any, digits: int) -> list[float | None]:

@@ -106,8 +106,8 @@ class Run:
 
     def findings(self) -> tuple[Finding, ...]:
         """Return the verdict on each part, of all that has been since it was opened."""
-        attitude = self.place.hardware.attitude
-        extra = Extra(attitude_note=attitude.fault or attitude.note, readings_missed=attitude.missed)
+        extra = Extra()
+        extra.look_at(self.place.hardware.attitude)
         last = self._ticks.do(lambda: status(self.loop, extra))
         return tuple(findings(about(self.robot, self.place.hardware), self._first, last))
 

@@ -250,9 +250,8 @@ class Session:
             self.extra.web_counts = self._web.counts.refusals
         if self._foxglove is not None:
             self.extra.foxglove = self._foxglove.note
-        sensor = self._attitude
-        if sensor is not None:
-            self.extra.attitude_note, self.extra.readings_missed = sensor.fault or sensor.note, sensor.missed
+        if self._attitude is not None:
+            self.extra.look_at(self._attitude)
         self.extra.place = None if self._stage is None else self._stage.place()
         news = status(loop, self.extra)
         hub.tell(news)
