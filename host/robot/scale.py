@@ -28,6 +28,8 @@ YAW18 = 1 << 18
 LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
 
+# Readings of a sensor at rest differ by less: ten times an MPU6050's noise (product specification 3.4, 6.1 and 6.2)
+REST_DEG_S, REST_G = 0.5, 0.027
 FALLEN_S = 0.1  # tilted for so long is fallen
 EVENED_S = 0.2  # over which the odometry's speeds and the weight felt are evened (chosen)
 FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
@@ -240,6 +242,10 @@ def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
     block.gyro_q30 = round(pi / 180 / imu.gyro_counts_per_deg_s / rate * Q30)
     block.one_g = imu.accel_counts_per_g
     block.trust_q15 = min(LARGEST_GAIN, max(1, round(Q15 / (imu.trust_time_s * rate))))
+    # Critically damped: bias' = -missed / (4 trust_time^2), a tick, in counts Q16 of rad Q14.
+    learn = degrees(imu.gyro_counts_per_deg_s) / (4 * imu.trust_time_s**2 * rate)
+    block.learn_q12 = min(0x3FFFF, round(learn * 4 * Q12))
+    block.rest[:] = [ceil(REST_DEG_S * imu.gyro_counts_per_deg_s), ceil(REST_G * imu.accel_counts_per_g)]
     block.tolerance = round(imu.tolerance_g * imu.accel_counts_per_g)
     block.align_ticks = min(1024, max(1, round(imu.align_time_s * rate)))
     attitude_reset(block)

@@ -1,8 +1,11 @@
 """Roll and pitch from raw gyroscope and accelerometer counts (MPU6050 registers, int16).
 
 A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer
-pulls it back slowly, and only while it reads close to 1 g. No angle is integrated, so nothing
-wraps and no pose is singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
+pulls it back, slowly and only while it reads close to 1 g: as fast as a walking body sways and
+lands, it would tell a slope that is not there. What it goes on pulling back is the gyro's bias,
+which changes as the chip warms. At rest the accelerometer tells gravity alone and the gyro its
+bias alone, and both are believed soon. No angle is integrated, so nothing wraps and no pose is
+singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
 as shared/body/pose.py commands it.
 
 MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
@@ -21,13 +24,17 @@ class Attitude:
     gyro_q30: int = field("rad / (count tick) Q30", "the gyroscope's scale (1/131 deg/s at 50 Hz: 2862)")
     one_g: int = field("counts", "the accelerometer at 1 g, 2048 .. 16384")
     trust_q15: int = field("Q15", "share of the accelerometer's correction a tick")
+    learn_q12: int = field("counts Q16 / rad Q14 Q12", "change of the gyroscope's bias a tick for what it corrects")
     tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not believed")
     align_ticks: int = field("ticks", "at rest, that start-up averages, 1 .. 1024")
-    bias: Ints = vector(3, "counts Q6", "the gyroscope's bias")
+    bias: Ints = vector(3, "counts Q16", "the gyroscope's bias, within 2^29")
     gravity: Ints = vector(3, "Q22", "direction of 'up' in the body")
     gathered: int = field("ticks", "of start-up gathered so far")
     sum: Ints = vector(3, "counts", "the accelerometer's sum of start-up")
     gyro_sum: Ints = vector(3, "counts", "the gyroscope's sum of start-up")
+    rest: Ints = vector(2, "counts", "by which readings of gyroscope and accelerometer differ at rest, at most")
+    steady: Ints = vector(6, "counts", "the reading since which it rests")
+    still: int = field("ticks", "in a row that it rested, up to align_ticks")
     rejected: int = field("ticks", "in a row in which the accelerometer was not believed")
     roll: int = field("brad", "the result")
     pitch: int = field("brad", "the result")
@@ -41,6 +48,10 @@ MOVED_WHILE_ALIGNING = const(4)
 
 _ONE_Q22 = const(0x400000)
 _STILL_COUNTS = const(1310)  # 10 deg/s at 131 counts: more means the robot is being moved (assumed)
+_AT_REST = const(3)  # at rest sensors are believed 2^3 times as fast (chosen: in 0.6 s where trust_time is 5 s)
+_MISSED_MAX = const(1024)  # rad Q14, 3.6 deg: what is missed beyond it a knock or a fall did, not a bias
+_OFF_MAX_Q6 = const(16383)  # 256 counts: of a bias that is more wrong a part is taken at a time
+_BIAS_MAX = const(0x1FFFFFFF)  # counts Q16: 62 deg/s; an MPU6050 has up to 20 (specification 3.4, 6.1)
 
 
 @hot
@@ -55,6 +66,7 @@ def attitude_reset(attitude: Attitude) -> int:
         attitude.turned[axis] = 0
     attitude.gravity[2] = _ONE_Q22
     attitude.rejected = 0
+    attitude.still = 0
     attitude.roll = 0
     attitude.pitch = 0
     return 0
@@ -81,9 +93,10 @@ def attitude_step(attitude: Attitude, gyro_accel: Ints) -> int:
 @hot
 def align(attitude: Attitude, gyro_accel: Ints) -> int:
     """Add one reading at rest to the start-up averages; the last one sets attitude and bias."""
+    rested = rests(attitude, gyro_accel)
     for axis in range(3):
         rate = gyro_accel[axis]
-        if rate > _STILL_COUNTS or rate < -_STILL_COUNTS:
+        if rate > _STILL_COUNTS or rate < -_STILL_COUNTS or rested < attitude.gathered:
             attitude_reset(attitude)
             return ALIGNING | MOVED_WHILE_ALIGNING
         attitude.gyro_sum[axis] += rate
@@ -92,7 +105,7 @@ def align(attitude: Attitude, gyro_accel: Ints) -> int:
     if attitude.gathered < attitude.align_ticks:
         return ALIGNING
     for axis in range(3):
-        attitude.bias[axis] = (attitude.gyro_sum[axis] << 6) // attitude.gathered
+        attitude.bias[axis] = (attitude.gyro_sum[axis] << 8) // attitude.gathered << 8
         attitude.sum[axis] = attitude.sum[axis] // attitude.gathered
     size = size_of(attitude.sum[0], attitude.sum[1], attitude.sum[2])
     if not believed(attitude, size):
@@ -127,7 +140,7 @@ def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
     accelerometer brings it back. What is smaller than a unit is kept for the next tick: at 500 Hz a
     unit is 0.11 deg/s. Intermediates: 8192 * 131071 + 511 < 2^30.
     """
-    fine = saturate((counts << 6) - attitude.bias[axis], -0x3FFFFF, 0x3FFFFF)
+    fine = saturate((counts << 6) - (attitude.bias[axis] >> 10), -0x3FFFFF, 0x3FFFFF)
     gain = saturate(attitude.gyro_q30, 0, 0x1FFFF)
     turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + attitude.rest_q27[axis]
     attitude.rest_q27[axis] = turned_q27 & 511
@@ -173,15 +186,79 @@ def pull(attitude: Attitude, gyro_accel: Ints) -> int:
     size = size_of(gyro_accel[3], gyro_accel[4], gyro_accel[5])
     if not believed(attitude, size):
         attitude.rejected = saturate(attitude.rejected + 1, 0, 0xFFFF)
+        attitude.still = 0
         normalise(attitude)
         return ACCEL_REJECTED
     attitude.rejected = 0
-    trust = attitude.trust_q15
-    for axis in range(3):
-        wanted = (gyro_accel[axis + 3] << 14) // size << 8
-        attitude.gravity[axis] += ((wanted - attitude.gravity[axis]) >> 8) * trust >> 7
+    x = (gyro_accel[3] << 14) // size
+    y = (gyro_accel[4] << 14) // size
+    z = (gyro_accel[5] << 14) // size
+    trust_q15 = attitude.trust_q15
+    if rests(attitude, gyro_accel) == attitude.align_ticks:
+        trust_q15 = saturate(trust_q15 << _AT_REST, 0, 32767)
+        for axis in range(3):
+            off_q6 = saturate((gyro_accel[axis] << 6) - (attitude.bias[axis] >> 10), -_OFF_MAX_Q6, _OFF_MAX_Q6)
+            set_bias(attitude, axis, attitude.bias[axis] + (off_q6 * trust_q15 >> 5))
+    else:
+        learn_bias(attitude, x, y, z)
+    pull_axis(attitude, 0, x, trust_q15)
+    pull_axis(attitude, 1, y, trust_q15)
+    pull_axis(attitude, 2, z, trust_q15)
     normalise(attitude)
     return 0
+
+
+@hot
+def rests(attitude: Attitude, gyro_accel: Ints) -> int:
+    """Count the ticks in which the readings stay as they are, up to align_ticks; return them."""
+    attitude.still = saturate(attitude.still + 1, 0, attitude.align_ticks)
+    for at in range(6):
+        change = gyro_accel[at] - attitude.steady[at]
+        most = attitude.rest[at // 3]
+        if change > most or change < -most:
+            attitude.still = 0
+    if attitude.still == 0:
+        for at in range(6):
+            attitude.steady[at] = gyro_accel[at]
+    return attitude.still
+
+
+@hot
+def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> int:
+    """Pull one component of the gravity vector by a share towards the accelerometer's; return it, Q22."""
+    off_q14 = seen_q14 - (attitude.gravity[axis] >> 8)
+    attitude.gravity[axis] += off_q14 * trust_q15 >> 7
+    return attitude.gravity[axis]
+
+
+@hot
+def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> int:
+    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's; return 0.
+
+    A turn about the vertical leaves both as they are: that bias stays as it was at rest. Intermediates: 2^29.
+    """
+    x = attitude.gravity[0] >> 8
+    y = attitude.gravity[1] >> 8
+    z = attitude.gravity[2] >> 8
+    learn_axis(attitude, 0, y_q14 * z - z_q14 * y)
+    learn_axis(attitude, 1, z_q14 * x - x_q14 * z)
+    learn_axis(attitude, 2, x_q14 * y - y_q14 * x)
+    return 0
+
+
+@hot
+def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> int:
+    """Move one axis's bias by its share of the turn that was missed; return it, counts Q16."""
+    missed = saturate(missed_q28 >> 14, -_MISSED_MAX, _MISSED_MAX)
+    learnt = missed * saturate(attitude.learn_q12, 0, 0x3FFFF) >> 12
+    return set_bias(attitude, axis, attitude.bias[axis] - learnt)
+
+
+@hot
+def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> int:
+    """Set one axis's bias, limited; return it, counts Q16."""
+    attitude.bias[axis] = saturate(bias_q16, -_BIAS_MAX, _BIAS_MAX)
+    return attitude.bias[axis]
 
 
 @hot

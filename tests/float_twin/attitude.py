@@ -1,4 +1,7 @@
-"""The attitude filter in floats: up turned by the gyro exactly, pulled by the accelerometer while that is near 1 g."""
+"""The attitude filter in floats: up turned by the gyro exactly, pulled by the accelerometer while that is near 1 g.
+
+What goes on being pulled back is the gyro's bias (Mahony, Hamel, Pflimlin 2008, eq 48). At rest the gyro tells it.
+"""
 
 import math
 
@@ -6,19 +9,28 @@ from .fixed import length, limit
 
 ALIGNING, ACCEL_REJECTED, MOVED_WHILE_ALIGNING = 1, 2, 4
 RATE_MAX_RAD = 0.125  # a tick
+MISSED_MAX_RAD = 1 / 16
+BIAS_MAX = 8192  # counts
+AT_REST = 8
+OFF_MAX = 256 - 1 / 64  # counts
 
 
 class Attitude:
-    """``gyro_rad``: rad per count and tick; ``trust``: share of the accelerometer's correction a tick."""
+    """``gyro_rad``: rad per count and tick; ``trust``: share of the accelerometer's correction a tick.
 
-    def __init__(self, gyro_rad, one_g, trust, tolerance, align_ticks, still_counts=1310):
-        self.gyro_rad, self.one_g, self.trust = gyro_rad, one_g, trust
-        self.tolerance, self.align_ticks, self.still_counts = tolerance, align_ticks, still_counts
+    ``learn``: counts of bias per rad corrected and tick; ``rest``: counts by which readings differ at rest.
+    """
+
+    def __init__(self, gyro_rad, one_g, trust, learn, tolerance, rest, align_ticks, still_counts=1310):
+        self.gyro_rad, self.one_g, self.trust, self.learn = gyro_rad, one_g, trust, learn
+        self.tolerance, self.rest, self.align_ticks, self.still_counts = tolerance, rest, align_ticks, still_counts
+        self.steady = (0,) * 6
         self.reset()
 
     def reset(self):
         """Begin with the alignment at rest."""
         self.readings = []
+        self.still = 0
         self.bias = (0.0, 0.0, 0.0)
         self.up = (0.0, 0.0, 1.0)
 
@@ -31,11 +43,28 @@ class Attitude:
         size = length(*accel)
         flags = 0
         if self.believed(size):
-            self.up = [u + self.trust * (a / size - u) for u, a in zip(self.up, accel)]
+            seen, trust = [a / size for a in accel], self.trust
+            if self.rests(list(gyro) + list(accel)) >= self.align_ticks:
+                trust = min(1.0, trust * AT_REST)
+                off = [limit(c - b, -OFF_MAX, OFF_MAX) for c, b in zip(gyro, self.bias)]
+                self.bias = [b + trust * o for b, o in zip(self.bias, off)]
+            else:
+                missed = [limit(m, -MISSED_MAX_RAD, MISSED_MAX_RAD) for m in cross(seen, self.up)]
+                self.bias = [limit(b - self.learn * m, -BIAS_MAX, BIAS_MAX) for b, m in zip(self.bias, missed)]
+            self.up = [u + trust * (a - u) for u, a in zip(self.up, seen)]
         else:
-            flags = ACCEL_REJECTED
+            flags, self.still = ACCEL_REJECTED, 0
         self.up = unit(self.up)
         return flags
+
+    def rests(self, reading):
+        """Return for how many ticks the readings have stayed as they are."""
+        self.still += 1
+        if any(abs(c - s) > self.rest[at // 3] for at, (c, s) in enumerate(zip(reading, self.steady))):
+            self.still = 0
+        if self.still == 0:
+            self.steady = tuple(reading)
+        return self.still
 
     def believed(self, size):
         """Return True if an accelerometer reading of this length is near enough to 1 g."""
@@ -43,7 +72,8 @@ class Attitude:
 
     def align(self, gyro, accel):
         """Gather one reading at rest; the last sets attitude and bias."""
-        if max([abs(c) for c in gyro]) > self.still_counts:
+        moved = self.rests(list(gyro) + list(accel)) < len(self.readings)
+        if moved or max([abs(c) for c in gyro]) > self.still_counts:
             self.reset()
             return ALIGNING | MOVED_WHILE_ALIGNING
         self.readings.append((gyro, accel))
@@ -61,6 +91,14 @@ class Attitude:
         """Return roll and pitch in rad."""
         x, y, z = self.up
         return math.atan2(y, length(x, z)), math.atan2(-x, z)
+
+
+def of_block(block):
+    """Return the filter with the settings of a block of the core's (shared/sense/attitude.py)."""
+    return Attitude(
+        block.gyro_q30 / 2.0**30, block.one_g, block.trust_q15 / 2.0**15, block.learn_q12 / 2.0**14,
+        block.tolerance, list(block.rest), block.align_ticks,
+    )
 
 
 def unit(vector):

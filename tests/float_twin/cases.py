@@ -12,7 +12,7 @@ from shared.gait.gaits import GAITS, PAPER_TROT
 from shared.gait.table import MOVER_TABLE
 
 from . import body, fixed, leg, planner, reach, swing
-from .attitude import Attitude
+from .attitude import of_block
 from .balance import ERROR_MAX_RAD, Balance
 from .gait import Gait
 from .joint_current import CurrentLoop
@@ -82,8 +82,7 @@ def walking(gait):
 def filtering():
     """Return the step of a float attitude filter that has been aligned."""
     block = ATTITUDES[0]
-    gyro_rad, trust = block.gyro_q30 / 2.0**30, block.trust_q15 / 32768
-    attitude = Attitude(gyro_rad, block.one_g, trust, block.tolerance, block.align_ticks)
+    attitude = of_block(block)
     accel = (500, -300, block.one_g)
     for _ in range(block.align_ticks):
         attitude.step((5, 6, 7), accel)

@@ -69,7 +69,7 @@ def walk(rate_hz, gait):
 
 def filtered():
     """Return roll and pitch of a filter on a rolling body."""
-    made = attitude.Attitude(2.7e-6, 16384, 0.02, 2400, 5)
+    made = attitude.Attitude(2.7e-6, 16384, 0.02, 100.0, 2400, (66, 443), 5)
     found = []
     for tick in range(60):
         turning = 0 if tick < 5 else 900

@@ -6,7 +6,6 @@ from array import array
 from host.robot.file import load_robot
 from host.robot.scale import attitude_block
 from shared.sense.attitude import Attitude
-from tests.float_twin import attitude as twin
 
 GYRO_COUNTS_PER_RAD_S = 131 * 180 / math.pi
 ONE_G = 16384
@@ -18,17 +17,6 @@ def block(rate_hz=50, **settings):
     for name, value in settings.items():
         setattr(made, name, value)
     return made
-
-
-def twin_of(made: Attitude):
-    """Return the float filter with a block's settings."""
-    return twin.Attitude(
-        made.gyro_q30 / 2**30,
-        made.one_g,
-        made.trust_q15 / 2**15,
-        made.tolerance,
-        made.align_ticks,
-    )
 
 
 def up(roll, pitch):

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from shared.record import pack
 from shared.sense import attitude as a
-from tests.float_twin.attitude import turned_back
+from tests.float_twin.attitude import of_block, turned_back
 
 from .bars import integers, repeatable
-from .imu import ONE_G, angles_deg, apart_deg, block, counts, twin_of, up
+from .imu import ONE_G, angles_deg, apart_deg, block, counts, up
 
 LEVEL = counts(0, 0, 0, 0)
 INT16 = integers(-32768, 32767)
@@ -23,7 +23,7 @@ INT16 = integers(-32768, 32767)
 def aligned(rate_hz=50, reading=LEVEL, **settings):
     """Return a filter that has just been aligned on one reading, and its twin."""
     made = block(rate_hz, **settings)
-    other = twin_of(made)
+    other = of_block(made)
     for _ in range(made.align_ticks):
         step(made, other, reading)
     return made, other
@@ -96,7 +96,39 @@ def test_alignment_finds_the_attitude_at_rest(roll_deg, pitch_deg):
 
 def test_alignment_learns_the_gyros_bias():
     made, _ = aligned(50, counts(0, 0, 0, 0, (200, -300, 77)))
-    assert list(made.bias) == [200 * 64, -300 * 64, 77 * 64]
+    assert list(made.bias) == [200 << 16, -300 << 16, 77 << 16]
+
+
+@pytest.mark.parametrize("rate_hz", [20, 50, 500])
+@pytest.mark.parametrize(("sway_rad", "least_deg", "most_deg"), [(0.02, 1.0, 2.0), (0.0, 0.01, 0.1)])
+def test_a_bias_that_comes_as_the_sensor_warms_is_learnt(rate_hz, sway_rad, least_deg, most_deg):
+    """1 deg/s in a minute about x and y: a chip that warms by 6 deg C (product specification 3.4, 6.1).
+
+    A body at rest is believed faster than one that sways as it walks.
+    """
+    made, other = aligned(rate_hz)
+    worst = []
+    for tick in range(1, 90 * rate_hz + 1):
+        bias = round(131 * min(1.0, tick / rate_hz / 60))
+        roll, rate = sway_rad * math.sin(math.tau * 2 * tick / rate_hz), sway_rad * math.tau * 2
+        step(made, other, counts(roll, 0, rate * math.cos(math.tau * 2 * (tick - 0.5) / rate_hz), 0, (bias, -bias, 0)))
+        assert apart_deg(angles_deg(made), twin_deg(other)) <= 0.05
+        worst.append(apart_deg(angles_deg(made), (math.degrees(roll), 0)))
+    assert least_deg <= max(worst) <= most_deg
+    assert worst[-1] <= 0.5
+    assert [value / 65536 for value in made.bias] == pytest.approx([131, -131, 0], abs=6)
+
+
+def test_after_a_knock_it_is_soon_right_at_rest_and_has_learnt_little():
+    """Thrown over by 90 deg within a tick, which no gyroscope tells."""
+    made, other = aligned()
+    lying, learnt = counts(math.pi / 2, 0, 0, 0), 0
+    for _ in range(5 * 50):
+        step(made, other, lying)
+        learnt = max(learnt, abs(made.bias[0]) / 65536 / 131)
+    assert apart_deg(angles_deg(made), twin_deg(other)) <= 0.1
+    assert learnt <= 0.1
+    assert abs(angles_deg(made)[0] - 90) <= 1
 
 
 def test_alignment_starts_again_when_the_robot_is_moved():
@@ -117,6 +149,18 @@ def test_alignment_away_from_1_g_starts_again(push_g):
     assert made.gathered == 0
 
 
+def test_a_body_that_turns_slowly_is_not_aligned_on():
+    """Falling over at 2, then 6 deg/s, as a bias may be; then 2 s at 2 deg/s, which gravity tells."""
+    made, other = block(align_ticks=100), of_block(block(align_ticks=100))
+    rates = [2] * 6 + [6] * 6 + [2] * 100 + [0] * 101
+    pitches = itertools.accumulate(math.radians(rate / 50) for rate in rates)
+    readings = [counts(0, pitch, 0, math.radians(rate)) for pitch, rate in zip(pitches, rates, strict=True)]
+    flags = [step(made, other, reading) for reading in readings]
+    assert [at for at, flag in enumerate(flags) if flag & a.MOVED_WHILE_ALIGNING] == [6, 12, 51, 90, 112]
+    assert flags[-1] == a.ALIGNING
+    assert made.gathered == 100
+
+
 def test_readings_away_from_1_g_are_rejected_and_change_nothing():
     made, other = aligned()
     for count in range(1, 101):
@@ -126,7 +170,7 @@ def test_readings_away_from_1_g_are_rejected_and_change_nothing():
     believed = counts(0, 0, 0, 0, push_g=(0.3, 0, 0))
     assert step(made, other, believed) == 0
     assert made.rejected == 0
-    for _ in range(200):
+    for _ in range(60 * 50):
         step(made, other, believed)
     assert angles_deg(made)[1] == pytest.approx(-math.degrees(math.atan(0.3)), abs=0.5)
 
@@ -141,8 +185,8 @@ def test_a_whole_turn_comes_back():
     made, other = aligned()
     for tick in range(1, 101):
         step(made, other, counts(0, math.tau * tick / 100, 0, math.pi))
-        assert apart_deg(angles_deg(made)[1:], [math.degrees(math.tau * tick / 100)]) <= 0.1
-    assert apart_deg(angles_deg(made), (0, 0)) <= 0.1
+        assert apart_deg(angles_deg(made)[1:], [math.degrees(math.tau * tick / 100)]) <= 0.25
+    assert apart_deg(angles_deg(made), (0, 0)) <= 0.25
 
 
 def test_int16_extremes_keep_every_number_small():

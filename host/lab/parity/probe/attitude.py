@@ -16,6 +16,8 @@ BLOCK = Attitude()
 COUNTS = zeros(6)
 INT16 = Range(-32768, 32767)
 UNIT = Range(-(1 << 22), 1 << 22)
+Q14 = Range(-(1 << 14), 1 << 14)
+Q28 = Range(-(1 << 29), 1 << 29)
 RATE = Range(-(1 << 15), 1 << 15)
 
 
@@ -63,8 +65,12 @@ def _any_gravity(values, dice):
     BLOCK.gathered = BLOCK.align_ticks
     for axis in range(3):
         BLOCK.gravity[axis] = UNIT.any(dice)
-        BLOCK.bias[axis] = dice.bits(12) - 2048
+        BLOCK.still = dice.below(BLOCK.align_ticks + 1)
+        BLOCK.bias[axis] = dice.bits(30) - (1 << 29)
     _read(values, dice)
+    if dice.bits(1):
+        for axis in range(6):
+            BLOCK.steady[axis] = COUNTS[axis]
 
 
 def _of_a_vector(values, dice):
@@ -77,6 +83,11 @@ def _bias(values, dice):
     _any_gravity(values, dice)
 
 
+def _moving(name, function, *given):
+    """The probe of a function of the filter whose gravity and bias are anything."""
+    return Probe(name, function, (BLOCK, *given), watch=(BLOCK,), begin=_begin, fit=_any_gravity)
+
+
 PROBES = (
     Probe("attitude_reset", attitude.attitude_reset, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
     Probe("attitude_step", attitude.attitude_step, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run, vectors=4),
@@ -84,9 +95,14 @@ PROBES = (
     Probe("size_of", attitude.size_of, (INT16, INT16, INT16)),
     Probe("believed", attitude.believed, (BLOCK, Range(0, 56756)), begin=_begin),
     Probe("rate_q18", attitude.rate_q18, (BLOCK, INT16, Range(0, 2)), begin=_begin, fit=_bias),
-    Probe("turn", attitude.turn, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    _moving("turn", attitude.turn, COUNTS),
     Probe("cross", attitude.cross, (UNIT, UNIT, RATE, RATE), fit=_of_a_vector),
-    Probe("pull", attitude.pull, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
-    Probe("normalise", attitude.normalise, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
-    Probe("angles", attitude.angles, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
+    _moving("pull", attitude.pull, COUNTS),
+    _moving("rests", attitude.rests, COUNTS),
+    _moving("pull_axis", attitude.pull_axis, Range(0, 2), Q14, Range(0, 32767)),
+    _moving("learn_bias", attitude.learn_bias, Q14, Q14, Q14),
+    _moving("learn_axis", attitude.learn_axis, Range(0, 2), Q28),
+    _moving("set_bias", attitude.set_bias, Range(0, 2), Q28),
+    _moving("normalise", attitude.normalise),
+    _moving("angles", attitude.angles),
 )
