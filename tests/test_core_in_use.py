@@ -11,5 +11,5 @@ from host.boards.core import SWITCH
 
 def test_the_walks_go_by_machine_code():
     if os.environ[SWITCH] == "source":
-        pytest.skip(f"the walks run from the sources: {why_not() or 'make test, or CARAMELO_CORE, gives them the core'}")
+        pytest.skip(f"the walks run from the sources: {why_not() or 'make test gives them the compiled core'}")
     assert shared.planner.planner.__file__.endswith(".so")
