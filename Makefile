@@ -18,8 +18,8 @@ COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
-# Tests that are walks nearly throughout: make test runs them on the core compiled of the sources as they are.
-WALKS := tests/test_core_in_use.py tests/sim2d tests/host/sim/space
+# Tests that walk: make test runs them on the core compiled of the sources as they are.
+WALKS := tests/test_core_in_use.py tests/sim2d tests/host/sim/space tests/host/control tests/host/lab tests/host/library tests/examples
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 .PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean

@@ -10,6 +10,8 @@ from .process import run_command
 class CPython(Runtime):
     name = "cpython"
     emitter = "source"
+    timeout_s = 1000.0  # for all scripts at once
+    afresh = False
 
     def missing(self) -> str | None:
         return None
