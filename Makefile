@@ -49,6 +49,9 @@ demo:
 	$(BIN)/caramelo walk --in $$($(BIN)/python -c 'import mujoco' 2>/dev/null && echo space || echo plane) --speed 0.15 \
 		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 
+# Hundreds of processes start, and each would compile its modules again where the environment says to keep no bytecode.
+test check: export PYTHONDONTWRITEBYTECODE =
+
 # All run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
 test: setup
 	@failed=; said=$$(mktemp); \
