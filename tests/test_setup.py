@@ -222,6 +222,7 @@ def test_ci_runs_the_tests():
     [
         ("host/bus/can/adapter.py", ["tests/host/bus/can/test_adapter.py"]),
         ("shared/joint/encoder.py", ["tests/shared/joint/test_encoder.py"]),
+        ("shared/gait/swing.py", ["tests/shared/test_swing.py"]),
         ("tests/sim2d/test_run.py", ["tests/sim2d/test_run.py"]),
         ("docs/gaits.md", ["tests/test_docs.py"]),
         ("Makefile", ["tests/test_setup.py"]),
