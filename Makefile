@@ -18,6 +18,8 @@ COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
+# Tests that walk: make test runs them on the core compiled of the sources as they are.
+WALKS := tests/test_core_in_use.py tests/sim2d tests/host/sim/space tests/host/control tests/host/lab tests/host/library tests/examples
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 .PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
@@ -47,12 +49,17 @@ demo:
 	$(BIN)/caramelo walk --in $$($(BIN)/python -c 'import mujoco' 2>/dev/null && echo space || echo plane) --speed 0.15 \
 		--terrain stairs-up --height 0.03 --length 0.35 --out out/demo
 
-# All three run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
+# Hundreds of processes start, and each would compile its modules again where the environment says to keep no bytecode.
+test check: export PYTHONDONTWRITEBYTECODE =
+
+# All run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
 test: setup
 	@failed=; said=$$(mktemp); \
 	$(BIN)/mypy >$$said 2>&1 & mypy=$$!; \
 	$(BIN)/ruff check . || failed="$$failed ruff"; \
-	$(BIN)/pytest -n $(JOBS) --dist worksteal || failed="$$failed pytest"; \
+	core=$$($(BIN)/python -m tests.core) || failed="$$failed core"; \
+	$(BIN)/pytest -n $(JOBS) --dist worksteal $(WALKS:%=--ignore=%) || failed="$$failed pytest"; \
+	CARAMELO_CORE=$$core $(BIN)/pytest -n $(JOBS) --dist worksteal $(WALKS) || failed="$$failed walks"; \
 	wait $$mypy || failed="$$failed mypy"; \
 	cat $$said; rm -f $$said; \
 	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; fi

@@ -1,7 +1,7 @@
 """Prints the tests of what has been changed: since the last commit, or by it if nothing has been changed since.
 
-Tests lie as what they test: those of host/bus/can/link.py are tests/host/bus/can/test_link.py, or else
-all in that folder.
+Tests lie as what they test: those of host/bus/can/link.py are tests/host/bus/can/test_link.py, or one of that name in
+a folder above, or else all in that folder.
 """
 
 import subprocess
@@ -29,9 +29,10 @@ def beside(name: str, root: Path = ROOT) -> list[str]:
     if path.parts[0] not in (*CODE, "tests"):
         return [OF_A_DOC if path.suffix == ".md" else OF_THE_REST]
     inside = path.parent if path.parts[0] == "tests" else Path("tests", path.parent)
-    own = path if path.name.startswith("test_") else inside / f"test_{path.stem}.py"
-    if (root / own).exists():
-        return [str(own)]
+    own = path.name if path.name.startswith("test_") else f"test_{path.stem}.py"
+    for folder in (inside, *inside.parents[:-2]):  # those of tests/ itself are of the whole project
+        if (root / folder / own).exists():
+            return [str(folder / own)]
     while not list((root / inside).glob("test_*.py")):
         inside = inside.parent
     return [str(inside / each.name) for each in sorted((root / inside).glob("test_*.py"))]

@@ -153,13 +153,30 @@ def fake_tools(folder: Path, **exit_codes: int) -> list[str]:
     return [f"BIN={folder}", f"STAMP={folder / 'stamp'}"]
 
 
-@pytest.mark.parametrize("fails", [None, "ruff", "mypy", "pytest"])
+PARTS = {"ruff": "ruff", "mypy": "mypy", "pytest": "pytest walks", "python": "core"}  # as make test names them
+
+
+@pytest.mark.parametrize("fails", [None, *PARTS])
 def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
-    codes = {name: int(name == fails) for name in ("ruff", "mypy", "pytest")}
-    done = make("test", *fake_tools(tmp_path, **codes))
-    assert [f"ran {name}" in done.stdout for name in codes] == [True, True, True]
+    done = make("test", *fake_tools(tmp_path, **{name: int(name == fails) for name in PARTS}))
+    assert [done.stdout.count(f"ran {name}") for name in ("ruff", "mypy", "pytest")] == [1, 1, 2]
     assert (done.returncode == 0) == (fails is None)
-    assert (f"make test: failed: {fails}" in done.stderr) == (fails is not None)
+    assert (f"make test: failed: {PARTS.get(fails)}\n" in done.stderr) == (fails is not None)
+
+
+@pytest.mark.parametrize("fails_in", ["source", "cores"])
+def test_the_walks_and_no_other_tests_go_by_the_compiled_core(tmp_path, fails_in):
+    tools = fake_tools(tmp_path, ruff=0, mypy=0, pytest=0, python=0)
+    (tmp_path / "python").write_text("#!/bin/sh\necho cores\n")
+    (tmp_path / "pytest").write_text(f'#!/bin/sh\necho "$CARAMELO_CORE: $@"\ntest "$CARAMELO_CORE" != {fails_in}\n')
+    done = make("test", *tools, "CARAMELO_CORE=source")
+    others, walks = (line for line in done.stdout.splitlines() if ": -n 2" in line)
+    assert others.startswith("source: ")
+    assert walks.startswith("cores: ")
+    ignored = {word.removeprefix("--ignore=") for word in others.split() if word.startswith("--ignore=")}
+    assert ignored == {word for word in walks.split() if word.startswith("tests/")}
+    assert all((ROOT / path).exists() for path in ignored)
+    assert f"make test: failed: {'pytest' if fails_in == 'source' else 'walks'}\n" in done.stderr
 
 
 @pytest.mark.parametrize(("has_mujoco", "world"), [(True, "space"), (False, "plane")])
@@ -205,6 +222,7 @@ def test_ci_runs_the_tests():
     [
         ("host/bus/can/adapter.py", ["tests/host/bus/can/test_adapter.py"]),
         ("shared/joint/encoder.py", ["tests/shared/joint/test_encoder.py"]),
+        ("shared/gait/swing.py", ["tests/shared/test_swing.py"]),
         ("tests/sim2d/test_run.py", ["tests/sim2d/test_run.py"]),
         ("docs/gaits.md", ["tests/test_docs.py"]),
         ("Makefile", ["tests/test_setup.py"]),

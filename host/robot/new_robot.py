@@ -6,6 +6,7 @@ stays as in the known robot's file, comments and units included, and says so at 
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import floor, hypot
 from typing import Annotated, Any, get_type_hints
 
@@ -106,8 +107,12 @@ def _span(low_m: float, high_m: float) -> Any:
     return Annotated[float, number(low_m, high_m, "m")]
 
 
+@cache
 def questions() -> tuple[Question, ...]:
-    """Return what is asked, in this order. Defaults are Caramelo's, or follow from what was answered before."""
+    """Return what is asked, in this order; made once, for it reads every known robot.
+
+    Defaults are Caramelo's, or follow from what was answered before.
+    """
     like = Annotated[str, one_of(*joints_like())]
     return (
         Question("name", "name of the robot", _fixed("mine"), Robot, "name"),

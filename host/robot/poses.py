@@ -39,10 +39,11 @@ def folded_leg_rad(robot: Robot, leg: int) -> Vector:
     belly_m = robot.geometry.foot_radius_m - robot.links.trunk.size_m[2] / 2
     rest_m = robot.foot_m(leg, robot.stance.sit_height_m)[0]
     hips, thighs, calves = robot.joint_limits_rad(leg)
-    hip = hips[1] if robot.side(leg) > 0 else hips[0]
+    links_m, side = robot.geometry.links_m, robot.side(leg)
+    hip = hips[1] if side > 0 else hips[0]
 
     def off_m(pose: Vector) -> float:
-        x_m, _, z_m = leg_forward(robot.geometry.links_m, robot.side(leg), pose)
+        x_m, _, z_m = leg_forward(links_m, side, pose)
         return abs(x_m - rest_m) + abs(z_m - belly_m) + FOLDS * max(0.0, belly_m - z_m)
 
     return min(((hip, thigh, calf) for thigh in _between(*thighs) for calf in _between(*calves)), key=off_m)

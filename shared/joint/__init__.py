@@ -2,9 +2,4 @@
 
 Three calls run a joint (see tick.py): ``current_step`` per current step, ``motion_tick`` per
 millisecond, ``slow_tick`` ten times a second. Blocks and units are in layout.py, docs/joint.md.
-
-What commissioning is built on is imported first: on a board each import within an import takes of its small stack.
 """
-
-from . import spinning as spinning
-from . import swinging as swinging

@@ -6,6 +6,7 @@ from pathlib import Path
 from ... import ROOT
 from .c_core import MODULE, build_c_core
 from .generated import generated_modules
+from .leaves import leaves_first
 from .lower import lowered_modules
 from .rewrite import rewrite
 from .source import PACKAGES, BuildError, Module, closure
@@ -50,8 +51,9 @@ def frozen_sources(role: str, robot: str, out: Path, emitter: str = "c", arch: s
         c_files = {f"c/{MODULE}/core.c": core.source.encode(), f"c/{MODULE}/micropython.mk": _MAKE.encode()}
     else:
         texts = {modules[name].path: rewrite(modules[name], modules, emitter, arch) for name in select(modules, role)}
+    leaves = leaves_first(modules, [module.name for module in modules.values() if module.path in texts])
     texts["main.py"] = texts.pop(MAIN)  # MicroPython runs it as the main module
-    texts |= {path: text.encode() for path, text in generated_modules(role, robot).items()}
+    texts |= {path: text.encode() for path, text in generated_modules(role, robot, leaves).items()}
     replace_tree({f"modules/{path}": text for path, text in texts.items()} | c_files, out)
     return FrozenTree(out / "modules", c_modules)
 

@@ -23,6 +23,7 @@ class Runtime(ABC):
     name: str
     emitter: str
     timeout_s: float = 300.0
+    afresh = True  # whether each of many scripts starts with an empty memory
 
     @abstractmethod
     def missing(self) -> str | None:
@@ -42,11 +43,20 @@ class Runtime(ABC):
 
     def ask(self, tree: Path, script: str) -> dict[str, Any]:
         """Run a script that answers with one marked line of JSON, and return that."""
+        return self._answers(tree, script, 1)[0]
+
+    def ask_each(self, tree: Path, scripts: list[str]) -> list[dict[str, Any]]:
+        """Return the answers to scripts that need nothing of each other, in a process each if memory is short."""
+        if self.afresh:
+            return [self.ask(tree, script) for script in scripts]
+        return self._answers(tree, "".join(scripts), len(scripts))
+
+    def _answers(self, tree: Path, script: str, wanted: int) -> list[dict[str, Any]]:
         output = self.execute(tree, script)
-        for line in output.splitlines():
-            if line.startswith(MARK):
-                return dict(json.loads(line[len(MARK) :]))
-        raise RuntimeFailure(f"{self.name}: no answer; it printed: {output.strip()[-2000:]!r}")
+        found = [json.loads(line[len(MARK) :]) for line in output.splitlines() if line.startswith(MARK)]
+        if len(found) < wanted:
+            raise RuntimeFailure(f"{self.name}: no answer; it printed: {output.strip()[-2000:]!r}")
+        return found
 
 
 def copy_sources(sources: Path, work: Path) -> Path:

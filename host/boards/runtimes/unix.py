@@ -13,6 +13,9 @@ from .process import run_command
 class Unix(Runtime):
     """``emitter`` source runs the files as they are, the others what the firmware build makes of them."""
 
+    timeout_s = 1000.0  # for all scripts at once
+    afresh = False
+
     def __init__(self, emitter: str) -> None:
         self.emitter = emitter
         self.name = f"unix-{emitter}"

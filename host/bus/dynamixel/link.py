@@ -58,6 +58,10 @@ class Link:
                     return int(model)
         return None
 
+    def ping_patiently(self, servo: int) -> int | None:
+        """Return the same of a servo that should be there: before it is missing it is asked with more patience."""
+        return self.ping(servo) or self.ping(servo, patience_ms=PATIENCE_MS)
+
     def ping_all(self) -> dict[int, int]:
         """Return the model numbers of all who answer one question, by id; protocol 2.0 only.
 

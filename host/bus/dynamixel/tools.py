@@ -73,13 +73,13 @@ def set_id(link: Link, old: int, new: int) -> None:
             raise UserError(f"id {number}: allowed 0 .. {BROADCAST_LAST}")
     if old == new:
         raise UserError(f"id {new}: it has that already")
-    if link.ping(old) is None:
+    if link.ping_patiently(old) is None:
         raise ServoError(f"no servo answers with id {old}: find it with: caramelo servos scan")
     if link.ping(new) is not None:
         raise ServoError(f"id {new} is taken by another servo: renumber or unplug that one first")
     link.write(old, t.TORQUE_ENABLE, 0)
     _write_unless_moved(link, old, t.ID, new, lambda: link.ping(new) is not None)
-    if link.ping(new) is None:
+    if link.ping_patiently(new) is None:
         raise ServoError(f"the servo no longer answers, neither as {old} nor as {new}: scan, and check its cable")
 
 
@@ -87,12 +87,12 @@ def set_baud(link: Link, servo: int, baud: int) -> None:
     """Set a servo's rate; from then on it answers at that rate only."""
     if baud not in t.BAUDS:
         raise UserError(f"{baud} baud: allowed {', '.join(map(str, t.BAUDS))}")
-    if link.ping(servo) is None:
+    if link.ping_patiently(servo) is None:
         raise ServoError(f"no servo answers with id {servo}: find it with: caramelo servos scan --all-bauds")
     link.write(servo, t.TORQUE_ENABLE, 0)
 
     def answers_there() -> bool:
-        return bool(link.port.setBaudRate(baud)) and link.ping(servo) is not None
+        return bool(link.port.setBaudRate(baud)) and link.ping_patiently(servo) is not None
 
     _write_unless_moved(link, servo, t.BAUD, t.BAUDS.index(baud), answers_there)
     if not answers_there():

@@ -94,8 +94,9 @@ def collect(report: Report, sources: Path, work: Path, vectors: int, parts: list
         report.version = f"{about['implementation']} {about['version']}"
         report.word_bits = about["word_bits"]
         report.parts = parts or runtime.ask(report.tree, call("parts"))["parts"]
-        for module, walk in report.parts:
-            for name, count, digest in runtime.ask(report.tree, call("parity", module, vectors, walk))["digests"]:
+        asked = [call("parity", module, vectors, walk) for module, walk in report.parts]
+        for (module, _), answer in zip(report.parts, runtime.ask_each(report.tree, asked), strict=True):
+            for name, count, digest in answer["digests"]:
                 report.digests[f"{module}.{name}"] = (count, digest)
     except (RuntimeFailure, BuildError) as error:
         report.failure = str(error)

@@ -51,8 +51,8 @@ def promises(sources: Path, work: Path) -> dict[str, Promise]:
     runtime = CPython()
     tree = runtime.prepare(sources, work)
     found = {}
-    for module in modules_of(runtime, tree):
-        answer = runtime.ask(tree, call("register", module))
+    modules = modules_of(runtime, tree)
+    for module, answer in zip(modules, runtime.ask_each(tree, [call("register", one) for one in modules]), strict=True):
         owners = {name: source for source in answer["sources"] for name in public_functions(sources, source)}
         for row in answer["probes"]:
             plain = row["name"].partition(":")[0]

@@ -43,6 +43,7 @@ SYNC, SETPOINT, STOP, ARM, CLEAR = 1, 2, 3, 4, 5  # numbers of frames
 NO_FAULT, FREE_MAILBOXES = 0x1000, 0x1C000000  # of GPIO B's inputs and of the CAN controller
 
 BESIDE = f"""
+import firmware.leaves
 class Timer:
     def callback(self, handler):
         self.handler = handler

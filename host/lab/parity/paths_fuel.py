@@ -15,6 +15,7 @@ from shared.gait.gaits import GAIT_NAMES
 from ... import ROOT
 from ...boards.build.frozen import select
 from ...boards.build.generated import generated_modules
+from ...boards.build.leaves import leaves_first
 from ...boards.build.source import read_modules
 from ...boards.build.tree import write_tree
 from ...boards.runtimes import Wasi
@@ -141,8 +142,10 @@ def _gait(work: Path) -> dict[str, list[int]]:
 def _sources(role: str, work: Path) -> Path:
     """Write what a board of this role runs, as it is, and return the folder."""
     modules = read_modules(ROOT)
-    files = {modules[name].path: modules[name].text for name in select(modules, role)}
-    files |= {path: text.encode() for path, text in generated_modules(role, ROBOT).items()}
+    names = select(modules, role)
+    files = {modules[name].path: modules[name].text for name in names}
+    generated = generated_modules(role, ROBOT, leaves_first(modules, names))
+    files |= {path: text.encode() for path, text in generated.items()}
     write_tree(files, work / "sources")
     return work / "sources"
 

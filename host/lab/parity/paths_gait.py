@@ -48,6 +48,7 @@ def next_tick():
 """
 SCRIPT = """
 import io, json
+import firmware.leaves
 from array import array
 from firmware import gait, gait_main, mpu6050
 from firmware.robot_params import ATTITUDE, PARAMS

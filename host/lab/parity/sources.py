@@ -8,6 +8,8 @@ from shared.joint.layout import SINE_SIZE
 from shared.record import pack
 
 from ... import ROOT
+from ...boards.build.leaves import behind_leaves
+from ...boards.build.source import read_modules
 from ...robot.actuators import Bldc
 from ...robot.file import driven_names, load_robot
 from ...robot.joint_gains import joint_blocks
@@ -27,12 +29,16 @@ PROBE = Path(__file__).with_name("probe")
 
 
 def gather(work: Path, root: Path = ROOT) -> Path:
-    """Return a new folder in ``work`` that holds the packages ``shared`` and ``probe``."""
+    """Return a new folder in ``work`` that holds the packages ``shared`` and ``probe``; probes import leaves first."""
     sources = work / "sources"
     skip = shutil.ignore_patterns("__pycache__")
     shutil.copytree(root / "shared", sources / "shared", ignore=skip)
     shutil.copytree(PROBE, sources / "probe", ignore=skip)
     (sources / "probe" / "robots.py").write_text(robot_blocks())
+    modules = read_modules(sources, ("shared", "probe"))
+    for module in modules.values():
+        if module.path.startswith("probe/"):
+            (sources / module.path).write_bytes(behind_leaves(module, modules))
     return sources
 
 

@@ -29,7 +29,7 @@ FAR, SUM = 0x3FFF0000, 0x3F000000
 
 
 def _begin():
-    for block in (SENSING, WAY, SENSED.valid, SENSED.turned, SENSED.tilt):
+    for block in (ANGLES.array, SENSING, WAY, SENSED.valid, SENSED.turned, SENSED.tilt):
         clear(block)
     legs.sensing_reset(SENSING)
 

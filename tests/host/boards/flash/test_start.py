@@ -10,7 +10,7 @@ from firmware.board_sim import SimBoard
 from firmware.joint import Joint
 from firmware.selftest import self_test
 from firmware.settings import Memory
-from host.boards.build.generated import APPLICATION, ROBOT_PARAMS, generated_modules
+from host.boards.build.generated import APPLICATION, LEAVES, ROBOT_PARAMS, generated_modules
 from host.protocol.gait_frames import frame
 from host.robot.file import load_robot
 from host.robot.scale import attitude_block, core_params
@@ -134,10 +134,10 @@ def test_the_self_test_passes_here_and_finds_a_wrong_answer(monkeypatch):
 
 def test_a_gait_board_gets_its_robots_integers():
     for name in ("caramelo", "parallel"):
-        modules = generated_modules("gait", name)
+        modules = generated_modules("gait", name, ["shared.num.fixed"])
         robot, found = load_robot(name), {}
         exec(modules[ROBOT_PARAMS], found)
         assert list(found["PARAMS"]) == pack(core_params(robot))
         assert list(found["ATTITUDE"]) == pack(attitude_block(robot))
         assert "from firmware.start_gait import WATCHDOG, armed, motor_supply_mV, start" in modules[APPLICATION]
-    assert list(generated_modules("joint", "caramelo")) == [APPLICATION]
+    assert list(generated_modules("joint", "caramelo", [])) == [APPLICATION, LEAVES]

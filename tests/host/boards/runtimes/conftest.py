@@ -4,19 +4,18 @@ import os
 import pickle
 import shutil
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from host.boards import core
-from host.boards.build.native_core import build_core, why_not
+from host.boards.build.native_core import why_not
 from host.boards.build.source import closure, read_modules
 from host.boards.runtimes import CPython, Unix, Wasi, base, unix, wasi
 from host.lab.parity.check import Report, collect
 from host.lab.parity.figures import allocations, largest_values, promises
 from host.lab.parity.sources import gather
+from tests.core import kept_core
 from tests.waiting import wait_until
 
 VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
@@ -123,16 +122,9 @@ def viper(sources, once):
 
 
 @pytest.fixture(scope="session")
-def compiled_home(once, request):
+def compiled_home(once):
     """A folder that holds the core compiled of this checkout's sources, for the next runs too; not to be changed."""
     if why_not():
         pytest.skip(str(why_not()))
 
-    def build(_: Path) -> Path:
-        home = request.config.cache.mkdir(f"core-{version('mypy')}")
-        if not (home / core.sources_id()).is_dir():
-            shutil.rmtree(home)
-            build_core(home / core.sources_id())
-        return home
-
-    return once("compiled", build)
+    return once("compiled", lambda work: kept_core())

@@ -2,7 +2,7 @@
 
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS
 
-from host.bus.dynamixel.link import Link
+from host.bus.dynamixel.link import PATIENCE_MS, Link
 
 
 class Port:
@@ -51,3 +51,14 @@ def test_an_answer_is_not_late_once_all_have_come():
     assert line.exchange([1, 2], 6, (1, 6), (2, 6)) == 2
     line.exchange([1], 6, (9, 6), (1, 6))
     assert (line.counters.late, line.counters.wrong) == (0, 1)
+
+
+def test_a_servo_that_should_be_there_is_asked_with_more_patience_before_it_is_missing(monkeypatch):
+    link = Link(Port())
+
+    def slow(port, servo):
+        return (30, COMM_SUCCESS, 0) if port.patience_ms >= PATIENCE_MS else (0, COMM_RX_TIMEOUT, 0)
+
+    monkeypatch.setattr(link.packets, "ping", slow)
+    assert (link.ping(3), link.ping_patiently(3)) == (None, 30)
+    assert link.port.patience_ms == 0.0

@@ -1,0 +1,15 @@
+"""What the walks of a test run go by: `make test` gives them the core as machine code, which takes half as long."""
+
+import os
+
+import pytest
+
+import shared.planner.planner
+from host.boards.build.native_core import why_not
+from host.boards.core import SWITCH
+
+
+def test_the_walks_go_by_machine_code():
+    if os.environ[SWITCH] == "source":
+        pytest.skip(f"the walks run from the sources: {why_not() or 'make test gives them the compiled core'}")
+    assert shared.planner.planner.__file__.endswith(".so")
