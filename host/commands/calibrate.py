@@ -77,20 +77,15 @@ def _bench(robot: "Robot", port: str | None, sim: bool, seed: int) -> Iterator["
     import time
 
     from ..bus.dynamixel.calibration.bench import Bench
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.link import open_link
     from ..bus.dynamixel.table import TORQUE_ENABLE
-    from ..control.hardware import baud, device
     from ..sim.servos.stand import SimulatedBench, hidden_mounting
 
     if sim:
         yield SimulatedBench(robot, hidden_mounting(robot, seed))
         return
-    serial = ServoPort(port or device(robot), baud(robot))
-    serial.open()
-    bench = Bench(Link(serial, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0), time.sleep)
-    try:
-        yield bench
-    finally:
-        bench.link.broadcast(TORQUE_ENABLE, 0)
-        serial.closePort()
+    with open_link(robot, port) as link:
+        try:
+            yield Bench(link, time.sleep)
+        finally:
+            link.broadcast(TORQUE_ENABLE, 0)

@@ -92,9 +92,7 @@ def _rig(
     import time
 
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
-    from ..control.hardware import baud, device
+    from ..bus.dynamixel.link import open_link
     from ..identify.rig import Rig
     from ..robot.poses import rest_pose_rad
 
@@ -105,20 +103,12 @@ def _rig(
         yield stand.rig, stand
         return
     found = load_calibration(calibration or default_path(robot), robot)
-    serial = ServoPort(port or device(robot), baud(robot))
-    serial.open()
-    try:
-        protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
-        rig = Rig(
-            robot, found, Link(serial, protocol), time.monotonic,
-            lambda until_s: time.sleep(max(0.0, until_s - time.monotonic())),
-        )  # fmt: skip
+    with open_link(robot, port) as link:
+        rig = Rig(robot, found, link, time.monotonic, lambda until_s: time.sleep(max(0.0, until_s - time.monotonic())))
         try:
             yield rig, None
         finally:
             rig.close()
-    finally:
-        serial.closePort()
 
 
 def _measure(

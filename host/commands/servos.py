@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -51,35 +51,20 @@ def register(app: typer.Typer) -> None:
 @contextmanager
 def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
     """Yield the robot and an open link to its servos, real or emulated."""
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.link import open_link, serial_bus
     from ..bus.dynamixel.table import BAUDS
-    from ..control.hardware import baud as own_baud
-    from ..control.hardware import device
     from ..robot.file import find, load_robot
 
     data = load_robot(robot)
-    rate = own_baud(data) if baud is None else baud
-    if rate not in BAUDS:
-        raise UserError(f"--baud {rate}: allowed {', '.join(map(str, BAUDS))}")
-    with _port_name(port or device(data), sim, str(find(robot))) as name:
-        serial = ServoPort(name, rate)
-        serial.open()
-        try:
-            yield data, Link(serial, data.bus.protocol if data.bus.kind == "dynamixel" else 2.0)
-        finally:
-            serial.closePort()
+    serial_bus(data)
+    if baud is not None and baud not in BAUDS:
+        raise UserError(f"--baud {baud}: allowed {', '.join(map(str, BAUDS))}")
+    with ExitStack() as stack:
+        if sim:
+            from ..sim.servos.process import Emulator
 
-
-@contextmanager
-def _port_name(port: str, sim: bool, robot: str) -> Iterator[str]:
-    if not sim:
-        yield port
-        return
-    from ..sim.servos.process import Emulator
-
-    with Emulator("--robot", robot) as emulator:
-        yield emulator.port
+            port = stack.enter_context(Emulator("--robot", str(find(robot)))).port
+        yield data, stack.enter_context(open_link(data, port, baud))
 
 
 def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
@@ -372,12 +357,12 @@ def budget(
     Example: caramelo servos budget --baud 1000000 --latency 16
     """
     from ..bus.dynamixel.budget import budget as budget_of
-    from ..control.hardware import baud as own_baud
+    from ..bus.dynamixel.link import serial_bus
     from ..robot.file import load_robot
 
     data = load_robot(robot)
-    rate, protocol = own_baud(data), data.bus.protocol if data.bus.kind == "dynamixel" else 2.0
-    cost = budget_of(baud or rate, data.control.rate_hz, protocol, latency)
+    own = serial_bus(data)
+    cost = budget_of(baud or own.baud, data.control.rate_hz, own.protocol, latency)
     if as_json:
         write_json(cost.as_dict())
     else:

@@ -16,7 +16,7 @@ from ..base import JOINT_LABELS, JOINTS, Bus, Fault, Measured, checked_fraction,
 from . import table as t
 from .calibration.data import Calibration, counts_per_rad, servo_of
 from .guardian import Guardian
-from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of
+from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of, protocol_of
 from .port import latency_warning
 from .table import Register
 
@@ -38,7 +38,7 @@ class ServoBus(Bus):
     ) -> None:
         super().__init__()
         self.robot, self.calibration, self.port = robot, calibration, port
-        self.link = Link(port, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0, self.counters)
+        self.link = Link(port, protocol_of(robot), self.counters)
         self._clock, self._lock = clock, threading.RLock()
         self._ids = calibration.ids
         self._per_rad = counts_per_rad(robot)

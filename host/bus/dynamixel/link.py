@@ -14,8 +14,11 @@ import serial
 from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
 from dynamixel_sdk.group_sync_write import GroupSyncWrite
 
+from ...robot.actuators import ServoBus
+from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
+from .port import ServoPort
 from .table import ALERT, STATUS_ERRORS, Register, pack, unpack
 from .unstuff import packet_handler
 
@@ -227,6 +230,30 @@ class Link:
             self.port.is_using = False
             name = self.port.port_name
             raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start again") from None
+
+
+def serial_bus(robot: Robot) -> ServoBus:
+    """Return the robot file's table of the servo bus; UserError if it has none."""
+    if robot.bus.kind != "dynamixel":
+        raise UserError(f"{robot.name} has no servo bus")
+    return robot.bus
+
+
+def protocol_of(robot: Robot) -> float:
+    """Return the servos' protocol; 2.0 for emulated ones of a robot without a bus."""
+    return robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
+
+
+@contextmanager
+def open_link(robot: Robot, port: str | None = None, baud: int | None = None) -> Iterator[Link]:
+    """Yield the link to a robot's servos, its port open; what is not given is the robot file's own."""
+    own = serial_bus(robot)
+    serial = ServoPort(port or own.port, baud or own.baud)
+    serial.open()
+    try:
+        yield Link(serial, own.protocol)
+    finally:
+        serial.closePort()
 
 
 class _Tape:
