@@ -11,6 +11,7 @@ import typer
 
 from ..util.console import print_table, write_error, write_json
 from ..util.errors import UserError
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.person import Person
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def setup(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     joint: Annotated[str | None, typer.Option(metavar="JOINT", help="Only this one, such as 'FR hip'.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Take its ids; without, 1 .. 12.")] = None,

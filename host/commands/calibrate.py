@@ -8,20 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..util.console import screen
-from . import HARDWARE
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.bench import Bench
     from ..robot.model import Robot
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("calibrate", rich_help_panel=HARDWARE)(calibrate)
-
-
 def calibrate(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Where to; without it the robot's own.")] = None,
     answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,

@@ -9,7 +9,7 @@ import typer
 
 from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import HARDWARE
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.person import Person
@@ -19,13 +19,8 @@ if TYPE_CHECKING:
     from ..sim.servos.honest import HonestStand
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("identify", rich_help_panel=HARDWARE)(identify)
-
-
 def identify(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
     joint: Annotated[list[str] | None, typer.Option(metavar="NAME", help='Only this joint: "RL thigh".')] = None,
