@@ -5,6 +5,7 @@ The firmware is as an image has it: hot functions in C and the rest frozen.
 
 import importlib.util
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -77,6 +78,13 @@ def figures_of(role: str, micropython: Path, jobs: int, minutes: int) -> RoleFig
     if minutes:
         figures.complaints.extend(operated(role, image, minutes))
     return figures
+
+
+def filled(script: str, values: Mapping[str, object]) -> str:
+    """Return a script with values in the place of their {names}."""
+    for name, value in values.items():
+        script = script.replace(f"{{{name}}}", repr(value))
+    return script
 
 
 def measured(names: list[str], marks: list[int]) -> dict[str, list[int]]:
