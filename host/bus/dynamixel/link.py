@@ -19,7 +19,17 @@ from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
 from .port import ServoPort
-from .table import ALERT, STATUS_ERRORS, Register, pack, unpack
+from .table import (
+    ALERT,
+    HARDWARE_ERROR,
+    STATUS_ERRORS,
+    TORQUE_ENABLE,
+    WATCHDOG,
+    Register,
+    hardware_error_text,
+    pack,
+    unpack,
+)  # fmt: skip
 from .unstuff import packet_handler
 
 # Outside of the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
@@ -93,6 +103,16 @@ class Link:
         why = self.refusal(error)
         self.counters.refused += bool(why)
         raise ServoError(f"servo id {servo} {'refuses: ' + why if why else 'does not answer: check cable and power'}")
+
+    def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
+        """Let go of a servo and write the settings that differ: they wear out by writing. ServoError if it tripped."""
+        if tripped := hardware_error_text(self.read(servo, HARDWARE_ERROR)):
+            raise ServoError(f"{name} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}")
+        self.write(servo, TORQUE_ENABLE, 0)
+        self.write(servo, WATCHDOG, 0)
+        for register, value in settings:
+            if self.read(servo, register) != value:
+                self.write(servo, register, value)
 
     def refusal(self, error: int) -> str:
         """Return why a servo did not take an instruction, "" if it did."""
