@@ -4,7 +4,8 @@ import shutil
 
 import pytest
 
-from host.boards.runtimes import CPython, RuntimeFailure
+from host.boards.runtimes import CPython
+from host.boards.runtimes.base import RuntimeFailure
 from host.lab.parity import checked
 from host.lab.parity.checked import Checked, Overflow
 
