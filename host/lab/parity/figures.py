@@ -32,13 +32,12 @@ class Allocation:
 
 @dataclass(frozen=True)
 class Promise:
-    """What the registry says: the bound on intermediates; whether the function belongs to a tick.
+    """What the registry says of a function: where it is from, and whether it belongs to a tick.
 
     ``name`` is the function's, as in "body.leg.leg_inverse" for shared/body/leg.py.
     """
 
     name: str
-    largest: int
     ticks: bool
 
 
@@ -55,7 +54,7 @@ def promises(sources: Path, work: Path) -> dict[str, Promise]:
     for module in modules_of(runtime, tree):
         for row in runtime.ask(tree, call("register", module))["probes"]:
             name = f"{row['source'].removeprefix('shared.')}.{row['name'].partition(':')[0]}"
-            found[f"{module}.{row['name']}"] = Promise(name, row["largest"], row["ticks"])
+            found[f"{module}.{row['name']}"] = Promise(name, row["ticks"])
     return found
 
 

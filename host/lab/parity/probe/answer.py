@@ -46,7 +46,7 @@ def register(module) -> None:
     """Answer with what is promised about each function of a module; CPython alone knows where one comes from."""
     found = []
     for p in probes(module):
-        found.append({"name": p.name, "source": p.function.__module__, "largest": p.largest, "ticks": p.ticks})
+        found.append({"name": p.name, "source": p.function.__module__, "ticks": p.ticks})
     _say({"probes": found})
 
 
