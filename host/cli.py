@@ -1,7 +1,6 @@
 """The `caramelo` command: gathers host/commands, and is the one place where errors become a line and an exit code."""
 
 import importlib
-import pkgutil
 import signal
 import sys
 from collections.abc import Sequence
@@ -46,9 +45,12 @@ def build_command() -> TyperGroup:
         context_settings={"help_option_names": ["-h", "--help"]},
     )
     app.callback(invoke_without_command=True)(_top)
-    found = [module.name for module in pkgutil.iter_modules(commands.__path__) if not module.name.startswith("_")]
-    for name in sorted(found, key=lambda name: name not in commands.FIRST):
-        importlib.import_module(f"{commands.__name__}.{name}").register(app)
+    for name, panel in commands.PANELS.items():
+        module = importlib.import_module(f"{commands.__name__}.{name}")
+        if hasattr(module, "GROUP"):
+            app.add_typer(module.GROUP, name=name, rich_help_panel=panel)
+        else:
+            app.command(name, rich_help_panel=panel)(getattr(module, name))
     command = typer.main.get_command(app)
     assert isinstance(command, TyperGroup)
     return command

@@ -1,7 +1,8 @@
-"""One file per group of commands. Each has ``register(app)``, which adds its commands to the app; ``_``: shared parts.
+"""One file per command or group of commands; files with ``_`` in front hold what several of them share.
 
-Importing one of these files must stay cheap, because `caramelo --help` imports all of them: numpy, pymunk,
-the robot files and the like are imported inside the command functions. A panel is a heading in the help.
+A file holds the command, a function of the file's name, or ``GROUP`` with several. Importing one of these files must
+stay cheap, because `caramelo --help` imports all of them: numpy, pymunk, the robot files and the like are imported
+inside the command functions.
 """
 
 WALK = "Walk"
@@ -9,5 +10,10 @@ ROBOTS = "Robots"
 HARDWARE = "Servos, joints, boards"
 CHECKS = "Checks and figures"
 
-# The files whose panel stands first in the help: what a new user tries first.
-FIRST = ("walk", "teleop")
+# File -> its panel, a heading in the help. First what a new user tries first.
+PANELS = {
+    "teleop": WALK, "walk": WALK, "bench": CHECKS, "board": HARDWARE, "calibrate": HARDWARE, "core": CHECKS,
+    "experiment": CHECKS, "export": ROBOTS, "firmware": HARDWARE, "flash": HARDWARE, "health": HARDWARE,
+    "identify": HARDWARE, "joints": HARDWARE, "log": WALK, "motor": HARDWARE, "pairings": WALK, "parity": CHECKS,
+    "robots": ROBOTS, "servos": HARDWARE, "tune": CHECKS,
+}  # fmt: skip

@@ -1,18 +1,17 @@
 """`caramelo flash --can`: firmware for the joints of a robot over their bus."""
 
-import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..util.console import progress, screen, write_error, write_json
+from ..util.console import screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from ..util.progress import write_step
+from ..util.progress import stages
 
 if TYPE_CHECKING:
-    from ..boards.flash.over_can import CanFlash, JointOutcome, Tell
+    from ..boards.flash.over_can import CanFlash, JointOutcome
     from ..bus.can.port import Port
 
 Bus = tuple[str, str | None, str | None]  # robot, interface, channel
@@ -29,7 +28,7 @@ def flash_over_can(image: Path, nodes: list[int], every: bool, dry_run: bool, wh
     wanted = _wanted(nodes, every)
     data = read_image_file(image)
     check_image(data)
-    with _port(*where) as port, _told(quiet=as_json) as tell:
+    with _port(*where) as port, stages("flash", as_json) as tell:
         work = CanFlash(UpdateBus(port, secrets.randbelow(256)), data, wanted, tell)
         joints = list(work.survey().values())
         if not dry_run:
@@ -64,26 +63,6 @@ def _port(robot: str, interface: str | None, channel: str | None) -> Iterator["P
         raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
     with open_port(data.bus, interface, channel) as port:
         yield port
-
-
-@contextmanager
-def _told(quiet: bool) -> Iterator["Tell"]:
-    """Yield what shows how far it is: a bar for each part on a terminal, else a line for each."""
-    with ExitStack() as shown:
-        now, bar = "", None
-
-        def tell(what: str, done: float) -> None:
-            nonlocal now, bar
-            if what != now:
-                now = what
-                shown.close()
-                bar = shown.enter_context(progress(what, 1.0))
-                if not sys.stderr.isatty() and not quiet:
-                    write_step(f"flash: {what}")
-            if bar is not None:
-                bar(done)
-
-        yield tell
 
 
 def _print(work: "CanFlash", joints: "list[JointOutcome]", dry_run: bool) -> None:

@@ -11,6 +11,7 @@ import typer
 
 from ..util.console import print_table, write_error, write_json
 from ..util.errors import UserError
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.person import Person
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def setup(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     joint: Annotated[str | None, typer.Option(metavar="JOINT", help="Only this one, such as 'FR hip'.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Take its ids; without, 1 .. 12.")] = None,
@@ -39,12 +40,12 @@ def setup(
     from ..bus.base import JOINT_LABELS
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
     from ..bus.dynamixel.calibration.person import AtTerminal, FromFile, matching, read_answers
+    from ..bus.dynamixel.link import serial_bus
     from ..bus.dynamixel.setup import Setup
-    from ..control.hardware import baud
     from ..robot.file import load_robot
 
     data = load_robot(robot)
-    rate, chosen = baud(data), JOINT_LABELS if joint is None else (matching(joint, JOINT_LABELS),)
+    rate, chosen = serial_bus(data).baud, JOINT_LABELS if joint is None else (matching(joint, JOINT_LABELS),)
     if chosen[0] is None:
         raise UserError(f"--joint {joint}: allowed {', '.join(JOINT_LABELS)}")
     if answers is not None and record is not None:
@@ -65,9 +66,8 @@ def setup(
 @contextmanager
 def _servos(robot: "Robot", port: str | None, sim: bool) -> Iterator[tuple["Link", Callable[[int], None] | None]]:
     """Yield an open link to the servo that is plugged in, and what plugs one in where nobody is there to do it."""
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort, latency_warning
-    from ..control.hardware import baud, device
+    from ..bus.dynamixel.link import open_link
+    from ..bus.dynamixel.port import latency_warning
 
     if sim:
         from ..sim.servos.tray import Tray
@@ -75,14 +75,10 @@ def _servos(robot: "Robot", port: str | None, sim: bool) -> Iterator[tuple["Link
         tray = Tray(robot)
         yield tray.link, tray.plug
         return
-    serial = ServoPort(port or device(robot), baud(robot))
-    serial.open()
-    try:
-        if warning := latency_warning(serial.port_name):
+    with open_link(robot, port) as link:
+        if warning := latency_warning(link.port.port_name):
             write_error(f"warning: {warning}")
-        yield Link(serial, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0), None
-    finally:
-        serial.closePort()
+        yield link, None
 
 
 def _show(robot: str, port: str, done: "dict[int, Done]", as_json: bool) -> None:

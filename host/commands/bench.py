@@ -6,13 +6,12 @@ import typer
 
 from ..util.console import print_table, screen, write_json
 from ..util.errors import NOT_ACHIEVED
-from . import CHECKS
+from ._options import Json
 
 if TYPE_CHECKING:
 
     from ..lab.parity.bench import Bench
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]
 Teleop = Annotated[bool, typer.Option("--teleop", help="Measure teleoperation instead, from outside.")]
 Seconds = Annotated[float, typer.Option(min=1.0, max=3600.0, metavar="S", help="With --teleop: how long to walk.")]
@@ -23,11 +22,6 @@ COLUMNS = ("cpython_us", "compiled_us", "fuel", "bytecode_us", "native_us", "vip
 TELEOP_WIDTH = 150
 WIDTH = 130  # characters; a table is not cut when the output is no terminal
 HEADS = ("CPython us", "compiled us", "fuel", "bytecode us", "native us", "viper us", "floats us", "floats/viper")
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("bench", rich_help_panel=CHECKS)(bench)
 
 
 def bench(

@@ -7,20 +7,14 @@ import typer
 
 from ..util.console import say, screen, write_json
 from ..util.errors import UserError
-from . import HARDWARE
+from ._options import Json
 
 Port = Annotated[str, typer.Option("--port", help="Serial port of the board.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+GROUP = typer.Typer(help="Look at a board, reset it, use its prompt.", no_args_is_help=True)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Look at a board, reset it, use its prompt.", no_args_is_help=True)
-    for command in (info, logs, reset, shell):
-        group.command(command.__name__)(command)
-    app.add_typer(group, name="board", rich_help_panel=HARDWARE)
-
-
+@GROUP.command()
 def info(port: Port, as_json: Json = False) -> int:
     """Tell what a board is and what firmware it holds. Its application is stopped for that and started again.
 
@@ -41,6 +35,7 @@ def info(port: Port, as_json: Json = False) -> int:
     return 0
 
 
+@GROUP.command()
 def logs(port: Port, as_json: Json = False) -> int:
     """Print what the board noted of starts that failed, newest last.
 
@@ -56,6 +51,7 @@ def logs(port: Port, as_json: Json = False) -> int:
     return 0
 
 
+@GROUP.command()
 def reset(port: Port) -> int:
     """Reset a board; its firmware starts.
 
@@ -68,6 +64,7 @@ def reset(port: Port) -> int:
     return 0
 
 
+@GROUP.command()
 def shell(port: Port) -> int:
     """Use the board's prompt: Ctrl-C stops what runs, Ctrl-D restarts, Ctrl-] leaves.
 

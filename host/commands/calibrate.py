@@ -8,20 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..util.console import screen
-from . import HARDWARE
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.bench import Bench
     from ..robot.model import Robot
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("calibrate", rich_help_panel=HARDWARE)(calibrate)
-
-
 def calibrate(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     out: Annotated[Path | None, typer.Option(metavar="FILE", help="Where to; without it the robot's own.")] = None,
     answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,
@@ -77,20 +72,15 @@ def _bench(robot: "Robot", port: str | None, sim: bool, seed: int) -> Iterator["
     import time
 
     from ..bus.dynamixel.calibration.bench import Bench
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.link import open_link
     from ..bus.dynamixel.table import TORQUE_ENABLE
-    from ..control.hardware import baud, device
     from ..sim.servos.stand import SimulatedBench, hidden_mounting
 
     if sim:
         yield SimulatedBench(robot, hidden_mounting(robot, seed))
         return
-    serial = ServoPort(port or device(robot), baud(robot))
-    serial.open()
-    bench = Bench(Link(serial, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0), time.sleep)
-    try:
-        yield bench
-    finally:
-        bench.link.broadcast(TORQUE_ENABLE, 0)
-        serial.closePort()
+    with open_link(robot, port) as link:
+        try:
+            yield Bench(link, time.sleep)
+        finally:
+            link.broadcast(TORQUE_ENABLE, 0)

@@ -1,27 +1,21 @@
 """`caramelo core`: the control core as machine code for this computer."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
 from ..util.console import screen, write_json, write_note
 from ..util.errors import UserError
-from . import CHECKS
+from ._options import Json
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+GROUP = typer.Typer(help="Make the control core ten times as fast on this computer.", no_args_is_help=True)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Make the control core ten times as fast on this computer.", no_args_is_help=True)
-    for command in (build, show, remove):
-        group.command(command.__name__)(command)
-    app.add_typer(group, name="core", rich_help_panel=CHECKS)
-
-
+@GROUP.command()
 def build(as_json: Json = False) -> int:
     """Compile shared/ for this Python. Every caramelo command uses the result until a source changes.
 
@@ -46,6 +40,7 @@ def build(as_json: Json = False) -> int:
     return _tell(as_json)
 
 
+@GROUP.command()
 def show(as_json: Json = False) -> int:
     """Tell whether there is a compiled core, and whether it is of these sources.
 
@@ -54,6 +49,7 @@ def show(as_json: Json = False) -> int:
     return _tell(as_json)
 
 
+@GROUP.command()
 def remove(as_json: Json = False) -> int:
     """Remove the compiled core: the sources run again.
 

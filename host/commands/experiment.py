@@ -7,9 +7,7 @@ import typer
 
 from ..util.console import screen, tell_written, write_error, write_json
 from ..util.errors import UserError
-from . import CHECKS
-from ._workers import ClusterAt, Jobs
-from ._world import Honest
+from ._options import ClusterAt, Honest, Jobs, Json, RobotName
 
 if TYPE_CHECKING:
     from ..lab.experiments.case import Table as Rows
@@ -20,14 +18,9 @@ SETS = ("chosen", "held-out")
 SET_HELP = "Seeds and start offsets: chosen, with which the constants were found, or held-out, which chose nothing."
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("experiment", rich_help_panel=CHECKS)(experiment)
-
-
 def experiment(
     what: Annotated[str, typer.Argument(metavar="EXPERIMENT", help=WHAT_HELP)],
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
     trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case, else each one's own.")] = None,
     jobs: Jobs = 1,
@@ -37,7 +30,7 @@ def experiment(
     three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
     honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write report.html, PNG and JSON files here.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Run one of the papers' experiments, or all, and show its figures beside the papers'.
 

@@ -6,24 +6,18 @@ from typing import Annotated
 import typer
 
 from ..util.console import say, screen, write_json
-from . import ROBOTS
+from ._options import RobotName
 
-RobotName = Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")]
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write here instead of to the terminal.")]
 Payload = Annotated[float, typer.Option(metavar="KG", min=0.0, max=20.0, help="Load on the body, kg.")]
 Voltage = Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V; without it nominal.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: what was written and how big it is.")]
 GROUND_HELP = "As for caramelo walk --in space."
 
-
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Write the robot as a MuJoCo model or a URDF, from its file.", no_args_is_help=True)
-    group.command("mjcf")(export_mjcf)
-    group.command("urdf")(export_urdf)
-    app.add_typer(group, name="export", rich_help_panel=ROBOTS)
+GROUP = typer.Typer(help="Write the robot as a MuJoCo model or a URDF, from its file.", no_args_is_help=True)
 
 
+@GROUP.command("mjcf")
 def export_mjcf(
     robot: RobotName = "caramelo",
     out: Out = None,
@@ -49,6 +43,7 @@ def export_mjcf(
     _deliver(mjcf(load_robot(robot), options), "mjcf", robot, out, as_json)
 
 
+@GROUP.command("urdf")
 def export_urdf(
     robot: RobotName = "caramelo",
     out: Out = None,

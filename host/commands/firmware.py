@@ -9,7 +9,7 @@ import typer
 from ..util.console import print_table, progress, screen, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.files import check_folder, write_bytes, write_text
-from . import HARDWARE
+from ._options import Json
 
 if TYPE_CHECKING:
     from ..boards.build.board_image import Built
@@ -22,22 +22,11 @@ RobotName = Annotated[str, typer.Option("--robot", help="Whose data a gait board
 Out = Annotated[Path, typer.Option(help="Folder of the images; builds go on in build/ in it.")]
 Jobs = Annotated[int | None, typer.Option(min=1, help="Files compiled at once; without it, one per processor.")]
 Minutes = Annotated[int, typer.Option(min=0, max=600, metavar="M", help="Also let it operate that long.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+GROUP = typer.Typer(help="Build what a board runs.", no_args_is_help=True)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Build what a board runs.", no_args_is_help=True)
-    group.callback()(_group)
-    group.command("image")(image)
-    group.command("measure")(measure)
-    app.add_typer(group, name="firmware", rich_help_panel=HARDWARE)
-
-
-def _group() -> None:
-    """Build what a board runs."""
-
-
+@GROUP.command()
 def image(
     micropython: Sources,
     role: Role = None,
@@ -73,6 +62,7 @@ def image(
     return NOT_ACHIEVED if over else 0
 
 
+@GROUP.command()
 def measure(
     micropython: Sources, role: Role = None, minutes: Minutes = 0, jobs: Jobs = None, as_json: Json = False
 ) -> int:

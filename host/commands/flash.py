@@ -8,8 +8,8 @@ import typer
 
 from ..util.console import progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import HARDWARE
-from .joints.options import Channel, Interface, RobotName
+from ._options import Json, RobotName
+from .joints.options import Channel, Interface
 
 if TYPE_CHECKING:
     from ..boards.flash.flash import Outcome, Wish
@@ -21,12 +21,6 @@ Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of t
 All = Annotated[bool, typer.Option("--all", help="Every board named by --port, or found; with --can all joints.")]
 Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="The joint's id on the bus; it keeps it.")]
 Dry = Annotated[bool, typer.Option("--dry-run", help="Only tell what would be done.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("flash", rich_help_panel=HARDWARE)(flash)
 
 
 def flash(

@@ -8,7 +8,7 @@ import typer
 
 from ..util.console import say, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import HARDWARE
+from ._options import Json, RobotName
 
 if TYPE_CHECKING:
     from ..control.health import Finding
@@ -17,13 +17,8 @@ if TYPE_CHECKING:
 LOOK_S = 2.0  # the sensor takes one of them to find out where up is
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("health", rich_help_panel=HARDWARE)(health)
-
-
 def health(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     sim: Annotated[bool, typer.Option("--sim", help="Look at emulated servos or simulated joints.")] = False,
     direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
     socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Of a running drive's --socket.")] = None,
@@ -31,7 +26,7 @@ def health(
     imu: Annotated[str | None, typer.Option(metavar="WHERE", help="i2c, a gait board's port, or a recording.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
     seconds: Annotated[float, typer.Option(metavar="S", help="For so long it is looked at.")] = LOOK_S,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Tell how the robot is: loop, missed deadlines, bus errors by joint, IMU, battery, hottest joint, versions.
 

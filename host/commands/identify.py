@@ -7,25 +7,21 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import print_table, progress, screen, tell_written, write_json
+from ..util.console import print_table, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import HARDWARE
+from ..util.progress import stages
+from ._options import RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.person import Person
-    from ..identify.procedure import Result, Show
+    from ..identify.procedure import Result
     from ..identify.rig import Rig
     from ..robot.model import Robot
     from ..sim.servos.honest import HonestStand
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("identify", rich_help_panel=HARDWARE)(identify)
-
-
 def identify(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
     joint: Annotated[list[str] | None, typer.Option(metavar="NAME", help='Only this joint: "RL thigh".')] = None,
@@ -59,7 +55,7 @@ def identify(
         person = _person(yes or sim)
         with _rig(data, port, calibration, sim, seed) as (rig, stand):
             _measure(data, rig, stand, person, folder, joints, not no_floor and joint is None)
-    with _shown("fit", as_json) as show:
+    with stages("fit", as_json) as show:
         result = fit_all(data, folder, show)
     pictures = _draw(data, folder, result)
     copy = _write_copy(data, find(robot), folder, result)
@@ -92,9 +88,7 @@ def _rig(
     import time
 
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
-    from ..control.hardware import baud, device
+    from ..bus.dynamixel.link import open_link
     from ..identify.rig import Rig
     from ..robot.poses import rest_pose_rad
 
@@ -105,20 +99,12 @@ def _rig(
         yield stand.rig, stand
         return
     found = load_calibration(calibration or default_path(robot), robot)
-    serial = ServoPort(port or device(robot), baud(robot))
-    serial.open()
-    try:
-        protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
-        rig = Rig(
-            robot, found, Link(serial, protocol), time.monotonic,
-            lambda until_s: time.sleep(max(0.0, until_s - time.monotonic())),
-        )  # fmt: skip
+    with open_link(robot, port) as link:
+        rig = Rig(robot, found, link, time.monotonic, lambda until_s: time.sleep(max(0.0, until_s - time.monotonic())))
         try:
             yield rig, None
         finally:
             rig.close()
-    finally:
-        serial.closePort()
 
 
 def _measure(
@@ -138,11 +124,11 @@ def _measure(
     )
     if person.ask("stand", "Measure?", ["go", "no"]) == "no":
         raise UserError("nothing was measured", NOT_ACHIEVED)
-    with _shown("stand", False) as show:
+    with stages("stand") as show:
         measure_in_air(rig, folder, joints, show)
     if not floor or keeping.together_path(folder, "ground").exists():
         return
-    with _shown("weights", False) as show:
+    with stages("weights") as show:
         reasons = unsafe(glance(robot, folder, show))
     if reasons:
         person.say("It must not stand up: " + "; ".join(reasons))
@@ -151,28 +137,8 @@ def _measure(
     if person.ask("floor", "Stand up?", ["go", "no"]) == "go":
         if stand is not None:
             stand.put_on_ground()
-        with _shown("floor", False) as show:
+        with stages("floor") as show:
             measure_on_ground(rig, folder, show)
-
-
-@contextmanager
-def _shown(title: str, quiet: bool) -> Iterator["Show"]:
-    """Yield what tells of progress: a bar on a terminal, else a line whenever something else is being done."""
-    import sys
-
-    from ..util.progress import write_step
-
-    last = ""
-    with progress(title, 1.0) as bar:
-
-        def show(what: str, share: float) -> None:
-            nonlocal last
-            bar(share)
-            if what != last and not quiet and not sys.stderr.isatty():
-                write_step(f"{title}: {what}")
-            last = what
-
-        yield show
 
 
 def _draw(robot: "Robot", folder: Path, result: "Result") -> list[Path]:

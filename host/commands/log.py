@@ -8,25 +8,17 @@ import typer
 from ..util.console import print_table, progress, say, screen, tell_written, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.files import check_folder
-from . import WALK
+from ._options import Json
 
 if TYPE_CHECKING:
     from ..records.reader import Fields, Record
 
 File = Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a folder: its newest record.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+GROUP = typer.Typer(help="Look at records of drives, and replay them.", no_args_is_help=True)
 
 
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Look at records of drives, and replay them.", no_args_is_help=True)
-    group.command("info")(info)
-    group.command("plot")(plot)
-    group.command("export")(export)
-    group.command("replay")(replay)
-    app.add_typer(group, name="log", rich_help_panel=WALK)
-
-
+@GROUP.command()
 def info(file: File, as_json: Json = False) -> None:
     """Show what a record holds: robot, duration, messages, states, faults, timing.
 
@@ -83,6 +75,7 @@ def _show(facts: dict[str, Any]) -> None:
         console.print(f"fault: {fault}")
 
 
+@GROUP.command()
 def plot(
     file: File, out: Annotated[Path | None, typer.Option(metavar="PNG", help="Without it beside the record.")] = None
 ) -> None:
@@ -103,6 +96,7 @@ def plot(
     tell_written([target])
 
 
+@GROUP.command()
 def export(
     what: Annotated[str, typer.Argument(metavar="csv", help="The format: csv.")],
     file: Annotated[Path | None, typer.Argument(metavar="FILE", help="A record, or a folder: its newest one.")] = None,
@@ -125,6 +119,7 @@ def export(
     tell_written(written)
 
 
+@GROUP.command()
 def replay(file: File, as_json: Json = False) -> int:
     """Feed the recorded inputs to the planner again; the joint targets must be the same to the bit.
 

@@ -7,24 +7,18 @@ import typer
 
 from ..util.console import print_table, progress, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED
-from . import HARDWARE
+from ._options import Json
 
 if TYPE_CHECKING:
     from ..robot.actuators import Bldc
     from ..sim.motor.result import Result
 
-motor_app = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
+GROUP = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 RobotOption = Annotated[str, typer.Option(help="A robot's name with brushless joints, or a file ending in .toml.")]
 
 
-def register(app: typer.Typer) -> None:
-    """Add the commands."""
-    app.add_typer(motor_app, name="motor", rich_help_panel=HARDWARE)
-
-
-@motor_app.command("sim")
+@GROUP.command("sim")
 def sim(
     scenario: Annotated[
         str | None, typer.Option(help="step, sine, glitches, stall, current, closed-loop, commission, or fault-NAME.")
@@ -66,7 +60,7 @@ def sim(
     return 0 if ok else NOT_ACHIEVED
 
 
-@motor_app.command("selftest")
+@GROUP.command("selftest")
 def selftest(
     port: Annotated[str, typer.Option(help="Serial device of the joint's board, such as /dev/ttyACM0.")],
     bridge: Annotated[

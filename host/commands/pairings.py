@@ -6,18 +6,13 @@ from typing import Annotated
 import typer
 
 from ..util.console import say, write_json
-from . import WALK
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("pairings", rich_help_panel=WALK)(pairings)
+from ._options import Json
 
 
 def pairings(
     folder: Annotated[Path | None, typer.Option(metavar="DIR", help="The service's: /var/lib/caramelo.")] = None,
     forget: Annotated[bool, typer.Option("--forget", help="Revoke all; open pages are hung up on.")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Json = False,
 ) -> None:
     """Tell how many browsers are paired with the page, and since when; revoke that with --forget.
 

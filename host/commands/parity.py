@@ -6,7 +6,7 @@ import typer
 
 from ..util.console import print_table, screen, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import CHECKS
+from ._options import Json
 
 if TYPE_CHECKING:
     from ..boards.runtimes import Runtime
@@ -18,12 +18,6 @@ Port = Annotated[str | None, typer.Option(help="Serial port of a real board, e.g
 Vectors = Annotated[int, typer.Option(min=8, help="Vectors of a function; 200 also means walks of 5000 ticks.")]
 Coverage = Annotated[bool, typer.Option("--coverage", help="Also report which statements ran, in a traced VM.")]
 Memory = Annotated[bool, typer.Option("--memory", help="Print instead each function's largest value and heap.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-
-
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("parity", rich_help_panel=CHECKS)(parity)
 
 
 def parity(

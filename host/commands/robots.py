@@ -7,8 +7,8 @@ import typer
 
 from ..util.console import print_table, say, write_json
 from ..util.errors import NOT_ACHIEVED
-from . import ROBOTS
 from ._new_robot import new_robot
+from ._options import Json
 
 if TYPE_CHECKING:
     from ..robot.ability import Ability
@@ -16,20 +16,12 @@ if TYPE_CHECKING:
 
 JOINTS = ("hip", "thigh", "calf")
 
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Which = Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or a file ending in .toml.")]
 
-
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="List, show, check and write robot files.", invoke_without_command=True)
-    group.callback()(list_robots)
-    group.command("show")(show_robot)
-    group.command("check")(check_robot)
-    group.command("new")(new_robot)
-    app.add_typer(group, name="robots", rich_help_panel=ROBOTS)
+GROUP = typer.Typer(help="List, show, check and write robot files.", invoke_without_command=True)
 
 
+@GROUP.callback()
 def list_robots(context: typer.Context, as_json: Json = False) -> None:
     """List, show, check and write robot files. Alone it lists the robots that --robot knows.
 
@@ -47,6 +39,7 @@ def list_robots(context: typer.Context, as_json: Json = False) -> None:
     print_table((), [(robot.name, robot.description) for robot in robots])
 
 
+@GROUP.command("show")
 def show_robot(which: Which, as_json: Json = False) -> None:
     """Show a robot: the figures that matter most, or with --json everything in its file.
 
@@ -61,6 +54,7 @@ def show_robot(which: Which, as_json: Json = False) -> None:
     print_table((), [*overview(robot), ("file", str(find(which)))])
 
 
+@GROUP.command("check")
 def check_robot(which: Which, as_json: Json = False) -> int:
     """Check a robot file, and tell what the robot can do. What is wrong with the file is told in one line, exit code 2.
 
@@ -89,6 +83,9 @@ def check_robot(which: Which, as_json: Json = False) -> int:
         for sentence in lacks:
             say(sentence)
     return NOT_ACHIEVED if lacks else 0
+
+
+GROUP.command("new")(new_robot)
 
 
 def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,7 +11,7 @@ import typer
 
 from ..util.console import make_table, print_table, progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import HARDWARE
+from ._options import Json, RobotName
 from ._servo_setup import setup
 
 if TYPE_CHECKING:
@@ -21,65 +21,33 @@ if TYPE_CHECKING:
     from ..bus.dynamixel.link import Link
     from ..robot.model import Robot
 
-RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
 Port = Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")]
 Baud = Annotated[int | None, typer.Option(help="Rate; without it the robot file's own.")]
 Sim = Annotated[bool, typer.Option("--sim", help="Talk to emulated servos: twelve, behind a pseudo-terminal.")]
 Data = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help="Without it the robot's own.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Servo = Annotated[int, typer.Argument(metavar="ID", min=0, max=252, help="The servo's id.")]
 
-
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
-    group = typer.Typer(help="Set up, find, look at and switch the servos.", no_args_is_help=True)
-    for name, command in (
-        ("setup", setup),
-        ("scan", scan),
-        ("status", status),
-        ("monitor", monitor),
-        ("torque", torque),
-        ("set-id", set_id),
-        ("set-baud", set_baud),
-        ("reboot", reboot),
-        ("budget", budget),
-    ):
-        group.command(name)(command)
-    app.add_typer(group, name="servos", rich_help_panel=HARDWARE)
+GROUP = typer.Typer(help="Set up, find, look at and switch the servos.", no_args_is_help=True)
+GROUP.command()(setup)
 
 
 @contextmanager
 def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
     """Yield the robot and an open link to its servos, real or emulated."""
-    from ..bus.dynamixel.link import Link
-    from ..bus.dynamixel.port import ServoPort
+    from ..bus.dynamixel.link import open_link, serial_bus
     from ..bus.dynamixel.table import BAUDS
-    from ..control.hardware import baud as own_baud
-    from ..control.hardware import device
     from ..robot.file import find, load_robot
 
     data = load_robot(robot)
-    rate = own_baud(data) if baud is None else baud
-    if rate not in BAUDS:
-        raise UserError(f"--baud {rate}: allowed {', '.join(map(str, BAUDS))}")
-    with _port_name(port or device(data), sim, str(find(robot))) as name:
-        serial = ServoPort(name, rate)
-        serial.open()
-        try:
-            yield data, Link(serial, data.bus.protocol if data.bus.kind == "dynamixel" else 2.0)
-        finally:
-            serial.closePort()
+    serial_bus(data)
+    if baud is not None and baud not in BAUDS:
+        raise UserError(f"--baud {baud}: allowed {', '.join(map(str, BAUDS))}")
+    with ExitStack() as stack:
+        if sim:
+            from ..sim.servos.process import Emulator
 
-
-@contextmanager
-def _port_name(port: str, sim: bool, robot: str) -> Iterator[str]:
-    if not sim:
-        yield port
-        return
-    from ..sim.servos.process import Emulator
-
-    with Emulator("--robot", robot) as emulator:
-        yield emulator.port
+            port = stack.enter_context(Emulator("--robot", str(find(robot)))).port
+        yield data, stack.enter_context(open_link(data, port, baud))
 
 
 def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
@@ -99,6 +67,7 @@ def _joints(calibration: "Calibration | None") -> dict[int, str]:
     return dict(zip(calibration.ids, JOINT_LABELS, strict=True)) if calibration else {}
 
 
+@GROUP.command()
 def scan(
     robot: RobotName = "caramelo",
     port: Port = None,
@@ -141,6 +110,7 @@ def scan(
     return 0 if rows else NOT_ACHIEVED
 
 
+@GROUP.command()
 def status(
     robot: RobotName = "caramelo",
     port: Port = None,
@@ -195,6 +165,7 @@ def _open_bus(robot: str, port: str | None, calibration: Path | None, sim: bool)
             yield bus
 
 
+@GROUP.command()
 def monitor(
     robot: RobotName = "caramelo",
     port: Port = None,
@@ -276,6 +247,7 @@ def _joint_table(bus: "ServoBus", measured: "Measured") -> Any:
     return make_table(("joint", "deg", "load", "V", "C", "error"), cells, caption)
 
 
+@GROUP.command()
 def torque(
     switch: Annotated[
         str, typer.Argument(metavar="on|off", help="on: hold the present pose until Ctrl-C; off: let go.")
@@ -310,6 +282,7 @@ def torque(
     return 0
 
 
+@GROUP.command()
 def set_id(
     old: Servo,
     new: Annotated[int, typer.Argument(metavar="NEW", min=0, max=252, help="The id it gets.")],
@@ -330,6 +303,7 @@ def set_id(
     return 0
 
 
+@GROUP.command()
 def set_baud(
     servo: Servo,
     new: Annotated[int, typer.Argument(metavar="BAUD", help="The rate it gets.")],
@@ -350,6 +324,7 @@ def set_baud(
     return 0
 
 
+@GROUP.command()
 def reboot(servo: Servo, robot: RobotName = "caramelo", port: Port = None, baud: Baud = None, sim: Sim = False) -> int:
     """Restart a servo that has tripped. It lets go while it restarts.
 
@@ -361,6 +336,7 @@ def reboot(servo: Servo, robot: RobotName = "caramelo", port: Port = None, baud:
     return 0
 
 
+@GROUP.command()
 def budget(
     robot: RobotName = "caramelo",
     baud: Baud = None,
@@ -372,12 +348,12 @@ def budget(
     Example: caramelo servos budget --baud 1000000 --latency 16
     """
     from ..bus.dynamixel.budget import budget as budget_of
-    from ..control.hardware import baud as own_baud
+    from ..bus.dynamixel.link import serial_bus
     from ..robot.file import load_robot
 
     data = load_robot(robot)
-    rate, protocol = own_baud(data), data.bus.protocol if data.bus.kind == "dynamixel" else 2.0
-    cost = budget_of(baud or rate, data.control.rate_hz, protocol, latency)
+    own = serial_bus(data)
+    cost = budget_of(baud or own.baud, data.control.rate_hz, own.protocol, latency)
     if as_json:
         write_json(cost.as_dict())
     else:

@@ -10,21 +10,15 @@ import typer
 
 from ..util.console import say, screen, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import WALK
-from ._world import Honest
+from ._options import Honest, RobotName
 
 # What is still running so long after the joints have been let go hangs on a disk, a pipe or a terminal: the system ends
 # the program then.
 END_MOST_S = 15
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("teleop", rich_help_panel=WALK)(teleop)
-
-
 def teleop(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
     where: Annotated[str | None, typer.Option("--in", metavar="WORLD", help="With --sim: plane, or space.")] = None,

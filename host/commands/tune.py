@@ -7,8 +7,7 @@ import typer
 
 from ..util.console import print_table, tell_written, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import CHECKS
-from ._workers import ClusterAt, Jobs
+from ._options import ClusterAt, Jobs, Json, RobotName
 
 if TYPE_CHECKING:
     from ..lab.tune.run import Tuning
@@ -20,13 +19,8 @@ OUT_HELP = "Write the copy here, else ROBOT-GOAL.toml in this folder."
 STORE_HELP = "Keep the trials here, and go on from them; else beside the copy."
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("tune", rich_help_panel=CHECKS)(tune)
-
-
 def tune(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     goal: Annotated[str, typer.Option("--for", metavar="GOAL", help=FOR_HELP)] = "speed",
     trials: Annotated[int, typer.Option(min=2, max=100_000, help="Choices of values to try, eight walks each.")] = 200,
     gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
@@ -35,7 +29,7 @@ def tune(
     cluster: ClusterAt = "",
     out: Annotated[Path | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     store: Annotated[Path | None, typer.Option(metavar="FILE", help=STORE_HELP)] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Search a robot file's chosen values for a goal and write a copy of the file with the best, marked tuned.
 

@@ -7,8 +7,7 @@ import typer
 
 from ..util.console import print_table, progress, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
-from . import WALK
-from ._world import Honest
+from ._options import Honest, Json, RobotName
 
 if TYPE_CHECKING:
     from sim2d.recording import Recording
@@ -23,13 +22,8 @@ TERRAIN_HELP = (
 )
 
 
-def register(app: typer.Typer) -> None:
-    """Add the command."""
-    app.command("walk", rich_help_panel=WALK)(walk)
-
-
 def walk(
-    robot: Annotated[str, typer.Option(help="A robot's name, or a file ending in .toml.")] = "caramelo",
+    robot: RobotName = "caramelo",
     gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
@@ -47,7 +41,7 @@ def walk(
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
     honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Write {', '.join(FILES)} here.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object.")] = False,
+    as_json: Json = False,
 ) -> int:
     """Walk a simulated robot, show the figures, and write an animation, a moving picture and one of the path.
 

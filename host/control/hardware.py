@@ -63,11 +63,13 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
         return Hardware(can_joints(robot, port), Attitude(robot, imu), simulated=elsewhere)
     from ..bus.dynamixel.bus import ServoBus
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, servo_of
+    from ..bus.dynamixel.link import serial_bus
     from ..bus.dynamixel.port import ServoPort
 
     servo_of(robot)
     data = load_calibration(calibration or default_path(robot), robot)
-    bus = ServoBus(robot, data, ServoPort(port or device(robot), baud(robot)))
+    own = serial_bus(robot)
+    bus = ServoBus(robot, data, ServoPort(port or own.port, own.baud))
     return Hardware(bus, Attitude(robot, open_source(robot, I2C)))
 
 
@@ -82,17 +84,3 @@ def can_joints(robot: Robot, port: str | None) -> Bus:
         raise UserError(f"--port {port}: of joints on CAN it is INTERFACE:CHANNEL, such as socketcan:can0")
     bus_port = open_port(robot.bus, interface or None, channel or None)
     return CanJoints(robot, bus_port, new_session(), seated_pose_rad(robot), threaded=True)
-
-
-def baud(robot: Robot) -> int:
-    """Return the servo bus's rate."""
-    if robot.bus.kind != "dynamixel":
-        raise UserError(f"{robot.name} has no servo bus")
-    return robot.bus.baud
-
-
-def device(robot: Robot) -> str:
-    """Return the servo bus's port."""
-    if robot.bus.kind != "dynamixel":
-        raise UserError(f"{robot.name} has no servo bus")
-    return robot.bus.port

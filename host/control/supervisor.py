@@ -199,7 +199,7 @@ class Supervisor:
         up from there tips it over its nose (seen in the plane: by 58 degrees).
         """
         geometry, joints = self.robot.geometry, self.measured.position_rad
-        most_m = STRETCHED * (geometry.thigh_m + geometry.calf_m)
+        most_m = STRETCHED * geometry.leg_m
         for leg, name in enumerate(LEG_NAMES):
             angles = joints[3 * leg], joints[3 * leg + 1], joints[3 * leg + 2]
             rest_m = self.robot.foot_m(leg, self.robot.stance.sit_height_m)[0]

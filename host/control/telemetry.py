@@ -27,7 +27,7 @@ class StartCheck:
 
 @dataclass
 class Extra:
-    """What the loop itself does not know."""
+    """What the loop itself does not know; all of it is told in the status."""
 
     checks: list[StartCheck] = field(default_factory=list)
     web: str = ""
@@ -117,7 +117,9 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
             "steered_at_s": loop.steered_at_s,
             "stopped_at_s": loop.stopped_at_s,
         },
-        **_beside(extra),
+        **vars(extra),
+        "place": None if extra.place is None else rounded(extra.place, 4),
+        "checks": [f"{each.name}: {each.result}" for each in extra.checks],
     }
 
 
@@ -154,22 +156,4 @@ def _measured(supervisor: Supervisor) -> dict[str, Any]:
         "bus_asked": counters.sent,
         "bus_errors": counters.errors,
         "lost_by_joint": list(counters.per_joint_lost),
-    }
-
-
-def _beside(extra: Extra) -> dict[str, Any]:
-    """Return what the loop itself does not know."""
-    return {
-        "attitude_note": extra.attitude_note,
-        "readings_missed": extra.readings_missed,
-        "ground": extra.ground,
-        "place": None if extra.place is None else rounded(extra.place, 4),
-        "bad_messages": extra.bad_messages,
-        "checks": [f"{each.name}: {each.result}" for each in extra.checks],
-        "log": extra.log,
-        "pages": extra.pages,
-        "web_counts": extra.web_counts,
-        "web": extra.web,
-        "foxglove": extra.foxglove,
-        "scripts": extra.scripts,
     }

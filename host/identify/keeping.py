@@ -1,8 +1,10 @@
 """Keeps sweeps as records: one MCAP file a joint and one of all joints together, each whole or not there at all."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Any
 
 from ..bus.base import JOINT_LABELS
 from ..records.channels import CHANNELS
@@ -34,46 +36,45 @@ def done(folder: Path, joint: int) -> bool:
 
 def keep_traces(path: Path, robot: Robot, traces: Sequence[Trace]) -> None:
     """Write a joint's sweeps."""
-    with atomic_path(path) as draft:
-        recorder = Recorder(draft, {"robot": robot.name, "made_by": "caramelo identify"})
-        try:
-            at_s = 0.0
-            for trace in traces:
-                for row in zip(*(getattr(trace, name) for name in ROWS), strict=True):
-                    values = {"joint": trace.joint, "sweep": trace.name, **dict(zip(ROWS, row, strict=True))}
-                    recorder.keep_up()
-                    recorder.put("/sweep", at_s + values["asked_s"], values)
-                at_s += trace.asked_s[-1] + 0.5
-        finally:
-            recorder.close()
-        _whole(recorder)
+    with _kept(path, robot) as put:
+        at_s = 0.0
+        for trace in traces:
+            for row in zip(*(getattr(trace, name) for name in ROWS), strict=True):
+                values = {"joint": trace.joint, "sweep": trace.name, **dict(zip(ROWS, row, strict=True))}
+                put("/sweep", at_s + values["asked_s"], values)
+            at_s += trace.asked_s[-1] + 0.5
 
 
 def keep_stances(path: Path, robot: Robot, rows: Sequence[Stance]) -> None:
     """Write what all joints did together."""
+    with _kept(path, robot) as put:
+        for row in rows:
+            put("/stance", row.at_s, asdict(row))
+
+
+@contextmanager
+def _kept(path: Path, robot: Robot) -> Iterator[Callable[[str, float, dict[str, Any]], None]]:
+    """Yield what takes the rows of a record: topic, time, values. UserError if one could not be written."""
     with atomic_path(path) as draft:
         recorder = Recorder(draft, {"robot": robot.name, "made_by": "caramelo identify"})
+
+        def put(topic: str, at_s: float, values: dict[str, Any]) -> None:
+            recorder.keep_up()
+            recorder.put(topic, at_s, values)
+
         try:
-            for row in rows:
-                recorder.keep_up()
-                recorder.put("/stance", row.at_s, asdict(row))
+            yield put
         finally:
             recorder.close()
-        _whole(recorder)
-
-
-def _whole(recorder: Recorder) -> None:
-    if recorder.trouble or recorder.dropped:
-        raise UserError(recorder.trouble or f"{recorder.path}: the disk is too slow: {recorder.dropped} rows missing")
+        if recorder.trouble or recorder.dropped:
+            why = f"{recorder.path}: the disk is too slow: {recorder.dropped} rows missing"
+            raise UserError(recorder.trouble or why)
 
 
 def kept_traces(path: Path, robot: Robot) -> list[Trace]:
     """Return a joint's sweeps. UserError if the file is none, damaged, or of another robot."""
-    record = read_record(path, {"/sweep": tuple(CHANNELS["/sweep"])})
-    _belongs(path, record.about, record.damage, robot)
     traces: list[Trace] = []
-    for row in record.of("/sweep"):
-        values = row.values
+    for values in _read(path, robot, "/sweep"):
         if not traces or traces[-1].name != values["sweep"] or values["asked_s"] < traces[-1].asked_s[-1]:
             traces.append(Trace(values["joint"], values["sweep"]))
         for name in ROWS:
@@ -83,15 +84,13 @@ def kept_traces(path: Path, robot: Robot) -> list[Trace]:
 
 def kept_stances(path: Path, robot: Robot) -> list[Stance]:
     """Return what all joints did together; nothing if that was not measured."""
-    if not path.exists():
-        return []
-    record = read_record(path, {"/stance": tuple(CHANNELS["/stance"])})
-    _belongs(path, record.about, record.damage, robot)
-    return [Stance(**row.values) for row in record.of("/stance")]
+    return [Stance(**values) for values in _read(path, robot, "/stance")] if path.exists() else []
 
 
-def _belongs(path: Path, about: dict[str, str], damage: str, robot: Robot) -> None:
-    if damage:
-        raise UserError(f"{path}: is damaged ({damage}): remove it and measure again")
-    if about.get("robot") != robot.name:
-        raise UserError(f"{path}: of robot {about.get('robot', '?')}, allowed {robot.name}: name another folder")
+def _read(path: Path, robot: Robot, topic: str) -> Iterator[dict[str, Any]]:
+    record = read_record(path, {topic: tuple(CHANNELS[topic])})
+    if record.damage:
+        raise UserError(f"{path}: is damaged ({record.damage}): remove it and measure again")
+    if record.about.get("robot") != robot.name:
+        raise UserError(f"{path}: of robot {record.about.get('robot', '?')}, allowed {robot.name}: name another folder")
+    yield from (row.values for row in record.of(topic))

@@ -10,7 +10,7 @@ from math import degrees, tau
 
 from ..bus.base import JOINT_LABELS, JOINTS
 from ..bus.dynamixel import table as t
-from ..bus.dynamixel.bus import WATCHDOG_S
+from ..bus.dynamixel.bus import WATCHDOG_S, control_settings
 from ..bus.dynamixel.calibration.data import Calibration, servo_of
 from ..bus.dynamixel.guardian import Guardian
 from ..bus.dynamixel.link import Link, ServoError, packet_of
@@ -61,20 +61,7 @@ class Rig:
         for joint, servo in enumerate(self.calibration.ids):
             if link.ping(servo) is None:
                 raise ServoError(f"{self.name(joint)} does not answer: check its cable and power")
-            tripped = t.hardware_error_text(link.read(servo, t.HARDWARE_ERROR))
-            if tripped:
-                raise ServoError(
-                    f"{self.name(joint)} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}"
-                )
-            link.write(servo, t.TORQUE_ENABLE, 0)
-            link.write(servo, t.WATCHDOG, 0)
-            for register, value in (
-                (t.RETURN_DELAY, 0), (t.OPERATING_MODE, t.POSITION_CONTROL), (t.P_GAIN, model.p_gain),
-                (t.I_GAIN, model.i_gain), (t.D_GAIN, model.d_gain), (t.PROFILE_VELOCITY, 0),
-                (t.PROFILE_ACCELERATION, 0),
-            ):  # fmt: skip
-                if link.read(servo, register) != value:
-                    link.write(servo, register, value)
+            link.set_up(servo, self.name(joint), control_settings(model))
 
     def name(self, joint: int) -> str:
         """Return how a joint is called."""

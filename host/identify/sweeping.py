@@ -56,7 +56,7 @@ class Blocked(ServoError):
     """A joint that does not get where its sweep begins."""
 
     def __init__(self, joint: int, at_rad: float, goal_rad: float, ratio: float) -> None:
-        self.joint, self.at_rad = joint, at_rad
+        self.joint = joint
         super().__init__(
             f"{JOINT_LABELS[joint]} stays at {degrees(at_rad * ratio):.0f} deg on its way to "
             f"{degrees(goal_rad * ratio):.0f}: blocked, or its sign in the calibration is wrong"

@@ -41,7 +41,7 @@ def complaints(robot: Robot) -> Iterator[Complaint]:
     yield from changes_fit_the_integers(robot)
     yield from gains_fit_the_integers(robot)
     yield from gaits_exist(robot)
-    yield from crawl_complaints(robot.crawl, robot.geometry.thigh_m + robot.geometry.calf_m)
+    yield from crawl_complaints(robot.crawl, robot.geometry.leg_m)
     yield from trot_complaints(robot.trot)
     yield from poses_are_reachable(robot)
     if isinstance(robot.actuator, Servo):
@@ -69,9 +69,8 @@ def hips_are_symmetric(robot: Robot) -> Iterator[Complaint]:
 def legs_have_a_usable_length(robot: Robot) -> Iterator[Complaint]:
     """Thigh and calf together are what the integer core was tested for."""
     geometry = robot.geometry
-    length_m = geometry.thigh_m + geometry.calf_m
-    if not SHORTEST_LEG_M <= length_m <= LONGEST_LEG_M:
-        allowed = f"thigh_m + calf_m within {SHORTEST_LEG_M:g} .. {LONGEST_LEG_M:g} m, not {length_m:g}"
+    if not SHORTEST_LEG_M <= geometry.leg_m <= LONGEST_LEG_M:
+        allowed = f"thigh_m + calf_m within {SHORTEST_LEG_M:g} .. {LONGEST_LEG_M:g} m, not {geometry.leg_m:g}"
         yield "geometry.calf_m", geometry.calf_m, allowed
 
 

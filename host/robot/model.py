@@ -58,9 +58,14 @@ class Geometry(Table):
         return self.hip_offset_m, self.thigh_m, self.calf_m
 
     @property
+    def leg_m(self) -> float:
+        """Thigh and calf."""
+        return self.thigh_m + self.calf_m
+
+    @property
     def reach_m(self) -> float:
         """Hip to foot of a stretched leg."""
-        return hypot(self.hip_offset_m, self.thigh_m + self.calf_m)
+        return hypot(self.hip_offset_m, self.leg_m)
 
 
 class Stance(Table):

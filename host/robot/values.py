@@ -4,7 +4,9 @@ They are pydantic validators: an error's message is the part of the line after `
 """
 
 import re
+from collections.abc import Callable
 from math import inf
+from typing import Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
@@ -18,8 +20,17 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-def _fail(allowed: str) -> PydanticCustomError:
-    return PydanticCustomError("allowed", "{allowed}", {"allowed": allowed})
+def _only(
+    fits: Callable[[Any], object], allowed: str, made: Callable[[Any], object] = lambda value: value
+) -> BeforeValidator:
+    """Let a value through if it ``fits``, as what is ``made`` of it; else the error says what is allowed."""
+
+    def check(value: object) -> object:
+        if not fits(value):
+            raise PydanticCustomError("allowed", "{allowed}", {"allowed": allowed})
+        return made(value)
+
+    return BeforeValidator(check)
 
 
 def _is_number(value: object) -> bool:
@@ -32,86 +43,60 @@ def _range_text(low: float, high: float, unit: str) -> str:
 
 def number(low: float, high: float, unit: str = "") -> BeforeValidator:
     """A finite number from ``low`` to ``high``, both included."""
-
-    def check(value: object) -> object:
-        if not _is_number(value) or not low <= value <= high:  # type: ignore[operator]
-            raise _fail("a number within " + _range_text(low, high, unit))
-        return float(value)  # type: ignore[arg-type]
-
-    return BeforeValidator(check)
+    allowed = "a number within " + _range_text(low, high, unit)
+    return _only(lambda value: _is_number(value) and low <= value <= high, allowed, float)
 
 
 def whole(low: int, high: int, unit: str = "") -> BeforeValidator:
     """A whole number from ``low`` to ``high``, both included."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-            raise _fail(f"a whole number within {low} .. {high} {unit}".rstrip())
-        return value
-
-    return BeforeValidator(check)
+    return _only(lambda value: type(value) is int and low <= value <= high,
+                 f"a whole number within {low} .. {high} {unit}".rstrip())
 
 
 def numbers(count: int, low: float, high: float, unit: str, names: str) -> BeforeValidator:
     """A list of ``count`` finite numbers within ``low`` .. ``high``; ``names`` says what they are."""
 
-    def check(value: object) -> object:
-        wanted = f"{count} numbers [{names}] within {_range_text(low, high, unit)}"
-        if not isinstance(value, list) or len(value) != count:
-            raise _fail(wanted)
-        if not all(_is_number(item) and low <= item <= high for item in value):
-            raise _fail(wanted)
-        return tuple(float(item) for item in value)
+    def fits(value: object) -> bool:
+        listed = isinstance(value, list) and len(value) == count
+        return listed and all(_is_number(item) and low <= item <= high for item in value)  # type: ignore[attr-defined]
 
-    return BeforeValidator(check)
+    return _only(fits, f"{count} numbers [{names}] within {_range_text(low, high, unit)}", _floats)
 
 
 def rising(low: float, high: float, unit: str) -> BeforeValidator:
     """A list [lowest, highest] within ``low`` .. ``high``, lowest below highest."""
 
-    def check(value: object) -> object:
-        wanted = f"[lowest, highest] with lowest < highest, both within {_range_text(low, high, unit)}"
-        if not isinstance(value, list) or len(value) != 2 or not all(_is_number(item) for item in value):
-            raise _fail(wanted)
-        if not low <= value[0] < value[1] <= high:
-            raise _fail(wanted)
-        return float(value[0]), float(value[1])
+    def fits(value: object) -> bool:
+        pair = isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))
+        return pair and low <= value[0] < value[1] <= high  # type: ignore[index]
 
-    return BeforeValidator(check)
+    allowed = f"[lowest, highest] with lowest < highest, both within {_range_text(low, high, unit)}"
+    return _only(fits, allowed, _floats)
+
+
+def _floats(values: list[float]) -> tuple[float, ...]:
+    return tuple(map(float, values))
 
 
 def one_of(*allowed: object) -> BeforeValidator:
     """Exactly one of a few values."""
 
-    def check(value: object) -> object:
-        for choice in allowed:
-            if value == choice and (type(value) is type(choice) or (_is_number(value) and _is_number(choice))):
-                return choice
-        raise _fail("one of " + ", ".join(show(choice) for choice in allowed))
+    def same(value: object) -> list[object]:
+        return [choice for choice in allowed if value == choice
+                and (type(value) is type(choice) or (_is_number(value) and _is_number(choice)))]
 
-    return BeforeValidator(check)
+    return _only(same, "one of " + ", ".join(show(choice) for choice in allowed), lambda value: same(value)[0])
 
 
 def text(pattern: str, allowed: str) -> BeforeValidator:
     """A string that matches the whole ``pattern``; ``allowed`` says it in words."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, str) or re.fullmatch(pattern, value) is None:
-            raise _fail(allowed)
-        return value
-
-    return BeforeValidator(check)
+    return _only(lambda value: isinstance(value, str) and re.fullmatch(pattern, value), allowed)
 
 
 def body_axes() -> BeforeValidator:
     """Three sensor axes with sign that point along the body's x, y, z: a rotation, not a mirror image."""
-
-    def check(value: object) -> object:
-        if not isinstance(value, list) or _handedness(value) != 1:
-            raise _fail('three of "+x", "-x", "+y", "-y", "+z", "-z" that form a right-handed set')
-        return tuple(value)
-
-    return BeforeValidator(check)
+    allowed = 'three of "+x", "-x", "+y", "-y", "+z", "-z" that form a right-handed set'
+    return _only(lambda value: isinstance(value, list) and _handedness(value) == 1, allowed, tuple)
 
 
 def _handedness(axes: list[object]) -> int:

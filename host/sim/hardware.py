@@ -7,8 +7,9 @@ from pathlib import Path
 
 from ..bus.dynamixel.bus import ServoBus
 from ..bus.dynamixel.calibration.data import load_calibration, nominal, servo_of
+from ..bus.dynamixel.link import serial_bus
 from ..bus.dynamixel.port import ServoPort
-from ..control.hardware import Hardware, Stage, baud
+from ..control.hardware import Hardware, Stage
 from ..imu.attitude import Attitude
 from ..robot.file import find
 from ..robot.model import Robot
@@ -56,7 +57,7 @@ def emulated(robot: Robot, calibration: Path | None, source: str, space: bool = 
             with suppress(Late):  # a busy emulator does it all the same, a little later
                 emulator.ask("put_back", PUT_BACK_S)
 
-        bus = ServoBus(robot, data, ServoPort(emulator.port, baud(robot)))
+        bus = ServoBus(robot, data, ServoPort(emulator.port, serial_bus(robot).baud))
         sensor = EmulatorImu(emulator)
         stage = None
         if space:

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import socket
+from collections.abc import Awaitable, Callable
 from typing import Any
 
 LONGEST_LINE = 1 << 16
@@ -27,8 +28,10 @@ class Link:
         self._writer.write(json.dumps(value, separators=(",", ":")).encode() + b"\n")
 
 
-async def open_link(descriptor: int) -> Link:
-    """Return the link over an inherited socket."""
+async def converse(descriptor: int, serve: Callable[[Link, dict[str, Any]], Awaitable[None]]) -> None:
+    """Serve over an inherited socket; what comes first is the set-up."""
     stream = socket.socket(fileno=descriptor)
-    reader, writer = await asyncio.open_connection(sock=stream, limit=LONGEST_LINE)
-    return Link(reader, writer)
+    link = Link(*await asyncio.open_connection(sock=stream, limit=LONGEST_LINE))
+    setup = await link.receive()
+    if setup is not None:
+        await serve(link, setup)

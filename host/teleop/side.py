@@ -43,17 +43,16 @@ class Counts:
 
 @dataclass(frozen=True)
 class Kind:
-    """``source`` is what its clients count as (arbiter.PRIORITY), ``module`` what runs, ``needs`` its library."""
+    """``source`` is what its clients count as (arbiter.PRIORITY) and the server's folder, ``needs`` its library."""
 
     source: str
-    module: str
     needs: str
     name: str
     scheme: str
 
 
-PAGE = Kind("web", "teleop.web", "aiohttp", "page", "http")
-FOXGLOVE = Kind("foxglove", "teleop.foxglove", "foxglove", "Foxglove server", "ws")
+PAGE = Kind("web", "aiohttp", "page", "http")
+FOXGLOVE = Kind("foxglove", "foxglove", "Foxglove server", "ws")
 
 
 class SideProcess:
@@ -88,7 +87,7 @@ class SideProcess:
         os.ftruncate(self._errors, 0)
         # A session of its own: Ctrl-C in the terminal is the loop's to handle.
         self.process = subprocess.Popen(
-            [sys.executable, "-m", f"{NAME}.{self._kind.module}", str(theirs.fileno())],
+            [sys.executable, "-m", f"{NAME}.teleop.server", self._kind.source, str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,

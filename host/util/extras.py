@@ -1,5 +1,6 @@
 """Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
 
+from importlib.util import find_spec
 
 from .. import ROOT
 from .errors import UserError
@@ -38,6 +39,11 @@ def missing_library(error: ModuleNotFoundError) -> UserError | None:
     if extra is None:
         return None
     return UserError(f"this needs {library}, which is not installed: {how_to_get(library)}")
+
+
+def not_installed(library: str) -> str | None:
+    """Return how to install a library that is not here; None if it is."""
+    return None if find_spec(library) else f"{library} is not installed: {how_to_get(library)}"
 
 
 def how_to_get(library: str) -> str:

@@ -1,4 +1,4 @@
-"""How far a command is that works on many cases for minutes: a bar on a terminal, else a line a case on stderr."""
+"""How far a command is that works on many cases for minutes: a bar on a terminal, else lines on stderr."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -19,6 +19,22 @@ def cases(title: str) -> Iterator[Tell]:
             bar(number / total, name)
             if not sys.stderr.isatty():
                 write_step(f"{title}: {number} of {total}{': ' if name else ''}{name}")
+
+        yield tell
+
+
+@contextmanager
+def stages(title: str, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
+    """Yield what is to be told of each stage and how much of it, 0 .. 1, is done; ``quiet``: no lines."""
+    last = ""
+    with progress(title, 1.0) as bar:
+
+        def tell(what: str, done: float) -> None:
+            nonlocal last
+            bar(done, what)
+            if what != last and not quiet and not sys.stderr.isatty():
+                write_step(f"{title}: {what}")
+            last = what
 
         yield tell
 

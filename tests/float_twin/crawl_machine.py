@@ -28,7 +28,7 @@ SURE_LANDINGS = 3
 
 def tare_rounding(k):
     """Return how far rounding keeps a slow tare from its force: where a step is below half a unit, it stays."""
-    return 0.6 / 4096 / k.tare_slow
+    return 0.6 / 4096 / k.tare_slow_q15
 
 
 class Swing:
@@ -123,7 +123,7 @@ class Machine:
 
     def plan_shift(self, heavy):
         """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
-        wanted = crawl.middle(self.feet)[0] + self.k.ahead * heavy
+        wanted = crawl.middle(self.feet)[0] + self.k.heavy_forward * heavy
         if self.steps_down():
             wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
         self.enter(SHIFT)
@@ -134,7 +134,7 @@ class Machine:
         if self.leg < RR or not self.prints[self.leg - RR]:
             return False
         drop = self.feet[self.leg][2] - self.prints[self.leg - RR][0][2]
-        return self.doubt.above(drop, self.k.high, PLACE_ROUNDING)
+        return self.doubt.above(drop, self.k.edge_height, PLACE_ROUNDING)
 
     def over_foot(self, x):
         """Return where the centre of mass is when the leg's hip is above ``x``."""
@@ -149,7 +149,7 @@ class Machine:
         if move.ticks - self.ticks < k.share_ticks or self.ticks >= move.ticks / 2:
             self.share[leg] = max(0.0, self.share[leg] - k.share)
         error = self.match_diagonals(felt)
-        if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle:
+        if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle_ticks:
             return
         if self.ticks > move.ticks + k.warp_ticks:
             self.tell(WARP, self.warp)
@@ -166,14 +166,14 @@ class Machine:
             return 0.0
         over = [force - load for force, load in zip(felt.force, felt.load)]
         error = limit(over[FR] + over[RL] - over[FL] - over[RR], -4.0, 4.0)
-        step = limit(error * self.k.warp, -self.k.warp_v, self.k.warp_v)
+        step = limit(error * self.k.warp_gain, -self.k.warp_speed, self.k.warp_speed)
         self.warp = limit(self.warp + step, -self.k.warp_max, self.k.warp_max)
         return error
 
     def leave_ground(self, felt):
         """Let the leg go, towards its foothold."""
         leg = self.leg
-        self.swing = Swing(leg, self.feet[leg], self.k.late + 1)
+        self.swing = Swing(leg, self.feet[leg], self.k.goal_lag_ticks + 1)
         if leg < RR:
             self.aim_front(self.swing)
             self.on_print[leg] = False
@@ -188,8 +188,8 @@ class Machine:
         x = crawl_swing.front_target(own[0], other[0], self.k.stride)
         swing.target = [x, self.k.line[swing.leg], own[2]]
         swing.expect = own[2] + self.expected_rise(x - own[0])
-        before = not self.doubt.above(other[0], x + self.k.hit * 5 / 3, PLACE_ROUNDING)
-        swing.top = (max(own[2], other[2]) if before else own[2]) + self.k.lift_front
+        before = not self.doubt.above(other[0], x + self.k.riser_lag * 5 / 3, PLACE_ROUNDING)
+        swing.top = (max(own[2], other[2]) if before else own[2]) + self.k.front_lift
 
     def expected_rise(self, way):
         """Return how much the slope of the feet rises over a way; less than 4 mm, or not sure yet, counts as level."""
@@ -197,24 +197,24 @@ class Machine:
             return 0.0
         front, hind = crawl.middle(self.feet[:2]), crawl.middle(self.feet[2:])
         rise = way * (front[2] - hind[2]) / (front[0] - hind[0])
-        return rise if self.doubt.above(abs(rise), self.k.void / 6, PLACE_ROUNDING) else 0.0
+        return rise if self.doubt.above(abs(rise), self.k.drop_depth / 6, PLACE_ROUNDING) else 0.0
 
     def aim_hind(self, swing):
         """Into the oldest print of its side, or a stride ahead if there is none."""
         own, prints = self.feet[swing.leg], self.prints[swing.leg - RR]
         swing.target = prints.pop(0) if prints else [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
         swing.expect = swing.target[2]
-        swing.top = max(own[2], swing.target[2]) + self.k.lift_rear
+        swing.top = max(own[2], swing.target[2]) + self.k.hind_lift
 
     # --- a foot in the air
 
     def lift(self, felt):
         """Go up and brake before the top; a folded leg has its top where it is."""
         s, k = self.swing, self.k
-        braked = math.sqrt(k.brake * max(0.0, s.top - s.place[2])) + k.v_top
-        s.speed = min(s.speed + k.a_up, braked, k.v_up)
+        braked = math.sqrt(k.lift_brake * max(0.0, s.top - s.place[2])) + k.top_speed
+        s.speed = min(s.speed + k.lift_acceleration, braked, k.lift_speed)
         z = min(s.top, s.place[2] + s.speed)
-        if felt.length < k.near:
+        if felt.length < k.folded:
             s.top = z
         s.place[2] = max(s.place[2], z)
         if not self.doubt.above(s.top, z, PLACE_ROUNDING):
@@ -225,7 +225,7 @@ class Machine:
         s = self.swing
         s.source = s.place[:2]
         way = math.sqrt((s.target[0] - s.place[0]) ** 2 + (s.target[1] - s.place[1]) ** 2)
-        s.ticks_across = max(self.k.move_ticks, self.doubt.whole(way / self.k.move_pace, 0.02))
+        s.ticks_across = max(self.k.swing_ticks, self.doubt.whole(way / self.k.swing_speed, 0.02))
         self.enter(MOVE)
 
     def move(self, felt):
@@ -237,7 +237,7 @@ class Machine:
             seen = felt.seen[s.leg]
             s.hits += 1
             self.tell(HIT, seen[2] - s.expect)
-            s.place[0], s.top = seen[0] - k.hit_back, s.place[2] + k.raised
+            s.place[0], s.top = seen[0] - k.riser_retreat, s.place[2] + k.clear_contact
             self.enter(LIFT)
         elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
             self.enter(TARE)
@@ -245,22 +245,22 @@ class Machine:
     def runs_into(self, felt):
         """Return whether the foot is held up; a leg at its limits is not, and twice in a swing is enough."""
         s, k = self.swing, self.k
-        if self.ticks <= k.hit_after or s.hits == HITS or felt.clipped:
+        if self.ticks <= k.riser_skip_ticks or s.hits == HITS or felt.clipped:
             return False
-        behind = s.past[-1 - k.late] - felt.seen[s.leg][0]
+        behind = s.past[-1 - k.goal_lag_ticks] - felt.seen[s.leg][0]
         way = s.target[0] - s.source[0]
-        late = abs(way) / (s.ticks_across + 1) * k.hit_lag
-        return self.doubt.above(behind, k.hit + late, PLACE_ROUNDING + QUINTIC_ROUNDING * abs(way))
+        late = abs(way) / (s.ticks_across + 1) * k.swing_lag_ticks
+        return self.doubt.above(behind, k.riser_lag + late, PLACE_ROUNDING + QUINTIC_ROUNDING * abs(way))
 
     def hang(self, felt):
         """Creep down and learn what the joints read without load; the first ticks still shake."""
         s, k = self.swing, self.k
-        s.place[2] -= k.v_tare
-        gain = 1.0 if self.ticks <= k.tare_skip + 1 else k.tare_in
+        s.place[2] -= k.hang_speed
+        gain = 1.0 if self.ticks <= k.hang_skip_ticks + 1 else k.tare_in_q15
         s.tare += gain * (felt.force[s.leg] - s.tare)
-        if self.ticks >= k.tare_ticks:
+        if self.ticks >= k.hang_ticks:
             self.enter(DOWN)
-            s.speed, s.touched, s.peak = k.v_tare, 0, False
+            s.speed, s.touched, s.peak = k.hang_speed, 0, False
 
     def lower(self, felt):
         """Go down until something is met: the shin's edge, ground, a drop, or nothing at all."""
@@ -269,11 +269,11 @@ class Machine:
         touches = self.feels_ground(felt)
         z, below = felt.seen[s.leg][2], s.expect - s.place[2]
         again = s.tries < TRIES
-        if again and self.doubt.above(self.pushed_up(felt), k.shin, TILT_ROUNDING):
+        if again and self.doubt.above(self.pushed_up(felt), k.shin_lift, TILT_ROUNDING):
             self.free_shin(felt, z)
-        elif touches and self.doubt.above(s.expect + k.too_high, z, PLACE_ROUNDING):
+        elif touches and self.doubt.above(s.expect + k.highest_contact, z, PLACE_ROUNDING):
             self.touch(felt, z)
-        elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.void, PLACE_ROUNDING):
+        elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
             self.drop(felt)
         elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
             self.tell(NOTHING, -below)
@@ -282,35 +282,36 @@ class Machine:
     def go_down(self, felt):
         """Lower the foot, or with a straight leg the body as long as that follows."""
         s, k = self.swing, self.k
-        most = k.v_front
+        most = k.front_lower_speed
         if s.leg >= RR:
-            most = crawl_swing.fall_speed(s.place[2] - s.expect - k.near_print, k.v_slow, k.v_rear, k.a_down)
-        s.speed = min(s.speed + k.a_down, most)
+            above = s.place[2] - s.expect - k.near_foothold
+            most = crawl_swing.fall_speed(above, k.near_speed, k.hind_lower_speed, k.lower_acceleration)
+        s.speed = min(s.speed + k.lower_acceleration, most)
         lag = felt.body[2] - self.body.wanted[2]
-        if felt.length > k.reach_swing and self.doubt.above(k.limit, lag, PLACE_ROUNDING):
-            self.body.wanted[2] -= k.body_v
+        if felt.length > k.swing_reach and self.doubt.above(k.position_limit, lag, PLACE_ROUNDING):
+            self.body.wanted[2] -= k.body_speed
         else:
             s.place[2] -= s.speed
 
     def feels_ground(self, felt):
         """Return whether 60 ms of more than 3 N, once more than 4 N, are under the foot; a fast one needs 9 N."""
         s, k = self.swing, self.k
-        fast = s.leg >= RR and self.doubt.above(s.speed, k.v_quick, 1e-5)
+        fast = s.leg >= RR and self.doubt.above(s.speed, k.fast_speed, 1e-5)
         load = felt.force[s.leg] - s.tare
         within = FORCE_ROUNDING + tare_rounding(k)
         if not self.doubt.above(load, (9 if fast else 3) * NEWTON, within):
             s.touched, s.peak = 0, False
-            s.tare += (k.tare_fast if fast else k.tare_slow) * load
+            s.tare += (k.tare_fast_q15 if fast else k.tare_slow_q15) * load
             return False
         s.touched += 1
         s.peak = s.peak or self.doubt.above(load, 4 * NEWTON, within)
-        return s.peak and s.touched >= k.touch_ticks
+        return s.peak and s.touched >= k.contact_ticks
 
     def pushed_up(self, felt):
         """Return how far the corner over the leg is above its plan."""
         wanted = self.body.wanted
         nose_up, left_up = wanted[4] - felt.body[4], felt.body[3] - wanted[3]
-        return crawl_swing.corner_lift(nose_up, left_up, self.k.arm_x, self.k.arm_y, self.swing.leg)
+        return crawl_swing.corner_lift(nose_up, left_up, self.k.half_length, self.k.half_width, self.swing.leg)
 
     # --- what is met
 
@@ -329,7 +330,7 @@ class Machine:
         """Off the edge and on a little."""
         s, k = self.swing, self.k
         self.tell(SHIN, z - s.expect)
-        self.again_with_hip(felt, s.place[0] + k.advance, max(z + k.shin_raise, s.expect + k.clear))
+        self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.shin_clear, s.expect + k.clear_ground))
 
     def touch(self, felt, z):
         """Stand here, or, on an edge where there should be none, look for a better place.
@@ -339,16 +340,16 @@ class Machine:
         """
         s, k = self.swing, self.k
         tries = 2 if s.leg < RR else TRIES
-        if s.tries >= tries or not self.doubt.above(z - s.expect, k.high, PLACE_ROUNDING):
+        if s.tries >= tries or not self.doubt.above(z - s.expect, k.edge_height, PLACE_ROUNDING):
             self.land(felt)
             return
         self.tell(HIGH, z - s.expect)
-        x = s.place[0] + k.advance
+        x = s.place[0] + k.edge_advance
         if s.leg < RR:
             s.expect = z
-        elif not self.doubt.above(self.feet[s.leg][2] - k.high, s.expect, PLACE_ROUNDING):
-            x = s.place[0] - k.back
-        self.again(x, z + k.raised)
+        elif not self.doubt.above(self.feet[s.leg][2] - k.edge_height, s.expect, PLACE_ROUNDING):
+            x = s.place[0] - k.edge_retreat
+        self.again(x, z + k.clear_contact)
 
     def drop(self, felt):
         """Look for ground elsewhere: a front foot farther out, a hind foot nearer, or farther on if it climbs."""
@@ -359,16 +360,16 @@ class Machine:
                 return
         self.tell(VOID, s.place[2] - s.expect)
         if s.leg < RR:
-            self.again_with_hip(felt, s.place[0] + k.advance_void, s.expect + k.clear)
+            self.again_with_hip(felt, s.place[0] + k.drop_advance, s.expect + k.clear_ground)
         else:
-            climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.high, PLACE_ROUNDING)
-            self.again(s.place[0] + (k.advance if climbs else -k.advance), s.expect + k.raised)
+            climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.edge_height, PLACE_ROUNDING)
+            self.again(s.place[0] + (k.edge_advance if climbs else -k.edge_advance), s.expect + k.clear_contact)
 
     def other_is_down(self, s):
         """Return whether the other front foot stands below, and well behind: then the edge is far enough behind."""
         other = self.feet[1 - s.leg]
-        down = self.doubt.above(s.expect - self.k.high * 2 / 3, other[2], PLACE_ROUNDING)
-        return down and self.doubt.above(s.place[0] - other[0], self.k.advance * 6 / 5, 2 * PLACE_ROUNDING)
+        down = self.doubt.above(s.expect - self.k.edge_height * 2 / 3, other[2], PLACE_ROUNDING)
+        return down and self.doubt.above(s.place[0] - other[0], self.k.edge_advance * 6 / 5, 2 * PLACE_ROUNDING)
 
     def land(self, felt):
         """Stand where the foot is seen, leave a print for the hind foot, and rest before the next leg."""
@@ -380,7 +381,7 @@ class Machine:
             self.prints[leg] = (self.prints[leg] + [list(self.feet[leg])])[-4:]
             self.on_print[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))
-        self.steps_even = 0 if self.doubt.above(off, self.k.void / 3, EVEN_ROUNDING) else self.steps_even + 1
+        self.steps_even = 0 if self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING) else self.steps_even + 1
         self.landed += 1
         self.turn += 1
         self.pace -= self.k.pace

@@ -24,11 +24,11 @@ class BodyMove:
     def plan(self, feet, leg, wanted_x, heavy, in_air):
         """Begin a move that brings the centre of mass over ``wanted_x`` inside the support without ``leg``."""
         k = self.k
-        pitch = crawl.slope_pitch(feet, k.arm_x * 2 / 3)
+        pitch = crawl.slope_pitch(feet, k.half_length * 2 / 3)
         x, y = mass_target(feet, leg, wanted_x, k.margin, k.planar)
         place = x - crawl.mass_ahead((k.com_x, k.com_z), pitch), y
         ground = crawl.middle(feet)[2]
-        tall = k.height + k.tall * heavy
+        tall = k.height + k.heavy_height * heavy
         z = ground + crawl.body_height(feet, k.hips, k.sides, place, pitch, tall, k.reach, in_air)
         if in_air is not None:
             z = min(z, self.wanted[2])
@@ -39,7 +39,7 @@ class BodyMove:
         """Return the ticks of the move."""
         k, way = self.k, [b - a for a, b in zip(self.start, self.goal)]
         along = math.sqrt(way[0] ** 2 + way[1] ** 2)
-        return crawl.move_seconds(along, way[2], way[4], k.arm_x, k.acceleration, k.body_v, k.body_ticks)
+        return crawl.move_seconds(along, way[2], way[4], k.half_length, k.acceleration, k.body_speed, k.body_ticks)
 
 
 def mass_target(feet, leg, wanted_x, margin, planar):

@@ -24,9 +24,9 @@ def shape(legs):
     return {
         "height": 0.865 * straight,
         "reach": straight * 48 / 49,
-        "reach_swing": straight * 239 / 240,
-        "near": bent * 73 / 72,
+        "swing_reach": straight * 239 / 240,
+        "folded": bent * 73 / 72,
         "stride": min(hips / 3, (legs[0].l2 + legs[0].l3) * 90 / 240),
-        "arm_x": hips / 2,
-        "arm_y": abs(legs[0].hip[1] + legs[0].side_l1),
+        "half_length": hips / 2,
+        "half_width": abs(legs[0].hip[1] + legs[0].side_l1),
     }

@@ -5,36 +5,6 @@ import math
 SQRT3 = math.sqrt(3.0)
 
 
-def clarke_alpha(a, b, c):
-    """Return (2a - b - c) / 3."""
-    return (2 * a - b - c) / 3
-
-
-def clarke_beta(b, c):
-    """Return (b - c) / sqrt 3."""
-    return (b - c) / SQRT3
-
-
-def park_d(alpha, beta, angle):
-    """Return the part of (alpha, beta) along the flux."""
-    return math.cos(angle) * alpha + math.sin(angle) * beta
-
-
-def park_q(alpha, beta, angle):
-    """Return the part of (alpha, beta) a quarter turn ahead of the flux."""
-    return math.cos(angle) * beta - math.sin(angle) * alpha
-
-
-def unpark_alpha(d, q, angle):
-    """Return alpha of the vector (d, q)."""
-    return math.cos(angle) * d - math.sin(angle) * q
-
-
-def unpark_beta(d, q, angle):
-    """Return beta of the vector (d, q)."""
-    return math.sin(angle) * d + math.cos(angle) * q
-
-
 def svpwm(alpha, beta, bus):
     """Return the three duties by min-max injection, closed form."""
     a = alpha

@@ -276,7 +276,7 @@ class Pair:
         c.contact.past_at = dice.randrange(PAST_SIZE)
         c.map.seen[leg * 3] = c.swing.place[0] - self.fine(dice.uniform(0.0, 0.03) * self.size)
         c.map.seen[leg * 3 + 2] = c.swing.ground + self.spread(80)
-        c.swing.leg_length = round(dice.choice((self.k.near, self.k.reach_swing)) / self.unit_m) + dice.randint(-9, 9)
+        c.swing.leg_length = round(dice.choice((self.k.folded, self.k.swing_reach)) / self.unit_m) + dice.randint(-9, 9)
 
     def adopt(self):
         """Put the twin where the core is."""

@@ -9,75 +9,13 @@ from types import SimpleNamespace
 from host.robot.file import find, read_toml
 from host.robot.model import Robot
 from host.robot.scale import BRAD_PER_RAD, core_params
+from shared.body.crawl_setup import CrawlSetup
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 
-# The crawl's numbers by what the float twin calls them
-CRAWL_LENGTHS = {
-    "stride": "stride",
-    "height": "height",
-    "tall": "heavy_height",
-    "reach": "reach",
-    "reach_swing": "swing_reach",
-    "near": "folded",
-    "margin": "margin",
-    "ahead": "heavy_forward",
-    "com_z": "com_z",
-    "lift_front": "front_lift",
-    "lift_rear": "hind_lift",
-    "near_print": "near_foothold",
-    "deepest": "deepest",
-    "hit": "riser_lag",
-    "high": "edge_height",
-    "void": "drop_depth",
-    "advance": "edge_advance",
-    "advance_void": "drop_advance",
-    "back": "edge_retreat",
-    "hit_back": "riser_retreat",
-    "shin": "shin_lift",
-    "shin_raise": "shin_clear",
-    "too_high": "highest_contact",
-    "clear": "clear_ground",
-    "arm_x": "half_length",
-    "arm_y": "half_width",
-    "raised": "clear_contact",
-    "warp_max": "warp_max",
-    "limit": "position_limit",
-}
-CRAWL_FINE = {
-    "body_v": "body_speed",
-    "v_up": "lift_speed",
-    "a_up": "lift_acceleration",
-    "brake": "lift_brake",
-    "v_top": "top_speed",
-    "move_pace": "swing_speed",
-    "v_tare": "hang_speed",
-    "a_down": "lower_acceleration",
-    "v_front": "front_lower_speed",
-    "v_rear": "hind_lower_speed",
-    "v_slow": "near_speed",
-    "v_quick": "fast_speed",
-    "warp": "warp_gain",
-    "warp_v": "warp_speed",
-}
-CRAWL_TICKS = {
-    "body_ticks": "body_ticks",
-    "settle": "settle_ticks",
-    "share_ticks": "share_ticks",
-    "move_ticks": "swing_ticks",
-    "tare_ticks": "hang_ticks",
-    "tare_skip": "hang_skip_ticks",
-    "touch_ticks": "contact_ticks",
-    "hit_after": "riser_skip_ticks",
-    "hit_lag": "swing_lag_ticks",
-    "late": "goal_lag_ticks",
-    "warp_ticks": "warp_ticks",
-}
-CRAWL_GAINS = {
-    "tare_in": "tare_in_q15",
-    "tare_slow": "tare_slow_q15",
-    "tare_fast": "tare_fast_q15",
-}
+# What one of the core's units of the crawl's numbers is to the float twin, times a length unit in m
+CRAWL_UNITS = {"lu": 1, "lf / tick": 1 / 256, "lf / tick^2": 1 / 256}
+CRAWL_SHARES = {"ticks": 1, "Q15 / tick": 1 / 32768}
 
 
 def variant(name, **geometry):
@@ -175,13 +113,9 @@ def crawl_si(params):
     """Return what the float crawl needs, in m, rad and ticks, speeds per tick, forces in own weights."""
     unit_m = 2.0 ** -params.length_shift
     crawl, legs = params.crawl, [leg_si(params, leg) for leg in range(4)]
-    values = {}
-    scales = ((CRAWL_LENGTHS, unit_m), (CRAWL_FINE, unit_m / 256), (CRAWL_TICKS, 1), (CRAWL_GAINS, 1 / 32768))
-    for names, scale in scales:
-        for name, place in names.items():
-            values[name] = getattr(crawl, place) * scale
+    one = CRAWL_SHARES | {unit: share * unit_m for unit, share in CRAWL_UNITS.items()}
     return SimpleNamespace(
-        **values,
+        **{name: getattr(crawl, name) * one[place.unit] for name, place in CrawlSetup.FIELDS if place.unit in one},
         com_x=params.com_x * unit_m,
         pace=crawl.stride * unit_m / 4,
         rebase=params.leg_length * unit_m / 2,

@@ -6,17 +6,16 @@ import pytest
 
 from host.robot import crawl_tuning
 from host.robot.scale import brad, core_params
+from shared.body.crawl_setup import CrawlSetup
 from shared.record import pack
 from tests.float_twin import crawl_reach as twin
 
-from .robots import CRAWL_GAINS, CRAWL_TICKS, KNEES, NAMES, block, crawl_si, leg_si, robot
+from .robots import KNEES, NAMES, block, crawl_si, leg_si, robot
 
 RATES = (20, 50, 333, 500)
-LENGTHS = ("tall", "margin", "ahead", "com_z", "lift_front", "lift_rear", "near_print", "deepest", "hit", "high")
-LENGTHS += ("advance", "advance_void", "back", "hit_back", "raised", "shin", "shin_raise", "too_high", "clear")
-LENGTHS += ("void", "limit", "warp_max")
-SPEEDS = ("body_v", "v_up", "v_top", "move_pace", "v_tare", "v_front", "v_rear", "v_slow", "v_quick", "warp", "warp_v")
-ACCELERATIONS = ("a_up", "a_down", "brake")
+# What is tuned, by the core's unit; the rest follows from the shape
+TUNED = {unit: [name for name, place in CrawlSetup.FIELDS if place.unit == unit and place.default]
+         for unit in ("lu", "lf / tick", "lf / tick^2", "ticks", "Q15 / tick")}
 
 
 def settings(name, rate_hz, knees="full-elbow"):
@@ -32,19 +31,19 @@ def test_every_robot_crawls_as_caramelo_in_proportion_to_its_leg_at_every_rate(n
     found, unit_m, leg_m = settings(name, rate_hz)
     first, first_unit_m, first_leg_m = settings("caramelo", 500)
     size, fine_m = leg_m / first_leg_m, unit_m / 256
-    for length in LENGTHS:
+    for length in TUNED["lu"]:
         rounding = 2 * unit_m + size * first_unit_m
         assert getattr(found, length) == pytest.approx(size * getattr(first, length), abs=rounding), length
-    for power, names in ((1, SPEEDS), (2, ACCELERATIONS)):
+    for power, names in ((1, TUNED["lf / tick"]), (2, TUNED["lf / tick^2"])):
         for what in names:
             rounding = 2 * fine_m * rate_hz**power + 2 * size * first_unit_m / 256 * 500**power
             exact = size * getattr(first, what) * 500**power
             assert getattr(found, what) * rate_hz**power == pytest.approx(exact, abs=rounding), what
-    for time in CRAWL_TICKS:
+    for time in TUNED["ticks"]:
         seconds = getattr(first, time) / 500
         rounding = max(0.5, 1 - seconds * rate_hz)  # at least one tick
         assert getattr(found, time) == pytest.approx(seconds * rate_hz, abs=rounding), time
-    for gain in CRAWL_GAINS:
+    for gain in TUNED["Q15 / tick"]:
         exact = min(1.0, getattr(first, gain) * 500 / rate_hz)
         assert getattr(found, gain) == pytest.approx(exact, abs=1 / 32768 + exact / 60), gain
 
@@ -102,8 +101,13 @@ def test_a_robot_file_may_give_the_crawls_numbers_anew(name):
 
 
 # From docs/gaits.md and the texts of the core, m and s
-CARAMELO = {"margin": 0.028, "lift_front": 0.065, "lift_rear": 0.035, "high": 0.018, "void": 0.024, "deepest": 0.085}
-CARAMELO_S = {"touch_ticks": 0.06, "tare_ticks": 0.14, "warp_ticks": 1.5, "share_ticks": 0.3, "settle": 0.06}
+CARAMELO = {
+    "margin": 0.028, "front_lift": 0.065, "hind_lift": 0.035, "edge_height": 0.018, "drop_depth": 0.024,
+    "deepest": 0.085,
+}  # fmt: skip
+CARAMELO_S = {
+    "contact_ticks": 0.06, "hang_ticks": 0.14, "warp_ticks": 1.5, "share_ticks": 0.3, "settle_ticks": 0.06,
+}  # fmt: skip
 
 
 def caramelos_are_those_of_the_texts():
@@ -112,8 +116,8 @@ def caramelos_are_those_of_the_texts():
         assert getattr(found, what) == pytest.approx(metres, abs=2 * unit_m), what
     for what, seconds in CARAMELO_S.items():
         assert getattr(found, what) == round(seconds * 50), what
-    assert found.v_up * 50 == pytest.approx(0.24, rel=1e-3)
-    assert found.brake * 2500 / 2 == pytest.approx(2.5, rel=1e-3)
+    assert found.lift_speed * 50 == pytest.approx(0.24, rel=1e-3)
+    assert found.lift_brake * 2500 / 2 == pytest.approx(2.5, rel=1e-3)
 
 
 def test_caramelos_settings_are_those_of_the_texts(monkeypatch):

@@ -120,10 +120,7 @@ def _back_to_settled(link: BoardLink, board: Board, survey: Survey) -> tuple[Boa
         return board, survey  # there is nothing to go back to
     board.go_back()
     link.reset()
-    link.wait_until_back()
-    _wait_for_start(link)
-    link.interrupt()
-    board = Board(link)
+    board = _started(link)
     return board, board.survey()
 
 
@@ -150,10 +147,7 @@ def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
     report: Report | None = None
     for _ in range(ANSWER_TRIES):
         try:
-            link.wait_until_back()
-            _wait_for_start(link)
-            link.interrupt()
-            board = Board(link)
+            board = _started(link)
             report = board.report()
         except NoFirmware:
             link.reset()  # it can't even be asked: its starts have to be used up
@@ -177,8 +171,9 @@ def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
     )
 
 
-def _wait_for_start(link: BoardLink) -> None:
-    """Listen until the board says that its application has started, and a moment more."""
+def _started(link: BoardLink) -> Board:
+    """Return the board once it is back and says that its application has started, a moment later."""
+    link.wait_until_back()
     heard = bytearray()
 
     def started(data: bytes) -> bool:
@@ -187,6 +182,8 @@ def _wait_for_start(link: BoardLink) -> None:
 
     link.listen(SETTLE_S, started)
     link.listen(GRACE_S)
+    link.interrupt()
+    return Board(link)
 
 
 def _last_line(link: BoardLink) -> str:

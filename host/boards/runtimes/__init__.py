@@ -1,6 +1,6 @@
 """Every Python that the core must agree on, behind one interface."""
 
-from .base import Runtime, RuntimeFailure
+from .base import Runtime
 from .board import Board
 from .c_core import CCore
 from .compiled import Compiled
@@ -9,20 +9,6 @@ from .cpython import CPython
 from .node import Node
 from .unix import Unix
 from .wasi import Wasi
-
-__all__ = [
-    "Board",
-    "CCore",
-    "CPython",
-    "Compiled",
-    "CortexM",
-    "Node",
-    "Runtime",
-    "RuntimeFailure",
-    "Unix",
-    "Wasi",
-    "all_runtimes",
-]
 
 
 def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtime]:

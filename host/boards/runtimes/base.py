@@ -21,7 +21,8 @@ class Runtime(ABC):
     """
 
     name: str
-    emitter: str
+    emitter: str  # "source": the files as they are
+    arch = "any"
     timeout_s: float = 300.0
     afresh = True  # whether each of many scripts starts with an empty memory
 
@@ -29,9 +30,11 @@ class Runtime(ABC):
     def missing(self) -> str | None:
         """Return why this runtime cannot be used here, with what to install; None if it can."""
 
-    @abstractmethod
     def prepare(self, sources: Path, work: Path) -> Path:
         """Return the folder to run on, made in ``work`` from ``sources``."""
+        if self.emitter == "source":
+            return copy_sources(sources, work)
+        return compile_sources(sources, work, self.emitter, self.arch)
 
     @abstractmethod
     def execute(self, tree: Path, script: str) -> str:

@@ -7,13 +7,12 @@ wait is bounded: a board that says nothing is a failure with a sentence, never a
 
 import base64
 import contextlib
-import importlib.util
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...util.errors import UserError
-from ...util.extras import how_to_get
+from ...util.extras import not_installed
 from .base import MARK, Runtime, RuntimeFailure, compile_sources
 
 if TYPE_CHECKING:
@@ -54,9 +53,7 @@ class Board(Runtime):
         self._folders: list[str] = []
 
     def missing(self) -> str | None:
-        if importlib.util.find_spec("mpremote") is None:
-            return f"mpremote is not installed: {how_to_get('mpremote')}"
-        return None
+        return not_installed("mpremote")
 
     def prepare(self, sources: Path, work: Path) -> Path:
         from ..flash.link import BoardLink

@@ -8,18 +8,16 @@ instructions done so far (``import host; host.call("", "")``). Time, caches and 
 """
 
 import contextlib
-import importlib.util
 import os
 import struct
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ...util.extras import how_to_get
-from .base import Runtime, RuntimeFailure, compile_sources
+from ...util.extras import not_installed
+from .base import Runtime, RuntimeFailure
 from .wasi import cache_folder
 
-ARCH = "armv7emsp"
 MEMORY_BYTES = 4 << 20  # of the image, as ports/qemu/mcu/arm/mps2.ld has it; code, heap and stack
 ROM_AT, ROM_BYTES = 0x21000000, 4 << 20  # where the port looks for a file system at its start, from MicroPython 1.26 on
 FILES_AT, MARKS_AT, SERIAL_AT, SYSTEM_AT = 0x60000000, 0x50000000, 0x40004000, 0xE000E000
@@ -42,6 +40,7 @@ class CortexM(Runtime):
 
     name = "cortex-m-viper"
     emitter = "viper"
+    arch = "armv7emsp"
     timeout_s = 3600.0  # the planner's vectors alone take some minutes, and a busy machine many times that
 
     def __init__(self, counting: bool = False) -> None:
@@ -49,14 +48,8 @@ class CortexM(Runtime):
         self.marks: list[int] = []
 
     def missing(self) -> str | None:
-        if importlib.util.find_spec("unicorn") is None:
-            return f"unicorn is not installed: {how_to_get('unicorn')}"
-        if not image_path().exists():
-            return f"no VM at {image_path()}: docs/core.md tells how it is made"
-        return None
-
-    def prepare(self, sources: Path, work: Path) -> Path:
-        return compile_sources(sources, work, self.emitter, ARCH)
+        no_vm = None if image_path().exists() else f"no VM at {image_path()}: docs/core.md tells how it is made"
+        return not_installed("unicorn") or no_vm
 
     def execute(self, tree: Path, script: str) -> str:
         files = rom_files(tree)

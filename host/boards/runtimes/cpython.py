@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from .base import Runtime, copy_sources
+from .base import Runtime
 from .process import run_command
 
 
@@ -15,9 +15,6 @@ class CPython(Runtime):
 
     def missing(self) -> str | None:
         return None
-
-    def prepare(self, sources: Path, work: Path) -> Path:
-        return copy_sources(sources, work)
 
     def execute(self, tree: Path, script: str) -> str:
         # -I leaves out the environment and the current folder, so only this tree can be imported.

@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from .base import Runtime, RuntimeFailure, copy_sources
+from .base import Runtime, RuntimeFailure
 from .process import run_command
 from .wasi import cache_folder
 
@@ -59,9 +59,6 @@ class Node(Runtime):
         if release_folder() is None:
             return f"not installed: npm install --prefix {cache_folder()} {PACKAGE}@{VERSION}"
         return None
-
-    def prepare(self, sources: Path, work: Path) -> Path:
-        return copy_sources(sources, work)
 
     def execute(self, tree: Path, script: str) -> str:
         folder, node = release_folder(), node_binary()

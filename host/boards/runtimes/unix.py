@@ -1,12 +1,11 @@
 """MicroPython's unix port, 64 bit: the one that runs native and viper code on a PC."""
 
-import importlib.util
 import platform
 import sys
 from pathlib import Path
 
-from ...util.extras import how_to_get
-from .base import Runtime, compile_sources, copy_sources
+from ...util.extras import not_installed
+from .base import Runtime
 from .process import run_command
 
 
@@ -15,6 +14,7 @@ class Unix(Runtime):
 
     timeout_s = 1000.0  # for all scripts at once
     afresh = False
+    arch = "x64"
 
     def __init__(self, emitter: str) -> None:
         self.emitter = emitter
@@ -23,14 +23,7 @@ class Unix(Runtime):
     def missing(self) -> str | None:
         if (sys.platform, platform.machine()) != ("linux", "x86_64"):
             return f"the unix VM comes for linux x86_64 only, this is {sys.platform} {platform.machine()}"
-        if importlib.util.find_spec("micropython_unix") is None:
-            return f"not installed: {how_to_get('micropython_unix')}"
-        return None
-
-    def prepare(self, sources: Path, work: Path) -> Path:
-        if self.emitter == "source":
-            return copy_sources(sources, work)
-        return compile_sources(sources, work, self.emitter, "x64")
+        return not_installed("micropython_unix")
 
     def execute(self, tree: Path, script: str) -> str:
         command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-c", script]

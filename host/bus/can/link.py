@@ -59,7 +59,6 @@ class JointView:
     late: int = 0
     bad: int = 0
     answered: bool = True
-    heartbeat_changes: int = 0
 
     @property
     def state(self) -> int:
@@ -109,7 +108,6 @@ class JointLink:
         self.port, self.session, self.nodes = port, session, tuple(nodes)
         self.views = {node: JointView(node) for node in range(NODES + 1)}
         self.responses: list[Response] = []
-        self.clipped = 0
         self.e_stops = 0
         self.syncs = 0
         self.floods = 0  # times that more had come than was read at once
@@ -133,7 +131,7 @@ class JointLink:
         if not again:
             self._sequence = (self._sequence + 1) & 0xFF
         unpack(self._request, (command, self._sequence, self.session, index, value))
-        self.clipped += encode_service_request(self._out.words, self._request)
+        encode_service_request(self._out.words, self._request)
         self.port.send(w.SERVICE_REQUEST_ID + node, self._out.data.tobytes())
         return self._sequence
 
@@ -143,7 +141,7 @@ class JointLink:
             for slot in range(4):
                 node = 4 * group + slot + 1
                 self._slots[slot] = values[node - 1] if node in self.nodes else w.NO_CHANGE
-            self.clipped += encode_group(self._out.words, self._slots)
+            encode_group(self._out.words, self._slots)
             self.port.send(identifier + 8 * group, self._out.data.tobytes())
 
     def sync(self) -> None:
@@ -212,7 +210,6 @@ class JointLink:
             view.status_s = time_s
         elif block == w.HEARTBEAT_ID:
             view.heartbeat_s = time_s
-            view.heartbeat_changes += 1
 
     def _take_response(self, node: int, length: int) -> None:
         if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer):

@@ -21,7 +21,7 @@ from ...protocol import frames
 BITRATE = 1_000_000
 _STUFFED_OVERHEAD = 34  # SOF 1, identifier 11, RTR, IDE, r0, DLC 4, CRC 15
 _UNSTUFFED = 10 + 3  # CRC delimiter, ACK slot and delimiter, EOF 7; intermission 3
-_CRC15 = 0x4599
+_CRC15 = 0x4599  # ISO 11898-1: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
 _STATUS_HZ = 5.0  # slow status and heartbeat
 _CYCLE_SAMPLES = 50
 _HIP_SHARE = 512  # of the other joints' swing when walking straight on
@@ -35,7 +35,8 @@ def crc15(bits: Iterable[int]) -> int:
     return crc
 
 
-def _bits(value: int, width: int) -> list[int]:
+def bits_of(value: int, width: int) -> list[int]:
+    """The lowest bits of a number, the highest of them first."""
     return [value >> place & 1 for place in range(width - 1, -1, -1)]
 
 
@@ -43,20 +44,9 @@ def stuffed_region(identifier: int, data: bytes) -> list[int]:
     """The bits of a frame from start of frame to the end of its CRC, before stuffing."""
     if not 0 <= identifier <= 0x7FF or len(data) > 8:
         raise ValueError(f"identifier {identifier:#x} with {len(data)} bytes: 0..0x7ff with 0..8 are allowed")
-    header = [0, *_bits(identifier, 11), 0, 0, 0, *_bits(len(data), 4)]
-    body = header + [bit for byte in data for bit in _bits(byte, 8)]
-    return body + _bits(crc15(body), 15)
-
-
-def stuff_bits(bits: Sequence[int]) -> int:
-    """How many stuff bits a sequence gets."""
-    count, run, last = 0, 0, -1
-    for bit in bits:
-        run = run + 1 if bit == last else 1
-        last = bit
-        if run == 5:
-            count, run, last = count + 1, 1, 1 - bit
-    return count
+    header = [0, *bits_of(identifier, 11), 0, 0, 0, *bits_of(len(data), 4)]
+    body = header + [bit for byte in data for bit in bits_of(byte, 8)]
+    return body + bits_of(crc15(body), 15)
 
 
 # Where stuffing stands: 2 x (equal bits so far - 1) + the last bit
@@ -67,7 +57,7 @@ _IDLE = 1  # the bus is recessive before a frame
 def _stuffed_byte(state: int, byte: int, width: int = 8) -> tuple[int, int]:
     """Return how many stuff bits ``width`` bits get behind a state, and the state after them."""
     run, last, count = state // 2 + 1, state % 2, 0
-    for bit in _bits(byte, width):
+    for bit in bits_of(byte, width):
         run = run + 1 if bit == last else 1
         last = bit
         if run == 5:
@@ -78,7 +68,7 @@ def _stuffed_byte(state: int, byte: int, width: int = 8) -> tuple[int, int]:
 @cache
 def _crc_byte(high: int) -> int:
     """Return what eight bits shifted out of the CRC leave of it."""
-    return crc15(_bits(high, 8))
+    return crc15(bits_of(high, 8))
 
 
 @cache
@@ -93,7 +83,7 @@ def _head(identifier: int, length: int) -> tuple[int, int, int]:
 
 
 def frame_bits(identifier: int, data: bytes) -> int:
-    """Bits a frame takes on the bus, intermission included: stuffed_region and stuff_bits, byte by byte."""
+    """Bits a frame takes on the bus, intermission included."""
     crc, count, state = _head(identifier, len(data))
     for byte in data:
         more, state = _stuffed_byte(state, byte)
@@ -164,11 +154,6 @@ def busload(schedule: Sequence[Scheduled], bitrate: int = BITRATE) -> list[LoadR
     per_frame = bitrate / frames_per_s if frames_per_s else 0.0
     bits = (worst_share * per_frame, typical_share * per_frame)
     return [*rows, LoadRow("total", 0, frames_per_s, *bits, worst_share, typical_share)]
-
-
-def measured_share(sent: Iterable[tuple[int, bytes]], seconds: float, bitrate: int = BITRATE) -> float:
-    """Share of the bus that frames really sent within ``seconds`` took."""
-    return sum(frame_bits(identifier, data) for identifier, data in sent) / (bitrate * seconds)
 
 
 def _swing(step: int, joint: int, size: int) -> int:

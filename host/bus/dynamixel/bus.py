@@ -10,13 +10,14 @@ from collections.abc import Callable, Sequence
 from math import inf, tau
 from typing import Any
 
+from ...robot.actuators import Servo
 from ...robot.model import Robot
 from ...util.errors import UserError
 from ..base import JOINT_LABELS, JOINTS, Bus, Fault, Measured, checked_fraction, checked_goals
 from . import table as t
 from .calibration.data import Calibration, counts_per_rad, servo_of
 from .guardian import Guardian
-from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of
+from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of, protocol_of
 from .port import latency_warning
 from .table import Register
 
@@ -26,6 +27,14 @@ SILENT = "does not answer: check its cable"
 OFF_TRIES = 10  # when leaving; each asks all servos whether they have let go
 UNGUARDED = Fault("sit", "guardian", "the process that lets go of the servos if this one dies has ended: start again")
 TORQUE_TRIES = 20  # each needs an answer from all twelve: at 2 % bad packets about every second one gets it
+
+
+def control_settings(model: Servo) -> list[tuple[Register, int]]:
+    """Return what a servo needs to hold goals at once, by the gains of the robot file."""
+    return [
+        (t.RETURN_DELAY, 0), (t.OPERATING_MODE, t.POSITION_CONTROL), (t.P_GAIN, model.p_gain), (t.I_GAIN, model.i_gain),
+        (t.D_GAIN, model.d_gain), (t.PROFILE_VELOCITY, 0), (t.PROFILE_ACCELERATION, 0),
+    ]  # fmt: skip
 
 
 class ServoBus(Bus):
@@ -38,7 +47,7 @@ class ServoBus(Bus):
     ) -> None:
         super().__init__()
         self.robot, self.calibration, self.port = robot, calibration, port
-        self.link = Link(port, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0, self.counters)
+        self.link = Link(port, protocol_of(robot), self.counters)
         self._clock, self._lock = clock, threading.RLock()
         self._ids = calibration.ids
         self._per_rad = counts_per_rad(robot)
@@ -118,29 +127,11 @@ class ServoBus(Bus):
 
     def _set_up(self, joint: int, servo: int) -> None:
         link, model = self.link, servo_of(self.robot)
-        tripped = t.hardware_error_text(link.read(servo, t.HARDWARE_ERROR))
-        if tripped:
-            raise ServoError(
-                f"{self.name(joint)} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}"
-            )
         firmware = link.read(servo, t.FIRMWARE)
         self._firmware.add(firmware)
         if firmware < t.WATCHDOG_FIRMWARE:
             raise ServoError(f"{self.name(joint)}: firmware below {t.WATCHDOG_FIRMWARE} has no bus watchdog: update it")
-        link.write(servo, t.TORQUE_ENABLE, 0)
-        link.write(servo, t.WATCHDOG, 0)
-        for register, value in (
-            (t.RETURN_DELAY, 0),
-            (t.STATUS_LEVEL, 2),
-            (t.OPERATING_MODE, t.POSITION_CONTROL),
-            (t.P_GAIN, model.p_gain),
-            (t.I_GAIN, model.i_gain),
-            (t.D_GAIN, model.d_gain),
-            (t.PROFILE_VELOCITY, 0),
-            (t.PROFILE_ACCELERATION, 0),
-        ):
-            if link.read(servo, register) != value:  # settings wear out by writing
-                link.write(servo, register, value)
+        link.set_up(servo, self.name(joint), [(t.STATUS_LEVEL, 2), *control_settings(model)])
 
     def name(self, joint: int) -> str:
         """See Bus: with the servo's id."""

@@ -14,9 +14,22 @@ import serial
 from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
 from dynamixel_sdk.group_sync_write import GroupSyncWrite
 
+from ...robot.actuators import ServoBus
+from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
-from .table import ALERT, STATUS_ERRORS, Register, pack, unpack
+from .port import ServoPort
+from .table import (
+    ALERT,
+    HARDWARE_ERROR,
+    STATUS_ERRORS,
+    TORQUE_ENABLE,
+    WATCHDOG,
+    Register,
+    hardware_error_text,
+    pack,
+    unpack,
+)  # fmt: skip
 from .unstuff import packet_handler
 
 # Outside of the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
@@ -94,6 +107,16 @@ class Link:
         why = self.refusal(error)
         self.counters.refused += bool(why)
         raise ServoError(f"servo id {servo} {'refuses: ' + why if why else 'does not answer: check cable and power'}")
+
+    def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
+        """Let go of a servo and write the settings that differ: they wear out by writing. ServoError if it tripped."""
+        if tripped := hardware_error_text(self.read(servo, HARDWARE_ERROR)):
+            raise ServoError(f"{name} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}")
+        self.write(servo, TORQUE_ENABLE, 0)
+        self.write(servo, WATCHDOG, 0)
+        for register, value in settings:
+            if self.read(servo, register) != value:
+                self.write(servo, register, value)
 
     def refusal(self, error: int) -> str:
         """Return why a servo did not take an instruction, "" if it did."""
@@ -231,6 +254,30 @@ class Link:
             self.port.is_using = False
             name = self.port.port_name
             raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start again") from None
+
+
+def serial_bus(robot: Robot) -> ServoBus:
+    """Return the robot file's table of the servo bus; UserError if it has none."""
+    if robot.bus.kind != "dynamixel":
+        raise UserError(f"{robot.name} has no servo bus")
+    return robot.bus
+
+
+def protocol_of(robot: Robot) -> float:
+    """Return the servos' protocol; 2.0 for emulated ones of a robot without a bus."""
+    return robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
+
+
+@contextmanager
+def open_link(robot: Robot, port: str | None = None, baud: int | None = None) -> Iterator[Link]:
+    """Yield the link to a robot's servos, its port open; what is not given is the robot file's own."""
+    own = serial_bus(robot)
+    serial = ServoPort(port or own.port, baud or own.baud)
+    serial.open()
+    try:
+        yield Link(serial, own.protocol)
+    finally:
+        serial.closePort()
 
 
 class _Tape:

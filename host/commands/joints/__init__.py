@@ -4,12 +4,10 @@ from collections.abc import Callable
 
 import typer
 
-from .. import HARDWARE
 from . import board, commission, compare, dbc, drive, figures, load, look, page, params, simulate
 
 
-def register(app: typer.Typer) -> None:
-    """Add the group to the command."""
+def _group() -> typer.Typer:
     group = typer.Typer(
         help="Find, look at, arm, number and set the CAN joints, or simulate them.", no_args_is_help=True
     )
@@ -42,4 +40,7 @@ def register(app: typer.Typer) -> None:
     for name, command in parts.items():
         kept.command(name)(command)
     group.add_typer(kept, name="params")
-    app.add_typer(group, name="joints", rich_help_panel=HARDWARE)
+    return group
+
+
+GROUP = _group()

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ...boards.build.source import BuildError
-from ...boards.runtimes import Runtime, RuntimeFailure
+from ...boards.runtimes import Runtime
+from ...boards.runtimes.base import RuntimeFailure
 
 Digests = dict[str, tuple[int, int]]  # "module.function" -> (vectors, digest)
 

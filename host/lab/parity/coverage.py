@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ...boards.runtimes import Node, RuntimeFailure
+from ...boards.runtimes import Node
+from ...boards.runtimes.base import RuntimeFailure
 
 VECTORS = 32  # of a function; tracing every line takes a hundred times as long as running it
 WANTED = 0.95  # share of the statements inside functions that has to run

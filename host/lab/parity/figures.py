@@ -1,9 +1,10 @@
 """What each function costs and needs: gathered from the runtimes, one row a function."""
 
-import ast
 import shutil
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ...boards.runtimes import CortexM, CPython, Runtime, Unix, Wasi
 from .check import call
@@ -31,13 +32,12 @@ class Allocation:
 
 @dataclass(frozen=True)
 class Promise:
-    """What the registry says: the bound on intermediates; whether the function belongs to a tick.
+    """What the registry says of a function: where it is from, and whether it belongs to a tick.
 
-    ``name`` is the function's, as in "leg.leg_inverse" for shared/body/leg.py.
+    ``name`` is the function's, as in "body.leg.leg_inverse" for shared/body/leg.py.
     """
 
     name: str
-    largest: int
     ticks: bool
 
 
@@ -53,21 +53,9 @@ def promises(sources: Path, work: Path) -> dict[str, Promise]:
     found = {}
     modules = modules_of(runtime, tree)
     for module, answer in zip(modules, runtime.ask_each(tree, [call("register", one) for one in modules]), strict=True):
-        owners = {name: source for source in answer["sources"] for name in public_functions(sources, source)}
         for row in answer["probes"]:
-            plain = row["name"].partition(":")[0]
-            name = f"{owners.get(plain, '?')}.{plain}"
-            found[f"{module}.{row['name']}"] = Promise(name, row["largest"], row["ticks"])
-    return found
-
-
-def public_functions(sources: Path, source: str) -> list[str]:
-    """Return the public functions of a module of shared/, and the public methods of its public classes."""
-    found = []
-    tree = ast.parse((sources / "shared" / (source.replace(".", "/") + ".py")).read_bytes())
-    for node in tree.body:
-        inner = node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else [node]
-        found += [one.name for one in inner if isinstance(one, ast.FunctionDef) and not one.name.startswith("_")]
+            name = f"{row['source'].removeprefix('shared.')}.{row['name'].partition(':')[0]}"
+            found[f"{module}.{row['name']}"] = Promise(name, row["ticks"])
     return found
 
 
@@ -111,14 +99,16 @@ def _between(start: int, empty: int, full: int) -> int:
     return (full - empty) - (empty - start)
 
 
+def _rows(runtime: Runtime, tree: Path, function: str, *arguments: object) -> Iterator[list[Any]]:
+    """Yield what a function of probe/measure.py says of each function, its name as "module.probe" first."""
+    for module in modules_of(runtime, tree):
+        for name, *row in runtime.ask(tree, _measure(function, module, *arguments))["rows"]:
+            yield [f"{module}.{name}", *row]
+
+
 def microseconds(runtime: Runtime, sources: Path, work: Path, repeats: int) -> dict[str, float]:
     """Return the median microseconds of one call of each function."""
-    tree = runtime.prepare(sources, work)
-    found = {}
-    for module in modules_of(runtime, tree):
-        for name, us in runtime.ask(tree, _measure("timing", module, VECTORS, repeats))["rows"]:
-            found[f"{module}.{name}"] = float(us)
-    return found
+    return {name: float(us) for name, us in _rows(runtime, runtime.prepare(sources, work), "timing", VECTORS, repeats)}
 
 
 def loop_microseconds(sources: Path, work: Path, turns: int) -> float:
@@ -137,13 +127,8 @@ def float_microseconds(runtime: Unix, sources: Path, work: Path, repeats: int) -
 
 def allocations(runtime: Wasi | Unix, sources: Path, work: Path) -> dict[str, Allocation]:
     """Return what one call of each function takes from the heap at most."""
-    tree = runtime.prepare(sources, work)
-    found = {}
-    for module in modules_of(runtime, tree):
-        rows = runtime.ask(tree, _measure("allocation", module, ALLOCATION_VECTORS))["rows"]
-        for name, _, total, kept, locked in rows:
-            found[f"{module}.{name}"] = Allocation(total, kept, locked)
-    return found
+    rows = _rows(runtime, runtime.prepare(sources, work), "allocation", ALLOCATION_VECTORS)
+    return {name: Allocation(total, kept, locked) for name, _, total, kept, locked in rows}
 
 
 def largest_values(sources: Path, work: Path) -> dict[str, tuple[int, str | None]]:

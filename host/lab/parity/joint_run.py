@@ -32,7 +32,7 @@ from ...boards.runtimes.base import RuntimeFailure
 from ...robot.file import load_robot
 from ...robot.joint_gains import joint_blocks
 from ...robot.joint_units import JointSetup
-from .paths import NOTHING
+from .paths import NOTHING, filled
 
 ROBOT = "parallel"  # its joints are the ones with this firmware
 ROTOR, JOINT = 1234, 777  # what the encoders say, always
@@ -170,15 +170,12 @@ def joint_script(board: str) -> str:
 
 def filled_in(script: str) -> str:
     """Return a script with what this file knows in the place of {names}."""
-    filled = {
+    return filled(script, {
         "stored": _blocks().stored(), "node": NODE, "sync": SYNC, "setpoint": SETPOINT, "stop": STOP, "arm": ARM,
         "clear": CLEAR, "drive": place_of(JointState, "drive_state"), "enabled": w.STATE_OPERATION_ENABLED,
         "fault": w.STATE_FAULT, "late": place_of(BoardRun, "late_after_us"), "status_ms": place_of(Told, "status_ms"),
         "nothing": NOTHING,
-    }  # fmt: skip
-    for name, value in filled.items():
-        script = script.replace(f"{{{name}}}", repr(value))
-    return script
+    })  # fmt: skip
 
 
 def check_driven(answer: dict[str, Any]) -> None:

@@ -6,17 +6,16 @@ holds where it is (further off it would be a stall), with a set-point each 5 ms;
 armed again. Its registers stand still.
 """
 
-import json
 from typing import Any
 
 from firmware import chip as c
 from firmware.encoders import READ_ANGLE
 
-from ...boards.runtimes.base import MARK, RuntimeFailure
 from ...boards.runtimes.cortex_m import PAGE, Machine
 from .joint_run import BESIDE, JOINT, ROTOR, SAMPLES, SET_UP, encoder_word, filled_in, mailboxes, registers_at_rest
-from .paths_gait import Extent, answer_of, complaints_of
-from .role_vm import PROLOGUE
+from .paths import filled
+from .paths_gait import TAPE, Extent, complaints_of, gait_script
+from .role_vm import answer_of
 
 CHIP_AT, CHIP_BYTES = 0x10000000, 0x100000  # registers, in what is plain memory here; a small int of the VM's
 CORE_AT, SYSTEM_AT = CHIP_AT + 0x80000, CHIP_AT + 0x90000
@@ -87,16 +86,12 @@ def operated(role: str, image: bytes, minutes: int) -> list[str]:
 
 def _gait(image: bytes, minutes: int) -> list[str]:
     extent = Extent(ticks=0, warm_up_ticks=160, quiet_cycles=minutes * TICKS_PER_MINUTE, crawl_ticks=0)
-    return complaints_of(answer_of(Machine(image, b"\0", counting=False), extent, TIMEOUT_S), extent)
+    machine = Machine(image, b"\0", counting=False)
+    return complaints_of(answer_of(machine, TAPE + gait_script(extent), TIMEOUT_S, "gait board"), extent)
 
 
 def _joint(image: bytes, minutes: int) -> list[str]:
-    machine = _StillChip(image)
-    output = machine.run(PROLOGUE + _script(minutes), TIMEOUT_S).decode("utf-8", "replace")
-    answer = output.partition(MARK)[2]
-    if not answer:
-        raise RuntimeFailure(f"the joint's firmware ended: {machine.failure}: {output.strip()[-1500:]}")
-    found: dict[str, int] = json.loads(answer.splitlines()[0])
+    found = answer_of(_StillChip(image), _script(minutes), TIMEOUT_S, "joint")
     complaints = []
     if found["taken"]:
         complaints.append(f"{found['taken']} bytes of heap were taken in {minutes} minutes of operation")
@@ -142,14 +137,10 @@ class _StillChip(Machine):
 
 
 def _script(minutes: int) -> str:
-    filled = {
+    return filled_in(filled(_BOARD + SET_UP + _OPERATE, {
         "chip": CHIP_AT, "core": CORE_AT, "system": SYSTEM_AT, "calibration": CALIBRATION,
         "ready": list((registers_at_rest() | {c.ADC1_DR_32: SAMPLES["bus"]}).items()), "frames": mailboxes(0),
         "clock": CHIP_AT + 4 * c.TIM5_CNT_32, "adc1": CHIP_AT + 4 * c.ADC1_SR_32, "adc2": CHIP_AT + 4 * c.ADC2_SR_32,
         "adc3": CHIP_AT + 4 * c.ADC3_SR_32, "mailbox": CHIP_AT + 4 * c.CAN_RX_32, "fifo": CHIP_AT + 4 * c.CAN_RF0R_32,
         "minutes": minutes,
-    }  # fmt: skip
-    script = _BOARD + SET_UP + _OPERATE
-    for name, value in filled.items():
-        script = script.replace(f"{{{name}}}", repr(value))
-    return filled_in(script)
+    }))  # fmt: skip

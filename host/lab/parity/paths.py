@@ -3,14 +3,14 @@
 The firmware is as an image has it: hot functions in C and the rest frozen.
 """
 
-import importlib.util
 import tempfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...util.errors import UserError
-from ...util.extras import how_to_get
+from ...util.extras import not_installed
 
 BUDGET = Path(__file__).with_name("path_budget.json")
 NOTHING = "nothing"  # the name of a reading round a call that does nothing
@@ -67,8 +67,8 @@ def figures_of(role: str, micropython: Path, jobs: int, minutes: int) -> RoleFig
     from .paths_gait import gait_figures
     from .paths_joint import joint_figures
 
-    if importlib.util.find_spec("unicorn") is None:
-        raise UserError(f"unicorn is not installed: {how_to_get('unicorn')}")
+    if missing := not_installed("unicorn"):
+        raise UserError(missing)
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder:
         work = Path(folder)
         tree = frozen_sources(role, "caramelo", work / "frozen")
@@ -77,6 +77,13 @@ def figures_of(role: str, micropython: Path, jobs: int, minutes: int) -> RoleFig
     if minutes:
         figures.complaints.extend(operated(role, image, minutes))
     return figures
+
+
+def filled(script: str, values: Mapping[str, object]) -> str:
+    """Return a script with values in the place of their {names}."""
+    for name, value in values.items():
+        script = script.replace(f"{{{name}}}", repr(value))
+    return script
 
 
 def measured(names: list[str], marks: list[int]) -> dict[str, list[int]]:

@@ -34,7 +34,7 @@ from .joint_run import (
     mailboxes,
     registers_at_rest,
 )
-from .paths import measured
+from .paths import filled, measured
 from .paths_gait import OVER_STEP, ROBOT, Extent, complaints_of, gait_script
 
 EXTENT = Extent(ticks=30, warm_up_ticks=120, quiet_cycles=0, crawl_ticks=700)
@@ -152,7 +152,7 @@ def _sources(role: str, work: Path) -> Path:
 
 def _registers() -> str:
     """Return the joint's board for the script."""
-    filled = {
+    return filled(_REGISTERS, {
         "held": registers_at_rest(), "halves": {c.TS_CAL1_16: 943, c.TS_CAL2_16: 1194},
         "channels": {BUS_CHANNEL: SAMPLES["bus"], MCU_CHANNEL: SAMPLES["mcu"],
                      THERMISTOR_CHANNEL: SAMPLES["thermistor"]},
@@ -160,9 +160,5 @@ def _registers() -> str:
         "spi3": c.SPI3_32 + c.SPI_DR_32, "rotor": encoder_word(ROTOR), "joint": encoder_word(JOINT),
         "read_angle": READ_ANGLE, "sample": c.ADC1_DR_32, "channel": c.ADC1_SQR3_32, "mailbox": c.CAN_RX_32,
         "fifo": c.CAN_RF0R_32,
-    }  # fmt: skip
-    text = _REGISTERS
-    for name, value in filled.items():
-        text = text.replace(f"{{{name}}}", repr(value))
-    return text
+    })  # fmt: skip
 

@@ -18,7 +18,6 @@ from shared.planner.command import COMMAND_SIZE, Command
 from shared.planner.status import WALKING, Status
 
 from ...boards.build.records import place_of
-from ...boards.runtimes.base import MARK, RuntimeFailure
 from ...boards.runtimes.cortex_m import FILES_AT, Machine
 from ...robot.file import load_robot
 from ...robot.scale import scale_of
@@ -32,8 +31,8 @@ from .crawl_walk import (
     crawl_walk,
     in_plane,
 )
-from .paths import BUDGET, NOTHING, Cost, RoleFigures, measured
-from .role_vm import PROLOGUE
+from .paths import BUDGET, NOTHING, Cost, RoleFigures, filled, measured
+from .role_vm import answer_of
 
 TIMEOUT_S = 3000.0
 IDLE, LIMP, STANDING = 20, 60, 100  # how often these are measured
@@ -247,7 +246,7 @@ def gait_figures(image: bytes) -> RoleFigures:
     machine = Machine(image, b"\0", counting=True)
     ticks = iter(walk)
     machine.actions[1] = lambda: machine.write(FILES_AT, next(ticks))
-    answer = answer_of(machine, extent)
+    answer = answer_of(machine, TAPE + gait_script(extent), TIMEOUT_S, "gait board")
     spent = measured(extent.names, machine.marks)
     budgets = json.loads(BUDGET.read_text())["gait"]
     paths = []
@@ -282,7 +281,7 @@ def gait_script(extent: Extent) -> str:
     """Return the script; its VM gives ``gc``, ``mark``, and ``next_tick``, which puts a tick of the way in ``came``."""
     robot = load_robot(ROBOT)
     speed = scale_of(robot).lf_per_tick(SPEED_M_S)
-    filled = {
+    return filled(SCRIPT, {
         "settings": (speed, len(GAIT_NAMES), extent.warm_up_ticks, extent.ticks, extent.quiet_cycles,
                      extent.crawl_ticks),
         "kinds": (link.COMMAND, link.SENSED, link.READ), "flags": place_of(BoardStatus, "flags"),
@@ -293,17 +292,4 @@ def gait_script(extent: Extent) -> str:
         "standing": STANDING,
         "plane": in_plane(robot), "command_bytes": COMMAND_BYTES, "sensed_bytes": SENSED_BYTES,
         "raw_bytes": RAW_BYTES, "answer_bytes": ANSWER_BYTES, "angles": ANGLES_AT,
-    }  # fmt: skip
-    script = SCRIPT
-    for name, value in filled.items():
-        script = script.replace(f"{{{name}}}", repr(value))
-    return script
-
-
-def answer_of(machine: Machine, extent: Extent, timeout_s: float = TIMEOUT_S) -> dict[str, Any]:
-    """Run the script on a machine and return its answer. RuntimeFailure if it ends early."""
-    output = machine.run(PROLOGUE + TAPE + gait_script(extent), timeout_s).decode("utf-8", "replace")
-    answer = output.partition(MARK)[2]
-    if answer:
-        return dict(json.loads(answer.splitlines()[0]))
-    raise RuntimeFailure(f"the gait board's firmware ended: {machine.failure}: {output.strip()[-1500:]}")
+    })  # fmt: skip

@@ -6,16 +6,14 @@ MicroPython's part is not (docs/core.md says what it takes).
 
 import json
 from functools import partial
-from typing import Any
 
-from ...boards.runtimes.base import MARK, RuntimeFailure
 from ...sim.chip import Chip
 from ...sim.chip.as5047p import As5047p
 from ...sim.chip.can_wire import Frame
 from ...sim.chip.drv8323 import Drv8323s
 from .joint_run import BESIDE, BEYOND_BRAD, JOINT, ROTOR, SAMPLES, check_driven, frames, joint_script
 from .paths import BUDGET, Cost, RoleFigures, measured
-from .role_vm import PROLOGUE, RoleMachine
+from .role_vm import RoleMachine, answer_of
 
 TIMEOUT_S = 600.0
 BOARD = BESIDE + """
@@ -42,7 +40,7 @@ def joint_figures(image: bytes) -> RoleFigures:
     machine = RoleMachine(image, _chip())
     for number, frame in frames(BEYOND_BRAD).items():
         machine.actions[number] = partial(machine.chip.can1._store, Frame(*frame))
-    answer = _answer(machine)
+    answer = answer_of(machine, joint_script(BOARD), TIMEOUT_S, "joint")
     check_driven(answer)
     spent = measured(answer["names"], machine.marks)
     idle = min(spent["poll"])  # a frame is what it adds to a poll
@@ -66,11 +64,3 @@ def _chip() -> Chip:
     Drv8323s(chip, "SPI3", "PA15", "PC4", "PB12")
     chip.muted.add("TIM1 outputs")
     return chip
-
-
-def _answer(machine: RoleMachine) -> dict[str, Any]:
-    output = machine.run(PROLOGUE + joint_script(BOARD), TIMEOUT_S).decode("utf-8", "replace")
-    answer = output.partition(MARK)[2]
-    if answer:
-        return dict(json.loads(answer.splitlines()[0]))
-    raise RuntimeFailure(f"the joint's firmware ended: {machine.failure}: {output.strip()[-1500:]}")

@@ -3,8 +3,10 @@
 A cycle is half an instruction: the chip's time goes on with what is done.
 """
 
+import json
 from typing import Any
 
+from ...boards.runtimes.base import MARK, RuntimeFailure
 from ...boards.runtimes.cortex_m import MARKS_AT, Machine
 from ...sim.chip import Chip
 
@@ -17,6 +19,15 @@ import gc, machine
 def mark(number=0, memory=machine.mem32):
     memory[{MARKS_AT}] = number
 """
+
+
+def answer_of(machine: Machine, script: str, timeout_s: float, role: str) -> dict[str, Any]:
+    """Run a script on a machine and return its answer; RuntimeFailure if the firmware of the role ends early."""
+    output = machine.run(PROLOGUE + script, timeout_s).decode("utf-8", "replace")
+    answer = output.partition(MARK)[2]
+    if not answer:
+        raise RuntimeFailure(f"the {role}'s firmware ended: {machine.failure}: {output.strip()[-1500:]}")
+    return dict(json.loads(answer.splitlines()[0]))
 
 
 class RoleMachine(Machine):

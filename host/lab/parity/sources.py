@@ -65,30 +65,12 @@ def robot_blocks() -> str:
         "from shared.body.params import Params\n"
         "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"
-        "def _params(values) -> Params:\n"
-        "    made = Params()\n"
-        "    unpack(made, values)\n"
-        "    return made\n\n\n"
-        "def _attitude(values) -> Attitude:\n"
-        "    made = Attitude()\n"
-        "    unpack(made, values)\n"
-        "    return made\n\n\n"
-        "def _block(values):\n"
-        "    made = zeros(len(values))\n"
-        "    for at in range(len(values)):\n"
-        "        made[at] = values[at]\n"
-        "    return made\n\n\n"
         "def _loop(values) -> CurrentLoop:\n"
-        "    made = CurrentLoop()\n"
-        "    unpack(made, list(values) + [0] * SINE_SIZE)\n"
+        "    made = unpack(CurrentLoop(), list(values) + [0] * SINE_SIZE)\n"
         "    fill_sine(made)\n"
         "    return made\n\n\n"
-        "def _settings(values) -> JointSettings:\n"
-        "    made = JointSettings()\n"
-        "    unpack(made, values)\n"
-        "    return made\n\n\n"
-        f"PARAMS = {_listing([pack(one) for one in params], '_params')}\n"
-        f"ATTITUDES = {_listing([pack(one) for one in attitudes], '_attitude')}\n"
+        f"PARAMS = {_listing('Params', params)}\n"
+        f"ATTITUDES = {_listing('Attitude', attitudes)}\n"
         f"JOINTS = ({''.join(joints)})\n"
     )
 
@@ -99,13 +81,13 @@ def _joint_blocks(**setup: Any) -> str:
     assert isinstance(actuator, Bldc)
     blocks = joint_blocks(actuator, JointSetup(lower_rad=-1.0, upper_rad=1.9, **setup))
     loop, settings, curve = (tuple(pack(block)) for block in (blocks.loop, blocks.settings, blocks.curve))
-    return f"(_loop({loop[:-SINE_SIZE]}), _settings({settings}), _block({curve})), "
+    return f"(_loop({loop[:-SINE_SIZE]}), unpack(JointSettings(), {settings}), unpack(zeros({len(curve)}), {curve})), "
 
 
 def _with_legs(robot: Robot, **legs: Any) -> Robot:
     return robot.model_copy(update={"geometry": robot.geometry.model_copy(update=legs)})
 
 
-def _listing(blocks: list[Any], make: str = "_block") -> str:
-    rows = "".join(f"    {make}({tuple(block)}),\n" for block in blocks)
+def _listing(kind: str, blocks: list[Any]) -> str:
+    rows = "".join(f"    unpack({kind}(), {tuple(pack(block))}),\n" for block in blocks)
     return f"(\n{rows})"

@@ -95,18 +95,13 @@ def _built(robot: Robot, stiffness: float, friction: float) -> Robot:
     return robot.model_copy(update={"actuator": drive.model_copy(update=changed)})
 
 
-def leg_m(robot: Robot) -> float:
-    """Return thigh and calf."""
-    return robot.geometry.thigh_m + robot.geometry.calf_m
-
-
 def _calm_m_s(robot: Robot) -> float:
-    return CALM_OF_FROUDE * sqrt(GRAVITY_M_S2 * leg_m(robot))
+    return CALM_OF_FROUDE * sqrt(GRAVITY_M_S2 * robot.geometry.leg_m)
 
 
 def _level(robot: Robot, gait: str, seed: int, speed_m_s: float, **more: Any) -> WalkSpec:
     """Return a walk of WALK_S, every second one over low stones."""
-    stones = GroundSpec("stones", STONES_OF_LEG * leg_m(robot), start_m=0.25, length_m=2.0, seed=seed)
+    stones = GroundSpec("stones", STONES_OF_LEG * robot.geometry.leg_m, start_m=0.25, length_m=2.0, seed=seed)
     return WalkSpec(robot, gait, speed_m_s, stones if seed % 2 else FLAT, distance_m=20.0, seed=seed, limit_s=WALK_S,
                     **more)
 
@@ -117,7 +112,7 @@ def _fast(robot: Robot, gait: str, seed: int) -> WalkSpec:
 
 def _step(robot: Robot, gait: str, seed: int) -> WalkSpec:
     draw = random.Random(f"step {seed}")
-    height_m = (STEPS_OF_LEG[seed // 2 % len(STEPS_OF_LEG)] + draw.uniform(-0.02, 0.02)) * leg_m(robot)
+    height_m = (STEPS_OF_LEG[seed // 2 % len(STEPS_OF_LEG)] + draw.uniform(-0.02, 0.02)) * robot.geometry.leg_m
     start_m = 0.3 + draw.uniform(0.0, 0.1)
     ground = GroundSpec(("step-up", "step-down")[seed % 2], height_m, start_m=start_m)
     distance_m, speed_m_s = make_terrain(ground).finish_x_m or 1.0, _calm_m_s(robot)

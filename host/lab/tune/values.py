@@ -67,7 +67,7 @@ class RobotFile:
 
         UserError if it is nothing.
         """
-        marks, leg_m = sources(self.text), self.robot.geometry.thigh_m + self.robot.geometry.calf_m
+        marks, leg_m = sources(self.text), self.robot.geometry.leg_m
         froude_m_s = sqrt(GRAVITY_M_S2 * leg_m)
         bounds = {key: (low * leg_m, high * leg_m, "") for key, (low, high) in STANCE.items()}
         if speed:

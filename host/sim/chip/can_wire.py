@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ...bus.can.load import bits_of, crc15
 from .timeline import CORE_HZ
 
 if TYPE_CHECKING:
     from .bxcan import BxCan
 
-CRC_POLYNOMIAL = 0x4599  # ISO 11898-1: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
 TAIL_BITS = 1 + 1 + 1 + 7  # CRC delimiter, acknowledge slot and delimiter, end of frame
 PAUSE_BITS = 3
 ERROR_BITS = 6 + 8  # error flag and delimiter, at least
@@ -32,23 +32,11 @@ class Frame:
         return len(self.data) if self.dlc is None else self.dlc
 
 
-def number(value: int, width: int) -> list[int]:
-    return [value >> n & 1 for n in reversed(range(width))]
-
-
 def head(frame: Frame) -> list[int]:
     """Return the bits that take part in the arbitration: a lower list wins (ISO 11898-1; RTR, SRR and IDE included)."""
     if not frame.extended:
-        return [*number(frame.identifier, 11), int(frame.remote), 0]
-    return [*number(frame.identifier >> 18, 11), 1, 1, *number(frame.identifier, 18), int(frame.remote)]
-
-
-def crc(bits: list[int]) -> int:
-    register = 0
-    for bit in bits:
-        feedback = bit ^ register >> 14 & 1
-        register = (register << 1 ^ CRC_POLYNOMIAL * feedback) & 0x7FFF
-    return register
+        return [*bits_of(frame.identifier, 11), int(frame.remote), 0]
+    return [*bits_of(frame.identifier >> 18, 11), 1, 1, *bits_of(frame.identifier, 18), int(frame.remote)]
 
 
 def stuffed(bits: list[int]) -> list[int]:
@@ -61,18 +49,18 @@ def stuffed(bits: list[int]) -> list[int]:
     return out
 
 
-def bits_of(frame: Frame) -> list[int]:
+def frame_on_wire(frame: Frame) -> list[int]:
     """Return start, head, control, data and CRC with stuff bits."""
-    bits = [0, *head(frame), *([0, 0] if frame.extended else [0]), *number(frame.length, 4)]
+    bits = [0, *head(frame), *([0, 0] if frame.extended else [0]), *bits_of(frame.length, 4)]
     if not frame.remote:
         for byte in frame.data:
-            bits += number(byte, 8)
-    return stuffed([*bits, *number(crc(bits), 15)])
+            bits += bits_of(byte, 8)
+    return stuffed([*bits, *bits_of(crc15(bits), 15)])
 
 
 def duration_bits(frame: Frame) -> int:
     """Return the bits of a frame on the wire, stuff bits included, the pause after it not."""
-    return len(bits_of(frame)) + TAIL_BITS
+    return len(frame_on_wire(frame)) + TAIL_BITS
 
 
 class CanWire:

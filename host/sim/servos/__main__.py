@@ -19,6 +19,7 @@ from typing import Any
 
 from ...bus.dynamixel import table as t
 from ...bus.dynamixel.calibration.data import load_calibration, nominal
+from ...bus.dynamixel.link import protocol_of
 from ...robot.file import load_robot
 from ...robot.model import Robot
 from ...robot.poses import seated_pose_rad
@@ -153,9 +154,8 @@ def build(options: argparse.Namespace) -> tuple[EmulatedBus, SimulatedImu]:
     robot = load_robot(options.robot).simulated(options.honest)
     truth = load_calibration(options.truth, robot) if options.truth else nominal(robot)
     plant = make_plant(options.plant, robot, options.seed)
-    protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
     noise = Disturbance(options.lost, options.corrupted, options.seed)
-    bus = EmulatedBus(robot, plant, truth, protocol, noise)
+    bus = EmulatedBus(robot, plant, truth, protocol_of(robot), noise)
     if options.new:
         unpack(bus)
     return bus, SimulatedImu(robot, plant.inertial, options.seed)

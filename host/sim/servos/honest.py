@@ -11,7 +11,7 @@ from random import Random
 
 from ...bus.base import JOINTS
 from ...bus.dynamixel.calibration.data import Calibration, JointCalibration, counts_per_rad, limits_rad, servo_of
-from ...bus.dynamixel.link import Link
+from ...bus.dynamixel.link import Link, protocol_of
 from ...identify.carried import in_the_air, joint_per_shaft, on_the_ground_Nm
 from ...identify.rig import Rig
 from ...robot.model import Robot
@@ -196,13 +196,12 @@ class HonestStand:
     def __init__(self, robot: Robot, calibration: Calibration, made: Made, pose_rad: Sequence[float]) -> None:
         self.robot, self.now_s = robot, 0.0
         self.plant = HonestPlant(robot, pose_rad, made)
-        protocol = robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0
-        self.bus = EmulatedBus(robot, self.plant, calibration, protocol)
+        self.bus = EmulatedBus(robot, self.plant, calibration, protocol_of(robot))
         told = Calibration(calibration.robot, tuple(
             _turned_round(robot, joint, mount) if fault == "reversed" else mount
             for joint, (mount, fault) in enumerate(zip(calibration.joints, made.faults, strict=True))
         ))  # fmt: skip
-        link = Link(StandPort(self.bus, self), protocol)
+        link = Link(StandPort(self.bus, self), self.bus.protocol)
         self.rig = Rig(robot, told, link, lambda: self.now_s, self._until)
 
     def pass_time(self, seconds: float) -> None:

@@ -9,7 +9,7 @@ from ...bus.base import JOINT_LABELS, JOINTS
 from ...bus.dynamixel.calibration.bench import Bench
 from ...bus.dynamixel.calibration.data import Calibration, counts_per_rad, joint_from, limits_rad, servo_of
 from ...bus.dynamixel.calibration.procedure import reference_rad
-from ...bus.dynamixel.link import Link
+from ...bus.dynamixel.link import Link, protocol_of
 from ...robot.model import Robot
 from ...robot.poses import rest_pose_rad
 from ...util.console import say
@@ -39,7 +39,7 @@ class SimulatedBench(Bench):
     def __init__(self, robot: Robot, truth: Calibration) -> None:
         self.truth = truth
         self.plant = JointPlant(robot, rest_pose_rad(robot))
-        self.bus = EmulatedBus(robot, self.plant, truth, robot.bus.protocol if robot.bus.kind == "dynamixel" else 2.0)
+        self.bus = EmulatedBus(robot, self.plant, truth, protocol_of(robot))
         self._now_s = 0.0
         port = LoopbackPort(self.bus, lambda: self._now_s)
         super().__init__(Link(port, self.bus.protocol), self._pass_time, self)

@@ -17,7 +17,7 @@ from ...control.odometry import Odometry
 from ...records.channels import DRAWN, schema
 from ...records.scene import Messages, Scene
 from ...robot.file import load_robot
-from ..link import Link, open_link
+from ..link import Link
 from .viewers import Viewers
 
 COUNTS_S = 1.0  # also between the parts that do not change
@@ -155,11 +155,3 @@ async def _count(viewers: Viewers, channels: Channels, link: Link) -> None:
         counts = {"malformed": viewers.malformed, "limited": viewers.limited, "refused": viewers.refused}
         link.send({"type": "web", "pages": len(viewers.known), **counts, "trouble": ""})
         await asyncio.sleep(COUNTS_S)
-
-
-async def main(descriptor: int) -> None:
-    """Connect to the loop and serve."""
-    link = await open_link(descriptor)
-    setup = await link.receive()
-    if setup is not None:
-        await serve(link, setup)

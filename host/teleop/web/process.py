@@ -12,7 +12,7 @@ from aiohttp import web
 
 from ...robot.file import load_robot
 from ...robot.view import View
-from ..link import Link, open_link
+from ..link import Link
 from .access import Names, Pairing, is_loopback
 from .door import Door, listen
 from .paired import Paired
@@ -64,11 +64,3 @@ async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link) -
         counts = {"malformed": server.malformed + trouble.malformed, "limited": server.limited}
         counts["refused"] = server.refused + turned_away
         link.send({"type": "web", "pages": len(server.pages), **counts, "trouble": trouble.sentence or paired.trouble})
-
-
-async def main(descriptor: int) -> None:
-    """Connect to the loop and serve."""
-    link = await open_link(descriptor)
-    setup = await link.receive()
-    if setup is not None:
-        await serve(link, setup)

@@ -37,7 +37,7 @@ class Drive(Watched):
         monkeypatch.setenv("PYTHONPATH", str(folder))
         sim = ("--sim", "--direct") if emulator is None else self._port(folder, emulator.port)
         super().__init__(folder, "--log", str(folder / f"{time.monotonic()}.mcap"), sim=sim)
-        self.page = child_of(self.process.pid, "host.teleop.web")
+        self.page = child_of(self.process.pid, "host.teleop.server")
 
     @staticmethod
     def _port(folder, port):
@@ -80,7 +80,7 @@ class Drive(Watched):
             self.flag.touch()
         elif what == "page":
             with contextlib.suppress(LookupError):
-                self.page = child_of(self.process.pid, "host.teleop.web")
+                self.page = child_of(self.process.pid, "host.teleop.server")
                 os.kill(self.page, signal.SIGSTOP)
 
     def holds(self):

@@ -35,14 +35,7 @@ class Bench:
 
     def prepare(self, servo: int) -> None:
         """Let go, and set what moving needs."""
-        tripped = t.hardware_error_text(self.link.read(servo, t.HARDWARE_ERROR))
-        if tripped:
-            raise ServoError(
-                f"servo id {servo} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}"
-            )
-        self.release([servo])
-        if self.link.read(servo, t.OPERATING_MODE) != t.POSITION_CONTROL:
-            self.link.write(servo, t.OPERATING_MODE, t.POSITION_CONTROL)
+        self.link.set_up(servo, f"servo id {servo}", [(t.OPERATING_MODE, t.POSITION_CONTROL)])
 
     def release(self, servos: list[int]) -> None:
         """Let go of servos, confirmed."""

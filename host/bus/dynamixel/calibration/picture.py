@@ -6,8 +6,9 @@ robot's left side, hips from behind. Signs as in the robot file: x forward, y le
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import cos, radians, sin
+from math import radians
 
+from ....robot.kinematics_si import leg_forward
 from ....robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ....robot.poses import rest_pose_rad
 
@@ -23,15 +24,9 @@ def leg_points(robot: Robot, leg: int, pose_rad: Sequence[float], from_behind: b
     """Return hip axis, thigh joint, knee and foot as (to the right, up) in m, on the page."""
     l1, l2, l3 = robot.geometry.links_m
     hip, thigh, calf = pose_rad
-    out = robot.side(leg) * l1
-    chain = [(0.0, 0.0), (l2 * sin(thigh), l2 * cos(thigh)), (l3 * sin(thigh + calf), l3 * cos(thigh + calf))]
-    forward = drop = 0.0
-    points: list[Point] = [(0.0, 0.0)] if from_behind else []
-    for back_m, down_m in chain:
-        forward, drop = forward - back_m, drop + down_m
-        left, up = out * cos(hip) + drop * sin(hip), out * sin(hip) - drop * cos(hip)
-        points.append((-left, up) if from_behind else (-forward, up))
-    return points
+    ends = (l1, 0.0, 0.0), (l1, l2, 0.0), (l1, l2, l3)
+    chain = [leg_forward(links_m, robot.side(leg), (hip, thigh, calf)) for links_m in ends]
+    return [(0.0, 0.0), *((-y, z) for _, y, z in chain)] if from_behind else [(-x, z) for x, _, z in chain]
 
 
 def picture(robot: Robot, joint: int) -> str:

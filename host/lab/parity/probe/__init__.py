@@ -1,8 +1,8 @@
 """The vectors of every public function of shared/. Runs unchanged on CPython and on every MicroPython.
 
-One file per module of shared/, each with its ``PROBES`` (and ``SOURCES``, the modules they are of, if
-the file is not named like the one). To add a function, add its Probe there; to add a module, add its
-file's name to MODULES. Parity, cost, allocation, overflow and the table in the docs all read these.
+One file per module of shared/ or a few of them, each with its ``PROBES``. To add a function, add its Probe
+there; to add a file, add its name to MODULES.
+Parity, cost, allocation, overflow and the table in the docs all read these.
 """
 
 MODULES = (

@@ -10,8 +10,6 @@ from .draw import Range
 from .probe import Probe
 from .robots import ATTITUDES
 
-SOURCES = ("sense.attitude",)
-
 BLOCK = Attitude()
 COUNTS = zeros(6)
 INT16 = Range(-32768, 32767)

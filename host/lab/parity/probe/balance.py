@@ -12,8 +12,6 @@ from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 
-SOURCES = ("body.balance",)
-
 BALANCE = Balance()
 STATE = (BALANCE.roll, BALANCE.pitch, BALANCE.correction)
 POSE = Block(zeros(POSE_SIZE), (POSE_SIZE, BRAD))

@@ -8,8 +8,6 @@ from .draw import Range
 from .draws import LEG, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.pose",)
-
 UNIT = Range(-32767, 32767)
 LENGTH = Range(-(1 << 28), 1 << 28)
 POSE = Block(zeros(body.POSE_SIZE), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))

@@ -12,8 +12,6 @@ from .draw import Range
 from .draws import HALF30, INT30, ROBOT, TABLE, gait_of
 from .probe import Block, Probe
 
-SOURCES = ("planner.command",)
-
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
 MOST = zeros(SPEED_SIZE)

@@ -8,8 +8,6 @@ from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.compliance",)
-
 LEVER = Range(-32767, 32767)
 FORCE = Range(-16383, 16383)
 ANY_FORCE = Range(-(1 << 30), (1 << 30) - 1)

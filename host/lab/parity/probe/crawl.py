@@ -25,21 +25,6 @@ from .probe import Probe
 from .robots import PARAMS
 from .row import Row
 
-SOURCES = (
-    "num.filters",
-    "planner.handover",
-    "planner.retreat",
-    "crawl.footholds",
-    "crawl.contact",
-    "crawl.swing",
-    "crawl.crawl",
-    "crawl.even",
-    "crawl.goals",
-    "crawl.map",
-    "crawl.pose",
-    "crawl.steps",
-)
-
 OWN = Params()
 copy(PARAMS[0], OWN)
 LATERAL_Q12 = OWN.lateral_q12

@@ -6,8 +6,6 @@ from shared.runtime import zeros
 from .draw import Range
 from .probe import Block, Probe
 
-SOURCES = ("num.fixed",)
-
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
 ANGLE = Range(-(1 << 30), (1 << 30) - 16385)
 SIDE = Range(1 - (1 << 30), (1 << 30) - 1)

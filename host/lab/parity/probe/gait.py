@@ -10,8 +10,6 @@ from .draw import Range
 from .draws import LEG, ROBOT, TABLE, TABLES, gait_of
 from .probe import Pick, Probe
 
-SOURCES = ("gait.table", "gait.gaits")
-
 CLOCK = Clock()
 BLOCK = Gait()
 

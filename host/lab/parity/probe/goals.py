@@ -9,8 +9,6 @@ from .draws import BRAD, INT30, ROBOT
 from .probe import Block, Probe
 from .row import Row
 
-SOURCES = ("planner.goals",)
-
 COUNT = 3
 STEP = Range(1, 32767)
 WANTED = Block(zeros(12), (12, BRAD))

@@ -48,33 +48,6 @@ from .joint_robot import (
 )
 from .probe import Probe
 
-SOURCES = (
-    "joint.bend",
-    "joint.commission",
-    "joint.commission_state",
-    "joint.cascade",
-    "joint.cogging",
-    "joint.creeping",
-    "joint.current",
-    "joint.drive_state",
-    "joint.encoder",
-    "joint.feed",
-    "joint.homing",
-    "joint.swinging",
-    "joint.outer",
-    "joint.probe",
-    "joint.protection",
-    "joint.proving",
-    "joint.report",
-    "joint.sine",
-    "joint.spinning",
-    "joint.svpwm",
-    "joint.thermal",
-    "joint.tick",
-    "joint.turning",
-    "joint.winding",
-)
-
 LOOP_SETTINGS = LoopSettings()
 BLOCKS = (LOOP, SETTINGS, STATE, IO, COMMISSION)
 ROTOR = Range(0, 16383)

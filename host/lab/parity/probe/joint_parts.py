@@ -9,18 +9,6 @@ from .draws import INT30
 from .joint_robot import CURVE, SIGN
 from .probe import Probe
 
-SOURCES = (
-    "joint.cascade",
-    "joint.encoder",
-    "joint.faults",
-    "joint.feed",
-    "joint.profile",
-    "joint.protection",
-    "joint.report",
-    "joint.svpwm",
-    "joint.thermal",
-)
-
 UNIT = Range(-32767, 32767)
 INT16 = Range(-32768, 32767)
 GAIN15 = Range(0, 32767)

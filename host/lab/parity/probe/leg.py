@@ -9,8 +9,6 @@ from .draw import Range
 from .draws import BRAD, LEG, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.leg",)
-
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANGLES = Block(zeros(12), (12, BRAD))
 ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))

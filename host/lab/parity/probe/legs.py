@@ -7,8 +7,6 @@ from .draw import Range
 from .draws import LEG, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.legs",)
-
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))
 WORK = legs.LegsWork()

@@ -8,8 +8,6 @@ from shared.runtime import zeros
 from .draw import Range
 from .probe import Block, Probe
 
-SOURCES = ("body.load",)
-
 PLACE = Range(-32767, 32767)
 FORCE = Range(0, 16383)
 PLANAR = Range(0, 1)

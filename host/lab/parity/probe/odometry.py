@@ -12,8 +12,6 @@ from .robots import PARAMS
 from .row import clear
 from .sensing import ANGLES
 
-SOURCES = ("sense.odometry",)
-
 SENSING = Sensing()
 MEASURED = legs.MeasuredFeet()
 SENSED = Sensed()

@@ -8,8 +8,6 @@ from shared.record import unpack
 from .draw import Range
 from .probe import Probe
 
-SOURCES = ("num.pid",)
-
 FIRST = Pid()
 SECOND = Pid()
 SIGNAL = Range(-(1 << 20), 1 << 20)

@@ -23,20 +23,6 @@ from .probe import Pick, Probe
 from .robots import PARAMS
 from .row import Row, clear
 
-SOURCES = (
-    "planner.planner",
-    "planner.exchange",
-    "planner.weight",
-    "planner.movers",
-    "planner.pose",
-    "planner.senses",
-    "planner.states",
-    "planner.steps",
-    "planner.walk_crawl",
-    "planner.walk_table",
-    "planner.walk_trot",
-)
-
 COMMAND = Command()
 SENSED = Sensed()
 VALID = SENSED.valid

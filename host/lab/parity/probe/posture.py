@@ -9,8 +9,6 @@ from .draw import Range
 from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("planner.posture",)
-
 JOINTS = Block(zeros(12), (12, BRAD))
 GOAL = Block(zeros(12), (12, BRAD))
 MOVE = Move()

@@ -62,8 +62,8 @@ class Probe:
     is passed as it is. watch: arrays digested after every call, besides the result.
     fit(values, dice): mends drawn values that the function's contract excludes together.
     begin(): puts state back before the first vector.
-    largest: the stated bound on the size of any intermediate. ticks: False for what runs once at
-    set-up and may allocate. vectors: how many times the usual number of vectors it gets.
+    ticks: False for what runs once at set-up and may allocate. vectors: how many times the usual
+    number of vectors it gets.
     """
 
     def __init__(
@@ -74,7 +74,6 @@ class Probe:
         watch=(),
         fit=None,
         begin=None,
-        largest=(1 << 30) - 1,
         ticks=True,
         vectors=1,
     ) -> None:
@@ -84,7 +83,6 @@ class Probe:
         self.watch = watch
         self.fit = fit
         self.begin = begin
-        self.largest = largest
         self.ticks = ticks
         self.vectors = vectors
         self.values = [a if not isinstance(a, (Range, Block, Pick)) else 0 for a in arguments]

@@ -9,8 +9,6 @@ from .draw import Range
 from .draws import INT30, LEG, ROBOT
 from .probe import Block, Probe
 
-SOURCES = ("body.reach",)
-
 ANYWHERE = Block(zeros(12), (12, INT30))
 NEARBY = Block(zeros(12), (12, Range(-40000, 40000)))
 WITHIN = Block(zeros(12), (12, Range(-18000, 18000)))

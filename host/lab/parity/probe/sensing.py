@@ -12,8 +12,6 @@ from .probe import Block, Probe
 from .robots import PARAMS
 from .row import Row
 
-SOURCES = ("sense.legs",)
-
 ANGLES = Block(zeros(12), (12, BRAD))
 GOALS = Block(zeros(12), (12, BRAD))
 FEET = MeasuredFeet()

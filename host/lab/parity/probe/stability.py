@@ -8,8 +8,6 @@ from .draw import Range
 from .draws import LEG
 from .probe import Block, Probe
 
-SOURCES = ("body.stability",)
-
 PLACE = Range(-32767, 32767)
 FEET = Block(zeros(12), (12, PLACE))
 WEIGHTS = Block(zeros(4), (4, Range(0, 1)))

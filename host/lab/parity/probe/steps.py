@@ -12,8 +12,6 @@ from .gait import draw_clock
 from .probe import Probe
 from .row import Row
 
-SOURCES = ("gait.steps",)
-
 STEPS = steps.Steps()
 ROW = Row(STEPS)
 SPEED = zeros(steps.SPEED_SIZE)

@@ -5,8 +5,6 @@ from shared.gait import swing
 from .draw import Range
 from .probe import Probe
 
-SOURCES = ("gait.swing",)
-
 PHASE = Range(0, 65536)
 
 PROBES = (

@@ -13,7 +13,6 @@ from .probe import Block, Pick, Probe
 from .robots import PARAMS
 
 PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "trot")
-SOURCES = tuple(["trot." + part for part in PARTS])
 
 FLAG = Range(0, 1)
 INT30 = Range(-(1 << 30), (1 << 30) - 1)

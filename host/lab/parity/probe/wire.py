@@ -10,8 +10,6 @@ from .draw import Range
 from .draws import INT30
 from .probe import Block, Probe
 
-SOURCES = ("wire.access", "wire.framing", "wire.identity", "wire.limits", "wire.receive")
-
 PARAMETER = Range(-2, PARAMETERS + 2)
 IDENTIFIER = Range(-2, 0x801)
 NODE = Range(0, 12)

@@ -9,8 +9,6 @@ from .draw import Range
 from .draws import INT30
 from .probe import Block, Probe
 
-SOURCES = ("wire.codec",)
-
 WORD = Range(0, 65535)
 FRAME = Block(array("H", [0] * 4), (4, WORD))
 VALUES = {

@@ -12,7 +12,7 @@ import can
 
 from firmware.board_sim import SimBoard
 from firmware.chip_flash import ChipFlash
-from firmware.flash_map import BASE, CONFIRMED, HEADER, SLOT_SECTORS, parse_header, sector_at, slot_at
+from firmware.flash_map import BASE, CONFIRMED, slot_at
 from firmware.joint import Joint
 from firmware.settings import Journal
 from firmware.update import Update
@@ -256,10 +256,6 @@ class CanJoint:
         self.busy_us = 0
         self.boot()
 
-    def sound_slots(self):
-        """Return which slots hold a whole image."""
-        return [slot for slot in (0, 1) if self.update.is_whole(slot, lambda: None)]
-
 
 class Bench:
     """Joints on a simulated bus in simulated time; SimPort(bench) is the host's end of it."""
@@ -306,13 +302,6 @@ class Bench:
 def running(joints):
     """Return the builds that run."""
     return {joint.build for joint in joints}
-
-
-def headed(flash, slot):
-    return parse_header(flash.contents[slot_at(slot) : slot_at(slot) + HEADER])
-
-
-FIRST_OF_B = sector_at(SLOT_SECTORS[1][0])
 
 
 class VirtualPort(AdapterPort):

@@ -11,7 +11,7 @@ import pytest
 
 from host.boards.build.native_core import why_not
 from host.boards.build.source import closure, read_modules
-from host.boards.runtimes import CPython, Unix, Wasi, base, unix, wasi
+from host.boards.runtimes import CPython, Unix, Wasi, base
 from host.lab.parity.check import Report, collect
 from host.lab.parity.figures import allocations, largest_values, promises
 from host.lab.parity.sources import gather
@@ -76,13 +76,14 @@ def _wait_for(kept: Path) -> Any:
 def _compiled_once(sources, once, monkeypatch):
     """All tests and workers run on the same compiled tree of the sources; nobody changes it."""
 
+    really = base.compile_sources
+
     def compiled(of: Path, work: Path, emitter: str, arch: str) -> Path:
         if of != sources:
-            return base.compile_sources(of, work, emitter, arch)
-        return once(f"{emitter}-{arch}", lambda folder: base.compile_sources(of, folder, emitter, arch))
+            return really(of, work, emitter, arch)
+        return once(f"{emitter}-{arch}", lambda folder: really(of, folder, emitter, arch))
 
-    for user in (unix, wasi):
-        monkeypatch.setattr(user, "compile_sources", compiled)
+    monkeypatch.setattr(base, "compile_sources", compiled)
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """One source, every runtime, one digest; and a difference is found, down to the vector."""
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -7,11 +8,21 @@ import pytest
 from host.boards.runtimes import CCore, CPython, Runtime, Unix, Wasi
 from host.lab.parity.check import Report, collect, examine, failures, first_difference
 from host.lab.parity.coverage import TracedNode, compare, cover
-from host.lab.parity.figures import Promise, public_functions
+from host.lab.parity.figures import Promise
 from tests.marks import skip_without
 
 from .conftest import VECTORS
 from .plant import plant
+
+
+def public_functions(sources: Path, source: str) -> list[str]:
+    """Return the public functions of a module of shared/, and the public methods of its public classes."""
+    found = []
+    tree = ast.parse((sources / "shared" / (source.replace(".", "/") + ".py")).read_bytes())
+    for node in tree.body:
+        inner = node.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_") else [node]
+        found += [one.name for one in inner if isinstance(one, ast.FunctionDef) and not one.name.startswith("_")]
+    return found
 
 
 def unregistered(sources: Path, bound: dict[str, Promise]) -> list[str]:

@@ -4,7 +4,8 @@ import time
 
 import pytest
 
-from host.boards.runtimes import Board, CPython, Node, RuntimeFailure, Unix, Wasi, all_runtimes, wasi
+from host.boards.runtimes import Board, CPython, Node, Unix, Wasi, all_runtimes
+from host.boards.runtimes.base import RuntimeFailure
 from host.boards.runtimes.process import run_command
 from host.lab.parity.check import call
 from tests.marks import NEEDS_UNIX
@@ -71,7 +72,7 @@ def test_what_is_missing_says_what_to_do(tmp_path, monkeypatch):
     assert "npm install" in str(Node().missing()) or "node is not installed" in str(Node().missing())
     monkeypatch.setattr("platform.machine", lambda: "aarch64")
     assert Unix("viper").missing() == "the unix VM comes for linux x86_64 only, this is linux aarch64"
-    monkeypatch.setattr(wasi.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr("host.util.extras.find_spec", lambda name: None)
     assert Wasi().missing() == "wasmtime is not installed: run make setup EXTRAS=test in the project's folder"
 
 
