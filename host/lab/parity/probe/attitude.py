@@ -81,9 +81,9 @@ def _bias(values, dice):
     _any_gravity(values, dice)
 
 
-def _moving(name, function, *given):
-    """The probe of a function of the filter whose gravity and bias are anything."""
-    return Probe(name, function, (BLOCK, *given), watch=(BLOCK,), begin=_begin, fit=_any_gravity)
+def _moving(name, function, given=()):
+    """The probe of a function of the filter whose gravity and bias are anything; ``given``: its other arguments."""
+    return Probe(name, function, (BLOCK,) + given, watch=(BLOCK,), begin=_begin, fit=_any_gravity)
 
 
 PROBES = (
@@ -93,14 +93,14 @@ PROBES = (
     Probe("size_of", attitude.size_of, (INT16, INT16, INT16)),
     Probe("believed", attitude.believed, (BLOCK, Range(0, 56756)), begin=_begin),
     Probe("rate_q18", attitude.rate_q18, (BLOCK, INT16, Range(0, 2)), begin=_begin, fit=_bias),
-    _moving("turn", attitude.turn, COUNTS),
+    _moving("turn", attitude.turn, (COUNTS,)),
     Probe("cross", attitude.cross, (UNIT, UNIT, RATE, RATE), fit=_of_a_vector),
-    _moving("pull", attitude.pull, COUNTS),
-    _moving("rests", attitude.rests, COUNTS),
-    _moving("pull_axis", attitude.pull_axis, Range(0, 2), Q14, Range(0, 32767)),
-    _moving("learn_bias", attitude.learn_bias, Q14, Q14, Q14),
-    _moving("learn_axis", attitude.learn_axis, Range(0, 2), Q28),
-    _moving("set_bias", attitude.set_bias, Range(0, 2), Q28),
+    _moving("pull", attitude.pull, (COUNTS,)),
+    _moving("rests", attitude.rests, (COUNTS,)),
+    _moving("pull_axis", attitude.pull_axis, (Range(0, 2), Q14, Range(0, 32767))),
+    _moving("learn_bias", attitude.learn_bias, (Q14, Q14, Q14)),
+    _moving("learn_axis", attitude.learn_axis, (Range(0, 2), Q28)),
+    _moving("set_bias", attitude.set_bias, (Range(0, 2), Q28)),
     _moving("normalise", attitude.normalise),
     _moving("angles", attitude.angles),
 )

@@ -9,7 +9,8 @@ from host.boards.build.frozen import ROLES, frozen_sources, select
 from host.boards.build.generated import APPLICATION, LEAVES
 from host.boards.build.leaves import behind_leaves, leaves_first
 from host.boards.build.source import read_modules
-from host.boards.runtimes import RuntimeFailure, Wasi
+from host.boards.runtimes import Wasi
+from host.boards.runtimes.base import RuntimeFailure
 
 DEEP = 60  # modules, each of which imports the next
 ASK = "from probe.entry import FOUND\nprint('@@{\"found\": %d}' % FOUND)\n"
