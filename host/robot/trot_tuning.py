@@ -31,7 +31,6 @@ SLOPE_CYCLES = 1.0  # in which the ground's slope is believed
 DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
 DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/trot/steer.py)
 FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
-GEARS_LED = 0.5  # of friction that grows with the load: all of it rocks one with a payload, where gears have none
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is led in full
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
 TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
@@ -255,7 +254,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     dry_rad, of_sag = friction_bands(robot)
     for joint, band_rad in enumerate(dry_rad):
         setup.friction[joint] = min(4095, round(band_rad * 65536 / 2 / pi))
-    setup.friction_q12 = round(GEARS_LED * of_sag * 4096)
+    setup.friction_q12 = round(of_sag * 4096)
     setup.slides_q16 = min(16383, round(65536 / (SLIDES_SHARE * params.joint_top[0])))
     setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
     setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))
