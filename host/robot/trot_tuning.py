@@ -11,7 +11,7 @@ from math import cos, hypot, inf, pi, sin, sqrt, tanh
 from shared.body.params import LF_BITS, Params
 from sim2d.model import GRAVITY_M_S2
 
-from .drives import BUS_DELAY_S, friction_bands, joint_drives
+from .drives import friction_bands, joint_drives
 from .kinematics_si import Vector
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
@@ -249,7 +249,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.heading_q16 = round(65536 * HEADING_HZ / rate)
     setup.slope_q15 = round(32768 / (1 + SLOPE_CYCLES * f.cycle_s * rate))
     setup.rolling_q15 = round(32768 * rolling(robot))
-    setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
+    setup.tilt_lead_q8 = round((robot.bus.delay_s * rate + 0.5) * 256)
     setup.lag_q8 = round(f.lag_s * rate * 256)
     dry_rad, of_sag = friction_bands(robot)
     for joint, band_rad in enumerate(dry_rad):
