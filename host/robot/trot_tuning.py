@@ -34,6 +34,7 @@ FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is led in full
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
 TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
+LATE_PER_S = 25.0  # of what a foot may be behind, more for each second of the bus's delay while it goes ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
 LATE_FROUDE = 0.08  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
@@ -234,6 +235,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
+    setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.edge_way = round(EDGE_LENGTHS * f.length_m * fine)

@@ -62,6 +62,7 @@ class FloatTrot:
                         for k in (1.0, 1.0, ratio)]
         self.friction, self.of_sag = friction_bands(robot)
         self.delay = 1 + math.floor(robot.bus.delay_s * rate_hz + 1e-9)
+        self.late = tuning.LATE_PER_S * robot.bus.delay_s
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
@@ -270,7 +271,7 @@ class FloatTrot:
         most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
-        if behind > most and (high or behind > 1.5 * most or not self.may_be_late(leg)):
+        if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
             self.held[leg] = True
             if not high:
                 self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
