@@ -122,7 +122,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     After a swing that was held up it goes highest, while swings are high: on even ground the drives lag such a swing,
     which would be held up for ever. A leg's swings that were held up while swings are high are counted twice, less one
     for each that was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet
-    that stand slip, and seem to go on.
+    that stand slip, and seem to go on. What is usual is learnt from low swings alone: before a wall it all would be.
     """
     state = walk.state
     held = walk.held
@@ -138,7 +138,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     walk.tops[leg] = state.lift
     if held[leg] and state.high_left:
         walk.tops[leg] = params.trot.highest_lift
-    if held[leg] == 0:
+    if held[leg] == 0 and state.high_left == 0:
         walk.usual[leg] += walk.peak[leg] - walk.usual[leg] >> 2
     walk.peak[leg] = 0
     held[leg] = 0

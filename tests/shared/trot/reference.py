@@ -257,7 +257,7 @@ class FloatTrot:
 
     def begin_swing(self, leg):
         self.tops[leg] = self.highest if self.held[leg] and self.high_left else self.lift
-        if not self.held[leg]:
+        if not self.held[leg] and not self.high_left:
             self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
