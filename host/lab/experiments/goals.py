@@ -80,9 +80,8 @@ Group = Callable[[Options, Wanted], list[Case]]
 
 def _level(options: Options, speed: float, usual: int = 3, **more: Any) -> list[WalkSpec]:
     """Return walks on level ground, STEADY_S long, at both frictions."""
-    given = {"robot": options.robot, "distance_m": min(20.0, STEADY_S * speed)} | more
-    spec = WalkSpec(gait=options.gait, speed_m_s=speed, **given)
-    return [replace(spec, friction=friction, seed=seed) for _, friction, seed in options.starts(usual)]
+    spec = WalkSpec(options.robot, options.gait, speed, distance_m=min(20.0, STEADY_S * speed))
+    return [replace(spec, friction=friction, seed=seed, **more) for _, friction, seed in options.starts(usual)]
 
 
 def _space(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
