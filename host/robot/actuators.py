@@ -251,6 +251,10 @@ class PdJoint(Table):
         return inf
 
 
+USUAL_DELAY_S = 0.020  # (assumed: one 50 Hz tick)
+Delay = Annotated[float, number(0.0, 0.5, "s")]  # from sending a goal to its acting, and from measuring to knowing
+
+
 class ServoBus(Table):
     """The servos' serial bus. Which id is which joint is calibration data, not part of the robot file."""
 
@@ -258,7 +262,7 @@ class ServoBus(Table):
     port: Annotated[str, text(r"\S{1,200}", "a device name without spaces")]
     baud: Annotated[int, one_of(9600, 57600, 115200, 1000000, 2000000, 3000000, 4000000, 4500000)]
     protocol: Annotated[float, one_of(1.0, 2.0)]
-    delay_s: Annotated[float, number(0.0, 0.5, "s")] = 0.040  # twice drives.BUS_DELAY_S: there and back
+    delay_s: Delay = USUAL_DELAY_S
 
 
 class CanBus(Table):
@@ -273,6 +277,7 @@ class CanBus(Table):
         Literal["impedance", "joint", "host-velocity", "host-current"],
         one_of("impedance", "joint", "host-velocity", "host-current"),
     ]
+    delay_s: Delay = USUAL_DELAY_S
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -284,3 +289,4 @@ class NoBus(Table):
     """A robot that this software simulates, and can't drive."""
 
     kind: Literal["none"]
+    delay_s: Delay = USUAL_DELAY_S

@@ -7,7 +7,6 @@ from sim2d.model import ServoModel
 from .actuators import Bldc, PdJoint, Servo
 from .model import Robot
 
-BUS_DELAY_S = 0.020  # from sending a goal to its acting, and from measuring to knowing (assumed: one 50 Hz tick)
 STIFFNESS_KEYS = {  # which key of each kind of actuator makes its joints stiffer
     "servo": "actuator.duty_per_rad",
     "bldc": "actuator.drive.position_bandwidth_hz",

@@ -217,7 +217,7 @@ class Simulation(Table):
     ``ground_N_m``: how much of a foot's load makes soft ground give by 1 m, in three dimensions; 0 is hard ground.
     """
 
-    honest: Annotated[bool, yes_or_no()] = False
+    honest: Annotated[bool, yes_or_no()] = True
     self_collision: Annotated[bool, yes_or_no()] = True
     ground_N_m: Annotated[float, number(0.0, 1e6, "N/m")] = 0.0
 

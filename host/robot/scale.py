@@ -14,7 +14,7 @@ from sim2d.model import GRAVITY_M_S2
 
 from ..util.errors import UserError
 from .crawl_tuning import fill_crawl
-from .drives import BUS_DELAY_S, STIFFNESS_KEYS, joint_drives
+from .drives import STIFFNESS_KEYS, joint_drives
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
 from .poses import folded_leg_rad
@@ -163,8 +163,8 @@ def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
         params.joint_top[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
     params.joint_near = min(params.joint_top) >> int(robot.calf_drive.coupled)
     calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
-    params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, BUS_DELAY_S))
-    params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, BUS_DELAY_S))
+    params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, robot.bus.delay_s))
+    params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, robot.bus.delay_s))
 
 
 def _brad_step(speed_rad_s: float, time_s: float) -> int:
@@ -215,7 +215,7 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
     com_m = com_at_rest_m(robot)
     params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
     params.foot_radius = scale.lu(robot.geometry.foot_radius_m)
-    params.sent_ticks = min(15, 1 + floor(BUS_DELAY_S * scale.rate_hz + 1e-9))
+    params.sent_ticks = min(15, 1 + floor(robot.bus.delay_s * scale.rate_hz + 1e-9))
     params.leg_length = params.legs[0].thigh_length + params.legs[0].calf_length
     params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
 

@@ -11,7 +11,7 @@ from math import cos, hypot, inf, pi, sin, sqrt, tanh
 from shared.body.params import LF_BITS, Params
 from sim2d.model import GRAVITY_M_S2
 
-from .drives import BUS_DELAY_S, friction_bands, joint_drives
+from .drives import friction_bands, joint_drives
 from .kinematics_si import Vector
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
@@ -31,10 +31,10 @@ SLOPE_CYCLES = 1.0  # in which the ground's slope is believed
 DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
 DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/trot/steer.py)
 FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
-GEARS_LED = 0.5  # of friction that grows with the load: all of it rocks one with a payload, where gears have none
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is led in full
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
 TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
+LATE_PER_S = 25.0  # of what a foot may be behind, more for each second of the bus's delay while it goes ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
 LATE_FROUDE = 0.08  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
@@ -235,6 +235,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
+    setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.edge_way = round(EDGE_LENGTHS * f.length_m * fine)
@@ -250,12 +251,12 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.heading_q16 = round(65536 * HEADING_HZ / rate)
     setup.slope_q15 = round(32768 / (1 + SLOPE_CYCLES * f.cycle_s * rate))
     setup.rolling_q15 = round(32768 * rolling(robot))
-    setup.tilt_lead_q8 = round((BUS_DELAY_S * rate + 0.5) * 256)
+    setup.tilt_lead_q8 = round((robot.bus.delay_s * rate + 0.5) * 256)
     setup.lag_q8 = round(f.lag_s * rate * 256)
     dry_rad, of_sag = friction_bands(robot)
     for joint, band_rad in enumerate(dry_rad):
         setup.friction[joint] = min(4095, round(band_rad * 65536 / 2 / pi))
-    setup.friction_q12 = round(GEARS_LED * of_sag * 4096)
+    setup.friction_q12 = round(of_sag * 4096)
     setup.slides_q16 = min(16383, round(65536 / (SLIDES_SHARE * params.joint_top[0])))
     setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
     setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))

@@ -47,7 +47,7 @@ def emulated(robot: Robot, calibration: Path | None, source: str, space: bool = 
     """
     servo_of(robot)
     options = ["--robot", str(find(source)), "--plant", "space" if space else "ground"]
-    options.append("--honest" if robot.simulation.honest else "--no-honest")
+    options.append("--honest" if robot.simulation.honest else "--simple")
     if calibration is not None:
         options += ["--truth", str(calibration)]
     data = load_calibration(calibration, robot) if calibration is not None else nominal(robot)

@@ -19,6 +19,7 @@ class TrotSetup:
     high_lift: int = field("lu", "the same once something was met")
     highest_lift: int = field("lu", "the same of a foot that was held up in its last swing")
     turn_side: int = field("256 lu ticks", "how much farther behind than its mate a foot may be, per turn, up to 2^15")
+    late_q8: int = field("Q8", "share by which a foot that goes ahead may be farther behind than its mate, up to 2^12")
     high_way: int = field("lf", "way for which swings stay high")
     high_speed: int = field("lf / tick", "the fastest along x and y meanwhile")
     edge_way: int = field("lf", "way with high swings that one edge takes at most")

@@ -47,7 +47,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
-    leaves of it comes again in every swing, and is usual.
+    leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
+    still goes ahead: what it lags is known the later. Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -66,7 +67,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
-    if behind <= most or (high == 0 and behind <= most + (most >> 1) and may_be_late(walk, leg)):
+    if behind <= most or (high == 0 and behind <= most + (most * setup.late_q8 >> 8) and may_be_late(walk, leg)):
         return 0
     walk.held[leg] = 1
     if high == 0:
@@ -121,7 +122,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     After a swing that was held up it goes highest, while swings are high: on even ground the drives lag such a swing,
     which would be held up for ever. A leg's swings that were held up while swings are high are counted twice, less one
     for each that was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet
-    that stand slip, and seem to go on.
+    that stand slip, and seem to go on. What is usual is learnt from low swings alone: before a wall it all would be.
     """
     state = walk.state
     held = walk.held
@@ -137,7 +138,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     walk.tops[leg] = state.lift
     if held[leg] and state.high_left:
         walk.tops[leg] = params.trot.highest_lift
-    if held[leg] == 0:
+    if held[leg] == 0 and state.high_left == 0:
         walk.usual[leg] += walk.peak[leg] - walk.usual[leg] >> 2
     walk.peak[leg] = 0
     held[leg] = 0

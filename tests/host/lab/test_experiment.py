@@ -281,7 +281,7 @@ def test_a_line_a_case_tells_on_stderr_how_far_it_is(run, monkeypatch):
     made = replace(EXPERIMENTS["steps"], cases=lambda options: cases, sum_up=lambda options, rows: Found({}, []))
     monkeypatch.setitem(EXPERIMENTS, "steps", made)
     code, out, err = run("experiment", "steps", "--gait", "crawl", "--json")
-    head = {"experiment": "steps", "robot": "caramelo", "gait": "crawl", "honest": False}
+    head = {"experiment": "steps", "robot": "caramelo", "gait": "crawl", "honest": True}
     assert (code, json.loads(out)) == (0, head)
     assert err.splitlines()[-3:] == [f"steps (crawl): {number} of 3" for number in (1, 2, 3)]
 

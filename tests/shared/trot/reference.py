@@ -8,7 +8,7 @@ from collections import deque
 from dataclasses import dataclass, field
 
 from host.robot import trot_tuning as tuning
-from host.robot.drives import BUS_DELAY_S, friction_bands, joint_drives
+from host.robot.drives import friction_bands, joint_drives
 from sim2d.model import GRAVITY_M_S2 as G
 
 LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
@@ -61,7 +61,8 @@ class FloatTrot:
         self.fastest = [math.floor(robot.actuator.fastest_rad_s * k * self.dt * 65536 / math.tau) * math.tau / 65536
                         for k in (1.0, 1.0, ratio)]
         self.friction, self.of_sag = friction_bands(robot)
-        self.delay = 1 + math.floor(BUS_DELAY_S * rate_hz + 1e-9)
+        self.delay = 1 + math.floor(robot.bus.delay_s * rate_hz + 1e-9)
+        self.late = tuning.LATE_PER_S * robot.bus.delay_s
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
@@ -195,7 +196,7 @@ class FloatTrot:
 
     def lean(self, tilt, rates, pose, balance):
         """Write the tilt to come, the turns that level the body or follow its pose; follow that along the ground."""
-        ahead_s = BUS_DELAY_S + self.dt / 2
+        ahead_s = self.robot.bus.delay_s + self.dt / 2
         self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
         gain = tuning.LEVEL_SHARE / self.f.tipping_s
         turns = [-gain * (tilt[i] - pose[i + 3]) for i in range(2)]
@@ -256,7 +257,7 @@ class FloatTrot:
 
     def begin_swing(self, leg):
         self.tops[leg] = self.highest if self.held[leg] and self.high_left else self.lift
-        if not self.held[leg]:
+        if not self.held[leg] and not self.high_left:
             self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
@@ -270,7 +271,7 @@ class FloatTrot:
         most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
-        if behind > most and (high or behind > 1.5 * most or not self.may_be_late(leg)):
+        if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
             self.held[leg] = True
             if not high:
                 self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
@@ -371,6 +372,6 @@ class FloatTrot:
         (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
         steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
         slow = tuning.SLIDES_SHARE * self.fastest[0]
-        led = [limit(step / slow, 1.0) * (dry + tuning.GEARS_LED * self.of_sag * abs(given))
+        led = [limit(step / slow, 1.0) * (dry + self.of_sag * abs(given))
                for step, given, dry in zip(steps, give, self.friction, strict=True)]
         return led[0], led[1], led[2] - coupled * led[1]

@@ -48,7 +48,7 @@ def test_no_drive_gives_more_than_its_limit():
     robot = load_robot("caramelo")
     plant = SpacePlant(robot)
     high_m = held(plant, rest_pose_rad(robot), 1.0, limit=0.05)
-    assert max(map(abs, plant.drives.load)) == pytest.approx(0.05)
+    assert max(map(abs, plant.drives.load)) == pytest.approx(0.05, rel=0.01), "in steps of the duty"
     assert high_m < held(plant, rest_pose_rad(robot), 1.0) - 0.02
 
 
