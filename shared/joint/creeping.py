@@ -14,16 +14,18 @@ takes away: a good one may leave more than half.
 from ..num.fixed import atan2_brad, hypot, saturate
 from ..runtime import const, hot
 from .cogging import hold_waves, put_wave
+from .cascade import write_current
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
+from .holding import find_flux_taken, hold_rotor, release_rotor, turning_current
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
 from .probe import probe_begin
 from .spinning import swing
-from .swinging import follow_rate
+from .swinging import ask_rate, follow_rate
 from .winding import ratio
 
 _HALF_TURN = const(8192)  # rc from the middle
-_SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
+_SHORT = const(12288)  # rc from the middle, over the pole pairs: one and a half electrical turns in all
 _MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
 _ROUNDS_MOST = const(4)  # until it creeps round the whole turn
 _TICKS_MOST = const(20000)  # of a round
@@ -39,11 +41,9 @@ _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
 _PLACES = const(128)  # of the table in a tick
 _SINE_STEPS = const(1023)  # of the sine table, less one
-_CHANGE_MOST = const(4095)  # rate a tick
 _CURRENT_MOST = const(0x7FFFF)  # cu, times 10
 _MOVED_MOST = const(1023)
 _TABLE_MOST = const(0x1FFFFFFF)
-_STEPS = const(10)  # current steps in a tick
 
 
 @hot
@@ -51,8 +51,9 @@ def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
     commission.creep_rounds = 0
     commission.creep_part = _SHORT_ROUNDS
-    commission.swing_rate = settings.velocity_w * 3 // (2 * saturate(commission.pole_pairs, 1, 50)) + 1
+    commission.swing_rate = settings.velocity_w * 3 // (4 * saturate(commission.pole_pairs, 1, 50)) + 1
     commission.swing_acceleration = (commission.swing_rate >> 4) + 1
+    find_flux_taken(settings, commission)
     for wave in range(WAVES):
         put_wave(loop, wave, 0, 0, 0)
     return _round(loop, commission, PHASE_CREEP)
@@ -61,7 +62,10 @@ def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 @hot
 def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
     commission.half_swings = 0
-    if commission.away * commission.sign < 0 - _SHORT and phase == PHASE_CREEP:
+    commission.creep_far = _HALF_TURN
+    if phase == PHASE_CREEP:
+        commission.creep_far = _SHORT // saturate(commission.pole_pairs, 2, 50)
+    if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
         commission.half_swings = 1
     commission.way = 0
     for place in range(COGS):
@@ -74,17 +78,16 @@ def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
 def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
     phase = commission.phase
+    current_d = loop.sum_current_d
     current = loop.sum_current_q
     probe_begin(loop, 1)
     moved = swing(loop, state, commission)
-    change = (state.rate - commission.rate_last) * commission.direction
-    commission.rate_last = state.rate
     if phase == PHASE_WAVES:
         _hold(loop, settings, state, commission)
         return _look_at_table(loop, settings, commission)
-    far = _SHORT
-    if phase == PHASE_ROUND:
-        far = _HALF_TURN
+    if loop.electrical_gain == 0:
+        current = turning_current(settings, commission, current_d, current, loop.rotor, moved)
+    far = commission.creep_far
     if commission.away * commission.sign > far + _MARGIN:
         commission.sign = 0 - commission.sign
         commission.half_swings += 1
@@ -94,10 +97,11 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.reason:
         return 0
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
-        _add(loop, commission, _ripple_or_current(commission, current, change, moved), moved)
+        _add(loop, commission, _ripple_or_current(commission, current, moved), moved)
     if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
         return _look_again(commission)
     if commission.half_swings > 2:
+        release_rotor(loop, commission)
         return _look(loop, commission)
     return 0
 
@@ -111,23 +115,28 @@ def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commi
         commission.swing_rate += rate >> 1
     elif commission.half_swings == 0 and at < far - _MARGIN:
         commission.swing_rate = rate * 3
-    follow_rate(loop, settings, state, commission)
+    ask_rate(settings, state, commission)
     commission.swing_rate = rate
-    return loop.reference_q
+    return _push(loop, settings, state, commission)
 
 
 @hot
-def _ripple_or_current(commission: Commission, current: int, change: int, moved: int) -> int:
-    """Return what is added up: while the waves are checked how much faster than wanted the rotor is, as a rate.
+def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Hand the current on; while waves are looked for a field holds the rotor, from its first standstill on."""
+    if commission.creep_part >= _WITHOUT or commission.half_swings < 1:
+        return write_current(loop, settings, state)
+    if loop.electrical_gain and commission.swing_reference * commission.sign < 0:
+        return write_current(loop, settings, state)
+    return hold_rotor(loop, settings, state, commission)
 
-    Else the current that the motion alone takes, times 10: less the acceleration's.
-    """
+
+@hot
+def _ripple_or_current(commission: Commission, current: int, moved: int) -> int:
+    """Return what is added up: the current, times 10, or while waves are checked by which rate the rotor is too fast."""
     if commission.creep_part >= _WITHOUT:
         speed = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign << 8
         return saturate(speed - commission.swing_rate, -_CURRENT_MOST, _CURRENT_MOST)
-    change = saturate(change, -_CHANGE_MOST, _CHANGE_MOST)
-    taken = saturate(commission.inertia, 0, 0x3FFFF) * change >> 12
-    return saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+    return saturate(current, -_CURRENT_MOST, _CURRENT_MOST)
 
 
 @hot
@@ -152,7 +161,10 @@ def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
 
 @hot
 def _look(loop: CurrentLoop, commission: Commission) -> int:
-    """Begin to look for waves, of a short round only for multiples of the poles, as the strongest is; return 0."""
+    """Begin to look for waves: of a short round only for multiples of the poles, of the whole turn for all others.
+
+    Return 0.
+    """
     pairs = saturate(commission.pole_pairs, 1, 50)
     commission.order_step = pairs + pairs
     if commission.creep_part == _WHOLE_ROUND:
@@ -161,8 +173,9 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
     commission.order = pairs + pairs
     commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
     for wave in range(WAVES):
-        commission.wave_order[wave] = 0
-        commission.wave_current[wave] = 0
+        if wave > 0 or commission.creep_part == _SHORT_ROUNDS:
+            commission.wave_order[wave] = 0
+            commission.wave_current[wave] = 0
     return _begin_look(commission)
 
 
@@ -281,8 +294,13 @@ def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
 
 @hot
 def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
-    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4."""
+    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+
+    What the short rounds found stays, because those creep more slowly.
+    """
     current = _amplitude(commission, order, cosine, sine)
+    if order == commission.wave_order[0]:
+        return current
     weakest = 0
     for wave in range(WAVES):
         if commission.wave_current[wave] < commission.wave_current[weakest]:
@@ -311,7 +329,8 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
         return 0
     if commission.creep_part == _WHOLE_ROUND:
         return _begin_check(loop, commission, commission.wave_current[strongest] >> 3)
-    _act(loop, commission, 0, strongest)
+    _swap_first(commission, strongest)
+    _act(loop, commission, 0, 0)
     hold_waves(loop, 1)
     commission.creep_rounds += 1
     change = loop.wave_current[0] - commission.creep_before
@@ -320,8 +339,25 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
         _round(loop, commission, PHASE_CREEP)
     else:
         commission.creep_part = _WHOLE_ROUND
+        commission.swing_rate = commission.swing_rate << 1
+        commission.swing_acceleration = commission.swing_acceleration << 1
         _round(loop, commission, PHASE_ROUND)
     return 0
+
+
+@hot
+def _swap_first(commission: Commission, strongest: int) -> int:
+    """Put the strongest wave at the first place; return its order."""
+    order = commission.wave_order[strongest]
+    current = commission.wave_current[strongest]
+    phase = commission.wave_phase[strongest]
+    commission.wave_order[strongest] = commission.wave_order[0]
+    commission.wave_current[strongest] = commission.wave_current[0]
+    commission.wave_phase[strongest] = commission.wave_phase[0]
+    commission.wave_order[0] = order
+    commission.wave_current[0] = current
+    commission.wave_phase[0] = phase
+    return order
 
 
 @hot

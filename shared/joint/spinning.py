@@ -64,13 +64,14 @@ def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, com
 
 @hot
 def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Follow the rotor and lead the commutation; return how far it moved in this tick, rc, electrical-signed."""
+    """Follow the rotor and, if it commutates, lead that; return how far it moved in this tick, rc, electrical-signed."""
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
     commission.away = (commission.moved - commission.centre) * commission.direction
     lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
-    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
+    if loop.electrical_gain:
+        loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
     if commission.away > _FAR or commission.away < -_FAR:
         refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
     return moved * commission.direction
