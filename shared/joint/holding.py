@@ -46,8 +46,9 @@ def release_rotor(loop: CurrentLoop, commission: Commission) -> int:
 def turning_current(settings: JointSettings, commission: Commission, d: int, q: int, rotor: int, moved: int) -> int:
     """Return the current across the flux, times 10, that turns a held rotor as much as the last tick's did.
 
-    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. Error
-    8 cu of the sum, and 1 brad for each pole pair of the lag. The sum of both products stays below 2^30.
+    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. A
+    rotor a quarter of an electrical turn away is lost: refused. Error 16 cu, and of the lag 1 brad for each pole pair.
+    The sum of both products stays below 2^30.
     """
     pairs = commission.pole_pairs
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found

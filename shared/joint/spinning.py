@@ -64,7 +64,7 @@ def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, com
 
 @hot
 def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Follow the rotor and, if it commutates, lead that; return how far it moved in this tick, rc, electrical-signed."""
+    """Follow the rotor, and lead the commutation if that follows too; return how far it moved, rc, electrical sign."""
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
