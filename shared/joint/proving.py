@@ -71,7 +71,7 @@ def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commis
 
 
 @hot
-def prove_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+def prove_begin(settings: JointSettings, commission: Commission) -> int:
     """Begin to run to and fro with steps of the speed; return PHASE_PROVE_VELOCITY."""
     commission.velocity_w = settings.velocity_w
     commission.repeated = 0
@@ -136,7 +136,7 @@ def _run_velocity(
     commission.swing_rate = slow
     commission.swing_acceleration = most
     if commission.half_swings > _RUNS:
-        return _end_velocity(loop, settings, commission)
+        return _end_velocity(settings, commission)
     return 0
 
 
@@ -169,7 +169,7 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
 
 
 @hot
-def _end_velocity(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+def _end_velocity(settings: JointSettings, commission: Commission) -> int:
     """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0.
 
     What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
