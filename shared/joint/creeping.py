@@ -1,14 +1,15 @@
 """Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
 
 At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
-both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
-first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
-that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
+both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
+and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them,
-each to take a quarter of the speed's ripple away, so often a turn. If one does not, all are looked at as slowly as they
-were found, and what does not take half of it away there is dropped. What the gear's play adds to the ripple no wave
-takes away: a good one may leave more than half.
+First it creeps one and a half electrical turns to and fro. The strongest wave of what it found acts on the next round.
+A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
+creeps round the whole turn for the waves that are no multiples of the poles.
+
+All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
+then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -17,10 +18,10 @@ from .cascade import write_current
 from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
-from .holding import find_flux_taken, hold_rotor, release_rotor, turning_current
+from .holding import find_flux_taken, hold_rotor, turning_current
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
 from .probe import probe_begin
-from .spinning import swing
+from .spinning import follow_rotor, swing
 from .swinging import ask_rate, follow_rate
 from .winding import ratio
 
@@ -49,7 +50,7 @@ _TABLE_MOST = const(0x1FFFFFFF)
 
 @hot
 def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
+    """Begin to creep without any waves; return PHASE_CREEP."""
     commission.creep_rounds = 0
     commission.creep_part = _SHORT_ROUNDS
     find_flux_taken(settings, commission)
@@ -61,7 +62,7 @@ def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 
 @hot
 def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, phase: int) -> int:
-    """Begin a round: three waves a pole pair at 0.88 of the velocity loop's bandwidth, others twice as fast."""
+    """Begin a round at 0.44 of the velocity loop's bandwidth for six waves a pole pair, others twice as fast."""
     pairs = saturate(commission.pole_pairs, 1, 50)
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     if commission.creep_part >= _WITHOUT:
@@ -73,7 +74,7 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
     commission.half_swings = 0
     commission.creep_far = _HALF_TURN
     if phase == PHASE_CREEP:
-        commission.creep_far = _SHORT // saturate(commission.pole_pairs, 2, 50)
+        commission.creep_far = _SHORT // saturate(pairs, 2, 50)
     if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
         commission.half_swings = 1
     commission.way = 0
@@ -116,7 +117,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
         return _look_again(commission)
     if commission.half_swings > 2:
-        release_rotor(loop, commission)
+        follow_rotor(loop, state, commission)
         return _look(loop, commission)
     return 0
 

@@ -36,13 +36,6 @@ def hold_rotor(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 
 
 @hot
-def release_rotor(loop: CurrentLoop, commission: Commission) -> int:
-    """Let the field follow the rotor again; return electrical_gain."""
-    loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
-    return loop.electrical_gain
-
-
-@hot
 def turning_current(settings: JointSettings, commission: Commission, d: int, q: int, rotor: int, moved: int) -> int:
     """Return the current across the flux, times 10, that turns a held rotor as much as the last tick's did.
 

@@ -8,7 +8,9 @@ from hypothesis import strategies as st
 
 from shared.joint import faults as f
 from shared.joint.commission_state import PHASE_CREEP
-from shared.joint.holding import find_flux_taken, hold_rotor, release_rotor, turning_current
+from shared.joint.holding import find_flux_taken, hold_rotor, turning_current
+from shared.joint.sine import TABLE_HALF_STEP
+from shared.joint.spinning import follow_rotor
 
 from .plant import Plant
 
@@ -20,7 +22,7 @@ def held(pairs=7, direction=1, offset=4000):
     p = Plant()
     c = p.commission
     c.phase, c.pole_pairs, c.direction, c.offset_found = PHASE_CREEP, pairs, direction, offset
-    release_rotor(p.loop, c)
+    follow_rotor(p.loop, p.state, c)
     return p
 
 
@@ -58,6 +60,17 @@ def test_the_field_begins_at_the_rotor_and_goes_as_far_as_it_is_to(direction):
     went = 4 * 7 * (direction * 300 + ticks * 333 / 256) + p.commission.offset_found
     assert p.commission.angle == math.floor(went) % TURN
     assert (p.loop.electrical_gain, p.loop.reference_d) == (0, p.settings.commission_current)
+
+
+def test_a_field_that_follows_the_rotor_again_does_so_from_the_next_current_step_on():
+    """Else the currents turn against the rotor for a millisecond, which trips: the motor drawn with seed 24."""
+    p = held(pairs=9, direction=-1)
+    before = p.loop.electrical_offset
+    hold_rotor(p.loop, p.settings, p.state, p.commission)
+    assert p.loop.electrical_offset != before
+    follow_rotor(p.loop, p.state, p.commission)
+    assert p.loop.electrical_offset == before == p.commission.offset_found + TABLE_HALF_STEP
+    assert p.loop.electrical_gain == -36
 
 
 @given(st.integers(-12288, 12288))

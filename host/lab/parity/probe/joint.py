@@ -463,6 +463,7 @@ PROBES = (
     _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(11, 11)),
     _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
     _probe(spinning, "swing", LOOP, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(spinning, "follow_rotor", LOOP, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(12, 13)),
@@ -471,7 +472,6 @@ PROBES = (
     _probe(swinging, "follow_rate", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(swinging, "ask_rate", SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(holding, "hold_rotor", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 15)),
-    _probe(holding, "release_rotor", LOOP, COMMISSION, fit=_in_phases(14, 15)),
     _probe(
         holding, "turning_current", SETTINGS, COMMISSION, SUM, SUM, ROTOR, Range(-1023, 1023), fit=_in_phases(14, 15)
     ),
