@@ -27,8 +27,8 @@ from .winding import ratio
 _SINE_TICKS = const(256)
 _LEAST = const(85)  # per cent of the wanted bandwidth
 _MOST = const(115)
-_LEAST_OUTER = const(50)  # of velocity and position; of good motors with play in the gear 57 .. 186 were found
-_MOST_OUTER = const(200)
+_LEAST_OUTER = const(67)  # of velocity and position; of good motors with play in the gear 88 .. 118 were found
+_MOST_OUTER = const(150)
 _LOWER_VELOCITY = const(75)  # below, a quarter less bandwidth is tried
 _SHARE_MOST = const(999)  # per cent
 _WINDOW = const(786432)  # of a velocity step: 12 / w, for w in rad / tick, Q16

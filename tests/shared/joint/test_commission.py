@@ -292,8 +292,8 @@ def later(phase, **change):
     [
         (lambda: later(s.PHASE_PROVE_CURRENT, l=0.6), f.FAULT_COMMISSION_CURRENT_LOOP),
         (lambda: later(s.PHASE_PROVE_CURRENT, l=1.6), f.FAULT_COMMISSION_CURRENT_LOOP),
-        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.4), f.FAULT_COMMISSION_VELOCITY_LOOP),
-        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=3.0), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.55), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=1.9), f.FAULT_COMMISSION_VELOCITY_LOOP),
         (lambda: later(s.PHASE_PROVE_POSITION, inertia=100.0), f.FAULT_COMMISSION_POSITION_LOOP),
     ],
 )
