@@ -27,7 +27,7 @@ from .winding import ratio
 _SINE_TICKS = const(256)
 _LEAST = const(85)  # per cent of the wanted bandwidth
 _MOST = const(115)
-_LEAST_OUTER = const(67)  # of velocity and position; of good motors with play in the gear 88 .. 118 were found
+_LEAST_OUTER = const(67)  # of velocity and position; of 78 motors whose cogging was held against 82 .. 132
 _MOST_OUTER = const(150)
 _LOWER_VELOCITY = const(75)  # below, a quarter less bandwidth is tried
 _SHARE_MOST = const(999)  # per cent
