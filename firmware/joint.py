@@ -95,14 +95,15 @@ class Joint:
 
     def poll(self):
         """Do what is due; return 1 if a motion tick was done."""
-        if self.updating.state:
-            self.updating.poll()
+        updating = self.updating
+        if updating.state:
+            updating.poll()
             return 0
         try:
             self._take_frames()
         except Exception:
             self.control.stop(PART_BUS)
-        if self.updating.state or (self.board.ticks_us() - self._due_us) & _MASK >= _AHEAD:
+        if updating.state or (self.board.ticks_us() - self._due_us) & _MASK >= _AHEAD:
             return 0
         self._due_us = (self._due_us - _TO_NEXT_US) & _MASK
         self.control.motion()

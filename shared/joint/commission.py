@@ -155,7 +155,7 @@ def commission_step(
             creep_begin(loop, settings, commission)
     elif phase < PHASE_PROVE_VELOCITY:
         if creep_step(loop, settings, state, commission):
-            prove_begin(loop, settings, commission)
+            prove_begin(settings, commission)
     elif prove_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)
     if commission.phase == PHASE_IDLE:

@@ -1,29 +1,32 @@
 """Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
 
 At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
-both ways: friction cancels, and so does what comes late. Strong cogging lets the rotor hop from tooth to tooth, so it
-first creeps three sixteenths of a turn to and fro, and the strongest wave of what it found acts on the next round; once
-that hardly changes any more, it creeps round the whole turn, and the strongest waves of that act.
+both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
+and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-Then they are checked by what they are for, an even speed: to and fro twice as fast, first without and then with them,
-each to take a quarter of the speed's ripple away, so often a turn. If one does not, all are looked at as slowly as they
-were found, and what does not take half of it away there is dropped. What the gear's play adds to the ripple no wave
-takes away: a good one may leave more than half.
+First it creeps one and a half electrical turns to and fro. The strongest wave of what it found acts on the next round.
+A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
+creeps round the whole turn for the waves that are no multiples of the poles.
+
+All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
+then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
 from ..runtime import const, hot
+from .cascade import write_current
 from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
+from .holding import find_flux_taken, hold_rotor, turning_current
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
 from .probe import probe_begin
-from .spinning import swing
-from .swinging import follow_rate
+from .spinning import follow_rotor, swing
+from .swinging import ask_rate, follow_rate
 from .winding import ratio
 
 _HALF_TURN = const(8192)  # rc from the middle
-_SHORT = const(1536)  # rc from the middle: three sixteenths of a turn in all
+_SHORT = const(12288)  # rc from the middle, over the pole pairs: one and a half electrical turns in all
 _MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
 _ROUNDS_MOST = const(4)  # until it creeps round the whole turn
 _TICKS_MOST = const(20000)  # of a round
@@ -31,37 +34,48 @@ _SHORT_ROUNDS = const(0)  # Commission.creep_part
 _WHOLE_ROUND = const(1)
 _WITHOUT = const(2)
 _WITH = const(3)
-_WITHOUT_SLOWLY = const(4)
-_WITH_SLOWLY = const(5)
-_LEFT_MOST = const(192)  # of the ripple, in 1/256
-_LEFT_SLOWLY = const(128)  # the same when it creeps slowly
+_LEFT_MOST = const(128)  # of the ripple, in 1/256
+_SETTLED = const(2608)  # brad: a quarter of a rad, by which two rounds may differ; and an eighth of the amplitude
+_PAIRS_QUICK = const(14)  # with more the whole turn is crept round faster, for the time that it takes
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
 _PLACES = const(128)  # of the table in a tick
 _SINE_STEPS = const(1023)  # of the sine table, less one
-_CHANGE_MOST = const(4095)  # rate a tick
+_CHANGE_MOST = const(511)  # rc/tick^2, of two ticks
+_STEPS = const(10)  # current steps in a tick
 _CURRENT_MOST = const(0x7FFFF)  # cu, times 10
 _MOVED_MOST = const(1023)
 _TABLE_MOST = const(0x1FFFFFFF)
-_STEPS = const(10)  # current steps in a tick
 
 
 @hot
 def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to creep, six waves a pole pair at 0.88 of the velocity loop's bandwidth; return PHASE_CREEP."""
+    """Begin to creep without any waves; return PHASE_CREEP."""
     commission.creep_rounds = 0
     commission.creep_part = _SHORT_ROUNDS
-    commission.swing_rate = settings.velocity_w * 3 // (2 * saturate(commission.pole_pairs, 1, 50)) + 1
-    commission.swing_acceleration = (commission.swing_rate >> 4) + 1
+    find_flux_taken(settings, commission)
+    commission.creep_settled = 0
     for wave in range(WAVES):
-        put_wave(loop, wave, 0, 0, 0)
-    return _round(loop, commission, PHASE_CREEP)
+        _drop(loop, commission, wave)
+    return _round(loop, settings, commission, PHASE_CREEP)
 
 
 @hot
-def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
+def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, phase: int) -> int:
+    """Begin a round at 0.44 of the velocity loop's bandwidth for six waves a pole pair, others twice as fast."""
+    pairs = saturate(commission.pole_pairs, 1, 50)
+    rate = settings.velocity_w * 3 // (4 * pairs) + 1
+    if commission.creep_part >= _WITHOUT:
+        rate = rate << 1
+    elif phase == PHASE_ROUND:
+        rate = settings.velocity_w * 3 // (2 * saturate(pairs, 1, _PAIRS_QUICK)) + 1
+    commission.swing_rate = rate
+    commission.swing_acceleration = (rate >> 4) + 1
     commission.half_swings = 0
-    if commission.away * commission.sign < 0 - _SHORT and phase == PHASE_CREEP:
+    commission.creep_far = _HALF_TURN
+    if phase == PHASE_CREEP:
+        commission.creep_far = _SHORT // saturate(pairs, 2, 50)
+    if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
         commission.half_swings = 1
     commission.way = 0
     for place in range(COGS):
@@ -74,17 +88,18 @@ def _round(loop: CurrentLoop, commission: Commission, phase: int) -> int:
 def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
     phase = commission.phase
+    current_d = loop.sum_current_d
     current = loop.sum_current_q
     probe_begin(loop, 1)
     moved = swing(loop, state, commission)
-    change = (state.rate - commission.rate_last) * commission.direction
-    commission.rate_last = state.rate
+    way = saturate(moved, -_MOVED_MOST, _MOVED_MOST)
+    change = way - commission.moved_before
     if phase == PHASE_WAVES:
         _hold(loop, settings, state, commission)
         return _look_at_table(loop, settings, commission)
-    far = _SHORT
-    if phase == PHASE_ROUND:
-        far = _HALF_TURN
+    if loop.electrical_gain == 0:
+        current = turning_current(settings, commission, current_d, current, loop.rotor, moved)
+    far = commission.creep_far
     if commission.away * commission.sign > far + _MARGIN:
         commission.sign = 0 - commission.sign
         commission.half_swings += 1
@@ -94,10 +109,15 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.reason:
         return 0
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
-        _add(loop, commission, _ripple_or_current(commission, current, change, moved), moved)
+        _add(commission, _ripple_or_current(commission, change))
+    commission.moved_before = commission.moved_last
+    commission.moved_last = way
+    commission.current_last = current
+    commission.place_last = loop.rotor >> 5
     if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
         return _look_again(commission)
     if commission.half_swings > 2:
+        follow_rotor(loop, state, commission)
         return _look(loop, commission)
     return 0
 
@@ -111,30 +131,39 @@ def _follow(loop: CurrentLoop, settings: JointSettings, state: JointState, commi
         commission.swing_rate += rate >> 1
     elif commission.half_swings == 0 and at < far - _MARGIN:
         commission.swing_rate = rate * 3
-    follow_rate(loop, settings, state, commission)
+    ask_rate(settings, state, commission)
     commission.swing_rate = rate
-    return loop.reference_q
+    return _push(loop, settings, state, commission)
 
 
 @hot
-def _ripple_or_current(commission: Commission, current: int, change: int, moved: int) -> int:
-    """Return what is added up: while the waves are checked how much faster than wanted the rotor is, as a rate.
+def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Hand the current on; while waves are looked for a field holds the rotor, from its first standstill on."""
+    if commission.creep_part >= _WITHOUT or commission.half_swings < 1:
+        return write_current(loop, settings, state)
+    if loop.electrical_gain and commission.swing_reference * commission.sign < 0:
+        return write_current(loop, settings, state)
+    return hold_rotor(loop, settings, state, commission)
 
-    Else the current that the motion alone takes, times 10: less the acceleration's.
+
+@hot
+def _ripple_or_current(commission: Commission, change: int) -> int:
+    """Return what is added up for the tick before: while waves are checked the rotor's rate above the wanted.
+
+    Else the current that the motion alone took, times 10, less the acceleration's: ``change`` of the way in two ticks.
     """
     if commission.creep_part >= _WITHOUT:
-        speed = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign << 8
+        speed = commission.moved_last * commission.sign << 8
         return saturate(speed - commission.swing_rate, -_CURRENT_MOST, _CURRENT_MOST)
-    change = saturate(change, -_CHANGE_MOST, _CHANGE_MOST)
-    taken = saturate(commission.inertia, 0, 0x3FFFF) * change >> 12
-    return saturate(current - taken * _STEPS, -_CURRENT_MOST, _CURRENT_MOST)
+    taken = (saturate(commission.inertia, 0, 0x3FFFF) * saturate(change, -_CHANGE_MOST, _CHANGE_MOST) >> 5) * _STEPS
+    return saturate(commission.current_last - taken, -_CURRENT_MOST, _CURRENT_MOST)
 
 
 @hot
-def _add(loop: CurrentLoop, commission: Commission, value: int, moved: int) -> int:
-    """Add one tick's value over its way to the place where the rotor is; return the way."""
-    way = saturate(moved, -_MOVED_MOST, _MOVED_MOST) * commission.sign
-    place = loop.rotor >> 5
+def _add(commission: Commission, value: int) -> int:
+    """Add the value of the tick before over its way to the place where the rotor was; return the way."""
+    way = commission.moved_last * commission.sign
+    place = commission.place_last
     commission.cogging[place] = saturate(commission.cogging[place] + value * way, -_TABLE_MOST, _TABLE_MOST)
     commission.way += way
     return way
@@ -152,17 +181,25 @@ def _hold(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
 
 @hot
 def _look(loop: CurrentLoop, commission: Commission) -> int:
-    """Begin to look for waves, of a short round only for multiples of the poles, as the strongest is; return 0."""
+    """Begin to look for waves: of a short round for multiples of the poles, of the whole turn for slower others.
+
+    If no short round's wave has settled, the whole turn is looked at for those multiples too. Return 0.
+    """
     pairs = saturate(commission.pole_pairs, 1, 50)
     commission.order_step = pairs + pairs
     if commission.creep_part == _WHOLE_ROUND:
         commission.order_step = 1
-    commission.creep_before = loop.wave_current[0]
+    commission.order_before = commission.wave_order[0]
+    commission.current_before = commission.wave_current[0]
+    commission.phase_before = commission.wave_phase[0]
     commission.order = pairs + pairs
     commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
+    if commission.creep_settled:
+        commission.order_last = pairs * _ORDERS >> 1
     for wave in range(WAVES):
-        commission.wave_order[wave] = 0
-        commission.wave_current[wave] = 0
+        if commission.creep_settled == 0:
+            commission.wave_order[wave] = 0
+            commission.wave_current[wave] = 0
     return _begin_look(commission)
 
 
@@ -206,7 +243,7 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
     commission.cosine_sum = 0
     commission.sine_sum = 0
     if commission.creep_part >= _WITHOUT:
-        return _check_wave(loop, commission, cosine, sine)
+        return _check_wave(loop, settings, commission, cosine, sine)
     _take_wave(commission, order, cosine, sine)
     commission.order = order + commission.order_step
     if commission.order <= commission.order_last:
@@ -226,40 +263,28 @@ def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> in
 
 
 @hot
-def _check_wave(loop: CurrentLoop, commission: Commission, cosine: int, sine: int) -> int:
+def _check_wave(
+    loop: CurrentLoop, settings: JointSettings, commission: Commission, cosine: int, sine: int
+) -> int:
     """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
     wave = commission.wave
     ripple = _amplitude(commission, commission.order, cosine, sine)
-    most = _LEFT_MOST
-    if commission.creep_part == _WITH_SLOWLY:
-        most = _LEFT_SLOWLY
-    if commission.creep_part == _WITHOUT or commission.creep_part == _WITHOUT_SLOWLY:
+    if commission.creep_part == _WITHOUT:
         commission.ripple[wave] = ripple
-    elif commission.order and (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > most:
+    elif wave < commission.creep_settled or commission.order == 0:
+        commission.ripple[wave] = 0
+    elif (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > _LEFT_MOST:
         commission.useless |= 1 << wave
     if wave < WAVES - 1:
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]
         return 0
-    return _next_check(loop, commission)
-
-
-@hot
-def _next_check(loop: CurrentLoop, commission: Commission) -> int:
-    """Go on with the waves, or slowly and without them if one was of no use; return 1 if the check is over, else 0."""
-    part = commission.creep_part
-    if part == _WITH_SLOWLY:
+    if commission.creep_part == _WITH:
         _drop_useless(loop, commission)
         return 1
-    if part == _WITH and commission.useless == 0:
-        return 1
     hold_waves(loop, 1)
-    if part == _WITH:
-        hold_waves(loop, 0)
-        commission.swing_rate = commission.swing_rate >> 1
-        commission.swing_acceleration = commission.swing_acceleration >> 1
-    commission.creep_part = part + 1
-    _round(loop, commission, PHASE_CREEP)
+    commission.creep_part = _WITH
+    _round(loop, settings, commission, PHASE_CREEP)
     return 0
 
 
@@ -281,10 +306,16 @@ def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
 
 @hot
 def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
-    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4."""
+    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+
+    Multiples of the poles stay as the last short round found them, because that creeps more slowly.
+    """
     current = _amplitude(commission, order, cosine, sine)
-    weakest = 0
-    for wave in range(WAVES):
+    weakest = commission.creep_settled
+    poles = saturate(commission.pole_pairs << 1, 2, 100)
+    if weakest and order % poles == 0:
+        return current
+    for wave in range(weakest, WAVES):
         if commission.wave_current[wave] < commission.wave_current[weakest]:
             weakest = wave
     if current > commission.wave_current[weakest]:
@@ -310,32 +341,68 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
         refuse(commission, FAULT_COMMISSION_COGGING, current)
         return 0
     if commission.creep_part == _WHOLE_ROUND:
-        return _begin_check(loop, commission, commission.wave_current[strongest] >> 3)
-    _act(loop, commission, 0, strongest)
+        return _begin_check(loop, settings, commission, commission.wave_current[strongest] >> 3)
+    _swap_first(commission, strongest)
+    _act(loop, commission, 0, 0)
     hold_waves(loop, 1)
     commission.creep_rounds += 1
-    change = loop.wave_current[0] - commission.creep_before
-    little = loop.wave_current[0] >> 3
-    if commission.creep_rounds < _ROUNDS_MOST and (change > little or change < 0 - little):
-        _round(loop, commission, PHASE_CREEP)
-    else:
-        commission.creep_part = _WHOLE_ROUND
-        _round(loop, commission, PHASE_ROUND)
+    commission.creep_settled = _settled(commission)
+    if commission.creep_settled == 0 and commission.creep_rounds < _ROUNDS_MOST:
+        _round(loop, settings, commission, PHASE_CREEP)
+        return 0
+    if commission.creep_settled == 0:
+        _drop(loop, commission, 0)
+    commission.creep_part = _WHOLE_ROUND
+    _round(loop, settings, commission, PHASE_ROUND)
     return 0
 
 
 @hot
-def _begin_check(loop: CurrentLoop, commission: Commission, least: int) -> int:
-    """Make all waves of at least that amplitude ready, but creep without them, twice as fast; return 0."""
+def _settled(commission: Commission) -> int:
+    """Return 1 if the first wave is the same as in the round before, in which another one acted, or none; else 0."""
+    little = commission.wave_current[0] >> 3
+    change = commission.wave_current[0] - commission.current_before
+    turned = ((commission.wave_phase[0] - commission.phase_before + 0x8000) & 0xFFFF) - 0x8000
+    if commission.wave_order[0] != commission.order_before or change > little or change < 0 - little:
+        return 0
+    if turned > _SETTLED or turned < -_SETTLED:
+        return 0
+    return 1
+
+
+@hot
+def _swap_first(commission: Commission, strongest: int) -> int:
+    """Put the strongest wave at the first place; return its order."""
+    order = commission.wave_order[strongest]
+    current = commission.wave_current[strongest]
+    phase = commission.wave_phase[strongest]
+    commission.wave_order[strongest] = commission.wave_order[0]
+    commission.wave_current[strongest] = commission.wave_current[0]
+    commission.wave_phase[strongest] = commission.wave_phase[0]
+    commission.wave_order[0] = order
+    commission.wave_current[0] = current
+    commission.wave_phase[0] = phase
+    return order
+
+
+@hot
+def _begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commission, least: int) -> int:
+    """Make all waves of at least that amplitude ready, but creep without them; return 0.
+
+    If there is none but the one of the short rounds, there is nothing to check: return 1.
+    """
+    others = 0
     for wave in range(WAVES):
         if commission.wave_current[wave] < least:
             _drop(loop, commission, wave)
         _act(loop, commission, wave, wave)
+        if wave >= commission.creep_settled:
+            others += commission.wave_order[wave]
+    if others == 0:
+        return 1
     hold_waves(loop, 0)
     commission.creep_part = _WITHOUT
-    commission.swing_rate = commission.swing_rate << 1
-    commission.swing_acceleration = commission.swing_acceleration << 1
-    _round(loop, commission, PHASE_CREEP)
+    _round(loop, settings, commission, PHASE_CREEP)
     return 0
 
 

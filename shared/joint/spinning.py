@@ -64,16 +64,25 @@ def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, com
 
 @hot
 def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Follow the rotor and lead the commutation; return how far it moved in this tick, rc, electrical-signed."""
+    """Follow the rotor, and lead the commutation if that follows too; return how far it moved, rc, electrical sign."""
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
     commission.away = (commission.moved - commission.centre) * commission.direction
-    lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
-    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
+    if loop.electrical_gain:
+        follow_rotor(loop, state, commission)
     if commission.away > _FAR or commission.away < -_FAR:
         refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
     return moved * commission.direction
+
+
+@hot
+def follow_rotor(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
+    """Let the field follow the rotor, and lead it by what it goes until a voltage acts; return electrical_gain."""
+    lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
+    loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
+    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
+    return loop.electrical_gain
 
 
 @hot

@@ -80,6 +80,13 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 @hot
 def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Let the velocity loop follow a rate that goes to and fro at an even acceleration; return the current."""
+    ask_rate(settings, state, commission)
+    return write_current(loop, settings, state)
+
+
+@hot
+def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """The same without handing the current on; return it, joint-signed."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
     reference = commission.swing_reference * commission.sign
@@ -87,8 +94,7 @@ def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, c
         most = most << 2  # from the level before, at twice the speed
     commission.swing_reference += saturate(wanted - commission.swing_reference, -most, most)
     state.rate_reference = commission.swing_reference * commission.direction * settings.joint_sign
-    velocity_loop(settings, state, 0)
-    return write_current(loop, settings, state)
+    return velocity_loop(settings, state, 0)
 
 
 @hot

@@ -113,6 +113,10 @@ def cost(name, path, *given):
     mark(); path(*given); mark()
 def nothing(*given):
     pass
+def past_millisecond():  # none falls into the poll that is measured next
+    run.due()
+    run.steps(1)
+    run.settle()
 poll = run.poll
 for _ in range(200):
     run.settle()
@@ -145,14 +149,12 @@ for number in range(60):
 for name, frame in (("poll", 0), ("sync", {sync}), ("setpoint", {setpoint}), ("sync", {sync})):
     for _ in range(5):
         run.fed()
-        run.millisecond()
+        past_millisecond()
         if frame:
             bring(frame)
         cost(name, poll)
 states.append(run.state())
-run.due()
-run.steps(1)
-run.settle()  # the millisecond is done: none falls into the stop's own poll
+past_millisecond()
 bring({stop})
 cost("stop", poll)
 run.due()

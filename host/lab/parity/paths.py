@@ -20,10 +20,7 @@ TIMEOUT_S = 300.0
 
 @dataclass(frozen=True)
 class Cost:
-    """What one path took: instructions of the dearest call and of the middle one, and what that may be.
-
-    A dearest one may hold what was due besides: the millisecond in a SYNC, a heartbeat in a millisecond.
-    """
+    """What one path took: instructions of the dearest call and of the middle one, and what the dearest may be."""
 
     name: str
     most: int
@@ -32,7 +29,7 @@ class Cost:
 
     @property
     def ok(self) -> bool:
-        return self.median <= self.budget
+        return self.most <= self.budget
 
 
 @dataclass(frozen=True)

@@ -292,8 +292,8 @@ def later(phase, **change):
     [
         (lambda: later(s.PHASE_PROVE_CURRENT, l=0.6), f.FAULT_COMMISSION_CURRENT_LOOP),
         (lambda: later(s.PHASE_PROVE_CURRENT, l=1.6), f.FAULT_COMMISSION_CURRENT_LOOP),
-        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.4), f.FAULT_COMMISSION_VELOCITY_LOOP),
-        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=3.0), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=0.55), f.FAULT_COMMISSION_VELOCITY_LOOP),
+        (lambda: later(s.PHASE_PROVE_VELOCITY, inertia=1.9), f.FAULT_COMMISSION_VELOCITY_LOOP),
         (lambda: later(s.PHASE_PROVE_POSITION, inertia=100.0), f.FAULT_COMMISSION_POSITION_LOOP),
     ],
 )
@@ -356,6 +356,26 @@ def test_the_velocity_loops_gains_are_those_of_inertia_and_bandwidth(inertia, w)
     assert settings.inertia == pytest.approx(inertia / 16, abs=0.6)
     accel = 1.2 * settings.commission_current * 4096 / inertia
     assert settings.accel == pytest.approx(max(16, min(65535, accel)), abs=3)
+
+
+@pytest.mark.parametrize("phase", [s.PHASE_CREEP, s.PHASE_ROUND])
+@pytest.mark.parametrize("how", ["disarmed", "emergency stop", "encoder lost"])
+def test_it_can_be_stopped_while_a_field_holds_the_rotor(phase, how):
+    p = commission(FULL, until=phase)
+    while p.loop.electrical_gain:
+        p.tick(setpoint=False)
+    assert (p.commission.phase, p.loop.reference_d) == (phase, p.settings.commission_current)
+    before = pack(Plant().settings)
+    if how == "disarmed":
+        drive_disarm(p.state)
+    elif how == "emergency stop":
+        p.io.e_stop = 1
+    else:
+        p.state.raised = f.FAULT_ENCODER_LOST
+    p.tick(setpoint=False)
+    assert not p.bridge
+    assert (p.loop.electrical_gain, p.loop.reference_d, p.loop.reference_q, p.commission.phase) == (28, 0, 0, 0)
+    assert pack(p.settings) == before
 
 
 def test_an_emergency_stop_ends_it():

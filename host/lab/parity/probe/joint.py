@@ -10,6 +10,7 @@ from shared.joint import (
     drive_state,
     encoder,
     feed,
+    holding,
     homing,
     outer,
     probe,
@@ -51,6 +52,7 @@ from .probe import Probe
 LOOP_SETTINGS = LoopSettings()
 BLOCKS = (LOOP, SETTINGS, STATE, IO, COMMISSION)
 ROTOR = Range(0, 16383)
+SUM = Range(-(1 << 18), 1 << 18)
 CURRENT = Range(-12288, 12288)
 RATE = Range(-(1 << 18), (1 << 18) - 1)
 SQUARE = Range(0, (1 << 19) - 1)
@@ -207,6 +209,8 @@ def skip_to(dice, phase):
         COMMISSION.raw_sum[axis] = 2048 * 248
     probed(dice, phase)
     follow_field(dice)
+    if phase in (state.PHASE_CREEP, state.PHASE_ROUND):
+        held(dice)
     COMMISSION.rotor_last = LOOP.rotor
     COMMISSION.joint_last = IO.joint_raw
     COMMISSION.rest_rotor = LOOP.rotor
@@ -236,8 +240,17 @@ def swung(dice):
 
 def crept(dice):
     """What a round of creeping has summed up, and how far its table has been looked at."""
-    COMMISSION.creep_rounds = dice.below(7)
-    COMMISSION.creep_part = dice.below(6)
+    COMMISSION.creep_rounds = dice.below(5)
+    COMMISSION.creep_part = dice.below(4)
+    COMMISSION.creep_settled = dice.bits(1)
+    COMMISSION.creep_far = 300 + dice.bits(13)
+    COMMISSION.order_before = dice.bits(8)
+    COMMISSION.current_before = dice.bits(15)
+    COMMISSION.phase_before = dice.bits(16) - 32768
+    COMMISSION.moved_last = dice.bits(6) - 32
+    COMMISSION.moved_before = dice.bits(6) - 32
+    COMMISSION.current_last = dice.bits(17) - (1 << 16)
+    COMMISSION.place_last = dice.bits(9)
     COMMISSION.wave = dice.below(3)
     COMMISSION.useless = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
@@ -249,6 +262,16 @@ def crept(dice):
     for place in range(state.COGS):
         COMMISSION.cogging[place] = dice.bits(24) - (1 << 23)
     waved(dice)
+
+
+def held(dice):
+    """A field that holds the rotor, somewhere near it; or none."""
+    COMMISSION.flux_taken = dice.below(385) - 192
+    if dice.bits(1):
+        LOOP.electrical_gain = 0
+        turned = 4 * COMMISSION.pole_pairs * COMMISSION.direction * LOOP.rotor + COMMISSION.offset_found
+        COMMISSION.angle = (turned + dice.bits(15) - (1 << 14)) & 0xFFFF
+        COMMISSION.field_q6 = (COMMISSION.angle << 6) + dice.bits(6)
 
 
 def waved(dice):
@@ -412,16 +435,23 @@ PROBES = (
     _probe(spinning, "spin_begin", LOOP, COMMISSION, fit=_in_phases(11, 11)),
     _probe(spinning, "spin_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 12)),
     _probe(spinning, "swing", LOOP, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(spinning, "follow_rotor", LOOP, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "turn_round", COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "swing_rate", SETTINGS, COMMISSION, fit=_in_phases(12, 13)),
     _probe(spinning, "swing_current", SETTINGS, STATE, COMMISSION, Range(1, 262143), fit=_in_phases(12, 13)),
     _probe(swinging, "mechanics_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(12, 13)),
     _probe(swinging, "mechanics_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(13, 13)),
     _probe(swinging, "follow_rate", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(swinging, "ask_rate", SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
+    _probe(holding, "hold_rotor", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 15)),
+    _probe(
+        holding, "turning_current", SETTINGS, COMMISSION, SUM, SUM, ROTOR, Range(-1023, 1023), fit=_in_phases(14, 15)
+    ),
+    _probe(holding, "find_flux_taken", SETTINGS, COMMISSION, fit=_in_phases(13, 14)),
     _probe(creeping, "creep_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(13, 13)),
     _probe(creeping, "creep_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 16)),
     _probe(proving, "prove_current", LOOP, SETTINGS, COMMISSION, fit=_in_phases(8, 8)),
-    _probe(proving, "prove_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(16, 16)),
+    _probe(proving, "prove_begin", SETTINGS, COMMISSION, fit=_in_phases(16, 16)),
     _probe(proving, "prove_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(17, 18)),
     _probe(cogging, "cogging_step", LOOP, ROTOR, fit=_waving),
     _probe(cogging, "set_waves", LOOP, SETTINGS),

@@ -17,6 +17,7 @@ from shared.wire import names as w
 
 PARALLEL = load_robot("parallel").actuator
 LONGEST_S = 60.0
+WEAK = 0.01
 STAND_MS = 500  # until the rotor has found its place between the cogging's teeth
 
 
@@ -115,7 +116,9 @@ def commissioned(bench: Bench, kind: int = COMMISSION_FULL) -> str:
 def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
     """Return by how much what was found is off: shares, and degrees of the rotor and of the electrical turn.
 
-    Friction as a share of what the joint has at its current limit, play in degrees of the joint.
+    Friction as a share of what the joint has at its current limit, play in degrees of the joint. What is left of the
+    cogging as a share of it and, as ``cogging_rest``, of the torque at the current limit; the former only of a cogging
+    of at least WEAK of that torque. The largest phase current as a share of the limit.
     """
     c, s, u, m = bench.joint.control.commission, bench.joint.control.settings, bench.units, bench.motor
     ohm = u.volt_per_vu / u.ampere_per_cu / 65536
@@ -126,11 +129,12 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
     dry_Nm = m.coulomb_Nm + drawn.load.friction_Nm / m.gear
     emf_Vs = s.bemf / 65536 / 8 * 256 * 16384 / tau / 1000 * u.volt_per_vu  # V per rad/s of the rotor
     offset = -drawn.offset_rad if drawn.load.swapped_phases else drawn.offset_rad
-    away = []
+    away, limit_A = [], drawn.real.drive.current_limit_A
     for rotor_rad in (k / 64 * tau for k in range(64)):
         taken = pairs * straight_rad(drawn, bench, rotor_rad) + s.elec_offset / 65536 * tau
         away.append((taken - pairs * rotor_rad - offset + pi) % tau - pi)
     mean = sum(away) / 64
+    left, share = cogging_left(drawn, bench), drawn.load.cogging_Nm / (1.5 * m.psi_Vs * m.pole_pairs * limit_A)
     return {
         "pole_pairs": s.pole_pairs - m.pole_pairs,
         "resistance": c.resistance * ohm / m.resistance_ohm() - 1,
@@ -140,10 +144,12 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "offset_elec_deg": degrees(mean),
         "eccentric_deg": max(abs(degrees(a - mean)) for a in away) / m.pole_pairs,
         "inertia": s.inertia / 256 * Nm * RATE_PER_RAD_S / MOTION_HZ / inertia - 1,
-        "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (drawn.real.drive.current_limit_A / u.ampere_per_cu * Nm),
+        "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (limit_A / u.ampere_per_cu * Nm),
         "velocity_hz": s.velocity_p / 4096 * Nm * RATE_PER_RAD_S / inertia / tau / wanted_hz - 1,
         "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.real.gear.backlash_deg,
-        "cogging_left": cogging_left(drawn, bench),
+        "cogging_left": left if share >= WEAK else 0.0,
+        "cogging_rest": left * share,
+        "current": max(bench.trace.peak_A) / limit_A,
         "seconds": bench.time_s - STAND_MS / 1000,
     }  # fmt: skip
 

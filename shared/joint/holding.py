@@ -1,0 +1,66 @@
+"""A field that turns as wanted holds the rotor like a spring, in the current step, and the velocity loop damps.
+
+Stiffer than any velocity loop can be: strong cogging does not let the rotor hop from tooth to tooth. Along the field
+flows the commissioning current, across it what the velocity loop asks for and what the waves add. What turns the rotor
+is the current across the flux, which its lag behind the field tells; where both axes' inductances differ, the current
+along the flux adds to the flux or takes from it.
+"""
+
+from ..num.fixed import cos_q15, saturate, sin_q15
+from ..runtime import const, hot
+from .commission_state import Commission, refuse
+from .faults import FAULT_COMMISSION_COGGING
+from .layout import CurrentLoop, JointSettings, JointState
+from .winding import point
+
+_LAG_MOST = const(16384)  # brad: a quarter of an electrical turn, beyond which no field holds a rotor
+_SUM_MOST = const(0x1FFFF)  # cu, times 10
+_PART_MOST = const(0x7FFF)
+_SHARE_MOST = const(192)  # in 1/256
+
+
+@hot
+def hold_rotor(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+    """Turn the field on by a tick of swing_reference, from the rotor's angle when it begins; return its angle."""
+    pairs = commission.pole_pairs
+    if loop.electrical_gain:
+        commission.field_q6 = 4 * pairs * commission.direction * loop.rotor + commission.offset_found << 6
+    commission.field_q6 = (commission.field_q6 + commission.swing_reference * pairs) & 0x3FFFFF
+    commission.angle = commission.field_q6 >> 6
+    point(loop, commission)
+    most = settings.commission_current
+    across = state.current_reference * settings.joint_sign * commission.direction
+    loop.reference_d = most
+    loop.reference_q = saturate(across, 0 - most, most)
+    return commission.angle
+
+
+@hot
+def turning_current(settings: JointSettings, commission: Commission, d: int, q: int, rotor: int, moved: int) -> int:
+    """Return the current across the flux, times 10, that turns a held rotor as much as the last tick's did.
+
+    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. A
+    rotor a quarter of an electrical turn away is lost: refused. Error 16 cu, and of the lag 1 brad for each pole pair.
+    The sum of both products stays below 2^30.
+    """
+    pairs = commission.pole_pairs
+    middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found
+    lag = ((commission.angle - middle + 0x8000) & 0xFFFF) - 0x8000
+    if lag > _LAG_MOST or lag < -_LAG_MOST:
+        refuse(commission, FAULT_COMMISSION_COGGING, settings.commission_current)
+    sine = sin_q15(lag) >> 1
+    cosine = cos_q15(lag) >> 1
+    d = saturate(d, -_SUM_MOST, _SUM_MOST) >> 3
+    q = saturate(q, -_SUM_MOST, _SUM_MOST) >> 3
+    across = d * sine + q * cosine >> 11
+    return across - (across * commission.flux_taken >> 8)
+
+
+@hot
+def find_flux_taken(settings: JointSettings, commission: Commission) -> int:
+    """Find which share of the flux, in 1/256, the commissioning current takes: (Lq - Ld) i / flux; return it."""
+    apart = saturate(commission.inductance_q - commission.inductance_d >> 4, -_PART_MOST, _PART_MOST)
+    share = apart * (settings.commission_current >> 4) // saturate(commission.flux, 1, 0x3FFF)
+    share = saturate(share, -_PART_MOST, _PART_MOST) * commission.pole_pairs * 20 // 255  # 2 pi / 80
+    commission.flux_taken = saturate(share, -_SHARE_MOST, _SHARE_MOST)
+    return commission.flux_taken
