@@ -12,6 +12,7 @@ from .state import Trot
 _MOST_Q20 = const(314573)  # 0.3, 17 deg
 _STEEP_Q20 = const(104858)  # 0.1: half of what stairs of 0.17 of the leg rise
 _STEP_Q14 = const(8191)
+_UNEVEN_Q10 = const(98)  # 0.006 of the leg, in lu Q4; 0.002 on a slope of 10 deg, 0.009 to 0.04 on stairs (measured)
 _FAR = const(32767)
 
 
@@ -20,7 +21,7 @@ def feel_slope(params: Params, walk: Trot) -> int:
     """Follow the slope of the measured feet that stand, in level axes; return how many stand.
 
     Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
-    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
+    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^16.
     """
     measured = walk.measured
     middle_x = 0
@@ -41,12 +42,17 @@ def feel_slope(params: Params, walk: Trot) -> int:
     along_x = 0
     along_y = 0
     square = 0
+    uneven = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
             x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
             y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
             off = level_z(walk, leg) - middle_z - ground_z(walk, x, y)
             off = saturate(off, -_FAR, _FAR)
+            if off < 0:
+                uneven -= off
+            else:
+                uneven += off
             x >>= 5
             y >>= 5
             along_x += off * x
@@ -55,6 +61,8 @@ def feel_slope(params: Params, walk: Trot) -> int:
     square = (square >> 9) + 1
     follow_slope(params, walk, 0, along_x // square)
     follow_slope(params, walk, 1, along_y // square)
+    uneven = saturate(uneven // count, 0, params.leg_length >> 4) << 4
+    walk.state.uneven_q4 += (uneven - walk.state.uneven_q4) * params.trot.slope_q15 >> 17
     return count
 
 
@@ -68,12 +76,15 @@ def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> int:
 
 
 @hot
-def climbs(walk: Trot) -> int:
-    """Return 1 where the ground rises along the way as stairs do, or an edge with the hind feet still below; else 0."""
+def climbs(params: Params, walk: Trot) -> int:
+    """Return 1 where the ground rises along the way as stairs do, or an edge with the hind feet still below; else 0.
+
+    Of late the feet stood off their plane: on a slope they stand in it.
+    """
     rise = walk.state.slope_q20[0]
     if walk.state.foot_speed[0] < 0:
         rise = -rise
-    if rise > _STEEP_Q20:
+    if rise > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
     return 0
 

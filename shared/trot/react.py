@@ -184,7 +184,7 @@ def top_speed(params: Params, walk: Trot) -> int:
 
     Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
     """
-    if walk.state.high_gone == params.trot.edge_way and climbs(walk):
+    if walk.state.high_gone == params.trot.edge_way and climbs(params, walk):
         return params.trot.stairs_speed
     return params.trot.high_speed
 
@@ -214,7 +214,7 @@ def lift_on(params: Params, walk: Trot) -> int:
         if gone < setup.high_slowest:
             gone = setup.high_slowest
         state.high_gone = saturate(state.high_gone + gone, 0, setup.edge_way)
-        if climbs(walk):
+        if climbs(params, walk):
             gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
     return state.lift

@@ -31,6 +31,7 @@ class TrotState:
     pitch_q14: int = field("rad Q14", "the same about y")
     tilt_q14: Ints = vector(2, "rad Q14", "roll and pitch as measured")
     slope_q20: Ints = vector(2, "Q20", "rise of the ground per way forward and left, of late")
+    uneven_q4: int = field("lu Q4", "how far the feet stood off the ground's plane, over four times as long")
     swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
     lift: int = field("lu", "top of the next swings")
     high_left: int = field("lf", "way still to go with high swings")
@@ -95,6 +96,7 @@ def trot_reset(params: Params, walk: Trot) -> int:
     state.lift = setup.low_lift
     state.high_left = 0
     state.high_gone = 0
+    state.uneven_q4 = 0
     state.swinging = 0
     state.standing = LEGS
     state.still_q20 = 0

@@ -76,7 +76,7 @@ class FloatTrot:
         self.known, self.measured, self.before, self.free = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
-        self.joints, self.slope = None, [0.0, 0.0]
+        self.joints, self.slope, self.uneven = None, [0.0, 0.0], 0.0
         self.posed, self.moving = [0.0] * 6, False
 
     # --- one leg
@@ -164,6 +164,7 @@ class FloatTrot:
         for i in range(2):
             step = sum(e * arm[i] for e, arm in zip(off, arms, strict=True)) / square
             self.slope[i] = limit(self.slope[i] + share * limit(step, 0.5), 0.3)
+        self.uneven += share / 4 * (min(sum(map(abs, off)) / len(off), self.leg_m / 16) - self.uneven)
 
     def ground_z(self, x, y):
         return x * self.slope[0] + y * self.slope[1]
@@ -214,7 +215,8 @@ class FloatTrot:
             self.lift = self.high
             gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
             self.high_gone = min(tuning.EDGE_LENGTHS * self.f.length_m, self.high_gone + gone)
-            climbs = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
+            steep = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
+            climbs = steep and self.uneven > 98 / 16384 * self.leg_m
             self.high_left = max(0.0, self.high_left - (0.0 if climbs else gone))
         else:
             self.high_gone = 0.0

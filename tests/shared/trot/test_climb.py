@@ -9,6 +9,8 @@ from shared.trot.react import lift_on, top_speed
 
 from .test_twin import Pair
 
+UNEVEN_Q4 = 1024 << 4  # lu: stairs
+
 
 @pytest.fixture
 def pair():
@@ -21,15 +23,22 @@ def pair():
 def test_it_climbs_where_the_ground_rises_along_the_way(pair, way):
     """Over all slopes that the trot can believe, ahead and back."""
     state = pair.walk.state
-    state.foot_speed[0] = way * 1000
+    state.foot_speed[0], state.uneven_q4 = way * 1000, UNEVEN_Q4
     for slope_q20 in range(-314573, 314574, 997):
         state.slope_q20[0] = slope_q20
-        assert climbs(pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
+        assert climbs(pair.params, pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.005, 0.007, 0.1])
+def test_a_slope_on_which_the_feet_stand_in_their_plane_is_no_climb(pair, share):
+    state = pair.walk.state
+    state.slope_q20[0], state.uneven_q4 = 1 << 18, round(share * pair.params.leg_length * 16)
+    assert climbs(pair.params, pair.walk) == (share > 0.006)
 
 
 def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
     state, setup = pair.walk.state, pair.params.trot
-    state.slope_q20[0] = 1 << 18
+    state.slope_q20[0], state.uneven_q4 = 1 << 18, UNEVEN_Q4
     for _ in range(1000):
         lift_on(pair.params, pair.walk)
     assert state.high_left == setup.high_way
@@ -45,7 +54,7 @@ def test_one_edge_is_walked_faster_than_stairs(pair):
     state, setup, figures = pair.walk.state, pair.params.trot, pair.twin.f
     slow_m_s = pair.scale.metres_per_second(setup.stairs_speed)
     assert slow_m_s == pytest.approx(tuning.STAIRS_FROUDE * (9.81 * figures.height_m) ** 0.5, rel=0.01)
-    state.slope_q20[0] = 1 << 18
+    state.slope_q20[0], state.uneven_q4 = 1 << 18, UNEVEN_Q4
     gone_m = 0.0
     while top_speed(pair.params, pair.walk) == setup.high_speed:
         lift_on(pair.params, pair.walk)
@@ -72,6 +81,7 @@ def test_the_way_with_high_swings_is_as_the_floats_say(pair):
     for n in range(160):
         if n == 112:
             pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+            pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
         pair.tick((0.15 * min(1.0, n / 50), 0.0, 0.0), (0, 0), (0, 0, 0), moving=n > 25)
         for name in ("high_left", "high_gone"):
             mine = pair.scale.metres(getattr(pair.walk.state, name) / 256)

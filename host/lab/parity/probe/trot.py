@@ -139,7 +139,7 @@ PROBES = (
     _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
     _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
     _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
-    _probe("climbs", ground, (WALK,), (), fit=_done),
+    _probe("climbs", ground, (ROBOT, WALK), (), fit=_done),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("top_speed", react, (ROBOT, WALK), ()),
     _probe("stand_feet", feet, (ROBOT, WALK)),
