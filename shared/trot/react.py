@@ -15,6 +15,7 @@ _HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that 
 _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
+_USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up by little: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
 _SWINGS_MAX = const(100)
 MET = const(1)  # of ``early``: it has met something in this swing
@@ -138,8 +139,9 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     walk.tops[leg] = state.lift
     if held[leg] and state.high_left:
         walk.tops[leg] = params.trot.highest_lift
-    if held[leg] == 0 and state.high_left == 0:
-        walk.usual[leg] += walk.peak[leg] - walk.usual[leg] >> 2
+    if held[leg] == 0:
+        usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
+        walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
     walk.peak[leg] = 0
     held[leg] = 0
     jams[leg] = saturate(count, 0, _SWINGS_MAX)
