@@ -137,7 +137,11 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     if state.high_left and (held[leg] or seen * 3 < speed):
         count += 3
     walk.tops[leg] = state.lift
-    if held[leg] and state.high_left:
+    slowly = 0
+    if state.high_gone == params.trot.edge_way:
+        if walk.peak[leg] > walk.usual[leg] + (params.leg_length * _BEHIND_Q10 >> 10):
+            slowly = climbs(params, walk)
+    if state.high_left and (held[leg] or slowly):
         walk.tops[leg] = params.trot.highest_lift
     if held[leg] == 0:
         usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
