@@ -15,7 +15,7 @@ _HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that 
 _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
-_USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up by little: 0.01 on level ground, 0.06 in high swings
+_USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
 _SWINGS_MAX = const(100)
 MET = const(1)  # of ``early``: it has met something in this swing
@@ -120,10 +120,9 @@ def give_way(walk: Trot, leg: int) -> int:
 def count_held(params: Params, walk: Trot, leg: int) -> int:
     """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
 
-    After a swing that was held up it goes highest, while swings are high: on even ground the drives lag such a swing,
-    which would be held up for ever. A leg's swings that were held up while swings are high are counted twice, less one
-    for each that was not; the leg with most of them tells. The measured speed alone would not: before a wall the feet
-    that stand slip, and seem to go on. What is usual is learnt from low swings alone: before a wall it all would be.
+    A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
+    with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
+    on. What is usual has a limit: before a wall to be held up would be.
     """
     state = walk.state
     held = walk.held
@@ -136,13 +135,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     count = jams[leg] - 1
     if state.high_left and (held[leg] or seen * 3 < speed):
         count += 3
-    walk.tops[leg] = state.lift
-    slowly = 0
-    if state.high_gone == params.trot.edge_way:
-        if walk.peak[leg] > walk.usual[leg] + (params.leg_length * _BEHIND_Q10 >> 10):
-            slowly = climbs(params, walk)
-    if state.high_left and (held[leg] or slowly):
-        walk.tops[leg] = params.trot.highest_lift
+    walk.tops[leg] = swing_top(params, walk, leg)
     if held[leg] == 0:
         usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
         walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
@@ -157,6 +150,23 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     if speed:
         state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
     return state.held_ticks
+
+
+@hot
+def swing_top(params: Params, walk: Trot, leg: int) -> int:
+    """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high.
+
+    Where it goes at the speed of stairs a foot that was but farther behind than usual is, too: what holds it holds it
+    softly, and it would come down where it came from.
+    """
+    state = walk.state
+    if state.high_left:
+        if walk.held[leg]:
+            return params.trot.highest_lift
+        most = walk.usual[leg] + (params.leg_length * _BEHIND_Q10 >> 10)
+        if walk.peak[leg] > most and state.high_gone == params.trot.edge_way and climbs(params, walk):
+            return params.trot.highest_lift
+    return state.lift
 
 
 @hot

@@ -215,11 +215,13 @@ class FloatTrot:
             self.lift = self.high
             gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
             self.high_gone = min(tuning.EDGE_LENGTHS * self.f.length_m, self.high_gone + gone)
-            steep = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
-            climbs = steep and self.uneven > 98 / 16384 * self.leg_m
-            self.high_left = max(0.0, self.high_left - (0.0 if climbs else gone))
+            self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
         else:
             self.high_gone = 0.0
+
+    def climbs(self):
+        steep = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
+        return steep and self.uneven > 98 / 16384 * self.leg_m
 
     # --- who swings
 
@@ -258,11 +260,16 @@ class FloatTrot:
         return 0
 
     def begin_swing(self, leg):
-        self.tops[leg] = self.highest if self.held[leg] and self.high_left else self.lift
-        if not self.held[leg] and not self.high_left:
-            self.usual[leg] += (self.peak[leg] - self.usual[leg]) / 4
+        self.tops[leg] = self.swing_top(leg)
+        if not self.held[leg]:
+            self.usual[leg] = min(0.75 * self.usual[leg] + 0.25 * self.peak[leg], 41 / 1024 * self.leg_m)
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
+
+    def swing_top(self, leg):
+        slowly = self.high_gone >= tuning.EDGE_LENGTHS * self.f.length_m and self.climbs()
+        behind = self.peak[leg] > self.usual[leg] + 26 / 1024 * self.leg_m
+        return self.highest if self.high_left and (self.held[leg] or (slowly and behind)) else self.lift
 
     def hold_up(self, leg):
         high = self.tops[leg] >= self.high

@@ -5,7 +5,7 @@ import pytest
 from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from shared.trot.ground import climbs
-from shared.trot.react import lift_on, top_speed
+from shared.trot.react import count_held, lift_on, swing_top, top_speed
 
 from .test_twin import Pair
 
@@ -63,6 +63,31 @@ def test_one_edge_is_walked_faster_than_stairs(pair):
     assert top_speed(pair.params, pair.walk) == setup.stairs_speed
     state.slope_q20[0] = 0
     assert top_speed(pair.params, pair.walk) == setup.high_speed
+
+
+@pytest.mark.parametrize(("held", "behind", "gone", "slope", "highest"), [
+    (1, 0.0, 0.0, 0.0, True),
+    (0, 0.03, 1.0, 0.25, True),
+    (0, 0.02, 1.0, 0.25, False),
+    (0, 0.03, 0.9, 0.25, False),
+    (0, 0.03, 1.0, 0.0, False),
+])
+def test_the_next_swing_is_highest_after_one_held_up_or_on_stairs_late(pair, held, behind, gone, slope, highest):
+    """``behind``: of the leg, than usual; ``gone``: share of what one edge takes."""
+    state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
+    state.slope_q20[0], state.uneven_q4, state.lift = round(slope * 2**20), UNEVEN_Q4, setup.high_lift
+    state.high_gone, walk.held[1], walk.usual[1] = round(gone * setup.edge_way), held, 300
+    walk.peak[1] = 300 + round(behind * pair.params.leg_length)
+    assert swing_top(pair.params, walk, 1) == (setup.highest_lift if highest else setup.high_lift)
+    state.high_left = 0
+    assert swing_top(pair.params, walk, 1) == setup.high_lift
+
+
+def test_to_be_held_up_never_becomes_usual(pair):
+    for _ in range(100):
+        pair.walk.peak[2] = pair.params.leg_length >> 2
+        count_held(pair.params, pair.walk, 2)
+    assert pair.walk.usual[2] == pair.params.leg_length * 41 >> 10
 
 
 def test_the_way_with_high_swings_is_as_the_floats_say(pair):

@@ -133,6 +133,7 @@ PROBES = (
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("may_be_late", react, (WALK, LEG), fit=_leg_moving),
     _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("swing_top", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("feel_slope", ground, (ROBOT, WALK)),
