@@ -177,6 +177,7 @@ order(2, 1)
 gc.collect()
 for _ in range(10):
     quiet()
+before = taken = 0  # so that the names are there: a dictionary of theirs that grew would count as taken
 before = gc.mem_alloc()
 for number in range(QUIET_CYCLES):
     if number % {minute} == 0:
