@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from host import ROOT
+from host.boards.build.leaves import leaves_first
 from host.boards.build.source import closure, read_modules
 from host.boards.runtimes import Unix, Wasi
 from host.robot.file import load_robot
@@ -65,7 +66,7 @@ def sources(tmp_path_factory):
         shutil.copy(ROOT / path, folder / path)
     (folder / "storm").mkdir()
     shutil.copy(Path(__file__).with_name("storm.py"), folder / "storm" / "storm.py")
-    (folder / "storm" / "__init__.py").write_text("")
+    (folder / "storm" / "__init__.py").write_text(f"import {', '.join(leaves_first(modules, list(STARTS)))}\n")
     (folder / "data").mkdir()
     (folder / "data" / "__init__.py").write_text(f"STORED = {settings()}\n")
     return folder

@@ -80,8 +80,9 @@ Group = Callable[[Options, Wanted], list[Case]]
 
 def _level(options: Options, speed: float, usual: int = 3, **more: Any) -> list[WalkSpec]:
     """Return walks on level ground, STEADY_S long, at both frictions."""
-    spec = WalkSpec(options.robot, options.gait, speed, distance_m=min(20.0, STEADY_S * speed))
-    return [replace(spec, friction=friction, seed=seed, **more) for _, friction, seed in options.starts(usual)]
+    asked = {"robot": options.robot, "distance_m": min(20.0, STEADY_S * speed), **more}
+    return [WalkSpec(gait=options.gait, speed_m_s=speed, friction=friction, seed=seed, **asked)
+            for _, friction, seed in options.starts(usual)]
 
 
 def _space(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:

@@ -20,6 +20,9 @@ REST = {"type": "posture", "posture": "rest"}
 STOP, RESET = {"type": "stop"}, {"type": "reset"}
 
 
+ALIGNED_S = 5.0  # it lies still by then
+
+
 class Silence:
     """A source that never says anything."""
 
@@ -40,7 +43,7 @@ class Rig:
         self.robot = load_robot(name)
         self.bus = SimulatedBus(self.robot, self.clock, plant)
         self.bus.open()
-        attitude = Attitude(self.robot, SimulatedImu(self.robot, self.bus.plant.inertial))
+        self.attitude = attitude = Attitude(self.robot, SimulatedImu(self.robot, self.bus.plant.inertial))
         self.put_back = 0
 
         def put_back():
@@ -70,8 +73,10 @@ class Rig:
             self.now_s += self.loop.pacer.period_s
 
     def stand(self, client=SCRIPT):
-        """Stand up and return once it stands."""
+        """Stand up once the attitude is known, and return once it stands."""
         self.run(0.2)
+        while self.attitude.state == "aligning" and self.now_s < ALIGNED_S:
+            self.run(0.1)
         self.send(STAND, client)
         self.run(3.0, STILL, client)
         assert self.supervisor.state == "standing"

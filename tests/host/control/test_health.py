@@ -17,10 +17,10 @@ LINES = ["robot", "loop", "deadlines", "bus", "IMU", "battery", "heat", "version
 
 @pytest.fixture(scope="module")
 def seen():
-    """What a simulated robot tells that lies there for two seconds."""
+    """What a simulated robot tells that has come to rest, over two seconds."""
     rig = Rig()
     constant = about(rig.robot, Hardware(rig.bus, None, simulated=True))
-    rig.run(0.1)
+    rig.run(4.0)
     first = status(rig.loop, Extra())
     rig.run(2.0)
     return constant, first, status(rig.loop, Extra())

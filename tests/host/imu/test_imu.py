@@ -275,10 +275,10 @@ def test_the_simulated_robot_feels_its_pitch():
         attitude.open()
         bus.torque(True)
         goals = list(bus.read().position_rad)
-        for tick in range(300):
-            if RATE_HZ < tick < 2 * RATE_HZ:
+        for tick in range(8 * RATE_HZ):
+            if 4 * RATE_HZ < tick < 5 * RATE_HZ:  # it lies still by then
                 for joint in (1, 4):  # the front thighs swing back: the nose goes down or up
-                    goals[joint] += 0.004
+                    goals[joint] += 0.008
             bus.write(goals)
             now[0] += 1 / RATE_HZ
             bus.read()
