@@ -21,7 +21,7 @@ def feel_slope(params: Params, walk: Trot) -> int:
     """Follow the slope of the measured feet that stand, in level axes; return how many stand.
 
     Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
-    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^16.
+    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
     measured = walk.measured
     middle_x = 0
@@ -61,8 +61,7 @@ def feel_slope(params: Params, walk: Trot) -> int:
     square = (square >> 9) + 1
     follow_slope(params, walk, 0, along_x // square)
     follow_slope(params, walk, 1, along_y // square)
-    uneven = saturate(uneven // count, 0, params.leg_length >> 4) << 4
-    walk.state.uneven_q4 += (uneven - walk.state.uneven_q4) * params.trot.slope_q15 >> 17
+    follow_uneven(params, walk, uneven // count)
     return count
 
 
@@ -73,6 +72,15 @@ def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> int:
     step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
     return state.slope_q20[axis]
+
+
+@hot
+def follow_uneven(params: Params, walk: Trot, off: int) -> int:
+    """Even out how far the feet are off their plane, lu, 0 or more; return it, lu Q4. Intermediates: 2^16 * 2^13."""
+    state = walk.state
+    off = saturate(off, 0, params.leg_length >> 4) << 4
+    state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_q15 >> 17
+    return state.uneven_q4
 
 
 @hot

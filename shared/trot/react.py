@@ -164,9 +164,17 @@ def swing_top(params: Params, walk: Trot, leg: int) -> int:
         if walk.held[leg]:
             return params.trot.highest_lift
         most = walk.usual[leg] + (params.leg_length * _BEHIND_Q10 >> 10)
-        if walk.peak[leg] > most and state.high_gone == params.trot.edge_way and climbs(params, walk):
+        if walk.peak[leg] > most and on_stairs(params, walk):
             return params.trot.highest_lift
     return state.lift
+
+
+@hot
+def on_stairs(params: Params, walk: Trot) -> int:
+    """Return 1 where it still climbs after the way with high swings that one edge takes, else 0."""
+    if walk.state.high_gone == params.trot.edge_way:
+        return climbs(params, walk)
+    return 0
 
 
 @hot
@@ -200,7 +208,7 @@ def top_speed(params: Params, walk: Trot) -> int:
 
     Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
     """
-    if walk.state.high_gone == params.trot.edge_way and climbs(params, walk):
+    if on_stairs(params, walk):
         return params.trot.stairs_speed
     return params.trot.high_speed
 

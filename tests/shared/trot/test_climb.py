@@ -92,25 +92,14 @@ def test_to_be_held_up_never_becomes_usual(pair):
 
 def test_the_way_with_high_swings_is_as_the_floats_say(pair):
     """A foot is held in its swing, and the ground told to climb; both count the same way with high swings."""
-    held, free = [], pair.plant.joints_brad
-
-    def joints():
-        now = free()
-        if 100 <= len(held) < 107:
-            now[1:3] = held[99][1:3]
-        held.append(now)
-        return now
-
     pair.walk.state.high_left = 0
-    pair.plant.joints_brad = joints
-    for n in range(160):
-        if n == 112:
-            pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
-            pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
-        pair.tick((0.15 * min(1.0, n / 50), 0.0, 0.0), (0, 0), (0, 0, 0), moving=n > 25)
+    for n in pair.walk_with_a_held_foot():
         for name in ("high_left", "high_gone"):
             mine = pair.scale.metres(getattr(pair.walk.state, name) / 256)
             assert mine == pytest.approx(getattr(pair.twin, name), abs=0.001), (n, name)
+        if n == 111:
+            pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+            pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
     assert pair.twin.high_gone > 0.05
 
 
