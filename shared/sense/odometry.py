@@ -5,8 +5,9 @@ this foot tells the shift, in axes turned by half of t (J turns by a quarter):
 
     d = b - n - t J (b + n) / 2,    t = (wz cos(pitch) - wx sin(pitch)) / cos(roll)
 
-The body's is the mean of d over the feet, weighted by the square of what each carries: of a foot about to land or to
-leave, the joints' errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane,
+The body's is the mean of d over the feet, weighted by the square of what each carries at both ends of the tick: a foot
+that lands within it has still come some of its way through the air. Of a foot about to land or to leave, the joints'
+errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane,
 and while the robot stands: a gyroscope would drift. Slips stay in it, and so does what the gyroscope's bias is off:
 ``odometry_spread`` tells how much that is.
 """
@@ -42,6 +43,7 @@ class Odometry:
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
     ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
     carried_q12: int = field("own weight Q12", "sum of the forces of the feet that are to stand")
+    borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
@@ -126,14 +128,14 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.ends[leg] = params.sent_ticks + 2
         elif odometry.ends[leg]:
             odometry.ends[leg] -= 1
-        weight = 0
+        force = 0
         if odometry.ends[leg]:
             force = sensing.force_q12[leg]
-            felt += force
-            weight = saturate(force >> 6, 0, 64)
+        felt += force
+        weight = bear_on(force, leg, odometry)
+        carried += odometry.borne_q6[leg]
         odometry.weight[leg] = weight * weight
         total += weight * weight
-        carried += weight
     odometry.carried_q12 = felt
     if carried < _FELT:
         total = 0
@@ -146,6 +148,17 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.weight[leg] = (odometry.weight[leg] << 8) // total
             whole += odometry.weight[leg]
     return whole
+
+
+@hot
+def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
+    """Return what a foot carries at both ends of the tick, own weight Q6 0 .. 64; keep the end, ``force_q12``."""
+    before = odometry.borne_q6[leg]
+    now = saturate(force_q12 >> 6, 0, 64)
+    odometry.borne_q6[leg] = now
+    if before < now:
+        return before
+    return now
 
 
 @hot

@@ -19,7 +19,7 @@ class Odometry:
         self.x = self.y = self.yaw = self.way = self.slip = self.doubt = 0.0
         self.vx = self.vy = self.wz = 0.0
         self.astray = [0.0, 0.0]
-        self.feet, self.ends = None, [0] * 4
+        self.feet, self.ends, self.borne = None, [0] * 4, [0.0] * 4
 
     def step(self, feet, forces, swinging, turned, tilt, walks):
         """Take a tick; ``turned``: (x, y, z) in rad, None without a gyroscope."""
@@ -40,16 +40,17 @@ class Odometry:
         self.move(shift, turn, slip, walks, by_gyro)
 
     def weights(self, forces, swinging):
-        """Return the squares of what the feet carry; none of those that are to swing and have done so for a while.
+        """Return the squares of what the feet carry before and now; none of those that swing for a while already.
 
         By the plan alone where the joints tell of less than a quarter of the weight.
         """
         for leg in range(4):
             self.ends[leg] = max(0, self.ends[leg] - 1) if swinging >> leg & 1 else self.sent_ticks + 2
         carried = [limit(force, 0.0, 1.0) if ends else 0.0 for force, ends in zip(forces, self.ends)]
+        before, self.borne = self.borne, carried
         if sum(carried) < 0.25:
             return [float(not swinging >> leg & 1) for leg in range(4)]
-        return [force**2 for force in carried]
+        return [min(was, force) ** 2 for was, force in zip(before, carried)]
 
     def move(self, shift, turn, slip, walks, by_gyro):
         """Move by a shift and a turn, and let the doubts grow."""

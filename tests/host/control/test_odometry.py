@@ -68,7 +68,7 @@ def judge(count, seed):
     for name, ground, speeds, number in walks(count, seed):
         way_m, told, off = walked(name, ground, speeds, number)
         most = FLAT if ground == "flat" else ROUGH
-        assert hypot(off[0], off[1]) < most * way_m + 0.005 + 0.005, f"{name}, {ground}, {speeds}, {number}: {off}"
+        assert hypot(off[0], off[1]) < most * way_m, f"{name}, {ground}, {speeds}, {number}: {off}"
         if ground == "flat":
             assert abs(degrees(off[2])) < 2.0 * max(1.0, way_m / 10)
         inside += all(abs(each) < 2 * sigma for each, sigma in zip(off, told.sigma, strict=True))

@@ -6,7 +6,7 @@ from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 
 from .draw import Range
-from .draws import BRAD, INT30, ROBOT
+from .draws import BRAD, INT30, LEG, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 from .row import clear
@@ -22,6 +22,7 @@ SHIFT = Range(-32767, 32767)
 TURN = Range(-32768, 32768)
 WEIGHTS = Range(253, 256)
 SLIP = Range(0, 131068)
+FORCE_Q12 = Range(-16383, 16383)
 TURNED = Block(SENSED.turned, (3, INT30))
 FAR, SUM = 0x3FFF0000, 0x3F000000
 
@@ -77,6 +78,7 @@ PROBES = (
     _probe("odometry_restart", (WAY,), fit=_any_robot),
     _probe("odometry_step", (ROBOT, SENSING, SENSED, SWINGING, FLAG, WAY), vectors=4),
     _probe("weigh_feet", (ROBOT, SENSING, SWINGING, WAY)),
+    _probe("bear_on", (FORCE_Q12, LEG, WAY), fit=_any_robot),
     _probe("turn_of_body", (SENSING, TURNED), (), fit=_any_robot),
     _probe("see_feet", (SENSING, WEIGHTS, WAY), fit=_any_robot),
     _probe("turn_of_feet", (WAY,), (), fit=_any_robot),
