@@ -35,7 +35,7 @@ _WHOLE_ROUND = const(1)
 _WITHOUT = const(2)
 _WITH = const(3)
 _LEFT_MOST = const(128)  # of the ripple, in 1/256
-_SETTLED = const(2608)  # brad: a quarter of a rad, by which two rounds may differ; and an eighth of the amplitude
+_SETTLED = const(2608)  # brad: a quarter of a rad, by which two rounds may differ
 _PAIRS_QUICK = const(14)  # with more the whole turn is crept round faster, for the time that it takes
 _ORDERS = const(12)  # times the pole pairs: the highest order looked for
 _ORDER_MOST = const(250)  # with 512 places
@@ -359,8 +359,13 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 
 @hot
 def _settled(commission: Commission) -> int:
-    """Return 1 if the first wave is the same as in the round before, in which another one acted, or none; else 0."""
+    """Return 1 if the first wave is the same as in the round before, in which another one acted, or none; else 0.
+
+    Its amplitude may differ by an eighth, after the last round by a quarter: some motors' rounds come out in turns.
+    """
     little = commission.wave_current[0] >> 3
+    if commission.creep_rounds == _ROUNDS_MOST:
+        little = little << 1
     change = commission.wave_current[0] - commission.current_before
     turned = ((commission.wave_phase[0] - commission.phase_before + 0x8000) & 0xFFFF) - 0x8000
     if commission.wave_order[0] != commission.order_before or change > little or change < 0 - little:

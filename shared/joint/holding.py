@@ -17,6 +17,8 @@ _LAG_MOST = const(16384)  # brad: a quarter of an electrical turn, beyond which 
 _SUM_MOST = const(0x1FFFF)  # cu, times 10
 _PART_MOST = const(0x7FFF)
 _SHARE_MOST = const(192)  # in 1/256
+_TAKEN_MOST = const(1023)  # in 1/256
+_STEPS = const(10)  # current steps in a tick
 
 
 @hot
@@ -39,9 +41,9 @@ def hold_rotor(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 def turning_current(settings: JointSettings, commission: Commission, d: int, q: int, rotor: int, moved: int) -> int:
     """Return the current across the flux, times 10, that turns a held rotor as much as the last tick's did.
 
-    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. A
-    rotor a quarter of an electrical turn away is lost: refused. Error 16 cu, and of the lag 1 brad for each pole pair.
-    The sum of both products stays below 2^30.
+    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. What
+    flows along the rotor takes its share of the flux. A rotor a quarter of an electrical turn away is lost: refused.
+    Error 16 cu, and of the lag 1 brad for each pole pair. Intermediates: 2^15 * 2^14 * sqrt 2, and below 2^18 * 2^10.
     """
     pairs = commission.pole_pairs
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found
@@ -53,7 +55,9 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
     d = saturate(d, -_SUM_MOST, _SUM_MOST) >> 3
     q = saturate(q, -_SUM_MOST, _SUM_MOST) >> 3
     across = d * sine + q * cosine >> 11
-    return across - (across * commission.flux_taken >> 8)
+    along = d * cosine - q * sine >> 11
+    taken = along * commission.flux_taken // (saturate(settings.commission_current, 1, 0x7FFF) * _STEPS)
+    return across - (across * saturate(taken, -_TAKEN_MOST, _TAKEN_MOST) >> 8)
 
 
 @hot

@@ -3,8 +3,10 @@
 From where the rotor turns round to the middle the current does the work J v^2 / 2 + F s, from there to where it turns
 round again F s - J v^2 / 2. Their difference is the inertia, their sum the friction, whatever holds the rotor by its
 angle alone (cogging), because that gives back what it takes. A load that pulls one way is what the current is on the
-mean. First the current swings the rotor as in spinning.py, which gives the velocity loop a gain to begin with; then
-that loop does, so gently that the gear's play costs nothing, at two speeds: the friction's share that grows.
+mean. The middle is a stretch, over which the work goes over from the one sum to the other: the speed is the mean over
+it, and so has to be what holds the rotor there. First the current swings the rotor as in spinning.py, which gives the
+velocity loop a gain to begin with; then that loop does, so gently that the gear's play costs nothing, at two speeds:
+the friction's share that grows.
 """
 
 from ..num.fixed import isqrt, saturate
@@ -23,7 +25,7 @@ _PERIODS = const(3)
 _TICKS_MOST = const(8000)  # of a level: 8000 times ten currents of 12288 stay below 2^30
 _WORK_MOST = const(0x3FFFFFF)
 _MOVED_MOST = const(1023)
-_MIDDLE = const(1024)  # rc: the speed in the middle is that on the mean over so much to either side
+_MIDDLE = const(1024)  # rc to either side: as long is the middle, 1/8 turn in all
 _BRAKING = const(4000)  # rc: twice the way in which the velocity loop brings the rotor to rest
 _SLOW_MOST = const(300)  # ticks to the speed limit with half of the current (chosen; the parallel robot's need 110)
 _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
@@ -99,33 +101,26 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
 
 @hot
 def _add(commission: Commission, before: int, moved: int, current: int) -> int:
-    """Add the work of one tick up, half to each side where the middle is passed; return that work.
+    """Add the work of one tick up, from one side to the other over the middle; return it.
 
-    A period begins and ends where the middle is passed upwards; the first passage is waited for.
+    A period begins and ends where the middle is passed upwards; the first passage is waited for. Intermediates: 2^16 *
+    2^11.
     """
     work = saturate(current * moved, -_WORK_MOST, _WORK_MOST) + 512 >> 10
-    passed = (before ^ commission.away) < 0
-    if passed and moved > 0 and commission.periods < 0 and commission.half_swings > 1:
-        commission.periods = 0
-        commission.work_out += work >> 1
-        return work
-    if commission.periods < 0:
+    if commission.half_swings > 1 and moved > 0 and (before ^ commission.away) < 0:
+        commission.periods += 1
+    if commission.periods < 0 or commission.periods == _PERIODS:
         return 0
     commission.period_ticks += 1
     commission.impulse += current
     commission.square_way += moved * moved >> 4
-    if passed:
-        commission.work_in += work >> 1
-        commission.work_out += work >> 1
-        if moved > 0:
-            commission.periods += 1
-            if commission.periods == _PERIODS:
-                commission.work_out -= work >> 1
-    elif (commission.away ^ moved) < 0:
-        commission.work_in += work
-        commission.way_in += moved
-    else:
-        commission.work_out += work
+    ahead = saturate(commission.away, -_MIDDLE, _MIDDLE)
+    if moved < 0:
+        ahead = -ahead
+    towards = work * (_MIDDLE - ahead) + 1024 >> 11
+    commission.work_in += towards
+    commission.work_out += work - towards
+    commission.way_in += moved * (_MIDDLE - ahead) + 1024 >> 11
     way = moved
     if moved < 0:
         way = -moved

@@ -36,8 +36,10 @@ def test_the_current_that_turns_a_held_rotor_beside_floats(d, q, rotor, moved, p
     p.commission.angle = round(middle + p.commission.offset_found + lag) % TURN
     p.commission.flux_taken = taken
     at = lag / TURN * math.tau
-    exact = (d * math.sin(at) + q * math.cos(at)) * (1 - taken / 256)
-    off = (16 + 3 * math.hypot(d, q) / TURN * math.tau) * 1.75 + 1
+    along = (d * math.cos(at) - q * math.sin(at)) / (10 * p.settings.commission_current)
+    exact = (d * math.sin(at) + q * math.cos(at)) * (1 - along * taken / 256)
+    most = math.hypot(d, q)
+    off = (16 + 3 * most / TURN * math.tau) * (1 + 2 * 0.75 * most / 10 / p.settings.commission_current) + most / 256 + 1
     assert abs(turning_current(p.settings, p.commission, d, q, rotor, moved) - exact) <= off
     assert p.commission.reason == 0
 
