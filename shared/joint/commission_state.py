@@ -71,7 +71,7 @@ class Commission:
     current_change: int = field("cu", "sum of all changes of the current along the motion")
     # proofs of the loops
     proved: int = field("", "error over answer of a current's sine, Q12, both axes; then bandwidth found, per cent")
-    repeated: int = field("", "1: the proof under way is the second of its kind")
+    repeated: int = field("", "times that the proof under way was measured again")
     velocity_w: int = field("rad / tick", "found: the velocity loop's bandwidth, the wanted one or less, Q16")
     run_ticks: int = field("ticks", "since a run's windows began; -1 before that")
     goal: int = field("rc/256", "of the position loop, about centre, electrical-signed")

@@ -9,7 +9,8 @@ A wave that the next round finds again, though another one or none acted before,
 creeps round the whole turn for the waves that are no multiples of the poles.
 
 All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
-then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped.
+then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had
+less ripple to take than the first wave leaves.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -269,12 +270,12 @@ def _check_wave(
     """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
     wave = commission.wave
     ripple = _amplitude(commission, commission.order, cosine, sine)
-    if commission.creep_part == _WITHOUT:
+    before = commission.ripple[wave]
+    if commission.creep_part == _WITHOUT or wave == 0:
         commission.ripple[wave] = ripple
-    elif wave < commission.creep_settled or commission.order == 0:
-        commission.ripple[wave] = 0
-    elif (ripple << 8) // saturate(commission.ripple[wave], 1, 0xFFFF) > _LEFT_MOST:
-        commission.useless |= 1 << wave
+    if commission.creep_part == _WITH and wave >= commission.creep_settled and commission.order:
+        if (ripple << 8) // saturate(before, 1, 0xFFFF) > _LEFT_MOST or before < commission.ripple[0]:
+            commission.useless |= 1 << wave
     if wave < WAVES - 1:
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]

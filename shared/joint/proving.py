@@ -36,6 +36,7 @@ _WINDOW_MOST = const(500)  # ticks
 _RUN = const(224694)  # rc/256: what a run's slower speed times a window is, so that seven are 3/8 turn
 _RUNS = const(4)  # of the velocity loop, to and fro
 _RUNS_POSITION = const(2)
+_REPEATS_POSITION = const(2)  # of a measurement that refuses, twice as fast
 _TICKS_MOST = const(16000)  # of the runs with one bandwidth
 _STEPS = const(10)  # current steps in a tick
 _CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
@@ -263,10 +264,11 @@ def _end_position(settings: JointSettings, commission: Commission) -> int:
     commission.proved = share
     if share >= _LEAST_OUTER and share <= _MOST_OUTER:
         return 1
-    if commission.repeated:
+    if commission.repeated == _REPEATS_POSITION:
         refuse(commission, FAULT_COMMISSION_POSITION_LOOP, share)
         return 0
-    commission.repeated = 1
-    commission.swing_rate = saturate(commission.swing_rate << 1, 1, swing_rate(settings, commission) >> 1)
+    if commission.repeated == 0:
+        commission.swing_rate = saturate(commission.swing_rate << 1, 1, swing_rate(settings, commission) >> 1)
+    commission.repeated += 1
     _begin_position(settings, commission)
     return 0

@@ -1,13 +1,12 @@
 """Roll and pitch from raw gyroscope and accelerometer counts (MPU6050 registers, int16).
 
-A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer
-pulls it back, slowly: as fast as a walking body sways and lands, it would tell a slope that is not
-there. All readings of 1/8 to 15/8 g count, because those near 1 g alone are no fair sample of a body
-that lands and pushes off: on stairs they told the pitch wrong by several degrees. What it goes on pulling back is the gyro's bias,
-which changes as the chip warms. At rest the accelerometer tells gravity alone and the gyro its
-bias alone, and both are believed soon. No angle is integrated, so nothing wraps and no pose is
-singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
-as shared/body/pose.py commands it.
+A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer pulls it back, slowly:
+as fast as a walking body sways and lands, it would tell a slope that is not there. All readings of 1/8 to 15/8 g count,
+because those near 1 g alone are no fair sample of a body that lands and pushes off: on stairs they told the pitch wrong
+by several degrees. What it goes on pulling back is the gyro's bias, which changes as the chip warms. At rest the
+accelerometer tells gravity alone and the gyro its bias alone, and both are believed soon. No angle is integrated, so
+nothing wraps and no pose is singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt, as
+shared/body/pose.py commands it.
 
 MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
 +-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.

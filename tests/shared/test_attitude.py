@@ -14,7 +14,7 @@ from shared.sense import attitude as a
 from tests.float_twin.attitude import of_block, turned_back
 
 from .bars import integers, repeatable
-from .imu import ONE_G, angles_deg, apart_deg, block, counts, up
+from .imu import angles_deg, apart_deg, block, counts, up
 
 LEVEL = counts(0, 0, 0, 0)
 INT16 = integers(-32768, 32767)

@@ -39,7 +39,8 @@ def test_the_current_that_turns_a_held_rotor_beside_floats(d, q, rotor, moved, p
     along = (d * math.cos(at) - q * math.sin(at)) / (10 * p.settings.commission_current)
     exact = (d * math.sin(at) + q * math.cos(at)) * (1 - along * taken / 256)
     most = math.hypot(d, q)
-    off = (16 + 3 * most / TURN * math.tau) * (1 + 2 * 0.75 * most / 10 / p.settings.commission_current) + most / 256 + 1
+    share = 0.75 * most / 10 / p.settings.commission_current
+    off = (16 + 3 * most / TURN * math.tau) * (1 + 2 * share) + most / 256 + 1
     assert abs(turning_current(p.settings, p.commission, d, q, rotor, moved) - exact) <= off
     assert p.commission.reason == 0
 
