@@ -273,9 +273,8 @@ def _check_wave(
     before = commission.ripple[wave]
     if commission.creep_part == _WITHOUT or wave == 0:
         commission.ripple[wave] = ripple
-    if commission.creep_part == _WITH and wave >= commission.creep_settled and commission.order:
-        if (ripple << 8) // saturate(before, 1, 0xFFFF) > _LEFT_MOST or before < commission.ripple[0]:
-            commission.useless |= 1 << wave
+    if commission.creep_part == _WITH and wave >= commission.creep_settled and commission.order > 0:
+        commission.useless |= _useless(commission, before, ripple) << wave
     if wave < WAVES - 1:
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]
@@ -286,6 +285,14 @@ def _check_wave(
     hold_waves(loop, 1)
     commission.creep_part = _WITH
     _round(loop, settings, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _useless(commission: Commission, before: int, ripple: int) -> int:
+    """Return 1 if a wave leaves more than half of its ripple, or had less of it than the first wave leaves; else 0."""
+    if (ripple << 8) // saturate(before, 1, 0xFFFF) > _LEFT_MOST or before < commission.ripple[0]:
+        return 1
     return 0
 
 
