@@ -19,7 +19,7 @@ from .swings import asked_speeds, most, poses_rad, within_limits
 
 GAIT = "trot"  # whose figures these are
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
-HIGHEST_LIFT = 0.50  # of the leg: of a foot that was held up in its last swing
+HIGHEST_LIFT = 0.45  # of the leg: of a foot that was held up in its last swing
 LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: a foot's way along the ground is over when it comes down, though drives lag
@@ -37,7 +37,7 @@ TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal 
 LATE_PER_S = 25.0  # of what a foot may be behind, more for each second of the bus's delay while it goes ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
 HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
-LATE_FROUDE = 0.06  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
+LATE_FROUDE = 0.08  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
 EDGE_LENGTHS = 1.2  # of the body: after such a way with high swings one edge is soon over
 STAIRS_FROUDE = 0.02  # of sqrt(g h): the fastest where it still climbs after that, as on stairs
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way

@@ -1,12 +1,12 @@
 """Roll and pitch from raw gyroscope and accelerometer counts (MPU6050 registers, int16).
 
-A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer pulls it back, slowly:
-as fast as a walking body sways and lands, it would tell a slope that is not there. All readings of 1/8 to 15/8 g count,
-because those near 1 g alone are no fair sample of a body that lands and pushes off: on stairs they told the pitch wrong
-by several degrees. What it goes on pulling back is the gyro's bias, which changes as the chip warms. At rest the
-accelerometer tells gravity alone and the gyro its bias alone, and both are believed soon. No angle is integrated, so
-nothing wraps and no pose is singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt, as
-shared/body/pose.py commands it.
+A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer
+pulls it back, slowly and only while it reads close to 1 g: as fast as a walking body sways and
+lands, it would tell a slope that is not there. What it goes on pulling back is the gyro's bias,
+which changes as the chip warms. At rest the accelerometer tells gravity alone and the gyro its
+bias alone, and both are believed soon. No angle is integrated, so nothing wraps and no pose is
+singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
+as shared/body/pose.py commands it.
 
 MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
 +-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.
@@ -25,7 +25,7 @@ class Attitude:
     one_g: int = field("counts", "the accelerometer at 1 g, 2048 .. 16384")
     trust_q15: int = field("Q15", "share of the accelerometer's correction a tick")
     learn_q12: int = field("counts Q16 / rad Q14 Q12", "change of the gyroscope's bias a tick for what it corrects")
-    tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not aligned on")
+    tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not believed")
     align_ticks: int = field("ticks", "at rest, that start-up averages, 1 .. 1024")
     bias: Ints = vector(3, "counts Q16", "the gyroscope's bias, within 2^29")
     gravity: Ints = vector(3, "Q22", "direction of 'up' in the body")
@@ -108,7 +108,7 @@ def align(attitude: Attitude, gyro_accel: Ints) -> int:
         attitude.bias[axis] = (attitude.gyro_sum[axis] << 8) // attitude.gathered << 8
         attitude.sum[axis] = attitude.sum[axis] // attitude.gathered
     size = size_of(attitude.sum[0], attitude.sum[1], attitude.sum[2])
-    if not believed(size, attitude.one_g, attitude.tolerance):
+    if not believed(attitude, size):
         attitude_reset(attitude)
         return ALIGNING | ACCEL_REJECTED
     for axis in range(3):
@@ -124,10 +124,10 @@ def size_of(x: int, y: int, z: int) -> int:
 
 
 @hot
-def believed(size: int, one_g: int, tolerance: int) -> int:
-    """Return 1 if an accelerometer reading of this length is close enough to 1 g, else 0; all in counts."""
-    away = size - one_g
-    if size < 1 or away > tolerance or away < -tolerance:
+def believed(attitude: Attitude, size: int) -> int:
+    """Return 1 if an accelerometer reading of this length is close enough to 1 g, else 0."""
+    away = size - attitude.one_g
+    if size < 1 or away > attitude.tolerance or away < -attitude.tolerance:
         return 0
     return 1
 
@@ -182,9 +182,9 @@ def cross(b_q22: int, c_q22: int, wb_q18: int, wc_q18: int) -> int:
 
 @hot
 def pull(attitude: Attitude, gyro_accel: Ints) -> int:
-    """Pull the gravity vector towards the accelerometer if that reads 1/8 to 15/8 g; return flags."""
+    """Pull the gravity vector towards the accelerometer if that reads about 1 g; return flags."""
     size = size_of(gyro_accel[3], gyro_accel[4], gyro_accel[5])
-    if not believed(size, attitude.one_g, attitude.one_g - (attitude.one_g >> 3)):
+    if not believed(attitude, size):
         attitude.rejected = saturate(attitude.rejected + 1, 0, 0xFFFF)
         attitude.still = 0
         normalise(attitude)

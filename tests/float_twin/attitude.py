@@ -42,7 +42,7 @@ class Attitude:
         self.up = turned_back(self.up, rates)
         size = length(*accel)
         flags = 0
-        if self.believed(size, self.one_g - (self.one_g >> 3)):
+        if self.believed(size):
             seen, trust = [a / size for a in accel], self.trust
             if self.rests(list(gyro) + list(accel)) >= self.align_ticks:
                 trust = min(1.0, trust * AT_REST)
@@ -66,9 +66,9 @@ class Attitude:
             self.steady = tuple(reading)
         return self.still
 
-    def believed(self, size, tolerance):
+    def believed(self, size):
         """Return True if an accelerometer reading of this length is near enough to 1 g."""
-        return size >= 1 and abs(size - self.one_g) <= tolerance
+        return size >= 1 and abs(size - self.one_g) <= self.tolerance
 
     def align(self, gyro, accel):
         """Gather one reading at rest; the last sets attitude and bias."""
@@ -81,7 +81,7 @@ class Attitude:
             return ALIGNING
         self.bias = [sum([one[0][i] for one in self.readings]) / self.align_ticks for i in range(3)]
         mean = [sum([one[1][i] for one in self.readings]) / self.align_ticks for i in range(3)]
-        if not self.believed(length(*mean), self.tolerance):
+        if not self.believed(length(*mean)):
             self.reset()
             return ALIGNING | ACCEL_REJECTED
         self.up = unit(mean)

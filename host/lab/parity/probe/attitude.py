@@ -91,7 +91,7 @@ PROBES = (
     Probe("attitude_step", attitude.attitude_step, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run, vectors=4),
     Probe("align", attitude.align, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run_aligning),
     Probe("size_of", attitude.size_of, (INT16, INT16, INT16)),
-    Probe("believed", attitude.believed, (Range(0, 56756), Range(2048, 16384), Range(0, 32767)), begin=_begin),
+    Probe("believed", attitude.believed, (BLOCK, Range(0, 56756)), begin=_begin),
     Probe("rate_q18", attitude.rate_q18, (BLOCK, INT16, Range(0, 2)), begin=_begin, fit=_bias),
     _moving("turn", attitude.turn, (COUNTS,)),
     Probe("cross", attitude.cross, (UNIT, UNIT, RATE, RATE), fit=_of_a_vector),
