@@ -42,7 +42,7 @@ class Odometry:
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
     ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
-    carried_q12: int = field("own weight Q12", "by the feet that are to stand together, each 0 .. 1")
+    carried_q12: int = field("own weight Q12", "sum of the forces of the feet that are to stand")
     borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
@@ -122,6 +122,7 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     """
     total = 0
     carried = 0
+    felt = 0
     for leg in range(LEGS):
         if swinging >> leg & 1 == 0:
             odometry.ends[leg] = params.sent_ticks + 2
@@ -130,11 +131,12 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
         force = 0
         if odometry.ends[leg]:
             force = sensing.force_q12[leg]
+        felt += force
         weight = bear_on(force, leg, odometry)
         carried += odometry.borne_q6[leg]
         odometry.weight[leg] = weight * weight
         total += weight * weight
-    odometry.carried_q12 = carried << 6
+    odometry.carried_q12 = felt
     if carried < _FELT:
         total = 0
         for leg in range(LEGS):

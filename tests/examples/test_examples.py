@@ -12,7 +12,7 @@ FOLDER = ROOT / "examples"
 # What each prints. Numbers are what follows from the example's own: 3 s at 0.05 m/s, sides of 0.2 m, a goal, ...
 PRINTS = {
     "first_walk": r"x 0\.1\d+ m, y -?0\.0\d+ m, yaw (2[6-9]|3[0-4])\.\d deg",
-    "square": r"corner 4: x -?0\.0\d m, y -?0\.0\d m\nclosed within 0\.[01]\d m",
+    "square": r"corner 4: x -?0\.0\d m, y -?0\.0\d m\nclosed within 0\.0\d m",
     "poses": r"back in its stance: standing",
     "push_ups": r"10 push-ups, the calf bent by up to 0\.[4-6]\d rad",
     "paw": r"paw up: calf at -(1\.[5-9]\d|2\.[01]\d) rad, state standing",
