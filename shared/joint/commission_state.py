@@ -7,6 +7,7 @@ from .layout import WAVES
 
 COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
 COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
+STEPS = const(10)  # current steps in a tick
 COGS = const(512)  # places of the rotor's turn in which the cogging is added up
 
 

@@ -17,7 +17,7 @@ from ..num.fixed import atan2_brad, hypot, saturate
 from ..runtime import const, hot
 from .cascade import write_current
 from .cogging import hold_waves, put_wave
-from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, Commission, go_on, refuse
+from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, STEPS, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken, hold_rotor, turning_current
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
@@ -43,7 +43,6 @@ _ORDER_MOST = const(250)  # with 512 places
 _PLACES = const(128)  # of the table in a tick
 _SINE_STEPS = const(1023)  # of the sine table, less one
 _CHANGE_MOST = const(511)  # rc/tick^2, of two ticks
-_STEPS = const(10)  # current steps in a tick
 _CURRENT_MOST = const(0x7FFFF)  # cu, times 10
 _MOVED_MOST = const(1023)
 _TABLE_MOST = const(0x1FFFFFFF)
@@ -156,7 +155,7 @@ def _ripple_or_current(commission: Commission, change: int) -> int:
     if commission.creep_part >= _WITHOUT:
         speed = commission.moved_last * commission.sign << 8
         return saturate(speed - commission.swing_rate, -_CURRENT_MOST, _CURRENT_MOST)
-    taken = (saturate(commission.inertia, 0, 0x3FFFF) * saturate(change, -_CHANGE_MOST, _CHANGE_MOST) >> 5) * _STEPS
+    taken = (saturate(commission.inertia, 0, 0x3FFFF) * saturate(change, -_CHANGE_MOST, _CHANGE_MOST) >> 5) * STEPS
     return saturate(commission.current_last - taken, -_CURRENT_MOST, _CURRENT_MOST)
 
 
@@ -269,7 +268,9 @@ def _check_wave(
 ) -> int:
     """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
     wave = commission.wave
-    ripple = _amplitude(commission, commission.order, cosine, sine)
+    ripple = 0
+    if commission.order > 0:
+        ripple = _amplitude(commission, commission.order, cosine, sine)
     before = commission.ripple[wave]
     if commission.creep_part == _WITHOUT or wave == 0:
         commission.ripple[wave] = ripple

@@ -8,7 +8,7 @@ along the flux adds to the flux or takes from it.
 
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import const, hot
-from .commission_state import Commission, refuse
+from .commission_state import STEPS, Commission, refuse
 from .faults import FAULT_COMMISSION_COGGING
 from .layout import CurrentLoop, JointSettings, JointState
 from .winding import point
@@ -17,8 +17,7 @@ _LAG_MOST = const(16384)  # brad: a quarter of an electrical turn, beyond which 
 _SUM_MOST = const(0x1FFFF)  # cu, times 10
 _PART_MOST = const(0x7FFF)
 _SHARE_MOST = const(192)  # in 1/256
-_TAKEN_MOST = const(1023)  # in 1/256
-_STEPS = const(10)  # current steps in a tick
+_TAKEN_MOST = const(1023)  # in 1/256: its product with the largest current stays below 2^28
 
 
 @hot
@@ -56,7 +55,7 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
     q = saturate(q, -_SUM_MOST, _SUM_MOST) >> 3
     across = d * sine + q * cosine >> 11
     along = d * cosine - q * sine >> 11
-    taken = along * commission.flux_taken // (saturate(settings.commission_current, 1, 0x7FFF) * _STEPS)
+    taken = along * commission.flux_taken // (saturate(settings.commission_current, 1, 0x7FFF) * STEPS)
     return across - (across * saturate(taken, -_TAKEN_MOST, _TAKEN_MOST) >> 8)
 
 

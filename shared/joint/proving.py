@@ -11,7 +11,7 @@ other has it.
 from ..num.fixed import hypot, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
-from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, Commission, go_on, refuse
+from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, STEPS, Commission, go_on, refuse
 from .faults import (
     FAULT_COMMISSION_CURRENT_LOOP,
     FAULT_COMMISSION_POSITION_LOOP,
@@ -38,7 +38,6 @@ _RUNS = const(4)  # of the velocity loop, to and fro
 _RUNS_POSITION = const(2)
 _REPEATS_POSITION = const(2)  # of a measurement that refuses, twice as fast
 _TICKS_MOST = const(16000)  # of the runs with one bandwidth
-_STEPS = const(10)  # current steps in a tick
 _CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
 _AREA = const(87)  # per cent of a step over p: 87 with 3.75 times the bandwidth within, 85 with 2.5 times, 90 with 6
 _ERROR_MOST = const(8191)  # rc
@@ -102,7 +101,7 @@ def _begin_runs(commission: Commission, phase: int) -> int:
 @hot
 def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Do one tick; return 1 when velocity and position loop have their bandwidths."""
-    current = loop.sum_current_q // _STEPS - loop.cogging_q
+    current = loop.sum_current_q // STEPS - loop.cogging_q
     probe_begin(loop, 1)
     moved = swing(loop, state, commission)
     sign = commission.sign

@@ -10,7 +10,7 @@ gravity in it.
 from ..num.fixed import atan2_brad, hypot, saturate
 from ..runtime import const, hot
 from .bend import fill_bend
-from .commission_state import PHASE_SPIN, Commission, go_on, refuse
+from .commission_state import PHASE_SPIN, STEPS, Commission, go_on, refuse
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
 from .layout import CurrentLoop, JointSettings, JointState
@@ -24,7 +24,6 @@ _HALVES = const(8)
 _ELECTRICAL_RATE = const(320000)  # rate of the rotor times pole pairs: 480 rad/s
 _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps from a reading until its voltage acts
 _RAD_Q19 = const(201)  # 4 2 pi / 65536: electrical rad for each rc and pole pair
-_STEPS = const(10)  # current steps in a tick
 _TICKS_MOST = const(4000)
 _BEMF_MOST = const(16383)  # of the parameter
 
@@ -138,8 +137,8 @@ def _find_flux(loop: CurrentLoop, commission: Commission) -> int:
     loss += (commission.current_change >> 4) * (commission.inductance_q >> 6) >> 6
     ahead_q4 = commission.dead_q4 + (commission.dead_q4 >> 1)
     loss += (((along >> 4) * loop.reference_d >> 8) + ahead_q4) * turned >> 4
-    q = loop.sum_voltage_q - loss - (commission.dead_sum_q >> 4) * _STEPS
-    d = loop.sum_voltage_d - ((loop.sum_current_d >> 14) * resistance >> 2) - (commission.dead_sum_d >> 4) * _STEPS
+    q = loop.sum_voltage_q - loss - (commission.dead_sum_q >> 4) * STEPS
+    d = loop.sum_voltage_d - ((loop.sum_current_d >> 14) * resistance >> 2) - (commission.dead_sum_d >> 4) * STEPS
     commission.offset_found = (commission.offset_found + atan2_brad(0 - d, q)) & 0xFFFF
     commission.flux = ratio(hypot(d, q), commission.way, 8) * 4 // 5
     if q < 1 or commission.flux < 1 or commission.flux > _BEMF_MOST:

@@ -7,8 +7,8 @@ this foot tells the shift, in axes turned by half of t (J turns by a quarter):
 
 The body's is the mean of d over the feet, weighted by the square of what each carries at both ends of the tick: a foot
 that lands within it has still come some of its way through the air. Of a foot about to land or to leave, the joints'
-errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane,
-and while the robot stands: a gyroscope would drift. Slips stay in it, and so does what the gyroscope's bias is off:
+errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane, and while the
+robot stands: a gyroscope would drift. Slips stay in it, and so does what the gyroscope's bias is off:
 ``odometry_spread`` tells how much that is.
 """
 

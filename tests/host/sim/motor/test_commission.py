@@ -27,7 +27,7 @@ from .drawn import LONGEST_S, PARALLEL, commissioned, draw, errors, replaced
 MOST = {
     "pole_pairs": 0, "resistance": 0.05, "inductance_d": 0.05, "inductance_q": 0.05, "flux": 0.03,
     "offset_elec_deg": 3.0, "eccentric_deg": 0.1, "inertia": 0.1, "friction_share": 0.025, "velocity_hz": 0.15,
-    "play_deg": 0.12, "cogging_left": 0.2, "cogging_rest": 0.01, "current": 1.1, "seconds": LONGEST_S,
+    "play_deg": 0.06, "cogging_left": 0.2, "cogging_rest": 0.01, "current": 1.0, "seconds": LONGEST_S,
 }  # fmt: skip
 
 
