@@ -1,9 +1,10 @@
 """Lifted off the ground: feet that carried the robot carry nothing any more.
 
 What the feet that are to stand carry together is the weight, evened over 0.2 s: in walks over steps, stairs and stones,
-with a bus slower than the robot file says, too, it fell to 0.42 of the own weight at the lowest. In the hand it falls
-below a quarter within 0.3 s. That the feet carry at all is seen as soon as it has risen, and in the hand: legs that
-hold still feel no loads but true ones. Who has risen on a stand, or has joints too stiff to tell, is not lifted.
+with a bus slower than the robot file says, too, it fell to 0.38 of the own weight at the lowest, unless the trunk lay
+on an edge. In the hand it falls below a quarter within 0.25 s. That the feet carry at all is seen as soon as it has
+risen, and in the hand: legs that hold still feel no loads but true ones. Who has risen on a stand, or has joints too
+stiff to tell, is not lifted.
 
     carries nothing -> slowly to the stance, hold it -> carries again and is told to stand -> stands
 """

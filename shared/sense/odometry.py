@@ -41,8 +41,8 @@ class Odometry:
     arm: Ints = vector(2 * LEGS, "2 lu", "(b + n) / 2 of each foot")
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
     arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
-    ends: Ints = vector(LEGS, "ticks", "for which the foot may still carry though it is to swing")
-    carried_q12: int = field("own weight Q12", "sum of the forces of the feet that are to stand")
+    stands: Ints = vector(LEGS, "ticks", "0: the foot swings .. sent_ticks + 2: it stands, a tick at a time")
+    carried_q12: int = field("own weight Q12", "sum of the feet's forces; of one that lands what it presses")
     borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
     way: int = field("lu", "walked, at most an eighth too long")
@@ -122,21 +122,13 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     """
     total = 0
     carried = 0
-    felt = 0
+    odometry.carried_q12 = 0
     for leg in range(LEGS):
-        if swinging >> leg & 1 == 0:
-            odometry.ends[leg] = params.sent_ticks + 2
-        elif odometry.ends[leg]:
-            odometry.ends[leg] -= 1
-        force = 0
-        if odometry.ends[leg]:
-            force = sensing.force_q12[leg]
-        felt += force
+        force = lag_plan(params, swinging >> leg & 1, leg, sensing.force_q12[leg], odometry)
         weight = bear_on(force, leg, odometry)
         carried += odometry.borne_q6[leg]
         odometry.weight[leg] = weight * weight
         total += weight * weight
-    odometry.carried_q12 = felt
     if carried < _FELT:
         total = 0
         for leg in range(LEGS):
@@ -148,6 +140,27 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
             odometry.weight[leg] = (odometry.weight[leg] << 8) // total
             whole += odometry.weight[leg]
     return whole
+
+
+@hot
+def lag_plan(params: Params, swings: int, leg: int, force_q12: int, odometry: Odometry) -> int:
+    """Let a foot's stand follow the plan, ``swings`` 0 or 1; return its force if it may carry, else 0.
+
+    All carry together what these feet do; of a foot that is about to land only what it presses counts: a leg that
+    brakes its swing pulls as hard as the robot weighs.
+    """
+    whole = params.sent_ticks + 2
+    lands = 0
+    if swings == 0 and odometry.stands[leg] < whole:
+        odometry.stands[leg] += 1
+        lands = whole - odometry.stands[leg]
+    elif swings and odometry.stands[leg]:
+        odometry.stands[leg] -= 1
+    if odometry.stands[leg] == 0:
+        return 0
+    if lands == 0 or force_q12 > 0:
+        odometry.carried_q12 += force_q12
+    return force_q12
 
 
 @hot

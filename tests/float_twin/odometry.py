@@ -19,7 +19,7 @@ class Odometry:
         self.x = self.y = self.yaw = self.way = self.slip = self.doubt = 0.0
         self.vx = self.vy = self.wz = 0.0
         self.astray = [0.0, 0.0]
-        self.feet, self.ends, self.borne = None, [0] * 4, [0.0] * 4
+        self.feet, self.stands, self.borne = None, [0] * 4, [0.0] * 4
 
     def step(self, feet, forces, swinging, turned, tilt, walks):
         """Take a tick; ``turned``: (x, y, z) in rad, None without a gyroscope."""
@@ -44,9 +44,10 @@ class Odometry:
 
         By the plan alone where the joints tell of less than a quarter of the weight.
         """
-        for leg in range(4):
-            self.ends[leg] = max(0, self.ends[leg] - 1) if swinging >> leg & 1 else self.sent_ticks + 2
-        carried = [limit(force, 0.0, 1.0) if ends else 0.0 for force, ends in zip(forces, self.ends)]
+        swings = [swinging >> leg & 1 for leg in range(4)]
+        self.stands = [limit(was + 1 - 2 * each, 0, self.sent_ticks + 2) for was, each in zip(self.stands, swings)]
+        carried = [limit(force, 0.0, 1.0) if stands or not each else 0.0
+                   for force, stands, each in zip(forces, self.stands, swings)]
         before, self.borne = self.borne, carried
         if sum(carried) < 0.25:
             return [float(not swinging >> leg & 1) for leg in range(4)]

@@ -155,7 +155,8 @@ def test_a_foot_counts_by_the_square_of_what_it_carries_and_not_while_it_swings(
     pair.step(moved, forces, turned=(0, 0, 0))
     assert pair.place_m[0] == pytest.approx(0.004 * 0.04 / (0.04 + 0.16), rel=0.1)
     pair = Pair()
-    pair.step(FEET_M, turned=(0, 0, 0))
+    for _ in range(pair.params.sent_ticks + 2):
+        pair.step(FEET_M, turned=(0, 0, 0))
     for tick in range(20):  # legs 0, 1 are to swing: their feet tell nothing once the goals have had their effect
         pair.step([(x - 0.001 * (tick + 1) * (leg < 2), y) for leg, (x, y) in enumerate(FEET_M)], EVEN, 3, (0, 0, 0))
     assert pair.place_m[0] == pytest.approx(0.0005 * (pair.params.sent_ticks + 1), abs=1e-5)
@@ -169,6 +170,23 @@ def test_a_foot_that_lands_within_a_tick_does_not_count_for_it():
         lands = [(x - (foot_m if leg in (1, 2) else 0.004 * tick), y) for leg, (x, y) in enumerate(FEET_M)]
         pair.step(lands, EVEN, turned=(0, 0, 0))
         assert pair.place_m[0] == pytest.approx(0.004 * tick, rel=0.01)
+
+
+@pytest.mark.parametrize(("name", "rate_hz"), [(name, rate_hz) for name in NAMES for rate_hz in (20, 50, 500)])
+def test_what_all_feet_carry_is_of_those_that_may_and_of_one_that_lands_what_it_presses(name, rate_hz):
+    """May: by the plan of now or of sent_ticks + 1 ticks ago. Lands: by that of now alone."""
+    pair, dice, plans = Pair(name, rate_hz), random.Random(rate_hz), []
+    late = pair.params.sent_ticks + 1
+    while len(plans) < 2000:
+        plans += [dice.randrange(16)] * dice.randint(late + 1, 3 * late)
+    for tick, plan in enumerate(plans):
+        forces = [dice.uniform(-16, 16) for _ in range(4)]
+        pair.step(FEET_M, forces, plan)
+        if tick > late:
+            stood, stands = ([each >> leg & 1 == 0 for leg in range(4)] for each in (plans[tick - late], plan))
+            exact = sum(force if was else max(force, 0.0) if now else 0.0
+                        for force, was, now in zip(forces, stood, stands, strict=True))
+            assert pair.core.carried_q12 / 4096 == pytest.approx(exact, abs=4 * 0.5 / 4096)
 
 
 def test_where_no_foot_carries_it_goes_on_as_it_went_and_lost_it_stands():

@@ -141,6 +141,15 @@ def test_a_distance_is_walked_and_an_angle_turned():
         assert -18 < degrees(robot.odometry.yaw_rad) < -12
 
 
+def test_the_fastest_turn_is_not_taken_for_being_lifted():
+    """Its legs brake their swings with as much as the robot weighs."""
+    with Robot("sim") as robot:
+        robot.stand()
+        robot.walk(0.08, distance_m=0.2)
+        robot.turn(deg=90)
+        assert 85 < degrees(robot.odometry.yaw_rad) < 95
+
+
 def test_a_distance_that_is_not_walked_is_told(robot, monkeypatch):
     """Joints that do not follow: the feet stay where they are."""
     monkeypatch.setattr("host.library.robot.Robot._stands", lambda self, now: True)
