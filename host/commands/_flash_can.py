@@ -56,11 +56,9 @@ def _wanted(nodes: list[int], every: bool) -> list[int]:
 @contextmanager
 def _port(robot: str, interface: str | None, channel: str | None) -> Iterator["Port"]:
     from ..bus.can.open import open_port
-    from ..robot.file import load_robot
+    from ..robot.file import load_can_robot
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    data = load_can_robot(robot)
     with open_port(data.bus, interface, channel) as port:
         yield port
 

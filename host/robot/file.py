@@ -42,6 +42,14 @@ def load_robot(name_or_path: str) -> Robot:
     return checked(read_toml(path), str(path))
 
 
+def load_can_robot(name_or_path: str) -> Robot:
+    """Return the robot of that name or file; UserError if its joints are not on CAN."""
+    robot = load_robot(name_or_path)
+    if robot.bus.kind != "can":
+        raise UserError(f"{robot.name} has no joints on CAN; try --robot parallel")
+    return robot
+
+
 def checked(data: dict[str, Any], place: str) -> Robot:
     """Return the robot of a file's tables; RobotFileError with ``place`` in front if anything is wrong."""
     for key, sentence in former_names(data):

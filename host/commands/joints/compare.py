@@ -5,7 +5,7 @@ from typing import Annotated, Any
 import typer
 
 from ...util.console import print_table, screen, write_json
-from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.errors import NOT_ACHIEVED
 from .options import Json, RobotName
 
 # Key of a row: its heading and its form
@@ -36,11 +36,9 @@ def compare(
     """
     from ...lab.joints.compare import CASES
     from ...lab.joints.compare import compare as compared
-    from ...robot.file import load_robot
+    from ...robot.file import load_can_robot
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    data = load_can_robot(robot)
     rows: list[dict[str, Any]] = []
     for case in CASES:
         rows.append(compared(data, *case, seconds).as_dict())

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from ...util.console import print_table, screen, write_json
-from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.errors import NOT_ACHIEVED
 from ...util.extras import how_to_get
 from .options import Json, RobotName
 
@@ -24,11 +24,9 @@ def figures(
     Example: caramelo joints figures --messages 100000 --distance 1.5
     """
     from ...lab.joints import figures as found
-    from ...robot.file import load_robot
+    from ...robot.file import load_can_robot
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    data = load_can_robot(robot)
     rows: list[found.Figure] = []
     note = ""
     try:

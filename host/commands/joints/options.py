@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...util.console import write_error
-from ...util.errors import UserError
 
 if TYPE_CHECKING:
     from ...bus.can.joints import CanJoints
@@ -34,12 +33,10 @@ def joints(
     ``benches``: of simulated ones, the nodes to be had with the full motor model, each on a bench of its own.
     """
     from ...bus.can.joints import CanJoints, new_session
-    from ...robot.file import load_robot
+    from ...robot.file import load_can_robot
     from ...robot.poses import seated_pose_rad
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    data = load_can_robot(robot)
     if simulated and benches:
         from ...sim.motor.bench_port import BenchPort
 

@@ -6,7 +6,6 @@ from typing import Annotated
 import typer
 
 from ...util.console import screen
-from ...util.errors import UserError
 from .options import RobotName, Seconds
 
 
@@ -27,13 +26,11 @@ def sim(
     """
     from ...bus.can.open import open_port
     from ...bus.can.pair import PairPort
-    from ...robot.file import load_robot
+    from ...robot.file import load_can_robot
     from ...sim.joints.gateway import Gateway
     from ...sim.joints.sim_robot import SimRobot
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no joints on CAN; try --robot parallel")
+    data = load_can_robot(robot)
     bus = data.bus.model_copy(update={"interface": interface, "channel": channel})
     data = data.model_copy(update={"bus": bus})
     with open_port(bus) as port, closing(SimRobot(data, in_vm=range(1, 1 + vm))) as robot_sim:
