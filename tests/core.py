@@ -1,6 +1,7 @@
 """The core compiled of this checkout's sources, kept for the next test runs. `python -m tests.core` prints its folder.
 
-Where it can't be compiled that says so, and prints `source`: what CARAMELO_CORE is to be for tests that only use the core, either way.
+Where it can't be compiled that says so, and prints `source`: either way what CARAMELO_CORE is to be for the tests that
+only use the core.
 """
 
 import shutil
