@@ -13,13 +13,14 @@
 
 PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
-JOBS ?= 2
+# One more than there are cores: many tests wait for a process, a page or a board.
+JOBS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
 COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
-# Tests that walk: make test runs them on the core compiled of the sources as they are.
-WALKS := tests/test_core_in_use.py tests/sim2d tests/host/sim/space tests/host/control tests/host/lab tests/host/library tests/examples
+# Tests of the core's sources and of what is built of them; all others only use the core, and run on the compiled one.
+OF_SOURCES := tests/shared tests/firmware tests/host/boards
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 .PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
@@ -58,8 +59,8 @@ test: setup
 	$(BIN)/mypy >$$said 2>&1 & mypy=$$!; \
 	$(BIN)/ruff check . || failed="$$failed ruff"; \
 	core=$$($(BIN)/python -m tests.core) || failed="$$failed core"; \
-	$(BIN)/pytest -n $(JOBS) --dist worksteal $(WALKS:%=--ignore=%) || failed="$$failed pytest"; \
-	CARAMELO_CORE=$$core $(BIN)/pytest -n $(JOBS) --dist worksteal $(WALKS) || failed="$$failed walks"; \
+	CARAMELO_CORE=source $(BIN)/pytest -n $(JOBS) --dist worksteal $(OF_SOURCES) || failed="$$failed sources"; \
+	CARAMELO_CORE=$$core $(BIN)/pytest -n $(JOBS) --dist worksteal $(OF_SOURCES:%=--ignore=%) || failed="$$failed others"; \
 	wait $$mypy || failed="$$failed mypy"; \
 	cat $$said; rm -f $$said; \
 	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; fi

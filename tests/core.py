@@ -1,6 +1,7 @@
 """The core compiled of this checkout's sources, kept for the next test runs. `python -m tests.core` prints its folder.
 
-Where it can't be compiled that says so, and prints `source`: what CARAMELO_CORE is to be for the walks, either way.
+Where it can't be compiled that says so, and prints `source`: either way what CARAMELO_CORE is to be for the tests that
+only use the core.
 """
 
 import shutil
@@ -28,5 +29,5 @@ def kept_core(cache: Path = CACHE) -> Path:
 if __name__ == "__main__":
     missing = why_not()
     if missing:
-        sys.stderr.write(f"the walks run from the sources, which takes longer: {missing}\n")
+        sys.stderr.write(f"all tests run from the sources, which takes longer: {missing}\n")
     print("source" if missing else kept_core())

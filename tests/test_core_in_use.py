@@ -1,4 +1,4 @@
-"""What the walks of a test run go by: `make test` gives them the core as machine code, which takes half as long."""
+"""What tests that only use the core go by: `make test` gives them machine code, which takes half as long."""
 
 import os
 
@@ -9,7 +9,7 @@ from host.boards.build.native_core import why_not
 from host.boards.core import SWITCH
 
 
-def test_the_walks_go_by_machine_code():
+def test_what_only_uses_the_core_goes_by_machine_code():
     if os.environ[SWITCH] == "source":
-        pytest.skip(f"the walks run from the sources: {why_not() or 'make test gives them the compiled core'}")
+        pytest.skip(f"all tests run from the sources: {why_not() or 'make test gives them the compiled core'}")
     assert shared.planner.planner.__file__.endswith(".so")

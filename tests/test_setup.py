@@ -153,7 +153,7 @@ def fake_tools(folder: Path, **exit_codes: int) -> list[str]:
     return [f"BIN={folder}", f"STAMP={folder / 'stamp'}"]
 
 
-PARTS = {"ruff": "ruff", "mypy": "mypy", "pytest": "pytest walks", "python": "core"}  # as make test names them
+PARTS = {"ruff": "ruff", "mypy": "mypy", "pytest": "sources others", "python": "core"}  # as make test names them
 
 
 @pytest.mark.parametrize("fails", [None, *PARTS])
@@ -165,18 +165,19 @@ def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
 
 
 @pytest.mark.parametrize("fails_in", ["source", "cores"])
-def test_the_walks_and_no_other_tests_go_by_the_compiled_core(tmp_path, fails_in):
+def test_the_tests_of_the_sources_run_from_them_and_all_others_by_the_compiled_core(tmp_path, fails_in):
     tools = fake_tools(tmp_path, ruff=0, mypy=0, pytest=0, python=0)
     (tmp_path / "python").write_text("#!/bin/sh\necho cores\n")
     (tmp_path / "pytest").write_text(f'#!/bin/sh\necho "$CARAMELO_CORE: $@"\ntest "$CARAMELO_CORE" != {fails_in}\n')
-    done = make("test", *tools, "CARAMELO_CORE=source")
-    others, walks = (line for line in done.stdout.splitlines() if ": -n 2" in line)
-    assert others.startswith("source: ")
-    assert walks.startswith("cores: ")
+    done = make("test", *tools, "JOBS=2")
+    of_sources, others = (line for line in done.stdout.splitlines() if ": -n 2" in line)
+    assert of_sources.startswith("source: ")
+    assert others.startswith("cores: ")
     ignored = {word.removeprefix("--ignore=") for word in others.split() if word.startswith("--ignore=")}
-    assert ignored == {word for word in walks.split() if word.startswith("tests/")}
+    assert ignored == {word for word in of_sources.split() if word.startswith("tests/")}
+    assert not [word for word in others.split() if word.startswith("tests/")], "all the rest"
     assert all((ROOT / path).exists() for path in ignored)
-    assert f"make test: failed: {'pytest' if fails_in == 'source' else 'walks'}\n" in done.stderr
+    assert f"make test: failed: {'sources' if fails_in == 'source' else 'others'}\n" in done.stderr
 
 
 @pytest.mark.parametrize(("has_mujoco", "world"), [(True, "space"), (False, "plane")])

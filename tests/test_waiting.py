@@ -1,4 +1,4 @@
-"""Tests wait for events, through tests/waiting.py: no sleep, no clock in a loop, no wait without a bound."""
+"""Tests wait for events, through tests/waiting.py: no sleep, no clock in a loop, no wait without a bound of its own."""
 
 import ast
 from collections.abc import Iterator
@@ -11,6 +11,7 @@ from .waiting import stays, wait_until
 TESTS = Path(__file__).resolve().parent
 SLEEPS = {"sleep", "sleep_ms", "wait_for_timeout"}
 CLOCKS = {"monotonic", "monotonic_ns", "perf_counter", "perf_counter_ns"}
+PAGES = {"new_page", "new_context"}
 WAITS = {"wait", "join", "communicate"}  # of a process, a thread or an event; "".join and rig.wait have arguments
 
 
@@ -19,6 +20,15 @@ def called(node: ast.AST) -> str:
     if not isinstance(node, ast.Call):
         return ""
     return getattr(node.func, "attr", getattr(node.func, "id", ""))
+
+
+def impatient(tree: ast.AST) -> Iterator[ast.Call]:
+    """Yield what opens a browser's page or context and leaves it the library's bound."""
+    nodes = list(ast.walk(tree))
+    patient = {id(each) for node in nodes if called(node) == "patient" for each in node.args}
+    for node in nodes:
+        if called(node) in PAGES and id(node) not in patient and ast.unparse(node.func.value) == "browser":
+            yield node
 
 
 def offences(tree: ast.AST) -> Iterator[tuple[int, str]]:
@@ -30,6 +40,7 @@ def offences(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield node.lineno, f"{called(node)}() without a bound: give it PATIENCE_S"
         elif isinstance(node, ast.While) and any(called(each) in CLOCKS for each in ast.walk(node)):
             yield node.lineno, "a loop on a clock: wait_until does this"
+    yield from ((node.lineno, "gives up after 30 s: patient() does not") for node in impatient(tree))
 
 
 def test_no_test_waits_for_time_or_for_ever():
@@ -54,6 +65,8 @@ def test_no_test_waits_for_time_or_for_ever():
         "out, err = process.communicate()",
         "while time.monotonic() < end:\n    pass",
         "while True:\n    if monotonic() > end:\n        break",
+        "page = browser.new_page()",
+        "page = browser.new_context(has_touch=True).new_page()",
     ],
 )
 def test_what_waits_for_time_or_for_ever_is_found(text):
@@ -61,7 +74,9 @@ def test_what_waits_for_time_or_for_ever_is_found(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["', '.join(words)", "process.wait(5)", "event.wait(timeout=5)", "began = time.monotonic()"]
+    "text",
+    ["', '.join(words)", "process.wait(5)", "event.wait(timeout=5)", "began = time.monotonic()",
+     "patient(browser.new_context()).new_page()"],
 )
 def test_what_has_a_bound_is_let_through(text):
     assert list(offences(ast.parse(text))) == []

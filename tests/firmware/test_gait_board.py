@@ -21,6 +21,7 @@ from shared.sense.attitude import ALIGNING, attitude_step
 from shared.sense.sensed import Sensed
 from sim2d import terrain
 from sim2d.run import simulate
+from tests.waiting import PATIENCE_S
 
 from .gait_board_link import GaitBoardLink
 from .gait_vm import start_gait_vm
@@ -184,7 +185,7 @@ class VirtualBoard:
 
     def close(self):
         self.process.stdin.close()
-        return self.process.wait(10)
+        return self.process.wait(PATIENCE_S)
 
 
 def test_a_real_micropython_walks_the_simulator_bit_for_bit_like_the_host(tmp_path):

@@ -9,11 +9,12 @@ from shared.sense.attitude import Attitude
 
 GYRO_COUNTS_PER_RAD_S = 131 * 180 / math.pi
 ONE_G = 16384
+CARAMELO = load_robot("caramelo")
 
 
 def block(rate_hz=50, **settings):
     """Return the integer filter of Caramelo at a rate, with other settings where given by name."""
-    made = attitude_block(load_robot("caramelo"), rate_hz)
+    made = attitude_block(CARAMELO, rate_hz)
     for name, value in settings.items():
         setattr(made, name, value)
     return made

@@ -4,6 +4,8 @@ The two robot files and what they stretch to: both knees, a leg of 1 m, unequal 
 """
 
 import math
+from copy import deepcopy
+from functools import cache
 from types import SimpleNamespace
 
 from host.robot.file import find, read_toml
@@ -42,7 +44,13 @@ NAMES = ("caramelo", "parallel", "long-leg", "unequal", "no-offset")
 
 
 def block(name, rate_hz=50, knees="full-elbow"):
-    """Return a test robot as the core has it."""
+    """Return a test robot as the core has it; each caller may change its own."""
+    return deepcopy(_made(name, rate_hz, knees))
+
+
+@cache
+def _made(name, rate_hz, knees):
+    """Return the same, which takes many times as long as a copy and is asked for in every example of a test."""
     return core_params(robot(name, knees), rate_hz)
 
 

@@ -20,7 +20,7 @@ TUNED = {unit: [name for name, place in CrawlSetup.FIELDS if place.unit == unit 
 
 def settings(name, rate_hz, knees="full-elbow"):
     """Return a robot's crawl in SI, and its unit in m and leg in m."""
-    params = block(name, rate_hz, knees)
+    params = core_params(robot(name, knees), rate_hz)
     unit_m = 2.0 ** -params.length_shift
     return crawl_si(params), unit_m, params.leg_length * unit_m
 

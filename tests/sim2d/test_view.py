@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from host.lab.teleop.browser import missing, open_browser
+from host.lab.teleop.browser import missing, open_browser, patient
 from sim2d import terrain
 from sim2d.run import simulate
 from sim2d.view import STONE_STEP_M, animation_html, path_png
@@ -118,7 +118,7 @@ def browser():
 def test_the_page_starts_by_itself_and_begins_again_at_its_end(browser, tmp_path, stony, motion):
     """Where the system asks for less motion it waits for the button."""
     (tmp_path / "walk.html").write_text(animation_html(stony, "title", "sentence", [("a", "b")], TORSO_HALF_M))
-    page = browser.new_context(reduced_motion=motion).new_page()
+    page = patient(browser.new_context(reduced_motion=motion)).new_page()
     page.goto((tmp_path / "walk.html").as_uri())
     if motion == "reduce":
         assert page.evaluate("playing") is False

@@ -53,11 +53,17 @@ def open_browser() -> Iterator[Any]:
         browser.close()
 
 
+def patient(opened: Any) -> Any:
+    """Return a page or context just opened that waits as long as all else here: the library gives up after 30 s."""
+    opened.set_default_timeout(PATIENCE_MS)
+    return opened
+
+
 @contextmanager
 def open_page(url: str) -> Iterator[Any]:
     """Yield the page once it may drive, with a gamepad that lies still."""
     with open_browser() as browser:
-        page = browser.new_page(viewport=DESK)
+        page = patient(browser.new_page(viewport=DESK))
         page.add_init_script(FAKE_PAD)
         page.goto(url)
         page.wait_for_selector("#take:enabled")

@@ -15,7 +15,7 @@ from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
 from .vm import messages as m
 
-ANSWER_S = 30.0  # a loaded machine takes long to start a VM; after it there is one millisecond's work at a time
+ANSWER_S = 60.0  # a loaded machine takes long to start a VM; after it there is one millisecond's work at a time
 END_S = 5.0
 PACKAGE = "host/sim/joints/vm"  # beside the firmware in what the VM runs
 EMITTER, ARCH = "viper", "x64"

@@ -12,6 +12,7 @@ import serial
 from host.boards.build.image_file import write_image_file
 from host.boards.flash import link as link_module
 from host.boards.flash.shell import join
+from tests.waiting import PATIENCE_S
 
 from .pretend import PretendBoard
 from .trees import LAYOUT_ONLY, make
@@ -162,7 +163,7 @@ def test_the_shell_carries_both_ways_until_it_is_left(tmp_path):
         while b"\n42" not in heard:
             heard += os.read(shown, 1024)
         os.write(typed, b"\x1d")
-        carrying.join(10)
+        carrying.join(PATIENCE_S)
         assert not carrying.is_alive()
 
 

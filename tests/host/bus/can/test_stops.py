@@ -14,11 +14,11 @@ from host.sim.joints.sim_robot import power_off
 from host.util.errors import UserError
 from shared.wire import names as w
 from tests.host.control.rig import RESET, SCRIPT, STOP, Silence
+from tests.waiting import PATIENCE_S
 
 from .robot import SESSION, Walker
 from .test_reactions import opened
 
-PATIENCE_S = 30.0
 SLOWEST_ID = 0x7FF
 
 

@@ -321,7 +321,7 @@ def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
 
     reading = threading.Thread(target=read, daemon=True)
     reading.start()
-    reading.join(30)
+    reading.join(PATIENCE_S)
     assert ended in ([{}], [None])
     most_ms = port.tx_time_per_byte * 12 * 21 + PATIENCE_MS if what == "all" else PING_PATIENCE_MS + 1
     assert port.now_ms < most_ms + 1.0

@@ -6,7 +6,8 @@ import struct
 
 import aiohttp
 
-PATIENCE_S = 30.0
+from tests.waiting import PATIENCE_S
+
 MESSAGE = 1  # opcode of data, both ways
 _HEAD = struct.Struct("<BIQ")  # opcode, subscription, time in ns
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from host.lab.teleop.browser import DESK, FAKE_PAD, PATIENCE_MS, missing, open_browser
+from host.lab.teleop.browser import DESK, FAKE_PAD, missing, open_browser, patient
 from host.robot.file import load_robot
 from host.robot.gait_advice import gait_advice
 from host.sim.stage import profiles
@@ -41,8 +41,7 @@ def open_page(browser, teleop):
     contexts, complaints = [], []
 
     def open_page(viewport=DESK, touch=False, script=None, scheme="light"):
-        context = browser.new_context(viewport=viewport, has_touch=touch, color_scheme=scheme)
-        context.set_default_timeout(PATIENCE_MS)
+        context = patient(browser.new_context(viewport=viewport, has_touch=touch, color_scheme=scheme))
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -397,7 +396,7 @@ def test_nothing_covers_the_picture(open_page, viewport):
 
 def press_until(teleop, page, key, found):
     """Press a key until it works: a page that a busy machine halts for seconds is off the line for a while."""
-    for _ in range(5):
+    for _ in range(20):
         page.keyboard.press(key)
         with contextlib.suppress(UserError):
             return teleop.wait(found, 6)
@@ -410,7 +409,7 @@ def measured(browser, folder, presses, stops):
     Its loop measures from the browser's event to the packet, both by this machine's clock.
     """
     with Teleop(folder) as teleop:
-        page = browser.new_page()
+        page = patient(browser.new_page())
         page.goto(teleop.url)
         page.wait_for_selector("#take:enabled")
         press_until(teleop, page, "t", lambda status: status["state"] == "standing")
@@ -450,7 +449,7 @@ def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     with Teleop(tmp_path, host="0.0.0.0") as teleop:
         code = told_code(capfd)
-        page = browser.new_page()
+        page = patient(browser.new_page())
         page.goto(teleop.url)
         playwright.expect(page.locator("#word")).to_have_text("not paired")
         assert page.locator("#stop").get_attribute("class") == "dead", "it could stop nothing"
@@ -464,7 +463,7 @@ def test_an_unpaired_page_says_so_and_drives_once_it_is_paired(browser, tmp_path
 
 def test_a_pairing_by_qr_code_outlasts_a_restart_until_it_is_revoked(browser, tmp_path, capfd, monkeypatch):
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
-    context = browser.new_context()
+    context = patient(browser.new_context())
     with Teleop(tmp_path, host="0.0.0.0") as teleop:
         page = context.new_page()
         page.goto(f"{teleop.url}/#{told_code(capfd)}")
@@ -485,7 +484,7 @@ def test_a_pairing_by_qr_code_outlasts_a_restart_until_it_is_revoked(browser, tm
 def test_an_open_page_is_hung_up_on_when_all_pairings_are_revoked(browser, tmp_path, capfd, monkeypatch):
     monkeypatch.setenv("STATE_DIRECTORY", str(tmp_path))
     with Teleop(tmp_path, host="0.0.0.0") as teleop:
-        page = browser.new_page()
+        page = patient(browser.new_page())
         page.goto(f"{teleop.url}/#{told_code(capfd)}")
         page.wait_for_selector("#take:enabled")
         page.keyboard.press("t")
@@ -498,7 +497,7 @@ def test_an_open_page_is_hung_up_on_when_all_pairings_are_revoked(browser, tmp_p
 
 def test_in_space_a_ground_is_chosen_and_goes_by(browser, tmp_path):
     with Teleop(tmp_path, sim=("--sim", "--direct", "--in", "space")) as teleop:
-        page = browser.new_page(viewport=DESK)
+        page = patient(browser.new_page(viewport=DESK))
         page.goto(teleop.url)
         page.wait_for_selector("#take:enabled")
         playwright.expect(page.locator("#ground option")).to_have_text(list(profiles()))

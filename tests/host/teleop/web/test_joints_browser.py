@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from host.lab.teleop.browser import DESK, PATIENCE_MS, missing, open_browser
+from host.lab.teleop.browser import DESK, missing, open_browser, patient
 from host.lab.teleop.watched import free_port
 from host.util.child import end_child
 from tests.waiting import PATIENCE_S
@@ -24,8 +24,7 @@ def page():
     try:
         assert process.stdout.readline().startswith(f"http://127.0.0.1:{port}")
         with open_browser() as browser:
-            page = browser.new_page(viewport=DESK)
-            page.set_default_timeout(PATIENCE_MS)
+            page = patient(browser.new_page(viewport=DESK))
             page.on("pageerror", lambda error: complaints.append(str(error)))
             page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
             page.goto(f"http://127.0.0.1:{port}")
