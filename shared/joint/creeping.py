@@ -1,10 +1,11 @@
 """Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
 
-At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
+At each of 512 places of a table the current, less what the rotor's own acceleration took, is added up over the way,
 both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
 and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-First it creeps one and a half electrical turns to and fro. The strongest wave of what it found acts on the next round.
+First it creeps one and a half electrical turns to and fro, for multiples of the poles: they repeat with each pole, and
+the table is one pole long. The strongest wave of what it found acts on the next round.
 A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
 creeps round the whole turn for the waves that are no multiples of the poles.
 
@@ -67,12 +68,17 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     if commission.creep_part >= _WITHOUT:
         rate = rate << 1
+    elif phase == PHASE_CREEP and pairs <= _PAIRS_QUICK:
+        rate = rate * 5 >> 3
     elif phase == PHASE_ROUND:
         rate = settings.velocity_w * 3 // (2 * saturate(pairs, 1, _PAIRS_QUICK)) + 1
     commission.swing_rate = rate
     commission.swing_acceleration = (rate >> 4) + 1
     commission.half_swings = 0
     commission.creep_far = _HALF_TURN
+    commission.fold = 1
+    if commission.creep_part == _SHORT_ROUNDS:
+        commission.fold = pairs + pairs
     if phase == PHASE_CREEP:
         commission.creep_far = _SHORT // saturate(pairs, 2, 50)
     if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
@@ -113,7 +119,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     commission.moved_before = commission.moved_last
     commission.moved_last = way
     commission.current_last = current
-    commission.place_last = loop.rotor >> 5
+    commission.place_last = (loop.rotor * commission.fold >> 5) & (COGS - 1)
     if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
         return _look_again(commission)
     if commission.half_swings > 2:
@@ -186,14 +192,12 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
     If no short round's wave has settled, the whole turn is looked at for those multiples too. Return 0.
     """
     pairs = saturate(commission.pole_pairs, 1, 50)
-    commission.order_step = pairs + pairs
-    if commission.creep_part == _WHOLE_ROUND:
-        commission.order_step = 1
     commission.order_before = commission.wave_order[0]
     commission.current_before = commission.wave_current[0]
     commission.phase_before = commission.wave_phase[0]
-    commission.order = pairs + pairs
-    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
+    fold = saturate(commission.fold, 1, 100)
+    commission.order = (pairs + pairs) // fold
+    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // fold
     if commission.creep_settled:
         commission.order_last = pairs * _ORDERS >> 1
     for wave in range(WAVES):
@@ -230,10 +234,10 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
     begin = commission.place
     for place in range(begin, begin + _PLACES):
         at = (place + place + 1) * order & _SINE_STEPS
-        value = commission.cogging[place] >> 8
+        value = commission.cogging[place] + 128 >> 8
         value = saturate(value, -32767, 32767)
-        cosine += value * loop.sine[at + COSINE_AT] >> 15
-        sine += value * loop.sine[at] >> 15
+        cosine += value * loop.sine[at + COSINE_AT] + 0x4000 >> 15
+        sine += value * loop.sine[at] + 0x4000 >> 15
     commission.cosine_sum = cosine
     commission.sine_sum = sine
     commission.place = begin + _PLACES
@@ -245,7 +249,7 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
     if commission.creep_part >= _WITHOUT:
         return _check_wave(loop, settings, commission, cosine, sine)
     _take_wave(commission, order, cosine, sine)
-    commission.order = order + commission.order_step
+    commission.order = order + 1
     if commission.order <= commission.order_last:
         return 0
     return _next_round(loop, settings, commission)
@@ -255,7 +259,7 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
 def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> int:
     """Return the amplitude of a wave in the table, in cu, Q4, or in rate when that was added up.
 
-    A place is as wide as 1/512 turn: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    A place is as wide as 1/512 table: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
     """
     current = ratio(hypot(cosine, sine), saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
     current = saturate(current, 0, 0x7FFF)
@@ -320,6 +324,7 @@ def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> in
     Multiples of the poles stay as the last short round found them, because that creeps more slowly.
     """
     current = _amplitude(commission, order, cosine, sine)
+    order = order * commission.fold
     weakest = commission.creep_settled
     poles = saturate(commission.pole_pairs << 1, 2, 100)
     if weakest and order % poles == 0:

@@ -254,7 +254,7 @@ def crept(dice):
     COMMISSION.wave = dice.below(3)
     COMMISSION.useless = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
-    COMMISSION.order_step = 1 + dice.bits(4)
+    COMMISSION.fold = 1 + dice.bits(6)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
     COMMISSION.place = dice.below(4) << 7
     COMMISSION.cosine_sum = dice.bits(24) - (1 << 23)
