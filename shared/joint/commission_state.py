@@ -57,8 +57,7 @@ class Commission:
     harmonic_sum: Ints = vector(4, "brad rc", "the same with cosine and sine of the rotor's angle and of twice that")
     mean_back: int = field("brad", "field less rotor on the way back")
     lag: int = field("brad", "by which friction holds the rotor behind the field")
-    play_sum: int = field("rc^2", "joint encoder less rotor, over the rotor's way, in rc of the rotor")
-    play_back: int = field("rc", "its mean on the way back, Q4")
+    play_sum: int = field("rc^2", "of a round: joint encoder less rotor, over the rotor's way, in rc of the rotor")
     offset_found: int = field("brad", "electrical offset found")
     bend: Ints = vector(4, "rc", "found: JointSettings.bend_cos1 and so on, Q4")
     # spin

@@ -21,7 +21,8 @@ from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, STEPS, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken, hold_rotor, turning_current
-from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
+from .layout import COSINE_AT, WAVES, CurrentLoop, JointIo, JointSettings, JointState
+from .play import add_play, find_play, follow_joint
 from .probe import probe_begin
 from .spinning import follow_rotor, swing
 from .swinging import ask_rate, follow_rate
@@ -84,6 +85,7 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
     if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
         commission.half_swings = 1
     commission.way = 0
+    commission.play_sum = 0
     for place in range(COGS):
         commission.cogging[place] = 0
     probe_begin(loop, 1)
@@ -91,13 +93,16 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
 
 
 @hot
-def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+def creep_step(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
+) -> int:
     """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
     phase = commission.phase
     current_d = loop.sum_current_d
     current = loop.sum_current_q
     probe_begin(loop, 1)
     moved = swing(loop, state, commission)
+    follow_joint(io, commission)
     way = saturate(moved, -_MOVED_MOST, _MOVED_MOST)
     change = way - commission.moved_before
     if phase == PHASE_WAVES:
@@ -116,6 +121,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
         return 0
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
         _add(commission, _ripple_or_current(commission, change))
+        add_play(settings, commission, commission.moved_last)
     commission.moved_before = commission.moved_last
     commission.moved_last = way
     commission.current_last = current
@@ -124,6 +130,7 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
         return _look_again(commission)
     if commission.half_swings > 2:
         follow_rotor(loop, state, commission)
+        find_play(settings, commission)
         return _look(loop, commission)
     return 0
 

@@ -43,7 +43,7 @@ def checked(orders):
         c.wave_order[wave], c.wave_current[wave], c.ripple[wave] = order, 160, 50
     for place in range(s.COGS):
         c.cogging[place] = 1 << 20
-    while not creep_step(p.loop, p.settings, p.state, c):
+    while not creep_step(p.loop, p.settings, p.state, p.io, c):
         assert c.phase == s.PHASE_WAVES
     return p
 
