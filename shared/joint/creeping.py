@@ -11,7 +11,7 @@ creeps round the whole turn for the waves that are no multiples of the poles.
 
 All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
 then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had
-less ripple to take than the first wave leaves.
+less ripple to take than the first wave leaves, or than half of what its current would make.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -218,7 +218,6 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
 def _look_again(commission: Commission) -> int:
     """Begin to look at the speed's ripple, so often a turn as the waves are; return 0."""
     commission.wave = 0
-    commission.useless = 0
     commission.order = commission.wave_order[0]
     return _begin_look(commission)
 
@@ -283,6 +282,8 @@ def _check_wave(
     if commission.order > 0:
         ripple = _amplitude(commission, commission.order, cosine, sine)
     before = commission.ripple[wave]
+    if commission.creep_part == _WITHOUT and wave > 0:
+        commission.useless |= _too_quiet(commission, wave, ripple) << wave
     if commission.creep_part == _WITHOUT or wave == 0:
         commission.ripple[wave] = ripple
     if commission.creep_part == _WITH and wave >= commission.creep_settled and commission.order > 0:
@@ -297,6 +298,16 @@ def _check_wave(
     hold_waves(loop, 1)
     commission.creep_part = _WITH
     _round(loop, settings, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _too_quiet(commission: Commission, wave: int, ripple: int) -> int:
+    """Return 1 if a wave's ripple is not half of what its current would make, as the settled first one's does."""
+    if commission.creep_settled == 0:
+        return 0
+    if ripple * (commission.wave_current[0] >> 3) < commission.ripple[0] * (commission.wave_current[wave] >> 4):
+        return 1
     return 0
 
 
@@ -326,24 +337,42 @@ def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
 
 @hot
 def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
-    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+    """Keep a wave if it is stronger than the weakest kept, or than a near one; return its amplitude in cu, Q4.
 
     Multiples of the poles stay as the last short round found them, because that creeps more slowly.
     """
     current = _amplitude(commission, order, cosine, sine)
     order = order * commission.fold
-    weakest = commission.creep_settled
+    settled = commission.creep_settled
     poles = saturate(commission.pole_pairs << 1, 2, 100)
-    if weakest and order % poles == 0:
+    weakest = _near(commission, order)
+    if settled and (order % poles == 0 or weakest == 0):
         return current
-    for wave in range(weakest, WAVES):
-        if commission.wave_current[wave] < commission.wave_current[weakest]:
-            weakest = wave
+    if weakest < 0:
+        weakest = settled
+        for wave in range(settled, WAVES):
+            if commission.wave_current[wave] < commission.wave_current[weakest]:
+                weakest = wave
     if current > commission.wave_current[weakest]:
         commission.wave_order[weakest] = order
         commission.wave_current[weakest] = current
         commission.wave_phase[weakest] = atan2_brad(cosine, sine)
     return current
+
+
+@hot
+def _near(commission: Commission, order: int) -> int:
+    """Return the first wave that the check, in one and a half electrical turns, could not tell from this; -1 if none.
+
+    Two of them may leave each other nothing there, and all the more on the other side of the turn.
+    """
+    least = saturate(commission.pole_pairs, 1, 50) * 2 // 3
+    near = -1
+    for wave in range(WAVES):
+        apart = order - commission.wave_order[wave]
+        if near < 0 and commission.wave_current[wave] > 0 and apart < least and apart > 0 - least:
+            near = wave
+    return near
 
 
 @hot
@@ -427,6 +456,7 @@ def _begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commiss
     if others == 0:
         return 1
     hold_waves(loop, 0)
+    commission.useless = 0
     commission.creep_part = _WITHOUT
     _round(loop, settings, commission, PHASE_CREEP)
     return 0

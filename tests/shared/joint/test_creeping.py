@@ -34,23 +34,38 @@ def test_weak_cogging_is_found_under_fifty_times_its_friction(direction):
     assert math.dist(found, (wanted * math.cos(0.5), wanted * math.sin(0.5))) < abs(wanted) / 5
 
 
-def checked(orders):
-    """Return a commissioning whose last round, with its waves, has found nothing but a speed above the wanted one."""
+def looked(part, orders, wave_in_table=0, settled=0):
+    """Return a plant after a round of that part, whose table holds one wave or, 0, a speed above the wanted one."""
     p = Plant()
     c = p.commission
-    c.phase, c.creep_part, c.creep_settled, c.pole_pairs, c.direction = s.PHASE_WAVES, 3, 0, 7, 1
-    c.way, c.fold, c.order = 4000, 1, orders[0]
-    for wave, order in enumerate(orders):
+    c.phase, c.creep_part, c.creep_settled, c.pole_pairs, c.direction = s.PHASE_WAVES, part, settled, 7, 1
+    c.way, c.fold, c.order, c.order_last = 32000, 1, orders[0], orders[0]
+    for wave, order in enumerate(orders[-3:]):
         c.wave_order[wave], c.wave_current[wave], c.ripple[wave] = order, 160, 50
     for place in range(s.COGS):
-        c.cogging[place] = 1 << 20
-    while not creep_step(p.loop, p.settings, p.state, p.io, c):
-        assert c.phase == s.PHASE_WAVES
-    return p
+        c.cogging[place] = round(math.cos((place + 0.5) * wave_in_table / s.COGS * math.tau) * (1 << 20))
+    for _ in range(3 * s.COGS):
+        if creep_step(p.loop, p.settings, p.state, p.io, c) or c.phase != s.PHASE_WAVES or c.creep_part != part:
+            break
+    return p.commission
 
 
 def test_a_dropped_first_wave_leaves_no_ripple_and_drops_no_other():
     """The mean speed is no ripple: taken for that of the first wave it was more than any other had."""
-    p = checked((0, 42, 84))
-    assert p.commission.ripple[0] == 0
-    assert list(p.commission.wave_order) == [0, 42, 84]
+    c = looked(3, (0, 42, 84))
+    assert c.ripple[0] == 0
+    assert list(c.wave_order) == [0, 42, 84]
+
+
+@pytest.mark.parametrize(("there", "quiet"), [(42, 0b110), (84, 0)])
+def test_a_wave_that_shakes_less_than_its_current_would_is_not_there(there, quiet):
+    """42 is the first of three waves of the same current; without them the rotor's speed has one ripple."""
+    c = looked(2, (42, 60, 84), there, settled=1)
+    assert (c.creep_part, c.useless) == (3, quiet)
+
+
+@pytest.mark.parametrize(("order", "taken"), [(39, False), (37, True)])
+def test_a_wave_that_the_check_cannot_tell_from_the_first_is_not_taken(order, taken):
+    c = looked(1, (order, 42, 0, 0), order, settled=1)
+    assert (order in c.wave_order) == taken
+    assert c.wave_order[0] == 42
