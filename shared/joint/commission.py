@@ -85,7 +85,6 @@ def commission_start(commission: Commission, kind: int) -> int:
     commission.level = 0
     commission.error_sum = 0
     commission.error_way = 0
-    commission.play_sum = 0
     commission.backlash = -1
     commission.moved = 0
     commission.joint_moved = 0
@@ -154,7 +153,7 @@ def commission_step(
         if mechanics_step(loop, settings, state, commission):
             creep_begin(loop, settings, commission)
     elif phase < PHASE_PROVE_VELOCITY:
-        if creep_step(loop, settings, state, commission):
+        if creep_step(loop, settings, state, io, commission):
             prove_begin(settings, commission)
     elif prove_step(loop, settings, state, commission):
         _write(loop, settings, state, commission)

@@ -57,8 +57,7 @@ class Commission:
     harmonic_sum: Ints = vector(4, "brad rc", "the same with cosine and sine of the rotor's angle and of twice that")
     mean_back: int = field("brad", "field less rotor on the way back")
     lag: int = field("brad", "by which friction holds the rotor behind the field")
-    play_sum: int = field("rc^2", "joint encoder less rotor, over the rotor's way, in rc of the rotor")
-    play_back: int = field("rc", "its mean on the way back, Q4")
+    play_sum: int = field("rc^2", "of a round: joint encoder less rotor, over the rotor's way, in rc of the rotor")
     offset_found: int = field("brad", "electrical offset found")
     bend: Ints = vector(4, "rc", "found: JointSettings.bend_cos1 and so on, Q4")
     # spin
@@ -114,9 +113,9 @@ class Commission:
     moved_last: int = field("rc", "in the tick before, electrical-signed")
     moved_before: int = field("rc", "in the tick before that")
     current_last: int = field("cu", "of the tick before, times 10")
+    fold: int = field("", "how often a turn the table repeats: with each pole or, 1, not at all")
     place_last: int = field("", "of the table, in the tick before")
-    order: int = field("", "how often a turn the wave is that the table is looked at for")
-    order_step: int = field("", "from one to the next")
+    order: int = field("", "how often the wave that the table is looked at for is in it")
     order_last: int = field("", "the last of them")
     place: int = field("", "of the table that comes next")
     cosine_sum: int = field("cu rc", "of the table and that wave, times 10 / 256")
@@ -124,7 +123,7 @@ class Commission:
     wave_order: Ints = vector(WAVES, "", "found: how often a turn, 0 none")
     wave_current: Ints = vector(WAVES, "cu", "found: amplitude, Q4")
     wave_phase: Ints = vector(WAVES, "brad", "found: of the wave at the rotor's reading 0")
-    cogging: Ints = vector(COGS, "cu rc", "current over the rotor's way at each place, times 10")
+    cogging: Ints = vector(COGS, "cu rc", "current over the rotor's way at each place of the table, times 10")
 
 
 PHASE_IDLE = const(0)

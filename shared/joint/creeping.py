@@ -1,16 +1,17 @@
 """Commissioning's fifth part: the rotor creeps to and fro, and the current that this takes tells the cogging.
 
-At each of 512 places of the turn the current, less what the rotor's own acceleration took, is added up over the way,
+At each of 512 places of a table the current, less what the rotor's own acceleration took, is added up over the way,
 both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
 and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-First it creeps one and a half electrical turns to and fro. The strongest wave of what it found acts on the next round.
+First it creeps one and a half electrical turns to and fro, for multiples of the poles: they repeat with each pole, and
+the table is one pole long. The strongest wave of what it found acts on the next round.
 A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
 creeps round the whole turn for the waves that are no multiples of the poles.
 
 All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
 then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had
-less ripple to take than the first wave leaves.
+less ripple to take than the first wave leaves, or than half of what its current would make.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
@@ -20,7 +21,8 @@ from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, STEPS, Commission, go_on, refuse
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken, hold_rotor, turning_current
-from .layout import COSINE_AT, WAVES, CurrentLoop, JointSettings, JointState
+from .layout import COSINE_AT, WAVES, CurrentLoop, JointIo, JointSettings, JointState
+from .play import add_play, find_play, follow_joint
 from .probe import probe_begin
 from .spinning import follow_rotor, swing
 from .swinging import ask_rate, follow_rate
@@ -67,17 +69,23 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     if commission.creep_part >= _WITHOUT:
         rate = rate << 1
+    elif phase == PHASE_CREEP and pairs <= _PAIRS_QUICK:
+        rate = rate * 5 >> 3
     elif phase == PHASE_ROUND:
         rate = settings.velocity_w * 3 // (2 * saturate(pairs, 1, _PAIRS_QUICK)) + 1
     commission.swing_rate = rate
     commission.swing_acceleration = (rate >> 4) + 1
     commission.half_swings = 0
     commission.creep_far = _HALF_TURN
+    commission.fold = 1
+    if commission.creep_part == _SHORT_ROUNDS:
+        commission.fold = pairs + pairs
     if phase == PHASE_CREEP:
         commission.creep_far = _SHORT // saturate(pairs, 2, 50)
     if commission.away * commission.sign < 0 - commission.creep_far and phase == PHASE_CREEP:
         commission.half_swings = 1
     commission.way = 0
+    commission.play_sum = 0
     for place in range(COGS):
         commission.cogging[place] = 0
     probe_begin(loop, 1)
@@ -85,13 +93,16 @@ def _round(loop: CurrentLoop, settings: JointSettings, commission: Commission, p
 
 
 @hot
-def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
+def creep_step(
+    loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
+) -> int:
     """Do one tick; return 1 when the cogging's waves are found and checked: they act from then on."""
     phase = commission.phase
     current_d = loop.sum_current_d
     current = loop.sum_current_q
     probe_begin(loop, 1)
     moved = swing(loop, state, commission)
+    follow_joint(io, commission)
     way = saturate(moved, -_MOVED_MOST, _MOVED_MOST)
     change = way - commission.moved_before
     if phase == PHASE_WAVES:
@@ -110,14 +121,16 @@ def creep_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
         return 0
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
         _add(commission, _ripple_or_current(commission, change))
+        add_play(settings, commission, commission.moved_last)
     commission.moved_before = commission.moved_last
     commission.moved_last = way
     commission.current_last = current
-    commission.place_last = loop.rotor >> 5
+    commission.place_last = (loop.rotor * commission.fold >> 5) & (COGS - 1)
     if commission.half_swings > 2 and commission.creep_part >= _WITHOUT:
         return _look_again(commission)
     if commission.half_swings > 2:
         follow_rotor(loop, state, commission)
+        find_play(settings, commission)
         return _look(loop, commission)
     return 0
 
@@ -186,14 +199,12 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
     If no short round's wave has settled, the whole turn is looked at for those multiples too. Return 0.
     """
     pairs = saturate(commission.pole_pairs, 1, 50)
-    commission.order_step = pairs + pairs
-    if commission.creep_part == _WHOLE_ROUND:
-        commission.order_step = 1
     commission.order_before = commission.wave_order[0]
     commission.current_before = commission.wave_current[0]
     commission.phase_before = commission.wave_phase[0]
-    commission.order = pairs + pairs
-    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST)
+    fold = saturate(commission.fold, 1, 100)
+    commission.order = (pairs + pairs) // fold
+    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // fold
     if commission.creep_settled:
         commission.order_last = pairs * _ORDERS >> 1
     for wave in range(WAVES):
@@ -207,7 +218,6 @@ def _look(loop: CurrentLoop, commission: Commission) -> int:
 def _look_again(commission: Commission) -> int:
     """Begin to look at the speed's ripple, so often a turn as the waves are; return 0."""
     commission.wave = 0
-    commission.useless = 0
     commission.order = commission.wave_order[0]
     return _begin_look(commission)
 
@@ -230,10 +240,10 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
     begin = commission.place
     for place in range(begin, begin + _PLACES):
         at = (place + place + 1) * order & _SINE_STEPS
-        value = commission.cogging[place] >> 8
+        value = commission.cogging[place] + 128 >> 8
         value = saturate(value, -32767, 32767)
-        cosine += value * loop.sine[at + COSINE_AT] >> 15
-        sine += value * loop.sine[at] >> 15
+        cosine += value * loop.sine[at + COSINE_AT] + 0x4000 >> 15
+        sine += value * loop.sine[at] + 0x4000 >> 15
     commission.cosine_sum = cosine
     commission.sine_sum = sine
     commission.place = begin + _PLACES
@@ -245,7 +255,7 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
     if commission.creep_part >= _WITHOUT:
         return _check_wave(loop, settings, commission, cosine, sine)
     _take_wave(commission, order, cosine, sine)
-    commission.order = order + commission.order_step
+    commission.order = order + 1
     if commission.order <= commission.order_last:
         return 0
     return _next_round(loop, settings, commission)
@@ -255,7 +265,7 @@ def _look_at_table(loop: CurrentLoop, settings: JointSettings, commission: Commi
 def _amplitude(commission: Commission, order: int, cosine: int, sine: int) -> int:
     """Return the amplitude of a wave in the table, in cu, Q4, or in rate when that was added up.
 
-    A place is as wide as 1/512 turn: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    A place is as wide as 1/512 table: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
     """
     current = ratio(hypot(cosine, sine), saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
     current = saturate(current, 0, 0x7FFF)
@@ -272,6 +282,8 @@ def _check_wave(
     if commission.order > 0:
         ripple = _amplitude(commission, commission.order, cosine, sine)
     before = commission.ripple[wave]
+    if commission.creep_part == _WITHOUT and wave > 0:
+        commission.useless |= _too_quiet(commission, wave, ripple) << wave
     if commission.creep_part == _WITHOUT or wave == 0:
         commission.ripple[wave] = ripple
     if commission.creep_part == _WITH and wave >= commission.creep_settled and commission.order > 0:
@@ -286,6 +298,16 @@ def _check_wave(
     hold_waves(loop, 1)
     commission.creep_part = _WITH
     _round(loop, settings, commission, PHASE_CREEP)
+    return 0
+
+
+@hot
+def _too_quiet(commission: Commission, wave: int, ripple: int) -> int:
+    """Return 1 if a wave's ripple is not half of what its current would make, as the settled first one's does."""
+    if commission.creep_settled == 0:
+        return 0
+    if ripple * (commission.wave_current[0] >> 3) < commission.ripple[0] * (commission.wave_current[wave] >> 4):
+        return 1
     return 0
 
 
@@ -315,23 +337,42 @@ def _drop(loop: CurrentLoop, commission: Commission, wave: int) -> int:
 
 @hot
 def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> int:
-    """Keep a wave if it is stronger than the weakest kept; return its amplitude in cu, Q4.
+    """Keep a wave if it is stronger than the weakest kept, or than a near one; return its amplitude in cu, Q4.
 
     Multiples of the poles stay as the last short round found them, because that creeps more slowly.
     """
     current = _amplitude(commission, order, cosine, sine)
-    weakest = commission.creep_settled
+    order = order * commission.fold
+    settled = commission.creep_settled
     poles = saturate(commission.pole_pairs << 1, 2, 100)
-    if weakest and order % poles == 0:
+    weakest = _near(commission, order)
+    if settled and (order % poles == 0 or weakest == 0):
         return current
-    for wave in range(weakest, WAVES):
-        if commission.wave_current[wave] < commission.wave_current[weakest]:
-            weakest = wave
+    if weakest < 0:
+        weakest = settled
+        for wave in range(settled, WAVES):
+            if commission.wave_current[wave] < commission.wave_current[weakest]:
+                weakest = wave
     if current > commission.wave_current[weakest]:
         commission.wave_order[weakest] = order
         commission.wave_current[weakest] = current
         commission.wave_phase[weakest] = atan2_brad(cosine, sine)
     return current
+
+
+@hot
+def _near(commission: Commission, order: int) -> int:
+    """Return the first wave that the check, in one and a half electrical turns, could not tell from this; -1 if none.
+
+    Two of them may leave each other nothing there, and all the more on the other side of the turn.
+    """
+    least = saturate(commission.pole_pairs, 1, 50) * 2 // 3
+    near = -1
+    for wave in range(WAVES):
+        apart = order - commission.wave_order[wave]
+        if near < 0 and commission.wave_current[wave] > 0 and apart < least and apart > 0 - least:
+            near = wave
+    return near
 
 
 @hot
@@ -415,6 +456,7 @@ def _begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commiss
     if others == 0:
         return 1
     hold_waves(loop, 0)
+    commission.useless = 0
     commission.creep_part = _WITHOUT
     _round(loop, settings, commission, PHASE_CREEP)
     return 0

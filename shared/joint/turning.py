@@ -24,11 +24,11 @@ from .faults import (
     FAULT_COMMISSION_MAGNET,
     FAULT_COMMISSION_NOT_FREE,
     FAULT_COMMISSION_PHASE_ORDER,
-    FAULT_COMMISSION_PLAY,
     FAULT_COMMISSION_POLE_PAIRS,
     FAULT_NONE,
 )
 from .layout import CurrentLoop, JointIo, JointSettings
+from .play import follow_joint
 from .winding import point
 
 _TURN = const(16384)  # rc
@@ -39,8 +39,6 @@ _VERIFY_STEP = const(32)
 _PAIRS_MOST = const(40)
 _ERROR_MOST = const(16383)  # brad: a quarter of an electrical turn, beyond which no field holds a rotor
 _LAG_MOST = const(5461)  # brad: 30 degrees, half of the commissioning current's torque
-_APART_MOST = const(8191)  # rc: half a rotor turn
-_PLAY_MOST = const(91)  # a degree of the joint, of gear_q8 and for rc in Q4, times 32
 _BEND_MOST = const(2549)  # rc in Q4: 3.5 degrees
 
 
@@ -55,15 +53,13 @@ def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commissio
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
-    commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
-    commission.joint_last = io.joint_raw
+    follow_joint(io, commission)
     if commission.phase == PHASE_FORWARD:
         return _forward(loop, settings, io, commission, step)
     if commission.phase == PHASE_BACK:
         moved = -moved
         step = -step
     _compare(loop, commission, moved * commission.direction)
-    _compare_joint(settings, commission, moved * commission.direction)
     if commission.angle + step >= 0 and commission.angle + step <= commission.travel:
         commission.angle += step
         point(loop, commission)
@@ -174,35 +170,6 @@ def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
 
 
 @hot
-def _compare_joint(settings: JointSettings, commission: Commission, way: int) -> int:
-    """Add up joint encoder less rotor over the rotor's ``way``; return it in rc, within half a rotor turn.
-
-    The joint's counts grow up to 2^15 here, times a gear below 2^14: below 2^29.
-    """
-    joint = commission.joint_moved
-    if (commission.joint_moved_forward ^ commission.moved_forward) < 0:
-        joint = -joint
-    apart = saturate((joint * settings.gear_q8 >> 8) - commission.moved, -_APART_MOST, _APART_MOST)
-    commission.play_sum += apart * way
-    return apart
-
-
-@hot
-def _find_backlash(settings: JointSettings, commission: Commission, mean_q4: int) -> int:
-    """Return the joint's play in rc of the rotor, Q4; -1 without a joint encoder.
-
-    Both ways differ by it wherever friction at the joint or its load closes it: what the magnets' seats and a gear
-    ratio that is a little off do is the same on both.
-    """
-    commission.backlash = -1
-    if settings.has_joint_encoder:
-        commission.backlash = saturate((commission.play_back - mean_q4) * commission.direction, 0, _APART_MOST << 3) * 2
-        if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
-            refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
-    return commission.backlash
-
-
-@hot
 def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> int:
     sums = commission.harmonic_sum
     sums[place] = sums[place] + (error * cos_q15(angle) + 0x4000 >> 15) * way
@@ -218,14 +185,12 @@ def _end(settings: JointSettings, commission: Commission) -> int:
         refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
         return 0
     mean = commission.error_sum // way
-    play = commission.play_sum // ((way >> 4) + 1)
     if commission.phase == PHASE_BACK:
         quarter = commission.moved_forward * commission.direction >> 2
         if commission.moved > quarter or commission.moved < -quarter:
             refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
             return 0
         commission.mean_back = mean
-        commission.play_back = play
         go_on(commission, PHASE_AGAIN)
         return 0
     commission.lag = mean - commission.mean_back  # half of (2 mean - back) - back
@@ -236,7 +201,6 @@ def _end(settings: JointSettings, commission: Commission) -> int:
     commission.offset_found = (mean - gain * commission.start_rotor) & 0xFFFF
     if commission.kind == COMMISSION_FULL:
         _find_bend(commission)
-        _find_backlash(settings, commission, play)
     if commission.reason:
         return 0
     return 1

@@ -20,7 +20,9 @@ from .commission_state import (
     refuse,
 )
 from .current import current_sum
+from .encoder import wrap_count
 from .faults import (
+    FAULT_COMMISSION_MOVING,
     FAULT_COMMISSION_NO_CURRENT,
     FAULT_COMMISSION_PHASE_OPEN,
     FAULT_COMMISSION_SUM,
@@ -34,6 +36,8 @@ _MOST = const(0x3FFFFFFF)
 _HALF = const(0x20000000)
 _OBLIQUE = const(2731)  # brad: 15 degrees, where every phase carries current
 _RAMP_TICKS = const(320)
+_RAMP_MOST = const(8000)  # ticks, with a rotor that does not come to rest
+_TURNED_MOST = const(4)  # rc in a tick, 1.5 rad/s: its back-EMF is below 0.1 V for 60 mV s
 _SETTLE_TICKS = const(512)
 _SHORT_TICKS = const(16)
 _LONG_TICKS = const(256)
@@ -112,12 +116,18 @@ def _ramp(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
     """Let the voltage grow until the current flows, along it or (a phase is open) across it, by 1/64 a tick.
 
     So the current grows slower than a winding follows. The field comes from a quarter turn back: no rotor stands
-    exactly against both ends of that way.
+    exactly against both ends of that way. While the rotor turns to the field, its back-EMF takes from the current: the
+    voltage waits, or it would be too much once the rotor stands.
     """
     commission.angle = saturate((commission.phase_ticks << 6) - 16384, -16384, _OBLIQUE)
     point(loop, commission)
     wanted = settings.commission_current
-    if loop.current_d < wanted and loop.current_q < wanted and loop.current_q > -wanted:
+    turned = wrap_count(loop.rotor - commission.rotor_last)
+    commission.rotor_last = loop.rotor
+    if turned > _TURNED_MOST or turned < -_TURNED_MOST:
+        if commission.phase_ticks > _RAMP_MOST:
+            return refuse(commission, FAULT_COMMISSION_MOVING, turned << 8)
+    elif loop.current_d < wanted and loop.current_q < wanted and loop.current_q > -wanted:
         commission.level += (commission.level >> 6) + 1
     elif commission.phase_ticks > _RAMP_TICKS:
         return go_on(commission, PHASE_SETTLE)

@@ -18,7 +18,7 @@ from shared.joint.outer import set_outer_gains
 from shared.joint.probe import probe_begin, probe_step
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
-from shared.joint.winding import ratio, winding_inductance
+from shared.joint.winding import ratio, winding_inductance, winding_step
 from shared.record import pack
 from shared.wire import names as w
 
@@ -190,6 +190,30 @@ def test_phases_that_do_not_add_up_or_carry_nothing_are_refused(raws, reason, va
         p.loop.raw[k] = raw
     assert c.commission_step(p.loop, p.settings, p.state, p.io, p.commission) == s.PHASE_IDLE
     assert (p.commission.reason, p.commission.reason_value) == (reason, value)
+
+
+def ramped(ticks, rc_a_tick):
+    """Return a plant whose rotor turned evenly in so many ticks of the ramp, without any current."""
+    p = Plant()
+    p.commission.phase, p.commission.kind, p.commission.level = s.PHASE_RAMP, FULL, 64
+    p.loop.voltage_limit = 1 << 20
+    for tick in range(ticks):
+        p.commission.phase_ticks = tick
+        p.loop.rotor = tick * rc_a_tick & 16383
+        winding_step(p.loop, p.settings, p.commission)
+    return p
+
+
+@pytest.mark.parametrize("rc_a_tick", [-60, -5, 5, 60])
+def test_the_voltage_waits_while_the_rotor_turns(rc_a_tick):
+    """Its back-EMF takes from the current: at that voltage it would be too much once the rotor stands."""
+    assert ramped(100, rc_a_tick).commission.level <= 64 + 2  # a first tick knows of no other
+    assert ramped(100, rc_a_tick // 20).commission.level > 4 * 64
+
+
+def test_a_rotor_that_does_not_come_to_rest_is_named():
+    p = ramped(8002, 20)
+    assert (p.commission.reason, p.commission.reason_value) == (f.FAULT_COMMISSION_MOVING, 20 << 8)
 
 
 def test_a_joint_encoder_that_does_not_follow_is_refused():

@@ -13,6 +13,7 @@ from shared.joint import (
     holding,
     homing,
     outer,
+    play,
     probe,
     protection,
     proving,
@@ -244,6 +245,9 @@ def crept(dice):
     COMMISSION.creep_part = dice.below(4)
     COMMISSION.creep_settled = dice.bits(1)
     COMMISSION.creep_far = 300 + dice.bits(13)
+    COMMISSION.play_sum = dice.bits(24) - (1 << 23)
+    COMMISSION.joint_moved = dice.bits(12) - (1 << 11)
+    COMMISSION.backlash = dice.bits(10) - 1
     COMMISSION.order_before = dice.bits(8)
     COMMISSION.current_before = dice.bits(15)
     COMMISSION.phase_before = dice.bits(16) - 32768
@@ -254,7 +258,7 @@ def crept(dice):
     COMMISSION.wave = dice.below(3)
     COMMISSION.useless = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
-    COMMISSION.order_step = 1 + dice.bits(4)
+    COMMISSION.fold = 1 + dice.bits(6)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
     COMMISSION.place = dice.below(4) << 7
     COMMISSION.cosine_sum = dice.bits(24) - (1 << 23)
@@ -448,8 +452,11 @@ PROBES = (
         holding, "turning_current", SETTINGS, COMMISSION, SUM, SUM, ROTOR, Range(-1023, 1023), fit=_in_phases(14, 15)
     ),
     _probe(holding, "find_flux_taken", SETTINGS, COMMISSION, fit=_in_phases(13, 14)),
+    _probe(play, "follow_joint", IO, COMMISSION),
+    _probe(play, "add_play", SETTINGS, COMMISSION, Range(-1023, 1023), fit=_in_phases(14, 15)),
+    _probe(play, "find_play", SETTINGS, COMMISSION, fit=_in_phases(14, 15)),
     _probe(creeping, "creep_begin", LOOP, SETTINGS, COMMISSION, fit=_in_phases(13, 13)),
-    _probe(creeping, "creep_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 16)),
+    _probe(creeping, "creep_step", LOOP, SETTINGS, STATE, IO, COMMISSION, fit=_in_phases(14, 16)),
     _probe(proving, "prove_current", LOOP, SETTINGS, COMMISSION, fit=_in_phases(8, 8)),
     _probe(proving, "prove_begin", SETTINGS, COMMISSION, fit=_in_phases(16, 16)),
     _probe(proving, "prove_step", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(17, 18)),

@@ -38,6 +38,10 @@ class Drawn:
     eccentric_at_rad: float
     seed: int
 
+    def play_deg(self) -> float:
+        """Return the gear's play and what friction at the joint winds its spring up by on both ways."""
+        return self.real.gear.backlash_deg + degrees(2 * self.load.friction_Nm / self.real.gear.stiffness_Nm_rad)
+
     def bench(self) -> Bench:
         """Return it on the bench, not commissioned."""
         setup = JointSetup(-1.0, 1.9, inertia_kg_m2=self.file.motor.rotor_inertia_kg_m2 * self.file.gear.ratio**2)
@@ -116,9 +120,9 @@ def commissioned(bench: Bench, kind: int = COMMISSION_FULL) -> str:
 def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
     """Return by how much what was found is off: shares, and degrees of the rotor and of the electrical turn.
 
-    Friction as a share of what the joint has at its current limit, play in degrees of the joint. What is left of the
-    cogging as a share of it and, as ``cogging_rest``, of the torque at the current limit; the former only of a cogging
-    of at least WEAK of that torque. The largest phase current as a share of the limit.
+    Friction as a share of what the joint has at its current limit, play (Drawn.play_deg) in degrees of the joint. What
+    is left of the cogging as a share of it and, as ``cogging_rest``, of the torque at the current limit; the former
+    only of a cogging of at least WEAK of that torque. The largest phase current as a share of the limit.
     """
     c, s, u, m = bench.joint.control.commission, bench.joint.control.settings, bench.units, bench.motor
     ohm = u.volt_per_vu / u.ampere_per_cu / 65536
@@ -146,7 +150,7 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "inertia": s.inertia / 256 * Nm * RATE_PER_RAD_S / MOTION_HZ / inertia - 1,
         "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (limit_A / u.ampere_per_cu * Nm),
         "velocity_hz": s.velocity_p / 4096 * Nm * RATE_PER_RAD_S / inertia / tau / wanted_hz - 1,
-        "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.real.gear.backlash_deg,
+        "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.play_deg(),
         "cogging_left": left if share >= WEAK else 0.0,
         "cogging_rest": left * share,
         "current": max(bench.trace.peak_A) / limit_A,

@@ -1,0 +1,55 @@
+"""The gear's play: how much farther the joint lags behind the rotor on the way there than on the way back.
+
+What the magnets' seats and a gear ratio that is a little off do is the same both ways. Found while the rotor creeps to
+and fro (creeping.py): friction at the joint closes the play then. A load that rattles, or a turn too short for the play
+to close, hides a part of it and never adds to it, so the round that finds most counts. With the play comes what
+friction at the joint winds the gear's spring up by, 2 F / k: no rotor tells the one from the other.
+"""
+
+from ..num.fixed import saturate
+from ..runtime import const, hot
+from .commission_state import Commission, refuse
+from .encoder import wrap_count
+from .faults import FAULT_COMMISSION_PLAY
+from .layout import JointIo, JointSettings
+from .winding import ratio
+
+_APART_MOST = const(8191)  # rc: half a rotor turn
+_PLAY_MOST = const(91)  # a degree of the joint, of gear_q8 and for rc in Q4, times 32
+_SUM_MOST = const(0x1FFFFFFF)
+
+
+@hot
+def follow_joint(io: JointIo, commission: Commission) -> int:
+    """Add what the joint has moved since it was looked at last, less than half a turn; return joint_moved."""
+    commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
+    commission.joint_last = io.joint_raw
+    return commission.joint_moved
+
+
+@hot
+def add_play(settings: JointSettings, commission: Commission, way: int) -> int:
+    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed; return it in rc, within half a turn.
+
+    The joint's counts grow up to 2^15 here, times a gear below 2^14: below 2^29. Ways of 2^15 in all, times 2^13: 2^28.
+    """
+    joint = commission.joint_moved
+    if (commission.joint_moved_forward ^ commission.moved_forward) < 0:
+        joint = -joint
+    apart = saturate((joint * settings.gear_q8 >> 8) - commission.moved, -_APART_MOST, _APART_MOST)
+    commission.play_sum = saturate(commission.play_sum + apart * way, -_SUM_MOST, _SUM_MOST)
+    return apart
+
+
+@hot
+def find_play(settings: JointSettings, commission: Commission) -> int:
+    """At the end of a round find the play in rc of the rotor, Q4; return the most of all rounds, -1 without encoder."""
+    if settings.has_joint_encoder == 0:
+        return -1
+    lag = 0 - commission.play_sum * commission.direction
+    found = saturate(ratio(lag, saturate(commission.way, 1, 0x7FFFFF), 5), 0, _APART_MOST << 5)
+    if found > commission.backlash:
+        commission.backlash = found
+    if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
+        refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
+    return commission.backlash
