@@ -4,7 +4,7 @@ At each of 512 places of a table the current, less what the rotor's own accelera
 both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
 and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-First it creeps one and a half electrical turns to and fro, for multiples of the poles: they repeat with each pole, and
+First it creeps two electrical turns to and fro, for multiples of the poles: they repeat with each pole, and
 the table is one pole long. The strongest wave of what it found acts on the next round.
 A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
 creeps round the whole turn for the waves that are no multiples of the poles.
@@ -29,7 +29,7 @@ from .swinging import ask_rate, follow_rate
 from .winding import ratio
 
 _HALF_TURN = const(8192)  # rc from the middle
-_SHORT = const(12288)  # rc from the middle, over the pole pairs: one and a half electrical turns in all
+_SHORT = const(16384)  # rc from the middle, over the pole pairs: two electrical turns in all
 _MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
 _ROUNDS_MOST = const(4)  # until it creeps round the whole turn
 _TICKS_MOST = const(20000)  # of a round
@@ -362,7 +362,7 @@ def _take_wave(commission: Commission, order: int, cosine: int, sine: int) -> in
 
 @hot
 def _near(commission: Commission, order: int) -> int:
-    """Return the first wave that the check, in one and a half electrical turns, could not tell from this; -1 if none.
+    """Return the first wave that the check, in two electrical turns, could not tell from this; -1 if none.
 
     Two of them may leave each other nothing there, and all the more on the other side of the turn.
     """
@@ -442,17 +442,20 @@ def _swap_first(commission: Commission, strongest: int) -> int:
 
 @hot
 def _begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commission, least: int) -> int:
-    """Make all waves of at least that amplitude ready, but creep without them; return 0.
+    """Make that of the short rounds ready, and all waves of at least that amplitude, but creep without; return 0.
 
-    If there is none but the one of the short rounds, there is nothing to check: return 1.
+    A wave below 1/16 of the friction is none: friction alone made some of 1/25. If there is none but the one of the
+    short rounds, there is nothing to check: return 1.
     """
     others = 0
+    if least < commission.coulomb >> 4:
+        least = commission.coulomb >> 4
     for wave in range(WAVES):
-        if commission.wave_current[wave] < least:
-            _drop(loop, commission, wave)
-        _act(loop, commission, wave, wave)
         if wave >= commission.creep_settled:
+            if commission.wave_current[wave] < least:
+                _drop(loop, commission, wave)
             others += commission.wave_order[wave]
+        _act(loop, commission, wave, wave)
     if others == 0:
         return 1
     hold_waves(loop, 0)

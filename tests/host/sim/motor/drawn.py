@@ -17,7 +17,6 @@ from shared.wire import names as w
 
 PARALLEL = load_robot("parallel").actuator
 LONGEST_S = 60.0
-WEAK = 0.01
 STAND_MS = 500  # until the rotor has found its place between the cogging's teeth
 
 
@@ -121,8 +120,8 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
     """Return by how much what was found is off: shares, and degrees of the rotor and of the electrical turn.
 
     Friction as a share of what the joint has at its current limit, play (Drawn.play_deg) in degrees of the joint. What
-    is left of the cogging as a share of it and, as ``cogging_rest``, of the torque at the current limit; the former
-    only of a cogging of at least WEAK of that torque. The largest phase current as a share of the limit.
+    is left of the cogging as a share of it and, as ``cogging_rest``, of the torque at the current limit. The largest
+    phase current as a share of the limit.
     """
     c, s, u, m = bench.joint.control.commission, bench.joint.control.settings, bench.units, bench.motor
     ohm = u.volt_per_vu / u.ampere_per_cu / 65536
@@ -151,7 +150,7 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
         "friction_share": (c.coulomb / 16 * Nm - dry_Nm) / (limit_A / u.ampere_per_cu * Nm),
         "velocity_hz": s.velocity_p / 4096 * Nm * RATE_PER_RAD_S / inertia / tau / wanted_hz - 1,
         "play_deg": degrees(c.backlash / 16 * u.rad_per_rc) - drawn.play_deg(),
-        "cogging_left": left if share >= WEAK else 0.0,
+        "cogging_left": left,
         "cogging_rest": left * share,
         "current": max(bench.trace.peak_A) / limit_A,
         "seconds": bench.time_s - STAND_MS / 1000,
@@ -159,14 +158,15 @@ def errors(drawn: Drawn, bench: Bench) -> dict[str, float]:
 
 
 def cogging_left(drawn: Drawn, bench: Bench) -> float:
-    """Return what the waves leave of the cogging's torque, as a share of it: rms over the turn."""
+    """Return what the waves, which go by what the joint reads, leave of the cogging's torque: a share, rms."""
     settings, m, at = bench.joint.control.settings, bench.motor, [k / 4096 * tau for k in range(4096)]
+    read = [straight_rad(drawn, bench, rotor_rad) for rotor_rad in at]
     left = [drawn.load.cogging_Nm * sin(drawn.load.cogging_waves * rotor_rad) for rotor_rad in at]
     Nm = 1.5 * m.psi_Vs * m.pole_pairs * bench.units.ampere_per_cu * settings.direction / 16
     for wave in range(WAVES):
         order, current, phase = (getattr(settings, f"cogging_{name}_{wave}") for name in ("order", "current", "phase"))
-        for k, rotor_rad in enumerate(at):
-            left[k] -= current * Nm * sin(order * rotor_rad + phase / 65536 * tau)
+        for k, read_rad in enumerate(read):
+            left[k] -= current * Nm * sin(order * read_rad + phase / 65536 * tau)
     return sqrt(sum(Nm * Nm for Nm in left) / 4096) / (drawn.load.cogging_Nm / sqrt(2))
 
 
