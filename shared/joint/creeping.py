@@ -4,14 +4,15 @@ At each of 512 places of a table the current, less what the rotor's own accelera
 both ways: friction cancels, and so does what comes late. Strong cogging would let the rotor hop from tooth to tooth,
 and a load behind the gear's play would swing against it, so it creeps slowly and a field holds it (holding.py).
 
-First it creeps two electrical turns to and fro, for multiples of the poles: they repeat with each pole, and
-the table is one pole long. The strongest wave of what it found acts on the next round.
-A wave that the next round finds again, though another one or none acted before, is right and stays. Then the rotor
-creeps round the whole turn for the waves that are no multiples of the poles.
+First it creeps two electrical turns to and fro, for multiples of the poles: they repeat with each pole, and the table
+is one pole long. The strongest wave of what it found acts on the next round. A wave that the next round finds again,
+though another one or none acted before, is right and stays. Then the rotor creeps round the whole turn for the waves
+that are no multiples of the poles.
 
 All but that first wave are checked by what they are for, an even speed: to and fro without the field, first without and
 then with them, each to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had
-less ripple to take than the first wave leaves, or than half of what its current would make.
+less ripple to take than the first wave leaves, or than half of what its current would make, and one that is less than
+a sixteenth of the friction: friction makes such waves.
 """
 
 from ..num.fixed import atan2_brad, hypot, saturate
