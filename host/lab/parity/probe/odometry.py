@@ -78,6 +78,7 @@ PROBES = (
     _probe("odometry_restart", (WAY,), fit=_any_robot),
     _probe("odometry_step", (ROBOT, SENSING, SENSED, SWINGING, FLAG, WAY), vectors=4),
     _probe("weigh_feet", (ROBOT, SENSING, SWINGING, WAY)),
+    _probe("lag_plan", (ROBOT, FLAG, LEG, FORCE_Q12, WAY)),
     _probe("bear_on", (FORCE_Q12, LEG, WAY), fit=_any_robot),
     _probe("turn_of_body", (SENSING, TURNED), (), fit=_any_robot),
     _probe("see_feet", (SENSING, WEIGHTS, WAY), fit=_any_robot),
