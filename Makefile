@@ -13,8 +13,8 @@
 
 PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
-# One more than there are cores: many tests wait for a process, a page or a board.
-JOBS ?= $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
+# As many as there are cores: with more, emulated servos come too late for the bus.
+JOBS ?= $(shell getconf _NPROCESSORS_ONLN)
 COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check

@@ -58,8 +58,8 @@ def _port(robot: str, interface: str | None, channel: str | None) -> Iterator["P
     from ..bus.can.open import open_port
     from ..robot.file import load_can_robot
 
-    data = load_can_robot(robot)
-    with open_port(data.bus, interface, channel) as port:
+    _, bus = load_can_robot(robot)
+    with open_port(bus, interface, channel) as port:
         yield port
 
 

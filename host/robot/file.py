@@ -12,6 +12,7 @@ from shared.gait.gaits import GAIT_NAMES
 
 from ..util import files
 from ..util.errors import UserError
+from .actuators import CanBus
 from .builds import unbuildable
 from .checks import complaints
 from .gait_names import new_name
@@ -42,12 +43,12 @@ def load_robot(name_or_path: str) -> Robot:
     return checked(read_toml(path), str(path))
 
 
-def load_can_robot(name_or_path: str) -> Robot:
-    """Return the robot of that name or file; UserError if its joints are not on CAN."""
+def load_can_robot(name_or_path: str) -> tuple[Robot, CanBus]:
+    """Return the robot of that name or file, and its bus; UserError if its joints are not on CAN."""
     robot = load_robot(name_or_path)
     if robot.bus.kind != "can":
         raise UserError(f"{robot.name} has no joints on CAN; try --robot parallel")
-    return robot
+    return robot, robot.bus
 
 
 def checked(data: dict[str, Any], place: str) -> Robot:

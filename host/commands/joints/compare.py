@@ -38,7 +38,7 @@ def compare(
     from ...lab.joints.compare import compare as compared
     from ...robot.file import load_can_robot
 
-    data = load_can_robot(robot)
+    data, _ = load_can_robot(robot)
     rows: list[dict[str, Any]] = []
     for case in CASES:
         rows.append(compared(data, *case, seconds).as_dict())

@@ -26,7 +26,7 @@ def figures(
     from ...lab.joints import figures as found
     from ...robot.file import load_can_robot
 
-    data = load_can_robot(robot)
+    data, _ = load_can_robot(robot)
     rows: list[found.Figure] = []
     note = ""
     try:

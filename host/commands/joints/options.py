@@ -36,7 +36,7 @@ def joints(
     from ...robot.file import load_can_robot
     from ...robot.poses import seated_pose_rad
 
-    data = load_can_robot(robot)
+    data, can = load_can_robot(robot)
     if simulated and benches:
         from ...sim.motor.bench_port import BenchPort
 
@@ -49,7 +49,7 @@ def joints(
     else:
         from ...bus.can.open import open_port
 
-        port = open_port(data.bus, interface, channel)
+        port = open_port(can, interface, channel)
     pose_rad = seated_pose_rad(data)
     bus = CanJoints(data, port, new_session(), pose_rad, report=lambda notice: write_error(notice.sentence))
     try:

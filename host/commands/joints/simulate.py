@@ -30,8 +30,8 @@ def sim(
     from ...sim.joints.gateway import Gateway
     from ...sim.joints.sim_robot import SimRobot
 
-    data = load_can_robot(robot)
-    bus = data.bus.model_copy(update={"interface": interface, "channel": channel})
+    data, bus = load_can_robot(robot)
+    bus = bus.model_copy(update={"interface": interface, "channel": channel})
     data = data.model_copy(update={"bus": bus})
     with open_port(bus) as port, closing(SimRobot(data, in_vm=range(1, 1 + vm))) as robot_sim:
         gateway = Gateway(robot_sim, *(port.ports if isinstance(port, PairPort) else (port,)))
