@@ -4,7 +4,7 @@ Once a millisecond. The result is current_reference, joint-signed; write_current
 step. Every limit that acts sets its LIMIT_* bit in state.limits.
 """
 
-from ..num.fixed import saturate
+from ..num.fixed import fall_q15, saturate
 from ..runtime import const, hot
 from ..wire.names import (
     LIMIT_ACCELERATION,
@@ -246,24 +246,6 @@ def limit_current(settings: JointSettings, state: JointState, wanted_cu: int) ->
         state.limits = state.limits | flag
     state.current_reference = given
     return given
-
-
-@hot
-def fall_q15(value: int, start: int, end: int) -> int:
-    """Return 32768 at ``start`` and before, 0 at ``end`` and beyond, linear between; falling or rising.
-
-    All within +-32767, start and end at most that far apart. start = end is a step: 0 from there on. Error at most 1.
-    """
-    span = end - start
-    left = end - value
-    if span < 0:
-        span = -span
-        left = -left
-    if left <= 0:
-        return 0
-    if left >= span:
-        return 0x8000
-    return (left << 15) // span
 
 
 @hot

@@ -11,7 +11,7 @@ whatever ends the torque ends commissioning (commission_abort). To verify is the
 electrical turn to and fro, 1.2 deg at a 22:1 joint with 7 pole pairs; direction and offset are compared, not changed.
 """
 
-from ..num.fixed import saturate
+from ..num.fixed import ratio, saturate, wrap_brad
 from ..runtime import const, hot
 from .bend import fill_bend, set_bend, straightened
 from .cogging import hold_waves, set_waves
@@ -48,7 +48,7 @@ from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .swinging import mechanics_begin, mechanics_step
 from .turning import turn_step
-from .winding import ratio, winding_step
+from .winding import winding_step
 
 _ROTOR = const(3)  # its place in lowest and highest, behind the phases
 _FRESH_TICKS = const(4)  # until the rotor is read without the old table
@@ -167,7 +167,7 @@ def _turned(loop: CurrentLoop, settings: JointSettings, commission: Commission) 
     """After the turns: compare the offset, or let the rotor spin; return the phase."""
     if commission.kind == COMMISSION_FULL:
         return spin_begin(loop, commission)
-    change = ((commission.offset_found - settings.elec_offset + 0x8000) & 0xFFFF) - 0x8000
+    change = wrap_brad(commission.offset_found - settings.elec_offset)
     if change > settings.verify or change < -settings.verify:
         return refuse(commission, FAULT_COMMISSION_OFFSET_CHANGED, change)
     return go_on(commission, PHASE_IDLE)

@@ -15,7 +15,7 @@ less ripple to take than the first wave leaves, or than half of what its current
 a sixteenth of the friction: friction makes such waves.
 """
 
-from ..num.fixed import atan2_brad, hypot, saturate
+from ..num.fixed import atan2_brad, hypot, ratio, saturate, wrap_brad
 from ..runtime import const, hot
 from .cascade import write_current
 from .cogging import hold_waves, put_wave
@@ -27,7 +27,6 @@ from .play import add_play, find_play, follow_joint
 from .probe import probe_begin
 from .spinning import follow_rotor, swing
 from .swinging import ask_rate, follow_rate
-from .winding import ratio
 
 _HALF_TURN = const(8192)  # rc from the middle
 _SHORT = const(16384)  # rc from the middle, over the pole pairs: two electrical turns in all
@@ -418,7 +417,7 @@ def _settled(commission: Commission) -> int:
     if commission.creep_rounds == _ROUNDS_MOST:
         little = little << 1
     change = commission.wave_current[0] - commission.current_before
-    turned = ((commission.wave_phase[0] - commission.phase_before + 0x8000) & 0xFFFF) - 0x8000
+    turned = wrap_brad(commission.wave_phase[0] - commission.phase_before)
     if commission.wave_order[0] != commission.order_before or change > little or change < 0 - little:
         return 0
     if turned > _SETTLED or turned < -_SETTLED:

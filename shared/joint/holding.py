@@ -6,7 +6,7 @@ is the current across the flux, which its lag behind the field tells; where both
 along the flux adds to the flux or takes from it.
 """
 
-from ..num.fixed import cos_q15, saturate, sin_q15
+from ..num.fixed import cos_q15, saturate, sin_q15, wrap_brad
 from ..runtime import const, hot
 from .commission_state import STEPS, Commission, refuse
 from .faults import FAULT_COMMISSION_COGGING
@@ -46,7 +46,7 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
     """
     pairs = commission.pole_pairs
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found
-    lag = ((commission.angle - middle + 0x8000) & 0xFFFF) - 0x8000
+    lag = wrap_brad(commission.angle - middle)
     if lag > _LAG_MOST or lag < -_LAG_MOST:
         refuse(commission, FAULT_COMMISSION_COGGING, settings.commission_current)
     sine = sin_q15(lag) >> 1

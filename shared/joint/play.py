@@ -6,13 +6,12 @@ to close, hides a part of it and never adds to it, so the round that finds most 
 friction at the joint winds the gear's spring up by, 2 F / k: no rotor tells the one from the other.
 """
 
-from ..num.fixed import saturate
+from ..num.fixed import ratio, saturate
 from ..runtime import const, hot
 from .commission_state import Commission, refuse
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_PLAY
 from .layout import JointIo, JointSettings
-from .winding import ratio
 
 _APART_MOST = const(8191)  # rc: half a rotor turn
 _PLAY_MOST = const(91)  # a degree of the joint, of gear_q8 and for rc in Q4, times 32

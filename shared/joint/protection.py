@@ -4,7 +4,7 @@ Each check runs in every state, so that a cause that is still there also refuses
 Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
-from ..num.fixed import isqrt
+from ..num.fixed import fall_q15, isqrt
 from ..runtime import Ints, const, hot
 from ..wire.names import (
     LIMIT_I2T,
@@ -16,7 +16,6 @@ from ..wire.names import (
     MODE_POSITION,
     MODE_VELOCITY,
 )
-from .cascade import fall_q15
 from .current import current_sum
 from .encoder import encoder_resync
 from .faults import (

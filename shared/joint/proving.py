@@ -8,7 +8,7 @@ on the run; p times the area of the error in three time constants is 0.87 of the
 other has it.
 """
 
-from ..num.fixed import hypot, saturate
+from ..num.fixed import hypot, ratio, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
 from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, STEPS, Commission, go_on, refuse
@@ -22,7 +22,6 @@ from .outer import set_outer_gains
 from .probe import SINE_ON_D, SINE_ON_Q, probe_begin, sine_begin
 from .spinning import swing, swing_rate, turn_round
 from .swinging import follow_rate
-from .winding import ratio
 
 _SINE_TICKS = const(256)
 _LEAST = const(85)  # per cent of the wanted bandwidth

@@ -7,7 +7,7 @@ the angle gone, whatever the load. What of it lies on the d axis says how far th
 gravity in it.
 """
 
-from ..num.fixed import atan2_brad, hypot, saturate
+from ..num.fixed import atan2_brad, hypot, ratio, saturate
 from ..runtime import const, hot
 from .bend import fill_bend
 from .commission_state import PHASE_SPIN, STEPS, Commission, go_on, refuse
@@ -16,7 +16,6 @@ from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMM
 from .layout import CurrentLoop, JointSettings, JointState
 from .probe import probe_begin
 from .sine import TABLE_HALF_STEP
-from .winding import ratio
 
 _QUARTER = const(4096)  # rc
 _FAR = const(12288)  # rc from the centre

@@ -9,7 +9,7 @@ velocity loop a gain to begin with; then that loop does, so gently that the gear
 the friction's share that grows.
 """
 
-from ..num.fixed import isqrt, saturate
+from ..num.fixed import isqrt, ratio, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
 from .commission_state import PHASE_SWING, Commission, go_on, refuse
@@ -18,7 +18,6 @@ from .layout import CurrentLoop, JointSettings, JointState
 from .outer import set_outer_gains
 from .probe import probe_begin
 from .spinning import swing, swing_current, swing_rate, turn_round
-from .winding import ratio
 
 _LEVELS = const(4)  # by the current; by the velocity loop; likewise with a better gain; at half of that speed
 _PERIODS = const(3)

@@ -5,9 +5,8 @@ copper at the winding's temperature, and leaks to the housing, the housing to th
 between the windings lags behind the copper, so the hotter of sensor and model counts.
 """
 
-from ..num.fixed import saturate
+from ..num.fixed import fall_q15, saturate
 from ..runtime import Ints, const, hot
-from .cascade import fall_q15
 from .layout import JointSettings, JointState
 
 CURVE_POINTS = const(32)  # a power of two: a point is found by halving

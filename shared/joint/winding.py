@@ -5,7 +5,7 @@ dead time takes of both: R = dV / dI. A voltage that changes its sign at every c
 current alternates by D = (V / R) tanh(R T / 2 L), which is V T / 2 L for any winding slower than a step.
 """
 
-from ..num.fixed import saturate
+from ..num.fixed import ratio, saturate
 from ..runtime import const, hot
 from .commission_state import (
     COMMISSION_VERIFY,
@@ -32,8 +32,6 @@ from .layout import CurrentLoop, JointSettings
 from .probe import probe_begin
 from .sine import TABLE_HALF_STEP
 
-_MOST = const(0x3FFFFFFF)
-_HALF = const(0x20000000)
 _OBLIQUE = const(2731)  # brad: 15 degrees, where every phase carries current
 _RAMP_TICKS = const(320)
 _RAMP_MOST = const(8000)  # ticks, with a rotor that does not come to rest
@@ -46,29 +44,9 @@ _KP_MOST = const(16383)
 _KI_LEAST = const(8)
 _KI_MOST = const(4095)
 _INDUCTANCE_MOST = const(524287)
+_IMPEDANCE_MOST = const(0x20000000)
 _SUM_MOST = const(0x3FFFFFF)
 _QUICK_Q15 = const(22938)  # tanh(R T / 2 L) of 0.7: a winding that settles within a step
-
-
-@hot
-def ratio(numerator: int, denominator: int, bits: int) -> int:
-    """Return floor(numerator 2^bits / denominator), at most 2^30 - 1; 0 for a negative one or without denominator.
-
-    numerator 0 .. 2^30 - 1, denominator 1 .. 2^29, bits 0 .. 30. Exact: divides bit by bit.
-    """
-    if numerator < 0 or denominator < 1:
-        return 0
-    result = numerator // denominator
-    rest = numerator - result * denominator
-    for _ in range(bits):
-        if result >= _HALF:
-            return _MOST
-        result += result
-        rest += rest
-        if rest >= denominator:
-            rest -= denominator
-            result += 1
-    return result
 
 
 @hot
@@ -79,7 +57,7 @@ def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> in
     volt / (2 current (1 + t^2/3 + t^4/5 + t^6/7)): error 0.7 % up to t = 0.7, where it ends.
     """
     impedance = ratio(volt_q4, current_q4, 16)
-    if impedance < 2 or impedance > _HALF:
+    if impedance < 2 or impedance > _IMPEDANCE_MOST:
         return 0
     t = ratio(resistance_q16, impedance, 15)
     if t > _QUICK_Q15:

@@ -14,6 +14,7 @@ _QUARTER_BRAD = const(0x4000)
 _EIGHTH_BRAD18 = const(0x8000)
 _QUARTER_BRAD18 = const(0x10000)
 _HALF_BRAD18 = const(0x20000)
+_RATIO_MOST = const(0x3FFFFFFF)
 
 
 @hot
@@ -129,6 +130,12 @@ def round_brad(angle_brad18: int) -> int:
 
 
 @hot
+def wrap_brad(angle_brad: int) -> int:
+    """Return an angle in 1/65536 turn, any within +-2^29, wrapped to -32768 .. 32767. Exact."""
+    return (angle_brad + 0x8000 & 0xFFFF) - 0x8000
+
+
+@hot
 def atan2_brad(y: int, x: int) -> int:
     """Return the angle of (x, y) in 1/65536 turn, -32768 .. 32767; (0, 0) gives 0.
 
@@ -197,6 +204,45 @@ def hypot(x: int, y: int) -> int:
         y = (y + 1) >> 1
         shift += 1
     return isqrt(x * x + y * y) << shift
+
+
+@hot
+def ratio(numerator: int, denominator: int, bits: int) -> int:
+    """Return floor(numerator 2^bits / denominator), at most 2^30 - 1; 0 for a negative one or without denominator.
+
+    numerator 0 .. 2^30 - 1, denominator 1 .. 2^29, bits 0 .. 30. Exact: divides bit by bit.
+    """
+    if numerator < 0 or denominator < 1:
+        return 0
+    result = numerator // denominator
+    rest = numerator - result * denominator
+    for _ in range(bits):
+        if result > _RATIO_MOST >> 1:
+            return _RATIO_MOST
+        result += result
+        rest += rest
+        if rest >= denominator:
+            rest -= denominator
+            result += 1
+    return result
+
+
+@hot
+def fall_q15(value: int, start: int, end: int) -> int:
+    """Return 32768 at ``start`` and before, 0 at ``end`` and beyond, linear between; falling or rising.
+
+    All within +-32767, start and end at most that far apart. start = end is a step: 0 from there on. Error at most 1.
+    """
+    span = end - start
+    left = end - value
+    if span < 0:
+        span = -span
+        left = -left
+    if left <= 0:
+        return 0
+    if left >= span:
+        return 0x8000
+    return (left << 15) // span
 
 
 @hot

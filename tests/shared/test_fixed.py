@@ -10,15 +10,19 @@ from shared.num.fixed import (
     atan2_brad,
     atan2_brad18,
     cos_q15,
+    fall_q15,
     hypot,
     isqrt,
     mul_q15,
+    ratio,
     round_brad,
     round_sqrt,
     saturate,
     sin_q15,
+    wrap_brad,
 )
 from tests.float_twin import fixed as twin
+from tests.float_twin.joint_motion import fall
 
 from .bars import LARGEST, integers, repeatable
 
@@ -139,6 +143,30 @@ def test_mul_q15_rounds_to_nearest(a, b):
 def test_saturate_limits(value, one, other):
     low, high = min(one, other), max(one, other)
     assert saturate(value, low, high) == twin.limit(value, low, high)
+
+
+@given(integers(0, LARGEST), integers(1, 1 << 29), integers(0, 30))
+def test_a_ratio_is_exact_or_at_its_end(numerator, denominator, bits):
+    exact = (numerator << bits) // denominator
+    found = ratio(numerator, denominator, bits)
+    assert found == exact if exact < 1 << 29 else found <= min(exact, LARGEST)
+
+
+def test_a_ratio_of_nothing_is_0():
+    assert (ratio(5, 0, 3), ratio(-1, 7, 3)) == (0, 0)
+
+
+@given(integers(-(1 << 28), 1 << 28), integers(-16383, 16383), integers(-16383, 16383))
+def test_a_fall_is_linear_between_its_ends(value, start, end):
+    exact = fall(value, start, end) if start <= end else fall(-value, -start, -end)
+    assert abs(fall_q15(value, start, end) / 32768 - exact) <= 1 / 32768
+
+
+@given(integers(-(1 << 29), 1 << 29))
+def test_wrap_brad_takes_whole_turns_away(angle):
+    wrapped = wrap_brad(angle)
+    assert -32768 <= wrapped <= 32767
+    assert (angle - wrapped) % 65536 == 0
 
 
 def test_the_tables_are_what_their_generator_writes():

@@ -74,13 +74,6 @@ def test_reports_are_the_measured_values_in_the_wires_units(position, rate, curr
     assert report.report_temperature(current) == max(-4095, min(4095, current))
 
 
-@given(st.integers(-(1 << 28), 1 << 28), st.integers(-16383, 16383), st.integers(-16383, 16383))
-def test_fall(value, start, end):
-    assert abs(cascade.fall_q15(value, start, end) / 32768 - twin.fall(value, start, end)) <= 1 / 32768 or start > end
-    if start > end:
-        assert abs(cascade.fall_q15(value, start, end) / 32768 - twin.fall(-value, -start, -end)) <= 1 / 32768
-
-
 @given(st.integers(0, (1 << 29) - 1), st.integers(1, 65535), st.integers(1, (1 << 18) - 1))
 def test_braking_rate(distance, accel, rate_max):
     expected = min(rate_max, twin.braking_speed(distance, accel))

@@ -18,7 +18,7 @@ from shared.joint.outer import set_outer_gains
 from shared.joint.probe import probe_begin, probe_step
 from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
-from shared.joint.winding import ratio, winding_inductance, winding_step
+from shared.joint.winding import winding_inductance, winding_step
 from shared.record import pack
 from shared.wire import names as w
 
@@ -407,17 +407,6 @@ def test_an_emergency_stop_ends_it():
     p.io.e_stop = 1
     p.tick(setpoint=False)
     assert (p.state.fault_code, p.bridge, p.loop.probing) == (f.FAULT_EMERGENCY_STOP, False, 0)
-
-
-@given(st.integers(0, (1 << 30) - 1), st.integers(1, 1 << 29), st.integers(0, 30))
-def test_a_ratio_is_exact_or_at_its_end(numerator, denominator, bits):
-    exact = (numerator << bits) // denominator
-    found = ratio(numerator, denominator, bits)
-    assert found == exact if exact < 1 << 29 else found <= min(exact, (1 << 30) - 1)
-
-
-def test_a_ratio_of_nothing_is_0():
-    assert (ratio(5, 0, 3), ratio(-1, 7, 3)) == (0, 0)
 
 
 @given(st.integers(200, 8000), st.integers(40, 4000), st.floats(0.001, 1.7))

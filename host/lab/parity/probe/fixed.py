@@ -13,6 +13,7 @@ SIDES = Block(zeros(4), (4, SIDE))
 OTHERS = Block(zeros(4), (4, SIDE))
 SQUARES = Block(zeros(4), (4, INT30))
 RESULTS = zeros(4)
+UNIT = Range(-32767, 32767)
 
 
 def _order(values, dice) -> None:
@@ -31,6 +32,12 @@ def _keep_product(values, dice) -> None:
     values[1] = b
 
 
+def _near_enough(values, dice) -> None:
+    while abs(values[2] - values[1]) > 32767:
+        values[2] //= 2
+        values[1] //= 2
+
+
 PROBES = (
     Probe("saturate", fixed.saturate, (INT30, INT30, INT30), fit=_order),
     Probe("mul_q15", fixed.mul_q15, (INT30, Range(-32768, 32768)), fit=_keep_product),
@@ -38,10 +45,13 @@ PROBES = (
     Probe("cos_q15", fixed.cos_q15, (ANGLE,), vectors=8),
     Probe("atan2_brad18", fixed.atan2_brad18, (SIDE, SIDE), vectors=8),
     Probe("round_brad", fixed.round_brad, (Range(4 - (1 << 30), (1 << 30) - 4),)),
+    Probe("wrap_brad", fixed.wrap_brad, (Range(-(1 << 29), 1 << 29),)),
     Probe("atan2_brad", fixed.atan2_brad, (SIDE, SIDE), vectors=2),
     Probe("isqrt", fixed.isqrt, (INT30,), vectors=8),
     Probe("round_sqrt", fixed.round_sqrt, (INT30,), vectors=2),
     Probe("hypot", fixed.hypot, (Range(1 - (1 << 29), (1 << 29) - 1), Range(1 - (1 << 29), (1 << 29) - 1)), vectors=4),
+    Probe("ratio", fixed.ratio, (Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30))),
+    Probe("fall_q15", fixed.fall_q15, (UNIT, UNIT, UNIT), fit=_near_enough),
     Probe("round_roots", fixed.round_roots, (SQUARES, RESULTS, 4), watch=(RESULTS,), vectors=2),
     Probe("arctans_brad18", fixed.arctans_brad18, (SIDES, OTHERS, RESULTS, 4), watch=(RESULTS,), vectors=2),
 )

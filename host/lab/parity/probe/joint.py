@@ -428,7 +428,6 @@ PROBES = (
     _probe(commission, "set_zeros", SETTINGS, COMMISSION, fit=_posed),
     _probe(state, "refuse", COMMISSION, Range(64, 90), Range(-(1 << 23), (1 << 23) - 1)),
     _probe(state, "go_on", COMMISSION, Range(0, 18)),
-    _probe(winding, "ratio", Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30)),
     _probe(winding, "winding_inductance", Range(1, 1 << 22), Range(1, 1 << 20), Range(0, 1 << 18)),
     _probe(probe, "probe_begin", LOOP, SIGN),
     _probe(probe, "probe_step", LOOP, fit=_probing),

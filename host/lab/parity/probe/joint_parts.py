@@ -26,12 +26,6 @@ def _order(values, dice):
         values[1] = values[2] >> 1
 
 
-def _near_enough(values, dice):
-    while abs(values[2] - values[1]) > 32767:
-        values[2] //= 2
-        values[1] //= 2
-
-
 def _profile(values, dice):
     """A trajectory somewhere, faster than allowed or not; the target's own rate within the limit."""
 
@@ -60,7 +54,6 @@ PROBES = (
     _probe(cascade, "position_from_wire", Range(-65536, 65536), GAIN14),
     _probe(cascade, "rate_from_wire", INT16, GAIN15),
     _probe(cascade, "current_from_wire", INT16, GAIN15),
-    _probe(cascade, "fall_q15", UNIT, UNIT, UNIT, fit=_near_enough),
     _probe(report, "position_to_wire", INT30, Range(-5, 16382)),
     _probe(report, "report_temperature", INT30),
     _probe(protection, "count_ticks", Range(0, 65535), Range(0, 1)),
