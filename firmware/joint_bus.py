@@ -1,6 +1,7 @@
 """What a frame does to a joint, and what is due to be told, hot and hardware-free; requests are served elsewhere."""
 
-from shared.joint.layout import REQUEST_ARM, CurrentLoop, JointIo, JointSettings, JointState
+from shared.joint.drive_state import REQUEST_ARM
+from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.report import report_current, report_position, report_velocity
 from shared.record import field, record
 from shared.runtime import const, hot

@@ -8,8 +8,8 @@ from shared.joint.commission_state import Commission
 from shared.joint.faults import FAULT_DRIVER_SETUP
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
-from shared.joint.thermal import CURVE_SIZE
-from shared.joint.tick import joint_reset, slow_tick
+from shared.joint.thermal import CURVE_SIZE, slow_tick
+from shared.joint.tick import joint_reset
 from shared.runtime import const, zeros
 
 from .joint_bus import is_armed

@@ -1,5 +1,5 @@
 """One brushless joint in integers: field-oriented current control, cascade, sensing, protection, states.
 
-Three calls run a joint (see tick.py): ``current_step`` per current step, ``motion_tick`` per
-millisecond, ``slow_tick`` ten times a second. Blocks and units are in layout.py, docs/joint.md.
+Three calls run a joint: ``current_step`` per current step (current.py), ``motion_tick`` per millisecond (tick.py),
+``slow_tick`` ten times a second (thermal.py). Blocks and units are in layout.py, docs/joint.md.
 """

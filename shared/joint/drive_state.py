@@ -37,20 +37,14 @@ from ..wire.names import (
 )
 from .cascade import position_from_wire
 from .faults import FAULT_DRIVER, FAULT_DRIVER_SETUP, FAULT_EMERGENCY_STOP, FAULT_NONE, FAULT_WATCHDOG, damps_first
-from .layout import (
-    REQUEST_ARM,
-    REQUEST_CLEAR,
-    REQUEST_DISARM,
-    REQUEST_NONE,
-    REQUEST_QUICK_STOP,
-    TORQUE_DAMP,
-    TORQUE_DRIVE,
-    TORQUE_OFF,
-    JointIo,
-    JointSettings,
-    JointState,
-)
+from .layout import TORQUE_DAMP, TORQUE_DRIVE, TORQUE_OFF, JointIo, JointSettings, JointState
 from .protection import report_cause
+
+REQUEST_NONE = const(0)
+REQUEST_ARM = const(1)
+REQUEST_DISARM = const(2)
+REQUEST_QUICK_STOP = const(3)
+REQUEST_CLEAR = const(4)
 
 _NEVER = const(0xFFFF)  # age of a set-point there was not
 

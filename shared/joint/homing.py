@@ -4,9 +4,17 @@ Tick by tick in mode HOMING. It only asks for a rate and lowers the current limi
 the rest. The rotor's angle at the stop must fit the stop's position, or homing is refused as ambiguous.
 """
 
-from ..runtime import hot
+from ..runtime import const, hot
+from .drive_state import drive_disarm
 from .encoder import home_at
-from .layout import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE, HOME_NO_STOP, HOME_SEEKING, JointSettings, JointState
+from .faults import FAULT_HOME_AMBIGUOUS, FAULT_HOME_NO_STOP
+from .layout import JointSettings, JointState
+
+HOME_IDLE = const(0)
+HOME_SEEKING = const(1)
+HOME_DONE = const(2)
+HOME_NO_STOP = const(3)
+HOME_AMBIGUOUS = const(4)
 
 
 @hot
@@ -25,6 +33,22 @@ def homing_stop(state: JointState) -> int:
     if state.home_result == HOME_SEEKING:
         state.home_result = HOME_IDLE
     return state.home_result
+
+
+@hot
+def homing_tick(settings: JointSettings, state: JointState) -> int:
+    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason; return home_result."""
+    homing_step(settings, state)
+    result = state.home_result
+    if result == HOME_NO_STOP:
+        state.raised = FAULT_HOME_NO_STOP
+        state.raised_value = state.home_ticks
+    if result == HOME_AMBIGUOUS:
+        state.raised = FAULT_HOME_AMBIGUOUS
+        state.raised_value = state.position
+    if result != HOME_SEEKING:
+        drive_disarm(state)
+    return result
 
 
 @hot

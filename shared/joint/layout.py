@@ -313,15 +313,3 @@ class JointState:
 TORQUE_OFF = const(0)  # bridge off, the joint coasts
 TORQUE_DAMP = const(1)  # only against the motion, no set-point
 TORQUE_DRIVE = const(2)  # what the set-points ask for
-
-REQUEST_NONE = const(0)
-REQUEST_ARM = const(1)
-REQUEST_DISARM = const(2)
-REQUEST_QUICK_STOP = const(3)
-REQUEST_CLEAR = const(4)
-
-HOME_IDLE = const(0)
-HOME_SEEKING = const(1)
-HOME_DONE = const(2)
-HOME_NO_STOP = const(3)
-HOME_AMBIGUOUS = const(4)

@@ -4,18 +4,9 @@ Each check runs in every state, so that a cause that is still there also refuses
 Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
-from ..num.fixed import fall_q15, isqrt
-from ..runtime import Ints, const, hot
-from ..wire.names import (
-    LIMIT_I2T,
-    LIMIT_MCU_TEMPERATURE,
-    LIMIT_STALL,
-    LIMIT_VOLTAGE,
-    LIMIT_WINDING_TEMPERATURE,
-    MODE_COMMISSIONING,
-    MODE_POSITION,
-    MODE_VELOCITY,
-)
+from ..num.fixed import isqrt
+from ..runtime import const, hot
+from ..wire.names import LIMIT_STALL, LIMIT_VOLTAGE, MODE_COMMISSIONING, MODE_POSITION, MODE_VELOCITY
 from .current import current_sum
 from .encoder import encoder_resync
 from .faults import (
@@ -23,8 +14,6 @@ from .faults import (
     FAULT_EMERGENCY_STOP,
     FAULT_ENCODER_DISAGREE,
     FAULT_ENCODER_LOST,
-    FAULT_MCU_HOT,
-    FAULT_MCU_SENSOR,
     FAULT_NONE,
     FAULT_OVER_CURRENT,
     FAULT_OVER_SPEED,
@@ -32,14 +21,10 @@ from .faults import (
     FAULT_POSITION_LIMIT,
     FAULT_POSITION_RANGE,
     FAULT_STALL,
-    FAULT_THERMISTOR_OPEN,
-    FAULT_THERMISTOR_SHORT,
     FAULT_UNDER_VOLTAGE,
-    FAULT_WINDING_HOT,
     damps_first,
 )
 from .layout import TORQUE_DRIVE, TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
-from .thermal import i2t_step, mcu_t16, model_reset, model_step, thermistor_t16
 
 _TICKS_MOST = const(0xFFFF)
 
@@ -90,106 +75,6 @@ def count_ticks(ticks: int, present: int) -> int:
     if ticks < _TICKS_MOST:
         return ticks + 1
     return ticks
-
-
-@hot
-def gather_heat(loop: CurrentLoop, state: JointState) -> int:
-    """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
-    if state.heat_ticks >= 300:
-        return state.heat_sum
-    state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
-    state.heat_ticks += 1
-    return state.heat_sum
-
-
-@hot
-def protect_slow(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
-    """Read both temperatures, advance the models, set derate, slow_limits, slow_cause; return state.derate (Q15).
-
-    Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
-    the cut, winding and MCU alike; at the cut it is also a fault. An open or shorted sensor is a fault.
-    """
-    state.slow_cause = FAULT_NONE
-    state.slow_limits = 0
-    winding_known = _read_winding(settings, state, io, curve)
-    _read_mcu(settings, state, io)
-    square = 0
-    if state.heat_ticks > 0:
-        square = state.heat_sum // state.heat_ticks
-    state.heat_sum = 0
-    state.heat_ticks = 0
-    model = model_step(settings, state, square)
-    if model > state.winding or winding_known == 0:
-        state.winding = model
-    state.derate = _derate(settings, state, square)
-    return state.derate
-
-
-@hot
-def _slow_cause(state: JointState, code: int, value: int) -> int:
-    """Keep the first cause of slowing down, with its number; return ``code``."""
-    if state.slow_cause == FAULT_NONE:
-        state.slow_cause = code
-        state.slow_value = value
-    return code
-
-
-@hot
-def _read_winding(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
-    """Set state.winding from the thermistor; return 0 if it is open or shorted."""
-    raw = io.thermistor_raw
-    if raw >= settings.open_raw:
-        _slow_cause(state, FAULT_THERMISTOR_OPEN, raw)
-        return 0
-    if raw <= settings.short_raw:
-        _slow_cause(state, FAULT_THERMISTOR_SHORT, raw)
-        return 0
-    state.winding = thermistor_t16(curve, raw)
-    if state.thermal_started == 0:
-        state.thermal_started = 1
-        model_reset(state, state.winding)
-    return 1
-
-
-@hot
-def _read_mcu(settings: JointSettings, state: JointState, io: JointIo) -> int:
-    raw = io.mcu_raw
-    state.mcu = mcu_t16(raw, settings.mcu_cal1, settings.mcu_cal2)
-    if raw <= 0 or raw >= 4095 or settings.mcu_cal1 == settings.mcu_cal2:
-        _slow_cause(state, FAULT_MCU_SENSOR, raw)
-    return state.mcu
-
-
-@hot
-def _derate(settings: JointSettings, state: JointState, square: int) -> int:
-    """Return the share of the largest current that temperatures and I2t leave, in Q15, with its flags and faults."""
-    share = fall_q15(state.winding, settings.winding_derate, settings.winding_cut)
-    if share < 0x8000:
-        state.slow_limits = state.slow_limits | LIMIT_WINDING_TEMPERATURE
-    if state.winding >= settings.winding_cut:
-        _slow_cause(state, FAULT_WINDING_HOT, state.winding)
-    mcu = fall_q15(state.mcu, settings.mcu_derate, settings.mcu_cut)
-    if mcu < 0x8000:
-        state.slow_limits = state.slow_limits | LIMIT_MCU_TEMPERATURE
-    if state.mcu >= settings.mcu_cut:
-        _slow_cause(state, FAULT_MCU_HOT, state.mcu)
-    if mcu < share:
-        share = mcu
-    left = _i2t_share(settings, state, square)
-    if left < share:
-        share = left
-    return share
-
-
-@hot
-def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
-    excess = i2t_step(settings, state, square)
-    most = settings.current_max
-    lasting = settings.i2t_current
-    if excess >= 0x8000 or lasting >= most or most < 1:
-        return 0x8000
-    state.slow_limits = state.slow_limits | LIMIT_I2T
-    return (lasting << 15) // most + ((most - lasting) * excess) // most
 
 
 @hot

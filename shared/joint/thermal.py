@@ -7,7 +7,9 @@ between the windings lags behind the copper, so the hotter of sensor and model c
 
 from ..num.fixed import fall_q15, saturate
 from ..runtime import Ints, const, hot
-from .layout import JointSettings, JointState
+from ..wire.names import LIMIT_I2T, LIMIT_MCU_TEMPERATURE, LIMIT_WINDING_TEMPERATURE
+from .faults import FAULT_MCU_HOT, FAULT_MCU_SENSOR, FAULT_THERMISTOR_OPEN, FAULT_THERMISTOR_SHORT, FAULT_WINDING_HOT
+from .layout import CurrentLoop, JointIo, JointSettings, JointState
 
 CURVE_POINTS = const(32)  # a power of two: a point is found by halving
 CURVE_SIZE = const(64)  # the points' ADC counts, growing, then their temperatures in t16
@@ -16,6 +18,106 @@ _NODE_MOST = const(0x3FFFFFF)  # t16/2^14: 256 degrees above the air
 _SQUARE_MOST = const(0x7FFFF)
 _COPPER_Q24 = const(4121)  # 0.00393 per K, in 1/16 K
 _WARM_T16 = const(400)  # 25 degrees C, at which the robot file gives the resistance
+
+
+@hot
+def gather_heat(loop: CurrentLoop, state: JointState) -> int:
+    """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
+    if state.heat_ticks >= 300:
+        return state.heat_sum
+    state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
+    state.heat_ticks += 1
+    return state.heat_sum
+
+
+@hot
+def slow_tick(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
+    """Read both temperatures, advance the models, set derate, slow_limits, slow_cause; return state.derate (Q15).
+
+    Ten times a second. The current's share falls linearly from 1 at the derating temperature to 0 at
+    the cut, winding and MCU alike; at the cut it is also a fault. An open or shorted sensor is a fault.
+    """
+    state.slow_cause = 0
+    state.slow_limits = 0
+    winding_known = _read_winding(settings, state, io, curve)
+    _read_mcu(settings, state, io)
+    square = 0
+    if state.heat_ticks > 0:
+        square = state.heat_sum // state.heat_ticks
+    state.heat_sum = 0
+    state.heat_ticks = 0
+    model = model_step(settings, state, square)
+    if model > state.winding or winding_known == 0:
+        state.winding = model
+    state.derate = _derate(settings, state, square)
+    return state.derate
+
+
+@hot
+def _read_winding(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
+    """Set state.winding from the thermistor; return 0 if it is open or shorted."""
+    raw = io.thermistor_raw
+    if raw >= settings.open_raw:
+        _slow_cause(state, FAULT_THERMISTOR_OPEN, raw)
+        return 0
+    if raw <= settings.short_raw:
+        _slow_cause(state, FAULT_THERMISTOR_SHORT, raw)
+        return 0
+    state.winding = thermistor_t16(curve, raw)
+    if state.thermal_started == 0:
+        state.thermal_started = 1
+        model_reset(state, state.winding)
+    return 1
+
+
+@hot
+def _read_mcu(settings: JointSettings, state: JointState, io: JointIo) -> int:
+    raw = io.mcu_raw
+    state.mcu = mcu_t16(raw, settings.mcu_cal1, settings.mcu_cal2)
+    if raw <= 0 or raw >= 4095 or settings.mcu_cal1 == settings.mcu_cal2:
+        _slow_cause(state, FAULT_MCU_SENSOR, raw)
+    return state.mcu
+
+
+@hot
+def _derate(settings: JointSettings, state: JointState, square: int) -> int:
+    """Return the share of the largest current that temperatures and I2t leave, in Q15, with its flags and faults."""
+    share = fall_q15(state.winding, settings.winding_derate, settings.winding_cut)
+    if share < 0x8000:
+        state.slow_limits = state.slow_limits | LIMIT_WINDING_TEMPERATURE
+    if state.winding >= settings.winding_cut:
+        _slow_cause(state, FAULT_WINDING_HOT, state.winding)
+    mcu = fall_q15(state.mcu, settings.mcu_derate, settings.mcu_cut)
+    if mcu < 0x8000:
+        state.slow_limits = state.slow_limits | LIMIT_MCU_TEMPERATURE
+    if state.mcu >= settings.mcu_cut:
+        _slow_cause(state, FAULT_MCU_HOT, state.mcu)
+    if mcu < share:
+        share = mcu
+    left = _i2t_share(settings, state, square)
+    if left < share:
+        share = left
+    return share
+
+
+@hot
+def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
+    excess = i2t_step(settings, state, square)
+    most = settings.current_max
+    lasting = settings.i2t_current
+    if excess >= 0x8000 or lasting >= most or most < 1:
+        return 0x8000
+    state.slow_limits = state.slow_limits | LIMIT_I2T
+    return (lasting << 15) // most + ((most - lasting) * excess) // most
+
+
+@hot
+def _slow_cause(state: JointState, code: int, value: int) -> int:
+    """Keep the first cause of slowing down, with its number; return ``code``."""
+    if state.slow_cause == 0:
+        state.slow_cause = code
+        state.slow_value = value
+    return code
 
 
 @hot
@@ -81,8 +183,8 @@ def model_step(settings: JointSettings, state: JointState, square: int) -> int:
     heat += scaled(heat, copper_share(state.air + (winding >> 14)), 14)
     winding += heat - scaled(flow, settings.winding_leak, shift)
     housing += scaled(flow, settings.housing_gain, shift) - scaled(housing, settings.housing_leak, shift)
-    state.model_winding = _node(winding)
-    state.model_housing = _node(housing)
+    state.model_winding = saturate(winding, 0, _NODE_MOST)
+    state.model_housing = saturate(housing, 0, _NODE_MOST)
     return state.air + (state.model_winding >> 14)
 
 
@@ -123,13 +225,3 @@ def i2t_step(settings: JointSettings, state: JointState, square: int) -> int:
     while (top >> shift) > 32767:
         shift += 1
     return fall_q15(total >> shift, top >> shift + 1, top >> shift)
-
-
-@hot
-def _node(value: int) -> int:
-    """Return ``value`` within what a node of the model holds."""
-    if value < 0:
-        return 0
-    if value > _NODE_MOST:
-        return _NODE_MOST
-    return value

@@ -1,9 +1,10 @@
-"""A joint's calls in their order: everything once, the motion tick a thousand times a second, the slow one ten times.
+"""A joint's calls in their order: everything once, the motion tick a thousand times a second.
 
-The fourth, the current step, is current.py. motion_tick may be interrupted by it at any place.
+The current step is in current.py and may interrupt motion_tick at any place; slow_tick, ten times a second, is in
+thermal.py.
 """
 
-from ..runtime import Ints, hot
+from ..runtime import hot
 from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
 from .cascade import cascade_reset, cascade_step, damping_current, write_current
 from .cogging import hold_waves
@@ -18,22 +19,11 @@ from .commission_state import Commission
 from .current import current_relax, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
 from .encoder import encoder_reset, encoder_step, watch_encoders
-from .faults import FAULT_HOME_AMBIGUOUS, FAULT_HOME_NO_STOP
 from .feed import bus_voltage, feed_bus, feed_voltages, lead_angle
-from .homing import homing_start, homing_step, homing_stop
-from .layout import (
-    HOME_AMBIGUOUS,
-    HOME_NO_STOP,
-    HOME_SEEKING,
-    TORQUE_DAMP,
-    TORQUE_DRIVE,
-    TORQUE_OFF,
-    CurrentLoop,
-    JointIo,
-    JointSettings,
-    JointState,
-)
-from .protection import gather_heat, protect_motion, protect_slow
+from .homing import homing_start, homing_stop, homing_tick
+from .layout import TORQUE_DAMP, TORQUE_DRIVE, TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
+from .protection import protect_motion
+from .thermal import gather_heat
 
 
 @hot
@@ -66,12 +56,6 @@ def motion_tick(
         _change_mode(loop, settings, state, commission, before)
     _act(loop, settings, state, io, commission)
     return state.torque
-
-
-@hot
-def slow_tick(settings: JointSettings, state: JointState, io: JointIo, curve: Ints) -> int:
-    """Do what is due every 100 ms: temperatures, models, derating; return state.derate (Q15)."""
-    return protect_slow(settings, state, io, curve)
 
 
 @hot
@@ -119,7 +103,7 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
     waves = 0
     if state.torque == TORQUE_DRIVE:
         if state.mode == MODE_HOMING:
-            _home(settings, state)
+            homing_tick(settings, state)
         waves = 1
         cascade_step(settings, state, io)
     elif state.torque == TORQUE_DAMP:
@@ -150,19 +134,3 @@ def _commission(
             state.raised_value = commission.reason_value
         drive_disarm(state)
     return running
-
-
-@hot
-def _home(settings: JointSettings, state: JointState) -> int:
-    """One tick of homing; when it is over, stand down, or raise the reason."""
-    homing_step(settings, state)
-    result = state.home_result
-    if result == HOME_NO_STOP:
-        state.raised = FAULT_HOME_NO_STOP
-        state.raised_value = state.home_ticks
-    if result == HOME_AMBIGUOUS:
-        state.raised = FAULT_HOME_AMBIGUOUS
-        state.raised_value = state.position
-    if result != HOME_SEEKING:
-        drive_disarm(state)
-    return result

@@ -14,7 +14,8 @@ from shared.joint.cogging import cogging_step
 from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step
 from shared.joint.probe import probe_step
-from shared.joint.tick import joint_reset, motion_tick, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import joint_reset, motion_tick
 
 SUBSTEPS = 4
 

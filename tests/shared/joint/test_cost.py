@@ -27,7 +27,8 @@ import gc, json, micropython, time
 from array import array
 from data import LOOP_SETTINGS, SETTINGS, CURVE, TICKS
 from shared.joint.current import current_step
-from shared.joint.tick import motion_tick, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import motion_tick
 from trace import Trace
 from twin import CurrentLoop
 

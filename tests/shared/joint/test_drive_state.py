@@ -13,7 +13,8 @@ from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY, Co
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear, drive_disarm, drive_quick_stop
 from shared.joint.encoder import home_at
-from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import pack
 from shared.wire import names as w
 

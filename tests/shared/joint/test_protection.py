@@ -7,8 +7,10 @@ from shared.joint import layout as j
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import encoder_reset, home_at
+from shared.joint.homing import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE
 from shared.joint.protection import count_ticks
-from shared.joint.tick import begin_commission, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import begin_commission
 from shared.wire import names as w
 
 from .plant import Plant
@@ -222,7 +224,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
         p.tick(setpoint=False)
         if stop_at is not None and p.joint_rad() <= stop_at:
             p.angle, p.speed = stop_at * 22, max(p.speed, 0.0)
-        if p.state.home_result not in (j.HOME_IDLE, j.HOME_SEEKING):
+        if p.state.home_result not in (HOME_IDLE, homing.HOME_SEEKING):
             break
     p.tick(setpoint=False)
     return p
@@ -231,7 +233,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
 @pytest.mark.parametrize("start", [0.0, 0.7])
 def test_homing_against_the_stop(start):
     p = homing(-0.5, start, stop_at=-0.5)
-    assert p.state.home_result == j.HOME_DONE
+    assert p.state.home_result == HOME_DONE
     assert p.state.homed == 1
     assert p.state.position * p.units.rad_per_rc == pytest.approx(p.joint_rad(), abs=1e-3)
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
@@ -239,7 +241,7 @@ def test_homing_against_the_stop(start):
 
 def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
     p = homing(-0.5, stop_at=-0.40)  # 5.7 deg off: the nearest turn is not sure any more
-    assert p.state.home_result == j.HOME_AMBIGUOUS
+    assert p.state.home_result == HOME_AMBIGUOUS
     assert (p.state.homed, p.state.fault_code) == (0, f.FAULT_HOME_AMBIGUOUS)
 
 

@@ -10,7 +10,8 @@ from shared.joint.encoder import home_at
 from shared.joint.feed import feed_bus
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
 from shared.joint.sine import fill_sine
-from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import pack, unpack
 
 MASK = 0x3FFFFFF

@@ -6,7 +6,8 @@ from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.layout import SINE_SIZE, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.probe import probe_step
 from shared.joint.sine import fill_sine
-from shared.joint.tick import begin_commission, joint_reset, motion_tick, slow_tick
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import copy
 from shared.wire.names import MODE_COMMISSIONING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
