@@ -5,9 +5,9 @@ is switched off first and looked into afterwards. After ``start`` nothing here a
 """
 
 from shared.joint.commission_state import Commission
+from shared.joint.commutation import fill_sine
 from shared.joint.faults import FAULT_DRIVER_SETUP
 from shared.joint.layout import TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
-from shared.joint.sine import fill_sine
 from shared.joint.thermal import CURVE_SIZE, slow_tick
 from shared.joint.tick import joint_reset
 from shared.runtime import const, zeros

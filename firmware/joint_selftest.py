@@ -5,7 +5,7 @@ also switch with half the period for as long again: no current flows into a moto
 switching does to them.
 """
 
-from shared.joint.commission import set_commutation
+from shared.joint.commutation import set_commutation
 from shared.joint.current import current_reset, current_step
 from shared.joint.layout import CurrentLoop
 from shared.runtime import const

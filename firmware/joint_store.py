@@ -9,7 +9,7 @@ import struct
 
 from shared.joint.bend import set_bend
 from shared.joint.cogging import set_waves
-from shared.joint.commission import set_commutation
+from shared.joint.commutation import set_commutation
 from shared.joint.current import keep_gains, set_loop
 from shared.joint.thermal import CURVE_SIZE
 from shared.record import set_at, value_at

@@ -4,7 +4,7 @@ import random
 from math import cos, pi, sin, sqrt, tau
 from typing import Any
 
-from shared.joint.commission import set_commutation
+from shared.joint.commutation import set_commutation
 from shared.joint.current import current_repair, current_step
 from shared.joint.feed import feed_bus
 from shared.joint.svpwm import svpwm

@@ -8,10 +8,9 @@ shared/joint reaches 2^30.
 from dataclasses import dataclass, field
 from math import exp, pi
 
-from shared.joint.commission import set_commutation
+from shared.joint.commutation import fill_sine, set_commutation
 from shared.joint.current import set_loop, set_offsets
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
-from shared.joint.sine import fill_sine
 from shared.record import pack
 
 from ..util.errors import UserError

@@ -29,6 +29,7 @@ from .commission_state import (
     go_on,
     refuse,
 )
+from .commutation import set_commutation
 from .creeping import creep_begin, creep_step
 from .current import current_reset, set_offsets
 from .encoder import wrap_count
@@ -44,7 +45,6 @@ from .faults import (
 from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .outer import keep_outer, restore_outer
 from .proving import prove_begin, prove_current, prove_step
-from .sine import TABLE_HALF_STEP
 from .spinning import spin_begin, spin_step
 from .swinging import mechanics_begin, mechanics_step
 from .turning import turn_step
@@ -59,14 +59,6 @@ _ENCODER_NOISE_MOST = const(8)  # rc peak to peak
 _MOVED_MOST = const(64)  # rc that noise alone may seem to move
 _OMEGA_L = const(322)  # 8 rate are 4 pole_pairs / 320 brad a step, in rad of 2^-28 then; a quarter of it in Q14
 _DEAD_MOST = const(3276)  # of the parameter
-
-
-@hot
-def set_commutation(loop: CurrentLoop, settings: JointSettings) -> int:
-    """Hand the stored direction, pole pairs and offset to the current step; return electrical_gain."""
-    loop.electrical_offset = settings.elec_offset + TABLE_HALF_STEP
-    loop.electrical_gain = 4 * settings.pole_pairs * settings.direction
-    return loop.electrical_gain
 
 
 @hot

@@ -20,12 +20,13 @@ from ..runtime import const, hot
 from .cascade import write_current
 from .cogging import hold_waves, put_wave
 from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, PHASE_WAVES, STEPS, Commission, go_on, refuse
+from .commutation import follow_rotor
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken, hold_rotor, turning_current
 from .layout import COSINE_AT, WAVES, CurrentLoop, JointIo, JointSettings, JointState
 from .play import add_play, find_play, follow_joint
 from .probe import probe_begin
-from .spinning import follow_rotor, swing
+from .spinning import swing
 from .swinging import ask_rate, follow_rate
 
 _HALF_TURN = const(8192)  # rc from the middle

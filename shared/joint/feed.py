@@ -2,13 +2,11 @@
 
 Feed-forward: back-EMF (psi w on q), the coupling of the axes (w L i), the dead-time voltage along
 the current, all turned ahead by the angle the rotor goes from the samples until the voltage acts (1.5 steps).
-The rotor's angle itself is led here by the age of its reading, so that the current step has nothing to add.
 """
 
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
 from .layout import CurrentLoop, JointSettings, JointState
-from .sine import TABLE_HALF_STEP
 
 _INV_SQRT3_Q15 = const(18919)
 _HALF_SQRT3_Q15 = const(28378)
@@ -55,20 +53,6 @@ def dead_time_voltage(current_cu: int, dead_vu: int, zone_cu: int) -> int:
         zone_cu = 1
     current_cu = saturate(current_cu, 0 - zone_cu, zone_cu)
     return current_cu * dead_vu // zone_cu
-
-
-@hot
-def lead_angle(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
-    """Set electrical_offset so that the last reading of the rotor gives the angle at the samples; return it in brad.
-
-    An answer of the encoder is one step old (``age`` 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
-    what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
-    """
-    lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * settings.age >> 16
-    if loop.electrical_gain < 0:
-        lead = 0 - lead
-    loop.electrical_offset = settings.elec_offset + TABLE_HALF_STEP + lead
-    return loop.electrical_offset
 
 
 @hot

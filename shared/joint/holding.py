@@ -9,9 +9,9 @@ along the flux adds to the flux or takes from it.
 from ..num.fixed import cos_q15, saturate, sin_q15, wrap_brad
 from ..runtime import const, hot
 from .commission_state import STEPS, Commission, refuse
+from .commutation import point
 from .faults import FAULT_COMMISSION_COGGING
 from .layout import CurrentLoop, JointSettings, JointState
-from .winding import point
 
 _LAG_MOST = const(16384)  # brad: a quarter of an electrical turn, beyond which no field holds a rotor
 _SUM_MOST = const(0x1FFFF)  # cu, times 10

@@ -11,17 +11,16 @@ from ..num.fixed import atan2_brad, hypot, ratio, saturate
 from ..runtime import const, hot
 from .bend import fill_bend
 from .commission_state import PHASE_SPIN, STEPS, Commission, go_on, refuse
+from .commutation import commutate, follow_rotor
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
 from .layout import CurrentLoop, JointSettings, JointState
 from .probe import probe_begin
-from .sine import TABLE_HALF_STEP
 
 _QUARTER = const(4096)  # rc
 _FAR = const(12288)  # rc from the centre
 _HALVES = const(8)
 _ELECTRICAL_RATE = const(320000)  # rate of the rotor times pole pairs: 480 rad/s
-_LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps from a reading until its voltage acts
 _RAD_Q19 = const(201)  # 4 2 pi / 65536: electrical rad for each rc and pole pair
 _TICKS_MOST = const(4000)
 _BEMF_MOST = const(16383)  # of the parameter
@@ -31,8 +30,7 @@ _BEMF_MOST = const(16383)  # of the parameter
 def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
     """Hand what was found to the current step and begin to swing; return PHASE_SPIN."""
     fill_bend(loop, commission.bend[0], commission.bend[1], commission.bend[2], commission.bend[3])
-    loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
-    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP
+    commutate(loop, commission.pole_pairs, commission.direction, commission.offset_found)
     loop.reference_d = loop.reference_d >> 1
     commission.centre = commission.moved_forward >> 1
     commission.sign = -1  # the field turned on last
@@ -72,15 +70,6 @@ def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
     if commission.away > _FAR or commission.away < -_FAR:
         refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
     return moved * commission.direction
-
-
-@hot
-def follow_rotor(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Let the field follow the rotor, and lead it by what it goes until a voltage acts; return electrical_gain."""
-    lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
-    loop.electrical_gain = 4 * commission.pole_pairs * commission.direction
-    loop.electrical_offset = commission.offset_found + TABLE_HALF_STEP + lead
-    return loop.electrical_gain
 
 
 @hot

@@ -8,18 +8,13 @@ from ..runtime import hot
 from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
 from .cascade import cascade_reset, cascade_step, damping_current, write_current
 from .cogging import hold_waves
-from .commission import (
-    commission_abort,
-    commission_needs_bridge,
-    commission_start,
-    commission_step,
-    set_commutation,
-)
+from .commission import commission_abort, commission_needs_bridge, commission_start, commission_step
 from .commission_state import Commission
+from .commutation import lead_angle, set_commutation
 from .current import current_relax, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
 from .encoder import encoder_reset, encoder_step, watch_encoders
-from .feed import bus_voltage, feed_bus, feed_voltages, lead_angle
+from .feed import bus_voltage, feed_bus, feed_voltages
 from .homing import homing_start, homing_stop, homing_tick
 from .layout import TORQUE_DAMP, TORQUE_DRIVE, TORQUE_OFF, CurrentLoop, JointIo, JointSettings, JointState
 from .protection import protect_motion

@@ -16,6 +16,7 @@ from .commission_state import (
     go_on,
     refuse,
 )
+from .commutation import point
 from .encoder import wrap_count
 from .faults import (
     FAULT_COMMISSION_END_STOP,
@@ -29,7 +30,6 @@ from .faults import (
 )
 from .layout import CurrentLoop, JointIo, JointSettings
 from .play import follow_joint
-from .winding import point
 
 _TURN = const(16384)  # rc
 _ELECTRICAL = const(0xFFFF)  # brad of an electrical turn, less one

@@ -19,6 +19,7 @@ from .commission_state import (
     go_on,
     refuse,
 )
+from .commutation import point
 from .current import current_sum
 from .encoder import wrap_count
 from .faults import (
@@ -30,7 +31,6 @@ from .faults import (
 )
 from .layout import CurrentLoop, JointSettings
 from .probe import probe_begin
-from .sine import TABLE_HALF_STEP
 
 _OBLIQUE = const(2731)  # brad: 15 degrees, where every phase carries current
 _RAMP_TICKS = const(320)
@@ -66,14 +66,6 @@ def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> in
     series = 6554 + (square * 4681 >> 15)  # 1/5, 1/7
     series = 10923 + (square * series >> 15)  # 1/3
     return ratio(impedance >> 1, 32768 + (square * series >> 15), 15)
-
-
-@hot
-def point(loop: CurrentLoop, commission: Commission) -> int:
-    """Point the field at commission.angle, whatever the encoder says; return that."""
-    loop.electrical_gain = 0
-    loop.electrical_offset = (commission.angle & 0xFFFF) + TABLE_HALF_STEP
-    return commission.angle
 
 
 @hot

@@ -61,7 +61,7 @@ def robot_blocks() -> str:
         '"""Every robot at its own rate and at the ends of the range. Generated: do not edit."""\n\n'
         "from shared.sense.attitude import Attitude\n"
         "from shared.joint.layout import SINE_SIZE, CurrentLoop, JointSettings\n"
-        "from shared.joint.sine import fill_sine\n"
+        "from shared.joint.commutation import fill_sine\n"
         "from shared.body.params import Params\n"
         "from shared.record import unpack\n"
         "from shared.runtime import zeros\n\n\n"

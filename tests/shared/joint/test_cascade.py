@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from host.robot.file import load_robot
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import RATE_PER_RAD_S, JointSetup
-from shared.joint import cascade, feed, profile, report
-from shared.joint.commission import set_commutation
+from shared.joint import cascade, commutation, feed, profile, report
+from shared.joint.commutation import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
 from shared.wire.names import (
@@ -156,7 +156,7 @@ def test_the_angle_is_led_by_the_age_of_its_reading(rate, offset, direction):
     still = loop.electrical_offset
     brad_per_rate = BLDC.motor.pole_pairs * 1e-4 / RATE_PER_RAD_S / math.tau * 65536
     expected = twin.lead_angle(still, rate, brad_per_rate, direction)
-    assert feed.lead_angle(loop, settings, state) == loop.electrical_offset
+    assert commutation.lead_angle(loop, settings, state) == loop.electrical_offset
     assert abs(loop.electrical_offset - expected) <= 1 + abs(rate) / 131072  # age is rounded
 
 

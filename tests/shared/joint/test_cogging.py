@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.joint.cogging import cogging_step, hold_waves, put_wave, set_waves
+from shared.joint.commutation import fill_sine
 from shared.joint.layout import WAVES, CurrentLoop
-from shared.joint.sine import fill_sine
 from shared.wire import names as w
 
 from .plant import Plant

@@ -11,12 +11,12 @@ from shared.joint import commission as c
 from shared.joint import commission_state as s
 from shared.joint import faults as f
 from shared.joint.bend import fill_bend, straightened
+from shared.joint.commutation import fill_sine
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
 from shared.joint.layout import CurrentLoop
 from shared.joint.outer import set_outer_gains
 from shared.joint.probe import probe_begin, probe_step
-from shared.joint.sine import fill_sine
 from shared.joint.tick import begin_commission
 from shared.joint.winding import winding_inductance, winding_step
 from shared.record import pack

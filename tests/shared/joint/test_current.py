@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from host.robot.file import load_robot
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
+from shared.joint.commutation import fill_sine, lead_angle
 from shared.joint.current import (
     STEP_DONE,
     STEP_INPUT,
@@ -23,9 +24,8 @@ from shared.joint.current import (
     limit_voltage,
     set_offsets,
 )
-from shared.joint.feed import feed_bus, lead_angle
+from shared.joint.feed import feed_bus
 from shared.joint.layout import SINE_SIZE, CurrentLoop
-from shared.joint.sine import fill_sine
 from shared.num.fixed import cos_q15, sin_q15
 from shared.record import pack
 from tests.float_twin import joint_current as twin

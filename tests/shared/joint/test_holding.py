@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 
 from shared.joint import faults as f
 from shared.joint.commission_state import PHASE_CREEP
+from shared.joint.commutation import TABLE_HALF_STEP, follow_rotor
 from shared.joint.holding import find_flux_taken, hold_rotor, turning_current
-from shared.joint.sine import TABLE_HALF_STEP
-from shared.joint.spinning import follow_rotor
 
 from .plant import Plant
 

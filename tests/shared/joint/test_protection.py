@@ -7,7 +7,7 @@ from shared.joint import layout as j
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import encoder_reset, home_at
-from shared.joint.homing import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE
+from shared.joint.homing import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE, HOME_SEEKING
 from shared.joint.protection import count_ticks
 from shared.joint.thermal import slow_tick
 from shared.joint.tick import begin_commission
@@ -224,7 +224,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
         p.tick(setpoint=False)
         if stop_at is not None and p.joint_rad() <= stop_at:
             p.angle, p.speed = stop_at * 22, max(p.speed, 0.0)
-        if p.state.home_result not in (HOME_IDLE, homing.HOME_SEEKING):
+        if p.state.home_result not in (HOME_IDLE, HOME_SEEKING):
             break
     p.tick(setpoint=False)
     return p

@@ -10,9 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.joint import current
+from shared.joint.commutation import fill_sine
 from shared.joint.feed import feed_bus
 from shared.joint.layout import SINE_SIZE, CurrentLoop, JointSettings
-from shared.joint.sine import fill_sine
 from shared.record import pack
 
 from . import reference_step as reference

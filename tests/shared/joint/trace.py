@@ -2,14 +2,13 @@
 
 from array import array
 
-from shared.joint.commission import set_commutation
 from shared.joint.commission_state import Commission
+from shared.joint.commutation import fill_sine, set_commutation
 from shared.joint.current import current_repair, current_step, set_loop, set_offsets
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import home_at
 from shared.joint.feed import feed_bus
 from shared.joint.layout import CurrentLoop, JointIo, JointSettings, JointState, LoopSettings
-from shared.joint.sine import fill_sine
 from shared.joint.thermal import slow_tick
 from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import pack, unpack

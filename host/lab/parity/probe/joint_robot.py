@@ -1,11 +1,11 @@
 """A joint of a robot file with a motor that is none: enough to bring the blocks into every state there is."""
 
 from shared.joint.commission_state import Commission
+from shared.joint.commutation import fill_sine
 from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.layout import SINE_SIZE, CurrentLoop, JointIo, JointSettings, JointState
 from shared.joint.probe import probe_step
-from shared.joint.sine import fill_sine
 from shared.joint.thermal import slow_tick
 from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import copy
