@@ -7,6 +7,7 @@ within the current limit.
 
 from ..num.fixed import saturate
 from ..runtime import const, hot
+from .commission_state import Commission
 from .layout import WAVES, CurrentLoop, JointSettings
 
 _SINE_STEPS = const(1023)  # of the sine table, less one
@@ -50,6 +51,22 @@ def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_br
     loop.wave_current[wave] = saturate(current_q4, 0, 0x7FFF)
     loop.wave_phase[wave] = (phase_brad + 32 >> 6) & _SINE_STEPS
     return order
+
+
+@hot
+def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
+    """Set one wave as commissioning has found it; return its order."""
+    return put_wave(
+        loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave]
+    )
+
+
+@hot
+def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
+    """Forget a wave that commissioning has found; return 0."""
+    commission.wave_order[wave] = 0
+    commission.wave_current[wave] = 0
+    return try_wave(loop, commission, wave)
 
 
 @hot

@@ -30,7 +30,6 @@ from .commission_state import (
     refuse,
 )
 from .commutation import set_commutation
-from .creeping import creep_begin, creep_step
 from .current import current_reset, set_offsets
 from .encoder import wrap_count
 from .faults import (
@@ -48,6 +47,7 @@ from .proving import prove_begin, prove_current, prove_step
 from .spinning import spin_begin, spin_step
 from .swinging import mechanics_begin, mechanics_step
 from .turning import turn_step
+from .waves import creep_begin, creep_step
 from .winding import winding_step
 
 _ROTOR = const(3)  # its place in lowest and highest, behind the phases

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from shared.joint import commission_state as s
-from shared.joint.creeping import creep_step
+from shared.joint.waves import creep_step
 
 from .plant import Plant
 from .test_commission import Cogging, finished

@@ -1,0 +1,90 @@
+"""Waves of the cogging are checked by what they are for, an even speed: a round without and one with them.
+
+Each is to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had less ripple
+to take than the first wave leaves, or than half of what its current would make, and one that is less than a sixteenth
+of the friction: friction alone made some of 1/25.
+"""
+
+from ..num.fixed import saturate
+from ..runtime import const, hot
+from .cogging import drop_wave, hold_waves, try_wave
+from .commission_state import CREEP_WITH, CREEP_WITHOUT, Commission
+from .creeping import begin_round
+from .layout import WAVES, CurrentLoop, JointSettings
+from .spectrum import look_for, wave_amplitude
+
+_LEFT_MOST = const(128)  # of the ripple, in 1/256
+
+
+@hot
+def begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commission, least: int) -> int:
+    """Make the settled first wave and all others of at least that amplitude ready, but creep without; return 0.
+
+    If there is none but the settled one there is nothing to check: return 1.
+    """
+    others = 0
+    if least < commission.coulomb >> 4:
+        least = commission.coulomb >> 4
+    for wave in range(WAVES):
+        if wave >= commission.creep_settled:
+            if commission.wave_current[wave] < least:
+                drop_wave(loop, commission, wave)
+            others += commission.wave_order[wave]
+        try_wave(loop, commission, wave)
+    if others == 0:
+        return 1
+    hold_waves(loop, 0)
+    commission.useless = 0
+    begin_round(loop, settings, commission, CREEP_WITHOUT)
+    return 0
+
+
+@hot
+def check_wave(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
+    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
+    ripple = 0
+    if commission.order > 0:
+        ripple = wave_amplitude(commission)
+    wave = commission.wave
+    if commission.creep_part == CREEP_WITHOUT:
+        commission.ripple[wave] = ripple
+        commission.useless |= _too_quiet(commission, wave) << wave
+    else:
+        commission.useless |= _useless(commission, wave, ripple) << wave
+    look_for(commission, commission.order)
+    if wave < WAVES - 1:
+        commission.wave = wave + 1
+        commission.order = commission.wave_order[wave + 1]
+        return 0
+    if commission.creep_part == CREEP_WITHOUT:
+        hold_waves(loop, 1)
+        begin_round(loop, settings, commission, CREEP_WITH)
+        return 0
+    for each in range(WAVES):
+        if commission.useless >> each & 1:
+            drop_wave(loop, commission, each)
+    return 1
+
+
+@hot
+def _too_quiet(commission: Commission, wave: int) -> int:
+    """Return 1 if a wave's ripple is not half of what its current would make, as the settled first one's does."""
+    if wave == 0 or commission.creep_settled == 0:
+        return 0
+    makes = commission.ripple[0] * (commission.wave_current[wave] >> 4)
+    if commission.ripple[wave] * (commission.wave_current[0] >> 3) < makes:
+        return 1
+    return 0
+
+
+@hot
+def _useless(commission: Commission, wave: int, ripple: int) -> int:
+    """Return 1 if a wave leaves more than half of its ripple, or had less of it than the first wave leaves; else 0."""
+    before = commission.ripple[wave]
+    if wave == 0:
+        commission.ripple[0] = ripple  # what it leaves, from here on
+    if wave < commission.creep_settled or commission.order == 0:
+        return 0
+    if (ripple << 8) // saturate(before, 1, 0xFFFF) > _LEFT_MOST or before < commission.ripple[0]:
+        return 1
+    return 0

@@ -1,0 +1,75 @@
+"""The table of a round of creeping, 512 places, and how much of it is a wave of so many in the table.
+
+What is added up at each place is weighted by the way, both ways: friction cancels, and so does what comes late.
+"""
+
+from ..num.fixed import hypot, ratio, saturate
+from ..runtime import const, hot
+from .commission_state import COGS, Commission
+from .layout import COSINE_AT, CurrentLoop
+
+_PLACES = const(128)  # of the table in a tick
+_SINE_STEPS = const(1023)  # of the sine table, less one
+_TABLE_MOST = const(0x1FFFFFFF)
+
+
+@hot
+def clear_table(commission: Commission, fold: int) -> int:
+    """Begin an empty table that repeats ``fold`` times a turn of the rotor; return that."""
+    commission.fold = fold
+    commission.way = 0
+    for place in range(COGS):
+        commission.cogging[place] = 0
+    return fold
+
+
+@hot
+def add_to_table(commission: Commission, value: int) -> int:
+    """Add the value of the tick before over its way to the place where the rotor was; return the way."""
+    way = commission.moved_last * commission.sign
+    place = commission.place_last
+    commission.cogging[place] = saturate(commission.cogging[place] + value * way, -_TABLE_MOST, _TABLE_MOST)
+    commission.way += way
+    return way
+
+
+@hot
+def look_for(commission: Commission, order: int) -> int:
+    """Begin to look at the table for a wave, ``order`` times in it; return that."""
+    commission.order = order
+    commission.place = 0
+    commission.cosine_sum = 0
+    commission.sine_sum = 0
+    return order
+
+
+@hot
+def look_at_table(loop: CurrentLoop, commission: Commission) -> int:
+    """Multiply a quarter of the table with the wave; return 1 when that was the last, else 0."""
+    begin = commission.place
+    cosine = commission.cosine_sum
+    sine = commission.sine_sum
+    for place in range(begin, begin + _PLACES):
+        at = (place + place + 1) * commission.order & _SINE_STEPS
+        value = saturate(commission.cogging[place] + 128 >> 8, -32767, 32767)
+        cosine += value * loop.sine[at + COSINE_AT] + 0x4000 >> 15
+        sine += value * loop.sine[at] + 0x4000 >> 15
+    commission.cosine_sum = cosine
+    commission.sine_sum = sine
+    commission.place = (begin + _PLACES) % COGS
+    if commission.place > 0:
+        return 0
+    return 1
+
+
+@hot
+def wave_amplitude(commission: Commission) -> int:
+    """Return the amplitude of the wave that was looked for, in cu, Q4, or in rate when that was added up.
+
+    A place is as wide as 1/512 table: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    """
+    order = commission.order
+    sums = hypot(commission.cosine_sum, commission.sine_sum)
+    current = ratio(sums, saturate(commission.way, 1, _TABLE_MOST), 9) * 8 // 5
+    current = saturate(current, 0, 0x7FFF)
+    return current + (current * (order * order * 105 >> 12) >> 12)
