@@ -104,7 +104,7 @@ class Commission:
     # cogging
     field_q6: int = field("brad", "angle of the field that holds the rotor, 0 .. 65535, Q6")
     flux_taken: int = field("", "share of the flux that the current of that field takes, in 1/256")
-    creep_rounds: int = field("", "of a quarter of a turn that have been crept")
+    creep_rounds: int = field("", "short rounds that have been crept")
     creep_part: int = field("", "CREEP_*")
     wave: int = field("", "that is checked")
     useless: int = field("", "waves that left too much of the ripple, bits")

@@ -8,8 +8,8 @@ from ..runtime import hot
 from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
 from .cascade import cascade_reset, cascade_step, damping_current, write_current
 from .cogging import hold_waves
-from .commission import commission_abort, commission_needs_bridge, commission_start, commission_step
-from .commission_state import Commission
+from .commission import commission_abort, commission_start, commission_step
+from .commission_state import PHASE_REST, Commission
 from .commutation import lead_angle, set_commutation
 from .current import current_relax, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
@@ -120,7 +120,7 @@ def _commission(
     state.current_reference = 0
     kind = commission.kind
     running = commission_step(loop, settings, state, io, commission)
-    if commission_needs_bridge(commission) == 0:
+    if commission.phase <= PHASE_REST:  # idle, or at rest with the bridge off
         state.torque = TORQUE_OFF
         current_relax(loop)
     if running == 0:
