@@ -12,11 +12,7 @@ from ..num.fixed import hypot, ratio, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
 from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, STEPS, Commission, go_on, refuse
-from .faults import (
-    FAULT_COMMISSION_CURRENT_LOOP,
-    FAULT_COMMISSION_POSITION_LOOP,
-    FAULT_COMMISSION_VELOCITY_LOOP,
-)
+from .faults import FAULT_COMMISSION_CURRENT_LOOP, FAULT_COMMISSION_POSITION_LOOP, FAULT_COMMISSION_VELOCITY_LOOP
 from .layout import CurrentLoop, JointSettings, JointState
 from .outer import set_outer_gains
 from .probe import SINE_ON_D, SINE_ON_Q, probe_begin, sine_begin

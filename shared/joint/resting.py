@@ -1,4 +1,4 @@
-"""Commissioning before any current: with the bridge off, the offsets and noise of the sensors, the supply, a still rotor."""
+"""Commissioning before any current: with the bridge off, what the sensors read at rest, the supply, a still rotor."""
 
 from ..runtime import const, hot
 from .bend import fill_bend

@@ -7,15 +7,7 @@ eccentricity of the rotor encoder. To verify, the field turns half an electrical
 
 from ..num.fixed import cos_q15, hypot, saturate, sin_q15
 from ..runtime import const, hot
-from .commission_state import (
-    COMMISSION_FULL,
-    PHASE_AGAIN,
-    PHASE_BACK,
-    PHASE_FORWARD,
-    Commission,
-    go_on,
-    refuse,
-)
+from .commission_state import COMMISSION_FULL, PHASE_AGAIN, PHASE_BACK, PHASE_FORWARD, Commission, go_on, refuse
 from .commutation import point
 from .encoder import wrap_count
 from .faults import (
