@@ -8,8 +8,8 @@ of the friction: friction alone made some of 1/25.
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .cogging import drop_wave, hold_waves, try_wave
-from .commission_state import CREEP_WITH, CREEP_WITHOUT, Commission
-from .creeping import begin_round
+from .commission_state import Commission
+from .creeping import CREEP_WITH, CREEP_WITHOUT, begin_round
 from .layout import WAVES, CurrentLoop, JointSettings
 from .spectrum import look_for, wave_amplitude
 

@@ -9,10 +9,6 @@ COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor go
 COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
 STEPS = const(10)  # current steps in a tick
 COGS = const(512)  # places of the table in which the cogging is added up
-CREEP_SHORT = const(0)  # Commission.creep_part: over two electrical turns, a field holds the rotor
-CREEP_WHOLE = const(1)  # likewise round the whole turn
-CREEP_WITHOUT = const(2)  # over two electrical turns by the velocity loop alone, without the waves
-CREEP_WITH = const(3)  # likewise with them
 
 
 @record
@@ -105,7 +101,7 @@ class Commission:
     field_q6: int = field("brad", "angle of the field that holds the rotor, 0 .. 65535, Q6")
     flux_taken: int = field("", "share of the flux that the current of that field takes, in 1/256")
     creep_rounds: int = field("", "short rounds that have been crept")
-    creep_part: int = field("", "CREEP_*")
+    creep_part: int = field("", "CREEP_*, of the round (creeping.py)")
     wave: int = field("", "that is checked")
     useless: int = field("", "waves that left too much of the ripple, bits")
     ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")

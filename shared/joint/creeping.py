@@ -10,18 +10,7 @@ comes when.
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .cascade import write_current
-from .commission_state import (
-    COGS,
-    CREEP_SHORT,
-    CREEP_WHOLE,
-    CREEP_WITHOUT,
-    PHASE_CREEP,
-    PHASE_ROUND,
-    STEPS,
-    Commission,
-    go_on,
-    refuse,
-)
+from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, STEPS, Commission, go_on, refuse
 from .commutation import follow_rotor
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import hold_rotor, turning_current
@@ -31,6 +20,11 @@ from .probe import probe_begin
 from .spectrum import add_to_table, clear_table
 from .spinning import swing
 from .swinging import ask_rate, follow_rate
+
+CREEP_SHORT = const(0)  # a round over two electrical turns, a field holds the rotor
+CREEP_WHOLE = const(1)  # likewise round the whole turn
+CREEP_WITHOUT = const(2)  # over two electrical turns by the velocity loop alone, without the waves
+CREEP_WITH = const(3)  # likewise with them
 
 _HALF_TURN = const(8192)  # rc from the middle
 _SHORT = const(16384)  # rc from the middle, over the pole pairs: two electrical turns in all

@@ -9,8 +9,8 @@ from ..num.fixed import atan2_brad, saturate, wrap_brad
 from ..runtime import const, hot
 from .checking import begin_check, check_wave
 from .cogging import drop_wave, hold_waves, put_wave, try_wave
-from .commission_state import CREEP_SHORT, CREEP_WHOLE, CREEP_WITHOUT, PHASE_WAVES, Commission, go_on, refuse
-from .creeping import begin_round, creep_round, stand_still
+from .commission_state import PHASE_WAVES, Commission, go_on, refuse
+from .creeping import CREEP_SHORT, CREEP_WHOLE, CREEP_WITHOUT, begin_round, creep_round, stand_still
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken
 from .layout import WAVES, CurrentLoop, JointIo, JointSettings, JointState
