@@ -4,7 +4,7 @@ Each check runs in every state, so that a cause that is still there also refuses
 Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
-from ..num.fixed import isqrt
+from ..num.fixed import isqrt, saturate
 from ..runtime import const, hot
 from ..wire.names import LIMIT_STALL, LIMIT_VOLTAGE, MODE_COMMISSIONING, MODE_POSITION, MODE_VELOCITY
 from .current import current_sum
@@ -68,13 +68,11 @@ def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 
 @hot
-def count_ticks(ticks: int, present: int) -> int:
-    """Return ticks + 1 while ``present`` is not 0 (65535 at most), 0 when it is not."""
-    if present == 0:
+def count_above(ticks: int, value: int, limit: int) -> int:
+    """Return ticks + 1, 65535 at most, while ``value`` is above ``limit``; else 0."""
+    if value <= limit:
         return 0
-    if ticks < _TICKS_MOST:
-        return ticks + 1
-    return ticks
+    return saturate(ticks + 1, 0, _TICKS_MOST)
 
 
 @hot
@@ -88,13 +86,15 @@ def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState
         state.limits = state.limits | LIMIT_VOLTAGE
         loop.limited_steps = 0
     wrong = current_sum(loop)
-    present = 0
-    if loop.masked == 0 and (wrong > settings.sum_limit or wrong < -settings.sum_limit):
-        present = 1
-    state.sum_ticks = count_ticks(state.sum_ticks, present)
+    size = wrong
+    if size < 0:
+        size = -size
+    if loop.masked:
+        size = 0
+    state.sum_ticks = count_above(state.sum_ticks, size, settings.sum_limit)
     if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_COMMISSIONING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
-    return present
+    return wrong
 
 
 @hot
@@ -103,7 +103,7 @@ def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointStat
     glitches = loop.glitches
     loop.glitches = 0
     if glitches >= settings.glitch_steps:
-        state.bad_ticks = count_ticks(state.bad_ticks, 1)
+        state.bad_ticks = saturate(state.bad_ticks + 1, 0, _TICKS_MOST)
     elif state.bad_ticks > 0:
         state.bad_ticks -= 1
     if state.range_exceeded and state.homed:
@@ -123,16 +123,10 @@ def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointStat
 @hot
 def _check_bus(settings: JointSettings, state: JointState) -> int:
     bus = state.bus
-    present = 0
-    if bus < settings.under:
-        present = 1
-    state.under_ticks = count_ticks(state.under_ticks, present)
+    state.under_ticks = count_above(state.under_ticks, settings.under, bus)
     if state.under_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_UNDER_VOLTAGE, bus)
-    present = 0
-    if bus > settings.over:
-        present = 1
-    state.over_ticks = count_ticks(state.over_ticks, present)
+    state.over_ticks = count_above(state.over_ticks, bus, settings.over)
     if state.over_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_OVER_VOLTAGE, bus)
     return bus
@@ -174,7 +168,7 @@ def _check_stall(settings: JointSettings, state: JointState) -> int:
         stalled = 0
     if stalled:
         state.limits = state.limits | LIMIT_STALL
-    state.stall_ticks = count_ticks(state.stall_ticks, stalled)
+    state.stall_ticks = count_above(state.stall_ticks, stalled, 0)
     if state.stall_ticks >= settings.stall_ticks:
         report_cause(state, FAULT_STALL, state.current_reference)
     return stalled

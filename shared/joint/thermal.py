@@ -171,15 +171,12 @@ def model_step(settings: JointSettings, state: JointState, square: int) -> int:
     nodes stay within 0 .. 256 degrees above the air, state.air within +-2^13. Error of the end temperature below 1 K.
     Intermediates: 2^19 * 2047 below 2^30; the copper's share of the heat, 2^13 * 2^14 (scaled).
     """
-    if square > _SQUARE_MOST:
-        square = _SQUARE_MOST
+    square = saturate(square, 0, _SQUARE_MOST)
     winding = state.model_winding
     housing = state.model_housing
     flow = winding - housing
     shift = settings.leak_shift
-    heat = square * settings.heat >> settings.heat_shift
-    if heat > _NODE_MOST:
-        heat = _NODE_MOST
+    heat = saturate(square * settings.heat >> settings.heat_shift, 0, _NODE_MOST)
     heat += scaled(heat, copper_share(state.air + (winding >> 14)), 14)
     winding += heat - scaled(flow, settings.winding_leak, shift)
     housing += scaled(flow, settings.housing_gain, shift) - scaled(housing, settings.housing_leak, shift)
@@ -214,12 +211,8 @@ def i2t_step(settings: JointSettings, state: JointState, square: int) -> int:
     (2 .. 2^29), where only i2t_current is left. Error 2^-14.
     """
     current = settings.i2t_current
-    total = state.i2t + square - (current * current >> 8)
-    if total < 0:
-        total = 0
     top = settings.i2t_max
-    if total > top:
-        total = top
+    total = saturate(state.i2t + square - (current * current >> 8), 0, top)
     state.i2t = total
     shift = 0
     while (top >> shift) > 32767:

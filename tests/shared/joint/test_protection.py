@@ -8,7 +8,7 @@ from shared.joint.current import current_repair, current_step
 from shared.joint.drive_state import drive_arm, drive_clear
 from shared.joint.encoder import encoder_reset, home_at
 from shared.joint.homing import HOME_AMBIGUOUS, HOME_DONE, HOME_IDLE, HOME_SEEKING
-from shared.joint.protection import count_ticks
+from shared.joint.protection import count_above
 from shared.joint.thermal import slow_tick
 from shared.joint.tick import begin_commission
 from shared.wire import names as w
@@ -205,9 +205,9 @@ def test_the_model_derates_when_the_sensor_lags():
     assert 0 < shares[-1] < 0x8000
 
 
-@pytest.mark.parametrize(("ticks", "present", "expected"), [(3, 1, 4), (3, 0, 0), (65535, 1, 65535)])
-def test_count_ticks(ticks, present, expected):
-    assert count_ticks(ticks, present) == expected
+@pytest.mark.parametrize(("ticks", "value", "expected"), [(3, 8, 4), (3, 7, 0), (65535, 8, 65535)])
+def test_count_above(ticks, value, expected):
+    assert count_above(ticks, value, 7) == expected
 
 
 def homing(stop_rad, start_rad=0.0, stop_at=None):

@@ -56,7 +56,7 @@ PROBES = (
     _probe(cascade, "current_from_wire", INT16, GAIN15),
     _probe(report, "position_to_wire", INT30, Range(-5, 16382)),
     _probe(report, "report_temperature", INT30),
-    _probe(protection, "count_ticks", Range(0, 65535), Range(0, 1)),
+    _probe(protection, "count_above", Range(0, 65535), INT30, INT30),
     _probe(profile, "braking_rate", DISTANCE, ACCEL, RATE_MAX),
     _probe(profile, "profile_reset", STATE, Range(-(1 << 21) + 1, (1 << 21) - 1), INT30, watch=(STATE,)),
     _probe(
