@@ -94,6 +94,8 @@ def creep_round(
     if commission.creep_part < CREEP_WITHOUT:
         follow_rotor(loop, state, commission)
         find_play(settings, commission)
+        if commission.reason:
+            return 0
     return 1
 
 

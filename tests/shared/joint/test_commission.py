@@ -348,10 +348,14 @@ class Loose(Plant):
         return self.at
 
 
-def test_too_much_play_is_named():
-    p = Loose(commissioned=False)
+def test_too_much_play_is_named_at_once():
+    p = begun(Loose(commissioned=False), FULL)
     p.slack = math.radians(0.7)
-    assert finished(p).state.fault_code == f.FAULT_COMMISSION_PLAY
+    while p.commission.reason == 0:
+        p.tick(setpoint=False)
+    assert p.commission.phase == s.PHASE_IDLE  # and not 20 s later, after another round
+    p.tick(setpoint=False)
+    assert p.state.fault_code == f.FAULT_COMMISSION_PLAY
 
 
 def test_play_is_what_both_ways_differ_by():
