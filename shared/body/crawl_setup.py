@@ -94,4 +94,4 @@ class CrawlSetup:
     position_limit: int = field("lu", "of the pose loop's terms", 30)
     angle_limit: int = field("brad", "of the pose loop's terms", 200)
     jump_q15: int = field("Q15 / tick", "what is left of a goal's jump where a foot lifts", 150)
-    land_jump_q15: int = field("Q15 / tick", "the same where it lands: it keeps its load", 400)
+    land_jump_q15: int = field("Q15 / tick", "the same where it lands: it keeps its load", 600)

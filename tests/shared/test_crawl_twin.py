@@ -483,9 +483,10 @@ def test_the_planned_loads_are_the_minimum_norm_and_their_margin(crawl, seed):
         assert max(abs(a - b) for a, b in zip(found, loads, strict=True)) < 0.01 * weight + 0.001
 
 
+@pytest.mark.parametrize("lifts", [1, 0])
 @pytest.mark.parametrize("seed", range(40))
-def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
-    """Nothing sags without load. A leg that changes goes on from its last goal; the jump fades tick by tick."""
+def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed, lifts):
+    """Nothing sags without load. A leg that lifts or lands goes on from its last goal; the jump fades tick by tick."""
     dice, c, leg = random.Random(seed), crawl, seed % 4
     feet, angles = standing(dice), [dice.uniform(-0.1, 0.1) for _ in range(3)]
     place = [dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02), 0.165]
@@ -498,12 +499,13 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
         c.path.wanted[axis], c.path.sag[axis] = unit(wanted[axis]), unit(low[axis])
     air, warp = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
     c.swing.place[:3] = [fine(value) for value in air]
-    c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 0, leg
-    stands = [other != leg for other in range(4)]
+    c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 1 - lifts, leg
+    stands = [other != leg or not lifts for other in range(4)]
     exact = carry.goals(feet, stands, air, wanted, low, commanded, warp, LEGS)
     before = [round((angle + 0.03) / (2 * math.pi) * 65536) for angle in exact[leg]]
     c.goals[leg * 3 : leg * 3 + 3] = before
-    crawl_goals.bridge(crawl, leg, 1)
+    crawl_goals.bridge(crawl, leg, lifts)
+    gain = crawl.params.crawl.jump_q15 if lifts else crawl.params.crawl.land_jump_q15
     left, goals = 1.0, [0] * 12
     for _ in range(30):
         if crawl_goals.legs_goals(crawl, goals):
@@ -513,7 +515,7 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed):
                 jump = left * 0.03 if other == leg else 0.0
                 assert abs(rad(goals[other * 3 + joint]) - exact[other][joint] - jump) < 2e-3
         assert left < 1.0 or max(abs(a - b) for a, b in zip(goals[leg * 3 :], before, strict=False)) <= 1
-        left *= 1 - crawl.params.crawl.jump_q15 / 32768
+        left *= 1 - gain / 32768
 
 
 @pytest.mark.parametrize("seed", range(40))
