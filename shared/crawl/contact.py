@@ -34,9 +34,19 @@ class Contact:
 def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> int:
     """Take tick ``tick`` of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
     if tick <= params.crawl.hang_skip_ticks + 1:
-        contact.tare_q12 = force_q12
-    else:
-        contact.tare_q12 += fraction(force_q12 - contact.tare_q12, params.crawl.tare_in_q15)
+        return follow_tare(params, contact, force_q12, 0x8000)
+    return follow_tare(params, contact, force_q12, params.crawl.tare_in_q15)
+
+
+@hot
+def follow_tare(params: Params, contact: Contact, force_q12: int, gain_q15: int) -> int:
+    """Bring the tare nearer to ``force`` by a share; return it, Q12 of the own weight.
+
+    It is at most what makes a contact: the load of a leg that touches already while it hangs is not hidden in it.
+    """
+    most = params.crawl.touch_q12
+    tare_q12 = contact.tare_q12 + fraction(force_q12 - contact.tare_q12, gain_q15)
+    contact.tare_q12 = saturate(tare_q12, -most, most)
     return contact.tare_q12
 
 
@@ -49,26 +59,20 @@ def start_contact(contact: Contact) -> int:
 
 
 @hot
-def feel_ground(params: Params, contact: Contact, force_q12: int, speed: int, leg: int) -> int:
-    """Return 1 when the foot of ``leg``, on its way down at ``speed`` (lf / tick), has ground under it, else 0.
+def feel_ground(params: Params, contact: Contact, force_q12: int) -> int:
+    """Return 1 when the foot on its way down has ground under it, else 0.
 
     That is more than 3 N above the tare for 60 ms, with more than 4 N once in them (on Caramelo; in parts of
-    the weight on others). A hind foot that is still fast over its known foothold needs 9 N. Without load the
-    tare follows.
+    the weight on others). Without load the tare follows.
     """
     force = force_q12 - contact.tare_q12
-    least = params.crawl.touch_q12
-    gain = params.crawl.tare_slow_q15
-    if leg >= RR and speed > params.crawl.fast_speed:
-        least = params.crawl.fast_touch_q12
-        gain = params.crawl.tare_fast_q15
-    if force > least:
+    if force > params.crawl.touch_q12:
         contact.load_ticks += 1
         if force > params.crawl.peak_q12:
             contact.peak = 1
     else:
         start_contact(contact)
-        contact.tare_q12 += fraction(force, gain)
+        follow_tare(params, contact, force_q12, params.crawl.tare_down_q15)
     if contact.load_ticks >= params.crawl.contact_ticks and contact.peak:
         return 1
     return 0

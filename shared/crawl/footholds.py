@@ -22,6 +22,7 @@ class Footholds:
 
     places: Ints = vector(24, "lf", "x y z of at most four of each side, the oldest first")
     waiting: Ints = vector(2, "", "how many there are")
+    guessed: Ints = vector(2, "", "how many of the oldest no front foot has stood on")
     taken: Ints = vector(2, "", "1: the front foot of the side still stands on the last")
 
 
@@ -44,6 +45,7 @@ def footholds_start(params: Params, map: Map, footholds: Footholds) -> int:
             footholds.places[at + 1] = foothold_line(params, side)
             footholds.places[at + 2] = map.feet[hind + 2] + gap_z * sixths // 6
         footholds.waiting[side] = 3
+        footholds.guessed[side] = 2 + side
         footholds.taken[side] = 1 - side
     return 0
 
@@ -91,6 +93,8 @@ def foothold_drop(footholds: Footholds, side: int) -> int:
         footholds.places[at] = footholds.places[at + 3]
     if footholds.waiting[side] > 0:
         footholds.waiting[side] -= 1
+    if footholds.guessed[side] > 0:
+        footholds.guessed[side] -= 1
     return footholds.waiting[side]
 
 
@@ -118,6 +122,7 @@ def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) 
     swing.target[0] = target
     swing.target[1] = foothold_line(params, leg)
     swing.target[2] = z
+    swing.known = 0
     swing.ground = z + expected_rise(params, map, even, target - x)
     if map.feet[other + 2] > z and map.feet[other] <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
         z = map.feet[other + 2]
@@ -130,7 +135,10 @@ def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: 
     """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead. Returns 0."""
     side = leg - RR
     top = map.feet[leg * 3 + 2]
+    swing.known = 0
     if footholds.waiting[side] > 0:
+        if footholds.guessed[side] == 0:
+            swing.known = 1
         for axis in range(3):
             swing.target[axis] = footholds.places[side * _SIDE + axis]
         foothold_drop(footholds, side)

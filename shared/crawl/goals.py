@@ -161,7 +161,10 @@ def legs_goals(crawl: Crawl, joints: Ints) -> int:
     for joint in range(JOINTS):
         jump = crawl.jumps[joint]
         joints[joint] = saturate(crawl.joints[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
-        crawl.jumps[joint] = jump - fraction(jump, crawl.params.crawl.jump_q15)
+        gain = crawl.params.crawl.jump_q15
+        if crawl.support.stance[joint // 3]:
+            gain = crawl.params.crawl.land_jump_q15
+        crawl.jumps[joint] = jump - fraction(jump, gain)
     for leg in range(LEGS):
         limited = limit_joints(crawl.params, leg, joints)
         if limited and leg == crawl.stage.leg:

@@ -34,7 +34,7 @@ from .swing import lift_foot, lower_foot, start_swing, swing_foot, try_again
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
 _FULL_Q12 = const(4096)
-_TRIES_FRONT_STEP = const(2)
+_TRIES_UNKNOWN_STEP = const(2)  # of what may be a step where nothing is known: the next foot knows more
 _TRIES = const(3)
 
 
@@ -241,8 +241,8 @@ def lower_tick(crawl: Crawl, leg: int) -> int:
     """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
     params = crawl.params
     swing = crawl.swing
-    lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing, leg)
-    touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg], swing.speed, leg)
+    lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing)
+    touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
     z = crawl.map.seen[leg * 3 + 2]
     below = swing.ground - swing.place[2] >> LF_BITS
     if swing.tries < _TRIES and corner_lift(crawl.params, crawl.map, crawl.path, leg) > params.crawl.shin_lift:
@@ -291,13 +291,13 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     edge = params.crawl.edge_height << LF_BITS
     rise = z - swing.ground
     tries = _TRIES
-    if leg < RR:
-        tries = _TRIES_FRONT_STEP
+    if swing.known == 0:
+        tries = _TRIES_UNKNOWN_STEP
     if rise <= edge or swing.tries >= tries:
         return land(crawl, leg)
     tell(crawl, EVENT_STEP, rise)
     further = params.crawl.edge_advance
-    if leg < RR:
+    if swing.known == 0:
         swing.ground = z
     elif swing.ground >= crawl.map.feet[leg * 3 + 2] - edge:
         further = -params.crawl.edge_retreat

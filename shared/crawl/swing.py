@@ -1,11 +1,11 @@
 """The path of one foot through the air: up, across, hang a moment, down until something is felt.
 
 The positions are map places in lf, so the path does not depend on what the body does meanwhile.
-Profiles: up with a braked top, a quintic across, down at a steady speed that hind feet, whose
-ground is known, only take up shortly above their foothold.
+Profiles: up with a braked top, a quintic across, down at a steady speed; faster where the ground is known,
+and slow again shortly above it.
 """
 
-from ..body.params import LF_BITS, RR, Params
+from ..body.params import LF_BITS, Params
 from ..body.pose import POSE_Z
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
@@ -25,6 +25,7 @@ class Swing:
     departure: Ints = vector(2, "lf", "where its way across began, x y")
     target: Ints = vector(3, "lf", "the foothold aimed at")
     ground: int = field("lf", "expected height of the ground there")
+    known: int = field("", "1: a front foot has stood there")
     top: int = field("lf", "height up to which it is lifted")
     speed: int = field("lf / tick", "up or down")
     way_ticks: int = field("ticks", "of the way across")
@@ -102,29 +103,29 @@ def swing_foot(swing: Swing, path: BodyPath, tick: int) -> int:
 
 
 @hot
-def lower_speed(params: Params, swing: Swing, leg: int) -> int:
+def lower_speed(params: Params, swing: Swing) -> int:
     """Return the speed, lf / tick, at which the foot may come down here.
 
-    Front: steady. Hind: so that it can slow down in time near its foothold: v^2 = near^2 + 2 a h.
+    Over unknown ground: steady. Over known: so that it can slow down in time near its foothold, v^2 = near^2 + 2 a h.
     Intermediates: those of brake_speed and hypot.
     """
-    if leg < RR:
-        return params.crawl.front_lower_speed
+    if swing.known == 0:
+        return params.crawl.unknown_lower_speed
     above = (swing.place[2] - swing.ground >> LF_BITS) - params.crawl.near_foothold
     if above < 0:
         speed = params.crawl.near_speed
     else:
         speed = hypot(brake_speed(2 * params.crawl.lower_acceleration, above), params.crawl.near_speed)
-    if speed > params.crawl.hind_lower_speed:
-        speed = params.crawl.hind_lower_speed
+    if speed > params.crawl.known_lower_speed:
+        speed = params.crawl.known_lower_speed
     return speed
 
 
 @hot
-def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing, leg: int) -> int:
+def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing) -> int:
     """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
     speed = swing.speed + params.crawl.lower_acceleration
-    most = lower_speed(params, swing, leg)
+    most = lower_speed(params, swing)
     if speed > most:
         speed = most
     swing.speed = speed

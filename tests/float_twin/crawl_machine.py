@@ -28,7 +28,7 @@ SURE_LANDINGS = 3
 
 def tare_rounding(k):
     """Return how far rounding keeps a slow tare from its force: where a step is below half a unit, it stays."""
-    return 0.6 / 4096 / k.tare_slow_q15
+    return 0.6 / 4096 / k.tare_down_q15
 
 
 class Swing:
@@ -38,7 +38,7 @@ class Swing:
         self.leg, self.place, self.source = leg, list(place), list(place[:2])
         self.target, self.expect, self.top = None, None, None
         self.speed, self.ticks_across = 0.0, 0
-        self.tries, self.hits, self.dropped = 0, 0, False
+        self.tries, self.hits, self.dropped, self.known = 0, 0, False, False
         self.tare, self.touched, self.peak = 0.0, 0, False
         self.past = [place[0]] * past
 
@@ -52,6 +52,7 @@ class Machine:
         self.stands, self.share = [True] * 4, [1.0] * 4
         self.prints = [self.first_prints(side) for side in range(2)]
         self.on_print = [True, False]
+        self.guessed = [2, 3]
         self.turn, self.pace, self.warp = 0, 0.0, 0.0
         self.steps_even, self.landed, self.events = 0, 0, []
         self.swing = None
@@ -202,7 +203,9 @@ class Machine:
     def aim_hind(self, swing):
         """Into the oldest print of its side, or a stride ahead if there is none."""
         own, prints = self.feet[swing.leg], self.prints[swing.leg - RR]
+        swing.known = bool(prints) and not self.guessed[swing.leg - RR]
         swing.target = prints.pop(0) if prints else [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
+        self.guessed[swing.leg - RR] = max(0, self.guessed[swing.leg - RR] - 1)
         swing.expect = swing.target[2]
         swing.top = max(own[2], swing.target[2]) + self.k.hind_lift
 
@@ -257,10 +260,15 @@ class Machine:
         s, k = self.swing, self.k
         s.place[2] -= k.hang_speed
         gain = 1.0 if self.ticks <= k.hang_skip_ticks + 1 else k.tare_in_q15
-        s.tare += gain * (felt.force[s.leg] - s.tare)
+        self.follow_tare(felt, gain)
         if self.ticks >= k.hang_ticks:
             self.enter(DOWN)
             s.speed, s.touched, s.peak = k.hang_speed, 0, False
+
+    def follow_tare(self, felt, gain):
+        """Learn what the joints read; more than a contact's 3 N is load."""
+        s = self.swing
+        s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -3 * NEWTON, 3 * NEWTON)
 
     def lower(self, felt):
         """Go down until something is met: the shin's edge, ground, a drop, or nothing at all."""
@@ -282,10 +290,10 @@ class Machine:
     def go_down(self, felt):
         """Lower the foot, or with a straight leg the body as long as that follows."""
         s, k = self.swing, self.k
-        most = k.front_lower_speed
-        if s.leg >= RR:
+        most = k.unknown_lower_speed
+        if s.known:
             above = s.place[2] - s.expect - k.near_foothold
-            most = crawl_swing.fall_speed(above, k.near_speed, k.hind_lower_speed, k.lower_acceleration)
+            most = crawl_swing.fall_speed(above, k.near_speed, k.known_lower_speed, k.lower_acceleration)
         s.speed = min(s.speed + k.lower_acceleration, most)
         lag = felt.body[2] - self.body.wanted[2]
         if felt.length > k.swing_reach and self.doubt.above(k.position_limit, lag, PLACE_ROUNDING):
@@ -294,14 +302,13 @@ class Machine:
             s.place[2] -= s.speed
 
     def feels_ground(self, felt):
-        """Return whether 60 ms of more than 3 N, once more than 4 N, are under the foot; a fast one needs 9 N."""
+        """Return whether 60 ms of more than 3 N, once more than 4 N, are under the foot."""
         s, k = self.swing, self.k
-        fast = s.leg >= RR and self.doubt.above(s.speed, k.fast_speed, 1e-5)
         load = felt.force[s.leg] - s.tare
         within = FORCE_ROUNDING + tare_rounding(k)
-        if not self.doubt.above(load, (9 if fast else 3) * NEWTON, within):
+        if not self.doubt.above(load, 3 * NEWTON, within):
             s.touched, s.peak = 0, False
-            s.tare += (k.tare_fast_q15 if fast else k.tare_slow_q15) * load
+            self.follow_tare(felt, k.tare_down_q15)
             return False
         s.touched += 1
         s.peak = s.peak or self.doubt.above(load, 4 * NEWTON, within)
@@ -335,17 +342,17 @@ class Machine:
     def touch(self, felt, z):
         """Stand here, or, on an edge where there should be none, look for a better place.
 
-        A front foot has found higher ground and goes on; so does a hind foot on its way down an edge; any other is
-        on the corner of what its print lies on and goes back.
+        Where nothing is known it has found higher ground and goes on; so does a hind foot on its way down an edge; any
+        other is on the corner of what its print lies on and goes back.
         """
         s, k = self.swing, self.k
-        tries = 2 if s.leg < RR else TRIES
+        tries = TRIES if s.known else 2
         if s.tries >= tries or not self.doubt.above(z - s.expect, k.edge_height, PLACE_ROUNDING):
             self.land(felt)
             return
         self.tell(HIGH, z - s.expect)
         x = s.place[0] + k.edge_advance
-        if s.leg < RR:
+        if not s.known:
             s.expect = z
         elif not self.doubt.above(self.feet[s.leg][2] - k.edge_height, s.expect, PLACE_ROUNDING):
             x = s.place[0] - k.edge_retreat
@@ -378,7 +385,10 @@ class Machine:
         self.stands[leg], self.share[leg] = True, 0.0
         self.tell(LANDED, self.feet[leg][2] - s.expect)
         if leg < RR:
-            self.prints[leg] = (self.prints[leg] + [list(self.feet[leg])])[-4:]
+            if len(self.prints[leg]) == 4:
+                self.prints[leg].pop(0)
+                self.guessed[leg] = max(0, self.guessed[leg] - 1)
+            self.prints[leg].append(list(self.feet[leg]))
             self.on_print[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))
         self.steps_even = 0 if self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING) else self.steps_even + 1

@@ -224,6 +224,7 @@ class Pair:
             c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
         for side in range(2):
             c.footholds.waiting[side], c.footholds.taken[side] = dice.randrange(5), dice.randrange(2)
+            c.footholds.guessed[side] = min(c.footholds.waiting[side], dice.choice((0, 0, 1, 3)))
             for value in range(12):
                 c.footholds.places[side * 12 + value] = c.map.feet[6 + side * 3 + value % 3] + self.spread(60)
         c.support.warp, c.even.even_steps = self.spread(39), dice.randrange(6)
@@ -263,13 +264,13 @@ class Pair:
         c.swing.departure[:] = c.map.feet[foot : foot + 2]
         c.swing.ground = c.swing.place[2] + self.spread(dice.choice((30, 100)))
         c.swing.top = c.swing.place[2] + self.spread(60)
-        c.swing.speed = dice.randrange(k.hind_lower_speed)
+        c.swing.speed = dice.randrange(k.known_lower_speed)
         c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
         times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
         times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.warp_ticks)
         c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
         c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
-        c.swing.dropped = dice.randrange(2) if leg < 2 else 0
+        c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
         c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
         c.contact.past[:PAST_SIZE] = [c.swing.place[0]] * PAST_SIZE
@@ -286,6 +287,7 @@ class Pair:
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
             other.prints[side] = self.prints(side, c.footholds.waiting[side])
+        other.guessed = list(c.footholds.guessed[:2])
         other.on_print = [bool(value) for value in c.footholds.taken[:2]]
         other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
         other.steps_even, other.landed = c.even.even_steps, c.even.landed
@@ -305,6 +307,7 @@ class Pair:
         s.expect, s.top, s.speed = self.metres((c.swing.ground, c.swing.top, c.swing.speed))
         s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
         s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
+        s.known = bool(c.swing.known)
         s.tare = c.contact.tare_q12 / 4096
         return s
 
@@ -358,6 +361,7 @@ class Pair:
             "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
             "on print": (c.footholds.taken[:2], [int(s) for s in other.on_print]),
+            "guessed": (c.footholds.guessed[:2], other.guessed),
             "prints": (c.footholds.waiting[:2], [len(side) for side in other.prints]),
             "even": (c.even.even_steps, other.steps_even),
             "landed": (c.even.landed, other.landed),
@@ -366,6 +370,7 @@ class Pair:
         if other.swing:
             s = other.swing
             same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.hits, int(s.dropped)]
+            same["known"] = c.swing.known, int(s.known)
             if other.stage in (twin.DOWN, twin.REST):
                 same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
         if other.events:

@@ -102,7 +102,7 @@ PLANTED = {
     "shin_lift": 60,
     "edge_advance": 60,
     "hind_lift": 60,
-    "front_lower_speed": 1000,
+    "unknown_lower_speed": 1000,
 }
 
 

@@ -99,6 +99,7 @@ def _soil_path(dice, bits):
     for side in range(2):
         FOOTHOLDS.waiting[side] = dice.below(5)
         FOOTHOLDS.taken[side] = dice.bits(1)
+        FOOTHOLDS.guessed[side] = dice.bits(2)
 
 
 def _soil_swing(dice, bits):
@@ -115,6 +116,7 @@ def _soil_swing(dice, bits):
     FOOT.tries = dice.bits(2)
     FOOT.risers = dice.bits(2)
     FOOT.dropped = dice.bits(1)
+    FOOT.known = dice.bits(1)
     FOOT.leg_length = dice.bits(15)
     FOOT.limited = dice.bits(1)
     CONTACT.tare_q12 = FORCE.any(dice)
@@ -251,7 +253,8 @@ PROBES = (
     _stateful(footholds, "next_foothold_x", FOOTHOLDS, HIND),
     _stateful(contact, "take_tare", ROBOT, CONTACT, FORCE, TICKS),
     _stateful(contact, "start_contact", CONTACT),
-    _stateful(contact, "feel_ground", ROBOT, CONTACT, FORCE, SPEED, LEG),
+    _stateful(contact, "follow_tare", ROBOT, CONTACT, FORCE, Range(0, 32768)),
+    _stateful(contact, "feel_ground", ROBOT, CONTACT, FORCE),
     _stateful(contact, "corner_lift", ROBOT, MAP, PATH, LEG),
     _stateful(contact, "keep_past", CONTACT, PLACE),
     _stateful(contact, "feel_riser", ROBOT, CONTACT, FOOT, PLACE, TICKS),
@@ -259,8 +262,8 @@ PROBES = (
     _stateful(swing_leg, "lift_foot", ROBOT, FOOT),
     _stateful(swing_leg, "start_swing", ROBOT, FOOT),
     _stateful(swing_leg, "swing_foot", FOOT, PATH, TICKS),
-    _stateful(swing_leg, "lower_speed", ROBOT, FOOT, LEG),
-    _stateful(swing_leg, "lower_foot", ROBOT, MAP, PATH, FOOT, LEG),
+    _stateful(swing_leg, "lower_speed", ROBOT, FOOT),
+    _stateful(swing_leg, "lower_foot", ROBOT, MAP, PATH, FOOT),
     _stateful(crawl_map, "roll_feet", ROBOT, JOINTS, SUPPORT, MAP),
     _stateful(crawl_map, "foot_weight_q8", SUPPORT, LEG),
     _stateful(crawl_map, "fit_heading", SENSING, SUPPORT, MAP),
