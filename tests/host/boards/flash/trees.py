@@ -57,5 +57,6 @@ def frame():
     files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.num.fixed")}
     files["main.py"] = files.pop("firmware/main.py")
     startup = files["firmware/startup.py"]
-    files["firmware/startup.py"] = startup.replace("_START_DELAY_MS = 500", "_START_DELAY_MS = 5")
+    # Short, but long enough for the host to listen again when it says that it has started: else it waits in vain.
+    files["firmware/startup.py"] = startup.replace("_START_DELAY_MS = 500", "_START_DELAY_MS = 300")
     return files
