@@ -10,7 +10,7 @@ comes when.
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .cascade import write_current
-from .commission_state import COGS, PHASE_CREEP, PHASE_ROUND, STEPS, Commission, go_on, refuse
+from .commission_state import COGS, PHASE_CREEP, PHASE_IDLE, PHASE_ROUND, STEPS, Commission, go_on, refuse
 from .commutation import follow_rotor
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import hold_rotor, turning_current
@@ -94,7 +94,7 @@ def creep_round(
     if commission.creep_part < CREEP_WITHOUT:
         follow_rotor(loop, state, commission)
         find_play(settings, commission)
-        if commission.reason:
+        if commission.phase == PHASE_IDLE:  # too much of it: refused
             return 0
     return 1
 
