@@ -1,7 +1,7 @@
 """Where the feet of the crawl go: every hind foot steps into a foothold of the front foot of its side.
 
-So only the front feet meet unknown ground, and the hind feet know its height. Each side has a queue
-of at most four footholds. A front foot goes half a stride beyond the other front foot.
+So the hind feet know the height of their ground, but for the first footholds, which are guessed. Each side has a queue
+of at most four. A front foot goes half a stride beyond the other front foot.
 """
 
 from ..body.params import FL, FR, LF_BITS, RR, Params

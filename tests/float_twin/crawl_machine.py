@@ -204,10 +204,15 @@ class Machine:
         """Into the oldest print of its side, or a stride ahead if there is none."""
         own, prints = self.feet[swing.leg], self.prints[swing.leg - RR]
         swing.known = bool(prints) and not self.guessed[swing.leg - RR]
-        swing.target = prints.pop(0) if prints else [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
-        self.guessed[swing.leg - RR] = max(0, self.guessed[swing.leg - RR] - 1)
+        ahead = [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
+        swing.target = self.take_print(swing.leg - RR) if prints else ahead
         swing.expect = swing.target[2]
         swing.top = max(own[2], swing.target[2]) + self.k.hind_lift
+
+    def take_print(self, side):
+        """Take a side's oldest print off its queue, the guessed ones first; return it."""
+        self.guessed[side] = max(0, self.guessed[side] - 1)
+        return self.prints[side].pop(0)
 
     # --- a foot in the air
 
@@ -386,8 +391,7 @@ class Machine:
         self.tell(LANDED, self.feet[leg][2] - s.expect)
         if leg < RR:
             if len(self.prints[leg]) == 4:
-                self.prints[leg].pop(0)
-                self.guessed[leg] = max(0, self.guessed[leg] - 1)
+                self.take_print(leg)
             self.prints[leg].append(list(self.feet[leg]))
             self.on_print[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))

@@ -360,7 +360,7 @@ class Loose(Plant):
 def test_too_much_play_is_named_at_once():
     p = begun(Loose(commissioned=False), FULL)
     p.slack = math.radians(0.7)
-    while p.commission.reason == 0:
+    while p.commission.phase and p.commission.reason == 0:
         p.tick(setpoint=False)
     assert p.commission.phase == s.PHASE_IDLE  # and not 20 s later, after another round
     p.tick(setpoint=False)

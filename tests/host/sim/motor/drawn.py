@@ -170,7 +170,7 @@ def cogging_left(drawn: Drawn, bench: Bench) -> float:
         order, current, phase = (getattr(settings, f"cogging_{name}_{wave}") for name in ("order", "current", "phase"))
         for k, read_rad in enumerate(read):
             left[k] -= current * Nm * sin(order * read_rad + phase / 65536 * tau)
-    return sqrt(sum(Nm * Nm for Nm in left) / 1024) / (drawn.load.cogging_Nm / sqrt(2))
+    return sqrt(sum(Nm * Nm for Nm in left) / len(left)) / (drawn.load.cogging_Nm / sqrt(2))
 
 
 def straight_rad(drawn: Drawn, bench: Bench, rotor_rad: float) -> float:
