@@ -18,14 +18,14 @@ GAIT = "examples/pace.toml"  # of a gait of one's own
 
 COMMANDS = """# Commands
 
-As `caramelo COMMAND --help` tells. Exit codes: 0 done, 1 not achieved, 2 wrong use or bad input, 130 stopped by Ctrl-C.
-With `--json` a command prints exactly one object.
+The texts are those of `caramelo COMMAND --help`. Exit codes: 0 done, 1 not achieved, 2 wrong use or bad input, 130
+stopped by Ctrl-C. With `--json` a command prints exactly one object.
 
 | command | does |
 |---|---|"""
 KEYS = """# Keys of a robot file
 
-What each key means is told by a robot's own file, what is allowed by its checker. [Robot files](robot-files.md)
+The meaning of each key comes from a robot's own file, the allowed values from its checker. [Robot files](robot-files.md)
 explains the tables and the conventions.
 """
 
