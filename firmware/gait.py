@@ -176,11 +176,10 @@ def is_length(reader: Reader, frame, length: int) -> int:
 
 
 @hot
-def reset(status: BoardStatus, command: Command) -> int:
-    """Drive again; what was commanded before is not obeyed after it. Return 0."""
+def reset(status: BoardStatus, command: Command) -> None:
+    """Drive again; what was commanded before is not obeyed after it."""
     status.stopped = 0
     command.mode = MODE_LIMP
-    return 0
 
 
 @hot

@@ -20,8 +20,8 @@ LIMIT_CALF = const(32)
 
 
 @hot
-def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
-    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
+def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> None:
+    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``.
 
     joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
     Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
@@ -40,7 +40,6 @@ def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
     cosine = cos_q15(joints[at])
     feet[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
     feet[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
-    return 0
 
 
 @hot

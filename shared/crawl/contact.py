@@ -51,11 +51,10 @@ def follow_tare(params: Params, contact: Contact, force_q12: int, gain_q15: int)
 
 
 @hot
-def start_contact(contact: Contact) -> int:
-    """Begin to feel for the ground; return 0."""
+def start_contact(contact: Contact) -> None:
+    """Begin to feel for the ground."""
     contact.load_ticks = 0
     contact.peak = 0
-    return 0
 
 
 @hot

@@ -30,8 +30,8 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 @hot
 def crawl_start(
     crawl: Crawl, sensing: Sensing, joints: Ints, goals: Ints, roll_brad: int, pitch_brad: int
-) -> int:
-    """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
+) -> None:
+    """Take over a robot that stands on all four feet as it stands. sensing: as sense_legs left it.
 
     joints: 12 measured brad within +-32768; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
@@ -46,12 +46,11 @@ def crawl_start(
     plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
     for leg in range(LEGS):
         bridge(crawl, leg, 0)
-    return 0
 
 
 @hot
-def forget(crawl: Crawl) -> int:
-    """Put back what a step does not set anew; return 0."""
+def forget(crawl: Crawl) -> None:
+    """Put back what a step does not set anew."""
     support = crawl.support
     for leg in range(LEGS):
         support.stance[leg] = 0
@@ -66,12 +65,11 @@ def forget(crawl: Crawl) -> int:
     crawl.stage.ahead = 0
     crawl.event.code = 0
     crawl.event.number = 0
-    return 0
 
 
 @hot
-def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> int:
-    """Begin the map under the body, and the body's path where it is; return 0. Arguments as crawl_start."""
+def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> None:
+    """Begin the map under the body, and the body's path where it is. Arguments as crawl_start."""
     map = crawl.map
     path = crawl.path
     level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
@@ -88,12 +86,11 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
         path.wanted[axis] = map.body_pose[axis]
         path.lagged[axis] = map.body_pose[axis]
         path.commanded[axis] = map.body_pose[axis]
-    return 0
 
 
 @hot
-def start_support(sensing: Sensing, support: Support) -> int:
-    """All legs stand and carry what they are felt to; return 0."""
+def start_support(sensing: Sensing, support: Support) -> None:
+    """All legs stand and carry what they are felt to."""
     total = 0
     for leg in range(LEGS):
         support.stance[leg] = 1
@@ -101,17 +98,15 @@ def start_support(sensing: Sensing, support: Support) -> int:
         total += sensing.force_q12[leg]
     support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     support.weight_q20 = support.weight_q12 << 8
-    return 0
 
 
 @hot
-def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
-    """Take the body's measured tilt; in the plane it does not roll. Returns 0."""
+def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> None:
+    """Take the body's measured tilt; in the plane it does not roll."""
     map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
     map.body_pose[POSE_ROLL] = 0
     if params.lateral_q12:
         map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
-    return 0
 
 
 @hot
@@ -132,8 +127,8 @@ def crawl_tick(
 
 
 @hot
-def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> int:
-    """Bring the map, the forces and the weight up to date with what is measured; return 0."""
+def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> None:
+    """Bring the map, the forces and the weight up to date with what is measured."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     rebase(crawl)
     roll_feet(crawl.params, measured, crawl.support, crawl.map)
@@ -141,12 +136,11 @@ def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pit
     follow_slips(crawl.params, crawl.support, crawl.map)
     follow_front_feet(crawl.support, crawl.map, crawl.footholds)
     weigh(crawl.params, sensing, crawl.support)
-    return 0
 
 
 @hot
-def weigh(params: Params, sensing: Sensing, support: Support) -> int:
-    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
+def weigh(params: Params, sensing: Sensing, support: Support) -> None:
+    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is."""
     total = 0
     for leg in range(LEGS):
         force = support.force_q12[leg]
@@ -159,7 +153,6 @@ def weigh(params: Params, sensing: Sensing, support: Support) -> int:
     support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
     support.heavy_q12 = saturate(payload * 2, 0, 4096)
-    return 0
 
 
 @hot
@@ -192,8 +185,8 @@ def rebase(crawl: Crawl) -> int:
 @hot
 def move_origin(
     map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
-) -> int:
-    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z); return 0."""
+) -> None:
+    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z)."""
     map.body_pose[axis] -= by
     for at in range(axis, JOINTS, 3):
         map.feet[at] -= by
@@ -215,4 +208,3 @@ def move_origin(
     if axis == 0:
         for at in range(PAST_SIZE):
             contact.past[at] -= by
-    return 0

@@ -27,8 +27,8 @@ class Footholds:
 
 
 @hot
-def footholds_start(params: Params, map: Map, footholds: Footholds) -> int:
-    """Lay the first footholds between hind and front foot of each side, as if the robot had come that way; return 0.
+def footholds_start(params: Params, map: Map, footholds: Footholds) -> None:
+    """Lay the first footholds between hind and front foot of each side, as if the robot had come that way.
 
     Right: 1/3, 2/3 and 3/3 of the way from the hind to the front foot; left: 1/6, 3/6, 5/6, half a stride on.
     Their heights lie on the line between the two feet.
@@ -47,7 +47,6 @@ def footholds_start(params: Params, map: Map, footholds: Footholds) -> int:
         footholds.waiting[side] = 3
         footholds.guessed[side] = 2 + side
         footholds.taken[side] = 1 - side
-    return 0
 
 
 @hot
@@ -78,12 +77,11 @@ def foothold_keep(map: Map, footholds: Footholds, side: int) -> int:
 
 
 @hot
-def follow_front_feet(support: Support, map: Map, footholds: Footholds) -> int:
-    """Let the footholds on which front feet stand follow them in the map; return 0."""
+def follow_front_feet(support: Support, map: Map, footholds: Footholds) -> None:
+    """Let the footholds on which front feet stand follow them in the map."""
     for side in range(2):
         if support.stance[side] and footholds.taken[side] and footholds.waiting[side]:
             foothold_keep(map, footholds, side)
-    return 0
 
 
 @hot
@@ -99,16 +97,17 @@ def foothold_drop(footholds: Footholds, side: int) -> int:
 
 
 @hot
-def aim(params: Params, map: Map, footholds: Footholds, even: Evenness, swing: Swing, leg: int) -> int:
-    """Choose the foothold of ``leg``, its expected height and the top of the swing; return 0."""
+def aim(params: Params, map: Map, footholds: Footholds, even: Evenness, swing: Swing, leg: int) -> None:
+    """Choose the foothold of ``leg``, its expected height and the top of the swing."""
     if leg < RR:
-        return aim_front(params, map, even, swing, leg)
-    return aim_hind(params, map, footholds, swing, leg)
+        aim_front(params, map, even, swing, leg)
+    else:
+        aim_hind(params, map, footholds, swing, leg)
 
 
 @hot
-def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) -> int:
-    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope; return 0.
+def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) -> None:
+    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope.
 
     The top is a front foot's lift above the higher of both front feet, the other counting only if it stands before
     or at the target: what it stands on may begin right here.
@@ -127,12 +126,11 @@ def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) 
     if map.feet[other + 2] > z and map.feet[other] <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
         z = map.feet[other + 2]
     swing.top = z + (params.crawl.front_lift << LF_BITS)
-    return 0
 
 
 @hot
-def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: int) -> int:
-    """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead. Returns 0."""
+def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: int) -> None:
+    """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead."""
     side = leg - RR
     top = map.feet[leg * 3 + 2]
     swing.known = 0
@@ -150,7 +148,6 @@ def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: 
     if swing.ground > top:
         top = swing.ground
     swing.top = top + (params.crawl.hind_lift << LF_BITS)
-    return 0
 
 
 @hot

@@ -58,8 +58,8 @@ def plan_loads(
 
 
 @hot
-def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
-    """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
+def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> None:
+    """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``.
 
     The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
     """
@@ -72,12 +72,11 @@ def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
     pose[POSE_YAW] = 0
     body_rotation(pose, rotation)
     pose[POSE_YAW] = heading
-    return 0
 
 
 @hot
-def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: Ints) -> int:
-    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading; return 0.
+def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: Ints) -> None:
+    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading.
 
     feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
@@ -89,12 +88,11 @@ def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: In
     feet[at] = x * cosine + y * sine >> 14
     feet[at + 1] = y * cosine - x * sine >> 14
     feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose[2], -32767, 32767)
-    return 0
 
 
 @hot
-def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
-    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``; return 0.
+def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
+    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``.
 
     Under the pose taken last. A swing leg's length is kept.
     """
@@ -109,7 +107,6 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)
-    return 0
 
 
 @hot
@@ -129,13 +126,12 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def bridge(crawl: Crawl, leg: int, swings: int) -> int:
-    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
+def bridge(crawl: Crawl, leg: int, swings: int) -> None:
+    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets."""
     take_pose(crawl.path, swings, crawl.pose, crawl.rotation)
     leg_goal(crawl, leg, swings)
     for joint in range(leg * 3, leg * 3 + 3):
         crawl.jumps[joint] = saturate(crawl.goals[joint] - crawl.joints[joint], -32768, 32767) << LF_BITS
-    return 0
 
 
 @hot

@@ -48,8 +48,8 @@ class Support:
 
 
 @hot
-def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> int:
-    """Move the map places of the stance feet by how far their round feet have rolled; return 0.
+def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> None:
+    """Move the map places of the stance feet by how far their round feet have rolled.
 
     The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
@@ -65,7 +65,6 @@ def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> int:
             rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
             map.feet[leg * 3] += rolled * cos_q15(yaw) >> 15
             map.feet[leg * 3 + 1] += rolled * sin_q15(yaw) >> 15
-    return 0
 
 
 @hot
@@ -120,8 +119,8 @@ def fit_heading(sensing: Sensing, support: Support, map: Map) -> int:
 
 
 @hot
-def turn_feet(sensing: Sensing, map: Map) -> int:
-    """Write the levelled feet, turned by the body's heading, as seen from the body's place; return 0.
+def turn_feet(sensing: Sensing, map: Map) -> None:
+    """Write the levelled feet, turned by the body's heading, as seen from the body's place.
 
     Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
     """
@@ -134,12 +133,11 @@ def turn_feet(sensing: Sensing, map: Map) -> int:
         map.seen[at] = x * cosine - y * sine + 32 >> 6
         map.seen[at + 1] = x * sine + y * cosine + 32 >> 6
         map.seen[at + 2] = sensing.level[at + 2] << LF_BITS
-    return 0
 
 
 @hot
-def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> int:
-    """Update heading and place of the body from the stance feet, and where all feet are seen; return 0.
+def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> None:
+    """Update heading and place of the body from the stance feet, and where all feet are seen.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
@@ -161,12 +159,11 @@ def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> in
             map.body_pose[axis] += gaps // total << 4
         for leg in range(LEGS):
             map.seen[leg * 3 + axis] += map.body_pose[axis]
-    return 0
 
 
 @hot
-def follow_slips(params: Params, support: Support, map: Map) -> int:
-    """Let the map's places of loaded feet follow slowly where the feet are seen; return 0.
+def follow_slips(params: Params, support: Support, map: Map) -> None:
+    """Let the map's places of loaded feet follow slowly where the feet are seen.
 
     Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
     down again, the others too. A foot that is far off in height is followed fast: it stood on something that
@@ -186,7 +183,6 @@ def follow_slips(params: Params, support: Support, map: Map) -> int:
                     if gap > far or gap < -far:
                         gain = params.crawl.slip_far_q15
                 map.feet[at] += fraction(gap, gain)
-    return 0
 
 
 @hot

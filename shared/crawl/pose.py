@@ -58,8 +58,8 @@ def mass_ahead(params: Params, pitch: int) -> int:
 
 
 @hot
-def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, weights: Ints, point: Ints) -> int:
-    """Write into ``point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts; return 0.
+def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, weights: Ints, point: Ints) -> None:
+    """Write into ``point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
     The nearest point to (wanted_x lu, mean y) that is inside the triangle of the other three by the margin; in
     the plane, inside their range of x. feet (12 lu) and weights (4) are scratch.
@@ -86,7 +86,6 @@ def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, w
         point[1] = 0
     else:
         point_inside(feet, weights, margin, point)
-    return 0
 
 
 @hot
@@ -193,8 +192,8 @@ def move_body(path: BodyPath) -> int:
 
 
 @hot
-def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int:
-    """Take one tick of the pose loop: from wanted and measured pose to the commanded one; return 0.
+def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> None:
+    """Take one tick of the pose loop: from wanted and measured pose to the commanded one.
 
     Per axis: command = wanted + limited(0.3 e + integral), with e the wanted pose as late as the servos are
     (so the integral does not wind up in a move) less the measured one. Under load the legs give more, so
@@ -218,4 +217,3 @@ def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int
         path.commanded[1] = 0
         path.commanded[3] = 0
         path.commanded[5] = 0
-    return 0

@@ -87,8 +87,8 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> int:
 
 
 @hot
-def swing_stage(crawl: Crawl, leg: int) -> int:
-    """Take one tick of the stages in which ``leg`` is in the air; return 0."""
+def swing_stage(crawl: Crawl, leg: int) -> None:
+    """Take one tick of the stages in which ``leg`` is in the air."""
     stage = crawl.stage
     keep_past(crawl.contact, crawl.swing.place[0])
     if stage.stage == LIFT:
@@ -101,7 +101,6 @@ def swing_stage(crawl: Crawl, leg: int) -> int:
         hang_tick(crawl, leg)
     else:
         lower_tick(crawl, leg)
-    return 0
 
 
 @hot
@@ -137,8 +136,8 @@ def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
 
 
 @hot
-def shift_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
+def shift_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done."""
     params = crawl.params
     stage = crawl.stage
     support = crawl.support
@@ -151,13 +150,12 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
         support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
     error = match_diagonals(crawl, leg)
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
-        return 0
+        return
     if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
         tell(crawl, EVENT_WARP, support.warp)
         lift_off(crawl, leg)
     elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
         lift_off(crawl, leg)
-    return 0
 
 
 @hot
@@ -187,8 +185,8 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
 
 
 @hot
-def lift_off(crawl: Crawl, leg: int) -> int:
-    """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
+def lift_off(crawl: Crawl, leg: int) -> None:
+    """Let the leg go: choose its foothold, start its swing where it stands."""
     swing = crawl.swing
     for axis in range(3):
         swing.place[axis] = crawl.map.feet[leg * 3 + axis]
@@ -203,12 +201,12 @@ def lift_off(crawl: Crawl, leg: int) -> int:
     for at in range(PAST_SIZE):
         crawl.contact.past[at] = swing.place[0]
     enter(crawl, LIFT)
-    return bridge(crawl, leg, 1)
+    bridge(crawl, leg, 1)
 
 
 @hot
-def swing_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick across: into a riser go back and over, at the end hang; return 0."""
+def swing_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick across: into a riser go back and over, at the end hang."""
     swing = crawl.swing
     there = swing_foot(crawl.swing, crawl.path, crawl.stage.stage_tick)
     x = crawl.map.seen[leg * 3]
@@ -220,12 +218,11 @@ def swing_tick(crawl: Crawl, leg: int) -> int:
         enter(crawl, LIFT)
     elif there:
         enter(crawl, HANG)
-    return 0
 
 
 @hot
-def hang_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick of creeping down while the tare is taken; return 0."""
+def hang_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick of creeping down while the tare is taken."""
     params = crawl.params
     crawl.swing.place[2] -= params.crawl.hang_speed
     take_tare(crawl.params, crawl.contact, crawl.support.force_q12[leg], crawl.stage.stage_tick)
@@ -233,12 +230,11 @@ def hang_tick(crawl: Crawl, leg: int) -> int:
         enter(crawl, LOWER)
         crawl.swing.speed = params.crawl.hang_speed
         start_contact(crawl.contact)
-    return 0
 
 
 @hot
-def lower_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
+def lower_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick down, and deal with what is met: shin, ground, nothing."""
     params = crawl.params
     swing = crawl.swing
     lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing)
@@ -256,7 +252,6 @@ def lower_tick(crawl: Crawl, leg: int) -> int:
     elif below > params.crawl.deepest:
         tell(crawl, EVENT_NO_GROUND, -below << LF_BITS)
         land(crawl, leg)
-    return 0
 
 
 @hot
@@ -267,8 +262,8 @@ def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> int:
 
 
 @hot
-def free_shin(crawl: Crawl, leg: int) -> int:
-    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
+def free_shin(crawl: Crawl, leg: int) -> None:
+    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place."""
     params = crawl.params
     swing = crawl.swing
     z = crawl.map.seen[leg * 3 + 2]
@@ -280,12 +275,11 @@ def free_shin(crawl: Crawl, leg: int) -> int:
     x = swing.place[0] + (params.crawl.edge_advance << LF_BITS)
     lift_again(crawl, x, top)
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
-    return 0
 
 
 @hot
-def touch(crawl: Crawl, leg: int, z: int) -> int:
-    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be; return 0."""
+def touch(crawl: Crawl, leg: int, z: int) -> None:
+    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be."""
     params = crawl.params
     swing = crawl.swing
     edge = params.crawl.edge_height << LF_BITS
@@ -294,7 +288,8 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     if swing.known == 0:
         tries = _TRIES_UNKNOWN_STEP
     if rise <= edge or swing.tries >= tries:
-        return land(crawl, leg)
+        land(crawl, leg)
+        return
     tell(crawl, EVENT_STEP, rise)
     further = params.crawl.edge_advance
     if swing.known == 0:
@@ -302,20 +297,20 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     elif swing.ground >= crawl.map.feet[leg * 3 + 2] - edge:
         further = -params.crawl.edge_retreat
     lift_again(crawl, swing.place[0] + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
-    return 0
 
 
 @hot
-def find_ground(crawl: Crawl, leg: int) -> int:
-    """No ground where it was expected: look for it elsewhere; return 0."""
+def find_ground(crawl: Crawl, leg: int) -> None:
+    """No ground where it was expected: look for it elsewhere."""
     if leg < RR:
-        return drop_front(crawl, leg)
-    return drop_hind(crawl, leg)
+        drop_front(crawl, leg)
+    else:
+        drop_hind(crawl, leg)
 
 
 @hot
-def drop_front(crawl: Crawl, leg: int) -> int:
-    """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
+def drop_front(crawl: Crawl, leg: int) -> None:
+    """No ground under a front foot: step further out, unless the other already stands down there behind."""
     params = crawl.params
     swing = crawl.swing
     other = (FR + FL - leg) * 3
@@ -323,17 +318,16 @@ def drop_front(crawl: Crawl, leg: int) -> int:
     low = swing.ground - (params.crawl.edge_height * 2 // 3 << LF_BITS)
     behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
     if crawl.map.feet[other + 2] < low and crawl.map.feet[other] < behind:
-        return 0
+        return
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
     lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
-    return 0
 
 
 @hot
-def drop_hind(crawl: Crawl, leg: int) -> int:
-    """No ground where the foothold is: further on when it goes up, else nearer; return 0."""
+def drop_hind(crawl: Crawl, leg: int) -> None:
+    """No ground where the foothold is: further on when it goes up, else nearer."""
     params = crawl.params
     swing = crawl.swing
     further = -params.crawl.edge_advance
@@ -342,12 +336,11 @@ def drop_hind(crawl: Crawl, leg: int) -> int:
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     top = swing.ground + (params.crawl.clear_contact << LF_BITS)
     lift_again(crawl, swing.place[0] + (further << LF_BITS), top)
-    return 0
 
 
 @hot
-def land(crawl: Crawl, leg: int) -> int:
-    """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
+def land(crawl: Crawl, leg: int) -> None:
+    """The foot stands where it is seen: keep that, go to the next leg, rest for the command."""
     map = crawl.map
     stage = crawl.stage
     for axis in range(leg * 3, leg * 3 + 3):
@@ -364,4 +357,3 @@ def land(crawl: Crawl, leg: int) -> int:
     stage.leg = _ORDER >> (stage.turn << 2) & 15
     stage.ahead -= crawl.params.crawl.stride << LF_BITS - 2
     enter(crawl, REST)
-    return 0

@@ -44,8 +44,8 @@ _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
 @hot
-def steps_reset(params: Params, steps: Steps) -> int:
-    """Put all four feet at rest, standing; return 0."""
+def steps_reset(params: Params, steps: Steps) -> None:
+    """Put all four feet at rest, standing."""
     for leg in range(LEGS):
         step = steps.legs[leg]
         rest = params.legs[leg].rest
@@ -55,7 +55,6 @@ def steps_reset(params: Params, steps: Steps) -> int:
         step.to_z = rest[2]
         step.ticks = 0
         step.tick = 0
-    return 0
 
 
 @hot
@@ -133,8 +132,8 @@ def turned_travel(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
 
 
 @hot
-def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
-    """Move all footholds against the body by ``ticks_q10`` of its speed; return 0.
+def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> None:
+    """Move all footholds against the body by ``ticks_q10`` of its speed.
 
     A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
     neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
@@ -160,7 +159,6 @@ def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
         step.y = y - dy
         if step.ticks:
             step.left_q10 -= ticks_q10
-    return 0
 
 
 @hot

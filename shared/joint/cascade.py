@@ -50,8 +50,8 @@ def current_from_wire(current: int, current_q14: int) -> int:
 
 
 @hot
-def cascade_reset(settings: JointSettings, state: JointState) -> int:
-    """Start bumpless: trajectory at the measured position and rate, no integral, no current. Return 0."""
+def cascade_reset(settings: JointSettings, state: JointState) -> None:
+    """Start bumpless: trajectory at the measured position and rate, no integral, no current."""
     rate = saturate(state.velocity, -settings.rate_max, settings.rate_max)
     position = saturate(state.position, -_POSITION_MOST, _POSITION_MOST)
     profile_reset(state, position, rate)
@@ -66,7 +66,6 @@ def cascade_reset(settings: JointSettings, state: JointState) -> int:
     state.acceleration_feed = 0
     state.velocity_integral = 0
     state.seen_sequence = state.sequence
-    return 0
 
 
 @hot

@@ -16,8 +16,8 @@ _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps fr
 
 
 @hot
-def fill_sine(loop: CurrentLoop) -> int:
-    """Write the sine table, in Q15, to ``loop`` when a joint starts; return 0. Error 1 of Q15, from sin_q15.
+def fill_sine(loop: CurrentLoop) -> None:
+    """Write the sine table, in Q15, to ``loop`` when a joint starts. Error 1 of Q15, from sin_q15.
 
     1024 entries a turn and one quarter more, for the cosine. The step turns an entry (s, c) on by the rest r of the
     angle, at most 32 brad, with s + c r and c - s r: error r^2 / 2 < 5e-6. It lies behind the places of ``loop``,
@@ -25,7 +25,6 @@ def fill_sine(loop: CurrentLoop) -> int:
     """
     for at in range(SINE_SIZE):
         loop.sine[at] = sin_q15(at << _STEP_SHIFT)
-    return 0
 
 
 @hot

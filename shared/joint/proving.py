@@ -107,15 +107,16 @@ def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.reason:
         return 0
     if commission.phase == PHASE_PROVE_VELOCITY:
-        return _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+        _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+        return 0
     return _run_position(loop, settings, state, commission)
 
 
 @hot
 def _run_velocity(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, current: int, moved: int
-) -> int:
-    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count. Return 0."""
+) -> None:
+    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count."""
     slow = commission.swing_rate
     ticks = commission.run_ticks
     window = commission.window
@@ -131,8 +132,7 @@ def _run_velocity(
     commission.swing_rate = slow
     commission.swing_acceleration = most
     if commission.half_swings > _RUNS:
-        return _end_velocity(settings, commission)
-    return 0
+        _end_velocity(settings, commission)
 
 
 @hot
@@ -164,8 +164,8 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
 
 
 @hot
-def _end_velocity(settings: JointSettings, commission: Commission) -> int:
-    """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0.
+def _end_velocity(settings: JointSettings, commission: Commission) -> None:
+    """Find the bandwidth in per cent of the wanted one; go on with the position loop.
 
     What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
     quarter less bandwidth is tried, twice.
@@ -181,7 +181,6 @@ def _end_velocity(settings: JointSettings, commission: Commission) -> int:
     else:
         commission.repeated = 0
         _begin_position(settings, commission)
-    return 0
 
 
 @hot

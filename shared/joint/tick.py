@@ -22,8 +22,8 @@ from .thermal import gather_heat
 
 
 @hot
-def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, rotor: int) -> int:
-    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
+def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, rotor: int) -> None:
+    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready.
 
     ``state`` is zeros, fill_sine has filled its part of ``loop``.
     """
@@ -33,7 +33,6 @@ def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, r
     drive_reset(state)
     cascade_reset(settings, state)
     state.derate = 0x8000
-    return 0
 
 
 @hot

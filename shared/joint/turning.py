@@ -47,7 +47,8 @@ def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commissio
     commission.moved += moved
     follow_joint(io, commission)
     if commission.phase == PHASE_FORWARD:
-        return _forward(loop, settings, io, commission, step)
+        _forward(loop, settings, io, commission, step)
+        return 0
     if commission.phase == PHASE_BACK:
         moved = -moved
         step = -step
@@ -71,8 +72,8 @@ def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> int:
 
 
 @hot
-def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> int:
-    """Turn on until the rotor has gone round, or the field its travel, and check that it follows; return 0."""
+def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> None:
+    """Turn on until the rotor has gone round, or the field its travel, and check that it follows."""
     moved = commission.moved
     if moved < 0:
         moved = -moved
@@ -82,7 +83,7 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
         point(loop, commission)
         if angle & _ELECTRICAL < step:
             _check_turn(commission, moved)
-        return 0
+        return
     commission.travel = commission.angle
     commission.moved_forward = commission.moved
     commission.joint_moved_forward = commission.joint_moved
@@ -91,7 +92,6 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
         commission.direction = -1
     if _check_pairs(settings, commission, moved) == 0 and _check_joint_encoder(settings, io, commission) == 0:
         go_on(commission, PHASE_BACK)
-    return 0
 
 
 @hot

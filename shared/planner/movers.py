@@ -55,10 +55,9 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 
 @hot
-def stop_mover(planner: PlannerState) -> int:
-    """End the work of the mover at work; return 0. A table, which ends with its feet at rest, needs no stop."""
+def stop_mover(planner: PlannerState) -> None:
+    """End the work of the mover at work. A table, which ends with its feet at rest, needs no stop."""
     if planner.status.mover == MOVER_CRAWL:
         stop_crawl(planner)
     elif planner.status.mover == MOVER_TROT:
         stop_trot(planner)
-    return 0

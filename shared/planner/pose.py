@@ -30,8 +30,8 @@ def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 
 @hot
-def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
+def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """Add balance to the slewed body pose. NO_ATTITUDE if it was asked for in vain."""
     posed = planner.posed
     if command.balance and sensed.valid.tilt:
         roll = saturate(sensed.tilt[0], -32768, 32767)
@@ -45,7 +45,6 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         posed[axis] = planner.pose[axis]
     posed[POSE_ROLL] += planner.balance.correction.roll
     posed[POSE_PITCH] += planner.balance.correction.pitch
-    return 0
 
 
 @hot

@@ -141,8 +141,8 @@ def wanted_gait(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def use_gait(planner: PlannerState, gait: int) -> int:
-    """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
+def use_gait(planner: PlannerState, gait: int) -> None:
+    """Walk ``gait`` from its first segment on; only between cycles, when all feet stand."""
     clock = planner.clock
     clock.tick = 0
     clock.made_q10 = 0
@@ -151,4 +151,3 @@ def use_gait(planner: PlannerState, gait: int) -> int:
     planner.gait = planner.gaits[gait]
     taken = planner.gait
     planner.status.height = (taken.height_mm << planner.params.length_shift) // 1000
-    return 0

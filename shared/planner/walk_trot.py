@@ -20,8 +20,8 @@ from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 
 
 @hot
-def start_trot(planner: PlannerState) -> int:
-    """Begin where the goals sent last have the feet; return 0."""
+def start_trot(planner: PlannerState) -> None:
+    """Begin where the goals sent last have the feet."""
     trot_reset(planner.params, planner.trot)
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
     for at in range(JOINTS):
@@ -29,7 +29,6 @@ def start_trot(planner: PlannerState) -> int:
     for axis in range(POSE_SIZE):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
-    return 0
 
 
 @hot
@@ -97,11 +96,10 @@ def tell_trot(planner: PlannerState) -> int:
 
 
 @hot
-def stop_trot(planner: PlannerState) -> int:
-    """End the trot, which stands: another goes on from its goals; return 0."""
+def stop_trot(planner: PlannerState) -> None:
+    """End the trot, which stands: another goes on from its goals."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
     steps_reset(planner.params, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     planner.status.cycles = 0
-    return 0

@@ -55,8 +55,8 @@ _BIAS_MAX = const(0x1FFFFFFF)  # counts Q16: 62 deg/s; an MPU6050 has up to 20 (
 
 
 @hot
-def attitude_reset(attitude: Attitude) -> int:
-    """Start again with the alignment at rest; settings stay. Returns 0."""
+def attitude_reset(attitude: Attitude) -> None:
+    """Start again with the alignment at rest; settings stay."""
     attitude.gathered = 0
     for axis in range(3):
         attitude.sum[axis] = 0
@@ -69,7 +69,6 @@ def attitude_reset(attitude: Attitude) -> int:
     attitude.still = 0
     attitude.roll = 0
     attitude.pitch = 0
-    return 0
 
 
 @hot
@@ -148,7 +147,7 @@ def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
 
 
 @hot
-def turn(attitude: Attitude, gyro_accel: Ints) -> int:
+def turn(attitude: Attitude, gyro_accel: Ints) -> None:
     """Turn the gravity vector by one tick of gyro: g += g x w, midpoint by two half steps."""
     wx = rate_q18(attitude, gyro_accel[0], 0)
     wy = rate_q18(attitude, gyro_accel[1], 1)
@@ -165,7 +164,6 @@ def turn(attitude: Attitude, gyro_accel: Ints) -> int:
     attitude.gravity[0] = x + cross(my, mz, wy, wz)
     attitude.gravity[1] = y + cross(mz, mx, wz, wx)
     attitude.gravity[2] = z + cross(mx, my, wx, wy)
-    return 0
 
 
 @hot
@@ -232,8 +230,8 @@ def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> i
 
 
 @hot
-def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> int:
-    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's; return 0.
+def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
+    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's.
 
     A turn about the vertical leaves both as they are: that bias stays as it was at rest. Intermediates: 2^29.
     """
@@ -243,7 +241,6 @@ def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> int:
     learn_axis(attitude, 0, y_q14 * z - z_q14 * y)
     learn_axis(attitude, 1, z_q14 * x - x_q14 * z)
     learn_axis(attitude, 2, x_q14 * y - y_q14 * x)
-    return 0
 
 
 @hot
@@ -284,8 +281,8 @@ def normalise(attitude: Attitude) -> int:
 
 
 @hot
-def angles(attitude: Attitude) -> int:
-    """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb). Returns 0.
+def angles(attitude: Attitude) -> None:
+    """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb).
 
     Roll lies within +-90 deg, pitch within +-180 deg: a robot on its back reads as pitched over.
     """
@@ -294,4 +291,3 @@ def angles(attitude: Attitude) -> int:
     z = attitude.gravity[2] >> 7
     attitude.pitch = atan2_brad(-x, z)
     attitude.roll = atan2_brad(y, hypot(x, z))
-    return 0

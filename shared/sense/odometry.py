@@ -65,18 +65,17 @@ _BIAS_Q26 = const(8784)  # 0.0075 deg/s: an MPU6050's noise, 0.05 deg/s rms, ove
 
 
 @hot
-def odometry_lost(odometry: Odometry) -> int:
-    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest; return 0."""
+def odometry_lost(odometry: Odometry) -> None:
+    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest."""
     odometry.known = 0
     odometry.turning = 0
     for axis in range(2):
         odometry.speed[axis] = 0
-    return 0
 
 
 @hot
-def odometry_restart(odometry: Odometry) -> int:
-    """Begin anew, at place and heading 0; return 0."""
+def odometry_restart(odometry: Odometry) -> None:
+    """Begin anew, at place and heading 0."""
     odometry_lost(odometry)
     odometry.turns = 0
     odometry.heading = 0
@@ -86,7 +85,6 @@ def odometry_restart(odometry: Odometry) -> int:
     for axis in range(2):
         odometry.place[axis] = 0
         odometry.astray[axis] = 0
-    return 0
 
 
 @hot
@@ -175,8 +173,8 @@ def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
 
 
 @hot
-def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> int:
-    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``; return 0.
+def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
+    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``.
 
     Intermediates: 256 * 4 * 2^14.
     """
@@ -194,7 +192,6 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> int:
         if total:
             odometry.gone_mean[axis] = ((gone << 2) + (total >> 1)) // total
             odometry.arm_mean[axis] = arm // total
-    return 0
 
 
 @hot
@@ -270,8 +267,8 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
 
 
 @hot
-def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> int:
-    """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad; return 0.
+def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> None:
+    """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad.
 
     No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 in ``astray``.
     """
@@ -296,7 +293,6 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
         doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
         odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
         odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
-    return 0
 
 
 @hot

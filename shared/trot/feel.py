@@ -75,17 +75,16 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
 
 
 @hot
-def free_feet(params: Params, walk: Trot) -> int:
-    """Begin the residuals: every foot is where it was sent; return 0."""
+def free_feet(params: Params, walk: Trot) -> None:
+    """Begin the residuals: every foot is where it was sent."""
     sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
     for at in range(2 * LEGS):
         walk.free_q4[at] = walk.past_feet[sent + at] << 4
-    return 0
 
 
 @hot
-def see_residual(params: Params, walk: Trot) -> int:
-    """Write how far each foot is, along x and z, from where an unhindered one would be; return 0.
+def see_residual(params: Params, walk: Trot) -> None:
+    """Write how far each foot is, along x and z, from where an unhindered one would be.
 
     That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
     1/16 lu. Intermediates: 2^17 * 2^12.
@@ -105,4 +104,3 @@ def see_residual(params: Params, walk: Trot) -> int:
         walk.residual[at] = walk.measured[foot] - (free_q4[at] >> 4)
         walk.residual[at + 1] = walk.measured[foot + 2] - (free_q4[at + 1] >> 4)
         foot += 3
-    return 0

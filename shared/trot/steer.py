@@ -17,8 +17,8 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
 @hot
-def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> int:
-    """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured; return 0.
+def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> None:
+    """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
     A round foot's centre goes slower than the body. Speed: the command, an integral of what was missed of it. Heading:
     turned back by what was turned wrong; the pose's yaw is turned to. While swings are high nothing is integrated: what
@@ -54,7 +54,6 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         for axis in range(2):
             state.drive[axis] = 0
             state.drift_q8[axis] = 0
-    return 0
 
 
 @hot
@@ -78,8 +77,8 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
 
 
 @hot
-def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> int:
-    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it; return 0.
+def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> None:
+    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it.
 
     Tilts are limited to 45 deg. A changing pose moves the standing feet along, and turns the body where nothing levels
     it. Intermediates: 2^13 * 2^15.3.
@@ -109,7 +108,6 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> in
             state.roll_18 = turn
         state.drive[axis] += pose[axis] - posed[axis] << LF_BITS
         posed[axis] = pose[axis]
-    return 0
 
 
 @hot

@@ -76,7 +76,7 @@ _MOST = const(0x3FFFFFFF)
 
 
 @hot
-def clear_setpoints(link: Link) -> int:
+def clear_setpoints(link: Link) -> None:
     """Forget every set-point, pending and latched, with gains and feed-forwards."""
     link.pending_set = 0
     link.pending_mode = 0
@@ -84,7 +84,6 @@ def clear_setpoints(link: Link) -> int:
     for kind in range(SETPOINT_KINDS):
         link.pending[kind] = 0
         link.latched[kind] = 0
-    return 0
 
 
 @hot
@@ -99,21 +98,21 @@ def start_session(link: Link, session: int) -> int:
 
 
 @hot
-def end_session(link: Link) -> int:
+def end_session(link: Link) -> None:
     """Leave the session and forget every set-point: on disarm, fault and e-stop."""
     link.session = 0
-    return clear_setpoints(link)
+    clear_setpoints(link)
 
 
 @hot
-def link_reset(link: Link, node: int) -> int:
+def link_reset(link: Link, node: int) -> None:
     """Start the link of node 0 .. 12: no session, no SYNC seen, no set-point, counters zero."""
     link.node = node
     link.session = 0
     link.counter = -1
     link.lost_syncs = 0
     link.bad_frames = 0
-    return clear_setpoints(link)
+    clear_setpoints(link)
 
 
 @hot
