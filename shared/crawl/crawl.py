@@ -12,14 +12,12 @@ from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
-from .contact import PAST_SIZE, Contact
-from .footholds import Footholds, follow_front_feet, footholds_start
+from .footholds import follow_front_feet, footholds_start
 from .goals import bridge, legs_goals, plan_loads
-from .map import Map, Support, fit_body, follow_slips, roll_feet
-from .pose import BodyPath, hold_pose
-from .state import Crawl
+from .map import fit_body, follow_slips, roll_feet
+from .pose import hold_pose
+from .state import PAST_SIZE, Crawl, Map, Support
 from .steps import start_stages, take_stage
-from .swing import Swing
 
 _OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
@@ -41,9 +39,9 @@ def crawl_start(
     forget(crawl)
     start_map(crawl, sensing, joints, roll_brad, pitch_brad)
     start_support(sensing, crawl.support)
-    footholds_start(crawl.params, crawl.map, crawl.footholds)
+    footholds_start(crawl)
     start_stages(crawl)
-    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    plan_loads(crawl)
     for leg in range(LEGS):
         bridge(crawl, leg, 0)
 
@@ -76,7 +74,7 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
     for axis in range(POSE_SIZE):
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
-    roll_feet(crawl.params, joints, crawl.support, crawl.map)
+    roll_feet(crawl, joints)
     for at in range(JOINTS):
         map.feet[at] = sensing.level[at] << LF_BITS
         if at % 3 == 2:
@@ -121,8 +119,8 @@ def crawl_tick(
     """
     estimate(crawl, sensing, measured, roll_brad, pitch_brad)
     take_stage(crawl, ahead_lf)
-    hold_pose(crawl.params, crawl.map, crawl.support, crawl.path)
-    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    hold_pose(crawl)
+    plan_loads(crawl)
     return legs_goals(crawl, joints)
 
 
@@ -131,10 +129,10 @@ def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pit
     """Bring the map, the forces and the weight up to date with what is measured."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     rebase(crawl)
-    roll_feet(crawl.params, measured, crawl.support, crawl.map)
-    fit_body(crawl.params, sensing, crawl.support, crawl.map)
-    follow_slips(crawl.params, crawl.support, crawl.map)
-    follow_front_feet(crawl.support, crawl.map, crawl.footholds)
+    roll_feet(crawl, measured)
+    fit_body(crawl, sensing)
+    follow_slips(crawl)
+    follow_front_feet(crawl)
     weigh(crawl.params, sensing, crawl.support)
 
 
@@ -175,24 +173,25 @@ def rebase(crawl: Crawl) -> int:
         y = 0
         if x <= far and x >= -far and z <= far and z >= -far:
             return 0
-    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 0, x)
+    move_origin(crawl, 0, x)
     if y:
-        move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 1, y)
-    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 2, z)
+        move_origin(crawl, 1, y)
+    move_origin(crawl, 2, z)
     return 1
 
 
 @hot
-def move_origin(
-    map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
-) -> None:
+def move_origin(crawl: Crawl, axis: int, by: int) -> None:
     """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z)."""
+    map = crawl.map
+    path = crawl.path
+    swing = crawl.swing
     map.body_pose[axis] -= by
     for at in range(axis, JOINTS, 3):
         map.feet[at] -= by
         map.seen[at] -= by
     for at in range(axis, JOINTS * 2, 3):
-        footholds.places[at] -= by
+        crawl.footholds.places[at] -= by
     path.wanted[axis] -= by
     path.from_pose[axis] -= by
     path.to_pose[axis] -= by
@@ -207,4 +206,4 @@ def move_origin(
         swing.top -= by
     if axis == 0:
         for at in range(PAST_SIZE):
-            contact.past[at] -= by
+            crawl.contact.past[at] -= by

@@ -9,7 +9,7 @@ somewhere else, at most three times; the body goes along so that the leg comes d
 from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .contact import PAST_SIZE, corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
+from .contact import corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
 from .even import note_landing
 from .footholds import aim, foothold_add, next_foothold_x, steps_down
 from .goals import bridge
@@ -25,6 +25,7 @@ from .state import (
     HANG,
     LIFT,
     LOWER,
+    PAST_SIZE,
     REST,
     SHIFT,
     SWING,
@@ -110,8 +111,8 @@ def plan_shift(crawl: Crawl) -> int:
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
     leg = crawl.stage.leg
-    wanted = resting_x(crawl.params, crawl.map, crawl.support)
-    if steps_down(crawl.params, crawl.map, crawl.footholds, leg):
+    wanted = resting_x(crawl)
+    if steps_down(crawl, leg):
         above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
         if above > wanted:
             wanted = above
@@ -128,11 +129,8 @@ def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
 @hot
 def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
     """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
-    mass_target(crawl.params, crawl.map, leg, wanted_x, crawl.feet, crawl.weights, crawl.point)
-    return plan_body(
-        crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, skip,
-        crawl.pose, crawl.rotation, crawl.feet, crawl.hip_feet,
-    )  # fmt: skip
+    mass_target(crawl, leg, wanted_x)
+    return plan_body(crawl, skip)
 
 
 @hot
@@ -190,7 +188,7 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     swing = crawl.swing
     for axis in range(3):
         swing.place[axis] = crawl.map.feet[leg * 3 + axis]
-    aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
+    aim(crawl, leg)
     crawl.support.stance[leg] = 0
     crawl.support.share_q12[leg] = 0
     swing.tries = 0
@@ -208,9 +206,9 @@ def lift_off(crawl: Crawl, leg: int) -> None:
 def swing_tick(crawl: Crawl, leg: int) -> None:
     """Take one tick across: into a riser go back and over, at the end hang."""
     swing = crawl.swing
-    there = swing_foot(crawl.swing, crawl.path, crawl.stage.stage_tick)
+    there = swing_foot(crawl)
     x = crawl.map.seen[leg * 3]
-    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, crawl.stage.stage_tick):
+    if feel_riser(crawl, x):
         swing.risers += 1
         tell(crawl, EVENT_RISER, crawl.map.seen[leg * 3 + 2] - swing.ground)
         swing.place[0] = x - (crawl.params.crawl.riser_retreat << LF_BITS)
@@ -237,11 +235,11 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
     """Take one tick down, and deal with what is met: shin, ground, nothing."""
     params = crawl.params
     swing = crawl.swing
-    lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing)
+    lower_foot(crawl)
     touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
     z = crawl.map.seen[leg * 3 + 2]
     below = swing.ground - swing.place[2] >> LF_BITS
-    if swing.tries < _TRIES and corner_lift(crawl.params, crawl.map, crawl.path, leg) > params.crawl.shin_lift:
+    if swing.tries < _TRIES and corner_lift(crawl, leg) > params.crawl.shin_lift:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
@@ -351,7 +349,7 @@ def land(crawl: Crawl, leg: int) -> None:
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
         crawl.footholds.taken[leg] = 1
-    note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
+    note_landing(crawl, leg)
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3
     stage.leg = _ORDER >> (stage.turn << 2) & 15
