@@ -43,8 +43,8 @@ def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> None:
 
 
 @hot
-def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
-    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
+def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> None:
+    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``.
 
     feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
     outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
@@ -79,7 +79,6 @@ def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
     joints[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
     joints[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
     joints[at + 2] = round_brad(bend)
-    return length_sq
 
 
 @hot

@@ -85,14 +85,13 @@ def corner_lift(crawl: Crawl, leg: int) -> int:
 
 
 @hot
-def keep_past(contact: Contact, x_lf: int) -> int:
-    """Keep where the foot is sent in this tick, for the riser; return its place in the ring."""
+def keep_past(contact: Contact, x_lf: int) -> None:
+    """Keep where the foot is sent in this tick, for the riser."""
     at = contact.past_at + 1
     if at >= PAST_SIZE:
         at = 0
     contact.past[at] = x_lf
     contact.past_at = at
-    return at
 
 
 @hot

@@ -76,15 +76,14 @@ def follow_front_feet(crawl: Crawl) -> None:
 
 
 @hot
-def foothold_drop(footholds: Footholds, side: int) -> int:
-    """Forget the oldest foothold of a side; return how many are left."""
+def foothold_drop(footholds: Footholds, side: int) -> None:
+    """Forget the oldest foothold of a side."""
     for at in range(side * _SIDE, side * _SIDE + _SIDE - 3):
         footholds.places[at] = footholds.places[at + 3]
     if footholds.waiting[side] > 0:
         footholds.waiting[side] -= 1
     if footholds.guessed[side] > 0:
         footholds.guessed[side] -= 1
-    return footholds.waiting[side]
 
 
 @hot

@@ -40,17 +40,16 @@ _TRIES = const(3)
 
 
 @hot
-def enter(crawl: Crawl, next: int) -> int:
-    """Begin a stage, a swing at rest; return it."""
+def enter(crawl: Crawl, next: int) -> None:
+    """Begin a stage, a swing at rest."""
     crawl.stage.stage = next
     crawl.stage.stage_tick = 0
     crawl.swing.speed = 0
-    return next
 
 
 @hot
-def tell(crawl: Crawl, code: int, z_lf: int) -> int:
-    """Keep an event of the present leg with a height off the expected one; return how many so far."""
+def tell(crawl: Crawl, code: int, z_lf: int) -> None:
+    """Keep an event of the present leg with a height off the expected one."""
     event = crawl.event
     event.code = code
     event.leg = crawl.stage.leg
@@ -58,20 +57,19 @@ def tell(crawl: Crawl, code: int, z_lf: int) -> int:
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
         crawl.even.even_steps = 0
-    return event.number
 
 
 @hot
-def start_stages(crawl: Crawl) -> int:
-    """Begin with the shift off the first leg; return the ticks of the body's move."""
+def start_stages(crawl: Crawl) -> None:
+    """Begin with the shift off the first leg."""
     crawl.stage.turn = 0
     crawl.stage.leg = _ORDER & 15
-    return plan_shift(crawl)
+    plan_shift(crawl)
 
 
 @hot
-def take_stage(crawl: Crawl, ahead_lf: int) -> int:
-    """Take one tick of the state machine; return its stage. ahead_lf: as crawl_tick."""
+def take_stage(crawl: Crawl, ahead_lf: int) -> None:
+    """Take one tick of the state machine. ahead_lf: as crawl_tick."""
     stage = crawl.stage
     step = crawl.params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
     stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
@@ -84,7 +82,6 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> int:
         shift_tick(crawl, stage.leg)
     else:
         swing_stage(crawl, stage.leg)
-    return stage.stage
 
 
 @hot
@@ -105,8 +102,8 @@ def swing_stage(crawl: Crawl, leg: int) -> None:
 
 
 @hot
-def plan_shift(crawl: Crawl) -> int:
-    """Begin to shift the body off the present leg; return the ticks of the move.
+def plan_shift(crawl: Crawl) -> None:
+    """Begin to shift the body off the present leg.
 
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
@@ -117,7 +114,7 @@ def plan_shift(crawl: Crawl) -> int:
         if above > wanted:
             wanted = above
     enter(crawl, SHIFT)
-    return shift_to(crawl, leg, wanted, -1)
+    shift_to(crawl, leg, wanted, -1)
 
 
 @hot
@@ -127,10 +124,10 @@ def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
 
 
 @hot
-def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
-    """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
+def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> None:
+    """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``."""
     mass_target(crawl, leg, wanted_x)
-    return plan_body(crawl, skip)
+    plan_body(crawl, skip)
 
 
 @hot
@@ -253,10 +250,10 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
 
 
 @hot
-def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> int:
-    """Lift the foot once more, to ``top``, and come down at ``x``; return which try that is."""
+def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> None:
+    """Lift the foot once more, to ``top``, and come down at ``x``."""
     enter(crawl, LIFT)
-    return try_again(crawl.swing, x_lf, top_lf)
+    try_again(crawl.swing, x_lf, top_lf)
 
 
 @hot

@@ -16,12 +16,11 @@ _PRODUCT_MAX = const(0x3FFFFFFF)
 
 
 @hot
-def try_again(swing: Swing, x_lf: int, top_lf: int) -> int:
-    """Lift once more, to ``top``, aim at ``x`` and come down there; return which try that is."""
+def try_again(swing: Swing, x_lf: int, top_lf: int) -> None:
+    """Lift once more, to ``top``, aim at ``x`` and come down there."""
     swing.tries += 1
     swing.target[0] = x_lf
     swing.top = top_lf
-    return swing.tries
 
 
 @hot
@@ -58,8 +57,8 @@ def lift_foot(params: Params, swing: Swing) -> int:
 
 
 @hot
-def start_swing(params: Params, swing: Swing) -> int:
-    """Begin the way across to the target from where the foot is; return its ticks. Ways within +-65535 lu."""
+def start_swing(params: Params, swing: Swing) -> None:
+    """Begin the way across to the target from where the foot is. Ways within +-65535 lu."""
     swing.departure[0] = swing.place[0]
     swing.departure[1] = swing.place[1]
     way = hypot(swing.target[0] - swing.place[0] >> LF_BITS, swing.target[1] - swing.place[1] >> LF_BITS)
@@ -67,7 +66,6 @@ def start_swing(params: Params, swing: Swing) -> int:
     if ticks < params.crawl.swing_ticks:
         ticks = params.crawl.swing_ticks
     swing.way_ticks = ticks
-    return ticks
 
 
 @hot
@@ -104,8 +102,8 @@ def lower_speed(params: Params, swing: Swing) -> int:
 
 
 @hot
-def lower_foot(crawl: Crawl) -> int:
-    """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
+def lower_foot(crawl: Crawl) -> None:
+    """Take one tick down: the foot, or where the leg is at its longest the body."""
     params = crawl.params
     path = crawl.path
     swing = crawl.swing
@@ -119,4 +117,3 @@ def lower_foot(crawl: Crawl) -> int:
         path.wanted[POSE_Z] -= params.crawl.body_speed
     else:
         swing.place[2] -= speed
-    return speed

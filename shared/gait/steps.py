@@ -73,8 +73,8 @@ def steps_at_rest(params: Params, steps: Steps) -> int:
 
 
 @hot
-def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
-    """Lift the legs whose swing starts in the clock's segment; return their bits."""
+def start_swings(gait: Gait, clock: Clock, steps: Steps) -> None:
+    """Lift the legs whose swing starts in the clock's segment."""
     row = gait.rows[clock.segment]
     lifted = 0
     for leg in range(LEGS):
@@ -85,7 +85,6 @@ def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
             step.tick = 0
             step.left_q10 = row.swing_q10[leg]
             lifted |= 1 << leg
-    return lifted
 
 
 @hot
@@ -183,8 +182,8 @@ def place_feet(params: Params, gait: Gait, steps: Steps, speed: Ints, height_lu:
 @hot
 def swing_foot(
     params: Params, gait: Gait, steps: Steps, speed: Ints, leg: int, height_lu: int, feet: Ints
-) -> int:
-    """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
+) -> None:
+    """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that
     of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
@@ -216,7 +215,6 @@ def swing_foot(
         step.y = to_y
         step.z = step.to_z
         step.ticks = 0
-    return samples - sample
 
 
 @hot

@@ -62,11 +62,11 @@ def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
 
 
 @hot
-def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
-    """Forget a wave that commissioning has found; return 0."""
+def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
+    """Forget a wave that commissioning has found."""
     commission.wave_order[wave] = 0
     commission.wave_current[wave] = 0
-    return try_wave(loop, commission, wave)
+    try_wave(loop, commission, wave)
 
 
 @hot

@@ -140,8 +140,8 @@ def turn_voltage(loop: CurrentLoop) -> int:
 
 
 @hot
-def limit_voltage(loop: CurrentLoop) -> int:
-    """Cut voltage_d, voltage_q to the length voltage_limit, d first; return limited_steps.
+def limit_voltage(loop: CurrentLoop) -> None:
+    """Cut voltage_d, voltage_q to the length voltage_limit, d first.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
@@ -169,7 +169,6 @@ def limit_voltage(loop: CurrentLoop) -> int:
         else:
             v = 0 - limit
         loop.voltage_q = v
-    return loop.limited_steps
 
 
 @hot

@@ -50,8 +50,8 @@ _NEVER = const(0xFFFF)  # age of a set-point there was not
 
 
 @hot
-def drive_reset(state: JointState) -> int:
-    """Start not ready, without torque, request, fault or set-point; return STATE_NOT_READY."""
+def drive_reset(state: JointState) -> None:
+    """Start not ready, without torque, request, fault or set-point."""
     state.drive_state = STATE_NOT_READY
     state.torque = TORQUE_OFF
     state.request = REQUEST_NONE
@@ -61,7 +61,6 @@ def drive_reset(state: JointState) -> int:
     state.fault_value = 0
     state.fault_tick = 0
     state.setpoint_age = _NEVER
-    return STATE_NOT_READY
 
 
 @hot
@@ -121,8 +120,8 @@ def drive_clear(state: JointState) -> int:
 
 
 @hot
-def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
-    """Do one tick of the states after the protections have set state.cause; return state.torque."""
+def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> None:
+    """Do one tick of the states after the protections have set state.cause."""
     _age_setpoint(state, io)
     _watch_setpoints(settings, state)
     if state.drive_state == STATE_OPERATION_ENABLED and io.hardware_ready == 0:
@@ -146,7 +145,7 @@ def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
         state.request = REQUEST_NONE
     else:
         _advance(state, io)
-    return _set_torque(state, io)
+    _set_torque(state, io)
 
 
 @hot
@@ -170,14 +169,13 @@ def _purpose_result(settings: JointSettings, state: JointState, io: JointIo, pur
 
 
 @hot
-def _age_setpoint(state: JointState, io: JointIo) -> int:
+def _age_setpoint(state: JointState, io: JointIo) -> None:
     """Count ticks since io.sequence changed; nothing else feeds the watchdog."""
     if io.sequence != state.sequence:
         state.sequence = io.sequence
         state.setpoint_age = 0
     elif state.setpoint_age < _NEVER:
         state.setpoint_age += 1
-    return state.setpoint_age
 
 
 @hot
@@ -250,26 +248,25 @@ def _react(settings: JointSettings, state: JointState) -> int:
 
 
 @hot
-def _stand_down(state: JointState) -> int:
+def _stand_down(state: JointState) -> None:
     """To switch-on disabled (not ready stays), and forget the set-points."""
     if state.drive_state != STATE_NOT_READY:
         state.drive_state = STATE_SWITCH_ON_DISABLED
     state.request = REQUEST_NONE
     state.purpose = MODE_OFF
     state.setpoint_age = _NEVER
-    return state.drive_state
 
 
 @hot
-def _clear(state: JointState) -> int:
+def _clear(state: JointState) -> None:
     state.fault_code = FAULT_NONE
     state.fault_value = 0
     state.fault_tick = 0
-    return _stand_down(state)
+    _stand_down(state)
 
 
 @hot
-def _advance(state: JointState, io: JointIo) -> int:
+def _advance(state: JointState, io: JointIo) -> None:
     """One state per tick towards operation enabled, as long as the hardware is ready."""
     drive = state.drive_state
     if io.hardware_ready == 0:
@@ -285,11 +282,10 @@ def _advance(state: JointState, io: JointIo) -> int:
     elif drive == STATE_SWITCHED_ON:
         state.drive_state = STATE_OPERATION_ENABLED
         state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot
-def _set_torque(state: JointState, io: JointIo) -> int:
+def _set_torque(state: JointState, io: JointIo) -> None:
     drive = state.drive_state
     state.torque = TORQUE_OFF
     state.mode = MODE_OFF
@@ -301,4 +297,3 @@ def _set_torque(state: JointState, io: JointIo) -> int:
     elif drive == STATE_QUICK_STOP_ACTIVE or drive == STATE_FAULT_REACTION:
         state.torque = TORQUE_DAMP
         state.mode = MODE_DAMPING
-    return state.torque

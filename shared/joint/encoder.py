@@ -36,8 +36,8 @@ def position_of(turns: int, fraction: int, zero: int, sign: int) -> int:
 
 
 @hot
-def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
-    """Start at the rotor's angle loop.rotor in turn 0, at rest and not homed; return state.position."""
+def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
+    """Start at the rotor's angle loop.rotor in turn 0, at rest and not homed."""
     state.turns = 0
     state.fraction = loop.rotor
     state.lag = 0
@@ -47,7 +47,6 @@ def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState)
     state.range_exceeded = 0
     state.disagree_ticks = 0
     state.position = position_of(0, loop.rotor, settings.zero, settings.joint_sign)
-    return state.position
 
 
 @hot

@@ -18,26 +18,24 @@ HOME_AMBIGUOUS = const(4)
 
 
 @hot
-def homing_start(state: JointState) -> int:
-    """Begin to look for the stop: the joint counts as not homed from now on. Return HOME_SEEKING."""
+def homing_start(state: JointState) -> None:
+    """Begin to look for the stop: the joint counts as not homed from now on."""
     state.homed = 0
     state.home_ticks = 0
     state.home_still_ticks = 0
     state.home_result = HOME_SEEKING
-    return HOME_SEEKING
 
 
 @hot
-def homing_stop(state: JointState) -> int:
-    """Give up looking (torque is gone or the mode changed): a search under way ends as HOME_IDLE. Return it."""
+def homing_stop(state: JointState) -> None:
+    """Give up looking (torque is gone or the mode changed): a search under way ends as HOME_IDLE."""
     if state.home_result == HOME_SEEKING:
         state.home_result = HOME_IDLE
-    return state.home_result
 
 
 @hot
-def homing_tick(settings: JointSettings, state: JointState) -> int:
-    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason; return home_result."""
+def homing_tick(settings: JointSettings, state: JointState) -> None:
+    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason."""
     homing_step(settings, state)
     result = state.home_result
     if result == HOME_NO_STOP:
@@ -48,7 +46,6 @@ def homing_tick(settings: JointSettings, state: JointState) -> int:
         state.raised_value = state.position
     if result != HOME_SEEKING:
         drive_disarm(state)
-    return result
 
 
 @hot

@@ -37,15 +37,14 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
 
 
 @hot
-def keep_outer(settings: JointSettings, commission: Commission) -> int:
-    """Remember the gains before commissioning; return the first."""
+def keep_outer(settings: JointSettings, commission: Commission) -> None:
+    """Remember the gains before commissioning."""
     kept = commission.kept_outer
     kept[0] = settings.velocity_p
     kept[1] = settings.velocity_i
     kept[2] = settings.damp
     kept[3] = settings.inertia
     kept[4] = settings.accel
-    return kept[0]
 
 
 @hot

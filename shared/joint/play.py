@@ -19,16 +19,15 @@ _SUM_MOST = const(0x1FFFFFFF)
 
 
 @hot
-def follow_joint(io: JointIo, commission: Commission) -> int:
-    """Add what the joint has moved since it was looked at last, less than half a turn; return joint_moved."""
+def follow_joint(io: JointIo, commission: Commission) -> None:
+    """Add what the joint has moved since it was looked at last, less than half a turn."""
     commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
     commission.joint_last = io.joint_raw
-    return commission.joint_moved
 
 
 @hot
-def add_play(settings: JointSettings, commission: Commission, way: int) -> int:
-    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed; return it in rc, within half a turn.
+def add_play(settings: JointSettings, commission: Commission, way: int) -> None:
+    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed.
 
     The joint's counts grow up to 2^15 here, times a gear below 2^14: below 2^29. Ways of 2^15 in all, times 2^13: 2^28.
     """
@@ -37,7 +36,6 @@ def add_play(settings: JointSettings, commission: Commission, way: int) -> int:
         joint = -joint
     apart = saturate((joint * settings.gear_q8 >> 8) - commission.moved, -_APART_MOST, _APART_MOST)
     commission.play_sum = saturate(commission.play_sum + apart * way, -_SUM_MOST, _SUM_MOST)
-    return apart
 
 
 @hot

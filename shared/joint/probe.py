@@ -50,15 +50,14 @@ def probe_step(loop: CurrentLoop) -> int:
 
 
 @hot
-def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> int:
-    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w; return it."""
+def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> None:
+    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w."""
     probe_begin(loop, 1)
     loop.probing = 0
     loop.sine_at = 0
     loop.sine_add = settings.current_w * _BRAD_Q14 >> 14
     loop.sine_current = settings.commission_current >> 2
     loop.probing = probing
-    return loop.sine_current
 
 
 @hot

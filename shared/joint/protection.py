@@ -42,8 +42,8 @@ def report_cause(state: JointState, code: int, value: int) -> int:
 
 
 @hot
-def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> int:
-    """Look for causes once a millisecond, the most dangerous first; return state.cause.
+def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> None:
+    """Look for causes once a millisecond, the most dangerous first.
 
     Times: over-current and emergency stop 1 tick, voltages bus_ticks, a lost encoder bad_ticks,
     disagreement disagree_ticks, current sum sum_ticks, stall stall_ticks.
@@ -64,7 +64,6 @@ def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState
     if state.raised:
         report_cause(state, state.raised, state.raised_value)
         state.raised = FAULT_NONE
-    return state.cause
 
 
 @hot
@@ -76,7 +75,7 @@ def count_above(ticks: int, value: int, limit: int) -> int:
 
 
 @hot
-def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
+def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
     """Trip, voltage limit, sum of the phases; the last only under torque, so that commission can measure offsets."""
     if loop.tripped:
         length = isqrt(loop.current_d * loop.current_d + loop.current_q * loop.current_q)
@@ -94,11 +93,10 @@ def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState
     state.sum_ticks = count_above(state.sum_ticks, size, settings.sum_limit)
     if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_COMMISSIONING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
-    return wrong
 
 
 @hot
-def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
+def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
     """After any fault of an encoder the position is not trusted: the joint must be homed again."""
     glitches = loop.glitches
     loop.glitches = 0
@@ -117,11 +115,10 @@ def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointStat
         state.homed = 0
         if state.torque == TORQUE_OFF:
             encoder_resync(loop, state)
-    return glitches
 
 
 @hot
-def _check_bus(settings: JointSettings, state: JointState) -> int:
+def _check_bus(settings: JointSettings, state: JointState) -> None:
     bus = state.bus
     state.under_ticks = count_above(state.under_ticks, settings.under, bus)
     if state.under_ticks >= settings.bus_ticks:
@@ -129,7 +126,6 @@ def _check_bus(settings: JointSettings, state: JointState) -> int:
     state.over_ticks = count_above(state.over_ticks, bus, settings.over)
     if state.over_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_OVER_VOLTAGE, bus)
-    return bus
 
 
 @hot
@@ -149,7 +145,7 @@ def _check_motion(settings: JointSettings, state: JointState) -> int:
 
 
 @hot
-def _check_stall(settings: JointSettings, state: JointState) -> int:
+def _check_stall(settings: JointSettings, state: JointState) -> None:
     """A stall is: asked to move, all the current there is, and standing. Holding a load is none."""
     slow = settings.stall_rate
     asked = state.rate_reference
@@ -171,4 +167,3 @@ def _check_stall(settings: JointSettings, state: JointState) -> int:
     state.stall_ticks = count_above(state.stall_ticks, stalled, 0)
     if state.stall_ticks >= settings.stall_ticks:
         report_cause(state, FAULT_STALL, state.current_reference)
-    return stalled

@@ -82,10 +82,9 @@ def _check_rest(loop: CurrentLoop, settings: JointSettings, state: JointState, c
 
 
 @hot
-def _extremes(commission: Commission, place: int, value: int) -> int:
-    """Take in a value of the lowest and highest at ``place``; return how far apart these are."""
+def _extremes(commission: Commission, place: int, value: int) -> None:
+    """Take in a value of the lowest and highest at ``place``."""
     if value < commission.lowest[place]:
         commission.lowest[place] = value
     if value > commission.highest[place]:
         commission.highest[place] = value
-    return commission.highest[place] - commission.lowest[place]

@@ -31,16 +31,16 @@ _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
 
 
 @hot
-def mechanics_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to swing with current across the flux alone; return PHASE_SWING."""
+def mechanics_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """Begin to swing with current across the flux alone."""
     loop.reference_d = 0
     commission.swing_level = 0
     commission.swing_rate = swing_rate(settings, commission)
-    return _begin_level(loop, commission)
+    _begin_level(loop, commission)
 
 
 @hot
-def _begin_level(loop: CurrentLoop, commission: Commission) -> int:
+def _begin_level(loop: CurrentLoop, commission: Commission) -> None:
     commission.half_swings = 0
     commission.periods = -1
     commission.period_ticks = 0
@@ -53,7 +53,7 @@ def _begin_level(loop: CurrentLoop, commission: Commission) -> int:
     commission.way_middle = 0
     commission.square_way = 0
     probe_begin(loop, 1)
-    return go_on(commission, PHASE_SWING)
+    go_on(commission, PHASE_SWING)
 
 
 @hot
@@ -79,15 +79,15 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 
 @hot
-def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Let the velocity loop follow a rate that goes to and fro at an even acceleration; return the current."""
+def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """Let the velocity loop follow a rate that goes to and fro at an even acceleration."""
     ask_rate(settings, state, commission)
-    return write_current(loop, settings, state)
+    write_current(loop, settings, state)
 
 
 @hot
-def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """The same without handing the current on; return it, joint-signed."""
+def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """The same without handing the current on."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
     reference = commission.swing_reference * commission.sign
@@ -95,7 +95,7 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
         most = most << 2  # from the level before, at twice the speed
     commission.swing_reference += saturate(wanted - commission.swing_reference, -most, most)
     state.rate_reference = commission.swing_reference * commission.direction * settings.joint_sign
-    return velocity_loop(settings, state, 0)
+    velocity_loop(settings, state, 0)
 
 
 @hot
@@ -168,7 +168,7 @@ def _check_load(settings: JointSettings, commission: Commission) -> int:
 
 
 @hot
-def _choose_acceleration(settings: JointSettings, commission: Commission) -> int:
+def _choose_acceleration(settings: JointSettings, commission: Commission) -> None:
     """Choose acceleration and speed: braking takes _BRAKING / 2, and no more than a quarter of the current limit."""
     rate = saturate(commission.swing_rate, _LEAST, 0x3FFFF) >> 4
     most = (settings.commission_current << 11) // saturate(commission.inertia, 1, 0x3FFFF)
@@ -177,7 +177,6 @@ def _choose_acceleration(settings: JointSettings, commission: Commission) -> int
         acceleration = saturate(most, 1, 0xFFFF)
         commission.swing_rate = isqrt(acceleration * _BRAKING) << 4
     commission.swing_acceleration = acceleration
-    return acceleration
 
 
 @hot
@@ -196,8 +195,8 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> int:
 
 
 @hot
-def _find_friction(commission: Commission) -> int:
-    """Return the friction at rest in cu, Q4, and find what it grows by with the speed; neither is below 0."""
+def _find_friction(commission: Commission) -> None:
+    """Find the friction at rest and what it grows by with the speed; neither is below 0."""
     slower = commission.speed_q4[2] - commission.speed_q4[3]
     more = commission.friction_q4[2] - commission.friction_q4[3]
     commission.viscous = ratio(more, slower, 8)
@@ -205,4 +204,3 @@ def _find_friction(commission: Commission) -> int:
     if rest < 0:
         rest = 0
     commission.coulomb = rest
-    return rest

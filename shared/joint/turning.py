@@ -61,14 +61,13 @@ def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commissio
 
 
 @hot
-def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> int:
+def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> None:
     commission.start_rotor = loop.rotor
     commission.rotor_last = loop.rotor
     commission.joint_last = io.joint_raw
     commission.travel = (_PAIRS_MOST + 2) * (_ELECTRICAL + 1)
     if commission.kind != COMMISSION_FULL:
         commission.travel = _VERIFY_TRAVEL
-    return commission.travel
 
 
 @hot
@@ -95,7 +94,7 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
 
 
 @hot
-def _check_turn(commission: Commission, moved: int) -> int:
+def _check_turn(commission: Commission, moved: int) -> None:
     """After each electrical turn the rotor must have moved on, at least half as far as in the first."""
     first = commission.moved_first
     if first == 0:
@@ -105,7 +104,6 @@ def _check_turn(commission: Commission, moved: int) -> int:
     elif moved - commission.moved_seen < first >> 1:
         refuse(commission, FAULT_COMMISSION_END_STOP, commission.moved)
     commission.moved_seen = moved
-    return moved
 
 
 @hot
@@ -144,8 +142,8 @@ def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commi
 
 
 @hot
-def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
-    """Add up field less rotor over the rotor's ``way``, also with both harmonics; return that angle in brad.
+def _compare(loop: CurrentLoop, commission: Commission, way: int) -> None:
+    """Add up field less rotor over the rotor's ``way``, also with both harmonics.
 
     Weighted by the way, what repeats many times a turn (cogging) leaves the harmonics alone. Two ways of 2^14 rc times
     2^14 brad: below 2^30.
@@ -158,15 +156,13 @@ def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
         at = loop.rotor << 2
         _add_harmonic(commission, 0, at, error, way)
         _add_harmonic(commission, 2, at + at, error, way)
-    return error
 
 
 @hot
-def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> int:
+def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> None:
     sums = commission.harmonic_sum
     sums[place] = sums[place] + (error * cos_q15(angle) + 0x4000 >> 15) * way
     sums[place + 1] = sums[place + 1] + (error * sin_q15(angle) + 0x4000 >> 15) * way
-    return sums[place]
 
 
 @hot
@@ -199,8 +195,8 @@ def _end(settings: JointSettings, commission: Commission) -> int:
 
 
 @hot
-def _find_bend(commission: Commission) -> int:
-    """Find the eccentricity's harmonics; return the first one's amplitude in rc, Q4."""
+def _find_bend(commission: Commission) -> None:
+    """Find the eccentricity's harmonics."""
     scale = commission.error_way * commission.pole_pairs >> 3
     for at in range(4):
         found = commission.harmonic_sum[at] // scale
@@ -208,4 +204,3 @@ def _find_bend(commission: Commission) -> int:
     amplitude = hypot(commission.bend[0], commission.bend[1])
     if amplitude > _BEND_MOST:
         refuse(commission, FAULT_COMMISSION_MAGNET, amplitude >> 4)
-    return amplitude

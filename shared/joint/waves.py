@@ -23,14 +23,14 @@ _ORDER_MOST = const(250)  # with 512 places
 
 
 @hot
-def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to creep without any waves; return PHASE_CREEP."""
+def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """Begin to creep without any waves."""
     commission.creep_rounds = 0
     commission.creep_settled = 0
     find_flux_taken(settings, commission)
     for wave in range(WAVES):
         drop_wave(loop, commission, wave)
-    return begin_round(loop, settings, commission, CREEP_SHORT)
+    begin_round(loop, settings, commission, CREEP_SHORT)
 
 
 @hot
@@ -104,11 +104,10 @@ def _take_wave(commission: Commission) -> int:
 
 
 @hot
-def _keep(commission: Commission, wave: int, order: int, current: int, phase: int) -> int:
+def _keep(commission: Commission, wave: int, order: int, current: int, phase: int) -> None:
     commission.wave_order[wave] = order
     commission.wave_current[wave] = current
     commission.wave_phase[wave] = phase
-    return order
 
 
 @hot
@@ -175,10 +174,10 @@ def _settled(commission: Commission) -> int:
 
 
 @hot
-def _swap_first(commission: Commission, strongest: int) -> int:
-    """Put the strongest wave at the first place; return its order."""
+def _swap_first(commission: Commission, strongest: int) -> None:
+    """Put the strongest wave at the first place."""
     order = commission.wave_order[strongest]
     current = commission.wave_current[strongest]
     phase = commission.wave_phase[strongest]
     _keep(commission, strongest, commission.wave_order[0], commission.wave_current[0], commission.wave_phase[0])
-    return _keep(commission, 0, order, current, phase)
+    _keep(commission, 0, order, current, phase)

@@ -19,23 +19,21 @@ from .walk_trot import start_trot, stop_trot, walk_trot
 
 
 @hot
-def change_mover(planner: PlannerState, mover: int) -> int:
-    """Let ``mover`` have the ticks from now on; return it."""
+def change_mover(planner: PlannerState, mover: int) -> None:
+    """Let ``mover`` have the ticks from now on."""
     if mover != planner.status.mover:
         stop_mover(planner)
         planner.status.mover = mover
         start_mover(planner, mover)
-    return mover
 
 
 @hot
-def start_mover(planner: PlannerState, mover: int) -> int:
-    """Begin the work of ``mover``; return it. A table needs no start."""
+def start_mover(planner: PlannerState, mover: int) -> None:
+    """Begin the work of ``mover``. A table needs no start."""
     if mover == MOVER_CRAWL:
         start_crawl(planner)
     elif mover == MOVER_TROT:
         start_trot(planner)
-    return mover
 
 
 @hot

@@ -112,8 +112,8 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> None:
 
 
 @hot
-def end_move(planner: PlannerState) -> int:
-    """A move is done: go to the state that follows; return it. Legs folded at the sides go under the robot first."""
+def end_move(planner: PlannerState) -> None:
+    """A move is done: go to the state that follows. Legs folded at the sides go under the robot first."""
     status = planner.status
     if status.state != FOLDING:
         status.state += 1
@@ -124,7 +124,6 @@ def end_move(planner: PlannerState) -> int:
         posture_step(planner.move, planner.goal)
         status.state = FOLDING
         status.folded = 1
-    return status.state
 
 
 @hot

@@ -86,12 +86,11 @@ def lift_height(planner: PlannerState, height_lu: int) -> int:
 
 
 @hot
-def step_feet(planner: PlannerState, height_lu: int) -> int:
-    """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits. height: lu."""
+def step_feet(planner: PlannerState, height_lu: int) -> None:
+    """Move and place all feet for one tick of the gait's clock. height: lu."""
     status = planner.status
     move_feet(planner.steps, planner.speed, body_advance(planner.gait, planner.clock))
     status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.speed, height_lu, planner.feet)
-    return status.swinging
 
 
 @hot

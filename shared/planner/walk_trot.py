@@ -32,8 +32,8 @@ def start_trot(planner: PlannerState) -> None:
 
 
 @hot
-def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by the trot; return the legs in swing, bits.
+def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """One tick of standing or walking by the trot.
 
     Without measured joints, tilt or rates it goes on by what it is told (BLIND).
     """
@@ -58,7 +58,7 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         status.flags |= BLIND
         if command.balance:
             status.flags |= NO_ATTITUDE
-    return tell_trot(planner)
+    tell_trot(planner)
 
 
 @hot
@@ -83,8 +83,8 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def tell_trot(planner: PlannerState) -> int:
-    """Write the feet, in the body, and the legs in swing to where the planner tells them; return those, bits."""
+def tell_trot(planner: PlannerState) -> None:
+    """Write the feet, in the body, and the legs in swing to where the planner tells them."""
     for at in range(JOINTS):
         planner.feet[at] = planner.trot.feet[at] >> LF_BITS
         planner.reached[at] = planner.trot.hip_feet[at]
@@ -92,7 +92,6 @@ def tell_trot(planner: PlannerState) -> int:
         planner.leg_flags[leg] = 0
     planner.status.swinging = planner.trot.state.swinging
     planner.status.margin = 0
-    return planner.trot.state.swinging
 
 
 @hot

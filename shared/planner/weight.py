@@ -43,15 +43,14 @@ def watch_weight(planner: PlannerState) -> int:
 
 
 @hot
-def ask(planner: PlannerState) -> int:
-    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands; return 1 if so."""
+def ask(planner: PlannerState) -> None:
+    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands."""
     status = planner.status
     risen = planner.params.sent_ticks + _RISEN
     if planner.sensing.known == risen:
         status.felt_q12 = planner.odometry.carried_q12
     if status.felt_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
         status.carries = 1
-    return status.carries
 
 
 @hot

@@ -222,11 +222,10 @@ def rests(attitude: Attitude, gyro_accel: Ints) -> int:
 
 
 @hot
-def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> int:
-    """Pull one component of the gravity vector by a share towards the accelerometer's; return it, Q22."""
+def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> None:
+    """Pull one component of the gravity vector by a share towards the accelerometer's."""
     off_q14 = seen_q14 - (attitude.gravity[axis] >> 8)
     attitude.gravity[axis] += off_q14 * trust_q15 >> 7
-    return attitude.gravity[axis]
 
 
 @hot
@@ -244,18 +243,17 @@ def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
 
 
 @hot
-def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> int:
-    """Move one axis's bias by its share of the turn that was missed; return it, counts Q16."""
+def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> None:
+    """Move one axis's bias by its share of the turn that was missed."""
     missed = saturate(missed_q28 >> 14, -_MISSED_MAX, _MISSED_MAX)
     learnt = missed * saturate(attitude.learn_q12, 0, 0x3FFFF) >> 12
-    return set_bias(attitude, axis, attitude.bias[axis] - learnt)
+    set_bias(attitude, axis, attitude.bias[axis] - learnt)
 
 
 @hot
-def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> int:
-    """Set one axis's bias, limited; return it, counts Q16."""
+def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> None:
+    """Set one axis's bias, limited."""
     attitude.bias[axis] = saturate(bias_q16, -_BIAS_MAX, _BIAS_MAX)
-    return attitude.bias[axis]
 
 
 @hot

@@ -39,8 +39,8 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
 
 
 @hot
-def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
-    """Follow the mean speed of the body over the feet that surely stand; return how many.
+def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
+    """Follow the mean speed of the body over the feet that surely stand.
 
     Those stand by plan, and did a tick before the goals that the joints answer: a landing tells no speed.
 
@@ -71,7 +71,6 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
         aside = saturate(aside // count - state.seen[1], -_SPEED_MAX, _SPEED_MAX)
         state.seen[0] += ahead * share_q10 + 512 >> 10
         state.seen[1] += aside * share_q10 + 512 >> 10
-    return count
 
 
 @hot

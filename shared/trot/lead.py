@@ -13,8 +13,8 @@ _CALM = const(3)  # standing, an eighth of the step
 
 
 @hot
-def share_load(params: Params, walk: Trot) -> int:
-    """Move what each foot is expected to carry towards an even share of those that stand; return that, Q12.
+def share_load(params: Params, walk: Trot) -> None:
+    """Move what each foot is expected to carry towards an even share of those that stand.
 
     Slowly while it is not to move: who has just stood up does not jerk.
     """
@@ -32,7 +32,6 @@ def share_load(params: Params, walk: Trot) -> int:
         if gap > step or gap < -step:
             gap = saturate(gap, -step, step)
         walk.load_q12[leg] += gap
-    return share
 
 
 @hot

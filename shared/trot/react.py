@@ -101,8 +101,8 @@ def may_be_late(walk: Trot, leg: int) -> int:
 
 
 @hot
-def give_way(walk: Trot, leg: int) -> int:
-    """A foot that is held up is sent half as far ahead of where it is; return how much less, lu.
+def give_way(walk: Trot, leg: int) -> None:
+    """A foot that is held up is sent half as far ahead of where it is.
 
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
     would come down short of it, and the body go on over it. Told to stop it does not push.
@@ -113,12 +113,11 @@ def give_way(walk: Trot, leg: int) -> int:
         short[leg] = -walk.residual[leg * 2]
         if walk.state.foot_speed[0]:
             short[leg] = -(walk.residual[leg * 2] >> 1)
-    return short[leg]
 
 
 @hot
-def count_held(params: Params, walk: Trot, leg: int) -> int:
-    """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+def count_held(params: Params, walk: Trot, leg: int) -> None:
+    """Begin a swing of ``leg``: was its last one held up, or the body slow?
 
     A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
     with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
@@ -149,7 +148,6 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     state.held_ticks = 0
     if speed:
         state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
-    return state.held_ticks
 
 
 @hot
@@ -214,8 +212,8 @@ def top_speed(params: Params, walk: Trot) -> int:
 
 
 @hot
-def lift_on(params: Params, walk: Trot) -> int:
-    """Count down the way to go with high swings; return the top of the next swings, lu.
+def lift_on(params: Params, walk: Trot) -> None:
+    """Count down the way to go with high swings.
 
     Where it climbs it does not get less: on stairs the feet land where their plane has them, and meet nothing.
     """
@@ -241,4 +239,3 @@ def lift_on(params: Params, walk: Trot) -> int:
         if climbs(params, walk):
             gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
-    return state.lift

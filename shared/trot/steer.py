@@ -111,8 +111,8 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> No
 
 
 @hot
-def rise(params: Params, walk: Trot, pose: Ints) -> int:
-    """Write how fast the body rises, with its pose and to its height above the standing feet; return it, lf / tick."""
+def rise(params: Params, walk: Trot, pose: Ints) -> None:
+    """Write how fast the body rises, with its pose and to its height above the standing feet."""
     state = walk.state
     total = 0
     for leg in range(LEGS):
@@ -123,4 +123,3 @@ def rise(params: Params, walk: Trot, pose: Ints) -> int:
         low = saturate(params.trot.height + pose[2] + total // state.standing, -16383, 16383)
         state.rise = (low * params.trot.raise_q16 >> 8) + (pose[2] - walk.posed[2] << LF_BITS)
     walk.posed[2] = pose[2]
-    return state.rise

@@ -87,14 +87,13 @@ def clear_setpoints(link: Link) -> None:
 
 
 @hot
-def start_session(link: Link, session: int) -> int:
+def start_session(link: Link, session: int) -> None:
     """Bind the link to the host's session 1 .. 255, on arm: SYNC of another is refused, counting starts anew.
 
     The set-points stay as they are, because arming needs fresh ones before it.
     """
     link.session = session
     link.counter = -1
-    return session
 
 
 @hot
@@ -149,14 +148,13 @@ def _accept_setpoint(link: Link, identifier: int, frame: Ints) -> int:
 
 
 @hot
-def _count_sync(link: Link, counter: int) -> int:
-    """Count the SYNC frames missed since the last one; return how many, 0 .. 255."""
+def _count_sync(link: Link, counter: int) -> None:
+    """Count the SYNC frames missed since the last one, at most 255."""
     missed = 0
     if link.counter >= 0:
         missed = (counter - link.counter - 1) & 0xFF
         link.lost_syncs = _counted(link.lost_syncs, missed)
     link.counter = counter
-    return missed
 
 
 @hot
