@@ -16,11 +16,12 @@ _RAD_BRAD = const(10430)  # 65536 / 2 pi
 
 
 @hot
-def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> int:
-    """Take tick ``tick`` of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
+def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> None:
+    """Take tick ``tick`` of the hanging leg's force into its tare."""
+    gain_q15 = params.crawl.tare_in_q15
     if tick <= params.crawl.hang_skip_ticks + 1:
-        return follow_tare(params, contact, force_q12, 0x8000)
-    return follow_tare(params, contact, force_q12, params.crawl.tare_in_q15)
+        gain_q15 = 0x8000
+    follow_tare(params, contact, force_q12, gain_q15)
 
 
 @hot

@@ -54,11 +54,9 @@ def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_br
 
 
 @hot
-def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
-    """Set one wave as commissioning has found it; return its order."""
-    return put_wave(
-        loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave]
-    )
+def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
+    """Set one wave as commissioning has found it."""
+    put_wave(loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave])
 
 
 @hot

@@ -179,14 +179,14 @@ def _age_setpoint(state: JointState, io: JointIo) -> None:
 
 
 @hot
-def _watch_setpoints(settings: JointSettings, state: JointState) -> int:
+def _watch_setpoints(settings: JointSettings, state: JointState) -> None:
     """Commission and homing take no set-points and end by themselves; everything else needs them."""
     if state.drive_state != STATE_OPERATION_ENABLED or state.purpose != MODE_OFF:
-        return 0
+        return
     if state.setpoint_age <= settings.watchdog_ticks:
-        return 0
+        return
     state.limits = state.limits | LIMIT_WATCHDOG
-    return report_cause(state, FAULT_WATCHDOG, state.setpoint_age)
+    report_cause(state, FAULT_WATCHDOG, state.setpoint_age)
 
 
 @hot
@@ -207,11 +207,11 @@ def _latches(state: JointState, io: JointIo) -> int:
 
 
 @hot
-def _enter_fault(settings: JointSettings, state: JointState) -> int:
+def _enter_fault(settings: JointSettings, state: JointState) -> None:
     """Latch the first cause; damp first if the joint was driving or damping and its sensing can be trusted."""
     drive = state.drive_state
     if drive == STATE_FAULT:
-        return drive
+        return
     if drive != STATE_FAULT_REACTION:
         state.fault_code = state.cause
         state.fault_value = state.cause_value
@@ -227,24 +227,22 @@ def _enter_fault(settings: JointSettings, state: JointState) -> int:
     else:
         state.drive_state = STATE_FAULT
     state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot
-def _react(settings: JointSettings, state: JointState) -> int:
+def _react(settings: JointSettings, state: JointState) -> None:
     """Damp for the set time; a quick stop also ends when the joint stands."""
     state.reaction_ticks += 1
     if state.drive_state == STATE_FAULT_REACTION:
         if state.reaction_ticks > settings.damp_ticks:
             state.drive_state = STATE_FAULT
-        return state.drive_state
+        return
     rate = state.velocity
     if rate < 0:
         rate = -rate
     if rate < settings.stall_rate or state.reaction_ticks > settings.quick_ticks or state.request == REQUEST_DISARM:
         _stand_down(state)
     state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot

@@ -50,20 +50,19 @@ def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState)
 
 
 @hot
-def encoder_resync(loop: CurrentLoop, state: JointState) -> int:
-    """Follow the last rejected reading after the encoder was lost, with the bridge off; return 1 if there was one.
+def encoder_resync(loop: CurrentLoop, state: JointState) -> None:
+    """Follow the last rejected reading after the encoder was lost, with the bridge off.
 
     Turns may have been missed: the joint is no longer homed.
     """
     if loop.rotor_rejected < 0:
-        return 0
+        return
     loop.rotor = loop.rotor_rejected
     loop.rotor_rejected = -1
     state.fraction = loop.rotor
     state.lag = 0
     state.rate = 0
     state.homed = 0
-    return 1
 
 
 @hot

@@ -49,31 +49,30 @@ def homing_tick(settings: JointSettings, state: JointState) -> None:
 
 
 @hot
-def homing_step(settings: JointSettings, state: JointState) -> int:
-    """Watch for the stop before each tick of the cascade; return home_rate, the rate to ask for, 0 when over.
+def homing_step(settings: JointSettings, state: JointState) -> None:
+    """Watch for the stop before each tick of the cascade; home_rate is the rate to ask for, 0 when it is over.
 
     At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then
     home_result is HOME_DONE or HOME_AMBIGUOUS; without a stop in home_limit_ticks it is HOME_NO_STOP.
     """
     state.home_rate = 0
     if state.home_result != HOME_SEEKING:
-        return 0
+        return
     if state.current_limit > settings.home_current:
         state.current_limit = settings.home_current
     state.home_ticks += 1
     if state.home_ticks > settings.home_limit_ticks:
         state.home_result = HOME_NO_STOP
-        return 0
+        return
     state.home_still_ticks += 1
     if _pushes_at_rest(settings, state) == 0:
         state.home_still_ticks = 0
     if state.home_still_ticks < settings.home_ticks:
         state.home_rate = settings.home_rate
-        return state.home_rate
+        return
     state.home_result = HOME_AMBIGUOUS
     if home_at(settings, state, settings.stop):
         state.home_result = HOME_DONE
-    return 0
 
 
 @hot

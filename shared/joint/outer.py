@@ -48,15 +48,14 @@ def keep_outer(settings: JointSettings, commission: Commission) -> None:
 
 
 @hot
-def restore_outer(settings: JointSettings, commission: Commission) -> int:
-    """Go back to them, if there are any; return 1 if so."""
+def restore_outer(settings: JointSettings, commission: Commission) -> None:
+    """Go back to them, if there are any."""
     kept = commission.kept_outer
     if kept[0] == 0:
-        return 0
+        return
     settings.velocity_p = kept[0]
     settings.velocity_i = kept[1]
     settings.damp = kept[2]
     settings.inertia = kept[3]
     settings.accel = kept[4]
     kept[0] = 0
-    return 1

@@ -39,14 +39,13 @@ def add_play(settings: JointSettings, commission: Commission, way: int) -> None:
 
 
 @hot
-def find_play(settings: JointSettings, commission: Commission) -> int:
-    """At the end of a round find the play in rc of the rotor, Q4; return the most of all rounds, -1 without encoder."""
+def find_play(settings: JointSettings, commission: Commission) -> None:
+    """At the end of a round find the play in rc of the rotor, Q4, the most of all rounds."""
     if settings.has_joint_encoder == 0:
-        return -1
+        return
     lag = 0 - commission.play_sum * commission.direction
     found = saturate(ratio(lag, saturate(commission.way, 1, 0x7FFFFF), 5), 0, _APART_MOST << 5)
     if found > commission.backlash:
         commission.backlash = found
     if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
         refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
-    return commission.backlash

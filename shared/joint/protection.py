@@ -129,19 +129,18 @@ def _check_bus(settings: JointSettings, state: JointState) -> None:
 
 
 @hot
-def _check_motion(settings: JointSettings, state: JointState) -> int:
+def _check_motion(settings: JointSettings, state: JointState) -> None:
     """Over-speed in any state; beyond the hard position limit only when driving further out."""
     rate = state.velocity
     if rate > settings.rate_trip or rate < -settings.rate_trip:
         report_cause(state, FAULT_OVER_SPEED, rate)
     if state.torque != TORQUE_DRIVE or state.homed == 0:
-        return 0
+        return
     position = state.position
     if rate > 0 and position > settings.position_max + settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
     if rate < 0 and position < settings.position_min - settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
-    return rate
 
 
 @hot

@@ -99,8 +99,8 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
 
 
 @hot
-def _add(commission: Commission, before: int, moved: int, current: int) -> int:
-    """Add the work of one tick up, from one side to the other over the middle; return it.
+def _add(commission: Commission, before: int, moved: int, current: int) -> None:
+    """Add the work of one tick up, from one side to the other over the middle.
 
     A period begins and ends where the middle is passed upwards; the first passage is waited for. Intermediates: 2^16 *
     2^11.
@@ -109,7 +109,7 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> int:
     if commission.half_swings > 1 and moved > 0 and (before ^ commission.away) < 0:
         commission.periods += 1
     if commission.periods < 0 or commission.periods == _PERIODS:
-        return 0
+        return
     commission.period_ticks += 1
     commission.impulse += current
     commission.square_way += moved * moved >> 4
@@ -127,7 +127,6 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> int:
     if commission.away > -_MIDDLE and commission.away < _MIDDLE:
         commission.square_middle += (moved * moved >> 4) * way >> 8
         commission.way_middle += way
-    return work
 
 
 @hot
@@ -180,8 +179,8 @@ def _choose_acceleration(settings: JointSettings, commission: Commission) -> Non
 
 
 @hot
-def _find_inertia(settings: JointSettings, commission: Commission) -> int:
-    """Find the inertia in cu / (rate / tick), Q12, and the gains of the velocity loop; return what refuses them."""
+def _find_inertia(settings: JointSettings, commission: Commission) -> None:
+    """Find the inertia in cu / (rate / tick), Q12, and the gains of the velocity loop, or refuse them."""
     mean = commission.impulse // saturate(commission.period_ticks, 1, _TICKS_MOST)
     pulled = (mean >> 3) * saturate(commission.way_in, -0x3FFF, 0x3FFF) >> 6
     work = commission.work_in - commission.work_out - pulled
@@ -190,8 +189,7 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> int:
     w = settings.velocity_w
     fits = set_outer_gains(settings, commission.inertia, w)
     if fits == 0 or set_outer_gains(settings, commission.inertia, w >> 1) == 0:
-        return refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
-    return 0
+        refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
 
 
 @hot

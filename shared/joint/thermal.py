@@ -21,13 +21,11 @@ _WARM_T16 = const(400)  # 25 degrees C, at which the robot file gives the resist
 
 
 @hot
-def gather_heat(loop: CurrentLoop, state: JointState) -> int:
-    """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
-    if state.heat_ticks >= 300:
-        return state.heat_sum
-    state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
-    state.heat_ticks += 1
-    return state.heat_sum
+def gather_heat(loop: CurrentLoop, state: JointState) -> None:
+    """Add this tick's i^2/256 to the sum the slow tick takes. 300 ticks at most: below 2^30."""
+    if state.heat_ticks < 300:
+        state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
+        state.heat_ticks += 1
 
 
 @hot

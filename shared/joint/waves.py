@@ -54,16 +54,17 @@ def creep_step(
 
 
 @hot
-def _begin_look(commission: Commission) -> int:
-    """Begin to look at a round's table, in a check for the waves that are checked; return PHASE_WAVES.
+def _begin_look(commission: Commission) -> None:
+    """Begin to look at a round's table, in a check for the waves that are checked.
 
     Else for multiples of the poles after a short round, for slower others after the whole turn; if no short round's
     wave has settled, for those multiples there too.
     """
+    go_on(commission, PHASE_WAVES)
     if commission.creep_part >= CREEP_WITHOUT:
         commission.wave = 0
         look_for(commission, commission.wave_order[0])
-        return go_on(commission, PHASE_WAVES)
+        return
     pairs = saturate(commission.pole_pairs, 1, 50)
     fold = saturate(commission.fold, 1, 100)
     commission.order_before = commission.wave_order[0]
@@ -73,16 +74,15 @@ def _begin_look(commission: Commission) -> int:
     commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // fold
     if commission.creep_settled:
         commission.order_last = pairs * _ORDERS >> 1
-        return go_on(commission, PHASE_WAVES)
+        return
     for wave in range(WAVES):
         commission.wave_order[wave] = 0
         commission.wave_current[wave] = 0
-    return go_on(commission, PHASE_WAVES)
 
 
 @hot
-def _take_wave(commission: Commission) -> int:
-    """Keep a wave if it is stronger than the weakest kept, or than a near one; return its amplitude in cu, Q4.
+def _take_wave(commission: Commission) -> None:
+    """Keep a wave if it is stronger than the weakest kept, or than a near one.
 
     Multiples of the poles stay as the last short round found them, because that creeps more slowly.
     """
@@ -92,7 +92,7 @@ def _take_wave(commission: Commission) -> int:
     poles = saturate(commission.pole_pairs << 1, 2, 100)
     weakest = _near(commission, order)
     if settled and (order % poles == 0 or weakest == 0):
-        return current
+        return
     if weakest < 0:
         weakest = settled
         for wave in range(settled, WAVES):
@@ -100,7 +100,6 @@ def _take_wave(commission: Commission) -> int:
                 weakest = wave
     if current > commission.wave_current[weakest]:
         _keep(commission, weakest, order, current, atan2_brad(commission.cosine_sum, commission.sine_sum))
-    return current
 
 
 @hot

@@ -55,23 +55,23 @@ def meet(planner: PlannerState, read: Ints) -> None:
 
 
 @hot
-def feel_legs(planner: PlannerState) -> int:
-    """Take what the legs of a robot tell that stands or walks; return the ticks in a row in which they did.
+def feel_legs(planner: PlannerState) -> None:
+    """Take what the legs of a robot tell that stands or walks.
 
     Where the tilt is not known it is taken as none. What is not measured tells nothing.
     """
     if planner.status.state != STANDING and planner.status.state != WALKING:
         if planner.sensing.known:
             sensing_reset(planner.sensing)
-        return 0
+        return
     if planner.sensed.valid.joints == 0:
-        return 0
+        return
     roll = 0
     pitch = 0
     if planner.sensed.valid.tilt:
         roll = saturate(planner.sensed.tilt[0], -32768, 32767)
         pitch = saturate(planner.sensed.tilt[1], -32768, 32767)
-    return sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
+    sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 
 @hot

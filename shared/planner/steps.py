@@ -94,11 +94,11 @@ def step_feet(planner: PlannerState, height_lu: int) -> None:
 
 
 @hot
-def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> int:
-    """Move the clock on; return 1 at a cycle's end: it stands if ``still``, or takes up the wanted gait if it fits."""
+def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> None:
+    """Move the clock on; at a cycle's end it stands if ``still``, or takes up the wanted gait if it fits."""
     status = planner.status
     if gait_clock(planner.gait, planner.clock) == 0:
-        return 0
+        return
     status.cycles = 1
     if still and steps_at_rest(planner.params, planner.steps):
         status.state = STANDING
@@ -106,7 +106,6 @@ def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> int
         use_gait(planner, wanted)
     else:
         use_gait(planner, status.gait)
-    return 1
 
 
 @hot

@@ -257,8 +257,8 @@ def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> None:
 
 
 @hot
-def normalise(attitude: Attitude) -> int:
-    """Scale the gravity vector to length 1 in Q22; return 0 if it is too short to have a direction.
+def normalise(attitude: Attitude) -> None:
+    """Scale the gravity vector to length 1 in Q22, unless it is too short to have a direction.
 
     Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
     """
@@ -267,7 +267,7 @@ def normalise(attitude: Attitude) -> int:
     z = attitude.gravity[2] >> 8
     size_sq = x * x + y * y + z * z
     if size_sq < 0x100000:
-        return 0
+        return
     short = 0x4000 - isqrt(size_sq)
     if short > 8 or short < -8:
         if short < -0x4000 or short > 0x2000:
@@ -275,7 +275,6 @@ def normalise(attitude: Attitude) -> int:
         for axis in range(3):
             part = attitude.gravity[axis]
             attitude.gravity[axis] = part + ((part >> 8) * short >> 6)
-    return 1
 
 
 @hot

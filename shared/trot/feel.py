@@ -15,8 +15,8 @@ _GAP_MAX = const(131071)  # lu Q4
 
 
 @hot
-def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
-    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad; return the ticks they are known.
+def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> None:
+    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad.
 
     ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
     """
@@ -26,7 +26,7 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
         for axis in range(2):
             state.seen[axis] = state.foot_speed[axis]
             state.drift_q8[axis] = 0
-        return 0
+        return
     if state.known:
         see_speed(params, walk, turned)
     if state.known > params.sent_ticks:
@@ -35,7 +35,6 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
         free_feet(params, walk)
     if state.known < 100:
         state.known += 1
-    return state.known
 
 
 @hot

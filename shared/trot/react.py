@@ -44,8 +44,8 @@ def react(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
-def held_up(params: Params, walk: Trot, leg: int) -> int:
-    """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
+def held_up(params: Params, walk: Trot, leg: int) -> None:
+    """Swing high from now on if the foot is further behind its way than its mate in the air.
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
     leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
@@ -69,13 +69,12 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
     if behind <= most or (high == 0 and behind <= most + (most * setup.late_q8 >> 8) and may_be_late(walk, leg)):
-        return 0
+        return
     walk.held[leg] = 1
     if high == 0:
         state.blocked += 1
         state.high_left = setup.high_way
         walk.tops[leg] = setup.high_lift
-    return 1
 
 
 @hot

@@ -57,14 +57,14 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
 
 
 @hot
-def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
-    """While swings are high the body waits for feet that stay behind; return by how much it slows, lf / tick.
+def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
+    """While swings are high the body waits for feet that stay behind.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
     too far from rest is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
     """
     if walk.state.high_left == 0:
-        return 0
+        return
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest
@@ -73,7 +73,6 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
     walk.state.drive[0] -= slow
-    return slow
 
 
 @hot
