@@ -31,7 +31,7 @@ from .state import (
     SWING,
     Crawl,
 )
-from .swing import lift_foot, lower_foot, start_swing, swing_foot, try_again
+from .swing import lift_foot, lower_foot, start_swing, swing_foot
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
 _FULL_Q12 = const(4096)
@@ -253,7 +253,9 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
 def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> None:
     """Lift the foot once more, to ``top``, and come down at ``x``."""
     enter(crawl, LIFT)
-    try_again(crawl.swing, x_lf, top_lf)
+    crawl.swing.tries += 1
+    crawl.swing.target[0] = x_lf
+    crawl.swing.top = top_lf
 
 
 @hot

@@ -16,14 +16,6 @@ _PRODUCT_MAX = const(0x3FFFFFFF)
 
 
 @hot
-def try_again(swing: Swing, x_lf: int, top_lf: int) -> None:
-    """Lift once more, to ``top``, aim at ``x`` and come down there."""
-    swing.tries += 1
-    swing.target[0] = x_lf
-    swing.top = top_lf
-
-
-@hot
 def brake_speed(brake: int, way_lu: int) -> int:
     """Return the speed, lf / tick, from which ``brake`` / 2 (lf / tick^2) stops within ``way`` (lu): sqrt(brake * way).
 

@@ -261,7 +261,6 @@ PROBES = (
     _stateful(contact, "corner_lift", CRAWL, LEG),
     _stateful(contact, "keep_past", CONTACT, PLACE),
     _stateful(contact, "feel_riser", CRAWL, PLACE),
-    _stateful(swing_leg, "try_again", FOOT, PLACE, PLACE),
     _stateful(swing_leg, "lift_foot", ROBOT, FOOT),
     _stateful(swing_leg, "start_swing", ROBOT, FOOT),
     _stateful(swing_leg, "swing_foot", CRAWL),
