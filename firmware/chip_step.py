@@ -106,11 +106,10 @@ def write_compares(chip, loop: CurrentLoop) -> None:
 
 
 @hot
-def bridge_on(chip) -> int:
-    """Let the outputs follow the compares; return BRIDGE_ON."""
+def bridge_on(chip) -> None:
+    """Let the outputs follow the compares."""
     c = reg32(chip)
     c[TIM1_BDTR_32] = c[TIM1_BDTR_32] | MOE
-    return BRIDGE_ON
 
 
 @hot

@@ -45,12 +45,11 @@ def set_waves(loop: CurrentLoop, settings: JointSettings) -> int:
 
 
 @hot
-def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_brad: int) -> int:
-    """Set one wave: 0 .. 511 times a turn, 0 .. 32767 cu in Q4, phase at the reading 0 in brad; return the order."""
+def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_brad: int) -> None:
+    """Set one wave: 0 .. 511 times a turn, 0 .. 32767 cu in Q4, phase at the reading 0 in brad."""
     loop.wave_order[wave] = order
     loop.wave_current[wave] = saturate(current_q4, 0, 0x7FFF)
     loop.wave_phase[wave] = (phase_brad + 32 >> 6) & _SINE_STEPS
-    return order
 
 
 @hot

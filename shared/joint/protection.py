@@ -30,15 +30,14 @@ _TICKS_MOST = const(0xFFFF)
 
 
 @hot
-def report_cause(state: JointState, code: int, value: int) -> int:
-    """Note a cause with its value; return the cause that stands in this tick.
+def report_cause(state: JointState, code: int, value: int) -> None:
+    """Note a cause with its value.
 
     The first stays, except that one which allows damping gives way to one which does not.
     """
     if state.cause == FAULT_NONE or (damps_first(state.cause) and damps_first(code) == 0):
         state.cause = code
         state.cause_value = value
-    return state.cause
 
 
 @hot

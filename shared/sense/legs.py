@@ -78,8 +78,8 @@ def keep_sent(sensing: Sensing, joints: Ints) -> None:
 @hot
 def sense_legs(
     params: Params, joints: Ints, roll_brad: int, pitch_brad: int, feet: MeasuredFeet, sensing: Sensing
-) -> int:
-    """Take 12 measured joints, update feet and forces; return the ticks known, up to 100.
+) -> None:
+    """Take 12 measured joints, update feet and forces.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
     the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
@@ -107,7 +107,6 @@ def sense_legs(
         sensing.joints[joint] = joints[joint]
     if sensing.known < 100:
         sensing.known += 1
-    return sensing.known
 
 
 @hot
