@@ -21,6 +21,7 @@ DATA = {
     "caramelo": ["py.typed"],
     "host": [f"**/*.{ending}" for ending in ("toml", "dbc", "html", "json", "js", "css", "svg", "service", "h")],
     "firmware": [f"**/*.{ending}" for ending in ("h", "c", "ld", "mk", "csv")],
+    "shared": ["*.pyi"],
     "sim2d": ["**/*.html"],
 }
 ONLY_FOR_VMS = "host/lab/parity/probe/"  # is copied to where the folders are packages of their own

@@ -128,19 +128,17 @@ def peek(chip, place: int) -> int:
 
 
 @hot
-def poke(chip, place: int, value: int) -> int:
-    """Write a register's 32 bits; return 0."""
+def poke(chip, place: int, value: int) -> None:
+    """Write a register's 32 bits."""
     c = reg32(chip)
     c[place] = value
-    return 0
 
 
 @hot
-def change(chip, place: int, mask: int, bits: int) -> int:
-    """Write ``bits`` where ``mask`` has ones, leave the rest; return 0."""
+def change(chip, place: int, mask: int, bits: int) -> None:
+    """Write ``bits`` where ``mask`` has ones, leave the rest."""
     c = reg32(chip)
     c[place] = c[place] & ~mask | bits
-    return 0
 
 
 @hot

@@ -66,12 +66,11 @@ def spi_end(chip, spi: int) -> int:
 
 
 @hot
-def settle(chip) -> int:
-    """Give a chip the time it asks for, before its select falls again and before its first clock; return 0."""
+def settle(chip) -> None:
+    """Give a chip the time it asks for, before its select falls again and before its first clock."""
     c = reg32(chip)
     for _ in range(_SELECT_POLLS):
         c[TIM5_CNT_32]
-    return 0
 
 
 @hot
@@ -90,13 +89,12 @@ def selected_word(chip, select: int, bit: int, word: int) -> int:
 
 
 @hot
-def begin_sample(chip, channel: int) -> int:
-    """Begin to convert a slow channel on ADC 1; return 0. Samples of the shunts come between and cost it time."""
+def begin_sample(chip, channel: int) -> None:
+    """Begin to convert a slow channel on ADC 1. Samples of the shunts come between and cost it time."""
     c = reg32(chip)
     c[ADC1_SQR3_32] = channel
     start = _SWSTART_HALF
     c[ADC1_CR2_32] = c[ADC1_CR2_32] | start << 1
-    return 0
 
 
 @hot

@@ -97,21 +97,19 @@ def take_samples(chip, loop: CurrentLoop, run: BoardRun) -> int:
 
 
 @hot
-def write_compares(chip, loop: CurrentLoop) -> int:
-    """Set the compares; they act from the next update event on, all at once. Return 0."""
+def write_compares(chip, loop: CurrentLoop) -> None:
+    """Set the compares; they act from the next update event on, all at once."""
     c = reg32(chip)
     c[TIM1_CCR1_32] = loop.duty[0]
     c[TIM1_CCR2_32] = loop.duty[1]
     c[TIM1_CCR3_32] = loop.duty[2]
-    return 0
 
 
 @hot
-def bridge_on(chip) -> int:
-    """Let the outputs follow the compares; return BRIDGE_ON."""
+def bridge_on(chip) -> None:
+    """Let the outputs follow the compares."""
     c = reg32(chip)
     c[TIM1_BDTR_32] = c[TIM1_BDTR_32] | MOE
-    return BRIDGE_ON
 
 
 @hot

@@ -38,18 +38,18 @@ def begin_taking(taking: Taking, at: int, length: int) -> int:
 
 
 @hot
-def take_block(chip, memory, taking: Taking, bitmap, frame, identifier: int) -> int:
-    """Program one block, number and three half words in ``frame``, unless it has come before; return what is left."""
+def take_block(chip, memory, taking: Taking, bitmap, frame, identifier: int) -> None:
+    """Program one block, number and three half words in ``frame``, unless it has come before."""
     f = ptr16(frame)
     b = ptr8(bitmap)
     number = f[0] | (identifier & BLOCK_HIGH) << 16
     if number >= taking.blocks:
         taking.bad = (taking.bad + 1) & 0x3FFFFFFF
-        return taking.left
+        return
     byte = number >> 3
     bit = 1 << (number & 7)
     if b[byte] & bit:
-        return taking.left
+        return
     place = taking.place + number * _HALVES
     unlock(chip)
     if number == taking.blocks - 1:
@@ -64,7 +64,6 @@ def take_block(chip, memory, taking: Taking, bitmap, frame, identifier: int) -> 
     lock(chip)
     b[byte] = b[byte] | bit
     taking.left -= 1
-    return taking.left
 
 
 @hot

@@ -22,8 +22,8 @@ _LOCK_SHIFT = const(2)
 
 
 @hot
-def unlock(chip) -> int:
-    """Open the controller and forget its errors; return 0."""
+def unlock(chip) -> None:
+    """Open the controller and forget its errors."""
     c = reg32(chip)
     if c[FLASH_CR_32] >> _LOCK_BIT & 1:
         high = _KEY_1_HIGH
@@ -31,16 +31,14 @@ def unlock(chip) -> int:
         high = _KEY_2_HIGH
         c[FLASH_KEYR_32] = high << 16 | _KEY_2_LOW
     c[FLASH_SR_32] = ERRORS
-    return 0
 
 
 @hot
-def lock(chip) -> int:
-    """Close the controller; return 0."""
+def lock(chip) -> None:
+    """Close the controller."""
     c = reg32(chip)
     half = _LOCK_HALF
     c[FLASH_CR_32] = half << _LOCK_SHIFT
-    return 0
 
 
 @hot

@@ -136,10 +136,10 @@ def take_frames(reader: Reader, frame, status: BoardStatus, command, sensed, dat
 
 
 @hot
-def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -> int:
-    """Take the payload of a COMMAND frame; return 1, or 0 if it has another length."""
+def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -> None:
+    """Take the payload of a COMMAND frame, unless it has another length."""
     if is_length(reader, frame, 4 * COMMAND_SIZE) == 0:
-        return 0
+        return
     command.mode = read_int30(frame, TAKEN)
     command.gait = read_int30(frame, TAKEN + 4)
     at = TAKEN + 8
@@ -152,17 +152,15 @@ def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -
     command.balance = read_int30(frame, at)
     command.height = read_int30(frame, at + 4)
     status.command_age = 0
-    return 1
 
 
 @hot
-def take_joints(reader: Reader, frame, sensed: Sensed) -> int:
-    """Take the payload of a SENSED frame; return 1, or 0 if it has another length."""
+def take_joints(reader: Reader, frame, sensed: Sensed) -> None:
+    """Take the payload of a SENSED frame, unless it has another length."""
     if is_length(reader, frame, 2 * JOINTS) == 0:
-        return 0
+        return
     read_each(frame, TAKEN, sensed.joints, 0, JOINTS)
     sensed.valid.joints = 1
-    return 1
 
 
 @hot
@@ -176,11 +174,10 @@ def is_length(reader: Reader, frame, length: int) -> int:
 
 
 @hot
-def reset(status: BoardStatus, command: Command) -> int:
-    """Drive again; what was commanded before is not obeyed after it. Return 0."""
+def reset(status: BoardStatus, command: Command) -> None:
+    """Drive again; what was commanded before is not obeyed after it."""
     status.stopped = 0
     command.mode = MODE_LIMP
-    return 0
 
 
 @hot
@@ -198,13 +195,13 @@ def tick(board: GaitBoard, fault: int) -> int:
 
 
 @hot
-def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
-    """Update the attitude, if the sensor is well; return 1 if the planner may use it."""
+def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> None:
+    """Update the attitude, if the sensor is well: the planner may use what is valid."""
     valid = sensed.valid
     valid.tilt = 0
     valid.turned = 0
     if fault:
-        return 0
+        return
     aligning = attitude_step(attitude, counts) & ALIGNING
     if aligning == 0:
         valid.tilt = 1
@@ -213,12 +210,11 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> int:
         sensed.turned[axis] = attitude.turned[axis]
     sensed.tilt[0] = attitude.roll
     sensed.tilt[1] = attitude.pitch
-    return valid.tilt
 
 
 @hot
-def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> int:
-    """Turn the command as received into what the planner may do now; return its mode."""
+def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> None:
+    """Turn the command as received into what the planner may do now."""
     repeat_command(command, obeyed)
     if status.stopped:
         obeyed.mode = MODE_LIMP
@@ -228,7 +224,6 @@ def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> 
         obeyed.balance = 0
         for axis in range(3):
             obeyed.speed[axis] = command.speed[axis] >> 1
-    return obeyed.mode
 
 
 @hot
@@ -258,8 +253,8 @@ def write_setpoints(frame, status: BoardStatus, planned: Status, joints) -> int:
 
 
 @hot
-def write_reading(frame, status: BoardStatus, fault: int, counts) -> int:
-    """Write the READING frame; return its length."""
+def write_reading(frame, status: BoardStatus, fault: int, counts) -> None:
+    """Write the READING frame."""
     at = put(frame, PAYLOAD, status.question, 1)
     at = put(frame, at, fault, 1)
-    return close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))
+    close_frame(frame, READING, put_each(frame, at, counts, _COUNTS, 2))

@@ -77,8 +77,8 @@ def take_frame(link: Link, io: JointIo, came: int, frame) -> int:
 
 
 @hot
-def use_setpoint(link: Link, io: JointIo) -> int:
-    """Copy the latched set-point to where the control reads it; only this feeds the watchdog. Return its mode."""
+def use_setpoint(link: Link, io: JointIo) -> None:
+    """Copy the latched set-point to where the control reads it; only this feeds the watchdog."""
     mode = link.mode
     velocity = KIND_VELOCITY_FEEDFORWARD
     if mode == KIND_VELOCITY + 1:
@@ -93,7 +93,6 @@ def use_setpoint(link: Link, io: JointIo) -> int:
     io.stiffness = link.latched[KIND_STIFFNESS]
     io.damping = link.latched[KIND_DAMPING]
     io.sequence = (io.sequence + 1) & _MASK
-    return mode
 
 
 @hot

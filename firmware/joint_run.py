@@ -111,23 +111,21 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
 
 
 @hot
-def note_fault(run: BoardRun, io: JointIo, code: int, value: int) -> int:
-    """Report a fault of the hardware; the first stands until it has not been raised for 20 ms. Return that."""
+def note_fault(run: BoardRun, io: JointIo, code: int, value: int) -> None:
+    """Report a fault of the hardware; the first stands until it has not been raised for 20 ms."""
     if io.hardware_fault == FAULT_NONE:
         io.hardware_fault = code
         io.hardware_value = value
     if io.hardware_fault == code:
         run.hold_ms = _HOLD_MS
-    return io.hardware_fault
 
 
 @hot
-def note_stop(run: BoardRun, io: JointIo) -> int:
-    """Take an emergency stop; return BRIDGE_OFF."""
+def note_stop(run: BoardRun, io: JointIo) -> None:
+    """Take an emergency stop."""
     run.bridge = 0
     run.e_stop_ms = _E_STOP_MS
     io.e_stop = 1
-    return BRIDGE_OFF
 
 
 @hot
@@ -159,8 +157,8 @@ def take_motion(
 @hot
 def _watch_joint_encoder(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, run: BoardRun
-) -> int:
-    """Count what the joint's encoder left unanswered, get ready once offsets are measured; return hardware_ready.
+) -> None:
+    """Count what the joint's encoder left unanswered, get ready once offsets are measured.
 
     An encoder that does not answer is a fault, from when the offsets are measured on: by then it has started.
     """
@@ -173,22 +171,20 @@ def _watch_joint_encoder(
     io.hardware_ready = run.ready
     if settings.has_joint_encoder and run.ready and run.invalid_ms > INVALID_MS:
         note_fault(run, io, FAULT_JOINT_ENCODER_LOST, run.invalid_ms)
-    return io.hardware_ready
 
 
 @hot
-def _take_offsets(loop: CurrentLoop, settings: JointSettings, io: JointIo, run: BoardRun) -> int:
-    """Use the offsets measured with the bridge off and return 1, or refuse to become ready and return 0."""
+def _take_offsets(loop: CurrentLoop, settings: JointSettings, io: JointIo, run: BoardRun) -> None:
+    """Use the offsets measured with the bridge off, or refuse to become ready."""
     for phase in range(3):
         mean = run.raw_sum[phase] // OFFSET_STEPS
         if mean < 2048 - settings.offset_spread or mean > 2048 + settings.offset_spread:
             run.offset_steps = -1
             note_fault(run, io, FAULT_CURRENT_SENSE, mean - 2048)
-            return 0
+            return
     shift = OFFSET_STEPS // 16
     set_offsets(loop, run.raw_sum[0] // shift, run.raw_sum[1] // shift, run.raw_sum[2] // shift)
     run.ready = 1
-    return 1
 
 
 @hot

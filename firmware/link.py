@@ -79,7 +79,8 @@ def next_frame(reader: Reader, frame, data, count: int) -> int:
             f[at - 2] = byte
             at += 1
             if at == 4 and byte > LARGEST:
-                at = _drop(reader)
+                _drop(reader)
+                at = 0
             elif at >= 4 and at == f[1] + OVERHEAD:
                 at = 0
                 kind = _checked(reader, frame)
@@ -107,14 +108,14 @@ def _checked(reader: Reader, frame) -> int:
     end = f[1] + TAKEN
     if crc16(frame, 0, end) == f[end] | f[end + 1] << 8:
         return f[0]
-    return _drop(reader)
+    _drop(reader)
+    return 0
 
 
 @hot
-def _drop(reader: Reader) -> int:
-    """Count a broken frame; return 0."""
+def _drop(reader: Reader) -> None:
+    """Count a broken frame."""
     reader.broken = (reader.broken + 1) & _MASK
-    return 0
 
 
 @hot
@@ -170,11 +171,10 @@ def read_int30(data, at: int) -> int:
 
 
 @hot
-def read_each(data, at: int, values: Ints, start: int, count: int) -> int:
-    """Write ``count`` signed 16-bit numbers from ``at`` on into values[start:]; return 0."""
+def read_each(data, at: int, values: Ints, start: int, count: int) -> None:
+    """Write ``count`` signed 16-bit numbers from ``at`` on into values[start:]."""
     for i in range(count):
         values[start + i] = read_int16(data, at + 2 * i)
-    return 0
 
 
 def int_block(size):

@@ -27,7 +27,7 @@ _INSIDE = Path(*PACKAGE.split("."), "planner", "planner.py")
 def sources_id(root: Path = ROOT) -> str:
     """Return what names the core made of ``root``/shared by this Python."""
     total = hashlib.sha256(f"{sysconfig.get_config_var('SOABI') or sys.version} {PACKAGE}".encode())
-    files = [(root, path) for path in sorted((root / "shared").rglob("*.py"))]
+    files = [(root, path) for path in sorted((root / "shared").rglob("*.py*")) if path.suffix in (".py", ".pyi")]
     for top, path in files + [(ROOT, ROOT / "host/boards/build" / name) for name in _RULES]:
         total.update(path.relative_to(top).as_posix().encode() + b"\0" + path.read_bytes())
     return total.hexdigest()[:16]

@@ -8,7 +8,7 @@ from firmware import link
 def frame(kind: int, values: Sequence[int] = (), size: int = 1) -> bytes:
     """Return the frame with these numbers as payload, each of ``size`` bytes."""
     made = bytearray(link.OVERHEAD + size * len(values))
-    end = link.put_each(made, link.PAYLOAD, values, len(values), size)
+    end = link.put_each(made, link.PAYLOAD, list(values), len(values), size)
     link.close_frame(made, kind, end)
     return bytes(made)
 

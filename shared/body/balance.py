@@ -30,39 +30,36 @@ class Balance:
 
 
 @hot
-def balance_setup(params: Params, balance: Balance) -> int:
-    """Take the robot's gains and limits and clear the state; return 0."""
+def balance_setup(params: Params, balance: Balance) -> None:
+    """Take the robot's gains and limits and clear the state."""
     setup_pid(params, balance.roll)
     setup_pid(params, balance.pitch)
     balance_reset(balance)
-    return 0
 
 
 @hot
-def setup_pid(params: Params, pid: Pid) -> int:
-    """Take the robot's gains and limits for one controller; return 0."""
+def setup_pid(params: Params, pid: Pid) -> None:
+    """Take the robot's gains and limits for one controller."""
     gains = params.gains
     pid.kp_q12 = gains.kp_q12
     pid.ki_q16 = gains.ki_q16
     pid.kd_q10 = gains.kd_q10
     pid.integral_max = params.integral_max
     pid.output_max = params.balance_max
-    return 0
 
 
 @hot
-def balance_reset(balance: Balance) -> int:
-    """Forget what both controllers have learnt and correct by nothing; return 0."""
+def balance_reset(balance: Balance) -> None:
+    """Forget what both controllers have learnt and correct by nothing."""
     pid_reset(balance.roll)
     pid_reset(balance.pitch)
     balance.correction.roll = 0
     balance.correction.pitch = 0
-    return 0
 
 
 @hot
-def balance_release(balance: Balance, step: int) -> int:
-    """Let the correction fade by at most ``step`` brad (>= 0) and forget the rest; return 0.
+def balance_release(balance: Balance, step: int) -> None:
+    """Let the correction fade by at most ``step`` brad (>= 0) and forget the rest.
 
     For a tick without balance: an abrupt end of the correction would jerk the body.
     """
@@ -71,12 +68,11 @@ def balance_release(balance: Balance, step: int) -> int:
     pid_reset(balance.pitch)
     correction.roll -= saturate(correction.roll, -step, step)
     correction.pitch -= saturate(correction.pitch, -step, step)
-    return 0
 
 
 @hot
-def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) -> int:
-    """Update the correction from the commanded ``pose`` and the measured angles; return 0.
+def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) -> None:
+    """Update the correction from the commanded ``pose`` and the measured angles.
 
     pose: POSE_SIZE values, brad angles; roll_brad, pitch_brad: within +-32768. The corrections'
     sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
@@ -98,4 +94,3 @@ def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) 
         pitch = mul_q15(pitch, share_q15)
     balance.correction.roll = roll
     balance.correction.pitch = pitch
-    return 0

@@ -43,8 +43,8 @@ def sag(torque_lu: int, give_q16: int) -> int:
 
 
 @hot
-def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> int:
-    """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot; return 0.
+def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> None:
+    """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot.
 
     foot: 12 lu, from each hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
     fx, fy, fz: the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to
@@ -78,4 +78,3 @@ def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q
     else:
         joints[at + 1] += sag(above + below, params.sag_q16[1])
         joints[at + 2] += sag(below, params.sag_q16[2])
-    return 0

@@ -20,8 +20,8 @@ LIMIT_CALF = const(32)
 
 
 @hot
-def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
-    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``; return 0.
+def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> None:
+    """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``.
 
     joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
     Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
@@ -40,12 +40,11 @@ def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> int:
     cosine = cos_q15(joints[at])
     feet[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
     feet[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
-    return 0
 
 
 @hot
-def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
-    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``; return d^2 (lu^2, below).
+def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> None:
+    """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``.
 
     feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
     outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
@@ -80,7 +79,6 @@ def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> int:
     joints[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
     joints[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
     joints[at + 2] = round_brad(bend)
-    return length_sq
 
 
 @hot

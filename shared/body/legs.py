@@ -30,8 +30,8 @@ _HALF = const(0x8000)
 
 
 @hot
-def legs_waves(joints: Ints, waves: Ints) -> int:
-    """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad; return 0.
+def legs_waves(joints: Ints, waves: Ints) -> None:
+    """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad.
 
     Each as sin_q15 and cos_q15, the same lines twice: in an inner loop they take a third longer on CPython.
     """
@@ -59,12 +59,11 @@ def legs_waves(joints: Ints, waves: Ints) -> int:
         if angle & _HALF:
             value = -value
         waves[joint + JOINTS] = value
-    return 0
 
 
 @hot
-def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> int:
-    """Write the four feet in the body, 12 lu, for 12 joints in brad (any value); return 0.
+def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> None:
+    """Write the four feet in the body, 12 lu, for 12 joints in brad (any value).
 
     ``waves`` gets what legs_waves makes of the joints. Error as leg_forward. Intermediates below 32767 * 32767 + 2^14.
     """
@@ -83,7 +82,6 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> int:
         feet[at + 1] = limb.hip[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
         feet[at + 2] = limb.hip[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
         at += 3
-    return 0
 
 
 @hot
@@ -142,8 +140,8 @@ def in_shell(params: Params, leg: int, hip_feet: Ints) -> int:
 
 
 @hot
-def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> int:
-    """Write what the joints' arctangents are taken of, and take them; return 0. Part of legs_inverse.
+def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> None:
+    """Write what the joints' arctangents are taken of, and take them. Part of legs_inverse.
 
     Of the hip: one arctangent of the product of two complex numbers. Of the thigh: towards the foot. Of the calf: half
     its bend. The lead of the thigh before the foot's direction is half the bend too where thigh and calf are equal.
@@ -170,12 +168,12 @@ def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> int:
             rises[leg + 3 * LEGS] = roots[leg] * roots[leg + LEGS] >> 1
             runs[leg + 3 * LEGS] = (work.lengths[leg] >> 1) + limb.half_diff
         at += 3
-    return arctans_brad18(work.rises, work.runs, work.turns, count)
+    arctans_brad18(work.rises, work.runs, work.turns, count)
 
 
 @hot
-def finish_turns(params: Params, work: LegsWork, joints: Ints) -> int:
-    """Write the joints from the arctangents; return 0. Part of legs_inverse."""
+def finish_turns(params: Params, work: LegsWork, joints: Ints) -> None:
+    """Write the joints from the arctangents. Part of legs_inverse."""
     turns = work.turns
     at = 0
     for leg in range(LEGS):
@@ -191,4 +189,3 @@ def finish_turns(params: Params, work: LegsWork, joints: Ints) -> int:
         joints[at + 1] = ((2 - turns[at + 1] - lead >> 2) + _HALF & 0xFFFF) - _HALF
         joints[at + 2] = ((bend + 2 >> 2) + _HALF & 0xFFFF) - _HALF
         at += 3
-    return 0

@@ -115,8 +115,8 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
 
 
 @hot
-def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
-    """Write how the share grows along x and y so that its middle is at the centre of mass; return 0.
+def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> None:
+    """Write how the share grows along x and y so that its middle is at the centre of mass.
 
     Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
     take the part along the line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF.
@@ -141,4 +141,3 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> int:
     det = (det >> 14) + 1
     block.along[0] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
     block.along[1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
-    return 0

@@ -32,8 +32,8 @@ def mul_unit(a_q15: int, b_q15: int) -> int:
 
 
 @hot
-def body_rotation(pose: Ints, rotation: Ints) -> int:
-    """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``; return 0.
+def body_rotation(pose: Ints, rotation: Ints) -> None:
+    """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``.
 
     pose: POSE_SIZE values, angles in brad, any value. Each entry is within 2.5 LSB of Q14
     (1.5e-4). Intermediates below 2^30.
@@ -55,12 +55,11 @@ def body_rotation(pose: Ints, rotation: Ints) -> int:
     rotation[6] = (mul_unit(sa, sg) - mul_unit(casb, cg) + 1) >> 1
     rotation[7] = (mul_unit(sa, cg) + mul_unit(casb, sg) + 1) >> 1
     rotation[8] = (mul_unit(ca, cb) + 1) >> 1
-    return 0
 
 
 @hot
-def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints) -> int:
-    """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9); return 0.
+def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints) -> None:
+    """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9).
 
     feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
     to +-65535 lu an axis. Error at most 0.08 mm at the foot for Caramelo and Parallel.
@@ -81,4 +80,3 @@ def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints
     hip_feet[at + 1] = turned - hip[1]
     turned = (x * rotation[2] + 0x2000 >> 14) + (y * rotation[5] + 0x2000 >> 14) + (z * rotation[8] + 0x2000 >> 14)
     hip_feet[at + 2] = turned - hip[2]
-    return 0

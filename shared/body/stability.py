@@ -74,14 +74,13 @@ def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
 
 
 @hot
-def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> int:
-    """Move ``point`` (x, y in lu) until it is ``margin`` inside every edge of the support; return its margin.
+def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> None:
+    """Move ``point`` (x, y in lu) until it is ``margin`` inside every edge of the support.
 
     Moves square to the most violated edge, at most 8 times: near the closest such point, or, where the
     polygon has no room for the margin, near its middle. Feet and point within +-32767 lu, margin 0 .. 32767.
     Intermediates: 2 * 32767 * 8191 in the move.
     """
-    least = 0
     for _ in range(8):
         least = 0x1FFFF
         one = 0
@@ -96,11 +95,10 @@ def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> int:
                     one = leg
                     other = then
         if least >= margin - 4 or one == other:
-            return least
+            return
         along_x = feet[other * 3] - feet[one * 3] >> 3
         along_y = feet[other * 3 + 1] - feet[one * 3 + 1] >> 3
         length = hypot(along_x, along_y) + 1
         short = saturate(margin - least + 3, 0, 32767)
         point[0] = saturate(point[0] - along_y * short // length, -32767, 32767)
         point[1] = saturate(point[1] + along_x * short // length, -32767, 32767)
-    return least

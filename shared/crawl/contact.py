@@ -8,34 +8,20 @@ from ..body.params import LF_BITS, RR, Params
 from ..body.pose import POSE_PITCH, POSE_ROLL
 from ..num.filters import fraction
 from ..num.fixed import saturate
-from ..record import field, record, vector
-from ..runtime import Ints, const, hot
-from .map import Map
-from .pose import BodyPath
-from .swing import Swing
+from ..runtime import const, hot
+from .state import PAST_SIZE, Contact, Crawl
 
-PAST_SIZE = const(32)  # ticks
 _MOST_RISERS = const(2)
 _RAD_BRAD = const(10430)  # 65536 / 2 pi
 
 
-@record
-class Contact:
-    """What the leg in the air feels."""
-
-    tare_q12: int = field("own weight", "force that it reads without contact")
-    load_ticks: int = field("ticks", "with load, in a row")
-    peak: int = field("", "1: more than the least of a contact in one of them")
-    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
-    past_at: int = field("", "where the last is")
-
-
 @hot
-def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> int:
-    """Take tick ``tick`` of the hanging leg's force into its tare; return the tare, Q12 of the own weight."""
+def take_tare(params: Params, contact: Contact, force_q12: int, tick: int) -> None:
+    """Take tick ``tick`` of the hanging leg's force into its tare."""
+    gain_q15 = params.crawl.tare_in_q15
     if tick <= params.crawl.hang_skip_ticks + 1:
-        return follow_tare(params, contact, force_q12, 0x8000)
-    return follow_tare(params, contact, force_q12, params.crawl.tare_in_q15)
+        gain_q15 = 0x8000
+    follow_tare(params, contact, force_q12, gain_q15)
 
 
 @hot
@@ -51,11 +37,10 @@ def follow_tare(params: Params, contact: Contact, force_q12: int, gain_q15: int)
 
 
 @hot
-def start_contact(contact: Contact) -> int:
-    """Begin to feel for the ground; return 0."""
+def start_contact(contact: Contact) -> None:
+    """Begin to feel for the ground."""
     contact.load_ticks = 0
     contact.peak = 0
-    return 0
 
 
 @hot
@@ -79,12 +64,15 @@ def feel_ground(params: Params, contact: Contact, force_q12: int) -> int:
 
 
 @hot
-def corner_lift(params: Params, map: Map, path: BodyPath, leg: int) -> int:
+def corner_lift(crawl: Crawl, leg: int) -> int:
     """Return by how much the body's corner over ``leg`` is above its plan, lu: pushed up from below.
 
     Pitch lowers the front, roll raises the left. Angles limited to +-4096 brad. Largest intermediate
     2 * 32767 * 4096 < 2^29.
     """
+    params = crawl.params
+    map = crawl.map
+    path = crawl.path
     nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
     left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
     lift = nose_up * params.crawl.half_length
@@ -98,23 +86,25 @@ def corner_lift(params: Params, map: Map, path: BodyPath, leg: int) -> int:
 
 
 @hot
-def keep_past(contact: Contact, x_lf: int) -> int:
-    """Keep where the foot is sent in this tick, for the riser; return its place in the ring."""
+def keep_past(contact: Contact, x_lf: int) -> None:
+    """Keep where the foot is sent in this tick, for the riser."""
     at = contact.past_at + 1
     if at >= PAST_SIZE:
         at = 0
     contact.past[at] = x_lf
     contact.past_at = at
-    return at
 
 
 @hot
-def feel_riser(params: Params, contact: Contact, swing: Swing, seen_x_lf: int, tick: int) -> int:
+def feel_riser(crawl: Crawl, seen_x_lf: int) -> int:
     """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains.
 
-    tick: of its way across; seen_x: where the measured joints have it, lf.
+    seen_x: where the measured joints have it, lf.
     """
-    if tick <= params.crawl.riser_skip_ticks or swing.risers >= _MOST_RISERS or swing.limited:
+    params = crawl.params
+    contact = crawl.contact
+    swing = crawl.swing
+    if crawl.stage.stage_tick <= params.crawl.riser_skip_ticks or swing.risers >= _MOST_RISERS or swing.limited:
         return 0
     at = contact.past_at - params.crawl.goal_lag_ticks
     if at < 0:

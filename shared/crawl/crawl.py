@@ -12,14 +12,12 @@ from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
-from .contact import PAST_SIZE, Contact
-from .footholds import Footholds, follow_front_feet, footholds_start
+from .footholds import follow_front_feet, footholds_start
 from .goals import bridge, legs_goals, plan_loads
-from .map import Map, Support, fit_body, follow_slips, roll_feet
-from .pose import BodyPath, hold_pose
-from .state import Crawl
+from .map import fit_body, follow_slips, roll_feet
+from .pose import hold_pose
+from .state import PAST_SIZE, Crawl, Map, Support
 from .steps import start_stages, take_stage
-from .swing import Swing
 
 _OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
@@ -30,8 +28,8 @@ _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empt
 @hot
 def crawl_start(
     crawl: Crawl, sensing: Sensing, joints: Ints, goals: Ints, roll_brad: int, pitch_brad: int
-) -> int:
-    """Take over a robot that stands on all four feet as it stands; return 0. sensing: as sense_legs left it.
+) -> None:
+    """Take over a robot that stands on all four feet as it stands. sensing: as sense_legs left it.
 
     joints: 12 measured brad within +-32768; goals: the 12 brad sent last. The map begins under the body,
     z = 0 at the mean of the feet; the goals do not jump.
@@ -41,17 +39,16 @@ def crawl_start(
     forget(crawl)
     start_map(crawl, sensing, joints, roll_brad, pitch_brad)
     start_support(sensing, crawl.support)
-    footholds_start(crawl.params, crawl.map, crawl.footholds)
+    footholds_start(crawl)
     start_stages(crawl)
-    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    plan_loads(crawl)
     for leg in range(LEGS):
         bridge(crawl, leg, 0)
-    return 0
 
 
 @hot
-def forget(crawl: Crawl) -> int:
-    """Put back what a step does not set anew; return 0."""
+def forget(crawl: Crawl) -> None:
+    """Put back what a step does not set anew."""
     support = crawl.support
     for leg in range(LEGS):
         support.stance[leg] = 0
@@ -66,19 +63,18 @@ def forget(crawl: Crawl) -> int:
     crawl.stage.ahead = 0
     crawl.event.code = 0
     crawl.event.number = 0
-    return 0
 
 
 @hot
-def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> int:
-    """Begin the map under the body, and the body's path where it is; return 0. Arguments as crawl_start."""
+def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitch_brad: int) -> None:
+    """Begin the map under the body, and the body's path where it is. Arguments as crawl_start."""
     map = crawl.map
     path = crawl.path
     level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
     for axis in range(POSE_SIZE):
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
-    roll_feet(crawl.params, joints, crawl.support, crawl.map)
+    roll_feet(crawl, joints)
     for at in range(JOINTS):
         map.feet[at] = sensing.level[at] << LF_BITS
         if at % 3 == 2:
@@ -88,12 +84,11 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
         path.wanted[axis] = map.body_pose[axis]
         path.lagged[axis] = map.body_pose[axis]
         path.commanded[axis] = map.body_pose[axis]
-    return 0
 
 
 @hot
-def start_support(sensing: Sensing, support: Support) -> int:
-    """All legs stand and carry what they are felt to; return 0."""
+def start_support(sensing: Sensing, support: Support) -> None:
+    """All legs stand and carry what they are felt to."""
     total = 0
     for leg in range(LEGS):
         support.stance[leg] = 1
@@ -101,17 +96,15 @@ def start_support(sensing: Sensing, support: Support) -> int:
         total += sensing.force_q12[leg]
     support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     support.weight_q20 = support.weight_q12 << 8
-    return 0
 
 
 @hot
-def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> int:
-    """Take the body's measured tilt; in the plane it does not roll. Returns 0."""
+def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> None:
+    """Take the body's measured tilt; in the plane it does not roll."""
     map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
     map.body_pose[POSE_ROLL] = 0
     if params.lateral_q12:
         map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
-    return 0
 
 
 @hot
@@ -126,27 +119,26 @@ def crawl_tick(
     """
     estimate(crawl, sensing, measured, roll_brad, pitch_brad)
     take_stage(crawl, ahead_lf)
-    hold_pose(crawl.params, crawl.map, crawl.support, crawl.path)
-    plan_loads(crawl.params, crawl.map, crawl.path, crawl.support, crawl.feet, crawl.weights, crawl.load)
+    hold_pose(crawl)
+    plan_loads(crawl)
     return legs_goals(crawl, joints)
 
 
 @hot
-def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> int:
-    """Bring the map, the forces and the weight up to date with what is measured; return 0."""
+def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> None:
+    """Bring the map, the forces and the weight up to date with what is measured."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     rebase(crawl)
-    roll_feet(crawl.params, measured, crawl.support, crawl.map)
-    fit_body(crawl.params, sensing, crawl.support, crawl.map)
-    follow_slips(crawl.params, crawl.support, crawl.map)
-    follow_front_feet(crawl.support, crawl.map, crawl.footholds)
+    roll_feet(crawl, measured)
+    fit_body(crawl, sensing)
+    follow_slips(crawl)
+    follow_front_feet(crawl)
     weigh(crawl.params, sensing, crawl.support)
-    return 0
 
 
 @hot
-def weigh(params: Params, sensing: Sensing, support: Support) -> int:
-    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is; return 0."""
+def weigh(params: Params, sensing: Sensing, support: Support) -> None:
+    """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is."""
     total = 0
     for leg in range(LEGS):
         force = support.force_q12[leg]
@@ -159,7 +151,6 @@ def weigh(params: Params, sensing: Sensing, support: Support) -> int:
     support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
     support.heavy_q12 = saturate(payload * 2, 0, 4096)
-    return 0
 
 
 @hot
@@ -182,24 +173,25 @@ def rebase(crawl: Crawl) -> int:
         y = 0
         if x <= far and x >= -far and z <= far and z >= -far:
             return 0
-    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 0, x)
+    move_origin(crawl, 0, x)
     if y:
-        move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 1, y)
-    move_origin(crawl.map, crawl.footholds, crawl.path, crawl.swing, crawl.contact, 2, z)
+        move_origin(crawl, 1, y)
+    move_origin(crawl, 2, z)
     return 1
 
 
 @hot
-def move_origin(
-    map: Map, footholds: Footholds, path: BodyPath, swing: Swing, contact: Contact, axis: int, by: int
-) -> int:
-    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z); return 0."""
+def move_origin(crawl: Crawl, axis: int, by: int) -> None:
+    """Move the map's origin by ``by`` (lf) along ``axis`` (0 x, 1 y, 2 z)."""
+    map = crawl.map
+    path = crawl.path
+    swing = crawl.swing
     map.body_pose[axis] -= by
     for at in range(axis, JOINTS, 3):
         map.feet[at] -= by
         map.seen[at] -= by
     for at in range(axis, JOINTS * 2, 3):
-        footholds.places[at] -= by
+        crawl.footholds.places[at] -= by
     path.wanted[axis] -= by
     path.from_pose[axis] -= by
     path.to_pose[axis] -= by
@@ -214,5 +206,4 @@ def move_origin(
         swing.top -= by
     if axis == 0:
         for at in range(PAST_SIZE):
-            contact.past[at] -= by
-    return 0
+            crawl.contact.past[at] -= by

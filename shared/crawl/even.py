@@ -3,45 +3,39 @@
 On such ground the crawl gives way to the trot, and meanwhile expects its next step on that slope.
 """
 
-from ..body.params import LEGS, LF_BITS, RR, Params
+from ..body.params import LEGS, LF_BITS, RR
 from ..num.fixed import saturate
-from ..record import field, record
 from ..runtime import const, hot
-from .map import Map, front_to_hind
-from .swing import Swing
+from .map import front_to_hind
+from .state import Crawl, Evenness, Map
 
 LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
 _SURE = const(3)  # landings on a slope until the next is expected there
 
 
-@record
-class Evenness:
-    """How even the ground has been."""
-
-    landed: int = field("", "legs that have landed since the start")
-    even_steps: int = field("", "legs that have landed in a row on even ground")
-
-
 @hot
-def note_landing(params: Params, map: Map, swing: Swing, even: Evenness, leg: int) -> int:
+def note_landing(crawl: Crawl, leg: int) -> int:
     """Note whether the ground is even where ``leg`` has landed; return for how many landings it has been.
 
     Even is within a third of a drop's depth (8 mm of a leg of 240 mm) of a slope along the way: the trot's own
     measure.
     """
+    even = crawl.even
     even.landed = even.landed + 1 & 0xFFFFFF
     even.even_steps += 1
-    if off_even(map, swing, leg) > params.crawl.drop_depth // 3:
+    if off_even(crawl, leg) > crawl.params.crawl.drop_depth // 3:
         even.even_steps = 0
     return even.even_steps
 
 
 @hot
-def off_even(map: Map, swing: Swing, leg: int) -> int:
+def off_even(crawl: Crawl, leg: int) -> int:
     """Return how far the footholds' heights spread about their slope, and a front ``leg``'s step is off it, lu.
 
     A robot astride an edge stands on a slope too, but its front feet do not go on along it.
     """
+    map = crawl.map
+    swing = crawl.swing
     dx = feet_length(map)
     dz = feet_rise(map)
     low = 0x1FFFF
@@ -95,15 +89,15 @@ def off_slope(ahead_lf: int, rise_lf: int, dx: int, dz: int) -> int:
 
 
 @hot
-def expected_rise(params: Params, map: Map, even: Evenness, ahead_lf: int) -> int:
+def expected_rise(crawl: Crawl, ahead_lf: int) -> int:
     """Return by how much the ground is expected to rise over ``ahead`` (at most +-65532 lu), lf; 0 unless it slopes.
 
     It slopes if the last landings were even and the rise is above a sixth of a drop (4 mm of a leg of 240 mm).
     """
-    if even.even_steps < _SURE:
+    if crawl.even.even_steps < _SURE:
         return 0
-    rise = -off_slope(ahead_lf, 0, feet_length(map), feet_rise(map))
-    least = params.crawl.drop_depth // 6
+    rise = -off_slope(ahead_lf, 0, feet_length(crawl.map), feet_rise(crawl.map))
+    least = crawl.params.crawl.drop_depth // 6
     if rise < least and rise > -least:
         return 0
     return saturate(rise, -16383, 16383) << LF_BITS

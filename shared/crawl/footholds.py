@@ -6,33 +6,23 @@ of at most four. A front foot goes half a stride beyond the other front foot.
 
 from ..body.params import FL, FR, LF_BITS, RR, Params
 from ..num.fixed import saturate
-from ..record import record, vector
-from ..runtime import Ints, const, hot
-from .even import Evenness, expected_rise
-from .map import Map, Support
-from .swing import Swing
+from ..runtime import const, hot
+from .even import expected_rise
+from .state import Crawl, Footholds, Map
 
 MOST_FOOTHOLDS = const(4)
 _SIDE = const(12)  # values of a side's queue
 
 
-@record
-class Footholds:
-    """Footholds to come of the hind feet, of the right side and of the left."""
-
-    places: Ints = vector(24, "lf", "x y z of at most four of each side, the oldest first")
-    waiting: Ints = vector(2, "", "how many there are")
-    guessed: Ints = vector(2, "", "how many of the oldest no front foot has stood on")
-    taken: Ints = vector(2, "", "1: the front foot of the side still stands on the last")
-
-
 @hot
-def footholds_start(params: Params, map: Map, footholds: Footholds) -> int:
-    """Lay the first footholds between hind and front foot of each side, as if the robot had come that way; return 0.
+def footholds_start(crawl: Crawl) -> None:
+    """Lay the first footholds between hind and front foot of each side, as if the robot had come that way.
 
     Right: 1/3, 2/3 and 3/3 of the way from the hind to the front foot; left: 1/6, 3/6, 5/6, half a stride on.
     Their heights lie on the line between the two feet.
     """
+    map = crawl.map
+    footholds = crawl.footholds
     for side in range(2):
         front = side * 3
         hind = front + RR * 3
@@ -42,12 +32,11 @@ def footholds_start(params: Params, map: Map, footholds: Footholds) -> int:
             sixths = 2 * place + 2 - side
             at = side * _SIDE + place * 3
             footholds.places[at] = map.feet[hind] + gap_x * sixths // 6
-            footholds.places[at + 1] = foothold_line(params, side)
+            footholds.places[at + 1] = foothold_line(crawl.params, side)
             footholds.places[at + 2] = map.feet[hind + 2] + gap_z * sixths // 6
         footholds.waiting[side] = 3
         footholds.guessed[side] = 2 + side
         footholds.taken[side] = 1 - side
-    return 0
 
 
 @hot
@@ -78,41 +67,44 @@ def foothold_keep(map: Map, footholds: Footholds, side: int) -> int:
 
 
 @hot
-def follow_front_feet(support: Support, map: Map, footholds: Footholds) -> int:
-    """Let the footholds on which front feet stand follow them in the map; return 0."""
+def follow_front_feet(crawl: Crawl) -> None:
+    """Let the footholds on which front feet stand follow them in the map."""
+    footholds = crawl.footholds
     for side in range(2):
-        if support.stance[side] and footholds.taken[side] and footholds.waiting[side]:
-            foothold_keep(map, footholds, side)
-    return 0
+        if crawl.support.stance[side] and footholds.taken[side] and footholds.waiting[side]:
+            foothold_keep(crawl.map, footholds, side)
 
 
 @hot
-def foothold_drop(footholds: Footholds, side: int) -> int:
-    """Forget the oldest foothold of a side; return how many are left."""
+def foothold_drop(footholds: Footholds, side: int) -> None:
+    """Forget the oldest foothold of a side."""
     for at in range(side * _SIDE, side * _SIDE + _SIDE - 3):
         footholds.places[at] = footholds.places[at + 3]
     if footholds.waiting[side] > 0:
         footholds.waiting[side] -= 1
     if footholds.guessed[side] > 0:
         footholds.guessed[side] -= 1
-    return footholds.waiting[side]
 
 
 @hot
-def aim(params: Params, map: Map, footholds: Footholds, even: Evenness, swing: Swing, leg: int) -> int:
-    """Choose the foothold of ``leg``, its expected height and the top of the swing; return 0."""
+def aim(crawl: Crawl, leg: int) -> None:
+    """Choose the foothold of ``leg``, its expected height and the top of the swing."""
     if leg < RR:
-        return aim_front(params, map, even, swing, leg)
-    return aim_hind(params, map, footholds, swing, leg)
+        aim_front(crawl, leg)
+    else:
+        aim_hind(crawl, leg)
 
 
 @hot
-def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) -> int:
-    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope; return 0.
+def aim_front(crawl: Crawl, leg: int) -> None:
+    """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope.
 
     The top is a front foot's lift above the higher of both front feet, the other counting only if it stands before
     or at the target: what it stands on may begin right here.
     """
+    params = crawl.params
+    map = crawl.map
+    swing = crawl.swing
     own = leg * 3
     other = (FR + FL - leg) * 3
     stride = params.crawl.stride << LF_BITS
@@ -123,16 +115,19 @@ def aim_front(params: Params, map: Map, even: Evenness, swing: Swing, leg: int) 
     swing.target[1] = foothold_line(params, leg)
     swing.target[2] = z
     swing.known = 0
-    swing.ground = z + expected_rise(params, map, even, target - x)
+    swing.ground = z + expected_rise(crawl, target - x)
     if map.feet[other + 2] > z and map.feet[other] <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
         z = map.feet[other + 2]
     swing.top = z + (params.crawl.front_lift << LF_BITS)
-    return 0
 
 
 @hot
-def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: int) -> int:
-    """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead. Returns 0."""
+def aim_hind(crawl: Crawl, leg: int) -> None:
+    """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead."""
+    params = crawl.params
+    map = crawl.map
+    footholds = crawl.footholds
+    swing = crawl.swing
     side = leg - RR
     top = map.feet[leg * 3 + 2]
     swing.known = 0
@@ -150,15 +145,15 @@ def aim_hind(params: Params, map: Map, footholds: Footholds, swing: Swing, leg: 
     if swing.ground > top:
         top = swing.ground
     swing.top = top + (params.crawl.hind_lift << LF_BITS)
-    return 0
 
 
 @hot
-def steps_down(params: Params, map: Map, footholds: Footholds, leg: int) -> int:
+def steps_down(crawl: Crawl, leg: int) -> int:
     """Return 1 if the next foothold of hind ``leg`` lies more than an edge's height below it, else 0."""
-    if leg < RR or footholds.waiting[leg - RR] < 1:
+    if leg < RR or crawl.footholds.waiting[leg - RR] < 1:
         return 0
-    if footholds.places[(leg - RR) * _SIDE + 2] < map.feet[leg * 3 + 2] - (params.crawl.edge_height << LF_BITS):
+    down = crawl.map.feet[leg * 3 + 2] - crawl.footholds.places[(leg - RR) * _SIDE + 2]
+    if down > crawl.params.crawl.edge_height << LF_BITS:
         return 1
     return 0
 

@@ -7,17 +7,16 @@ other, and at the start, the goal's jump is taken into an offset that fades.
 
 from ..body.compliance import sag_leg
 from ..body.leg import leg_inverse, limit_joints, plane_length
-from ..body.load import Load, load_share
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.load import load_share
+from ..body.params import JOINTS, LEGS, LF_BITS
 from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_YAW, body_rotation, body_to_hip
 from ..body.reach import reach_foot
 from ..body.stability import support_margin
 from ..num.filters import fraction
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
-from .map import Map, Support
-from .pose import BodyPath, mass_ahead
-from .state import Crawl
+from .pose import mass_ahead
+from .state import Crawl, Support
 
 _WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
 
@@ -31,13 +30,13 @@ def foot_warp(support: Support, leg: int) -> int:
 
 
 @hot
-def plan_loads(
-    params: Params, map: Map, path: BodyPath, support: Support, feet: Ints, weights: Ints, load: Load
-) -> int:
-    """Write what each foot should carry under the wanted pose, and the margin; return the margin, lu.
-
-    feet (12 lu), weights (4) and load are scratch.
-    """
+def plan_loads(crawl: Crawl) -> int:
+    """Write what each foot should carry under the wanted pose, and the margin; return the margin, lu."""
+    params = crawl.params
+    path = crawl.path
+    support = crawl.support
+    feet = crawl.feet
+    weights = crawl.weights
     ahead = mass_ahead(params, path.wanted[POSE_PITCH] >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
@@ -47,22 +46,24 @@ def plan_loads(
         if support.stance[leg]:
             weights[leg] = support.share_q12[leg] >> 4
         for axis in range(3):
-            away = map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
+            away = crawl.map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
             feet[leg * 3 + axis] = saturate(away, -32767, 32767)
-    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, load)
+    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
     for leg in range(LEGS):
-        support.load_q12[leg] = load.wanted_q12[leg]
+        support.load_q12[leg] = crawl.load.wanted_q12[leg]
         weights[leg] = support.stance[leg]
     support.margin = support_margin(feet, weights, ahead, 0)
     return support.margin
 
 
 @hot
-def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
-    """Write the pose of stance (0) or swing (1) legs: place in ``pose`` x y z as lu, tilt in ``rotation``; return 0.
+def take_pose(crawl: Crawl, swings: int) -> None:
+    """Write the pose of stance (0) or swing (1) legs: place in ``crawl.pose`` x y z as lu, tilt in ``crawl.rotation``.
 
     The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
     """
+    path = crawl.path
+    pose = crawl.pose
     for axis in range(POSE_SIZE):
         value = path.commanded[axis]
         if swings:
@@ -70,17 +71,18 @@ def take_pose(path: BodyPath, swings: int, pose: Ints, rotation: Ints) -> int:
         pose[axis] = value + 128 >> LF_BITS
     heading = pose[POSE_YAW]
     pose[POSE_YAW] = 0
-    body_rotation(pose, rotation)
+    body_rotation(pose, crawl.rotation)
     pose[POSE_YAW] = heading
-    return 0
 
 
 @hot
-def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: Ints) -> int:
-    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading; return 0.
+def foot_in_body(crawl: Crawl, leg: int, x_lf: int, y_lf: int, z_lf: int) -> None:
+    """Write the map place of the foot of ``leg`` as seen from the body's place, turned back by its heading.
 
-    feet: 12 lu out. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
+    Into ``crawl.feet``, lu. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
+    pose = crawl.pose
+    feet = crawl.feet
     at = leg * 3
     x = saturate((x_lf + 128 >> LF_BITS) - pose[0], -32767, 32767)
     y = saturate((y_lf + 128 >> LF_BITS) - pose[1], -32767, 32767)
@@ -89,12 +91,11 @@ def foot_in_body(pose: Ints, x_lf: int, y_lf: int, z_lf: int, leg: int, feet: In
     feet[at] = x * cosine + y * sine >> 14
     feet[at + 1] = y * cosine - x * sine >> 14
     feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose[2], -32767, 32767)
-    return 0
 
 
 @hot
-def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
-    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``; return 0.
+def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
+    """Write the foot of ``leg``, standing (0) or swinging (1), from its hip into ``crawl.hip_feet``.
 
     Under the pose taken last. A swing leg's length is kept.
     """
@@ -102,14 +103,13 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> int:
     swing = crawl.swing
     at = leg * 3
     if swings:
-        foot_in_body(crawl.pose, swing.place[0], swing.place[1], swing.place[2], leg, crawl.feet)
+        foot_in_body(crawl, leg, swing.place[0], swing.place[1], swing.place[2])
     else:
         z = map.feet[at + 2] + foot_warp(crawl.support, leg)
-        foot_in_body(crawl.pose, map.feet[at], map.feet[at + 1], z, leg, crawl.feet)
+        foot_in_body(crawl, leg, map.feet[at], map.feet[at + 1], z)
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)
-    return 0
 
 
 @hot
@@ -129,26 +129,25 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def bridge(crawl: Crawl, leg: int, swings: int) -> int:
-    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets; return 0."""
-    take_pose(crawl.path, swings, crawl.pose, crawl.rotation)
+def bridge(crawl: Crawl, leg: int, swings: int) -> None:
+    """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets."""
+    take_pose(crawl, swings)
     leg_goal(crawl, leg, swings)
     for joint in range(leg * 3, leg * 3 + 3):
         crawl.jumps[joint] = saturate(crawl.goals[joint] - crawl.joints[joint], -32768, 32767) << LF_BITS
-    return 0
 
 
 @hot
 def solve_legs(crawl: Crawl) -> int:
     """Solve the stance legs under the commanded pose, the swing leg under the wanted one; return their reach flags."""
     together = 0
-    take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
+    take_pose(crawl, 0)
     for leg in range(LEGS):
         if crawl.support.stance[leg]:
             together |= leg_goal(crawl, leg, 0)
     for leg in range(LEGS):
         if crawl.support.stance[leg] == 0:
-            take_pose(crawl.path, 1, crawl.pose, crawl.rotation)
+            take_pose(crawl, 1)
             together |= leg_goal(crawl, leg, 1)
     return together
 

@@ -6,66 +6,38 @@ is the ROS order but for roll times pitch. Stance feet stay where they are in th
 foot rolls when its shank turns and that a foot which has slipped is followed slowly.
 """
 
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_YAW
+from ..body.params import LEGS, LF_BITS
+from ..body.pose import POSE_PITCH, POSE_YAW
 from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
-from ..record import field, record, vector
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
+from .state import Crawl, Map, Support
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
 _HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
 _NEAR_LU = const(16383)
 
 
-@record
-class Map:
-    """Places: x forward as the crawl was started, y left, z up. The origin moves along with the body.
-
-    ``lf`` is lu/256, ``bf`` brad/256 (2^-24 turn): fine units, so that one filter serves all axes of a pose.
-    """
-
-    feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
-    seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
-    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
-    shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
-
-
-@record
-class Support:
-    """Which legs stand, and what they carry. Forces are parts of the robot's own weight in Q12."""
-
-    stance: Ints = vector(LEGS, "", "1: the leg stands")
-    share_q12: Ints = vector(LEGS, "", "share of the load that it is to take, 0 .. 4096")
-    force_q12: Ints = vector(LEGS, "own weight", "vertical force on the foot, from the joints")
-    load_q12: Ints = vector(LEGS, "own weight", "force that it should have")
-    weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
-    weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
-    heavy_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
-    warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
-    margin: int = field("lu", "centre of mass inside the support polygon")
-
-
 @hot
-def roll_feet(params: Params, joints: Ints, support: Support, map: Map) -> int:
-    """Move the map places of the stance feet by how far their round feet have rolled; return 0.
+def roll_feet(crawl: Crawl, joints: Ints) -> None:
+    """Move the map places of the stance feet by how far their round feet have rolled.
 
     The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
     """
-    roll_q8 = params.foot_radius * 710 // 113
+    map = crawl.map
+    roll_q8 = crawl.params.foot_radius * 710 // 113
     pitch = map.body_pose[POSE_PITCH] >> LF_BITS
     yaw = map.body_pose[POSE_YAW] >> LF_BITS
     for leg in range(LEGS):
         shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
         turn = saturate(shank - map.shank[leg], -840, 840)
         map.shank[leg] = shank
-        if support.stance[leg]:
+        if crawl.support.stance[leg]:
             rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
             map.feet[leg * 3] += rolled * cos_q15(yaw) >> 15
             map.feet[leg * 3 + 1] += rolled * sin_q15(yaw) >> 15
-    return 0
 
 
 @hot
@@ -80,12 +52,14 @@ def foot_weight_q8(support: Support, leg: int) -> int:
 
 
 @hot
-def fit_heading(sensing: Sensing, support: Support, map: Map) -> int:
+def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
 
     Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
     Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
     """
+    map = crawl.map
+    support = crawl.support
     total = 0
     mx = 0
     my = 0
@@ -120,8 +94,8 @@ def fit_heading(sensing: Sensing, support: Support, map: Map) -> int:
 
 
 @hot
-def turn_feet(sensing: Sensing, map: Map) -> int:
-    """Write the levelled feet, turned by the body's heading, as seen from the body's place; return 0.
+def turn_feet(sensing: Sensing, map: Map) -> None:
+    """Write the levelled feet, turned by the body's heading, as seen from the body's place.
 
     Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
     """
@@ -134,26 +108,26 @@ def turn_feet(sensing: Sensing, map: Map) -> int:
         map.seen[at] = x * cosine - y * sine + 32 >> 6
         map.seen[at + 1] = x * sine + y * cosine + 32 >> 6
         map.seen[at + 2] = sensing.level[at + 2] << LF_BITS
-    return 0
 
 
 @hot
-def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> int:
-    """Update heading and place of the body from the stance feet, and where all feet are seen; return 0.
+def fit_body(crawl: Crawl, sensing: Sensing) -> None:
+    """Update heading and place of the body from the stance feet, and where all feet are seen.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
+    map = crawl.map
     map.body_pose[POSE_YAW] = 0
-    if params.lateral_q12:
-        map.body_pose[POSE_YAW] = fit_heading(sensing, support, map)
+    if crawl.params.lateral_q12:
+        map.body_pose[POSE_YAW] = fit_heading(crawl, sensing)
     turn_feet(sensing, map)
     for axis in range(3):
         total = 0
         gaps = 0
         for leg in range(LEGS):
             at = leg * 3 + axis
-            w = foot_weight_q8(support, leg)
+            w = foot_weight_q8(crawl.support, leg)
             total += w
             gap = map.feet[at] - map.body_pose[axis] - map.seen[at] + 8 >> 4
             gaps += w * saturate(gap, -0x7FFFF, 0x7FFFF)
@@ -161,17 +135,19 @@ def fit_body(params: Params, sensing: Sensing, support: Support, map: Map) -> in
             map.body_pose[axis] += gaps // total << 4
         for leg in range(LEGS):
             map.seen[leg * 3 + axis] += map.body_pose[axis]
-    return 0
 
 
 @hot
-def follow_slips(params: Params, support: Support, map: Map) -> int:
-    """Let the map's places of loaded feet follow slowly where the feet are seen; return 0.
+def follow_slips(crawl: Crawl) -> None:
+    """Let the map's places of loaded feet follow slowly where the feet are seen.
 
     Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
     down again, the others too. A foot that is far off in height is followed fast: it stood on something that
     gave way.
     """
+    params = crawl.params
+    support = crawl.support
+    map = crawl.map
     least = params.crawl.free_q12
     if params.lateral_q12 == 0:
         least = -0x8000
@@ -186,7 +162,6 @@ def follow_slips(params: Params, support: Support, map: Map) -> int:
                     if gap > far or gap < -far:
                         gain = params.crawl.slip_far_q15
                 map.feet[at] += fraction(gap, gain)
-    return 0
 
 
 @hot

@@ -11,28 +11,13 @@ from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_Z, body_rotation, body_to_hi
 from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
-from ..record import field, record, vector
-from ..runtime import Ints, const, hot
-from .map import Map, Support, front_to_hind, mean_foot
+from ..runtime import const, hot
+from .map import front_to_hind, mean_foot
+from .state import BodyPath, Crawl, Map
 
 _TURN_RATE_Q15 = const(6434)  # 2 pi / 32: brad times lu to lf
 _OWN_Q12 = const(4096)
 _LOAD_MAX_Q12 = const(10240)
-
-
-@record
-class BodyPath:
-    """The body's path: poses x y z in lf, roll pitch yaw in bf."""
-
-    wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
-    from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
-    to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
-    move_tick: int = field("ticks", "of the move so far")
-    move_ticks: int = field("ticks", "of the whole move")
-    lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
-    integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
-    commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
-    sag: Ints = vector(POSE_SIZE, "lf, bf", "measured less wanted pose, smoothed")
 
 
 @hot
@@ -58,12 +43,17 @@ def mass_ahead(params: Params, pitch: int) -> int:
 
 
 @hot
-def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, weights: Ints, point: Ints) -> int:
-    """Write into ``point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts; return 0.
+def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
+    """Write into ``crawl.point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
     The nearest point to (wanted_x lu, mean y) that is inside the triangle of the other three by the margin; in
-    the plane, inside their range of x. feet (12 lu) and weights (4) are scratch.
+    the plane, inside their range of x.
     """
+    params = crawl.params
+    map = crawl.map
+    feet = crawl.feet
+    weights = crawl.weights
+    point = crawl.point
     low = 0x1FFFF
     high = -0x1FFFF
     for other in range(LEGS):
@@ -86,73 +76,75 @@ def mass_target(params: Params, map: Map, leg: int, wanted_x: int, feet: Ints, w
         point[1] = 0
     else:
         point_inside(feet, weights, margin, point)
-    return 0
 
 
 @hot
-def resting_x(params: Params, map: Map, support: Support) -> int:
+def resting_x(crawl: Crawl) -> int:
     """Return x in lu of the map where the centre of mass is to be without other wishes: the middle, ahead if heavy."""
-    return (mean_foot(map, 0) >> LF_BITS) + (params.crawl.heavy_forward * support.heavy_q12 >> 12)
+    return (mean_foot(crawl.map, 0) >> LF_BITS) + (crawl.params.crawl.heavy_forward * crawl.support.heavy_q12 >> 12)
 
 
 @hot
-def longest_leg(params: Params, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints, skip: int) -> int:
-    """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``pose`` over ``feet``.
+def longest_leg(crawl: Crawl, skip: int) -> int:
+    """Return the longest leg but ``skip``, thigh joint to foot in lu, of a body in ``crawl.pose`` over ``crawl.feet``.
 
-    pose: 6 values, lu and brad; feet: 12 lu; rotation (9) and hip_feet (12) are scratch. Error as plane_length.
+    Error as plane_length.
     """
-    body_rotation(pose, rotation)
+    params = crawl.params
+    body_rotation(crawl.pose, crawl.rotation)
     longest = 0
     for leg in range(LEGS):
         if leg != skip:
-            body_to_hip(params, leg, pose, rotation, feet, hip_feet)
-            length = plane_length(params, leg, hip_feet)
+            body_to_hip(params, leg, crawl.pose, crawl.rotation, crawl.feet, crawl.hip_feet)
+            length = plane_length(params, leg, crawl.hip_feet)
             if length > longest:
                 longest = length
     return longest
 
 
 @hot
-def plan_body(
-    params: Params, map: Map, support: Support, path: BodyPath, point: Ints, skip: int,
-    pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints,
-) -> int:  # fmt: skip
-    """Start a move of the body that brings its centre of mass over ``point`` (x, y lu); return its ticks.
+def plan_body(crawl: Crawl, skip: int) -> int:
+    """Start a move of the body that brings its centre of mass over ``crawl.point`` (x, y lu); return its ticks.
 
     The body is at its height above the feet (more under load), lowered until no leg but ``skip`` is longer than
-    its reach; with a leg in the air (skip >= 0) it is not raised. The rest are scratch blocks.
+    its reach; with a leg in the air (skip >= 0) it is not raised.
     """
+    params = crawl.params
+    map = crawl.map
+    path = crawl.path
+    pose = crawl.pose
     pitch = feet_pitch(params, map)
-    pose[0] = point[0] - mass_ahead(params, pitch)
-    pose[1] = point[1]
-    height = params.crawl.height + (params.crawl.heavy_height * support.heavy_q12 >> 12)
+    pose[0] = crawl.point[0] - mass_ahead(params, pitch)
+    pose[1] = crawl.point[1]
+    height = params.crawl.height + (params.crawl.heavy_height * crawl.support.heavy_q12 >> 12)
     pose[POSE_Z] = (mean_foot(map, 2) >> LF_BITS) + height
     pose[3] = 0
     pose[POSE_PITCH] = pitch
     pose[5] = 0
     for at in range(JOINTS):
-        feet[at] = map.feet[at] >> LF_BITS
+        crawl.feet[at] = map.feet[at] >> LF_BITS
     for _ in range(8):
-        excess = longest_leg(params, pose, rotation, feet, hip_feet, skip) - params.crawl.reach
+        excess = longest_leg(crawl, skip) - params.crawl.reach
         if excess > 0:
             pose[POSE_Z] -= excess + 4
     if skip >= 0 and pose[POSE_Z] > path.wanted[POSE_Z] >> LF_BITS:
         pose[POSE_Z] = path.wanted[POSE_Z] >> LF_BITS
-    return start_body(params, path, pose)
+    return start_body(crawl)
 
 
 @hot
-def start_body(params: Params, path: BodyPath, pose: Ints) -> int:
-    """Start a move of the body from where it should be now to ``pose`` (lu, brad); return its ticks.
+def start_body(crawl: Crawl) -> int:
+    """Start a move of the body from where it should be now to ``crawl.pose`` (lu, brad); return its ticks.
 
     Its acceleration, its rise and its pitch limit it: sqrt(6 d / acc) s is a quintic's time at 1.04 of that
     acceleration. Ways within +-32767 lu. Intermediates: 6 * 32767 * 2^12 < 2^30; 2^16 * 2^14 = 2^30 - limited before.
     """
+    path = crawl.path
     for axis in range(POSE_SIZE):
         path.from_pose[axis] = path.wanted[axis]
-        path.to_pose[axis] = pose[axis] << LF_BITS
+        path.to_pose[axis] = crawl.pose[axis] << LF_BITS
     path.move_tick = 0
-    path.move_ticks = move_ticks(params, path)
+    path.move_ticks = move_ticks(crawl.params, path)
     return path.move_ticks
 
 
@@ -193,14 +185,17 @@ def move_body(path: BodyPath) -> int:
 
 
 @hot
-def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int:
-    """Take one tick of the pose loop: from wanted and measured pose to the commanded one; return 0.
+def hold_pose(crawl: Crawl) -> None:
+    """Take one tick of the pose loop: from wanted and measured pose to the commanded one.
 
     Per axis: command = wanted + limited(0.3 e + integral), with e the wanted pose as late as the servos are
     (so the integral does not wind up in a move) less the measured one. Under load the legs give more, so
     the integral gain goes down with the weight. Ways within 2^24 of the fine units.
     """
-    load = saturate(support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
+    params = crawl.params
+    map = crawl.map
+    path = crawl.path
+    load = saturate(crawl.support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
     gain = params.crawl.integral_q15 * 4096 // load
     limit = params.crawl.position_limit << LF_BITS
     for axis in range(POSE_SIZE):
@@ -218,4 +213,3 @@ def hold_pose(params: Params, map: Map, support: Support, path: BodyPath) -> int
         path.commanded[1] = 0
         path.commanded[3] = 0
         path.commanded[5] = 0
-    return 0

@@ -3,14 +3,8 @@
 from ..body.load import Load
 from ..body.params import JOINTS, LEGS, Params
 from ..body.pose import POSE_SIZE
-from ..record import field, record
-from ..runtime import const, zeros
-from .contact import Contact
-from .even import Evenness
-from .footholds import Footholds
-from .map import Map, Support
-from .pose import BodyPath
-from .swing import Swing
+from ..record import field, record, vector
+from ..runtime import Ints, const, zeros
 
 # The stages of a step
 SHIFT = const(0)  # all feet down, the body moves off the leg to come
@@ -30,6 +24,99 @@ EVENT_SHIN = const(4)  # the shin, not the foot, stands on an edge
 EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
+
+PAST_SIZE = const(32)  # ticks
+
+
+@record
+class Map:
+    """Places: x forward as the crawl was started, y left, z up. The origin moves along with the body.
+
+    ``lf`` is lu/256, ``bf`` brad/256 (2^-24 turn): fine units, so that one filter serves all axes of a pose.
+    """
+
+    feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
+    seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
+    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
+    shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
+
+
+@record
+class Support:
+    """Which legs stand, and what they carry. Forces are parts of the robot's own weight in Q12."""
+
+    stance: Ints = vector(LEGS, "", "1: the leg stands")
+    share_q12: Ints = vector(LEGS, "", "share of the load that it is to take, 0 .. 4096")
+    force_q12: Ints = vector(LEGS, "own weight", "vertical force on the foot, from the joints")
+    load_q12: Ints = vector(LEGS, "own weight", "force that it should have")
+    weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
+    weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
+    heavy_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
+    warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
+    margin: int = field("lu", "centre of mass inside the support polygon")
+
+
+@record
+class Footholds:
+    """Footholds to come of the hind feet, of the right side and of the left."""
+
+    places: Ints = vector(24, "lf", "x y z of at most four of each side, the oldest first")
+    waiting: Ints = vector(2, "", "how many there are")
+    guessed: Ints = vector(2, "", "how many of the oldest no front foot has stood on")
+    taken: Ints = vector(2, "", "1: the front foot of the side still stands on the last")
+
+
+@record
+class BodyPath:
+    """The body's path: poses x y z in lf, roll pitch yaw in bf."""
+
+    wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
+    from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
+    to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
+    move_tick: int = field("ticks", "of the move so far")
+    move_ticks: int = field("ticks", "of the whole move")
+    lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
+    integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
+    commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
+    sag: Ints = vector(POSE_SIZE, "lf, bf", "measured less wanted pose, smoothed")
+
+
+@record
+class Swing:
+    """The foot in the air."""
+
+    place: Ints = vector(3, "lf", "where the foot is wanted")
+    departure: Ints = vector(2, "lf", "where its way across began, x y")
+    target: Ints = vector(3, "lf", "the foothold aimed at")
+    ground: int = field("lf", "expected height of the ground there")
+    known: int = field("", "1: a front foot has stood there")
+    top: int = field("lf", "height up to which it is lifted")
+    speed: int = field("lf / tick", "up or down")
+    way_ticks: int = field("ticks", "of the way across")
+    tries: int = field("", "how often it was lifted once more")
+    risers: int = field("", "how many risers it ran into")
+    dropped: int = field("", "1: it has met a drop")
+    leg_length: int = field("lu", "thigh joint to foot, before any limit")
+    limited: int = field("", "1: a joint was limited in the tick before")
+
+
+@record
+class Contact:
+    """What the leg in the air feels."""
+
+    tare_q12: int = field("own weight", "force that it reads without contact")
+    load_ticks: int = field("ticks", "with load, in a row")
+    peak: int = field("", "1: more than the least of a contact in one of them")
+    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
+    past_at: int = field("", "where the last is")
+
+
+@record
+class Evenness:
+    """How even the ground has been."""
+
+    landed: int = field("", "legs that have landed since the start")
+    even_steps: int = field("", "legs that have landed in a row on even ground")
 
 
 @record

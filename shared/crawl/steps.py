@@ -9,7 +9,7 @@ somewhere else, at most three times; the body goes along so that the leg comes d
 from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .contact import PAST_SIZE, corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
+from .contact import corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
 from .even import note_landing
 from .footholds import aim, foothold_add, next_foothold_x, steps_down
 from .goals import bridge
@@ -25,12 +25,13 @@ from .state import (
     HANG,
     LIFT,
     LOWER,
+    PAST_SIZE,
     REST,
     SHIFT,
     SWING,
     Crawl,
 )
-from .swing import lift_foot, lower_foot, start_swing, swing_foot, try_again
+from .swing import lift_foot, lower_foot, start_swing, swing_foot
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
 _FULL_Q12 = const(4096)
@@ -39,17 +40,16 @@ _TRIES = const(3)
 
 
 @hot
-def enter(crawl: Crawl, next: int) -> int:
-    """Begin a stage, a swing at rest; return it."""
+def enter(crawl: Crawl, next: int) -> None:
+    """Begin a stage, a swing at rest."""
     crawl.stage.stage = next
     crawl.stage.stage_tick = 0
     crawl.swing.speed = 0
-    return next
 
 
 @hot
-def tell(crawl: Crawl, code: int, z_lf: int) -> int:
-    """Keep an event of the present leg with a height off the expected one; return how many so far."""
+def tell(crawl: Crawl, code: int, z_lf: int) -> None:
+    """Keep an event of the present leg with a height off the expected one."""
     event = crawl.event
     event.code = code
     event.leg = crawl.stage.leg
@@ -57,20 +57,19 @@ def tell(crawl: Crawl, code: int, z_lf: int) -> int:
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
         crawl.even.even_steps = 0
-    return event.number
 
 
 @hot
-def start_stages(crawl: Crawl) -> int:
-    """Begin with the shift off the first leg; return the ticks of the body's move."""
+def start_stages(crawl: Crawl) -> None:
+    """Begin with the shift off the first leg."""
     crawl.stage.turn = 0
     crawl.stage.leg = _ORDER & 15
-    return plan_shift(crawl)
+    plan_shift(crawl)
 
 
 @hot
-def take_stage(crawl: Crawl, ahead_lf: int) -> int:
-    """Take one tick of the state machine; return its stage. ahead_lf: as crawl_tick."""
+def take_stage(crawl: Crawl, ahead_lf: int) -> None:
+    """Take one tick of the state machine. ahead_lf: as crawl_tick."""
     stage = crawl.stage
     step = crawl.params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
     stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
@@ -83,12 +82,11 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> int:
         shift_tick(crawl, stage.leg)
     else:
         swing_stage(crawl, stage.leg)
-    return stage.stage
 
 
 @hot
-def swing_stage(crawl: Crawl, leg: int) -> int:
-    """Take one tick of the stages in which ``leg`` is in the air; return 0."""
+def swing_stage(crawl: Crawl, leg: int) -> None:
+    """Take one tick of the stages in which ``leg`` is in the air."""
     stage = crawl.stage
     keep_past(crawl.contact, crawl.swing.place[0])
     if stage.stage == LIFT:
@@ -101,23 +99,22 @@ def swing_stage(crawl: Crawl, leg: int) -> int:
         hang_tick(crawl, leg)
     else:
         lower_tick(crawl, leg)
-    return 0
 
 
 @hot
-def plan_shift(crawl: Crawl) -> int:
-    """Begin to shift the body off the present leg; return the ticks of the move.
+def plan_shift(crawl: Crawl) -> None:
+    """Begin to shift the body off the present leg.
 
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
     leg = crawl.stage.leg
-    wanted = resting_x(crawl.params, crawl.map, crawl.support)
-    if steps_down(crawl.params, crawl.map, crawl.footholds, leg):
+    wanted = resting_x(crawl)
+    if steps_down(crawl, leg):
         above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
         if above > wanted:
             wanted = above
     enter(crawl, SHIFT)
-    return shift_to(crawl, leg, wanted, -1)
+    shift_to(crawl, leg, wanted, -1)
 
 
 @hot
@@ -127,18 +124,15 @@ def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
 
 
 @hot
-def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> int:
-    """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``; return its ticks."""
-    mass_target(crawl.params, crawl.map, leg, wanted_x, crawl.feet, crawl.weights, crawl.point)
-    return plan_body(
-        crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, skip,
-        crawl.pose, crawl.rotation, crawl.feet, crawl.hip_feet,
-    )  # fmt: skip
+def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> None:
+    """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``."""
+    mass_target(crawl, leg, wanted_x)
+    plan_body(crawl, skip)
 
 
 @hot
-def shift_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done; return 0."""
+def shift_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick of the shift: hand the load over, match the diagonals, lift when both are done."""
     params = crawl.params
     stage = crawl.stage
     support = crawl.support
@@ -151,13 +145,12 @@ def shift_tick(crawl: Crawl, leg: int) -> int:
         support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
     error = match_diagonals(crawl, leg)
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
-        return 0
+        return
     if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
         tell(crawl, EVENT_WARP, support.warp)
         lift_off(crawl, leg)
     elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
         lift_off(crawl, leg)
-    return 0
 
 
 @hot
@@ -187,12 +180,12 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
 
 
 @hot
-def lift_off(crawl: Crawl, leg: int) -> int:
-    """Let the leg go: choose its foothold, start its swing where it stands; return 0."""
+def lift_off(crawl: Crawl, leg: int) -> None:
+    """Let the leg go: choose its foothold, start its swing where it stands."""
     swing = crawl.swing
     for axis in range(3):
         swing.place[axis] = crawl.map.feet[leg * 3 + axis]
-    aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
+    aim(crawl, leg)
     crawl.support.stance[leg] = 0
     crawl.support.share_q12[leg] = 0
     swing.tries = 0
@@ -203,16 +196,16 @@ def lift_off(crawl: Crawl, leg: int) -> int:
     for at in range(PAST_SIZE):
         crawl.contact.past[at] = swing.place[0]
     enter(crawl, LIFT)
-    return bridge(crawl, leg, 1)
+    bridge(crawl, leg, 1)
 
 
 @hot
-def swing_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick across: into a riser go back and over, at the end hang; return 0."""
+def swing_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick across: into a riser go back and over, at the end hang."""
     swing = crawl.swing
-    there = swing_foot(crawl.swing, crawl.path, crawl.stage.stage_tick)
+    there = swing_foot(crawl)
     x = crawl.map.seen[leg * 3]
-    if feel_riser(crawl.params, crawl.contact, crawl.swing, x, crawl.stage.stage_tick):
+    if feel_riser(crawl, x):
         swing.risers += 1
         tell(crawl, EVENT_RISER, crawl.map.seen[leg * 3 + 2] - swing.ground)
         swing.place[0] = x - (crawl.params.crawl.riser_retreat << LF_BITS)
@@ -220,12 +213,11 @@ def swing_tick(crawl: Crawl, leg: int) -> int:
         enter(crawl, LIFT)
     elif there:
         enter(crawl, HANG)
-    return 0
 
 
 @hot
-def hang_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick of creeping down while the tare is taken; return 0."""
+def hang_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick of creeping down while the tare is taken."""
     params = crawl.params
     crawl.swing.place[2] -= params.crawl.hang_speed
     take_tare(crawl.params, crawl.contact, crawl.support.force_q12[leg], crawl.stage.stage_tick)
@@ -233,19 +225,18 @@ def hang_tick(crawl: Crawl, leg: int) -> int:
         enter(crawl, LOWER)
         crawl.swing.speed = params.crawl.hang_speed
         start_contact(crawl.contact)
-    return 0
 
 
 @hot
-def lower_tick(crawl: Crawl, leg: int) -> int:
-    """Take one tick down, and deal with what is met: shin, ground, nothing; return 0."""
+def lower_tick(crawl: Crawl, leg: int) -> None:
+    """Take one tick down, and deal with what is met: shin, ground, nothing."""
     params = crawl.params
     swing = crawl.swing
-    lower_foot(crawl.params, crawl.map, crawl.path, crawl.swing)
+    lower_foot(crawl)
     touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
     z = crawl.map.seen[leg * 3 + 2]
     below = swing.ground - swing.place[2] >> LF_BITS
-    if swing.tries < _TRIES and corner_lift(crawl.params, crawl.map, crawl.path, leg) > params.crawl.shin_lift:
+    if swing.tries < _TRIES and corner_lift(crawl, leg) > params.crawl.shin_lift:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
@@ -256,19 +247,20 @@ def lower_tick(crawl: Crawl, leg: int) -> int:
     elif below > params.crawl.deepest:
         tell(crawl, EVENT_NO_GROUND, -below << LF_BITS)
         land(crawl, leg)
-    return 0
 
 
 @hot
-def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> int:
-    """Lift the foot once more, to ``top``, and come down at ``x``; return which try that is."""
+def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> None:
+    """Lift the foot once more, to ``top``, and come down at ``x``."""
     enter(crawl, LIFT)
-    return try_again(crawl.swing, x_lf, top_lf)
+    crawl.swing.tries += 1
+    crawl.swing.target[0] = x_lf
+    crawl.swing.top = top_lf
 
 
 @hot
-def free_shin(crawl: Crawl, leg: int) -> int:
-    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place; return 0."""
+def free_shin(crawl: Crawl, leg: int) -> None:
+    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place."""
     params = crawl.params
     swing = crawl.swing
     z = crawl.map.seen[leg * 3 + 2]
@@ -280,12 +272,11 @@ def free_shin(crawl: Crawl, leg: int) -> int:
     x = swing.place[0] + (params.crawl.edge_advance << LF_BITS)
     lift_again(crawl, x, top)
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
-    return 0
 
 
 @hot
-def touch(crawl: Crawl, leg: int, z: int) -> int:
-    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be; return 0."""
+def touch(crawl: Crawl, leg: int, z: int) -> None:
+    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be."""
     params = crawl.params
     swing = crawl.swing
     edge = params.crawl.edge_height << LF_BITS
@@ -294,7 +285,8 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     if swing.known == 0:
         tries = _TRIES_UNKNOWN_STEP
     if rise <= edge or swing.tries >= tries:
-        return land(crawl, leg)
+        land(crawl, leg)
+        return
     tell(crawl, EVENT_STEP, rise)
     further = params.crawl.edge_advance
     if swing.known == 0:
@@ -302,20 +294,20 @@ def touch(crawl: Crawl, leg: int, z: int) -> int:
     elif swing.ground >= crawl.map.feet[leg * 3 + 2] - edge:
         further = -params.crawl.edge_retreat
     lift_again(crawl, swing.place[0] + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
-    return 0
 
 
 @hot
-def find_ground(crawl: Crawl, leg: int) -> int:
-    """No ground where it was expected: look for it elsewhere; return 0."""
+def find_ground(crawl: Crawl, leg: int) -> None:
+    """No ground where it was expected: look for it elsewhere."""
     if leg < RR:
-        return drop_front(crawl, leg)
-    return drop_hind(crawl, leg)
+        drop_front(crawl, leg)
+    else:
+        drop_hind(crawl, leg)
 
 
 @hot
-def drop_front(crawl: Crawl, leg: int) -> int:
-    """No ground under a front foot: step further out, unless the other already stands down there behind; return 0."""
+def drop_front(crawl: Crawl, leg: int) -> None:
+    """No ground under a front foot: step further out, unless the other already stands down there behind."""
     params = crawl.params
     swing = crawl.swing
     other = (FR + FL - leg) * 3
@@ -323,17 +315,16 @@ def drop_front(crawl: Crawl, leg: int) -> int:
     low = swing.ground - (params.crawl.edge_height * 2 // 3 << LF_BITS)
     behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
     if crawl.map.feet[other + 2] < low and crawl.map.feet[other] < behind:
-        return 0
+        return
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
     lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
-    return 0
 
 
 @hot
-def drop_hind(crawl: Crawl, leg: int) -> int:
-    """No ground where the foothold is: further on when it goes up, else nearer; return 0."""
+def drop_hind(crawl: Crawl, leg: int) -> None:
+    """No ground where the foothold is: further on when it goes up, else nearer."""
     params = crawl.params
     swing = crawl.swing
     further = -params.crawl.edge_advance
@@ -342,12 +333,11 @@ def drop_hind(crawl: Crawl, leg: int) -> int:
     tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
     top = swing.ground + (params.crawl.clear_contact << LF_BITS)
     lift_again(crawl, swing.place[0] + (further << LF_BITS), top)
-    return 0
 
 
 @hot
-def land(crawl: Crawl, leg: int) -> int:
-    """The foot stands where it is seen: keep that, go to the next leg, rest for the command; return 0."""
+def land(crawl: Crawl, leg: int) -> None:
+    """The foot stands where it is seen: keep that, go to the next leg, rest for the command."""
     map = crawl.map
     stage = crawl.stage
     for axis in range(leg * 3, leg * 3 + 3):
@@ -358,10 +348,9 @@ def land(crawl: Crawl, leg: int) -> int:
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
         crawl.footholds.taken[leg] = 1
-    note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
+    note_landing(crawl, leg)
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3
     stage.leg = _ORDER >> (stage.turn << 2) & 15
     stage.ahead -= crawl.params.crawl.stride << LF_BITS - 2
     enter(crawl, REST)
-    return 0

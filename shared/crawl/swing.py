@@ -9,40 +9,10 @@ from ..body.params import LF_BITS, Params
 from ..body.pose import POSE_Z
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
-from ..record import field, record, vector
-from ..runtime import Ints, const, hot
-from .map import Map
-from .pose import BodyPath
+from ..runtime import const, hot
+from .state import Crawl, Swing
 
 _PRODUCT_MAX = const(0x3FFFFFFF)
-
-
-@record
-class Swing:
-    """The foot in the air."""
-
-    place: Ints = vector(3, "lf", "where the foot is wanted")
-    departure: Ints = vector(2, "lf", "where its way across began, x y")
-    target: Ints = vector(3, "lf", "the foothold aimed at")
-    ground: int = field("lf", "expected height of the ground there")
-    known: int = field("", "1: a front foot has stood there")
-    top: int = field("lf", "height up to which it is lifted")
-    speed: int = field("lf / tick", "up or down")
-    way_ticks: int = field("ticks", "of the way across")
-    tries: int = field("", "how often it was lifted once more")
-    risers: int = field("", "how many risers it ran into")
-    dropped: int = field("", "1: it has met a drop")
-    leg_length: int = field("lu", "thigh joint to foot, before any limit")
-    limited: int = field("", "1: a joint was limited in the tick before")
-
-
-@hot
-def try_again(swing: Swing, x_lf: int, top_lf: int) -> int:
-    """Lift once more, to ``top``, aim at ``x`` and come down there; return which try that is."""
-    swing.tries += 1
-    swing.target[0] = x_lf
-    swing.top = top_lf
-    return swing.tries
 
 
 @hot
@@ -79,8 +49,8 @@ def lift_foot(params: Params, swing: Swing) -> int:
 
 
 @hot
-def start_swing(params: Params, swing: Swing) -> int:
-    """Begin the way across to the target from where the foot is; return its ticks. Ways within +-65535 lu."""
+def start_swing(params: Params, swing: Swing) -> None:
+    """Begin the way across to the target from where the foot is. Ways within +-65535 lu."""
     swing.departure[0] = swing.place[0]
     swing.departure[1] = swing.place[1]
     way = hypot(swing.target[0] - swing.place[0] >> LF_BITS, swing.target[1] - swing.place[1] >> LF_BITS)
@@ -88,12 +58,14 @@ def start_swing(params: Params, swing: Swing) -> int:
     if ticks < params.crawl.swing_ticks:
         ticks = params.crawl.swing_ticks
     swing.way_ticks = ticks
-    return ticks
 
 
 @hot
-def swing_foot(swing: Swing, path: BodyPath, tick: int) -> int:
-    """Take tick number ``tick`` across; return 1 when the foot is there and the body's move has ended too, else 0."""
+def swing_foot(crawl: Crawl) -> int:
+    """Take one tick across; return 1 when the foot is there and the body's move has ended too, else 0."""
+    swing = crawl.swing
+    path = crawl.path
+    tick = crawl.stage.stage_tick
     share = quintic_q15(tick, swing.way_ticks)
     for axis in range(2):
         swing.place[axis] = swing.departure[axis] + fraction(swing.target[axis] - swing.departure[axis], share)
@@ -122,16 +94,18 @@ def lower_speed(params: Params, swing: Swing) -> int:
 
 
 @hot
-def lower_foot(params: Params, map: Map, path: BodyPath, swing: Swing) -> int:
-    """Take one tick down: the foot, or where the leg is at its longest the body; return the speed, lf / tick."""
+def lower_foot(crawl: Crawl) -> None:
+    """Take one tick down: the foot, or where the leg is at its longest the body."""
+    params = crawl.params
+    path = crawl.path
+    swing = crawl.swing
     speed = swing.speed + params.crawl.lower_acceleration
     most = lower_speed(params, swing)
     if speed > most:
         speed = most
     swing.speed = speed
-    lowest = map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
+    lowest = crawl.map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
     if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
         path.wanted[POSE_Z] -= params.crawl.body_speed
     else:
         swing.place[2] -= speed
-    return speed

@@ -44,8 +44,8 @@ _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
 @hot
-def steps_reset(params: Params, steps: Steps) -> int:
-    """Put all four feet at rest, standing; return 0."""
+def steps_reset(params: Params, steps: Steps) -> None:
+    """Put all four feet at rest, standing."""
     for leg in range(LEGS):
         step = steps.legs[leg]
         rest = params.legs[leg].rest
@@ -55,7 +55,6 @@ def steps_reset(params: Params, steps: Steps) -> int:
         step.to_z = rest[2]
         step.ticks = 0
         step.tick = 0
-    return 0
 
 
 @hot
@@ -74,8 +73,8 @@ def steps_at_rest(params: Params, steps: Steps) -> int:
 
 
 @hot
-def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
-    """Lift the legs whose swing starts in the clock's segment; return their bits."""
+def start_swings(gait: Gait, clock: Clock, steps: Steps) -> None:
+    """Lift the legs whose swing starts in the clock's segment."""
     row = gait.rows[clock.segment]
     lifted = 0
     for leg in range(LEGS):
@@ -86,7 +85,6 @@ def start_swings(gait: Gait, clock: Clock, steps: Steps) -> int:
             step.tick = 0
             step.left_q10 = row.swing_q10[leg]
             lifted |= 1 << leg
-    return lifted
 
 
 @hot
@@ -133,8 +131,8 @@ def turned_travel(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
 
 
 @hot
-def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
-    """Move all footholds against the body by ``ticks_q10`` of its speed; return 0.
+def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> None:
+    """Move all footholds against the body by ``ticks_q10`` of its speed.
 
     A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
     neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
@@ -160,7 +158,6 @@ def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> int:
         step.y = y - dy
         if step.ticks:
             step.left_q10 -= ticks_q10
-    return 0
 
 
 @hot
@@ -185,8 +182,8 @@ def place_feet(params: Params, gait: Gait, steps: Steps, speed: Ints, height_lu:
 @hot
 def swing_foot(
     params: Params, gait: Gait, steps: Steps, speed: Ints, leg: int, height_lu: int, feet: Ints
-) -> int:
-    """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample; return samples left.
+) -> None:
+    """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample.
 
     Its next foothold is followed while the command changes, so it lands where it should; its height is that
     of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
@@ -218,7 +215,6 @@ def swing_foot(
         step.y = to_y
         step.z = step.to_z
         step.ticks = 0
-    return samples - sample
 
 
 @hot

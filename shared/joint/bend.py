@@ -17,8 +17,8 @@ def straightened(loop: CurrentLoop, rotor: int) -> int:
 
 
 @hot
-def fill_bend(loop: CurrentLoop, cos1_q4: int, sin1_q4: int, cos2_q4: int, sin2_q4: int) -> int:
-    """Write what to add to a reading from its harmonics, rc in Q4, each within +-4095; return 0.
+def fill_bend(loop: CurrentLoop, cos1_q4: int, sin1_q4: int, cos2_q4: int, sin2_q4: int) -> None:
+    """Write what to add to a reading from its harmonics, rc in Q4, each within +-4095.
 
     Error 1 rc, and of the straight lines 0.5 % of the first and 2 % of the second harmonic. Sum below 2^29.
     """
@@ -28,10 +28,9 @@ def fill_bend(loop: CurrentLoop, cos1_q4: int, sin1_q4: int, cos2_q4: int, sin2_
         wave = cos1_q4 * loop.sine[one + COSINE_AT] + sin1_q4 * loop.sine[one]
         wave += cos2_q4 * loop.sine[two + COSINE_AT] + sin2_q4 * loop.sine[two]
         loop.bend[at] = (wave + 0x40000) >> 19
-    return 0
 
 
 @hot
-def set_bend(loop: CurrentLoop, settings: JointSettings) -> int:
-    """Hand the stored eccentricity to the interrupt; return 0."""
-    return fill_bend(loop, settings.bend_cos1, settings.bend_sin1, settings.bend_cos2, settings.bend_sin2)
+def set_bend(loop: CurrentLoop, settings: JointSettings) -> None:
+    """Hand the stored eccentricity to the interrupt."""
+    fill_bend(loop, settings.bend_cos1, settings.bend_sin1, settings.bend_cos2, settings.bend_sin2)

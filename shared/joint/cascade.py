@@ -50,8 +50,8 @@ def current_from_wire(current: int, current_q14: int) -> int:
 
 
 @hot
-def cascade_reset(settings: JointSettings, state: JointState) -> int:
-    """Start bumpless: trajectory at the measured position and rate, no integral, no current. Return 0."""
+def cascade_reset(settings: JointSettings, state: JointState) -> None:
+    """Start bumpless: trajectory at the measured position and rate, no integral, no current."""
     rate = saturate(state.velocity, -settings.rate_max, settings.rate_max)
     position = saturate(state.position, -_POSITION_MOST, _POSITION_MOST)
     profile_reset(state, position, rate)
@@ -66,7 +66,6 @@ def cascade_reset(settings: JointSettings, state: JointState) -> int:
     state.acceleration_feed = 0
     state.velocity_integral = 0
     state.seen_sequence = state.sequence
-    return 0
 
 
 @hot
@@ -136,8 +135,8 @@ def glide(state: JointState, feed: int) -> int:
 
 
 @hot
-def follow_velocity(settings: JointSettings, state: JointState, wanted: int) -> int:
-    """Slew rate_reference towards ``wanted``, slowing down in time before a position limit; return rate_reference.
+def follow_velocity(settings: JointSettings, state: JointState, wanted: int) -> None:
+    """Slew rate_reference towards ``wanted``, slowing down in time before a position limit.
 
     wanted: rate units within +-2^24. The trajectory starts anew wherever the joint is.
     """
@@ -157,7 +156,6 @@ def follow_velocity(settings: JointSettings, state: JointState, wanted: int) -> 
     state.profile = saturate(state.position, -_POSITION_MOST, _POSITION_MOST) << 8
     state.rate_reference = state.profile_rate
     feed_acceleration(settings, state, change)
-    return state.rate_reference
 
 
 @hot
@@ -296,7 +294,7 @@ def _move_target(settings: JointSettings, state: JointState, io: JointIo) -> int
 
 
 @hot
-def _take_goal(state: JointState, goal_rc: int) -> int:
+def _take_goal(state: JointState, goal_rc: int) -> None:
     """Set the goal and glide there in twice the time since the last; what is far away is gone to at once.
 
     Twice, because a set-point's position comes in steps of 1/65536 turn: of a swing sent at 200 Hz the full motor model
@@ -309,7 +307,6 @@ def _take_goal(state: JointState, goal_rc: int) -> int:
         state.target_ticks_left = 0
     state.goal_position = goal_rc << 8
     state.target_age = 0
-    return apart
 
 
 @hot
@@ -326,11 +323,10 @@ def _slow_down(settings: JointSettings, state: JointState, rate: int, room_rc: i
 
 
 @hot
-def _flag_profile(settings: JointSettings, state: JointState, change: int) -> int:
+def _flag_profile(settings: JointSettings, state: JointState, change: int) -> None:
     """Flag the trajectory limiter: acceleration or speed at its limit."""
     if change >= settings.accel or change <= -settings.accel:
         state.limits = state.limits | LIMIT_ACCELERATION
     top = settings.rate_max
     if state.profile_rate >= top or state.profile_rate <= -top:
         state.limits = state.limits | LIMIT_VELOCITY
-    return state.limits

@@ -45,28 +45,25 @@ def set_waves(loop: CurrentLoop, settings: JointSettings) -> int:
 
 
 @hot
-def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_brad: int) -> int:
-    """Set one wave: 0 .. 511 times a turn, 0 .. 32767 cu in Q4, phase at the reading 0 in brad; return the order."""
+def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_brad: int) -> None:
+    """Set one wave: 0 .. 511 times a turn, 0 .. 32767 cu in Q4, phase at the reading 0 in brad."""
     loop.wave_order[wave] = order
     loop.wave_current[wave] = saturate(current_q4, 0, 0x7FFF)
     loop.wave_phase[wave] = (phase_brad + 32 >> 6) & _SINE_STEPS
-    return order
 
 
 @hot
-def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
-    """Set one wave as commissioning has found it; return its order."""
-    return put_wave(
-        loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave]
-    )
+def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
+    """Set one wave as commissioning has found it."""
+    put_wave(loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave])
 
 
 @hot
-def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> int:
-    """Forget a wave that commissioning has found; return 0."""
+def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
+    """Forget a wave that commissioning has found."""
     commission.wave_order[wave] = 0
     commission.wave_current[wave] = 0
-    return try_wave(loop, commission, wave)
+    try_wave(loop, commission, wave)
 
 
 @hot

@@ -47,8 +47,8 @@ from .winding import winding_step
 
 
 @hot
-def commission_start(commission: Commission, kind: int) -> int:
-    """Begin commissioning of ``kind`` with the next tick; return PHASE_REST. pose_given and pose are the caller's."""
+def commission_start(commission: Commission, kind: int) -> None:
+    """Begin commissioning of ``kind`` with the next tick. pose_given and pose are the caller's."""
     commission.kind = kind
     commission.reason = FAULT_NONE
     commission.reason_value = 0
@@ -67,12 +67,12 @@ def commission_start(commission: Commission, kind: int) -> int:
     commission.joint_moved = 0
     commission.moved_seen = 0
     commission.moved_first = 0
-    return go_on(commission, PHASE_REST)
+    go_on(commission, PHASE_REST)
 
 
 @hot
-def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """End commissioning: restore gains, commutation and references; return PHASE_IDLE."""
+def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """End commissioning: restore gains, commutation and references."""
     if commission.kept_kp:
         loop.kp = commission.kept_kp
         loop.ki = commission.kept_ki
@@ -90,7 +90,6 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     hold_waves(loop, 0)
     set_waves(loop, settings)
     set_commutation(loop, settings)
-    return PHASE_IDLE
 
 
 @hot

@@ -16,8 +16,8 @@ _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps fr
 
 
 @hot
-def fill_sine(loop: CurrentLoop) -> int:
-    """Write the sine table, in Q15, to ``loop`` when a joint starts; return 0. Error 1 of Q15, from sin_q15.
+def fill_sine(loop: CurrentLoop) -> None:
+    """Write the sine table, in Q15, to ``loop`` when a joint starts. Error 1 of Q15, from sin_q15.
 
     1024 entries a turn and one quarter more, for the cosine. The step turns an entry (s, c) on by the rest r of the
     angle, at most 32 brad, with s + c r and c - s r: error r^2 / 2 < 5e-6. It lies behind the places of ``loop``,
@@ -25,21 +25,19 @@ def fill_sine(loop: CurrentLoop) -> int:
     """
     for at in range(SINE_SIZE):
         loop.sine[at] = sin_q15(at << _STEP_SHIFT)
-    return 0
 
 
 @hot
-def commutate(loop: CurrentLoop, pole_pairs: int, direction: int, offset_brad: int) -> int:
-    """Let the angle follow the rotor, from ``offset_brad`` at its count 0; return electrical_gain."""
+def commutate(loop: CurrentLoop, pole_pairs: int, direction: int, offset_brad: int) -> None:
+    """Let the angle follow the rotor, from ``offset_brad`` at its count 0."""
     loop.electrical_offset = offset_brad + TABLE_HALF_STEP
     loop.electrical_gain = 4 * pole_pairs * direction
-    return loop.electrical_gain
 
 
 @hot
-def set_commutation(loop: CurrentLoop, settings: JointSettings) -> int:
-    """Follow the rotor with the stored direction, pole pairs and offset; return electrical_gain."""
-    return commutate(loop, settings.pole_pairs, settings.direction, settings.elec_offset)
+def set_commutation(loop: CurrentLoop, settings: JointSettings) -> None:
+    """Follow the rotor with the stored direction, pole pairs and offset."""
+    commutate(loop, settings.pole_pairs, settings.direction, settings.elec_offset)
 
 
 @hot
@@ -57,15 +55,14 @@ def lead_angle(loop: CurrentLoop, settings: JointSettings, state: JointState) ->
 
 
 @hot
-def follow_rotor(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Follow the rotor as found, led by what it goes until a voltage acts; return electrical_gain."""
+def follow_rotor(loop: CurrentLoop, state: JointState, commission: Commission) -> None:
+    """Follow the rotor as found, led by what it goes until a voltage acts."""
     lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
-    return commutate(loop, commission.pole_pairs, commission.direction, commission.offset_found + lead)
+    commutate(loop, commission.pole_pairs, commission.direction, commission.offset_found + lead)
 
 
 @hot
-def point(loop: CurrentLoop, commission: Commission) -> int:
-    """Point the field at commission.angle, whatever the encoder says; return that."""
+def point(loop: CurrentLoop, commission: Commission) -> None:
+    """Point the field at commission.angle, whatever the encoder says."""
     loop.electrical_gain = 0
     loop.electrical_offset = (commission.angle & 0xFFFF) + TABLE_HALF_STEP
-    return commission.angle

@@ -37,8 +37,8 @@ _MOVED_MOST = const(1023)
 
 
 @hot
-def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commission, part: int) -> int:
-    """Begin a round CREEP_*, at 0.44 of the velocity loop's bandwidth for six waves a pole pair; return its phase."""
+def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commission, part: int) -> None:
+    """Begin a round CREEP_*, at 0.44 of the velocity loop's bandwidth for six waves a pole pair."""
     pairs = saturate(commission.pole_pairs, 1, 50)
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     far = _SHORT // saturate(pairs, 2, 50)
@@ -64,7 +64,7 @@ def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     commission.play_sum = 0
     clear_table(commission, fold)
     probe_begin(loop, 1)
-    return go_on(commission, phase)
+    go_on(commission, phase)
 
 
 @hot
@@ -102,8 +102,8 @@ def creep_round(
 @hot
 def stand_still(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
-) -> int:
-    """Let the rotor stand for a tick, while the table is looked at; return the current."""
+) -> None:
+    """Let the rotor stand for a tick, while the table is looked at."""
     probe_begin(loop, 1)
     swing(loop, state, commission)
     follow_joint(io, commission)
@@ -111,7 +111,6 @@ def stand_still(
     commission.swing_rate = 0
     follow_rate(loop, settings, state, commission)
     commission.swing_rate = rate
-    return loop.reference_q
 
 
 @hot
@@ -134,8 +133,8 @@ def _creep(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
 
 
 @hot
-def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission, current: int, moved: int) -> int:
-    """Add the tick before, whose acceleration is known only now, to the table and the play; return its place there."""
+def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission, current: int, moved: int) -> None:
+    """Add the tick before, whose acceleration is known only now, to the table and the play."""
     far = commission.creep_far
     if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
         add_to_table(commission, _ripple_or_current(commission, moved - commission.moved_before))
@@ -144,7 +143,6 @@ def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission,
     commission.moved_last = moved
     commission.current_last = current
     commission.place_last = (loop.rotor * commission.fold >> 5) & (COGS - 1)
-    return commission.place_last
 
 
 @hot

@@ -140,8 +140,8 @@ def turn_voltage(loop: CurrentLoop) -> int:
 
 
 @hot
-def limit_voltage(loop: CurrentLoop) -> int:
-    """Cut voltage_d, voltage_q to the length voltage_limit, d first; return limited_steps.
+def limit_voltage(loop: CurrentLoop) -> None:
+    """Cut voltage_d, voltage_q to the length voltage_limit, d first.
 
     Anti-windup by clamping: an integral that the cut axis' error drives further outwards gets this
     step's part taken back. Length error at most 1/2 vu. Squares below 2^30.
@@ -169,12 +169,11 @@ def limit_voltage(loop: CurrentLoop) -> int:
         else:
             v = 0 - limit
         loop.voltage_q = v
-    return loop.limited_steps
 
 
 @hot
-def current_reset(loop: CurrentLoop, rotor: int) -> int:
-    """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties. Return 0."""
+def current_reset(loop: CurrentLoop, rotor: int) -> None:
+    """Start anew at rotor count 0 .. 16383: no references, integrals, faults; equal duties."""
     loop.rotor = rotor
     loop.rotor_rejected = -1
     loop.masked = 0
@@ -188,22 +187,22 @@ def current_reset(loop: CurrentLoop, rotor: int) -> int:
     loop.cogging_q = 0
     loop.feed_d = 0
     loop.feed_q = 0
-    return current_relax(loop)
+    current_relax(loop)
 
 
 @hot
-def current_relax(loop: CurrentLoop) -> int:
-    """Forget integrals and voltage and write equal duties: for a bridge that is off. Return 0."""
+def current_relax(loop: CurrentLoop) -> None:
+    """Forget integrals and voltage and write equal duties: for a bridge that is off."""
     loop.integral_d = 0
     loop.integral_q = 0
     loop.voltage_d = 0
     loop.voltage_q = 0
-    return _equal_duties(loop)
+    _equal_duties(loop)
 
 
 @hot
-def set_loop(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
-    """Hand the stored settings to the current step; return 0."""
+def set_loop(loop: CurrentLoop, loop_settings: LoopSettings) -> None:
+    """Hand the stored settings to the current step."""
     loop.kp = loop_settings.current_kp
     loop.ki = loop_settings.current_ki
     loop.period = loop_settings.pwm_period
@@ -212,26 +211,23 @@ def set_loop(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
     loop.pulse = loop_settings.pwm_pulse
     loop.window = loop_settings.pwm_window
     loop.trip_square = loop_settings.trip_square
-    return 0
 
 
 @hot
-def keep_gains(loop: CurrentLoop, loop_settings: LoopSettings) -> int:
-    """Take over the gains that commissioning has given the current step; return 0."""
+def keep_gains(loop: CurrentLoop, loop_settings: LoopSettings) -> None:
+    """Take over the gains that commissioning has given the current step."""
     loop_settings.current_kp = loop.kp
     loop_settings.current_ki = loop.ki
-    return 0
 
 
 @hot
-def set_offsets(loop: CurrentLoop, a_q4: int, b_q4: int, c_q4: int) -> int:
-    """Set the readings at no current, in 1/16 count, each 0 .. 65520; return 0. Error: 1/2 count in 2a - b - c."""
+def set_offsets(loop: CurrentLoop, a_q4: int, b_q4: int, c_q4: int) -> None:
+    """Set the readings at no current, in 1/16 count, each 0 .. 65520. Error: 1/2 count in 2a - b - c."""
     loop.offset_q4[0] = a_q4
     loop.offset_q4[1] = b_q4
     loop.offset_q4[2] = c_q4
     loop.offset_alpha = (a_q4 + a_q4 - b_q4 - c_q4 + 8) >> 4
     loop.offset_beta = (((b_q4 - c_q4) * (_SQRT3_Q14 >> 1) + 4) >> 3) - 8192
-    return 0
 
 
 @hot
@@ -242,11 +238,10 @@ def current_sum(loop: CurrentLoop) -> int:
 
 
 @hot
-def _equal_duties(loop: CurrentLoop) -> int:
+def _equal_duties(loop: CurrentLoop) -> None:
     half = loop.period >> 1
     for phase in range(3):
         loop.duty[phase] = half
-    return 0
 
 
 @hot

@@ -50,8 +50,8 @@ _NEVER = const(0xFFFF)  # age of a set-point there was not
 
 
 @hot
-def drive_reset(state: JointState) -> int:
-    """Start not ready, without torque, request, fault or set-point; return STATE_NOT_READY."""
+def drive_reset(state: JointState) -> None:
+    """Start not ready, without torque, request, fault or set-point."""
     state.drive_state = STATE_NOT_READY
     state.torque = TORQUE_OFF
     state.request = REQUEST_NONE
@@ -61,7 +61,6 @@ def drive_reset(state: JointState) -> int:
     state.fault_value = 0
     state.fault_tick = 0
     state.setpoint_age = _NEVER
-    return STATE_NOT_READY
 
 
 @hot
@@ -121,8 +120,8 @@ def drive_clear(state: JointState) -> int:
 
 
 @hot
-def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
-    """Do one tick of the states after the protections have set state.cause; return state.torque."""
+def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> None:
+    """Do one tick of the states after the protections have set state.cause."""
     _age_setpoint(state, io)
     _watch_setpoints(settings, state)
     if state.drive_state == STATE_OPERATION_ENABLED and io.hardware_ready == 0:
@@ -146,7 +145,7 @@ def drive_step(settings: JointSettings, state: JointState, io: JointIo) -> int:
         state.request = REQUEST_NONE
     else:
         _advance(state, io)
-    return _set_torque(state, io)
+    _set_torque(state, io)
 
 
 @hot
@@ -170,25 +169,24 @@ def _purpose_result(settings: JointSettings, state: JointState, io: JointIo, pur
 
 
 @hot
-def _age_setpoint(state: JointState, io: JointIo) -> int:
+def _age_setpoint(state: JointState, io: JointIo) -> None:
     """Count ticks since io.sequence changed; nothing else feeds the watchdog."""
     if io.sequence != state.sequence:
         state.sequence = io.sequence
         state.setpoint_age = 0
     elif state.setpoint_age < _NEVER:
         state.setpoint_age += 1
-    return state.setpoint_age
 
 
 @hot
-def _watch_setpoints(settings: JointSettings, state: JointState) -> int:
+def _watch_setpoints(settings: JointSettings, state: JointState) -> None:
     """Commission and homing take no set-points and end by themselves; everything else needs them."""
     if state.drive_state != STATE_OPERATION_ENABLED or state.purpose != MODE_OFF:
-        return 0
+        return
     if state.setpoint_age <= settings.watchdog_ticks:
-        return 0
+        return
     state.limits = state.limits | LIMIT_WATCHDOG
-    return report_cause(state, FAULT_WATCHDOG, state.setpoint_age)
+    report_cause(state, FAULT_WATCHDOG, state.setpoint_age)
 
 
 @hot
@@ -209,11 +207,11 @@ def _latches(state: JointState, io: JointIo) -> int:
 
 
 @hot
-def _enter_fault(settings: JointSettings, state: JointState) -> int:
+def _enter_fault(settings: JointSettings, state: JointState) -> None:
     """Latch the first cause; damp first if the joint was driving or damping and its sensing can be trusted."""
     drive = state.drive_state
     if drive == STATE_FAULT:
-        return drive
+        return
     if drive != STATE_FAULT_REACTION:
         state.fault_code = state.cause
         state.fault_value = state.cause_value
@@ -229,47 +227,44 @@ def _enter_fault(settings: JointSettings, state: JointState) -> int:
     else:
         state.drive_state = STATE_FAULT
     state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot
-def _react(settings: JointSettings, state: JointState) -> int:
+def _react(settings: JointSettings, state: JointState) -> None:
     """Damp for the set time; a quick stop also ends when the joint stands."""
     state.reaction_ticks += 1
     if state.drive_state == STATE_FAULT_REACTION:
         if state.reaction_ticks > settings.damp_ticks:
             state.drive_state = STATE_FAULT
-        return state.drive_state
+        return
     rate = state.velocity
     if rate < 0:
         rate = -rate
     if rate < settings.stall_rate or state.reaction_ticks > settings.quick_ticks or state.request == REQUEST_DISARM:
         _stand_down(state)
     state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot
-def _stand_down(state: JointState) -> int:
+def _stand_down(state: JointState) -> None:
     """To switch-on disabled (not ready stays), and forget the set-points."""
     if state.drive_state != STATE_NOT_READY:
         state.drive_state = STATE_SWITCH_ON_DISABLED
     state.request = REQUEST_NONE
     state.purpose = MODE_OFF
     state.setpoint_age = _NEVER
-    return state.drive_state
 
 
 @hot
-def _clear(state: JointState) -> int:
+def _clear(state: JointState) -> None:
     state.fault_code = FAULT_NONE
     state.fault_value = 0
     state.fault_tick = 0
-    return _stand_down(state)
+    _stand_down(state)
 
 
 @hot
-def _advance(state: JointState, io: JointIo) -> int:
+def _advance(state: JointState, io: JointIo) -> None:
     """One state per tick towards operation enabled, as long as the hardware is ready."""
     drive = state.drive_state
     if io.hardware_ready == 0:
@@ -285,11 +280,10 @@ def _advance(state: JointState, io: JointIo) -> int:
     elif drive == STATE_SWITCHED_ON:
         state.drive_state = STATE_OPERATION_ENABLED
         state.request = REQUEST_NONE
-    return state.drive_state
 
 
 @hot
-def _set_torque(state: JointState, io: JointIo) -> int:
+def _set_torque(state: JointState, io: JointIo) -> None:
     drive = state.drive_state
     state.torque = TORQUE_OFF
     state.mode = MODE_OFF
@@ -301,4 +295,3 @@ def _set_torque(state: JointState, io: JointIo) -> int:
     elif drive == STATE_QUICK_STOP_ACTIVE or drive == STATE_FAULT_REACTION:
         state.torque = TORQUE_DAMP
         state.mode = MODE_DAMPING
-    return state.torque

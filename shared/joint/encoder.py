@@ -36,8 +36,8 @@ def position_of(turns: int, fraction: int, zero: int, sign: int) -> int:
 
 
 @hot
-def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
-    """Start at the rotor's angle loop.rotor in turn 0, at rest and not homed; return state.position."""
+def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
+    """Start at the rotor's angle loop.rotor in turn 0, at rest and not homed."""
     state.turns = 0
     state.fraction = loop.rotor
     state.lag = 0
@@ -47,24 +47,22 @@ def encoder_reset(loop: CurrentLoop, settings: JointSettings, state: JointState)
     state.range_exceeded = 0
     state.disagree_ticks = 0
     state.position = position_of(0, loop.rotor, settings.zero, settings.joint_sign)
-    return state.position
 
 
 @hot
-def encoder_resync(loop: CurrentLoop, state: JointState) -> int:
-    """Follow the last rejected reading after the encoder was lost, with the bridge off; return 1 if there was one.
+def encoder_resync(loop: CurrentLoop, state: JointState) -> None:
+    """Follow the last rejected reading after the encoder was lost, with the bridge off.
 
     Turns may have been missed: the joint is no longer homed.
     """
     if loop.rotor_rejected < 0:
-        return 0
+        return
     loop.rotor = loop.rotor_rejected
     loop.rotor_rejected = -1
     state.fraction = loop.rotor
     state.lag = 0
     state.rate = 0
     state.homed = 0
-    return 1
 
 
 @hot

@@ -21,8 +21,8 @@ def bus_voltage(raw: int, gain_q12: int) -> int:
 
 
 @hot
-def feed_bus(loop: CurrentLoop, settings: JointSettings, bus_vu: int) -> int:
-    """Set the modulator's gains and the longest vector for a bus of ``bus_vu``; return the bus used.
+def feed_bus(loop: CurrentLoop, settings: JointSettings, bus_vu: int) -> None:
+    """Set the modulator's gains and the longest vector for a bus of ``bus_vu``.
 
     bus_vu: any; below bus_least (at least 64) that is used, so nothing is divided by 0. loop.period below 2^15.
     Errors: voltage_limit 1/2 vu, gains half of their unit. Intermediates below 2^30.
@@ -38,7 +38,6 @@ def feed_bus(loop: CurrentLoop, settings: JointSettings, bus_vu: int) -> int:
     loop.gain_beta = ((loop.period * _HALF_SQRT3_Q15 >> 1) + half) // bus_vu
     loop.voltage_limit = limit
     loop.limit_square = limit * limit
-    return bus_vu
 
 
 @hot

@@ -11,8 +11,8 @@ _DEAD_MOST = const(3276)  # of the parameter
 
 
 @hot
-def write_findings(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Write everything found and end commissioning; return PHASE_IDLE."""
+def write_findings(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """Write everything found and end commissioning."""
     before = settings.pole_pairs
     pairs = commission.pole_pairs
     settings.bemf = commission.flux
@@ -41,12 +41,12 @@ def write_findings(loop: CurrentLoop, settings: JointSettings, state: JointState
     commission.rest_rotor = straightened(loop, commission.rest_rotor)
     if commission.pose_given:
         set_zeros(settings, commission)
-    return go_on(commission, PHASE_IDLE)
+    go_on(commission, PHASE_IDLE)
 
 
 @hot
-def _write_waves(settings: JointSettings, commission: Commission) -> int:
-    """Write the cogging's waves; return how often a turn the first is."""
+def _write_waves(settings: JointSettings, commission: Commission) -> None:
+    """Write the cogging's waves."""
     settings.cogging_order_0 = commission.wave_order[0]
     settings.cogging_current_0 = saturate(commission.wave_current[0], 0, 0x7FFF)
     settings.cogging_phase_0 = commission.wave_phase[0]
@@ -56,12 +56,11 @@ def _write_waves(settings: JointSettings, commission: Commission) -> int:
     settings.cogging_order_2 = commission.wave_order[2]
     settings.cogging_current_2 = saturate(commission.wave_current[2], 0, 0x7FFF)
     settings.cogging_phase_2 = commission.wave_phase[2]
-    return settings.cogging_order_0
 
 
 @hot
-def set_zeros(settings: JointSettings, commission: Commission) -> int:
-    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint; return settings.zero.
+def set_zeros(settings: JointSettings, commission: Commission) -> None:
+    """Set both encoders' zeros from the pose at which they read rest_rotor and rest_joint.
 
     The joint encoder's zero is rounded to its count: the rotor's is exact.
     """
@@ -70,4 +69,3 @@ def set_zeros(settings: JointSettings, commission: Commission) -> int:
         half = settings.gear_q8 >> 1
         angle = ((commission.pose << 8) + half) // settings.gear_q8
         settings.joint_encoder_zero = (commission.rest_joint - angle * settings.joint_encoder_sign) & 16383
-    return settings.zero

@@ -18,26 +18,24 @@ HOME_AMBIGUOUS = const(4)
 
 
 @hot
-def homing_start(state: JointState) -> int:
-    """Begin to look for the stop: the joint counts as not homed from now on. Return HOME_SEEKING."""
+def homing_start(state: JointState) -> None:
+    """Begin to look for the stop: the joint counts as not homed from now on."""
     state.homed = 0
     state.home_ticks = 0
     state.home_still_ticks = 0
     state.home_result = HOME_SEEKING
-    return HOME_SEEKING
 
 
 @hot
-def homing_stop(state: JointState) -> int:
-    """Give up looking (torque is gone or the mode changed): a search under way ends as HOME_IDLE. Return it."""
+def homing_stop(state: JointState) -> None:
+    """Give up looking (torque is gone or the mode changed): a search under way ends as HOME_IDLE."""
     if state.home_result == HOME_SEEKING:
         state.home_result = HOME_IDLE
-    return state.home_result
 
 
 @hot
-def homing_tick(settings: JointSettings, state: JointState) -> int:
-    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason; return home_result."""
+def homing_tick(settings: JointSettings, state: JointState) -> None:
+    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason."""
     homing_step(settings, state)
     result = state.home_result
     if result == HOME_NO_STOP:
@@ -48,35 +46,33 @@ def homing_tick(settings: JointSettings, state: JointState) -> int:
         state.raised_value = state.position
     if result != HOME_SEEKING:
         drive_disarm(state)
-    return result
 
 
 @hot
-def homing_step(settings: JointSettings, state: JointState) -> int:
-    """Watch for the stop before each tick of the cascade; return home_rate, the rate to ask for, 0 when over.
+def homing_step(settings: JointSettings, state: JointState) -> None:
+    """Watch for the stop before each tick of the cascade; home_rate is the rate to ask for, 0 when it is over.
 
     At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then
     home_result is HOME_DONE or HOME_AMBIGUOUS; without a stop in home_limit_ticks it is HOME_NO_STOP.
     """
     state.home_rate = 0
     if state.home_result != HOME_SEEKING:
-        return 0
+        return
     if state.current_limit > settings.home_current:
         state.current_limit = settings.home_current
     state.home_ticks += 1
     if state.home_ticks > settings.home_limit_ticks:
         state.home_result = HOME_NO_STOP
-        return 0
+        return
     state.home_still_ticks += 1
     if _pushes_at_rest(settings, state) == 0:
         state.home_still_ticks = 0
     if state.home_still_ticks < settings.home_ticks:
         state.home_rate = settings.home_rate
-        return state.home_rate
+        return
     state.home_result = HOME_AMBIGUOUS
     if home_at(settings, state, settings.stop):
         state.home_result = HOME_DONE
-    return 0
 
 
 @hot

@@ -37,27 +37,25 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
 
 
 @hot
-def keep_outer(settings: JointSettings, commission: Commission) -> int:
-    """Remember the gains before commissioning; return the first."""
+def keep_outer(settings: JointSettings, commission: Commission) -> None:
+    """Remember the gains before commissioning."""
     kept = commission.kept_outer
     kept[0] = settings.velocity_p
     kept[1] = settings.velocity_i
     kept[2] = settings.damp
     kept[3] = settings.inertia
     kept[4] = settings.accel
-    return kept[0]
 
 
 @hot
-def restore_outer(settings: JointSettings, commission: Commission) -> int:
-    """Go back to them, if there are any; return 1 if so."""
+def restore_outer(settings: JointSettings, commission: Commission) -> None:
+    """Go back to them, if there are any."""
     kept = commission.kept_outer
     if kept[0] == 0:
-        return 0
+        return
     settings.velocity_p = kept[0]
     settings.velocity_i = kept[1]
     settings.damp = kept[2]
     settings.inertia = kept[3]
     settings.accel = kept[4]
     kept[0] = 0
-    return 1

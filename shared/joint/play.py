@@ -19,16 +19,15 @@ _SUM_MOST = const(0x1FFFFFFF)
 
 
 @hot
-def follow_joint(io: JointIo, commission: Commission) -> int:
-    """Add what the joint has moved since it was looked at last, less than half a turn; return joint_moved."""
+def follow_joint(io: JointIo, commission: Commission) -> None:
+    """Add what the joint has moved since it was looked at last, less than half a turn."""
     commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
     commission.joint_last = io.joint_raw
-    return commission.joint_moved
 
 
 @hot
-def add_play(settings: JointSettings, commission: Commission, way: int) -> int:
-    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed; return it in rc, within half a turn.
+def add_play(settings: JointSettings, commission: Commission, way: int) -> None:
+    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed.
 
     The joint's counts grow up to 2^15 here, times a gear below 2^14: below 2^29. Ways of 2^15 in all, times 2^13: 2^28.
     """
@@ -37,18 +36,16 @@ def add_play(settings: JointSettings, commission: Commission, way: int) -> int:
         joint = -joint
     apart = saturate((joint * settings.gear_q8 >> 8) - commission.moved, -_APART_MOST, _APART_MOST)
     commission.play_sum = saturate(commission.play_sum + apart * way, -_SUM_MOST, _SUM_MOST)
-    return apart
 
 
 @hot
-def find_play(settings: JointSettings, commission: Commission) -> int:
-    """At the end of a round find the play in rc of the rotor, Q4; return the most of all rounds, -1 without encoder."""
+def find_play(settings: JointSettings, commission: Commission) -> None:
+    """At the end of a round find the play in rc of the rotor, Q4, the most of all rounds."""
     if settings.has_joint_encoder == 0:
-        return -1
+        return
     lag = 0 - commission.play_sum * commission.direction
     found = saturate(ratio(lag, saturate(commission.way, 1, 0x7FFFFF), 5), 0, _APART_MOST << 5)
     if found > commission.backlash:
         commission.backlash = found
     if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
         refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
-    return commission.backlash

@@ -13,8 +13,8 @@ _BRAD_Q14 = const(41722)  # 65536 / 2 pi a rad, of a bandwidth in Q12
 
 
 @hot
-def probe_begin(loop: CurrentLoop, sign: int) -> int:
-    """Add up from the next current step on, currents and voltages times ``sign``; return 0."""
+def probe_begin(loop: CurrentLoop, sign: int) -> None:
+    """Add up from the next current step on, currents and voltages times ``sign``."""
     loop.probing = 0  # the interrupt may come between any two of these
     loop.probe_sign = sign
     loop.probe_steps = 0
@@ -23,7 +23,6 @@ def probe_begin(loop: CurrentLoop, sign: int) -> int:
     loop.sum_voltage_d = 0
     loop.sum_voltage_q = 0
     loop.probing = 1
-    return 0
 
 
 @hot
@@ -51,15 +50,14 @@ def probe_step(loop: CurrentLoop) -> int:
 
 
 @hot
-def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> int:
-    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w; return it."""
+def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> None:
+    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w."""
     probe_begin(loop, 1)
     loop.probing = 0
     loop.sine_at = 0
     loop.sine_add = settings.current_w * _BRAD_Q14 >> 14
     loop.sine_current = settings.commission_current >> 2
     loop.probing = probing
-    return loop.sine_current
 
 
 @hot

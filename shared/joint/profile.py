@@ -40,11 +40,10 @@ def braking_rate(distance_rc256: int, accel: int, rate_max: int) -> int:
 
 
 @hot
-def profile_reset(state: JointState, position_rc: int, rate: int) -> int:
-    """Start at a position within +-2^21 rc with a rate; return 0."""
+def profile_reset(state: JointState, position_rc: int, rate: int) -> None:
+    """Start at a position within +-2^21 rc with a rate."""
     state.profile = position_rc << 8
     state.profile_rate = rate
-    return 0
 
 
 @hot

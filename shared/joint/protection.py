@@ -30,20 +30,19 @@ _TICKS_MOST = const(0xFFFF)
 
 
 @hot
-def report_cause(state: JointState, code: int, value: int) -> int:
-    """Note a cause with its value; return the cause that stands in this tick.
+def report_cause(state: JointState, code: int, value: int) -> None:
+    """Note a cause with its value.
 
     The first stays, except that one which allows damping gives way to one which does not.
     """
     if state.cause == FAULT_NONE or (damps_first(state.cause) and damps_first(code) == 0):
         state.cause = code
         state.cause_value = value
-    return state.cause
 
 
 @hot
-def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> int:
-    """Look for causes once a millisecond, the most dangerous first; return state.cause.
+def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> None:
+    """Look for causes once a millisecond, the most dangerous first.
 
     Times: over-current and emergency stop 1 tick, voltages bus_ticks, a lost encoder bad_ticks,
     disagreement disagree_ticks, current sum sum_ticks, stall stall_ticks.
@@ -64,7 +63,6 @@ def protect_motion(loop: CurrentLoop, settings: JointSettings, state: JointState
     if state.raised:
         report_cause(state, state.raised, state.raised_value)
         state.raised = FAULT_NONE
-    return state.cause
 
 
 @hot
@@ -76,7 +74,7 @@ def count_above(ticks: int, value: int, limit: int) -> int:
 
 
 @hot
-def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
+def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
     """Trip, voltage limit, sum of the phases; the last only under torque, so that commission can measure offsets."""
     if loop.tripped:
         length = isqrt(loop.current_d * loop.current_d + loop.current_q * loop.current_q)
@@ -94,11 +92,10 @@ def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState
     state.sum_ticks = count_above(state.sum_ticks, size, settings.sum_limit)
     if state.sum_ticks >= settings.sum_ticks and state.torque != TORQUE_OFF and state.mode != MODE_COMMISSIONING:
         report_cause(state, FAULT_CURRENT_SENSE, wrong)
-    return wrong
 
 
 @hot
-def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
+def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
     """After any fault of an encoder the position is not trusted: the joint must be homed again."""
     glitches = loop.glitches
     loop.glitches = 0
@@ -117,11 +114,10 @@ def _check_encoders(loop: CurrentLoop, settings: JointSettings, state: JointStat
         state.homed = 0
         if state.torque == TORQUE_OFF:
             encoder_resync(loop, state)
-    return glitches
 
 
 @hot
-def _check_bus(settings: JointSettings, state: JointState) -> int:
+def _check_bus(settings: JointSettings, state: JointState) -> None:
     bus = state.bus
     state.under_ticks = count_above(state.under_ticks, settings.under, bus)
     if state.under_ticks >= settings.bus_ticks:
@@ -129,27 +125,25 @@ def _check_bus(settings: JointSettings, state: JointState) -> int:
     state.over_ticks = count_above(state.over_ticks, bus, settings.over)
     if state.over_ticks >= settings.bus_ticks:
         report_cause(state, FAULT_OVER_VOLTAGE, bus)
-    return bus
 
 
 @hot
-def _check_motion(settings: JointSettings, state: JointState) -> int:
+def _check_motion(settings: JointSettings, state: JointState) -> None:
     """Over-speed in any state; beyond the hard position limit only when driving further out."""
     rate = state.velocity
     if rate > settings.rate_trip or rate < -settings.rate_trip:
         report_cause(state, FAULT_OVER_SPEED, rate)
     if state.torque != TORQUE_DRIVE or state.homed == 0:
-        return 0
+        return
     position = state.position
     if rate > 0 and position > settings.position_max + settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
     if rate < 0 and position < settings.position_min - settings.position_margin:
         report_cause(state, FAULT_POSITION_LIMIT, position)
-    return rate
 
 
 @hot
-def _check_stall(settings: JointSettings, state: JointState) -> int:
+def _check_stall(settings: JointSettings, state: JointState) -> None:
     """A stall is: asked to move, all the current there is, and standing. Holding a load is none."""
     slow = settings.stall_rate
     asked = state.rate_reference
@@ -171,4 +165,3 @@ def _check_stall(settings: JointSettings, state: JointState) -> int:
     state.stall_ticks = count_above(state.stall_ticks, stalled, 0)
     if state.stall_ticks >= settings.stall_ticks:
         report_cause(state, FAULT_STALL, state.current_reference)
-    return stalled

@@ -66,31 +66,31 @@ def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commis
 
 
 @hot
-def prove_begin(settings: JointSettings, commission: Commission) -> int:
-    """Begin to run to and fro with steps of the speed; return PHASE_PROVE_VELOCITY."""
+def prove_begin(settings: JointSettings, commission: Commission) -> None:
+    """Begin to run to and fro with steps of the speed."""
     commission.velocity_w = settings.velocity_w
     commission.repeated = 0
-    return _begin_velocity(settings, commission)
+    _begin_velocity(settings, commission)
 
 
 @hot
-def _begin_velocity(settings: JointSettings, commission: Commission) -> int:
+def _begin_velocity(settings: JointSettings, commission: Commission) -> None:
     """Run with the gains of commission.velocity_w; the second time twice as fast, over strong cogging."""
     set_outer_gains(settings, commission.inertia, commission.velocity_w)
     window = saturate(_WINDOW // saturate(commission.velocity_w, 1, 20588), 8, _WINDOW_MOST) >> commission.repeated
     commission.window = window
     commission.swing_rate = saturate(_RUN // window, 1, swing_rate(settings, commission) >> 1)
-    return _begin_runs(commission, PHASE_PROVE_VELOCITY)
+    _begin_runs(commission, PHASE_PROVE_VELOCITY)
 
 
 @hot
-def _begin_runs(commission: Commission, phase: int) -> int:
+def _begin_runs(commission: Commission, phase: int) -> None:
     commission.swing_acceleration = (commission.swing_rate >> 5) + 1
     commission.half_swings = 0
     commission.run_ticks = -1
     commission.impulse = 0
     commission.way = 0
-    return go_on(commission, phase)
+    go_on(commission, phase)
 
 
 @hot
@@ -107,15 +107,16 @@ def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if commission.reason:
         return 0
     if commission.phase == PHASE_PROVE_VELOCITY:
-        return _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+        _run_velocity(loop, settings, state, commission, current * commission.sign, moved * commission.sign)
+        return 0
     return _run_position(loop, settings, state, commission)
 
 
 @hot
 def _run_velocity(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, current: int, moved: int
-) -> int:
-    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count. Return 0."""
+) -> None:
+    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count."""
     slow = commission.swing_rate
     ticks = commission.run_ticks
     window = commission.window
@@ -131,13 +132,12 @@ def _run_velocity(
     commission.swing_rate = slow
     commission.swing_acceleration = most
     if commission.half_swings > _RUNS:
-        return _end_velocity(settings, commission)
-    return 0
+        _end_velocity(settings, commission)
 
 
 @hot
-def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
-    """Add a tick up; return the current's weight, 32 and less.
+def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> None:
+    """Add a tick up.
 
     The mean speed of a window changes by what acts in it, growing from none to all, and from all to none in the next.
     Two changes, up less down: what is the same both ways (friction, a load) or grows with the speed has no weight.
@@ -160,12 +160,11 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> int:
     else:
         weight = 0
     commission.impulse = saturate(commission.impulse + current * weight, -_IMPULSE_MOST, _IMPULSE_MOST)
-    return weight
 
 
 @hot
-def _end_velocity(settings: JointSettings, commission: Commission) -> int:
-    """Find the bandwidth in per cent of the wanted one; go on with the position loop, return 0.
+def _end_velocity(settings: JointSettings, commission: Commission) -> None:
+    """Find the bandwidth in per cent of the wanted one; go on with the position loop.
 
     What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
     quarter less bandwidth is tried, twice.
@@ -181,7 +180,6 @@ def _end_velocity(settings: JointSettings, commission: Commission) -> int:
     else:
         commission.repeated = 0
         _begin_position(settings, commission)
-    return 0
 
 
 @hot
@@ -199,9 +197,9 @@ def _try_again(settings: JointSettings, commission: Commission, share: int) -> i
 
 
 @hot
-def _begin_position(settings: JointSettings, commission: Commission) -> int:
+def _begin_position(settings: JointSettings, commission: Commission) -> None:
     commission.window = saturate(_CONSTANTS // saturate(settings.position_p, 1, 4095), 8, _WINDOW_MOST)
-    return _begin_runs(commission, PHASE_PROVE_POSITION)
+    _begin_runs(commission, PHASE_PROVE_POSITION)
 
 
 @hot

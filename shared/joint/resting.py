@@ -3,7 +3,7 @@
 from ..runtime import const, hot
 from .bend import fill_bend
 from .cogging import hold_waves
-from .commission_state import COMMISSION_FULL, PHASE_IDLE, PHASE_RAMP, PHASE_REST, Commission, go_on, refuse
+from .commission_state import COMMISSION_FULL, PHASE_RAMP, Commission, go_on, refuse
 from .current import current_reset, set_offsets
 from .encoder import wrap_count
 from .faults import (
@@ -29,8 +29,8 @@ _MOVED_MOST = const(64)  # rc that noise alone may seem to move
 @hot
 def rest_step(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
-) -> int:
-    """Do one tick: collect 256 readings, then check them and set the current offsets; return the phase."""
+) -> None:
+    """Do one tick: collect 256 readings, then check them and set the current offsets."""
     if commission.phase_ticks == 1:
         commission.kept_kp = loop.kp
         commission.kept_ki = loop.ki
@@ -42,22 +42,22 @@ def rest_step(
     if commission.phase_ticks < _FRESH_TICKS:
         commission.rest_rotor = loop.rotor
         commission.rest_joint = io.joint_raw
-        return PHASE_REST
+        return
     for phase in range(3):
         raw = loop.raw[phase]
         commission.raw_sum[phase] = commission.raw_sum[phase] + raw
         _extremes(commission, phase, raw)
     _extremes(commission, _ROTOR, wrap_count(loop.rotor - commission.rest_rotor))
     if commission.phase_ticks < _FRESH_TICKS + _REST_TICKS - 1:
-        return PHASE_REST
+        return
     if _check_rest(loop, settings, state, commission):
-        return PHASE_IDLE
+        return
     shift = _REST_SHIFT - 4
     set_offsets(loop, commission.raw_sum[0] >> shift, commission.raw_sum[1] >> shift, commission.raw_sum[2] >> shift)
     loop.kp = 0  # these may be another motor's
     loop.ki = 0
     current_reset(loop, loop.rotor)
-    return go_on(commission, PHASE_RAMP)
+    go_on(commission, PHASE_RAMP)
 
 
 @hot
@@ -82,10 +82,9 @@ def _check_rest(loop: CurrentLoop, settings: JointSettings, state: JointState, c
 
 
 @hot
-def _extremes(commission: Commission, place: int, value: int) -> int:
-    """Take in a value of the lowest and highest at ``place``; return how far apart these are."""
+def _extremes(commission: Commission, place: int, value: int) -> None:
+    """Take in a value of the lowest and highest at ``place``."""
     if value < commission.lowest[place]:
         commission.lowest[place] = value
     if value > commission.highest[place]:
         commission.highest[place] = value
-    return commission.highest[place] - commission.lowest[place]

@@ -14,23 +14,21 @@ _TABLE_MOST = const(0x1FFFFFFF)
 
 
 @hot
-def clear_table(commission: Commission, fold: int) -> int:
-    """Begin an empty table that repeats ``fold`` times a turn of the rotor; return that."""
+def clear_table(commission: Commission, fold: int) -> None:
+    """Begin an empty table that repeats ``fold`` times a turn of the rotor."""
     commission.fold = fold
     commission.way = 0
     for place in range(COGS):
         commission.cogging[place] = 0
-    return fold
 
 
 @hot
-def add_to_table(commission: Commission, value: int) -> int:
-    """Add the value of the tick before over its way to the place where the rotor was; return the way."""
+def add_to_table(commission: Commission, value: int) -> None:
+    """Add the value of the tick before over its way to the place where the rotor was."""
     way = commission.moved_last * commission.sign
     place = commission.place_last
     commission.cogging[place] = saturate(commission.cogging[place] + value * way, -_TABLE_MOST, _TABLE_MOST)
     commission.way += way
-    return way
 
 
 @hot

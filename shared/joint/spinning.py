@@ -100,8 +100,8 @@ def swing_current(settings: JointSettings, state: JointState, commission: Commis
 
 
 @hot
-def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Ask for the swing's current and sum up what it costs in voltage besides resistance; return the current."""
+def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """Ask for the swing's current and sum up what it costs in voltage besides resistance."""
     sign = commission.sign
     current = swing_current(settings, state, commission, swing_rate(settings, commission))
     commission.current_change += (current - loop.reference_q) * sign
@@ -109,7 +109,6 @@ def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
     commission.dead_sum_d += lost * loop.reference_d >> 8
     commission.dead_sum_q += lost * current >> 8
     loop.reference_q = current
-    return current
 
 
 @hot

@@ -31,16 +31,16 @@ _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
 
 
 @hot
-def mechanics_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to swing with current across the flux alone; return PHASE_SWING."""
+def mechanics_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """Begin to swing with current across the flux alone."""
     loop.reference_d = 0
     commission.swing_level = 0
     commission.swing_rate = swing_rate(settings, commission)
-    return _begin_level(loop, commission)
+    _begin_level(loop, commission)
 
 
 @hot
-def _begin_level(loop: CurrentLoop, commission: Commission) -> int:
+def _begin_level(loop: CurrentLoop, commission: Commission) -> None:
     commission.half_swings = 0
     commission.periods = -1
     commission.period_ticks = 0
@@ -53,7 +53,7 @@ def _begin_level(loop: CurrentLoop, commission: Commission) -> int:
     commission.way_middle = 0
     commission.square_way = 0
     probe_begin(loop, 1)
-    return go_on(commission, PHASE_SWING)
+    go_on(commission, PHASE_SWING)
 
 
 @hot
@@ -79,15 +79,15 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 
 @hot
-def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Let the velocity loop follow a rate that goes to and fro at an even acceleration; return the current."""
+def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """Let the velocity loop follow a rate that goes to and fro at an even acceleration."""
     ask_rate(settings, state, commission)
-    return write_current(loop, settings, state)
+    write_current(loop, settings, state)
 
 
 @hot
-def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """The same without handing the current on; return it, joint-signed."""
+def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> None:
+    """The same without handing the current on."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
     reference = commission.swing_reference * commission.sign
@@ -95,12 +95,12 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
         most = most << 2  # from the level before, at twice the speed
     commission.swing_reference += saturate(wanted - commission.swing_reference, -most, most)
     state.rate_reference = commission.swing_reference * commission.direction * settings.joint_sign
-    return velocity_loop(settings, state, 0)
+    velocity_loop(settings, state, 0)
 
 
 @hot
-def _add(commission: Commission, before: int, moved: int, current: int) -> int:
-    """Add the work of one tick up, from one side to the other over the middle; return it.
+def _add(commission: Commission, before: int, moved: int, current: int) -> None:
+    """Add the work of one tick up, from one side to the other over the middle.
 
     A period begins and ends where the middle is passed upwards; the first passage is waited for. Intermediates: 2^16 *
     2^11.
@@ -109,7 +109,7 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> int:
     if commission.half_swings > 1 and moved > 0 and (before ^ commission.away) < 0:
         commission.periods += 1
     if commission.periods < 0 or commission.periods == _PERIODS:
-        return 0
+        return
     commission.period_ticks += 1
     commission.impulse += current
     commission.square_way += moved * moved >> 4
@@ -127,7 +127,6 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> int:
     if commission.away > -_MIDDLE and commission.away < _MIDDLE:
         commission.square_middle += (moved * moved >> 4) * way >> 8
         commission.way_middle += way
-    return work
 
 
 @hot
@@ -168,7 +167,7 @@ def _check_load(settings: JointSettings, commission: Commission) -> int:
 
 
 @hot
-def _choose_acceleration(settings: JointSettings, commission: Commission) -> int:
+def _choose_acceleration(settings: JointSettings, commission: Commission) -> None:
     """Choose acceleration and speed: braking takes _BRAKING / 2, and no more than a quarter of the current limit."""
     rate = saturate(commission.swing_rate, _LEAST, 0x3FFFF) >> 4
     most = (settings.commission_current << 11) // saturate(commission.inertia, 1, 0x3FFFF)
@@ -177,12 +176,11 @@ def _choose_acceleration(settings: JointSettings, commission: Commission) -> int
         acceleration = saturate(most, 1, 0xFFFF)
         commission.swing_rate = isqrt(acceleration * _BRAKING) << 4
     commission.swing_acceleration = acceleration
-    return acceleration
 
 
 @hot
-def _find_inertia(settings: JointSettings, commission: Commission) -> int:
-    """Find the inertia in cu / (rate / tick), Q12, and the gains of the velocity loop; return what refuses them."""
+def _find_inertia(settings: JointSettings, commission: Commission) -> None:
+    """Find the inertia in cu / (rate / tick), Q12, and the gains of the velocity loop, or refuse them."""
     mean = commission.impulse // saturate(commission.period_ticks, 1, _TICKS_MOST)
     pulled = (mean >> 3) * saturate(commission.way_in, -0x3FFF, 0x3FFF) >> 6
     work = commission.work_in - commission.work_out - pulled
@@ -191,13 +189,12 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> int:
     w = settings.velocity_w
     fits = set_outer_gains(settings, commission.inertia, w)
     if fits == 0 or set_outer_gains(settings, commission.inertia, w >> 1) == 0:
-        return refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
-    return 0
+        refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
 
 
 @hot
-def _find_friction(commission: Commission) -> int:
-    """Return the friction at rest in cu, Q4, and find what it grows by with the speed; neither is below 0."""
+def _find_friction(commission: Commission) -> None:
+    """Find the friction at rest and what it grows by with the speed; neither is below 0."""
     slower = commission.speed_q4[2] - commission.speed_q4[3]
     more = commission.friction_q4[2] - commission.friction_q4[3]
     commission.viscous = ratio(more, slower, 8)
@@ -205,4 +202,3 @@ def _find_friction(commission: Commission) -> int:
     if rest < 0:
         rest = 0
     commission.coulomb = rest
-    return rest

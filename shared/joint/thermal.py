@@ -21,13 +21,11 @@ _WARM_T16 = const(400)  # 25 degrees C, at which the robot file gives the resist
 
 
 @hot
-def gather_heat(loop: CurrentLoop, state: JointState) -> int:
-    """Add this tick's i^2/256 to the sum the slow tick takes; return the sum. 300 ticks at most: below 2^30."""
-    if state.heat_ticks >= 300:
-        return state.heat_sum
-    state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
-    state.heat_ticks += 1
-    return state.heat_sum
+def gather_heat(loop: CurrentLoop, state: JointState) -> None:
+    """Add this tick's i^2/256 to the sum the slow tick takes. 300 ticks at most: below 2^30."""
+    if state.heat_ticks < 300:
+        state.heat_sum += loop.current_d * loop.current_d + loop.current_q * loop.current_q >> 8
+        state.heat_ticks += 1
 
 
 @hot
@@ -71,12 +69,11 @@ def _read_winding(settings: JointSettings, state: JointState, io: JointIo, curve
 
 
 @hot
-def _read_mcu(settings: JointSettings, state: JointState, io: JointIo) -> int:
+def _read_mcu(settings: JointSettings, state: JointState, io: JointIo) -> None:
     raw = io.mcu_raw
     state.mcu = mcu_t16(raw, settings.mcu_cal1, settings.mcu_cal2)
     if raw <= 0 or raw >= 4095 or settings.mcu_cal1 == settings.mcu_cal2:
         _slow_cause(state, FAULT_MCU_SENSOR, raw)
-    return state.mcu
 
 
 @hot
@@ -112,12 +109,11 @@ def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
 
 
 @hot
-def _slow_cause(state: JointState, code: int, value: int) -> int:
-    """Keep the first cause of slowing down, with its number; return ``code``."""
+def _slow_cause(state: JointState, code: int, value: int) -> None:
+    """Keep the first cause of slowing down, with its number."""
     if state.slow_cause == 0:
         state.slow_cause = code
         state.slow_value = value
-    return code
 
 
 @hot
@@ -155,12 +151,11 @@ def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
 
 
 @hot
-def model_reset(state: JointState, air_t16: int) -> int:
-    """Start the model with everything at ``air_t16``; return it."""
+def model_reset(state: JointState, air_t16: int) -> None:
+    """Start the model with everything at ``air_t16``."""
     state.air = air_t16
     state.model_winding = 0
     state.model_housing = 0
-    return air_t16
 
 
 @hot

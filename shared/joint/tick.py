@@ -22,8 +22,8 @@ from .thermal import gather_heat
 
 
 @hot
-def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, rotor: int) -> int:
-    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready; return 0.
+def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, rotor: int) -> None:
+    """Start a joint whose rotor reads ``rotor`` (0 .. 16383), not homed, not ready.
 
     ``state`` is zeros, fill_sine has filled its part of ``loop``.
     """
@@ -33,7 +33,6 @@ def joint_reset(loop: CurrentLoop, settings: JointSettings, state: JointState, r
     drive_reset(state)
     cascade_reset(settings, state)
     state.derate = 0x8000
-    return 0
 
 
 @hot
@@ -63,7 +62,7 @@ def begin_commission(state: JointState, commission: Commission, kind: int) -> in
 
 
 @hot
-def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> int:
+def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo) -> None:
     encoder_step(loop, settings, state)
     watch_encoders(settings, state, io)
     state.bus = bus_voltage(io.bus_raw, settings.bus_gain)
@@ -72,13 +71,12 @@ def _sense(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Jo
     limit = settings.current_max * state.derate >> 15
     state.current_limit = limit
     loop.current_most = limit
-    return limit
 
 
 @hot
 def _change_mode(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, before: int
-) -> int:
+) -> None:
     """Leave the old mode cleanly and start the new one bumpless."""
     if before == MODE_COMMISSIONING:
         commission_abort(loop, settings, commission)
@@ -87,7 +85,6 @@ def _change_mode(
     cascade_reset(settings, state)
     if state.mode == MODE_HOMING:
         homing_start(state)
-    return state.mode
 
 
 @hot

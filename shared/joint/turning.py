@@ -47,7 +47,8 @@ def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commissio
     commission.moved += moved
     follow_joint(io, commission)
     if commission.phase == PHASE_FORWARD:
-        return _forward(loop, settings, io, commission, step)
+        _forward(loop, settings, io, commission, step)
+        return 0
     if commission.phase == PHASE_BACK:
         moved = -moved
         step = -step
@@ -60,19 +61,18 @@ def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commissio
 
 
 @hot
-def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> int:
+def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> None:
     commission.start_rotor = loop.rotor
     commission.rotor_last = loop.rotor
     commission.joint_last = io.joint_raw
     commission.travel = (_PAIRS_MOST + 2) * (_ELECTRICAL + 1)
     if commission.kind != COMMISSION_FULL:
         commission.travel = _VERIFY_TRAVEL
-    return commission.travel
 
 
 @hot
-def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> int:
-    """Turn on until the rotor has gone round, or the field its travel, and check that it follows; return 0."""
+def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> None:
+    """Turn on until the rotor has gone round, or the field its travel, and check that it follows."""
     moved = commission.moved
     if moved < 0:
         moved = -moved
@@ -82,7 +82,7 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
         point(loop, commission)
         if angle & _ELECTRICAL < step:
             _check_turn(commission, moved)
-        return 0
+        return
     commission.travel = commission.angle
     commission.moved_forward = commission.moved
     commission.joint_moved_forward = commission.joint_moved
@@ -91,11 +91,10 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
         commission.direction = -1
     if _check_pairs(settings, commission, moved) == 0 and _check_joint_encoder(settings, io, commission) == 0:
         go_on(commission, PHASE_BACK)
-    return 0
 
 
 @hot
-def _check_turn(commission: Commission, moved: int) -> int:
+def _check_turn(commission: Commission, moved: int) -> None:
     """After each electrical turn the rotor must have moved on, at least half as far as in the first."""
     first = commission.moved_first
     if first == 0:
@@ -105,7 +104,6 @@ def _check_turn(commission: Commission, moved: int) -> int:
     elif moved - commission.moved_seen < first >> 1:
         refuse(commission, FAULT_COMMISSION_END_STOP, commission.moved)
     commission.moved_seen = moved
-    return moved
 
 
 @hot
@@ -144,8 +142,8 @@ def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commi
 
 
 @hot
-def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
-    """Add up field less rotor over the rotor's ``way``, also with both harmonics; return that angle in brad.
+def _compare(loop: CurrentLoop, commission: Commission, way: int) -> None:
+    """Add up field less rotor over the rotor's ``way``, also with both harmonics.
 
     Weighted by the way, what repeats many times a turn (cogging) leaves the harmonics alone. Two ways of 2^14 rc times
     2^14 brad: below 2^30.
@@ -158,15 +156,13 @@ def _compare(loop: CurrentLoop, commission: Commission, way: int) -> int:
         at = loop.rotor << 2
         _add_harmonic(commission, 0, at, error, way)
         _add_harmonic(commission, 2, at + at, error, way)
-    return error
 
 
 @hot
-def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> int:
+def _add_harmonic(commission: Commission, place: int, angle: int, error: int, way: int) -> None:
     sums = commission.harmonic_sum
     sums[place] = sums[place] + (error * cos_q15(angle) + 0x4000 >> 15) * way
     sums[place + 1] = sums[place + 1] + (error * sin_q15(angle) + 0x4000 >> 15) * way
-    return sums[place]
 
 
 @hot
@@ -199,8 +195,8 @@ def _end(settings: JointSettings, commission: Commission) -> int:
 
 
 @hot
-def _find_bend(commission: Commission) -> int:
-    """Find the eccentricity's harmonics; return the first one's amplitude in rc, Q4."""
+def _find_bend(commission: Commission) -> None:
+    """Find the eccentricity's harmonics."""
     scale = commission.error_way * commission.pole_pairs >> 3
     for at in range(4):
         found = commission.harmonic_sum[at] // scale
@@ -208,4 +204,3 @@ def _find_bend(commission: Commission) -> int:
     amplitude = hypot(commission.bend[0], commission.bend[1])
     if amplitude > _BEND_MOST:
         refuse(commission, FAULT_COMMISSION_MAGNET, amplitude >> 4)
-    return amplitude

@@ -23,14 +23,14 @@ _ORDER_MOST = const(250)  # with 512 places
 
 
 @hot
-def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Begin to creep without any waves; return PHASE_CREEP."""
+def creep_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """Begin to creep without any waves."""
     commission.creep_rounds = 0
     commission.creep_settled = 0
     find_flux_taken(settings, commission)
     for wave in range(WAVES):
         drop_wave(loop, commission, wave)
-    return begin_round(loop, settings, commission, CREEP_SHORT)
+    begin_round(loop, settings, commission, CREEP_SHORT)
 
 
 @hot
@@ -54,16 +54,17 @@ def creep_step(
 
 
 @hot
-def _begin_look(commission: Commission) -> int:
-    """Begin to look at a round's table, in a check for the waves that are checked; return PHASE_WAVES.
+def _begin_look(commission: Commission) -> None:
+    """Begin to look at a round's table, in a check for the waves that are checked.
 
     Else for multiples of the poles after a short round, for slower others after the whole turn; if no short round's
     wave has settled, for those multiples there too.
     """
+    go_on(commission, PHASE_WAVES)
     if commission.creep_part >= CREEP_WITHOUT:
         commission.wave = 0
         look_for(commission, commission.wave_order[0])
-        return go_on(commission, PHASE_WAVES)
+        return
     pairs = saturate(commission.pole_pairs, 1, 50)
     fold = saturate(commission.fold, 1, 100)
     commission.order_before = commission.wave_order[0]
@@ -73,16 +74,15 @@ def _begin_look(commission: Commission) -> int:
     commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // fold
     if commission.creep_settled:
         commission.order_last = pairs * _ORDERS >> 1
-        return go_on(commission, PHASE_WAVES)
+        return
     for wave in range(WAVES):
         commission.wave_order[wave] = 0
         commission.wave_current[wave] = 0
-    return go_on(commission, PHASE_WAVES)
 
 
 @hot
-def _take_wave(commission: Commission) -> int:
-    """Keep a wave if it is stronger than the weakest kept, or than a near one; return its amplitude in cu, Q4.
+def _take_wave(commission: Commission) -> None:
+    """Keep a wave if it is stronger than the weakest kept, or than a near one.
 
     Multiples of the poles stay as the last short round found them, because that creeps more slowly.
     """
@@ -92,7 +92,7 @@ def _take_wave(commission: Commission) -> int:
     poles = saturate(commission.pole_pairs << 1, 2, 100)
     weakest = _near(commission, order)
     if settled and (order % poles == 0 or weakest == 0):
-        return current
+        return
     if weakest < 0:
         weakest = settled
         for wave in range(settled, WAVES):
@@ -100,15 +100,13 @@ def _take_wave(commission: Commission) -> int:
                 weakest = wave
     if current > commission.wave_current[weakest]:
         _keep(commission, weakest, order, current, atan2_brad(commission.cosine_sum, commission.sine_sum))
-    return current
 
 
 @hot
-def _keep(commission: Commission, wave: int, order: int, current: int, phase: int) -> int:
+def _keep(commission: Commission, wave: int, order: int, current: int, phase: int) -> None:
     commission.wave_order[wave] = order
     commission.wave_current[wave] = current
     commission.wave_phase[wave] = phase
-    return order
 
 
 @hot
@@ -175,10 +173,10 @@ def _settled(commission: Commission) -> int:
 
 
 @hot
-def _swap_first(commission: Commission, strongest: int) -> int:
-    """Put the strongest wave at the first place; return its order."""
+def _swap_first(commission: Commission, strongest: int) -> None:
+    """Put the strongest wave at the first place."""
     order = commission.wave_order[strongest]
     current = commission.wave_current[strongest]
     phase = commission.wave_phase[strongest]
     _keep(commission, strongest, commission.wave_order[0], commission.wave_current[0], commission.wave_phase[0])
-    return _keep(commission, 0, order, current, phase)
+    _keep(commission, 0, order, current, phase)

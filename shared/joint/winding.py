@@ -69,16 +69,17 @@ def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> in
 
 
 @hot
-def winding_step(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Do one tick of the phases ramp to alternate; return the phase."""
+def winding_step(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
+    """Do one tick of the phases ramp to alternate."""
     phase = commission.phase
     if phase < PHASE_SETTLE:
-        return _ramp(loop, settings, commission)
-    if phase == PHASE_SETTLE:
-        return _settle(loop, settings, commission)
-    if phase < PHASE_ALTERNATE_D:
-        return _measure(loop, commission)
-    return _alternate(loop, settings, commission)
+        _ramp(loop, settings, commission)
+    elif phase == PHASE_SETTLE:
+        _settle(loop, settings, commission)
+    elif phase < PHASE_ALTERNATE_D:
+        _measure(loop, commission)
+    else:
+        _alternate(loop, settings, commission)
 
 
 @hot

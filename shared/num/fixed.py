@@ -246,8 +246,8 @@ def fall_q15(value: int, start: int, end: int) -> int:
 
 
 @hot
-def round_roots(squares: Ints, roots: Ints, count: int) -> int:
-    """Write the roots of ``count`` numbers, rounded to nearest, 0 of negative ones; return 0. Each as round_sqrt."""
+def round_roots(squares: Ints, roots: Ints, count: int) -> None:
+    """Write the roots of ``count`` numbers, rounded to nearest, 0 of negative ones. Each as round_sqrt."""
     table = SQRT_SEED
     for at in range(count):
         n = squares[at]
@@ -266,12 +266,11 @@ def round_roots(squares: Ints, roots: Ints, count: int) -> int:
             if n - root * root > root:
                 root += 1
         roots[at] = root
-    return 0
 
 
 @hot
-def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> int:
-    """Write the angles of ``count`` points (x, y) in 1/2^18 turn; return 0. Each as atan2_brad18."""
+def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
+    """Write the angles of ``count`` points (x, y) in 1/2^18 turn. Each as atan2_brad18."""
     table = ATAN_BRAD18
     for at in range(count):
         far = xs[at]
@@ -310,4 +309,3 @@ def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> int:
         elif angle == _HALF_BRAD18:
             angle = -_HALF_BRAD18
         angles[at] = angle
-    return 0

@@ -29,11 +29,10 @@ _RATE_MAX_Q10 = const(0x7FFFFFF)  # 2^17 output units: more than all other terms
 
 
 @hot
-def pid_reset(pid: Pid) -> int:
-    """Forget the integral and the last measurement of a controller; return 0."""
+def pid_reset(pid: Pid) -> None:
+    """Forget the integral and the last measurement of a controller."""
     pid.integral_q12 = 0
     pid.started = 0
-    return 0
 
 
 @hot

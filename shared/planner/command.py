@@ -34,8 +34,8 @@ MODE_FOLD = const(4)  # one that lies limp on its belly: fold the legs, then sit
 
 
 @hot
-def repeat_command(command: Command, told: Command) -> int:
-    """Copy a command; return 0."""
+def repeat_command(command: Command, told: Command) -> None:
+    """Copy a command."""
     told.mode = command.mode
     told.gait = command.gait
     told.balance = command.balance
@@ -44,7 +44,6 @@ def repeat_command(command: Command, told: Command) -> int:
         told.speed[axis] = command.speed[axis]
     for axis in range(POSE_SIZE):
         told.pose[axis] = command.pose[axis]
-    return 0
 
 
 @hot

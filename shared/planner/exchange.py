@@ -73,15 +73,16 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
         status.reason = REASON_COMMAND
         return 1
     status.reason = REASON_HELD
-    return back_off(planner)
+    back_off(planner)
+    return 0
 
 
 @hot
-def back_off(planner: PlannerState) -> int:
-    """The held-up trot begins to back off, with low swings: behind it the ground is known; return 0: it trots on."""
+def back_off(planner: PlannerState) -> None:
+    """The held-up trot begins to back off, with low swings: behind it the ground is known."""
     planner.trot.state.high_left = 0
     planner.status.backs = 1
-    return retreat_start(planner.retreat)
+    retreat_start(planner.retreat)
 
 
 @hot

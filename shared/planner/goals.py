@@ -30,8 +30,8 @@ _MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
 
 
 @hot
-def follow_goals(params: Params, wanted: Ints, joints: Ints) -> int:
-    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can; return 0.
+def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
+    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can.
 
     Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
     Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
@@ -48,12 +48,11 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> int:
             joints[at] = wanted[at]
             joints[at + 1] = wanted[at + 1]
             joints[at + 2] = wanted[at + 2]
-    return 0
 
 
 @hot
-def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> int:
-    """Move the three joints of one leg, from ``at`` on, as follow_goals does; return 0."""
+def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
+    """Move the three joints of one leg, from ``at`` on, as follow_goals does."""
     thigh = wanted[at + 1] - joints[at + 1]
     calf = wanted[at + 2] - joints[at + 2]
     if params.coupled:
@@ -65,7 +64,6 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> int:
     joints[at] += saturate(wanted[at] - joints[at], -params.joint_top[0], params.joint_top[0])
     joints[at + 1] += thigh
     joints[at + 2] += calf
-    return 0
 
 
 @hot

@@ -61,8 +61,8 @@ def fade_start(params: Params, fade: Fade, joints: Ints) -> int:
 
 
 @hot
-def fade_out(fade: Fade, joints: Ints) -> int:
-    """Add what is left of the jump to the goals (12 brad); return the ticks to go. Exact to 1 brad."""
+def fade_out(fade: Fade, joints: Ints) -> None:
+    """Add what is left of the jump to the goals (12 brad). Exact to 1 brad."""
     if fade.left < 0:
         for joint in range(JOINTS):
             fade.jump[joint] = saturate(fade.jump[joint] - joints[joint], -65535, 65535)
@@ -72,4 +72,3 @@ def fade_out(fade: Fade, joints: Ints) -> int:
             left = fade.jump[joint] * fade.left // fade.ticks
             joints[joint] = saturate(joints[joint] + left, -32768, 32767)
         fade.left -= 1
-    return fade.left

@@ -19,23 +19,21 @@ from .walk_trot import start_trot, stop_trot, walk_trot
 
 
 @hot
-def change_mover(planner: PlannerState, mover: int) -> int:
-    """Let ``mover`` have the ticks from now on; return it."""
+def change_mover(planner: PlannerState, mover: int) -> None:
+    """Let ``mover`` have the ticks from now on."""
     if mover != planner.status.mover:
         stop_mover(planner)
         planner.status.mover = mover
         start_mover(planner, mover)
-    return mover
 
 
 @hot
-def start_mover(planner: PlannerState, mover: int) -> int:
-    """Begin the work of ``mover``; return it. A table needs no start."""
+def start_mover(planner: PlannerState, mover: int) -> None:
+    """Begin the work of ``mover``. A table needs no start."""
     if mover == MOVER_CRAWL:
         start_crawl(planner)
     elif mover == MOVER_TROT:
         start_trot(planner)
-    return mover
 
 
 @hot
@@ -55,10 +53,9 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 
 @hot
-def stop_mover(planner: PlannerState) -> int:
-    """End the work of the mover at work; return 0. A table, which ends with its feet at rest, needs no stop."""
+def stop_mover(planner: PlannerState) -> None:
+    """End the work of the mover at work. A table, which ends with its feet at rest, needs no stop."""
     if planner.status.mover == MOVER_CRAWL:
         stop_crawl(planner)
     elif planner.status.mover == MOVER_TROT:
         stop_trot(planner)
-    return 0

@@ -74,11 +74,10 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 
 @hot
-def move(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by the mover whose turn it is; return why it gave way, or REASON_NONE."""
+def move(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """One tick of standing or walking by the mover whose turn it is."""
     change_mover(planner, choose_mover(planner, command, sensed))
     reason = tick_mover(planner, command, sensed)
     if reason:
         planner.status.reason = reason
         change_mover(planner, MOVER_TROT)
-    return reason

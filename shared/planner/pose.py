@@ -16,8 +16,8 @@ from .status import NO_ATTITUDE
 
 
 @hot
-def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Put the body over the planned feet and solve the legs into ``planner.goal``; return their flags."""
+def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """Put the body over the planned feet and solve the legs into ``planner.goal``."""
     level(planner, command, sensed)
     flags = solve_legs(planner, planner.goal)
     planner.status.flags |= flags
@@ -26,12 +26,11 @@ def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         fade_out(planner.fade, planner.goal)
         for leg in range(LEGS):
             limit_joints(planner.params, leg, planner.goal)
-    return flags
 
 
 @hot
-def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Add balance to the slewed body pose; return 0. NO_ATTITUDE if it was asked for in vain."""
+def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """Add balance to the slewed body pose. NO_ATTITUDE if it was asked for in vain."""
     posed = planner.posed
     if command.balance and sensed.valid.tilt:
         roll = saturate(sensed.tilt[0], -32768, 32767)
@@ -45,7 +44,6 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         posed[axis] = planner.pose[axis]
     posed[POSE_ROLL] += planner.balance.correction.roll
     posed[POSE_PITCH] += planner.balance.correction.pitch
-    return 0
 
 
 @hot
@@ -77,8 +75,8 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
 
 
 @hot
-def tell_margin(planner: PlannerState) -> int:
-    """Write how far the centre of mass is inside the polygon of the standing feet into the status; return it, lu."""
+def tell_margin(planner: PlannerState) -> None:
+    """Write how far the centre of mass is inside the polygon of the standing feet into the status."""
     params = planner.params
     status = planner.status
     at = 0
@@ -89,4 +87,3 @@ def tell_margin(planner: PlannerState) -> int:
         at += 3
         planner.weights[leg] = 1 - (status.swinging >> leg & 1)
     status.margin = support_margin(planner.margin_feet, planner.weights, params.com_x, params.com_y)
-    return status.margin

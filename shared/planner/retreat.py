@@ -26,13 +26,12 @@ _LONGEST_S = const(6)  # then the ground behind does not let it back off, and it
 
 
 @hot
-def retreat_start(retreat: Retreat) -> int:
-    """Begin: nothing gone yet; return 0."""
+def retreat_start(retreat: Retreat) -> None:
+    """Begin: nothing gone yet."""
     retreat.moved = 0
     retreat.ticks = 0
     retreat.ends = 0
     retreat.stood = 0
-    return 0
 
 
 @hot

@@ -12,8 +12,8 @@ from .status import ODD_READING, STANDING, WALKING
 
 
 @hot
-def take_senses(planner: PlannerState, sensed: Sensed) -> int:
-    """Write into ``planner.sensed`` what may be believed of ``sensed``; return 0. ODD_READING if not all of it.
+def take_senses(planner: PlannerState, sensed: Sensed) -> None:
+    """Write into ``planner.sensed`` what may be believed of ``sensed``. ODD_READING if not all of it.
 
     Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
     """
@@ -34,7 +34,6 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> int:
     known.turned = valid.turned
     for axis in range(3):
         believed.turned[axis] = sensed.turned[axis]
-    return 0
 
 
 @hot
@@ -48,32 +47,31 @@ def note_odd(planner: PlannerState, odd: int) -> int:
 
 
 @hot
-def meet(planner: PlannerState, read: Ints) -> int:
-    """Take the joints as they were read as the goals; return 0."""
+def meet(planner: PlannerState, read: Ints) -> None:
+    """Take the joints as they were read as the goals."""
     for joint in range(JOINTS):
         planner.goal[joint] = read[joint]
         planner.joints[joint] = read[joint]
-    return 0
 
 
 @hot
-def feel_legs(planner: PlannerState) -> int:
-    """Take what the legs of a robot tell that stands or walks; return the ticks in a row in which they did.
+def feel_legs(planner: PlannerState) -> None:
+    """Take what the legs of a robot tell that stands or walks.
 
     Where the tilt is not known it is taken as none. What is not measured tells nothing.
     """
     if planner.status.state != STANDING and planner.status.state != WALKING:
         if planner.sensing.known:
             sensing_reset(planner.sensing)
-        return 0
+        return
     if planner.sensed.valid.joints == 0:
-        return 0
+        return
     roll = 0
     pitch = 0
     if planner.sensed.valid.tilt:
         roll = saturate(planner.sensed.tilt[0], -32768, 32767)
         pitch = saturate(planner.sensed.tilt[1], -32768, 32767)
-    return sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
+    sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 
 @hot

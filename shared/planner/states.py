@@ -37,8 +37,8 @@ from .status import (
 
 
 @hot
-def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Go where the commanded mode leads from the present state; return 0."""
+def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """Go where the commanded mode leads from the present state."""
     status = planner.status
     mode = command.mode
     if mode < MODE_LIMP or mode > MODE_FOLD:
@@ -61,7 +61,6 @@ def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> int
             begin_move(planner, sensed, FOLDING)
     elif state == LIMP or state == SEATED or state == SITTING:
         begin_move(planner, sensed, RISING)
-    return 0
 
 
 @hot
@@ -88,8 +87,8 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
 
 
 @hot
-def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
-    """Start RISING to the rest stance, SITTING down or FOLDING the legs, from the last goals; return 0.
+def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> None:
+    """Start RISING to the rest stance, SITTING down or FOLDING the legs, from the last goals.
 
     Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
     it stays limp (NO_JOINTS): its pose is anybody's guess.
@@ -100,7 +99,7 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
         known = joints_near(planner.params, sensed.joints, planner.joints)
     if status.state == LIMP and known == 0:
         status.flags |= NO_JOINTS
-        return 0
+        return
     status.state = state
     status.swinging = 0
     settle(planner)
@@ -110,12 +109,11 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> int:
     if state == FOLDING:
         lie_folded(planner)
     posture_start(planner.params, planner.move, planner.joints, planner.goal)
-    return 0
 
 
 @hot
-def end_move(planner: PlannerState) -> int:
-    """A move is done: go to the state that follows; return it. Legs folded at the sides go under the robot first."""
+def end_move(planner: PlannerState) -> None:
+    """A move is done: go to the state that follows. Legs folded at the sides go under the robot first."""
     status = planner.status
     if status.state != FOLDING:
         status.state += 1
@@ -126,22 +124,20 @@ def end_move(planner: PlannerState) -> int:
         posture_step(planner.move, planner.goal)
         status.state = FOLDING
         status.folded = 1
-    return status.state
 
 
 @hot
-def lie_folded(planner: PlannerState) -> int:
-    """Want all legs folded at the sides; return 0."""
+def lie_folded(planner: PlannerState) -> None:
+    """Want all legs folded at the sides."""
     for leg in range(LEGS):
         lies = planner.params.legs[leg].lies
         for joint in range(3):
             planner.goal[leg * 3 + joint] = lies[joint]
-    return 0
 
 
 @hot
-def settle(planner: PlannerState) -> int:
-    """Forget all motion: feet at rest under a level body, speed 0; return 0."""
+def settle(planner: PlannerState) -> None:
+    """Forget all motion: feet at rest under a level body, speed 0."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
     for axis in range(POSE_SIZE):
@@ -161,22 +157,19 @@ def settle(planner: PlannerState) -> int:
     sensing_reset(planner.sensing)
     trot_start(planner.params, planner.trot)
     place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
-    return 0
 
 
 @hot
-def fold_legs(planner: PlannerState) -> int:
-    """Raise all planned feet to the seat's height under the hips; return 0."""
+def fold_legs(planner: PlannerState) -> None:
+    """Raise all planned feet to the seat's height under the hips."""
     for leg in range(LEGS):
         planner.feet[leg * 3 + 2] = planner.params.legs[leg].hip[2] + planner.params.sit_z
-    return 0
 
 
 @hot
-def follow_joints(planner: PlannerState, sensed: Sensed) -> int:
-    """Limp: the goals are where the joints are, and nothing holds them; return 0."""
+def follow_joints(planner: PlannerState, sensed: Sensed) -> None:
+    """Limp: the goals are where the joints are, and nothing holds them."""
     planner.status.flags |= NOT_DRIVEN
     if sensed.valid.joints:
         for joint in range(JOINTS):
             planner.goal[joint] = sensed.joints[joint]
-    return 0

@@ -86,20 +86,19 @@ def lift_height(planner: PlannerState, height_lu: int) -> int:
 
 
 @hot
-def step_feet(planner: PlannerState, height_lu: int) -> int:
-    """Move and place all feet for one tick of the gait's clock; return the legs in swing, bits. height: lu."""
+def step_feet(planner: PlannerState, height_lu: int) -> None:
+    """Move and place all feet for one tick of the gait's clock. height: lu."""
     status = planner.status
     move_feet(planner.steps, planner.speed, body_advance(planner.gait, planner.clock))
     status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.speed, height_lu, planner.feet)
-    return status.swinging
 
 
 @hot
-def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> int:
-    """Move the clock on; return 1 at a cycle's end: it stands if ``still``, or takes up the wanted gait if it fits."""
+def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> None:
+    """Move the clock on; at a cycle's end it stands if ``still``, or takes up the wanted gait if it fits."""
     status = planner.status
     if gait_clock(planner.gait, planner.clock) == 0:
-        return 0
+        return
     status.cycles = 1
     if still and steps_at_rest(planner.params, planner.steps):
         status.state = STANDING
@@ -107,7 +106,6 @@ def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> int
         use_gait(planner, wanted)
     else:
         use_gait(planner, status.gait)
-    return 1
 
 
 @hot
@@ -141,8 +139,8 @@ def wanted_gait(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def use_gait(planner: PlannerState, gait: int) -> int:
-    """Walk ``gait`` from its first segment on; only between cycles, when all feet stand. Returns 0."""
+def use_gait(planner: PlannerState, gait: int) -> None:
+    """Walk ``gait`` from its first segment on; only between cycles, when all feet stand."""
     clock = planner.clock
     clock.tick = 0
     clock.made_q10 = 0
@@ -151,4 +149,3 @@ def use_gait(planner: PlannerState, gait: int) -> int:
     planner.gait = planner.gaits[gait]
     taken = planner.gait
     planner.status.height = (taken.height_mm << planner.params.length_shift) // 1000
-    return 0

@@ -16,12 +16,11 @@ from .steps import use_gait, wanted_gait
 
 
 @hot
-def start_crawl(planner: PlannerState) -> int:
-    """Stand as the feet are; the crawl begins once the joints' loads are known; return 0."""
+def start_crawl(planner: PlannerState) -> None:
+    """Stand as the feet are; the crawl begins once the joints' loads are known."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
     planner.crawl.stage.stage = STILL
-    return 0
 
 
 @hot
@@ -90,9 +89,8 @@ def gives_way(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def stop_crawl(planner: PlannerState) -> int:
-    """End the crawl, which rests: the trot walks on from the goals sent last; return 0."""
+def stop_crawl(planner: PlannerState) -> None:
+    """End the crawl, which rests: the trot walks on from the goals sent last."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
     planner.status.state = WALKING
-    return 0

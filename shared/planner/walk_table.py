@@ -13,8 +13,8 @@ from .steps import follow_command, lift_height, limit_to_both, next_cycle, stand
 
 
 @hot
-def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by a gait's table; return 0.
+def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """One tick of standing or walking by a gait's table.
 
     The first cycle is walked at half speed: all feet start at rest, in the middle of their way, and the last to
     swing would else be left a whole stride behind.
@@ -28,4 +28,3 @@ def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         step_feet(planner, lift_height(planner, command.height))
         next_cycle(planner, wanted, fits, still)
     pose_legs(planner, command, sensed)
-    return 0

@@ -20,8 +20,8 @@ from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 
 
 @hot
-def start_trot(planner: PlannerState) -> int:
-    """Begin where the goals sent last have the feet; return 0."""
+def start_trot(planner: PlannerState) -> None:
+    """Begin where the goals sent last have the feet."""
     trot_reset(planner.params, planner.trot)
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
     for at in range(JOINTS):
@@ -29,12 +29,11 @@ def start_trot(planner: PlannerState) -> int:
     for axis in range(POSE_SIZE):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
-    return 0
 
 
 @hot
-def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of standing or walking by the trot; return the legs in swing, bits.
+def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+    """One tick of standing or walking by the trot.
 
     Without measured joints, tilt or rates it goes on by what it is told (BLIND).
     """
@@ -59,7 +58,7 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         status.flags |= BLIND
         if command.balance:
             status.flags |= NO_ATTITUDE
-    return tell_trot(planner)
+    tell_trot(planner)
 
 
 @hot
@@ -84,8 +83,8 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
 
 
 @hot
-def tell_trot(planner: PlannerState) -> int:
-    """Write the feet, in the body, and the legs in swing to where the planner tells them; return those, bits."""
+def tell_trot(planner: PlannerState) -> None:
+    """Write the feet, in the body, and the legs in swing to where the planner tells them."""
     for at in range(JOINTS):
         planner.feet[at] = planner.trot.feet[at] >> LF_BITS
         planner.reached[at] = planner.trot.hip_feet[at]
@@ -93,15 +92,13 @@ def tell_trot(planner: PlannerState) -> int:
         planner.leg_flags[leg] = 0
     planner.status.swinging = planner.trot.state.swinging
     planner.status.margin = 0
-    return planner.trot.state.swinging
 
 
 @hot
-def stop_trot(planner: PlannerState) -> int:
-    """End the trot, which stands: another goes on from its goals; return 0."""
+def stop_trot(planner: PlannerState) -> None:
+    """End the trot, which stands: another goes on from its goals."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
     steps_reset(planner.params, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     planner.status.cycles = 0
-    return 0

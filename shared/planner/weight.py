@@ -22,15 +22,15 @@ _RISEN = const(4)  # ticks for which the joints have answered a robot that has r
 
 
 @hot
-def watch_weight(planner: PlannerState) -> int:
-    """Take what the feet were felt to carry in this tick; return 1 if the robot is lifted, else 0.
+def watch_weight(planner: PlannerState) -> None:
+    """Take what the feet were felt to carry in this tick.
 
     Where that begins the legs go to the stance. A body that is shifted feels other loads, and is not looked at.
     Intermediates: 2^17 * 2^8, at 20 Hz.
     """
     status = planner.status
     if status.shifts:
-        return status.lifted
+        return
     status.felt_q12 += (planner.odometry.carried_q12 - status.felt_q12) * planner.params.evened_q10 >> 10
     if status.carries == 0:
         ask(planner)
@@ -39,19 +39,17 @@ def watch_weight(planner: PlannerState) -> int:
         status.flags |= LIFTED
         begin_move(planner, planner.sensed, RISING)
         posture_step(planner.move, planner.goal)
-    return status.lifted
 
 
 @hot
-def ask(planner: PlannerState) -> int:
-    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands; return 1 if so."""
+def ask(planner: PlannerState) -> None:
+    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands."""
     status = planner.status
     risen = planner.params.sent_ticks + _RISEN
     if planner.sensing.known == risen:
         status.felt_q12 = planner.odometry.carried_q12
     if status.felt_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
         status.carries = 1
-    return status.carries
 
 
 @hot

@@ -55,8 +55,8 @@ _BIAS_MAX = const(0x1FFFFFFF)  # counts Q16: 62 deg/s; an MPU6050 has up to 20 (
 
 
 @hot
-def attitude_reset(attitude: Attitude) -> int:
-    """Start again with the alignment at rest; settings stay. Returns 0."""
+def attitude_reset(attitude: Attitude) -> None:
+    """Start again with the alignment at rest; settings stay."""
     attitude.gathered = 0
     for axis in range(3):
         attitude.sum[axis] = 0
@@ -69,7 +69,6 @@ def attitude_reset(attitude: Attitude) -> int:
     attitude.still = 0
     attitude.roll = 0
     attitude.pitch = 0
-    return 0
 
 
 @hot
@@ -148,7 +147,7 @@ def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
 
 
 @hot
-def turn(attitude: Attitude, gyro_accel: Ints) -> int:
+def turn(attitude: Attitude, gyro_accel: Ints) -> None:
     """Turn the gravity vector by one tick of gyro: g += g x w, midpoint by two half steps."""
     wx = rate_q18(attitude, gyro_accel[0], 0)
     wy = rate_q18(attitude, gyro_accel[1], 1)
@@ -165,7 +164,6 @@ def turn(attitude: Attitude, gyro_accel: Ints) -> int:
     attitude.gravity[0] = x + cross(my, mz, wy, wz)
     attitude.gravity[1] = y + cross(mz, mx, wz, wx)
     attitude.gravity[2] = z + cross(mx, my, wx, wy)
-    return 0
 
 
 @hot
@@ -224,16 +222,15 @@ def rests(attitude: Attitude, gyro_accel: Ints) -> int:
 
 
 @hot
-def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> int:
-    """Pull one component of the gravity vector by a share towards the accelerometer's; return it, Q22."""
+def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> None:
+    """Pull one component of the gravity vector by a share towards the accelerometer's."""
     off_q14 = seen_q14 - (attitude.gravity[axis] >> 8)
     attitude.gravity[axis] += off_q14 * trust_q15 >> 7
-    return attitude.gravity[axis]
 
 
 @hot
-def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> int:
-    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's; return 0.
+def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
+    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's.
 
     A turn about the vertical leaves both as they are: that bias stays as it was at rest. Intermediates: 2^29.
     """
@@ -243,27 +240,25 @@ def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> int:
     learn_axis(attitude, 0, y_q14 * z - z_q14 * y)
     learn_axis(attitude, 1, z_q14 * x - x_q14 * z)
     learn_axis(attitude, 2, x_q14 * y - y_q14 * x)
-    return 0
 
 
 @hot
-def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> int:
-    """Move one axis's bias by its share of the turn that was missed; return it, counts Q16."""
+def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> None:
+    """Move one axis's bias by its share of the turn that was missed."""
     missed = saturate(missed_q28 >> 14, -_MISSED_MAX, _MISSED_MAX)
     learnt = missed * saturate(attitude.learn_q12, 0, 0x3FFFF) >> 12
-    return set_bias(attitude, axis, attitude.bias[axis] - learnt)
+    set_bias(attitude, axis, attitude.bias[axis] - learnt)
 
 
 @hot
-def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> int:
-    """Set one axis's bias, limited; return it, counts Q16."""
+def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> None:
+    """Set one axis's bias, limited."""
     attitude.bias[axis] = saturate(bias_q16, -_BIAS_MAX, _BIAS_MAX)
-    return attitude.bias[axis]
 
 
 @hot
-def normalise(attitude: Attitude) -> int:
-    """Scale the gravity vector to length 1 in Q22; return 0 if it is too short to have a direction.
+def normalise(attitude: Attitude) -> None:
+    """Scale the gravity vector to length 1 in Q22, unless it is too short to have a direction.
 
     Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
     """
@@ -272,7 +267,7 @@ def normalise(attitude: Attitude) -> int:
     z = attitude.gravity[2] >> 8
     size_sq = x * x + y * y + z * z
     if size_sq < 0x100000:
-        return 0
+        return
     short = 0x4000 - isqrt(size_sq)
     if short > 8 or short < -8:
         if short < -0x4000 or short > 0x2000:
@@ -280,12 +275,11 @@ def normalise(attitude: Attitude) -> int:
         for axis in range(3):
             part = attitude.gravity[axis]
             attitude.gravity[axis] = part + ((part >> 8) * short >> 6)
-    return 1
 
 
 @hot
-def angles(attitude: Attitude) -> int:
-    """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb). Returns 0.
+def angles(attitude: Attitude) -> None:
+    """Write roll and pitch of the gravity vector: up in the body is (-ca sb, sa, ca cb).
 
     Roll lies within +-90 deg, pitch within +-180 deg: a robot on its back reads as pitched over.
     """
@@ -294,4 +288,3 @@ def angles(attitude: Attitude) -> int:
     z = attitude.gravity[2] >> 7
     attitude.pitch = atan2_brad(-x, z)
     attitude.roll = atan2_brad(y, hypot(x, z))
-    return 0

@@ -55,8 +55,8 @@ _STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell 
 
 
 @hot
-def sensing_reset(sensing: Sensing) -> int:
-    """Forget all that was measured, and the goals; return 0."""
+def sensing_reset(sensing: Sensing) -> None:
+    """Forget all that was measured, and the goals."""
     sensing.known = 0
     sensing.sent_at = 0
     sensing.answered = -1
@@ -64,24 +64,22 @@ def sensing_reset(sensing: Sensing) -> int:
         sensing.force_q12[leg] = 0
     for at in range(JOINTS):
         sensing.level[at] = 0
-    return 0
 
 
 @hot
-def keep_sent(sensing: Sensing, joints: Ints) -> int:
-    """Keep the goals that are sent in this tick (12 brad); return 0."""
+def keep_sent(sensing: Sensing, joints: Ints) -> None:
+    """Keep the goals that are sent in this tick (12 brad)."""
     at = sensing.sent_at * JOINTS
     for joint in range(JOINTS):
         sensing.sent[at + joint] = joints[joint]
     sensing.sent_at = sensing.sent_at + 1 & 15
-    return 0
 
 
 @hot
 def sense_legs(
     params: Params, joints: Ints, roll_brad: int, pitch_brad: int, feet: MeasuredFeet, sensing: Sensing
-) -> int:
-    """Take 12 measured joints, update feet and forces; return the ticks known, up to 100.
+) -> None:
+    """Take 12 measured joints, update feet and forces.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
     the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
@@ -109,12 +107,11 @@ def sense_legs(
         sensing.joints[joint] = joints[joint]
     if sensing.known < 100:
         sensing.known += 1
-    return sensing.known
 
 
 @hot
-def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> int:
-    """Turn the measured feet level into ``level``; write where their contacts had been without rolling; return 0.
+def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
+    """Turn the measured feet level into ``level``; write where their contacts had been without rolling.
 
     feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
     rolled + 1 lu. Used by sense_legs. Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
@@ -136,7 +133,6 @@ def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> int:
         sensing.rolled[to] = ahead - (sensing.rolls_q12 * shank >> 12)
         sensing.rolled[to + 1] = aside + (sensing.rolls_q12 * hip >> 12)
         to += 2
-    return 0
 
 
 @hot

@@ -65,18 +65,17 @@ _BIAS_Q26 = const(8784)  # 0.0075 deg/s: an MPU6050's noise, 0.05 deg/s rms, ove
 
 
 @hot
-def odometry_lost(odometry: Odometry) -> int:
-    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest; return 0."""
+def odometry_lost(odometry: Odometry) -> None:
+    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest."""
     odometry.known = 0
     odometry.turning = 0
     for axis in range(2):
         odometry.speed[axis] = 0
-    return 0
 
 
 @hot
-def odometry_restart(odometry: Odometry) -> int:
-    """Begin anew, at place and heading 0; return 0."""
+def odometry_restart(odometry: Odometry) -> None:
+    """Begin anew, at place and heading 0."""
     odometry_lost(odometry)
     odometry.turns = 0
     odometry.heading = 0
@@ -86,14 +85,13 @@ def odometry_restart(odometry: Odometry) -> int:
     for axis in range(2):
         odometry.place[axis] = 0
         odometry.astray[axis] = 0
-    return 0
 
 
 @hot
 def odometry_step(
     params: Params, sensing: Sensing, sensed: Sensed, swinging: int, walks: int, odometry: Odometry
-) -> int:
-    """Take a tick of legs that stand or walk (``sensing`` is of it); return the sum of the feet's weights.
+) -> None:
+    """Take a tick of legs that stand or walk (``sensing`` is of it).
 
     swinging: legs that are planned to swing, bits. walks 0: the robot stands. After 10 m over feet that stay the place
     is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
@@ -110,7 +108,6 @@ def odometry_step(
             turn = turn_of_feet(odometry)
         move_on(params, turn, total, walks, odometry)
     odometry.known = 1
-    return total
 
 
 @hot
@@ -175,8 +172,8 @@ def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
 
 
 @hot
-def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> int:
-    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``; return 0.
+def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
+    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``.
 
     Intermediates: 256 * 4 * 2^14.
     """
@@ -194,7 +191,6 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> int:
         if total:
             odometry.gone_mean[axis] = ((gone << 2) + (total >> 1)) // total
             odometry.arm_mean[axis] = arm // total
-    return 0
 
 
 @hot
@@ -237,8 +233,8 @@ def turn_of_feet(odometry: Odometry) -> int:
 
 
 @hot
-def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> int:
-    """Shift and turn the body by what the feet tell, or on as it went where none carries; return how far they differ.
+def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> None:
+    """Shift and turn the body by what the feet tell, or on as it went where none carries.
 
     turn: 2^-18 rad, total: sum of the weights. Differing is along x and y together, the feet's mean, lu Q2.
     Intermediates: 2^15 * 2^14; 256 * 2^18; speeds 2^22 * 205 at the lowest rate, 20 Hz.
@@ -266,12 +262,11 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
     odometry.speed[1] += ((aside << 6) - odometry.speed[1]) * share_q10 + 512 >> 10
     odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10
     place_body(ahead, aside, turn, walks, odometry)
-    return slip
 
 
 @hot
-def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> int:
-    """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad; return 0.
+def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> None:
+    """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad.
 
     No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 in ``astray``.
     """
@@ -296,12 +291,11 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
         doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
         odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
         odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
-    return 0
 
 
 @hot
-def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> int:
-    """Add a shift and what the feet differ by, lu Q2, to what the doubts are told by; return the heading's, rad Q26.
+def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> None:
+    """Add a shift and what the feet differ by, lu Q2, to what the doubts are told by.
 
     While the gyroscope tells the heading, it is as wrong as its bias, and by 1/256 rad per slip of a leg's length; by
     the feet it is by 1/16 rad (both from walks in space, over stones and stairs). Intermediates: 2^13 * 2^16.
@@ -320,12 +314,11 @@ def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odome
     else:
         doubt <<= 4
     odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _SUM_MAX)
-    return odometry.doubt_q26
 
 
 @hot
-def odometry_spread(params: Params, odometry: Odometry) -> int:
-    """Write ``scaled`` and ``apart``; return the latter. With ``astray`` they make the covariance of x, y and heading.
+def odometry_spread(params: Params, odometry: Odometry) -> None:
+    """Write ``scaled`` and ``apart``. With ``astray`` they make the covariance of x, y and heading.
 
     One sigma each, as walks of four robots in space err: a way is told wrong by 1/256 of it and an eighth of what the
     feet slipped, a place anywhere by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I
@@ -343,4 +336,3 @@ def odometry_spread(params: Params, odometry: Odometry) -> int:
         place = odometry.place[axis]
         odometry.scaled[axis] = (place >> 12) * share_q12 + ((place & 4095) * share_q12 >> 12)
     odometry.apart = (1 << params.length_shift) // 1000 + (odometry.way >> 8) + (odometry.slip >> 5)
-    return odometry.apart

@@ -11,8 +11,8 @@ _STILL_MAX = const(0x200000)
 
 
 @hot
-def go_on(params: Params, walk: Trot, still: int) -> int:
-    """Go on in the cycle by one tick: who stands, who swings, who met something; return how many stand.
+def go_on(params: Params, walk: Trot, still: int) -> None:
+    """Go on in the cycle by one tick: who stands, who swings, who met something.
 
     ``still`` 1: the command is to stand. One that is not to move stands, in the middle between two swings.
     """
@@ -22,7 +22,8 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
-        return stand_all(walk)
+        stand_all(walk)
+        return
     state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
     if still == 0:
         state.still_q20 = 0
@@ -53,15 +54,13 @@ def go_on(params: Params, walk: Trot, still: int) -> int:
         state.standing += stands[leg]
         if stands[leg] == 0:
             state.swinging |= 1 << leg
-    return state.standing
 
 
 @hot
-def stand_all(walk: Trot) -> int:
-    """All legs stand; return how many."""
+def stand_all(walk: Trot) -> None:
+    """All legs stand."""
     for leg in range(LEGS):
         walk.stands[leg] = 1
         walk.early[leg] = 0
     walk.state.swinging = 0
     walk.state.standing = LEGS
-    return LEGS

@@ -15,8 +15,8 @@ _GAP_MAX = const(131071)  # lu Q4
 
 
 @hot
-def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
-    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad; return the ticks they are known.
+def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> None:
+    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad.
 
     ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
     """
@@ -26,7 +26,7 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
         for axis in range(2):
             state.seen[axis] = state.foot_speed[axis]
             state.drift_q8[axis] = 0
-        return 0
+        return
     if state.known:
         see_speed(params, walk, turned)
     if state.known > params.sent_ticks:
@@ -35,12 +35,11 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> int:
         free_feet(params, walk)
     if state.known < 100:
         state.known += 1
-    return state.known
 
 
 @hot
-def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
-    """Follow the mean speed of the body over the feet that surely stand; return how many.
+def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
+    """Follow the mean speed of the body over the feet that surely stand.
 
     Those stand by plan, and did a tick before the goals that the joints answer: a landing tells no speed.
 
@@ -71,21 +70,19 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> int:
         aside = saturate(aside // count - state.seen[1], -_SPEED_MAX, _SPEED_MAX)
         state.seen[0] += ahead * share_q10 + 512 >> 10
         state.seen[1] += aside * share_q10 + 512 >> 10
-    return count
 
 
 @hot
-def free_feet(params: Params, walk: Trot) -> int:
-    """Begin the residuals: every foot is where it was sent; return 0."""
+def free_feet(params: Params, walk: Trot) -> None:
+    """Begin the residuals: every foot is where it was sent."""
     sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
     for at in range(2 * LEGS):
         walk.free_q4[at] = walk.past_feet[sent + at] << 4
-    return 0
 
 
 @hot
-def see_residual(params: Params, walk: Trot) -> int:
-    """Write how far each foot is, along x and z, from where an unhindered one would be; return 0.
+def see_residual(params: Params, walk: Trot) -> None:
+    """Write how far each foot is, along x and z, from where an unhindered one would be.
 
     That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
     1/16 lu. Intermediates: 2^17 * 2^12.
@@ -105,4 +102,3 @@ def see_residual(params: Params, walk: Trot) -> int:
         walk.residual[at] = walk.measured[foot] - (free_q4[at] >> 4)
         walk.residual[at + 1] = walk.measured[foot + 2] - (free_q4[at + 1] >> 4)
         foot += 3
-    return 0

@@ -17,8 +17,8 @@ _PUSHED_Q10 = const(123)  # 0.12 of the leg: how far below itself a standing foo
 
 
 @hot
-def stand_feet(params: Params, walk: Trot) -> int:
-    """Move the feet that stand by one tick; return 0.
+def stand_feet(params: Params, walk: Trot) -> None:
+    """Move the feet that stand by one tick.
 
     They stay within half a leg of rest along the ground and a quarter in height: a robot that is held tilted winds
     nothing up. Intermediates: 2 * 16383 * 32767 < 2^30.
@@ -50,7 +50,6 @@ def stand_feet(params: Params, walk: Trot) -> int:
             feet[at + 1] = y_lf
             feet[at + 2] = z_lf
         at += 3
-    return 0
 
 
 @hot
@@ -67,8 +66,8 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
-def lift_off(walk: Trot, leg: int) -> int:
-    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come; return 0."""
+def lift_off(walk: Trot, leg: int) -> None:
+    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come."""
     state = walk.state
     feet = walk.feet
     starts = walk.starts
@@ -82,7 +81,6 @@ def lift_off(walk: Trot, leg: int) -> int:
     starts[at + 2] = z - (x * state.pitch_q14 >> 14)
     walk.ascent[leg] = 0
     walk.short[leg] = 0
-    return 0
 
 
 @hot
@@ -95,8 +93,8 @@ def cycloid_way_q15(share_q15: int) -> int:
 
 
 @hot
-def swing_feet(params: Params, walk: Trot, pose: Ints) -> int:
-    """Move the feet in the air by one tick along their swings; return 0.
+def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
+    """Move the feet in the air by one tick along their swings.
 
     Along the ground a foot ends at rest over it, ahead of its coming down; up it is a cosine. Footholds: rest, on by
     the way for which the pendulum of the body's height goes on evenly, and further by what the speed is wrong.
@@ -115,12 +113,11 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> int:
         if walk.stands[leg] == 0:
             swing_foot(params, walk, leg, pose, share, way)
             settle_foot(walk, leg, mul_q15(walk.tops[leg], up), low, down)
-    return 0
 
 
 @hot
-def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int, way_q15: int) -> int:
-    """Write x and y of a foot in the air, level, lf, into ``feet``; return 0. Part of swing_feet.
+def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int, way_q15: int) -> None:
+    """Write x and y of a foot in the air, level, lf, into ``feet``. Part of swing_feet.
 
     Intermediates: 2^13 * 2^15 of a speed and a time.
     """
@@ -142,12 +139,11 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int,
     back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
     walk.feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
-    return 0
 
 
 @hot
-def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> int:
-    """Write the height of a foot in the air and turn it into the body; return 0. Part of swing_feet.
+def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> None:
+    """Write the height of a foot in the air and turn it into the body. Part of swing_feet.
 
     lifted: lu above the straight way from the start to ``low``. Limited to 32767 lu in height, 65535 along the ground.
     Intermediates: 65535 * 8191.
@@ -164,4 +160,3 @@ def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> i
     z += x * state.pitch_q14 >> 14
     feet[at + 1] = y + (z * state.roll_q14 >> 14) << LF_BITS
     feet[at + 2] = z - (y * state.roll_q14 >> 14) << LF_BITS
-    return 0

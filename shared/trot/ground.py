@@ -17,12 +17,8 @@ _FAR = const(32767)
 
 
 @hot
-def feel_slope(params: Params, walk: Trot) -> int:
-    """Follow the slope of the measured feet that stand, in level axes; return how many stand.
-
-    Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
-    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
-    """
+def feel_slope(params: Params, walk: Trot) -> None:
+    """Follow the slope of the measured feet that stand, in level axes."""
     measured = walk.measured
     middle_x = 0
     middle_y = 0
@@ -35,10 +31,18 @@ def feel_slope(params: Params, walk: Trot) -> int:
             middle_z += level_z(walk, leg)
             count += 1
     if count < 2:
-        return count
-    middle_x = middle_x // count
-    middle_y = middle_y // count
-    middle_z = middle_z // count
+        return
+    follow_feet(params, walk, count, middle_x // count, middle_y // count, middle_z // count)
+
+
+@hot
+def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y: int, middle_z: int) -> None:
+    """Follow the slope of the ``count`` feet that stand about their middle, lu in level axes. Part of feel_slope.
+
+    Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
+    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
+    """
+    measured = walk.measured
     along_x = 0
     along_y = 0
     square = 0
@@ -62,25 +66,22 @@ def feel_slope(params: Params, walk: Trot) -> int:
     follow_slope(params, walk, 0, along_x // square)
     follow_slope(params, walk, 1, along_y // square)
     follow_uneven(params, walk, uneven // count)
-    return count
 
 
 @hot
-def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> int:
-    """Move one slope by its share of what it is off, any 30 bits; return it, Q20, within 0.3."""
+def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> None:
+    """Move one slope, within 0.3, by its share of what it is off, any 30 bits."""
     state = walk.state
     step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
-    return state.slope_q20[axis]
 
 
 @hot
-def follow_uneven(params: Params, walk: Trot, off: int) -> int:
-    """Even out how far the feet are off their plane, lu, 0 or more; return it, lu Q4. Intermediates: 2^16 * 2^13."""
+def follow_uneven(params: Params, walk: Trot, off: int) -> None:
+    """Even out how far the feet are off their plane: ``off`` in lu, 0 or more. Intermediates: 2^16 * 2^13."""
     state = walk.state
     off = saturate(off, 0, params.leg_length >> 4) << 4
     state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_q15 >> 17
-    return state.uneven_q4
 
 
 @hot

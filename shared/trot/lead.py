@@ -13,8 +13,8 @@ _CALM = const(3)  # standing, an eighth of the step
 
 
 @hot
-def share_load(params: Params, walk: Trot) -> int:
-    """Move what each foot is expected to carry towards an even share of those that stand; return that, Q12.
+def share_load(params: Params, walk: Trot) -> None:
+    """Move what each foot is expected to carry towards an even share of those that stand.
 
     Slowly while it is not to move: who has just stood up does not jerk.
     """
@@ -32,7 +32,6 @@ def share_load(params: Params, walk: Trot) -> int:
         if gap > step or gap < -step:
             gap = saturate(gap, -step, step)
         walk.load_q12[leg] += gap
-    return share
 
 
 @hot
@@ -49,8 +48,8 @@ def solve(params: Params, walk: Trot) -> int:
 
 
 @hot
-def lead(params: Params, walk: Trot, goal: Ints) -> int:
-    """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later; return 0.
+def lead(params: Params, walk: Trot, goal: Ints) -> None:
+    """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later.
 
     Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Friction is led where feet
     carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
@@ -77,12 +76,11 @@ def lead(params: Params, walk: Trot, goal: Ints) -> int:
                 step = saturate(step, -top, top)
             goal[at] += step * led >> 8
             at += 1
-    return 0
 
 
 @hot
-def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> int:
-    """Add to the goals of a leg that stands what friction holds back of its joints' motion; return 0. Part of lead.
+def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
+    """Add to the goals of a leg that stands what friction holds back of its joints' motion. Part of lead.
 
     It is dry friction and a share of the load, which ``goal`` already has: what the joints give under it. Of a slow
     joint less is led, so that one at rest is not sent to and fro. A calf's motor on the body feels thigh + calf.
@@ -110,4 +108,3 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> int:
         ahead = (saturate(step * setup.slides_q16 >> 4, -_ONE_Q12, _ONE_Q12) * held >> 12) - ahead
         goal[at] += ahead
         at += 1
-    return 0

@@ -44,8 +44,8 @@ def react(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
-def held_up(params: Params, walk: Trot, leg: int) -> int:
-    """Swing high from now on if the foot is further behind its way than its mate in the air; return 1 if it is.
+def held_up(params: Params, walk: Trot, leg: int) -> None:
+    """Swing high from now on if the foot is further behind its way than its mate in the air.
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
     leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
@@ -69,13 +69,12 @@ def held_up(params: Params, walk: Trot, leg: int) -> int:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
     if behind <= most or (high == 0 and behind <= most + (most * setup.late_q8 >> 8) and may_be_late(walk, leg)):
-        return 0
+        return
     walk.held[leg] = 1
     if high == 0:
         state.blocked += 1
         state.high_left = setup.high_way
         walk.tops[leg] = setup.high_lift
-    return 1
 
 
 @hot
@@ -101,8 +100,8 @@ def may_be_late(walk: Trot, leg: int) -> int:
 
 
 @hot
-def give_way(walk: Trot, leg: int) -> int:
-    """A foot that is held up is sent half as far ahead of where it is; return how much less, lu.
+def give_way(walk: Trot, leg: int) -> None:
+    """A foot that is held up is sent half as far ahead of where it is.
 
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
     would come down short of it, and the body go on over it. Told to stop it does not push.
@@ -113,12 +112,11 @@ def give_way(walk: Trot, leg: int) -> int:
         short[leg] = -walk.residual[leg * 2]
         if walk.state.foot_speed[0]:
             short[leg] = -(walk.residual[leg * 2] >> 1)
-    return short[leg]
 
 
 @hot
-def count_held(params: Params, walk: Trot, leg: int) -> int:
-    """Begin a swing of ``leg``: was its last one held up, or the body slow? Return the ticks it has not got on for.
+def count_held(params: Params, walk: Trot, leg: int) -> None:
+    """Begin a swing of ``leg``: was its last one held up, or the body slow?
 
     A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
     with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
@@ -149,7 +147,6 @@ def count_held(params: Params, walk: Trot, leg: int) -> int:
     state.held_ticks = 0
     if speed:
         state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
-    return state.held_ticks
 
 
 @hot
@@ -214,8 +211,8 @@ def top_speed(params: Params, walk: Trot) -> int:
 
 
 @hot
-def lift_on(params: Params, walk: Trot) -> int:
-    """Count down the way to go with high swings; return the top of the next swings, lu.
+def lift_on(params: Params, walk: Trot) -> None:
+    """Count down the way to go with high swings.
 
     Where it climbs it does not get less: on stairs the feet land where their plane has them, and meet nothing.
     """
@@ -241,4 +238,3 @@ def lift_on(params: Params, walk: Trot) -> int:
         if climbs(params, walk):
             gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
-    return state.lift

@@ -86,8 +86,8 @@ class Trot:
 
 
 @hot
-def trot_reset(params: Params, walk: Trot) -> int:
-    """Stand at rest, with nothing measured; return 0."""
+def trot_reset(params: Params, walk: Trot) -> None:
+    """Stand at rest, with nothing measured."""
     state = walk.state
     setup = params.trot
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
@@ -121,4 +121,3 @@ def trot_reset(params: Params, walk: Trot) -> int:
         walk.jams[leg] = 0
         for axis in range(3):
             walk.feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
-    return 0

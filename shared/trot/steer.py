@@ -17,8 +17,8 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
 @hot
-def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> int:
-    """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured; return 0.
+def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> None:
+    """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
     A round foot's centre goes slower than the body. Speed: the command, an integral of what was missed of it. Heading:
     turned back by what was turned wrong; the pose's yaw is turned to. While swings are high nothing is integrated: what
@@ -54,18 +54,17 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         for axis in range(2):
             state.drive[axis] = 0
             state.drift_q8[axis] = 0
-    return 0
 
 
 @hot
-def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
-    """While swings are high the body waits for feet that stay behind; return by how much it slows, lf / tick.
+def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
+    """While swings are high the body waits for feet that stay behind.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
     too far from rest is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
     """
     if walk.state.high_left == 0:
-        return 0
+        return
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest
@@ -74,12 +73,11 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> int:
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
     walk.state.drive[0] -= slow
-    return slow
 
 
 @hot
-def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> int:
-    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it; return 0.
+def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> None:
+    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it.
 
     Tilts are limited to 45 deg. A changing pose moves the standing feet along, and turns the body where nothing levels
     it. Intermediates: 2^13 * 2^15.3.
@@ -109,12 +107,11 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> in
             state.roll_18 = turn
         state.drive[axis] += pose[axis] - posed[axis] << LF_BITS
         posed[axis] = pose[axis]
-    return 0
 
 
 @hot
-def rise(params: Params, walk: Trot, pose: Ints) -> int:
-    """Write how fast the body rises, with its pose and to its height above the standing feet; return it, lf / tick."""
+def rise(params: Params, walk: Trot, pose: Ints) -> None:
+    """Write how fast the body rises, with its pose and to its height above the standing feet."""
     state = walk.state
     total = 0
     for leg in range(LEGS):
@@ -125,4 +122,3 @@ def rise(params: Params, walk: Trot, pose: Ints) -> int:
         low = saturate(params.trot.height + pose[2] + total // state.standing, -16383, 16383)
         state.rise = (low * params.trot.raise_q16 >> 8) + (pose[2] - walk.posed[2] << LF_BITS)
     walk.posed[2] = pose[2]
-    return state.rise

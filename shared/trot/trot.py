@@ -23,11 +23,10 @@ _CYCLE_AND_HALF = const(0x180000)
 
 
 @hot
-def trot_start(params: Params, walk: Trot) -> int:
-    """Stand at rest, with nothing measured; return 0."""
+def trot_start(params: Params, walk: Trot) -> None:
+    """Stand at rest, with nothing measured."""
     trot_reset(params, walk)
     solve(params, walk)
-    return 0
 
 
 @hot
@@ -66,18 +65,17 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Int
 
 
 @hot
-def forget(sensed: Sensed) -> int:
-    """Take tilt and rates that go with nothing else as level and still; return 0."""
+def forget(sensed: Sensed) -> None:
+    """Take tilt and rates that go with nothing else as level and still."""
     for axis in range(2):
         sensed.tilt[axis] = 0
     for axis in range(3):
         sensed.turned[axis] = 0
-    return 0
 
 
 @hot
-def keep_past(walk: Trot) -> int:
-    """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered; return 0."""
+def keep_past(walk: Trot) -> None:
+    """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered."""
     state = walk.state
     past_feet = walk.past_feet
     to = state.ring_at * 2 * LEGS
@@ -91,7 +89,6 @@ def keep_past(walk: Trot) -> int:
         at += 3
     walk.past_stands[state.ring_at] = 15 - state.swinging
     state.ring_at = state.ring_at + 1 & 15
-    return 0
 
 
 @hot

@@ -76,7 +76,7 @@ _MOST = const(0x3FFFFFFF)
 
 
 @hot
-def clear_setpoints(link: Link) -> int:
+def clear_setpoints(link: Link) -> None:
     """Forget every set-point, pending and latched, with gains and feed-forwards."""
     link.pending_set = 0
     link.pending_mode = 0
@@ -84,36 +84,34 @@ def clear_setpoints(link: Link) -> int:
     for kind in range(SETPOINT_KINDS):
         link.pending[kind] = 0
         link.latched[kind] = 0
-    return 0
 
 
 @hot
-def start_session(link: Link, session: int) -> int:
+def start_session(link: Link, session: int) -> None:
     """Bind the link to the host's session 1 .. 255, on arm: SYNC of another is refused, counting starts anew.
 
     The set-points stay as they are, because arming needs fresh ones before it.
     """
     link.session = session
     link.counter = -1
-    return session
 
 
 @hot
-def end_session(link: Link) -> int:
+def end_session(link: Link) -> None:
     """Leave the session and forget every set-point: on disarm, fault and e-stop."""
     link.session = 0
-    return clear_setpoints(link)
+    clear_setpoints(link)
 
 
 @hot
-def link_reset(link: Link, node: int) -> int:
+def link_reset(link: Link, node: int) -> None:
     """Start the link of node 0 .. 12: no session, no SYNC seen, no set-point, counters zero."""
     link.node = node
     link.session = 0
     link.counter = -1
     link.lost_syncs = 0
     link.bad_frames = 0
-    return clear_setpoints(link)
+    clear_setpoints(link)
 
 
 @hot
@@ -150,14 +148,13 @@ def _accept_setpoint(link: Link, identifier: int, frame: Ints) -> int:
 
 
 @hot
-def _count_sync(link: Link, counter: int) -> int:
-    """Count the SYNC frames missed since the last one; return how many, 0 .. 255."""
+def _count_sync(link: Link, counter: int) -> None:
+    """Count the SYNC frames missed since the last one, at most 255."""
     missed = 0
     if link.counter >= 0:
         missed = (counter - link.counter - 1) & 0xFF
         link.lost_syncs = _counted(link.lost_syncs, missed)
     link.counter = counter
-    return missed
 
 
 @hot

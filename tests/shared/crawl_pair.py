@@ -13,9 +13,8 @@ from types import SimpleNamespace
 from shared.crawl import footholds
 from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
-from shared.crawl.contact import PAST_SIZE
 from shared.crawl.crawl import move_origin, rebase
-from shared.crawl.state import Crawl
+from shared.crawl.state import PAST_SIZE, Crawl
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
 
@@ -71,7 +70,7 @@ class Pair:
                 c.map.feet[leg * 3 + axis] = self.fine(foot[axis])
         c.path.wanted[2] = self.fine(self.k.height)
         c.support.heavy_q12 = round(self.trouble.heavy * 4096)
-        footholds.footholds_start(c.params, c.map, c.footholds)
+        footholds.footholds_start(c)
         crawl_steps.start_stages(self.crawl)
         pose = [0.0, 0.0, self.k.height, 0.0, 0.0, 0.0]
         self.twin = twin.Machine(self.k, Doubt(), self.feet(self.crawl.map.feet), pose, c.support.heavy_q12 / 4096)
@@ -205,7 +204,7 @@ class Pair:
         """Move everything along the map by lf, as if the walk had begun far away."""
         c = self.crawl
         for axis, by in enumerate((dx, dy, dz)):
-            move_origin(c.map, c.footholds, c.path, c.swing, c.contact, axis, -by)
+            move_origin(c, axis, -by)
 
     def spread(self, millimetres):
         """Return a way that is drawn within +-millimetres of a leg of 240 mm, lf."""

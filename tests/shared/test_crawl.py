@@ -13,9 +13,9 @@ from host.robot.plane import planar_robot
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
 from shared.crawl.even import LEGS_EVEN
-from shared.crawl.footholds import MOST_FOOTHOLDS, Footholds, foothold_add, foothold_drop
-from shared.crawl.map import Map, fit_body
-from shared.crawl.state import Crawl
+from shared.crawl.footholds import MOST_FOOTHOLDS, foothold_add, foothold_drop
+from shared.crawl.map import fit_body
+from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
 from shared.gait.table import MOVER_TABLE
 from shared.num.filters import fraction, quintic_q15
@@ -92,7 +92,7 @@ def standing(x_lu, y_lu, heading_rad):
 def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
     crawl, sensing = standing(x_lu, y_lu, heading_rad)
     for _ in range(2):
-        fit_body(crawl.params, sensing, crawl.support, crawl.map)
+        fit_body(crawl, sensing)
     x, y, z, _, _, yaw = crawl.map.body_pose[:6]
     assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
     assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
@@ -100,12 +100,12 @@ def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
 
 def test_a_foot_in_the_air_does_not_move_the_body():
     crawl, sensing = standing(100, -50, 0.05)
-    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    fit_body(crawl, sensing)
     before = list(crawl.map.body_pose[:6])
     crawl.support.stance[0] = 0
     for axis in range(3):
         sensing.level[axis] += 3000
-    fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    fit_body(crawl, sensing)
     moved = [abs(a - b) for a, b in zip(before, crawl.map.body_pose[:6], strict=True)]
     assert max(moved[:3]) <= 8 * 256
 

@@ -17,7 +17,7 @@ from shared.crawl import goals as crawl_goals
 from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import SHIFT, Crawl
+from shared.crawl.state import PAST_SIZE, SHIFT, Crawl
 from shared.planner import retreat
 from shared.planner.command import Command
 from shared.sense.legs import Sensing
@@ -94,7 +94,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
         crawl.support.share_q12[leg] = round(4096 * shares[leg])
         for axis in range(3):
             sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
-    crawl_map.fit_body(crawl.params, sensing, crawl.support, crawl.map)
+    crawl_map.fit_body(crawl, sensing)
     best = twin.heading(seen, feet, shares)
     assert abs(crawl.map.body_pose[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
     exact = twin.body_place(seen, feet, shares, best)
@@ -109,7 +109,7 @@ def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
     put(crawl, standing(random.Random(1)), angles=(0.0, 0.0, yaw_rad))
     before = list(crawl.map.feet)
     joints = array("i", [0, round(turned_rad / (2 * math.pi) * 65536), 0] * 4)
-    crawl_map.roll_feet(crawl.params, joints, crawl.support, crawl.map)
+    crawl_map.roll_feet(crawl, joints)
     exact = twin.rolled(PARAMS.foot_radius * UNIT_M, 0.0, rad(joints[1]), yaw_rad)
     for leg in range(4):
         moved = [(crawl.map.feet[leg * 3 + i] - before[leg * 3 + i]) * FINE_M for i in range(2)]
@@ -125,7 +125,7 @@ def test_only_a_foot_that_carries_is_followed_when_it_slips(crawl):
             c.map.seen[leg * 3 + axis] = c.map.feet[leg * 3 + axis]
         c.map.seen[leg * 3 + 2] += fine(0.02)
     before = [c.map.feet[leg * 3 + 2] for leg in range(4)]
-    crawl_map.follow_slips(crawl.params, c.support, c.map)
+    crawl_map.follow_slips(crawl)
     moved = [(c.map.feet[leg * 3 + 2] - before[leg]) * FINE_M for leg in range(4)]
     assert moved[1] == 0
     assert all(moved[leg] == pytest.approx(0.02 / 0.2 / RATE, rel=0.06) for leg in (0, 2, 3))
@@ -142,8 +142,8 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
     crawl.swing.departure[0], crawl.swing.target[2] = fine(came_from[0]), fine(came_from[1])
     crawl.even.even_steps = 5
-    count = crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, leg)
-    exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl.map, crawl.swing, leg) * UNIT_M
+    count = crawl_even.note_landing(crawl, leg)
+    exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl, leg) * UNIT_M
     assert abs(found - exact) < 0.15 * MM
     if abs(exact - setting(crawl, "drop_depth") / 3) > 0.2 * MM:
         assert count == (6 if exact < setting(crawl, "drop_depth") / 3 else 0)
@@ -154,9 +154,9 @@ def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
     crawl.swing.departure[0], crawl.swing.target[2] = fine(0.125 - 0.076), fine(0.04)
-    assert crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, 0) == 0
+    assert crawl_even.note_landing(crawl, 0) == 0
     crawl.swing.target[2] = fine(0.04 - 0.04 * 76 / 230)
-    assert crawl_even.note_landing(crawl.params, crawl.map, crawl.swing, crawl.even, 0) == 1
+    assert crawl_even.note_landing(crawl, 0) == 1
 
 
 @pytest.mark.parametrize("slope", [-0.2, -0.03, 0.03, 0.2])
@@ -167,7 +167,7 @@ def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
     rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting(crawl, "stride")) - feet[0][0])
     for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
         crawl.even.even_steps = landings
-        footholds.aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, 0)
+        footholds.aim(crawl, 0)
         assert crawl.swing.ground * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
 
 
@@ -190,8 +190,7 @@ def test_the_body_goes_over_the_point_as_high_as_its_legs_reach_and_takes_its_ti
     put(crawl, feet)
     wanted = [dice.uniform(-0.04, 0.04), dice.uniform(-0.03, 0.03)]
     crawl.point[0], crawl.point[1] = (round(value / UNIT_M) for value in wanted)
-    ticks = crawl_pose.plan_body(crawl.params, crawl.map, crawl.support, crawl.path, crawl.point, -1, crawl.pose,
-                                 crawl.rotation, crawl.feet, crawl.hip_feet)
+    ticks = crawl_pose.plan_body(crawl, -1)
     to = [crawl.path.to_pose[axis] for axis in range(6)]
     pitch = twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)
     com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
@@ -214,7 +213,7 @@ def test_the_mass_goes_to_the_nearest_point_inside_the_support(seed, leg, wanted
     feet = standing(dice)
     put(crawl, feet)
     wanted = round(wanted_m / UNIT_M)
-    crawl_pose.mass_target(crawl.params, crawl.map, leg, wanted, crawl.feet, crawl.weights, crawl.point)
+    crawl_pose.mass_target(crawl, leg, wanted)
     exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting(crawl, "margin"), planar)
     assert math.dist([value * UNIT_M for value in crawl.point], exact) < 0.2 * MM
 
@@ -250,7 +249,7 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
             swing_of = 0.02 * math.sin(tick / (20 + 7 * axis))
             c.path.wanted[axis] = round((0.1 + swing_of) / units[axis])
             c.map.body_pose[axis] = round((0.1 + 0.9 * swing_of - 0.004) / units[axis])
-        crawl_pose.hold_pose(c.params, c.map, c.support, c.path)
+        crawl_pose.hold_pose(c)
         for axis in range(6):
             exact = loops[axis].step(c.path.wanted[axis] * units[axis], c.map.body_pose[axis] * units[axis])
             assert abs(c.path.commanded[axis] * units[axis] - exact) < 0.05 * MM
@@ -263,7 +262,7 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
 def test_the_first_prints_lie_between_hind_and_front_foot(crawl, side):
     feet = standing(random.Random(5 + side))
     put(crawl, feet)
-    footholds.footholds_start(crawl.params, crawl.map, crawl.footholds)
+    footholds.footholds_start(crawl)
     hind, front = feet[2 + side], feet[side]
     for place, exact in enumerate(swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)):
         at = side * 12 + place * 3
@@ -276,7 +275,7 @@ def test_a_front_foot_aims_half_a_stride_beyond_the_other(crawl, seed):
     dice = random.Random(seed)
     feet, leg = standing(dice, uneven=0.05), seed % 2
     put(crawl, feet)
-    footholds.aim(crawl.params, crawl.map, crawl.footholds, crawl.even, crawl.swing, leg)
+    footholds.aim(crawl, leg)
     own, other, stride = feet[leg], feet[1 - leg], setting(crawl, "stride")
     target = swing.front_target(own[0], other[0], stride)
     assert abs(crawl.swing.target[0] * FINE_M - target) < 0.05 * MM
@@ -326,7 +325,7 @@ def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     c = crawl
     c.map.body_pose[body.POSE_PITCH], c.map.body_pose[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
     exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
-    assert abs(contact.corner_lift(c.params, c.map, c.path, leg) * UNIT_M - exact) < 0.1 * MM
+    assert abs(contact.corner_lift(c, leg) * UNIT_M - exact) < 0.1 * MM
 
 
 @repeatable(100)
@@ -336,12 +335,12 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     c, k = crawl, crawl.params.crawl
     ticks = 24
     c.stage.stage_tick, c.swing.way_ticks, c.swing.target[0], c.swing.departure[0] = 20, ticks, fine(way_m), 0
-    for place in range(contact.PAST_SIZE):
+    for place in range(PAST_SIZE):
         c.contact.past[place] = fine(behind_m)
     late = swing.held_up(behind_m, setting(crawl, "riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
     margin = behind_m - setting(crawl, "riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
-        assert bool(contact.feel_riser(c.params, c.contact, c.swing, c.map.seen[leg * 3], c.stage.stage_tick)) == late
+        assert bool(contact.feel_riser(c, c.map.seen[leg * 3])) == late
 
 
 @pytest.mark.parametrize("tare", [-569, 0, 569])  # as far as it goes, and none
@@ -378,16 +377,16 @@ def test_hind_feet_do_not_know_the_ground_that_no_front_foot_has_stood_on():
     """Two footholds of the right side and three of the left are guessed at the start; what follows is known."""
     crawl = Crawl(PARAMS)
     c = crawl
-    footholds.footholds_start(c.params, c.map, c.footholds)
+    footholds.footholds_start(c)
     for side, guessed in ((0, 2), (1, 3)):
         known = []
         for _ in range(5):
             footholds.foothold_add(c.map, c.footholds, side)
-            footholds.aim_hind(c.params, c.map, c.footholds, c.swing, side + 2)
+            footholds.aim_hind(c, side + 2)
             known.append(c.swing.known)
         assert known == [0] * guessed + [1] * (5 - guessed)
         c.footholds.waiting[side] = 0
-        footholds.aim_hind(c.params, c.map, c.footholds, c.swing, side + 2)
+        footholds.aim_hind(c, side + 2)
         assert c.swing.known == 0
 
 
@@ -474,7 +473,7 @@ def test_the_planned_loads_are_the_minimum_norm_and_their_margin(crawl, seed):
     c.support.weight_q12 = round(weight * 4096)
     for leg, share in enumerate(shares):
         c.support.stance[leg], c.support.share_q12[leg] = int(share > 0), round(share * 4096)
-    margin = crawl_goals.plan_loads(c.params, c.map, c.path, c.support, crawl.feet, crawl.weights, crawl.load) * UNIT_M
+    margin = crawl_goals.plan_loads(c) * UNIT_M
     com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
     loads, exact = carry.planned_loads(feet, shares, pose, com, weight)
     assert abs(margin - exact) < 0.15 * MM
@@ -525,7 +524,7 @@ def test_a_leg_puts_its_foot_where_the_map_has_it(crawl, seed):
     feet, angles = standing(dice), [dice.uniform(-0.15, 0.15) for _ in range(3)]
     place = [dice.uniform(-0.02, 0.02), dice.uniform(-0.02, 0.02), 0.165]
     put(crawl, feet, place, angles)
-    crawl_goals.take_pose(crawl.path, 0, crawl.pose, crawl.rotation)
+    crawl_goals.take_pose(crawl, 0)
     for leg, shape in enumerate(LEGS):
         if crawl_goals.leg_goal(crawl, leg, 0):
             continue  # out of reach: another function's matter

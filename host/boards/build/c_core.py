@@ -15,7 +15,7 @@ from .c_holders import converted, holders_text, room_of
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
-from .source import BuildError, Module, closure, constant_value, find_imports, hot_functions
+from .source import BuildError, Module, closure, constant_value, find_imports, has_no_result, hot_functions
 
 MODULE = "_core"
 _HEADS = {"micropython": "c_micropython.h", "cpython": "c_cpython.h"}
@@ -88,13 +88,14 @@ def c_text(chosen: list[Module], modules: dict[str, Module], runtime: str, wante
 
 def _expose(module: Module, function: ast.FunctionDef) -> str:
     name, given = c_name(module.name, function.name), function.args.args
+    kind = "CORE_SILENT" if has_no_result(function) else "CORE_RESULT"
     if not given:
-        return f"CORE_EXPOSE_0({name})"
+        return f"CORE_EXPOSE_0({name}, {kind})"
     blocks = module.blocks.get(function.name, {})
     kinds = [blocks.get(p.arg) for p in given]
     values = [f"CORE_NUMBER(a[{i}])" if p.annotation else converted(f"a[{i}]", kind, room_of(kind))
               for i, (p, kind) in enumerate(zip(given, kinds, strict=True))]
-    return f"CORE_EXPOSE_N({name}, {len(given)}, {', '.join(values)})"
+    return f"CORE_EXPOSE_N({name}, {kind}, {len(given)}, {', '.join(values)})"
 
 
 def _module(exposed: list[tuple[Module, ast.FunctionDef]]) -> str:

@@ -33,13 +33,15 @@ static int32_t core_number(core_obj object) {
     return (int32_t)number;
 }
 #define CORE_NUMBER(object) core_number(object)
-#define CORE_EXPOSE_N(name, count, ...) \
+#define CORE_RESULT(call) PyLong_FromLong(call)
+#define CORE_SILENT(call) ((call), Py_NewRef(Py_None))
+#define CORE_EXPOSE_N(name, answer, count, ...) \
     static PyObject *py_##name(PyObject *module, PyObject *const *a, Py_ssize_t given) { \
         if (given != count) return PyErr_Format(PyExc_TypeError, "%s takes %d arguments", #name, count); \
         if (setjmp(core_out)) return NULL; \
-        return PyLong_FromLong(name(__VA_ARGS__)); \
+        return answer(name(__VA_ARGS__)); \
     }
-#define CORE_EXPOSE_0(name) CORE_EXPOSE_N(name, 0)
+#define CORE_EXPOSE_0(name, answer) CORE_EXPOSE_N(name, answer, 0)
 #define CORE_ENTRY(name) { #name, (PyCFunction)py_##name, METH_FASTCALL, NULL },
 #define CORE_MODULE(entries) \
     static PyMethodDef core_methods[] = { entries { NULL, NULL, 0, NULL } }; \

@@ -88,12 +88,13 @@ static mp_obj_t core_bound(size_t count, const mp_obj_t *given) {
 static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(core_bound_obj, 1, 11, core_bound);
 
 #define CORE_NUMBER(object) ((int32_t)mp_obj_get_int_truncated(object))
-#define CORE_RESULT(number) mp_obj_new_int(number)
-#define CORE_EXPOSE_0(name) \
-    static mp_obj_t py_##name(void) { return CORE_RESULT(name()); } \
+#define CORE_RESULT(call) mp_obj_new_int(call)
+#define CORE_SILENT(call) ((call), mp_const_none)
+#define CORE_EXPOSE_0(name, answer) \
+    static mp_obj_t py_##name(void) { return answer(name()); } \
     static MP_DEFINE_CONST_FUN_OBJ_0(obj_##name, py_##name);
-#define CORE_EXPOSE_N(name, count, ...) \
-    static mp_obj_t py_##name(size_t given, const mp_obj_t *a) { (void)given; return CORE_RESULT(name(__VA_ARGS__)); } \
+#define CORE_EXPOSE_N(name, answer, count, ...) \
+    static mp_obj_t py_##name(size_t given, const mp_obj_t *a) { (void)given; return answer(name(__VA_ARGS__)); } \
     static MP_DEFINE_CONST_FUN_OBJ_VAR_BETWEEN(obj_##name, count, count, py_##name);
 #define CORE_ENTRY(name) { MP_ROM_QSTR(MP_QSTR_##name), MP_ROM_PTR(&obj_##name) },
 #define CORE_MODULE(entries) \

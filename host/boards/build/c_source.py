@@ -11,7 +11,7 @@ import ast
 
 from .c_holders import ARRAY, accessor, c_type, converted, holder_type
 from .rules import MARKS, aliases, hot_arity
-from .source import Module, resolve
+from .source import Module, has_no_result, resolve
 
 _TYPES = {"ptr8": "uint8_t", "ptr16": "uint16_t", "ptr32": "int32_t", "reg16": "volatile uint16_t",
           "reg32": "volatile int32_t"}
@@ -30,7 +30,8 @@ def signature(module: Module, function: ast.FunctionDef) -> str:
     """Return the head of the function in C."""
     blocks = module.blocks.get(function.name, {})
     kinds = [f"{'int32_t ' if p.annotation else c_type(blocks.get(p.arg))}{c_local(p.arg)}" for p in function.args.args]
-    return f"static int32_t {c_name(module.name, function.name)}({', '.join(kinds) or 'void'})"
+    result = "void" if has_no_result(function) else "int32_t"
+    return f"static {result} {c_name(module.name, function.name)}({', '.join(kinds) or 'void'})"
 
 
 def c_local(name: str) -> str:
@@ -82,8 +83,7 @@ class FunctionWriter:
         elif isinstance(node, ast.AugAssign):
             self._augmented(node)
         elif isinstance(node, ast.Return):
-            assert node.value is not None  # check_hot saw to that
-            self._line(f"return {self._value(node.value)};")
+            self._line(f"return {self._value(node.value)};" if node.value else "return;")
         elif isinstance(node, ast.If):
             self._if(node)
         elif isinstance(node, ast.While):
@@ -250,7 +250,8 @@ class FunctionWriter:
         for argument, parameter in zip(node.args, callee.args.args, strict=True):
             kind = wanted.get(parameter.arg)
             texts.append(self._expression(argument) if parameter.annotation else self._handed(argument, kind))
-        return self._temporary(f"{c_name(found[0].name, found[1])}({', '.join(texts)})")
+        text = f"{c_name(found[0].name, found[1])}({', '.join(texts)})"
+        return text if has_no_result(callee) else self._temporary(text)
 
     # objects and arrays
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .kinds import WHOLE, Kinds, Value, block_kinds
 from .records import Layout, records_of
-from .rewrite import Edit, Places, apply_edits, beside
+from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
 from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
 
@@ -133,15 +133,10 @@ class Lowering:
                 start = self.place.start(argument) + len(argument.arg)
                 edits.append(Edit(start, self.place.end(argument.annotation) - start, ""))
         if not hot and function.returns is not None:
-            edits.append(self._no_result(function.returns))
+            edits.append(without_result(self.module, function, self.place))
         if self._heads:
             edits.append(self._head(function))
         return edits
-
-    def _no_result(self, returns: ast.expr) -> Edit:
-        """Take the annotation of a result away: `` -> Ints``."""
-        arrow = self.module.text.rindex(b"->", 0, self.place.start(returns))
-        return Edit(arrow - 1, self.place.end(returns) - arrow + 1, "")
 
     def known(self, function: ast.FunctionDef) -> dict[str, Value]:
         """Return what the parameters and local names of a hot function that are more than a number stand for."""

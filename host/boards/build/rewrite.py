@@ -8,7 +8,7 @@ import ast
 from dataclasses import dataclass
 
 from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_arity
-from .source import Module, hot_functions
+from .source import Module, has_no_result, hot_functions
 
 EMITTERS = ("bytecode", "native", "viper")
 
@@ -28,8 +28,9 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
 
     Every emitter: constants become their numbers in all functions. native and viper: the mark
     becomes the emitter's. native and bytecode: ptr16(x) becomes x. viper: results of hot
-    functions become int(...), and on x64, where ptr32 reads unsigned, elements are sign-extended,
-    and -x becomes (0 - x), because MicroPython's x64 viper (1.28) negates the local x itself.
+    functions become int(...), -> None goes, which it does not know, and on x64, where ptr32 reads
+    unsigned, elements are sign-extended, and -x becomes (0 - x), because MicroPython's x64 viper
+    (1.28) negates the local x itself.
     """
     place = Places(module.text)
     edits: list[Edit] = []
@@ -49,6 +50,8 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
         else:
             edits += _wrap_calls(module, function, modules, place)
             edits += _name_registers(function, place)
+            if has_no_result(function):
+                edits.append(without_result(module, function, place))
             if arch == "x64":
                 edits += _extend_signs(function, place)
                 edits += _subtract_from_zero(function, place)
@@ -100,6 +103,13 @@ def inline_constants(module: Module, function: ast.FunctionDef, place: Places) -
                 text = str(value) if value >= 0 else f"({value})"
                 edits.append(Edit(place.start(node), len(node.id), text))
     return edits
+
+
+def without_result(module: Module, function: ast.FunctionDef, place: Places) -> Edit:
+    """Take the annotation of a result away: `` -> None``."""
+    assert function.returns is not None
+    arrow = module.text.rindex(b"->", 0, place.start(function.returns))
+    return Edit(arrow - 1, place.end(function.returns) - arrow + 1, "")
 
 
 def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:

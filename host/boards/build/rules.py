@@ -7,7 +7,7 @@ constructs through slow or allocating objects; each rule below names one such co
 import ast
 from collections.abc import Iterator
 
-from .source import Module, constant_value, resolve
+from .source import Module, constant_value, has_no_result, resolve
 
 POINTERS = ("ptr8", "ptr16", "ptr32")
 REGISTERS = ("reg16", "reg32")  # pointers to a chip's registers, which change by themselves
@@ -46,6 +46,7 @@ def check_hot(module: Module, function: ast.FunctionDef, modules: dict[str, Modu
     conditions = _conditions(function)
     negated = {id(n.operand) for n in ast.walk(function) if isinstance(n, ast.UnaryOp) and isinstance(n.op, ast.USub)}
     objects = _objects(function)
+    statements = {id(node.value) for node in ast.walk(function) if isinstance(node, ast.Expr)}
     for node in _body(function):
         for kind, rule in _FORBIDDEN:
             if isinstance(node, kind) and not _is_swap(node, function):
@@ -53,12 +54,14 @@ def check_hot(module: Module, function: ast.FunctionDef, modules: dict[str, Modu
         _check_number(module, node, negated)
         _check_operator(module, node)
         _check_call(module, node, modules)
+        _check_result(module, node, modules, statements)
+        _check_return(module, node, function)
         _check_element(module, node, names, objects)
         _check_alias_use(module, node, names)
         _check_condition(module, node, conditions)
         _check_loop(module, node)
-    if not _always_returns(function.body):
-        raise module.error(function.body[-1], f"{function.name}: a hot function returns a number on every path")
+    if not has_no_result(function) and not _always_returns(function.body):
+        raise module.error(function.body[-1], f"{function.name} is annotated -> int: it returns one on every path")
 
 
 def aliases(function: ast.FunctionDef) -> dict[str, str]:
@@ -88,8 +91,8 @@ def _check_signature(module: Module, function: ast.FunctionDef) -> None:
     for parameter in given.args:
         if parameter.annotation is not None and not _named(parameter.annotation, "int"):
             raise module.error(parameter, f"{function.name}: {parameter.arg} is annotated int, or not if an array")
-    if not _named(function.returns, "int"):
-        raise module.error(function, f"{function.name}: a hot function is annotated -> int")
+    if not _named(function.returns, "int") and not has_no_result(function):
+        raise module.error(function, f"{function.name}: a hot function is annotated -> int, or -> None")
 
 
 def _check_number(module: Module, node: ast.AST, negated: set[int]) -> None:
@@ -132,6 +135,24 @@ def _check_call(module: Module, node: ast.AST, modules: dict[str, Module]) -> No
         raise module.error(node, f"{node.func.id} is not a hot function: it returns an object")
     if wanted != len(node.args):
         raise module.error(node, f"{node.func.id} takes {wanted} arguments, {len(node.args)} given")
+
+
+def _check_result(module: Module, node: ast.AST, modules: dict[str, Module], statements: set[int]) -> None:
+    """A function without a result is called by a statement: viper would calculate with the address of None."""
+    if isinstance(node, ast.Call) and id(node) not in statements and is_silent(module, node, modules):
+        raise module.error(node, f"{ast.unparse(node.func)} has no result: call it as a statement")
+
+
+def _check_return(module: Module, node: ast.AST, function: ast.FunctionDef) -> None:
+    if isinstance(node, ast.Return) and (node.value is None) != has_no_result(function):
+        rule = "None: return stands by itself" if node.value else "int: it returns one on every path"
+        raise module.error(node, f"{function.name} is annotated -> {rule}")
+
+
+def is_silent(module: Module, call: ast.Call, modules: dict[str, Module]) -> bool:
+    """Return whether ``call`` is one of a hot function without a result."""
+    found = resolve(module, call.func.id, modules) if isinstance(call.func, ast.Name) else None
+    return found is not None and found[1] in found[0].silent
 
 
 def hot_arity(module: Module, name: str, modules: dict[str, Module]) -> int | None:

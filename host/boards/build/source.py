@@ -28,6 +28,7 @@ class Module:
     is_package: bool
     constants: dict[str, int] = field(default_factory=dict)
     hot: dict[str, int] = field(default_factory=dict)  # name -> number of parameters
+    silent: set[str] = field(default_factory=set)  # hot functions without a result
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # local name -> (module, name)
     aliases: dict[str, str] = field(default_factory=dict)  # local name -> the module it stands for
     needs: set[str] = field(default_factory=set)  # modules it imports, dotted
@@ -57,6 +58,7 @@ def refresh(modules: dict[str, Module]) -> dict[str, Module]:
     for module in modules.values():
         _find_constants(module, modules, ())
         module.hot = {f.name: len(f.args.args) for f in hot_functions(module.tree)}
+        module.silent = {f.name for f in hot_functions(module.tree) if has_no_result(f)}
     return modules
 
 
@@ -67,6 +69,11 @@ def hot_functions(tree: ast.Module) -> list[ast.FunctionDef]:
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef) and any(_is_name(d, "hot") for d in node.decorator_list)
     ]
+
+
+def has_no_result(function: ast.FunctionDef) -> bool:
+    """Return whether a hot function is annotated ``-> None``."""
+    return isinstance(function.returns, ast.Constant) and function.returns.value is None
 
 
 def closure(modules: dict[str, Module], seeds: list[str]) -> list[str]:

@@ -11,10 +11,11 @@ from .lower import Lowering, lower
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, inline_constants, strip_pointers
 from .rules import aliases, check_hot
-from .source import Module, hot_functions
+from .source import Module, has_no_result, hot_functions
 
 NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64 would raise OverflowError
 _TABLE = "tuple[int, ...]"  # what table() leaves
+_ARRAY = "list[int]"  # what zeros() makes, read without asking what it is
 _ANY = "Any"
 _IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
 
@@ -39,6 +40,8 @@ def _typed(module: Module, kinds: Kinds, package: str) -> bytes:
         layout = kinds.layouts.find(module, declared.name)
         assert layout is not None
         edits.append(_type_record(module, declared, layout, place))
+    edits += [Edit(place.start(node.annotation), len("Ints"), _ARRAY) for node in ast.walk(module.tree)
+              if isinstance(node, ast.arg) and isinstance(node.annotation, ast.Name) and node.annotation.id == "Ints"]
     for function in hot_functions(module.tree):
         edits += inline_constants(module, function, place)
         edits += strip_pointers(function, place)
@@ -88,7 +91,8 @@ def _type_signature(function: ast.FunctionDef, place: Places) -> list[Edit]:
         elif parameter.annotation is None:
             edits.append(Edit(place.end(parameter), 0, f": {_ANY}"))
     assert function.returns is not None  # check_hot saw to that
-    edits.append(Edit(place.start(function.returns), len("int"), NUMBER))
+    if not has_no_result(function):
+        edits.append(Edit(place.start(function.returns), len("int"), NUMBER))
     return edits
 
 

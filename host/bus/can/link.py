@@ -6,7 +6,7 @@ turns that into ``late``. Values are the wire's integers (docs/can-protocol.md).
 """
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 
@@ -94,7 +94,7 @@ class Response:
     value: int
 
 
-_BLOCKS = {
+_BLOCKS: dict[int, tuple[int, Callable[..., int]]] = {
     w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, decode_slow_status),
     w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, decode_heartbeat),
     w.FAULT_ID: (w.FAULT_LENGTH, decode_fault),

@@ -232,7 +232,7 @@ def measure(probe: Any, count: int) -> dict[str, Any]:
         WATCH.largest = 0
         try:
             result = probe.call()
-            if probe.ticks:
+            if probe.ticks and result is not None:
                 check(result)
         except (Overflow, ArithmeticError, LookupError, TypeError) as error:
             sentence = f"inputs {inputs}: {type(error).__name__}: {error}"

@@ -9,7 +9,7 @@ from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import steps as crawl_steps
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import HANG, LIFT, SWING
+from shared.crawl.state import HANG, LIFT, PAST_SIZE, SWING
 from shared.gait.steps import Steps
 from shared.num.filters import fraction, quintic_q15
 from shared.planner import handover, retreat
@@ -122,9 +122,9 @@ def _soil_swing(dice, bits):
     CONTACT.tare_q12 = FORCE.any(dice)
     CONTACT.load_ticks = dice.below(10)
     CONTACT.peak = dice.bits(1)
-    for at in range(contact.PAST_SIZE):
+    for at in range(PAST_SIZE):
         CONTACT.past[at] = _near(dice, bits)
-    CONTACT.past_at = dice.below(contact.PAST_SIZE)
+    CONTACT.past_at = dice.below(PAST_SIZE)
 
 
 def _soil_stage(dice):
@@ -159,7 +159,9 @@ def _soil(values, dice):
         SENSING.force_q12[leg] = dice.bits(14) - 8192
     CRAWL.point[0] = dice.bits(15) - 16384
     CRAWL.point[1] = dice.bits(15) - 16384
-    OWN.lateral_q12 = LATERAL_Q12 if dice.bits(1) else 0
+    copy(PARAMS[dice.below(len(PARAMS))], OWN)
+    if dice.bits(1):
+        OWN.lateral_q12 = 0
 
 
 def _stateful(module, name, *arguments):
@@ -173,6 +175,7 @@ class _Walk:
         self.ticks = 0
 
     def begin(self):
+        copy(PARAMS[0], OWN)
         sensing_reset(SENSING)
         self.ticks = 0
 
@@ -240,65 +243,51 @@ PROBES = (
     Probe("fraction", fraction, (Range(-(1 << 25) + 1, (1 << 25) - 1), Range(0, 32768))),
     Probe("quintic_q15", quintic_q15, (Range(-3, 1 << 29), Range(-3, 1 << 29))),
     Probe("brake_speed", swing_leg.brake_speed, (Range(0, 1 << 29), LU)),
-    _stateful(footholds, "footholds_start", ROBOT, MAP, FOOTHOLDS),
+    _stateful(footholds, "footholds_start", CRAWL),
     Probe("foothold_line", footholds.foothold_line, (ROBOT, SIDE)),
     _stateful(footholds, "foothold_add", MAP, FOOTHOLDS, SIDE),
     Probe("foothold_keep", footholds.foothold_keep, (MAP, FOOTHOLDS, SIDE), watch=(FOOTHOLDS,), fit=_with_foothold),
-    _stateful(footholds, "follow_front_feet", SUPPORT, MAP, FOOTHOLDS),
+    _stateful(footholds, "follow_front_feet", CRAWL),
     _stateful(footholds, "foothold_drop", FOOTHOLDS, SIDE),
-    _stateful(footholds, "aim", ROBOT, MAP, FOOTHOLDS, EVEN, FOOT, LEG),
-    _stateful(footholds, "aim_front", ROBOT, MAP, EVEN, FOOT, SIDE),
-    _stateful(footholds, "aim_hind", ROBOT, MAP, FOOTHOLDS, FOOT, HIND),
-    _stateful(footholds, "steps_down", ROBOT, MAP, FOOTHOLDS, LEG),
+    _stateful(footholds, "aim", CRAWL, LEG),
+    _stateful(footholds, "aim_front", CRAWL, SIDE),
+    _stateful(footholds, "aim_hind", CRAWL, HIND),
+    _stateful(footholds, "steps_down", CRAWL, LEG),
     _stateful(footholds, "next_foothold_x", FOOTHOLDS, HIND),
     _stateful(contact, "take_tare", ROBOT, CONTACT, FORCE, TICKS),
     _stateful(contact, "start_contact", CONTACT),
     _stateful(contact, "follow_tare", ROBOT, CONTACT, FORCE, Range(0, 32768)),
     _stateful(contact, "feel_ground", ROBOT, CONTACT, FORCE),
-    _stateful(contact, "corner_lift", ROBOT, MAP, PATH, LEG),
+    _stateful(contact, "corner_lift", CRAWL, LEG),
     _stateful(contact, "keep_past", CONTACT, PLACE),
-    _stateful(contact, "feel_riser", ROBOT, CONTACT, FOOT, PLACE, TICKS),
-    _stateful(swing_leg, "try_again", FOOT, PLACE, PLACE),
+    _stateful(contact, "feel_riser", CRAWL, PLACE),
     _stateful(swing_leg, "lift_foot", ROBOT, FOOT),
     _stateful(swing_leg, "start_swing", ROBOT, FOOT),
-    _stateful(swing_leg, "swing_foot", FOOT, PATH, TICKS),
+    _stateful(swing_leg, "swing_foot", CRAWL),
     _stateful(swing_leg, "lower_speed", ROBOT, FOOT),
-    _stateful(swing_leg, "lower_foot", ROBOT, MAP, PATH, FOOT),
-    _stateful(crawl_map, "roll_feet", ROBOT, JOINTS, SUPPORT, MAP),
+    _stateful(swing_leg, "lower_foot", CRAWL),
+    _stateful(crawl_map, "roll_feet", CRAWL, JOINTS),
     _stateful(crawl_map, "foot_weight_q8", SUPPORT, LEG),
-    _stateful(crawl_map, "fit_heading", SENSING, SUPPORT, MAP),
+    _stateful(crawl_map, "fit_heading", CRAWL, SENSING),
     _stateful(crawl_map, "turn_feet", SENSING, MAP),
-    _stateful(crawl_map, "fit_body", OWN, SENSING, SUPPORT, MAP),
-    _stateful(crawl_map, "follow_slips", OWN, SUPPORT, MAP),
+    _stateful(crawl_map, "fit_body", CRAWL, SENSING),
+    _stateful(crawl_map, "follow_slips", CRAWL),
     _stateful(crawl_map, "mean_foot", MAP, Range(0, 2)),
     _stateful(crawl_map, "front_to_hind", MAP, Range(0, 2)),
     _stateful(crawl_pose, "feet_pitch", ROBOT, MAP),
     Probe("mass_ahead", crawl_pose.mass_ahead, (ROBOT, BRAD)),
-    _stateful(crawl_pose, "mass_target", OWN, MAP, LEG, LU, CRAWL.feet, CRAWL.weights, CRAWL.point),
-    _stateful(crawl_pose, "resting_x", ROBOT, MAP, SUPPORT),
-    _stateful(crawl_pose, "longest_leg", ROBOT, CRAWL.pose, CRAWL.rotation, CRAWL.feet, CRAWL.hip_feet, Range(-1, 3)),
-    _stateful(
-        crawl_pose,
-        "plan_body",
-        ROBOT,
-        MAP,
-        SUPPORT,
-        PATH,
-        CRAWL.point,
-        Range(-1, 3),
-        CRAWL.pose,
-        CRAWL.rotation,
-        CRAWL.feet,
-        CRAWL.hip_feet,
-    ),
-    _stateful(crawl_pose, "start_body", ROBOT, PATH, CRAWL.pose),
+    _stateful(crawl_pose, "mass_target", CRAWL, LEG, LU),
+    _stateful(crawl_pose, "resting_x", CRAWL),
+    _stateful(crawl_pose, "longest_leg", CRAWL, Range(-1, 3)),
+    _stateful(crawl_pose, "plan_body", CRAWL, Range(-1, 3)),
+    _stateful(crawl_pose, "start_body", CRAWL),
     _stateful(crawl_pose, "move_ticks", ROBOT, PATH),
     _stateful(crawl_pose, "move_body", PATH),
-    _stateful(crawl_pose, "hold_pose", OWN, MAP, SUPPORT, PATH),
+    _stateful(crawl_pose, "hold_pose", CRAWL),
     _stateful(crawl_goals, "foot_warp", SUPPORT, LEG),
-    _stateful(crawl_goals, "plan_loads", OWN, MAP, PATH, SUPPORT, CRAWL.feet, CRAWL.weights, CRAWL.load),
-    _stateful(crawl_goals, "take_pose", PATH, SWINGS, CRAWL.pose, CRAWL.rotation),
-    _stateful(crawl_goals, "foot_in_body", CRAWL.pose, PLACE, PLACE, PLACE, LEG, CRAWL.feet),
+    _stateful(crawl_goals, "plan_loads", CRAWL),
+    _stateful(crawl_goals, "take_pose", CRAWL, SWINGS),
+    _stateful(crawl_goals, "foot_in_body", CRAWL, LEG, PLACE, PLACE, PLACE),
     _stateful(crawl_goals, "place_foot", CRAWL, LEG, SWINGS),
     _stateful(crawl_goals, "leg_goal", CRAWL, LEG, SWINGS),
     _stateful(crawl_goals, "bridge", CRAWL, LEG, SWINGS),
@@ -325,11 +314,11 @@ PROBES = (
     _stateful(crawl_steps, "drop_front", CRAWL, SIDE),
     _stateful(crawl_steps, "drop_hind", CRAWL, HIND),
     _stateful(crawl_steps, "land", CRAWL, LEG),
-    _stateful(crawl_even, "note_landing", ROBOT, MAP, FOOT, EVEN, LEG),
-    _stateful(crawl_even, "off_even", MAP, FOOT, LEG),
+    _stateful(crawl_even, "note_landing", CRAWL, LEG),
+    _stateful(crawl_even, "off_even", CRAWL, LEG),
     _stateful(crawl_even, "feet_length", MAP),
     _stateful(crawl_even, "feet_rise", MAP),
-    _stateful(crawl_even, "expected_rise", ROBOT, MAP, EVEN, AHEAD),
+    _stateful(crawl_even, "expected_rise", CRAWL, AHEAD),
     Probe("off_slope", crawl_even.off_slope, (PLACE, PLACE, Range(1, 16383), Range(-16383, 16383))),
     _stateful(crawl, "forget", CRAWL),
     _stateful(crawl, "start_map", CRAWL, SENSING, JOINTS, TILT, TILT),
@@ -337,7 +326,7 @@ PROBES = (
     _stateful(crawl, "take_tilt", OWN, MAP, TILT, TILT),
     _stateful(crawl, "weigh", ROBOT, SENSING, SUPPORT),
     _stateful(crawl, "rebase", CRAWL),
-    _stateful(crawl, "move_origin", MAP, FOOTHOLDS, PATH, FOOT, CONTACT, Range(0, 2), PLACE),
+    _stateful(crawl, "move_origin", CRAWL, Range(0, 2), PLACE),
     _stateful(crawl, "estimate", CRAWL, SENSING, JOINTS, TILT, TILT),
     _stateful(crawl, "crawl_start", CRAWL, SENSING, JOINTS, GOALS, TILT, TILT),
     Probe("retreat_start", retreat.retreat_start, (RETREAT,), watch=(RETREAT,), fit=_any_retreat),

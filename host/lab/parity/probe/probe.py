@@ -147,9 +147,9 @@ class Probe:
         return f(*v)
 
     def digest_result(self, result, digest: Digest) -> None:
-        if isinstance(result, int):
-            digest.add(result)
-        elif result is not None:
+        if result is None or isinstance(result, int):
+            digest.add(result or 0)
+        else:
             _add(result, digest)
         for block in self.watch:
             _add(block, digest)

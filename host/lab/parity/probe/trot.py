@@ -138,6 +138,7 @@ PROBES = (
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
     _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("feel_slope", ground, (ROBOT, WALK)),
+    _probe("follow_feet", ground, (ROBOT, WALK, Range(1, 4), PLACE, PLACE, PLACE)),
     _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
     _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
     _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from mypy import api
 
 from host import ROOT
 from host.boards.build.frozen import ROLES, frozen_sources, select
@@ -39,14 +40,22 @@ def hot(*lines: str, head: str = "f(a: int, b) -> int") -> str:
     return "@hot\ndef " + head + ":\n" + "".join(f"    {line}\n" for line in lines)
 
 
+SILENT = hot("a += 1", head="g(a: int) -> None") + "\n\n"
 LINE = HEAD.count("\n") + 3  # of the first statement of a hot function
 
 BROKEN = [
     (hot("return a", head="f(a: int, b=3) -> int"), LINE - 1, "without defaults"),
     (hot("return a", head="f(a: int, *b) -> int"), LINE - 1, "without defaults"),
     (hot("return a", head="f(a: float) -> int"), LINE - 1, "is annotated int"),
-    (hot("return a", head="f(a: int)"), LINE - 1, "-> int"),
+    (hot("return a", head="f(a: int)"), LINE - 1, "-> int, or -> None"),
     (hot("if a:", "    return a"), LINE, "on every path"),
+    (hot("if a:", "    return", "return a"), LINE + 1, "on every path"),
+    (hot("return a", head="f(a: int) -> None"), LINE, "return stands by itself"),
+    (hot("if a:", "    return 0", "a = 1", head="f(a: int) -> None"), LINE + 1, "return stands by itself"),
+    (SILENT + hot("return a + g(a)"), LINE + 5, "g has no result: call it as a statement"),
+    (SILENT + hot("if g(a):", "    return 1", "return 0"), LINE + 5, "g has no result"),
+    (SILENT + hot("g(int(g(a)))", "return 0"), LINE + 5, "g has no result"),
+    (SILENT + hot("return g(a)", head="f(a: int) -> None"), LINE + 5, "return stands by itself"),
     (hot("return (a, 2, 3)"), LINE, "a tuple is an allocation"),
     (hot("a = [a]", "return 1"), LINE, "a list is an allocation"),
     (hot("return a / 2"), LINE, "use //"),
@@ -84,6 +93,13 @@ def test_a_broken_rule_is_told_with_file_and_line(tmp_path, body, line, words):
     assert words in str(error.value)
 
 
+def test_mypy_tells_of_a_result_that_is_none(tmp_path):
+    text = "from shared.num.pid import Pid, pid_reset\n\nmore = pid_reset(Pid()) + 1\n"
+    words, _, code = api.run(["--config-file=", "--follow-imports=silent", f"--cache-dir={tmp_path}", "-c", text])
+    assert (code, words.count("error:")) == (1, 1)
+    assert words.startswith('<string>:3: error: Unsupported operand types for + ("None" and "int")')
+
+
 def test_what_only_the_compiler_sees_has_file_and_line_too(tmp_path):
     body = hot("x = 1", "x = b", "return x")
     with pytest.raises(BuildError, match=rf"shared/one\.py:{LINE + 1}: ViperTypeError"):
@@ -103,24 +119,27 @@ GOOD = hot(
     "p[0] >>= 1",
     "x = g(a) + table[1] * _TWO",
     "g(a)",
+    "h(a)",
     "return p[a] - x",
-) + "\n\n" + hot("return a + 1", head="g(a: int) -> int")
+) + "\n\n" + hot("return a + 1", head="g(a: int) -> int") + "\n\n" + (
+    hot("if a:", "    return", "g(a)", head="h(a: int) -> None")
+)
 
 REWRITTEN = {
     ("bytecode", "any"): (
-        "@hot", "table = TAB", "p = b", "p[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)", "return p[a] - x",
+        "@hot", "table = TAB", "p = b", "p[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)", "h(a)", "return p[a] - x",
     ),
     ("native", "armv7emsp"): (
         "@micropython.native", "table = TAB", "p = b", "p[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)",
-        "return p[a] - x",
+        "h(a)", "return p[a] - x",
     ),
     ("viper", "armv7emsp"): (
         "@micropython.viper", "table = ptr16(TAB)", "p = ptr32(b)", "p[0] >>= 1", "x = int(g(a)) + table[1] * 2",
-        "g(a)", "return p[a] - x",
+        "g(a)", "h(a)", "return p[a] - x",
     ),
     ("viper", "x64"): (
         "@micropython.viper", "table = ptr16(TAB)", "p = ptr32(b)", "p[0] = ((p[0] << 32) >> 32) >> (1)",
-        "x = int(g(a)) + table[1] * 2", "g(a)", "return ((p[a] << 32) >> 32) - x",
+        "x = int(g(a)) + table[1] * 2", "g(a)", "h(a)", "return ((p[a] << 32) >> 32) - x",
     ),
 }  # fmt: skip
 
@@ -129,9 +148,10 @@ REWRITTEN = {
 def test_rewriting_keeps_every_line_in_its_place(tmp_path, emitter, arch):
     modules = read_modules(core(tmp_path, GOOD), ("shared",))
     text = rewrite(modules["shared.one"], modules, emitter, arch).decode()
-    lines = [line.strip() for line in text.splitlines()[LINE - 3 : LINE + 5]]
+    lines = [line.strip() for line in text.splitlines()[LINE - 3 : LINE + 6]]
     assert [line for line in lines if not line.startswith("def ")] == list(REWRITTEN[emitter, arch])
     assert text.count("\n") == (HEAD + GOOD).count("\n")
+    assert ("def h(a: int):\n" in text) == (emitter == "viper")
 
 
 def test_constants_of_other_modules_become_numbers(tmp_path):

@@ -179,7 +179,7 @@ def test_marks_become_types_and_no_line_moves(tmp_path):
         "_TWO = const(2)\nT = table((1, 2))\n\n\n@hot\ndef one(params, frame, other, n: int) -> int:\n"
         '    """Return it."""\n    p = ptr32(params)\n    f = ptr16(frame)\n    t = ptr16(T)\n'
         "    x = p[0] + f[0] + t[_TWO]\n    two(other, x)\n    return x\n\n\n"
-        "@hot\ndef two(block, n: int) -> int:\n    for i in range(n):\n        n += i\n    return n\n"
+        "@hot\ndef two(block, n: int) -> None:\n    for i in range(n):\n        n += i\n"
     )
     with pytest.raises(BuildError, match=r"shared/one.py:22: .*needs a docstring"):
         typed_text(tmp_path / "a", text)
@@ -192,5 +192,5 @@ def test_marks_become_types_and_no_line_moves(tmp_path):
         '    """Return it."""; f: Any; p: Any; t: Any; x: i64',
     ]
     assert found[14] == "    x = p[0] + f[0] + t[2]"
-    assert found[21:23] == ['    """Add up."""; i: i64', "    for i in range(n):"]
+    assert found[20:22] == ["def two(block: Any, n: i64) -> None:", '    """Add up."""; i: i64']
     assert len(found) == len(text.splitlines()) + 4

@@ -152,7 +152,7 @@ def test_mypyc_gets_a_class(tmp_path):
     found = typed_modules(modules(tmp_path, HOT))["shared.one"].decode()
     assert "length: int; rest: list[int]" in found
     assert "self.legs = [Leg() for _ in range(4)]; self.arm = Leg()" in found
-    assert "def f(holder: Holder, robot: Robot, feet: Ints, leg: i64) -> i64:" in found
+    assert "def f(holder: Holder, robot: Robot, feet: list[int], leg: i64) -> i64:" in found
     assert found.count("\n") == (HEAD + HOT).count("\n")
 
 
