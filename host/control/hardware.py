@@ -55,7 +55,7 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
     instead of the robot's own.
     """
     if robot.bus.kind == "none":
-        raise UserError(f'{robot.name}: this software can not drive it (bus.kind = "none"), it is simulated only')
+        raise UserError(f'{robot.name}: can only be simulated, not driven (bus.kind = "none")')
     if robot.bus.kind == "can":
         interface = (port or robot.bus.interface).partition(":")[0]
         elsewhere = interface in SIMULATED_INTERFACES

@@ -140,7 +140,7 @@ def test_a_port_without_servos(run, tmp_path, monkeypatch):
     ("arguments", "code", "words"),
     [
         (("--seconds", "0"), 2, "--seconds 0: allowed 2 .. 600 s"),
-        (("--robot", "pupper"), 2, "simulated only: add --sim"),
+        (("--robot", "pupper"), 2, "can only be simulated, not driven: add --sim"),
         (("--direct",), 2, "--direct: only with --sim"),
         (("--sim", "--socket", "x"), 2, "--sim: not with --socket"),
         (("--imu", "tin can"), 2, "--imu tin can: allowed"),

@@ -317,7 +317,7 @@ def test_wrong_words_are_told_in_one_line(run):
     for arguments, told in (
         (("experiment", "table3"), "there are table1, table2"),
         (("experiment", "ramp", "--gait", "gallop"), "no such gait"),
-        (("experiment", "ramp", "--only", "flat"), "it is for goals"),
+        (("experiment", "ramp", "--only", "flat"), "only with experiment goals; ramp has no groups"),
         (("experiment", "goals", "--only", "flat,moon"), "there are flat, conditions"),
         (("experiment", "goals", "--set", "best"), "allowed chosen or held-out"),
         (("export", "mjcf", "--terrain", "moon"), "no such ground"),

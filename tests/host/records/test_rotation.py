@@ -134,7 +134,7 @@ def test_a_record_of_one_part_is_replayed(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--keep", "1"], "only with --log and a folder"),
+        (["--keep", "1"], "only with --log FOLDER"),
         (["--keep", "0", "--log", "x"], "allowed 0.01 .. 100000"),
         (["--keep", "1", "--log", "x.mcap"], "only with a folder for --log"),
     ],

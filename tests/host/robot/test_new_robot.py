@@ -178,7 +178,7 @@ def test_a_file_that_is_there_stays(run, tmp_path):
     path.write_text("mine\n")
     code, _, err = run("robots", "new", str(path), "--defaults")
     assert code == 2
-    assert line_of(err) == f"{path}: is there already: name another file, or add --force to write over it"
+    assert line_of(err) == f"{path}: the file exists: name another, or overwrite it with --force"
     assert path.read_text() == "mine\n"
     assert run("robots", "new", str(path), "--defaults", "--force")[0] == 0
     assert load_robot(str(path)).name == "mine"

@@ -118,7 +118,7 @@ def test_an_image_file_whose_half_is_not_what_it_says(run, images, tmp_path):
 
 def test_all_without_a_board(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "found_ports", list)
-    one_line(run("flash", images("1"), "--all"), 2, "no board is plugged in")
+    one_line(run("flash", images("1"), "--all"), 2, "no board with a USB serial port is plugged in")
 
 
 def test_several_boards_info_logs_and_reset(run, images, tmp_path):

@@ -102,9 +102,9 @@ def test_another_way_of_updating_is_told(run, robot, image, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--can",), "name the joints by their numbers, 1 to 12, or all by --all"),
-        (("--can", "3", "--all"), "name the joints by their numbers, 1 to 12, or all by --all"),
-        (("--can", "13"), "flash --can 13: joints have the numbers 1 to 12"),
+        (("--can",), "name the joints by number, 1 to 12, or all with --all"),
+        (("--can", "3", "--all"), "name the joints by number, 1 to 12, or all with --all"),
+        (("--can", "13"), "flash --can 13: allowed 1 to 12, which is 1 + 3 x leg + joint"),
         (("--can", "3", "--port", "/dev/null"), "--port and --id are for boards on USB"),
         (("3",), "go with --can"),
         (("--can", "3", "--robot", "caramelo"), "caramelo has no joints on CAN"),
