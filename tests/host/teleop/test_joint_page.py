@@ -124,7 +124,7 @@ def test_what_the_guard_sees_ends_a_step_and_is_told(page):
     page.bus.link.emergency_stop()  # as another program on the bus would pull it
     ticks_until(page, lambda: page._armer is None)
     assert page._step is None
-    assert "FR thigh (node 2): emergency stop: an emergency stop was asked for" in page._told
+    assert "FR thigh (node 2): emergency stop: an emergency stop was commanded" in page._told
 
 
 def test_the_signals_are_the_joints(page):
