@@ -115,7 +115,8 @@ def test_goes_on_where_it_stopped(tmp_path):
         ('robot = "spot"', "begun for another robot"),
         ("robot = ", "can't go on from it"),
         ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from it"),
-        ('robot = "caramelo"\n"FR hip" = { id = 250, sign = 1, zero = 0, min = 0, max = 9 }', "other servo ids"),
+        ('robot = "caramelo"\n"FR hip" = { id = 250, sign = 1, zero = 0, min = 0, max = 9 }',
+         "begun with servo ids that are not on the bus now"),
     ],
 )
 def test_a_spoilt_unfinished_file_is_refused(tmp_path, content, words):
@@ -225,7 +226,7 @@ def test_at_the_terminal_until_the_answer_is_clear(monkeypatch, capsys):
         raise EOFError
 
     monkeypatch.setattr("builtins.input", ended)
-    with pytest.raises(UserError, match="start again to go on"):
+    with pytest.raises(UserError, match="run the command again to go on"):
         person.ask("x", "?", [])
 
 
