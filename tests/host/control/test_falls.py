@@ -179,7 +179,7 @@ def test_thrown_onto_its_belly_it_is_reset_and_gets_up():
     rig = robot.rig
     assert max(map(abs, robot.plant.world.attitude_rad()[:2])) < FALLEN_RAD
     assert rig.reason == (
-        "the robot has fallen and lies on its belly: it may get up by itself, keep clear of its legs; then reset")
+        "the robot has fallen and lies on its belly: it can get up by itself; keep clear of its legs; then reset")
     rig.send(STAND)
     rig.run(1.0, STILL)
     assert not rig.holding

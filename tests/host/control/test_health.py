@@ -64,7 +64,7 @@ def test_every_part_can_be_bad_and_says_why(seen):
         ("IMU", {"readings_missed": 3}, "note", "3 readings missed"),
         ("battery", {"battery_V": 10.0}, "bad", "10.0 V"),
         ("battery", {"battery_V": 10.5}, "note", "10.5 V"),
-        ("battery", {"battery_V": None}, "bad", "no joint tells a voltage"),
+        ("battery", {"battery_V": None}, "bad", "no joint reports a voltage"),
         ("heat", {"temperature_C": heat_C}, "bad", "hottest FL thigh: 80 degrees C, it sits down above 75"),
         ("heat", {"temperature_C": [66.0] * 12}, "note", "66 degrees C"),
     ):
@@ -78,7 +78,7 @@ def test_versions_that_differ_are_noted(seen):
     assert verdicts(seen, {"versions": {**own, "joints": "1.0.0, 1.1.0"}})["versions"][0] == "note"
     verdict, words = verdicts(seen, {"versions": {**own, "caramelo": "0.0.1"}})["versions"]
     assert verdict == "note"
-    assert "start the service again" in words
+    assert "restart the service" in words
 
 
 def test_a_simulated_robot(run):
