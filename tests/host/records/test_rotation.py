@@ -136,7 +136,7 @@ def test_a_record_of_one_part_is_replayed(tmp_path):
     [
         (["--keep", "1"], "only with --log FOLDER"),
         (["--keep", "0", "--log", "x"], "allowed 0.01 .. 100000"),
-        (["--keep", "1", "--log", "x.mcap"], "only with a folder for --log"),
+        (["--keep", "1", "--log", "x.mcap"], "only with --log FOLDER, not with the file"),
     ],
 )
 def test_wrong_use_is_one_line(options, words, tmp_path, monkeypatch, capsys):
