@@ -70,7 +70,7 @@ def test_a_mistake_is_one_line_with_key_value_and_what_is_allowed(tmp_path, old,
 
 def test_what_is_not_there_is_one_line():
     robot = load_robot("caramelo")
-    with pytest.raises(UserError, match="no such file: gaits known by name are paper-trot"):
+    with pytest.raises(UserError, match="no such file; gaits known by name are paper-trot"):
         with_gait(robot, "nowhere.toml")
     with pytest.raises(UserError, match="no such gait; there are paper-trot"):
         with_gait(robot, "gallop")

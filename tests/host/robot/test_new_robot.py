@@ -187,7 +187,7 @@ def test_a_file_that_is_there_stays(run, tmp_path):
 def test_a_name_that_is_no_file_for_a_robot(run, tmp_path):
     code, _, err = run("robots", "new", str(tmp_path / "new.txt"), "--defaults")
     assert code == 2
-    assert line_of(err).endswith("new.txt: allowed: a file ending in .toml")
+    assert line_of(err).endswith("new.txt: give a file that ends in .toml")
 
 
 def test_a_model_that_would_break_the_file(run, tmp_path):
