@@ -49,7 +49,7 @@ def test_parameters_are_read_and_refused_in_words(capsys):
     assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
     code, _, err = run(capsys, "params", "set", "5", "gear_q8", "900", "--sim")
     assert code == 2
-    assert "gear_q8: 900 is not allowed; use 1 to 63" in err
+    assert "gear_q8: 900: allowed 1 to 63" in err
     code, _, err = run(capsys, "params", "get", "5", "nonsense", "--sim")
     assert code == 2
     assert "no such parameter" in err
