@@ -92,5 +92,5 @@ def _read(path: Path, robot: Robot, topic: str) -> Iterator[dict[str, Any]]:
     if record.damage:
         raise UserError(f"{path}: the record is damaged ({record.damage}): remove it and measure again")
     if record.about.get("robot") != robot.name:
-        raise UserError(f"{path}: robot {record.about.get('robot', '?')}, allowed {robot.name}: name another folder")
+        raise UserError(f"{path}: of robot {record.about.get('robot', '?')}, allowed {robot.name}; name another folder")
     yield from (row.values for row in record.of(topic))

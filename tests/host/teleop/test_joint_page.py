@@ -74,7 +74,7 @@ def test_a_step_tells_its_rise_and_comes_back(page):
     assert say(page, type="arm", on=True) == "all joints hold their present angles"
     before = page.bus.cycle.goals_brad
     say(page, type="step", node=2, deg=5.0, seconds=0.3)
-    assert "under way" in say(page, OTHER, type="step", node=3, deg=1.0, seconds=0.3)
+    assert "a step is running" in say(page, OTHER, type="step", node=3, deg=1.0, seconds=0.3)
     ticks_until(page, lambda: page._step is None)
     assert page._told.startswith("FR thigh (node 2): a step of 5 deg: 10 to 90 % in ")
     assert page.bus.cycle.goals_brad == pytest.approx(before, abs=0.01)

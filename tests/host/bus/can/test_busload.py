@@ -52,7 +52,7 @@ def test_worst_lengths_of_the_literature():
 
 @pytest.mark.parametrize(("identifier", "data"), [(0x800, b""), (-1, b""), (1, bytes(9))])
 def test_frames_that_do_not_exist_are_refused(identifier, data):
-    with pytest.raises(ValueError, match="allowed 0..0x7ff with 0..8 bytes"):
+    with pytest.raises(ValueError, match=r"allowed 0..0x7ff with 0..8 bytes"):
         busload.frame_bits(identifier, data)
 
 
