@@ -37,9 +37,9 @@ class GroundSpec:
 
     def __post_init__(self) -> None:
         if self.name not in NAMES:
-            raise UserError(f"--terrain {self.name}: no such ground; there are {', '.join(NAMES)}")
+            raise UserError(f"--terrain {self.name}: allowed {', '.join(NAMES)}")
         if self.height_m is not None and self.name not in DEFAULT_HEIGHT_M:
-            raise UserError(f"--height: {self.name} has none; it is for {', '.join(DEFAULT_HEIGHT_M)}")
+            raise UserError(f"--height: {self.name} has no height; only with {', '.join(DEFAULT_HEIGHT_M)}")
 
     @property
     def height(self) -> float:

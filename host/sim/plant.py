@@ -263,7 +263,7 @@ class PlanePlant(Plant):
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
-        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     def put_back(self) -> None:
         """See Plant."""

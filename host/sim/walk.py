@@ -123,9 +123,9 @@ def run_walk(
     ``actuator`` takes the place of the drives as linear laws (robot/drives.py). UserError for what the plane has not.
     """
     if spec.ground.name in ONLY_SPACE:
-        raise UserError(f"--terrain {spec.ground.name}: the plane has no left and right; it is for --in space")
+        raise UserError(f"--terrain {spec.ground.name}: the plane has no left and right: add --in space")
     if spec.way != "ahead" or spec.push:
-        raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
+        raise UserError("walk: in the plane a robot only walks ahead, and can't be pushed")
     controller = PlannerController(spec)
     robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V

@@ -222,4 +222,4 @@ class Bench:
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
         if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
-            raise UserError(f"the simulated joint refuses to be armed: result {result}")
+            raise UserError(f"the simulated joint refused arming: result {result}")

@@ -92,7 +92,7 @@ def fault(bldc: Bldc, name: str) -> Result:
         bench.goal += 0.3
         bench.run(40)
     if bench.state.fault_code:
-        raise UserError(f"fault-{name}: the joint was at fault before: {_sentence(bench)}")
+        raise UserError(f"fault-{name}: the joint was already in fault: {_sentence(bench)}")
     case.begin(bench)
     found = _wait(bench, case.run_ms)
     bench.run(600)

@@ -33,4 +33,4 @@ def run_scenario(bldc: Bldc, name: str) -> Result:
         return SCENARIOS[name](bldc)
     if name.startswith("fault-") and name[6:] in FAULTS:
         return fault(bldc, name[6:])
-    raise UserError(f"--scenario {name}: no such scenario; there are {', '.join(names())}")
+    raise UserError(f"--scenario {name}: allowed {', '.join(names())}")

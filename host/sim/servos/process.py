@@ -149,7 +149,7 @@ class EmulatorImu(Imu):
             counts: list[int] = answer["counts"]
             self.place = tuple(answer["place"]) if "place" in answer else None
         except Late:
-            raise ImuLate("the emulated IMU does not answer in time: is this machine too busy?") from None
+            raise ImuLate("the emulated IMU does not answer in time: this machine may be too busy") from None
         except UserError as error:
             raise ImuError(str(error)) from None
         return counts

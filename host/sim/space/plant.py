@@ -80,7 +80,7 @@ class SpacePlant(Plant):
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant."""
-        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""

@@ -211,7 +211,7 @@ def test_a_disk_that_hangs_with_more_waiting_than_finds_room_holds_nobody_up(tmp
     closing.join(PATIENCE_S)
     assert not closing.is_alive()
     assert recorder.dropped == 30
-    assert recorder.trouble.endswith("the disk hangs: the end of the record is missing")
+    assert recorder.trouble.endswith("the disk hangs, so the end of the record is missing")
     goes_on.set()
     recorder._thread.join(PATIENCE_S)
     assert len(read_record(tmp_path / "x.mcap").of("/load")) == 20
@@ -292,7 +292,7 @@ def test_killed_at_any_moment_the_record_opens(tmp_path, seconds):
 
 
 def test_a_folder_stands_for_its_newest_record(drive, tmp_path):
-    with pytest.raises(UserError, match="holds no record: make one with caramelo teleop --log"):
+    with pytest.raises(UserError, match="contains no record: make one with caramelo teleop --log"):
         read_record(tmp_path)
     for age, name in ((2, "b.mcap"), (1, "a.mcap")):
         shutil.copy(drive, tmp_path / name)

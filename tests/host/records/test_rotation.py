@@ -116,7 +116,7 @@ def test_a_folder_that_can_not_be_kept_small_ends_the_record(tmp_path, monkeypat
 
 def test_only_the_first_part_is_replayed(tmp_path):
     part = Record(tmp_path / "x-2.mcap", about={"params": "", "part": "2"})
-    with pytest.raises(UserError, match="part 2 of a drive: only its first part can be replayed"):
+    with pytest.raises(UserError, match="part 2 of a drive: only the first part can be replayed"):
         replay(part)
 
 
