@@ -360,7 +360,7 @@ class Robot:
     def stream(
         self, hz: float = 50.0, *, seconds: float | None = None, joint_rad_s: float | None = None
     ) -> Iterator[Sensed]:
-        """Yield the sensed values ``hz`` times a second; in the loop ``set_speed`` drives or ``set_joints`` moves joints.
+        """Yield the sensed values ``hz`` times a second; the loop drives with ``set_speed`` or ``set_joints``.
 
         ``hz`` 5 .. the planner's rate, rounded so that its period is whole ticks. It ends after ``seconds``, or when
         the loop is left. ``joint_rad_s``: the top speed of a joint with ``set_joints``; default: the speed at which the

@@ -126,7 +126,7 @@ def test_files_come_back_as_they_were(tmp_path):
         ("[FL]", "[LF]", "LF: unknown key"),
         ("[FL]\nhip", "[FL]\nhop", "FL.hip: missing"),
         ('robot = "caramelo"', "", "robot: value"),
-        ('robot = "caramelo"', 'robot = "caramelo', "is no TOML"),
+        ('robot = "caramelo"', 'robot = "caramelo', "not TOML"),
     ],
 )
 def test_files_that_are_wrong_are_refused(tmp_path, was, now, words):
