@@ -1,4 +1,4 @@
-"""The simulated joint fails on command: what is switched on, which fault must latch, and how soon."""
+"""The simulated joint fails on command: the cause, which fault must latch, and how soon."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,7 +81,7 @@ FAULTS: dict[str, FaultCase] = {
 
 
 def fault(bldc: Bldc, name: str) -> Result:
-    """One fault of FAULTS: when it is latched, what the joint says, and the torque that is left."""
+    """One fault of FAULTS: when it is latched, the joint's sentence, and the remaining torque."""
     case = FAULTS[name]
     if name == "swapped-phases":
         return _swapped(bldc, case)

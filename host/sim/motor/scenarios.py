@@ -1,4 +1,4 @@
-"""What `caramelo motor sim` can show, by name: a motion, a loop, a fault or the commission of a simulated joint."""
+"""The scenarios of `caramelo motor sim`, by name: a motion, a loop, a fault or the commissioning of a joint."""
 
 from collections.abc import Callable
 

@@ -33,13 +33,13 @@ CHUNK = 4096
 
 
 class Commands:
-    """What the emulator can be told while it runs; each returns what is answered."""
+    """The emulator's commands while it runs; each returns its answer."""
 
     def __init__(self, bus: EmulatedBus, imu: SimulatedImu) -> None:
         self._bus, self._imu = bus, imu
 
     def do(self, order: dict[str, Any]) -> dict[str, Any]:
-        """Carry out one order; what it can't do is told."""
+        """Carry out one command; the answer says if it can't."""
         try:
             name = order.pop("do")
             answer: dict[str, Any] = getattr(self, f"on_{name}")(**order)
@@ -170,7 +170,7 @@ def baud_of(terminal: int) -> int | None:
 
 
 def tell(answer: Mapping[str, Any]) -> None:
-    """Write one line to whoever started this; nothing is kept that would be written again at the end."""
+    """Write one line to the parent process, unbuffered, so that nothing is written again at the end."""
     os.write(1, json.dumps(answer).encode() + b"\n")
 
 
@@ -178,7 +178,7 @@ def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
     """Answer packets and orders until stdin ends."""
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
-    bus.advance(TICK_S)  # what is slow the first time must not hold up the first answer
+    bus.advance(TICK_S)  # so that slow first calls do not delay the first answer
     # Until a program sets a rate, the terminal has its own, which no servo listens to.
     tell({"port": os.ttyname(theirs)})
     began = time.monotonic()
@@ -209,7 +209,7 @@ def main() -> int:
     try:
         serve(bus, Commands(bus, imu), options.latency_ms / 1000)
     except BrokenPipeError:
-        return 1  # whoever started this is gone, before it could close our input
+        return 1  # the parent process is gone before it could close our input
     return 0
 
 

@@ -22,7 +22,7 @@ ANSWER_S = 10.0  # an order outside of a control loop may wait for a busy machin
 END_S = 2.0
 IMU_S = 0.004  # a reading must not hold up a tick; the same patience as with a servo (host/bus/dynamixel/port.py)
 GROUND_S = 1.0  # the robot lies there meanwhile, its joints off
-MOST_OWED = 20  # late answers before no more orders are sent: a pipe that nobody reads must not fill up
+MOST_OWED = 20  # late answers after which no more commands are sent, so that an unread pipe does not fill up
 CHUNK = 4096
 
 
