@@ -109,7 +109,7 @@ class Hinge:
 
 
 class Plant(ABC):
-    """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present values; ``drives`` the commands."""
+    """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` the commands."""
 
     @property
     def supply_V(self) -> float | None:

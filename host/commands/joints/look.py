@@ -118,6 +118,6 @@ def _record(path: Path | None) -> Iterator[TextIO | None]:
         with path.open("x", buffering=1) as file:
             yield file
     except FileExistsError:
-        raise UserError(f"--out {path}: the file exists; name another") from None
+        raise UserError(f"--out {path}: the file exists: name another") from None
     except OSError as error:
         raise UserError(f"--out {path}: can't be written: {error.strerror or error}") from error

@@ -166,7 +166,7 @@ def test_from_elsewhere_a_true_sentence(roll_deg, pitch_deg, where, monkeypatch)
     monkeypatch.setattr(rig.supervisor, "_read_attitude", lambda: attitude)
     monkeypatch.setattr(rig.supervisor, "_put_back", lambda: None)  # a real robot
     rig.run(0.1)
-    told = f"the robot has fallen over onto its {where}: put it on its feet, it can't turn over by itself"
+    told = f"the robot has fallen over onto its {where}: put it on its feet, because it can't turn over by itself"
     for message in (STILL, RESET, STAND, RESET, STAND):
         rig.send(message)
         rig.run(0.1)

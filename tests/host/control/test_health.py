@@ -39,7 +39,7 @@ def test_a_robot_that_is_well(seen):
     assert {verdict for verdict, _ in lines.values()} == {"ok"}
     assert lines["robot"][1] == "caramelo, simulated: disarmed"
     assert lines["loop"][1] == "50.0 of 50 Hz in the last 2.0 s"
-    assert lines["battery"][1] == "12.0 V, it sits down below 10.2"
+    assert lines["battery"][1] == "12.0 V; the robot sits down below 10.2"
 
 
 def timing(seen, **changed):
@@ -65,7 +65,7 @@ def test_every_part_can_be_bad_and_says_why(seen):
         ("battery", {"battery_V": 10.0}, "bad", "10.0 V"),
         ("battery", {"battery_V": 10.5}, "note", "10.5 V"),
         ("battery", {"battery_V": None}, "bad", "no joint reports a voltage"),
-        ("heat", {"temperature_C": heat_C}, "bad", "hottest FL thigh: 80 degrees C, it sits down above 75"),
+        ("heat", {"temperature_C": heat_C}, "bad", "hottest FL thigh: 80 degrees C; the robot sits down above 75"),
         ("heat", {"temperature_C": [66.0] * 12}, "note", "66 degrees C"),
     ):
         found = verdicts(seen, **changes)[name]

@@ -54,7 +54,7 @@ def test_every_exception_is_an_error(wrong):
         ({"place": "servos", "robot": "parallel"}, "the joints of parallel are 'can'"),
         ({"place": "servos", "robot": "pupper"}, "place 'servos': pupper is only for sim and space"),
         ({"port": "/dev/ttyUSB0"}, "port, calibration and imu are only for servos and can"),
-        ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: of joints on CAN it is INTERFACE:CHANNEL"),
+        ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: for joints on CAN give INTERFACE:CHANNEL"),
         ({"place": "can", "robot": "parallel", "port": "virtual:x", "imu": "usb"}, "imu usb: allowed: i2c"),
         ({"place": "servos", "calibration": "/none.toml"}, "/none.toml: no calibration yet"),
     ],

@@ -64,7 +64,7 @@ def test_a_parameter_is_written_within_its_limits_only(page):
     assert page._values["position_p"] == 12.0
     told = say(page, type="parameter", node=1, name="position_p", value=900.0)
     assert "position_p: 900: allowed 0.015625 to 63.98" in told
-    assert "read only" in say(page, type="parameter", node=1, name="uptime", value=1.0)
+    assert "can only be read" in say(page, type="parameter", node=1, name="uptime", value=1.0)
     assert "no such parameter" in say(page, type="parameter", node=1, name="nonsense", value=1.0)
     assert "its parameters are saved" in say(page, type="keep", node=1)
 

@@ -142,7 +142,7 @@ def test_source_only_is_wrong_use_of_build_and_remove(monkeypatch, run):
     for command in ("build", "remove"):
         code, _, err = run("core", command)
         assert code == 2
-        assert "CARAMELO_CORE is source" in err
+        assert "CARAMELO_CORE=source turns the compiled core off" in err
 
 
 def test_what_is_missing_says_what_to_install(tmp_path, monkeypatch, run):

@@ -84,10 +84,10 @@ def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("{}", "is no file of params save --file"),
-        ('{"protocol": "0x0000", "parameters": {}}', "is of protocol 0x0000"),
+        ("{}", "not a file of params save --file"),
+        ('{"protocol": "0x0000", "parameters": {}}', "has protocol 0x0000"),
         ('{"protocol": "HASH", "parameters": {"melt": 3}}', "melt = 3"),
-        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625 is not allowed"),
+        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625: allowed 1 to"),
     ],
 )
 def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):

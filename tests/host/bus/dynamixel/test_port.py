@@ -182,7 +182,7 @@ def test_no_such_port_is_told():
     [
         (errno.EACCES, "usermod -aG dialout"),
         (errno.EBUSY, "another program uses it"),
-        (errno.ENOTTY, "is it a serial port?"),
+        (errno.ENOTTY, "check that it is a serial port"),
     ],
 )
 def test_other_reasons_are_told(number, words):

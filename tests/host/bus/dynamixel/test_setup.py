@@ -178,11 +178,11 @@ def _interrupt():
     ("content", "words"),
     [
         ('robot = "spot"', "begun for another robot"),
-        ("robot = ", "can't go on from it"),
-        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from it"),
+        ("robot = ", "can't go on from this file"),
+        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from this file"),
         ('robot = "caramelo"\n"FR hip" = { id = 1 }', "whole numbers only"),
         ('robot = "caramelo"\n"FR hip" = { id = 3, baud = 4000000, firmware = 45, found_id = 1, found_baud = 57600, '
-         "written = 1 }", "begun with other ids or another rate; delete it"),
+         "written = 1 }", "begun with other ids or another rate; delete the file"),
     ],
 )  # fmt: skip
 def test_a_spoilt_unfinished_file_is_refused(tray, tmp_path, content, words):

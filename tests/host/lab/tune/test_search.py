@@ -77,5 +77,5 @@ def test_trials_of_another_search_are_refused(tmp_path):
     with pytest.raises(UserError, match=r"trials from 2 on differ from those that this numpy and cma would make"):
         searched(path, 12)
     path.write_text("no trials\n")
-    with pytest.raises(UserError, match="is no file of trials"):
+    with pytest.raises(UserError, match="not a file of trials"):
         Store(path, HEAD)

@@ -47,7 +47,7 @@ def test_a_joint_is_tuned_from_the_page(page):
     playwright.expect(gain).to_have_value("12.875")
     gain.fill("900")
     gain.press("Enter")
-    playwright.expect(page.locator("#told")).to_contain_text("position_p: 900 is not allowed")
+    playwright.expect(page.locator("#told")).to_contain_text("position_p: 900: allowed ")
     gain.fill("12")
     gain.press("Enter")
     playwright.expect(page.locator("#told")).to_contain_text("position_p is 12 rate/rc")
