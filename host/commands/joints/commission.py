@@ -27,7 +27,7 @@ def commission(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Let a joint measure its motor in the leg, set its current loop and save both. Exit code 1 if it fails.
+    """Let a joint measure its motor in the leg, set its current loop and save the results. Exit code 1 if it fails.
 
     The rotor turns a little more than once from where it stands: keep the legs in the air and the joint in the middle
     of its range. With --sim each joint is simulated with its motor.
