@@ -123,7 +123,8 @@ def test_a_record_with_the_former_names_of_its_gaits_is_replayed(drive):
 
 
 def test_a_record_of_a_gait_that_is_gone_is_refused_in_one_line(drive):
-    with pytest.raises(UserError, match=r"drive.mcap: tick 0: the gait 'blind trot' no longer exists; there are paper"):
+    refusal = r"drive.mcap: tick 0: the gait 'blind trot' no longer exists; there are paper-trot,"
+    with pytest.raises(UserError, match=refusal):
         replay(by_former_names(drive, BEFORE.index("blind trot")))
 
 

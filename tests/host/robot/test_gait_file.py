@@ -53,7 +53,8 @@ MISTAKES = [
     ("RL = 0.5", "RL = 7", "lifts_at.RL: value 7: allowed: a number within 0 .. 0.999"),
     (", RL = 0.5", "", "lifts_at.RL: value missing: it must be there; docs/gaits.md names what is allowed"),
     ("RR = 0.0, FL = 0.5, RL = 0.5", "RR = 0.3, FL = 0.6, RL = 0.9", "lifts_at: value (0.0, 0.6, 0.3, 0.9): allowed: "),
-    ("FL = 0.5, RL = 0.5", "FL = 0.0, RL = 0.0", "lifts_at: value (0.0, 0.0, 0.0, 0.0): allowed: feet of which at "),
+    ("FL = 0.5, RL = 0.5", "FL = 0.0, RL = 0.0",
+     "lifts_at: value (0.0, 0.0, 0.0, 0.0): allowed: feet of which at least one stands"),
     ("cycle_s = 0.64 ", "cycle_s = ", "allowed: TOML as in"),
 ]
 

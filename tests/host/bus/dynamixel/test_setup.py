@@ -112,7 +112,7 @@ def test_what_can_not_be_set_up_is_one_sentence_and_nothing_is_written(tray, reg
 def test_a_servo_that_talks_the_other_protocol_is_told():
     tray = Tray(CARAMELO, 1.0)
     run = Setup(CARAMELO, Link(tray.link.port, 2.0), FromFile({}, "answers"), IDS, BAUD, None, tray.plug)
-    with pytest.raises(ServoError, match=r"speaks protocol 1.0, but caramelo needs 2.0: set its Protocol Type to 2 "):
+    with pytest.raises(ServoError, match=r"protocol 1.0, but caramelo needs 2.0: set its Protocol Type to 2 with"):
         run.run([0])
 
 

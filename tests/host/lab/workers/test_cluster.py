@@ -92,7 +92,8 @@ def test_a_cluster_that_can_not_be_used_is_told_in_one_line(tmp_path, run, monke
         cluster.worker()
         other = dict(versions.versions()) | {"mujoco": "3.3.0"}
         monkeypatch.setattr("host.lab.workers.cluster.versions", lambda: other)
-        assert "where this has 3.3.0: its figures could differ; install the same versions " in told(cluster.address)
+        difference = "where this has 3.3.0: its figures could differ; install the same versions there"
+        assert difference in told(cluster.address)
         cluster.worker(threads=2)
         assert "runs 2 trials in one process: start it with --nthreads 1" in told(cluster.address)
 
