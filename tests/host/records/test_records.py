@@ -152,7 +152,7 @@ def test_a_record_cut_anywhere_opens(drive, tmp_path):
 def test_what_is_no_record_is_refused(tmp_path, content):
     path = tmp_path / "x.mcap"
     path.write_bytes(content)
-    with pytest.raises(UserError, match="no record"):
+    with pytest.raises(UserError, match="not a record: allowed: an MCAP file"):
         read_record(path)
 
 
