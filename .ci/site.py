@@ -25,8 +25,8 @@ stopped by Ctrl-C. With `--json` a command prints exactly one object.
 |---|---|"""
 KEYS = """# Keys of a robot file
 
-The meaning of each key comes from a robot's own file, the allowed values from its checker. [Robot files](robot-files.md)
-explains the tables and the conventions.
+The meaning of each key comes from a robot's own file, the allowed values from its checker.
+[Robot files](robot-files.md) explains the tables and the conventions.
 """
 
 

@@ -1,7 +1,7 @@
 """Walking robots from Python: `from caramelo import Robot` (docs/python.md).
 
-What is meant to be used from outside is named in names.py; what else is installed may change at any time. The names are
-imported when they are asked for: the command line needs none of them.
+names.py lists the public names; anything else that is installed may change at any time. The names are imported on first
+use, because the command line needs none of them.
 """
 
 import importlib

@@ -1,4 +1,4 @@
-"""The control core by itself, for looking at what it computes: integers, a tick at a time (docs/core.md).
+"""The control core by itself, to study what it computes: integers, a tick at a time (docs/core.md).
 
 Lengths are in the robot's own unit ``lu`` and angles in ``brad``, 1/65536 turn; ``scale_of`` and ``rad`` turn them into
 metres and radians. ``Driver`` is the whole planner with SI on both sides.

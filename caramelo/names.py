@@ -1,4 +1,4 @@
-"""The names of the library: each is there as `from caramelo import NAME` (docs/python.md)."""
+"""The library's names, each available as `from caramelo import NAME` (docs/python.md)."""
 
 from host.boards.core import use_core
 

@@ -1,4 +1,4 @@
-"""The `caramelo` command: gathers host/commands, and is the one place where errors become a line and an exit code."""
+"""The `caramelo` command: gathers host/commands. Only here errors become a line on stderr and an exit code."""
 
 import importlib
 import signal
@@ -21,21 +21,21 @@ HELP = """Control software of two walking robots, and a simulator to try it in.
 
 Start here:
 
-[bold]caramelo walk[/] walks Caramelo over flat ground in the simulator and shows the figures.
+[bold]caramelo walk[/] walks Caramelo over flat ground in the simulator and prints the figures.
 
 [bold]caramelo walk --terrain step --height 0.02 --out out/demo[/] climbs 2 cm and writes an animation.
 
-[bold]caramelo robots show caramelo[/] shows a robot's data; [bold]caramelo robots check my.toml[/] checks yours.
+[bold]caramelo robots show caramelo[/] prints a robot's data; [bold]caramelo robots check my.toml[/] checks your file.
 """
 EPILOG = (
-    "Every command explains itself with --help, with examples. With --json a command prints exactly one JSON object. "
+    "COMMAND --help explains each command, with examples. With --json a command prints exactly one JSON object. "
     "Exit codes: 0 done, 1 not achieved, 2 wrong use or bad input, 130 stopped by Ctrl-C."
 )
 
 
 @cache
 def build_command() -> TyperGroup:
-    """Return the command with those of every file in host/commands below it, made once."""
+    """Return the `caramelo` command with the commands of every file in host/commands; it is built once."""
     app = typer.Typer(
         name="caramelo",
         help=HELP,
@@ -118,13 +118,13 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 
 def _refusal(error: OSError) -> str:
-    """Return what the system refused where no command had words of its own for it: a full disk, a lost right."""
+    """Return a line for an error of the system that no command explains itself, such as a full disk."""
     what = "" if error.filename is None else f"{error.filename}: "
-    return f"{what}the system refuses: {error.strerror or error}"
+    return f"{what}the system refused: {error.strerror or error}"
 
 
 def _wrong_use(error: typer.TyperException) -> str:
-    """Return a wrong command line's error and where its help is."""
+    """Return what is wrong with a command line, and the command that prints its help."""
     context = getattr(error, "ctx", None)
     command = context.command_path if context else "caramelo"
     return f"{error.format_message().rstrip('.')} (see {command} --help)"

@@ -1,4 +1,4 @@
-"""The joint drives as the plane sees them: goals and joint state in, torques out, once per sub-step.
+"""The joint drives of the plane: goals and joint state in, torques out, once per sub-step.
 
 Every sequence has PLANAR_JOINTS entries (thigh and calf of FR, FL, RR, RL). A drive may keep state of its
 own (a joint controller, a rotor): ``dt_s`` is the time since its last call.
@@ -17,11 +17,11 @@ class Actuator(Protocol):
     """All eight drives of the plane."""
 
     def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
-        """Write into ``torque_Nm`` what acts on each joint for the coming ``dt_s``; positive about +y."""
+        """Write each joint's torque for the coming ``dt_s`` into ``torque_Nm``; positive about +y."""
 
 
 class Drives(Actuator, Protocol):
-    """Drives that also say what each of them gives at its own shaft, which is what its limit bounds."""
+    """Drives that also report the torque at their own shafts, to which their limits apply."""
 
     @property
     def given_Nm(self) -> Sequence[float]:
@@ -29,7 +29,7 @@ class Drives(Actuator, Protocol):
 
     @property
     def limit_Nm(self) -> Sequence[float]:
-        """What each drive gives at most: its stall torque, or that of its current limit."""
+        """Each drive's largest torque: its stall torque, or that at its current limit."""
 
 
 class PositionServos:
@@ -86,7 +86,7 @@ class CalfOnTorso:
 
 
 class CoupledDrives(CalfOnTorso):
-    """The same of drives that say what they give."""
+    """The same for drives that report their torques."""
 
     def __init__(self, motors: Drives) -> None:
         super().__init__(motors)

@@ -1,4 +1,4 @@
-"""The way of a goal from the controller to the drives: it arrives late."""
+"""Carries goals from the controller to the drives with a delay."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from .world import World
 
 
 class LateBus:
-    """Goals on their way: each acts a fixed number of sub-steps after it was sent."""
+    """Goals under way: each acts a fixed number of sub-steps after it was sent."""
 
     def __init__(self, world: World, delay_s: float, goal_rad: Sequence[float]) -> None:
         if not 0 <= delay_s <= 1.0:

@@ -1,7 +1,7 @@
 """Figures of a recording. All are counted over its rows, so at the controller's rate.
 
 A swing is a stretch of rows in which a foot does not touch and goes at least SWING_MIN_TRAVEL_M up or along:
-a foot that hovers a hair above the ground while others take its load is not swinging, one that is dragged is.
+a foot that hovers just above the ground while others carry its load does not swing, but a dragged foot does.
 """
 
 import itertools

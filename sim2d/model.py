@@ -1,4 +1,4 @@
-"""What the sagittal plane needs to know of a robot, as frozen SI numbers: no files, no integers.
+"""A robot's data for the sagittal plane, as frozen SI numbers: no files, no integers.
 
 Frame: x forward, z up. Every rotation is about +y as in REP-103, so a positive angle turns x towards -z:
 thigh > 0 puts the knee behind the hip, calf < 0 is a full elbow, pitch > 0 is nose down.
@@ -13,7 +13,7 @@ LEGS = ("FR", "FL", "RR", "RL")
 JOINTS = 12
 PLANAR_JOINTS = 8
 HIP, THIGH, CALF = 0, 1, 2
-_MAX_BRAKING = 0.5  # of its speed may a joint lose to damping in one sub-step
+_MAX_BRAKING = 0.5  # of its speed is the most that a joint may lose to damping in one sub-step
 # The joints that turn in the plane, in the order of every planar array: thigh and calf of each leg.
 PLANAR_INDEX = tuple(leg * 3 + joint for leg in range(4) for joint in (THIGH, CALF))
 
@@ -42,8 +42,8 @@ class Link:
 class ServoModel:
     """A position drive seen from the joint: torque = clip(stiffness x error, +-stall) - damping x speed.
 
-    That is a servo, whose damping is its motor's own. With a ``speed_loop`` it is the controller that damps, with what
-    torque it has: torque = clip(stiffness x error - damping x speed, +-stall).
+    That is a servo, whose damping is its motor's own. With a ``speed_loop`` the controller damps, within its
+    torque: torque = clip(stiffness x error - damping x speed, +-stall).
 
     All torques hold at ``nominal_voltage_V``. ``voltage_points`` are the datasheet's (volts, stall torque
     relative to nominal, no-load speed relative to nominal), rising; with none, both go with the voltage.
@@ -100,7 +100,7 @@ def least_inertia_kgm2(damping_Nms_rad: float, dt_s: float) -> float:
 
 @dataclass(frozen=True)
 class SensorModel:
-    """What the sensors lose: joint encoder steps and white noise of the pitch, both off by default."""
+    """The sensors' errors: joint encoder steps and white noise of the pitch, both off by default."""
 
     encoder_counts_per_turn: int = 0
     pitch_noise_rad: float = 0.0

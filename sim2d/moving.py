@@ -1,4 +1,4 @@
-"""A recording as a moving picture: one SVG that loops by itself, in a page, a README or a browser, without a script.
+"""A recording as a moving picture: one SVG that loops by itself in a page, a README or a browser, without a script.
 
 Seen from the right, a little from behind and above, in parallel projection; the picture follows the robot. Every body
 is a line of points, drawn again at each frame. A walk in the plane is drawn as deep as the robot is wide.
@@ -57,7 +57,7 @@ def projected(points_m: Array) -> Array:
 
 
 def _flat(recording: Recording, half_width_m: float) -> Aside:
-    """Return what a walk in the plane lacks: nothing moves aside, the legs are beside the torso."""
+    """Return the third dimension of a walk in the plane: nothing moves sideways, the legs are beside the torso."""
     count, pitch = len(recording.time_s), recording.torso_pitch_rad
     turn = np.zeros((count, 3, 3))
     turn[:, 0, 0] = turn[:, 2, 2] = np.cos(pitch)
@@ -70,7 +70,7 @@ class _Draw:
     """Writes shapes: metres of the picture's plane to pixels, and the points of each frame."""
 
     def __init__(self, seconds: float, floor_m: float, height: int) -> None:
-        self.timing = f'dur="{max(seconds, 0.01):.2f}s" repeatCount="indefinite"'  # nothing lasts no time at all
+        self.timing = f'dur="{max(seconds, 0.01):.2f}s" repeatCount="indefinite"'  # a duration must be above 0
         self._floor_m, self._height = floor_m, height
 
     def points(self, flat_m: Array) -> str:

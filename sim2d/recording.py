@@ -1,4 +1,4 @@
-"""What a run leaves behind: one row per control tick, as numpy arrays in SI units.
+"""The recording of a run: one row per control tick, as numpy arrays in SI units.
 
 A row is the instant the controller was asked: states before its answer, and the answer itself as the goal.
 Legs FR, FL, RR, RL; joints hip, thigh, calf; the plane has no hips, so they repeat their goal and carry no
@@ -32,7 +32,7 @@ Setting = float | str
 
 @dataclass(frozen=True)
 class Aside:
-    """What a walk in space has beside what is seen from the right: y to the left, and how the torso is turned."""
+    """The additional data of a walk in space: y to the left, and the torso's orientation."""
 
     torso_y_m: Array  # n
     turn: Array  # n x 3 x 3, body axes to the world's
@@ -113,7 +113,7 @@ class Log:
         self._torques.append(list(self._drives.given_Nm))
 
     def close(self, outcome: Outcome, wall_s: float, settings: dict[str, Setting]) -> Recording:
-        """Return the recording; ``wall_s`` is what the ticks took on the clock on the wall."""
+        """Return the recording; ``wall_s`` is the wall-clock time of the ticks."""
         world, robot, parts = self._world, self._world.robot, self._world.parts
         everything = np.frombuffer(b"".join(self._states)).reshape(len(self._states), -1, BODY_FIELDS)
         state, loose = everything[:, :ROBOT_BODIES], everything[:, ROBOT_BODIES:]

@@ -10,14 +10,14 @@ STUCK_GAIN_M = 0.005
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended: arrived, completed (its time, no distance asked), fell, stuck, timeout; and a sentence."""
+    """How a run ended: arrived, completed (its time, without a distance), fell, stuck, timeout; and a sentence."""
 
     kind: str
     sentence: str
 
     @property
     def ok(self) -> bool:
-        """True if the robot did what was asked."""
+        """True if the robot did what was commanded."""
         return self.kind in ("arrived", "completed")
 
 

@@ -1,6 +1,6 @@
 """A run: sense, ask the controller, send its goals over a late bus, step the plane, until it is over.
 
-Simulated time only: the wall clock is read for the real-time factor and for nothing else.
+All times are simulated; the wall clock serves only for the real-time factor.
 """
 
 import math
@@ -22,7 +22,7 @@ __all__ = ["Controller", "Sensed", "simulate"]
 
 
 class Controller(Protocol):
-    """What walks the robot: any object with a rate and a tick."""
+    """The robot's controller: any object with a rate and a tick."""
 
     rate_hz: int
 
@@ -49,13 +49,13 @@ class _Run:
         self._ticks, self._start_step = 0, 0
 
     def settle(self, seconds: float) -> float:
-        """Hold the first pose, call the instant after it 0, and return where the torso then is, x in m."""
+        """Hold the first pose, set the time after it to 0, and return the torso's x then, m."""
         self._start_step = round(seconds / self.world.dt_s)
         self._bus.advance_to(self._start_step)
         return self.log.torso_of(self.world.state())[0]
 
     def tick(self, referee: Referee, progress: Callable[[float], None] | None) -> Outcome | None:
-        """Judge and keep the present instant; unless it is the last, ask the controller and go on to the next."""
+        """Judge and record the present instant; unless it is the last, ask the controller and go on to the next."""
         world = self.world
         time_s = (world.steps - self._start_step) * world.dt_s
         state, contacts = world.state(), world.contacts()

@@ -1,4 +1,4 @@
-"""What the controller gets to know: joint encoders, attitude, accelerometer, with their losses."""
+"""The controller's sensors: joint encoders, attitude, accelerometer, with their errors."""
 
 import math
 import random
@@ -13,7 +13,7 @@ from .world import World
 
 @dataclass(frozen=True)
 class Sensed:
-    """What a controller gets each tick. Angles about +y: pitch > 0 is nose down. The plane has no roll.
+    """The sensed values of one tick. Angles about +y: pitch > 0 is nose down. The plane has no roll.
 
     ``specific_force_m_s2`` is what an accelerometer at the torso's centre of mass reads, body x and z, mean
     over the last tick: (0, +9.81) at rest. Hip joints report their goal.

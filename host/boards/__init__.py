@@ -1,1 +1,1 @@
-"""Everything of the controller boards: building and flashing their firmware, and the runtimes of the core."""
+"""The controller boards: building and flashing their firmware, and the runtimes of the core."""

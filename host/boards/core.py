@@ -1,7 +1,7 @@
-"""The control core as machine code for this Python: where it lies, and when it stands in for the sources.
+"""The control core as machine code for this Python: where it is, and when it replaces the sources.
 
-`caramelo core build` makes it (boards/build/native_core.py). It lies with this Python's packages, in a folder named by
-the sources it was made of; after any change to them it is not used until it is built again.
+`caramelo core build` makes it (boards/build/native_core.py). It is beside this Python's packages, in a folder named
+after the sources it was made from; after any change to them it is not used until it is built again.
 """
 
 import hashlib
@@ -17,15 +17,15 @@ from shared import __name__ as PACKAGE  # "shared" in a checkout, "caramelo.shar
 from .. import ROOT
 from ..util.console import write_error
 
-SWITCH = "CARAMELO_CORE"  # environment: another folder for cores, or "source": no machine code
-PACKED = ROOT / "cores"  # of a wheel that was built with one
-_RULES = ("typed.py", "native_core.py")  # of host/boards/build: another way to compile makes another core
+SWITCH = "CARAMELO_CORE"  # environment variable: another folder for cores, or "source" for no machine code
+PACKED = ROOT / "cores"  # in a wheel that was built with one
+_RULES = ("typed.py", "native_core.py")  # of host/boards/build: part of the core's identity, as they compile it
 _NAME = re.compile("[0-9a-f]{16}")
 _INSIDE = Path(*PACKAGE.split("."), "planner", "planner.py")
 
 
 def sources_id(root: Path = ROOT) -> str:
-    """Return what names the core made of ``root``/shared by this Python."""
+    """Return the name of the core made from ``root``/shared by this Python."""
     total = hashlib.sha256(f"{sysconfig.get_config_var('SOABI') or sys.version} {PACKAGE}".encode())
     files = [(root, path) for path in sorted((root / "shared").rglob("*.py*")) if path.suffix in (".py", ".pyi")]
     for top, path in files + [(ROOT, ROOT / "host/boards/build" / name) for name in _RULES]:
@@ -40,16 +40,16 @@ def home() -> Path:
 
 
 def kept_cores() -> list[Path]:
-    """Return the folders of all cores at home, of whatever sources; nothing else that may lie there."""
+    """Return the folders of all cores at home, from any sources, and nothing else that may be there."""
     if not home().is_dir():
         return []
     return sorted(path for path in home().iterdir() if _NAME.fullmatch(path.name) and (path / _INSIDE).is_file())
 
 
 def find_core(root: Path = ROOT) -> Path | None:
-    """Return the folder to import the core of ``root`` from as machine code; None if there is none of these sources.
+    """Return the folder of the compiled core of ``root``; None if there is none from these sources.
 
-    Nor is there any if CARAMELO_CORE is "source".
+None also if CARAMELO_CORE is "source".
     """
     if os.environ.get(SWITCH) == "source" or not (PACKED.is_dir() or kept_cores()):
         return None
@@ -58,9 +58,9 @@ def find_core(root: Path = ROOT) -> Path | None:
 
 
 def use_core() -> bool:
-    """Put the core's machine code in the place of its sources for this process; return if it is used.
+    """Let this process use the core's machine code instead of its sources; return whether it does.
 
-    Not where a part of shared/ is already imported: half of each would not fit.
+It does not if a part of shared/ is already imported: half of each would not fit.
     """
     if any(name.startswith(f"{PACKAGE}.") for name in sys.modules):
         return False
@@ -70,7 +70,7 @@ def use_core() -> bool:
     places = sys.modules[PACKAGE].__path__
     sources = list(places)
     places[:] = [str(core.joinpath(*PACKAGE.split(".")))]
-    sys.path.append(str(core))  # what its modules have in common lies beside the package
+    sys.path.append(str(core))  # the modules' common part is beside the package
     try:
         importlib.import_module(f"{PACKAGE}.num.fixed")
     except ImportError as error:
@@ -78,7 +78,7 @@ def use_core() -> bool:
             del sys.modules[name]
         places[:] = sources
         sys.path.remove(str(core))
-        write_error(f"the compiled core cannot be loaded ({error}); the sources run instead. To make it anew: "
+        write_error(f"the compiled core can't be loaded ({error}); the sources run instead. To rebuild it: "
                     "caramelo core remove, then caramelo core build")
         return False
     return True

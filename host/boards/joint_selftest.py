@@ -1,4 +1,4 @@
-"""The self-test of a joint's real board: asks it over USB for what firmware/joint_selftest.py measures, and judges."""
+"""The self-test of a real joint's board: gets the figures of firmware/joint_selftest.py over USB, and judges them."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,12 +16,12 @@ print({MARK!r} + json.dumps(run(%s)))
 TIMEOUT_S = 20.0
 STEP_US = 100
 STEPS = 2000
-# The first instruction is reached after entry, HAL and MicroPython, some 2 us; what goes before is the system's clock.
+# Entry, HAL and MicroPython take some 2 us until the first instruction; the rest of the time is the system's clock.
 ENTRY_MOST_NS = 8_000
 # 2500 instructions at two cycles are 30 us; the rest of the period is the main loop's, and compares must be written.
 END_MOST_NS = 40_000
 CURRENT_STEP_MOST_NS = 10_000  # 824 instructions at two cycles
-OFFSET_COUNTS = 250  # what a joint takes for sound (offset_spread)
+OFFSET_COUNTS = 250  # limit for a sound sensor (offset_spread)
 # A count is 4 mA (8.25 A full scale). Noise of 24 counts is 5 % of 2 A peak to peak, which the loop averages; switching
 # may double it. A mean that moves by 8 counts is 1.6 % of 2 A: a sample taken while the amplifier still settles.
 NOISE_OFF, NOISE_ON, SHIFT_ON = 24, 48, 8
@@ -31,7 +31,7 @@ Three = tuple[int, int, int]
 
 
 class Figures(Answer):
-    """What firmware/joint_selftest.py measures; the last three only if the bridge was to switch."""
+    """The figures of firmware/joint_selftest.py; the last three only if the bridge switches."""
 
     driver: int
     took_us: int
@@ -58,7 +58,7 @@ class Figures(Answer):
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of the board: what it is, what was found, what is allowed."""
+    """One figure of the board: its name, the value found, the allowed range."""
 
     name: str
     found: str
@@ -67,7 +67,7 @@ class Row:
 
 
 def judge(figures: dict[str, Any]) -> list[Row]:
-    """Return the rows for what a board measured; those of the bridge only if it was asked to switch."""
+    """Return the rows for a board's figures; those of the bridge only if it was asked to switch."""
     rows = [*_driver_and_times(figures), *_sensors(figures)]
     for phase in range(3):
         low, high = figures["raw_low"][phase], figures["raw_high"][phase]
@@ -112,7 +112,7 @@ def _sensors(figures: dict[str, Any]) -> list[Row]:
 
 
 def _switched(figures: dict[str, Any]) -> list[Row]:
-    """Return the rows of the bridge: it stayed on, and what its switching does to the samples."""
+    """Return the rows of the bridge: whether it stayed on, and the effect of its switching on the samples."""
     rows = [_row("bridge stayed on", figures["bridge_on"], 1, 1)]
     for phase in range(3 if "on_low" in figures else 0):
         low, high = figures["on_low"][phase], figures["on_high"][phase]
@@ -124,12 +124,12 @@ def _switched(figures: dict[str, Any]) -> list[Row]:
 
 
 def ask(port: str, bridge: bool = False) -> dict[str, Any]:
-    """Return what the board at ``port`` measures; UserError in one line if it does not answer."""
+    """Return the figures of the board at ``port``; UserError in one line if it does not answer."""
     from .flash.link import BoardLink
 
     with BoardLink(port) as link:
         figures = link.ask(SCRIPT % bridge, Figures, TIMEOUT_S).model_dump(exclude_none=True)
-        link.reset()  # the watchdog that came with the interrupt would do it anyway
+        link.reset()  # the watchdog started with the interrupt would reset it anyway
         return figures
 
 

@@ -1,1 +1,1 @@
-"""The ways to the joints: one interface, servos or joints on CAN behind it."""
+"""The ways to the joints: one interface with servos or joints on CAN behind it."""

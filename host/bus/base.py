@@ -3,7 +3,7 @@
 Twelve joints, index leg * 3 + joint (legs FR, FL, RR, RL; hip, thigh, calf), SI units, the signs of the robot
 file. One call per tick each: ``measured = bus.read()``, then ``bus.write(goals)``. Neither blocks longer than a tick,
 nor do ``try_torque``, ``try_clear_faults``, ``torque(False)``, ``limit_torque`` and ``emergency_stop``: a joint that
-does not answer keeps its last values and grows old. Letting go is repeated until the joints say that they have.
+does not answer keeps its last values, and their age grows. Letting go is repeated until the joints confirm it.
 """
 
 from abc import ABC, abstractmethod
@@ -23,7 +23,7 @@ UNKNOWN = (0.0,) * JOINTS
 
 @dataclass(frozen=True)
 class Fault:
-    """Something wrong: how the robot reacts (host/control/safety.py), what it is, what to do about it."""
+    """Something wrong: how the robot reacts (host/control/safety.py), what is wrong, what to do about it."""
 
     action: str
     cause: str
@@ -32,12 +32,12 @@ class Fault:
 
 @dataclass(frozen=True)
 class Measured:
-    """What the joints said last; twelve values each.
+    """The joints' last reports; twelve values each.
 
-    ``load`` is the drive's share of its stall torque, -1 .. 1. ``error`` is "" or what the joint itself complains
-    of, such as "overload" or "hot". ``age_s`` is how old position, speed and load are, ``slow_age_s`` how old
-    temperature, voltage and error; inf for a joint that never answered. ``faults`` is what the bus found out about the
-    joints as a whole.
+    ``load`` is the drive's share of its stall torque, -1 .. 1. ``error`` is "" or the joint's own error, such
+    as "overload" or "hot". ``age_s`` is how old position, speed and load are, ``slow_age_s`` how old
+    temperature, voltage and error; inf for a joint that never answered. ``faults`` is what the bus found wrong with
+    the joints as a whole.
     """
 
     time_s: float = 0.0
@@ -53,22 +53,22 @@ class Measured:
 
     @property
     def complete(self) -> bool:
-        """True once every joint has told its position."""
+        """True once every joint has reported its position."""
         return inf not in self.age_s
 
     @property
     def battery_V(self) -> float | None:
-        """Highest voltage any joint reports (cables only lose some), or None before the first report."""
+        """Highest voltage that any joint reports (cables only lose some), or None before the first report."""
         known = [volts for volts, age in zip(self.voltage_V, self.slow_age_s, strict=True) if age < inf]
         return max(known, default=None)
 
 
 @dataclass
 class Counters:
-    """What went over the bus, and what of it was bad. Bad answers are counted and never obeyed.
+    """Counts of what went over the bus, and how much of it was bad. Bad answers are counted and never used.
 
-    ``sent`` counts the answers asked for. ``late`` are answers that came after they had been given up: each of them is
-    among the ``lost`` already, so it is no error of its own.
+    ``sent`` counts the answers that were asked for. ``late`` are answers that came after they had been given up: each
+    of them already counts as ``lost``, so it is not another error.
     """
 
     sent: int = 0
@@ -100,11 +100,11 @@ class Bus(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Connect, check that all joints are there and set them up, torque off. UserError says what is wrong."""
+        """Connect, check that all joints are there and set them up with torque off. UserError says what is wrong."""
 
     @abstractmethod
     def read(self) -> Measured:
-        """Ask all joints and return what is known now."""
+        """Ask all joints and return their values as known now."""
 
     @abstractmethod
     def write(self, goals_rad: Sequence[float]) -> None:
@@ -112,22 +112,22 @@ class Bus(ABC):
 
     @abstractmethod
     def torque(self, on: bool) -> None:
-        """Let the joints hold their goals, starting from where they are, or let go."""
+        """Switch torque on, so that the joints hold their goals, starting from where they are; or off."""
 
     def try_torque(self) -> bool:
-        """Switch torque on as far as that takes no longer than a tick; False if it is to be tried again in the next.
+        """Switch torque on without taking longer than a tick; False: call again in the next tick.
 
-        UserError if it can't be done. A bus that needs one exchange only does it at once.
+UserError if it can't be done. A bus that needs only one exchange does it at once.
         """
         self.torque(True)
         return True
 
     def clear_faults(self) -> None:
-        """Clear what the joints have latched, if they do; arms nothing. UserError if a cause is still there."""
+        """Clear the joints' latched faults, if they latch any; arms nothing. UserError if a cause is still there."""
         return
 
     def try_clear_faults(self) -> bool:
-        """Clear what the joints have latched as far as that takes no longer than a tick; as ``try_torque``."""
+        """Clear the joints' latched faults without taking longer than a tick; like ``try_torque``."""
         self.clear_faults()
         return True
 
@@ -137,7 +137,7 @@ class Bus(ABC):
 
     @abstractmethod
     def emergency_stop(self) -> None:
-        """Let go at once, whatever else is going on; may be called twice, and from another thread than the rest."""
+        """Let go at once, whatever else is going on; may be called twice, and from another thread than the others."""
 
     @abstractmethod
     def close(self) -> None:
@@ -148,17 +148,17 @@ class Bus(ABC):
         """Return the bus's time, s: monotonic, or simulated."""
 
     def name(self, joint: int) -> str:
-        """Return how to call a joint, leg first; buses with numbered joints add the number."""
+        """Return a joint's name, leg first; buses with numbered joints add the number."""
         return JOINT_LABELS[joint]
 
     @property
     def firmware(self) -> str:
-        """What the joints run, as they told it; "" if they did not."""
+        """The firmware that the joints report; "" if they report none."""
         return ""
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What ``open`` found that works, but badly: one sentence each, with what to do."""
+        """Things that ``open`` found to work, but badly: one sentence each, with what to do."""
         return ()
 
     def __enter__(self) -> Self:
@@ -172,15 +172,15 @@ class Bus(ABC):
 def checked_goals(goals_rad: Sequence[float]) -> Sequence[float]:
     """Return twelve finite angles or raise ValueError: a wrong goal must never reach a joint."""
     if len(goals_rad) != JOINTS:
-        raise ValueError(f"{len(goals_rad)} goals, must be {JOINTS}")
+        raise ValueError(f"{len(goals_rad)} goals, allowed exactly {JOINTS}")
     for joint, angle_rad in enumerate(goals_rad):
         if not isfinite(angle_rad):
-            raise ValueError(f"goal of joint {joint} is {angle_rad}, must be a finite angle")
+            raise ValueError(f"goal of joint {joint}: value {angle_rad}: allowed: a finite angle")
     return goals_rad
 
 
 def checked_fraction(fraction: float) -> float:
     """Return a share 0 .. 1 or raise ValueError."""
     if not 0.0 <= fraction <= 1.0:
-        raise ValueError(f"torque fraction {fraction} must be within 0 .. 1")
+        raise ValueError(f"torque fraction {fraction}: allowed 0 .. 1")
     return fraction

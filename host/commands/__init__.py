@@ -10,7 +10,7 @@ ROBOTS = "Robots"
 HARDWARE = "Servos, joints, boards"
 CHECKS = "Checks and figures"
 
-# File -> its panel, a heading in the help. First what a new user tries first.
+# File -> its panel, a heading in the help. What a new user tries first comes first.
 PANELS = {
     "teleop": WALK, "walk": WALK, "bench": CHECKS, "board": HARDWARE, "calibrate": HARDWARE, "core": CHECKS,
     "experiment": CHECKS, "export": ROBOTS, "firmware": HARDWARE, "flash": HARDWARE, "health": HARDWARE,

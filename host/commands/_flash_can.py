@@ -18,7 +18,7 @@ Bus = tuple[str, str | None, str | None]  # robot, interface, channel
 
 
 def flash_over_can(image: Path, nodes: list[int], every: bool, dry_run: bool, where: Bus, as_json: bool) -> int:
-    """Bring joints to an image; exit code 1 if one of them does not run it at the end."""
+    """Flash joints with an image; exit code 1 if one of them does not run it at the end."""
     import secrets
 
     from ..boards.build.image_file import read_image_file
@@ -44,12 +44,12 @@ def flash_over_can(image: Path, nodes: list[int], every: bool, dry_run: bool, wh
 
 
 def _wanted(nodes: list[int], every: bool) -> list[int]:
-    """Return the joints to flash; UserError if that is not clear."""
+    """Return the joints to flash; UserError if the command does not name them clearly."""
     if bool(nodes) == every:
-        raise UserError("flash --can: name the joints by their numbers, 1 to 12, or all by --all")
+        raise UserError("flash --can: name the joints by number, 1 to 12, or all with --all")
     wrong = [node for node in nodes if not 1 <= node <= 12]
     if wrong:
-        raise UserError(f"flash --can {wrong[0]}: joints have the numbers 1 to 12, 1 + 3 x leg + joint")
+        raise UserError(f"flash --can {wrong[0]}: allowed 1 to 12, which is 1 + 3 x leg + joint")
     return sorted(set(nodes)) or list(range(1, 13))
 
 

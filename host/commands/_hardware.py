@@ -21,10 +21,10 @@ def hardware(
     imu: str | None = None,
     space: bool = False,
 ) -> Iterator[Hardware]:
-    """Yield a robot's joints and sensor, not yet opened; what runs beside them ends with the block.
+    """Yield a robot's joints and sensor, not yet opened; emulators that run beside them end with the block.
 
     ``which``: ``real``, ``emulated`` or ``simulated``. ``source`` is the name or file that the robot was loaded from.
-    ``imu`` names another inertial sensor than the usual one (host/imu/choose.py); ``space``: what is simulated moves in
+    ``imu`` names another inertial sensor than the usual one (host/imu/choose.py); ``space``: the simulation runs in
     three dimensions.
     """
     with _chosen(robot, which, port, calibration, source or robot.name, space) as parts:

@@ -19,34 +19,34 @@ NO_ANSWERS = ("path", "defaults", "force", "as_json")
 def new_robot(
     context: typer.Context,
     path: Annotated[Path, typer.Argument(metavar="FILE", help="The file to write, ending in .toml.")],
-    name: Annotated[str | None, typer.Option(help="What it is called; asked for like all that is not given.")] = None,
-    front_rear: Annotated[float | None, typer.Option(metavar="M", help="From front to rear hip axes.")] = None,
-    left_right: Annotated[float | None, typer.Option(metavar="M", help="From left to right hip axes.")] = None,
-    hip_offset: Annotated[float | None, typer.Option(metavar="M", help="Hip axis to the plane of the leg.")] = None,
+    name: Annotated[str | None, typer.Option(help="Its name. What no option gives is asked for.")] = None,
+    front_rear: Annotated[float | None, typer.Option(metavar="M", help="Distance of front and rear hip axes.")] = None,
+    left_right: Annotated[float | None, typer.Option(metavar="M", help="Distance of left and right hip axes.")] = None,
+    hip_offset: Annotated[float | None, typer.Option(metavar="M", help="Hip axis to the leg's plane.")] = None,
     thigh: Annotated[float | None, typer.Option(metavar="M", help="Thigh joint to knee.")] = None,
     calf: Annotated[float | None, typer.Option(metavar="M", help="Knee to the middle of the foot.")] = None,
-    foot_radius: Annotated[float | None, typer.Option(metavar="M", help="Of the round foot.")] = None,
-    knees: Annotated[str | None, typer.Option(help="full-elbow, full-knee, elbow-knee or knee-elbow.")] = None,
-    height: Annotated[float | None, typer.Option(metavar="M", help="Hip axis above the foot, standing.")] = None,
-    trunk_mass: Annotated[float | None, typer.Option(metavar="KG", help="Body without legs.")] = None,
+    foot_radius: Annotated[float | None, typer.Option(metavar="M", help="Radius of the round foot.")] = None,
+    knees: Annotated[str | None, typer.Option(help="full-elbow, full-knee, elbow-knee, knee-elbow.")] = None,
+    height: Annotated[float | None, typer.Option(metavar="M", help="Hip axis above the foot when standing.")] = None,
+    trunk_mass: Annotated[float | None, typer.Option(metavar="KG", help="The body without its legs.")] = None,
     hip_mass: Annotated[float | None, typer.Option(metavar="KG", help="One hip, with the thigh's motor.")] = None,
     thigh_mass: Annotated[float | None, typer.Option(metavar="KG", help="One thigh.")] = None,
     calf_mass: Annotated[float | None, typer.Option(metavar="KG", help="One calf with its foot.")] = None,
     calf_motor: Annotated[str | None, typer.Option(help="thigh, or body if a rod drives the calf.")] = None,
-    joints: Annotated[str | None, typer.Option(help="A robot with such joints, or other.")] = None,
-    model: Annotated[str | None, typer.Option(help="Of other servos: their name.")] = None,
-    volts: Annotated[float | None, typer.Option(metavar="V", help="Of other servos: their supply.")] = None,
-    stall: Annotated[float | None, typer.Option(metavar="NM", help="Of other servos: stall torque, N m.")] = None,
-    rpm: Annotated[float | None, typer.Option(metavar="RPM", help="Of other servos: speed without load.")] = None,
-    defaults: Annotated[bool, typer.Option("--defaults", help="Ask nothing: defaults for the rest.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Write over a file that is there.")] = False,
+    joints: Annotated[str | None, typer.Option(help="A robot that has the same joints, or other.")] = None,
+    model: Annotated[str | None, typer.Option(help="Other servos: their name.")] = None,
+    volts: Annotated[float | None, typer.Option(metavar="V", help="Other servos: their supply.")] = None,
+    stall: Annotated[float | None, typer.Option(metavar="NM", help="Other servos: stall torque, N m.")] = None,
+    rpm: Annotated[float | None, typer.Option(metavar="RPM", help="Other servos: no-load speed.")] = None,
+    defaults: Annotated[bool, typer.Option("--defaults", help="Ask nothing: take defaults for the rest.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite an existing file.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object, as caramelo robots check.")] = False,
 ) -> int:
-    """Write a robot file from answers: lengths, masses and joints. Then it is checked as caramelo robots check does.
+    """Write a robot file from your answers on lengths, masses and joints, then check it like caramelo robots check.
 
-    What is not given as an option is asked for, with a default that Enter takes. An answer that can't be is told in
-    one line and asked for again. All else in the file follows from the answers, or is that of the robot whose joints
-    it has; each line says which.
+    The command asks for each value that no option gives; Enter takes the default. It explains an impossible answer in
+    one line and asks again. All other values follow from the answers or are those of the robot that has the same
+    joints; each line of the file says which.
 
     Examples: caramelo robots new my.toml; caramelo robots new my.toml --name spot --thigh 0.15 --calf 0.15 --defaults
     """
@@ -61,14 +61,14 @@ def new_robot(
 
 
 def write_new(path: Path, given: dict[str, Any], defaults: bool, force: bool) -> None:
-    """Ask for what is not given, and write the file whole; UserError for what is given wrong."""
+    """Ask for what no option gives, and write the whole file; UserError for a wrong option."""
     from ..robot.new_robot import new_file, questions
     from ..util.files import write_text
 
     if path.suffix != ".toml":
-        raise UserError(f"{path}: allowed: a file ending in .toml")
+        raise UserError(f"{path}: give a file that ends in .toml")
     if path.exists() and not force:
-        raise UserError(f"{path}: is there already: name another file, or add --force to write over it")
+        raise UserError(f"{path}: the file exists: name another, or overwrite it with --force")
     known = {each.name: each for each in questions()}
     answers = {name: _checked(known[name], value) for name, value in given.items()}
     _ask(answers, {}, defaults)
@@ -86,7 +86,7 @@ def write_new(path: Path, given: dict[str, Any], defaults: bool, force: bool) ->
 
 
 def _checked(question: "Question", value: object) -> "Answer":
-    """Return an option's value; its flag stands in front of what is wrong with it."""
+    """Return an option's value; UserError with the option's flag if the value is wrong."""
     try:
         return question.check(value)
     except UserError as error:
@@ -94,7 +94,7 @@ def _checked(question: "Question", value: object) -> "Answer":
 
 
 def _ask(answers: dict[str, "Answer"], former: dict[str, "Answer"], defaults: bool) -> None:
-    """Add what is missing; offered is what was said before, or the default."""
+    """Add the missing answers; each question offers the earlier answer, or the default."""
     from ..robot.new_robot import unanswered
 
     while (question := next(unanswered(answers), None)) is not None:
@@ -103,7 +103,7 @@ def _ask(answers: dict[str, "Answer"], former: dict[str, "Answer"], defaults: bo
 
 
 def _answer(question: "Question", offer: "Answer") -> "Answer":
-    """Ask until the answer is one that the file may hold."""
+    """Ask until the file may hold the answer."""
     if question.name == "joints":
         _tell_joints()
     while True:

@@ -6,8 +6,8 @@ import typer
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
-# In how many processes trials run, or by which cluster (docs/cluster.md)
-Jobs = Annotated[int, typer.Option(min=1, max=256, help="Processes of this computer to run trials in.")]
+# Where trials run: in this many processes, or on a cluster (docs/cluster.md)
+Jobs = Annotated[int, typer.Option(min=1, max=256, help="Run trials in this many processes.")]
 ClusterAt = Annotated[
     str, typer.Option("--cluster", metavar="ADDRESS", help="Run trials on this dask cluster: tcp://HOST:PORT.")
 ]
@@ -15,5 +15,5 @@ ClusterAt = Annotated[
 Honest = Annotated[
     bool | None,
     typer.Option("--honest/--simple", show_default=False,
-                 help="Drives with friction, play, a sagging supply; or plain. Else as the robot file says."),
+                 help="Drives with friction, play and a sagging supply, or plain ones (default: the robot file's)."),
 ]  # fmt: skip

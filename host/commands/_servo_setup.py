@@ -1,4 +1,4 @@
-"""`caramelo servos setup`: new servos, plugged in one at a time, get their joints' ids, the bus's rate and settings."""
+"""`caramelo servos setup`: gives new servos, plugged in one at a time, their ids, the bus's rate and settings."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 
 def setup(
     robot: RobotName = "caramelo",
-    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
-    joint: Annotated[str | None, typer.Option(metavar="JOINT", help="Only this one, such as 'FR hip'.")] = None,
-    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Take its ids; without, 1 .. 12.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port (default: the robot file's).")] = None,
+    joint: Annotated[str | None, typer.Option(metavar="JOINT", help="Set up only this one, such as 'FR hip'.")] = None,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Take its ids (default: 1 .. 12).")] = None,
     answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write each answer to a file at once.")] = None,
-    sim: Annotated[bool, typer.Option("--sim", help="Practise on twelve emulated servos, new from the box.")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write each answer to a file.")] = None,
+    sim: Annotated[bool, typer.Option("--sim", help="Practise on twelve emulated servos, fresh from the box.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object; questions go to stderr.")] = False,
 ) -> int:
-    """Set up new servos, plugged in one at a time: id, rate, return delay, limits, whatever they were set to.
+    """Set up new servos, plugged in one at a time: id, rate, return delay and limits, whatever they were before.
 
-    Can be stopped with Ctrl-C and taken up again: what is done is kept in a file. With --joint one servo is set up,
-    such as a spare part. A servo that can't be used is told in one sentence, and the next may be plugged in.
+    Ctrl-C stops; the same command goes on from there, because a file keeps what is done. --joint sets up a single
+    servo, such as a spare part. If a servo can't be used, one sentence says why; plug in the next one.
 
     Examples: caramelo servos setup; caramelo servos setup --joint 'RL calf'; caramelo servos setup --sim
     """
@@ -49,7 +49,7 @@ def setup(
     if chosen[0] is None:
         raise UserError(f"--joint {joint}: allowed {', '.join(JOINT_LABELS)}")
     if answers is not None and record is not None:
-        raise UserError("--record: allowed without --answers only: what comes from a file is in a file")
+        raise UserError("--record: not with --answers: those answers are in a file already")
     ids = (nominal(data) if calibration is None else load_calibration(calibration, data)).ids
     person: Person = AtTerminal(record)
     if answers is not None:
@@ -65,7 +65,7 @@ def setup(
 
 @contextmanager
 def _servos(robot: "Robot", port: str | None, sim: bool) -> Iterator[tuple["Link", Callable[[int], None] | None]]:
-    """Yield an open link to the servo that is plugged in, and what plugs one in where nobody is there to do it."""
+    """Yield an open link to the plugged-in servo, and for emulated servos a function that plugs the next one in."""
     from ..bus.dynamixel.link import open_link
     from ..bus.dynamixel.port import latency_warning
 

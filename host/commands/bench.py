@@ -1,4 +1,4 @@
-"""`caramelo bench`: what the core costs in every runtime here, how exact it is, how fast the simulator runs."""
+"""`caramelo bench`: how long the core takes in every runtime here, how exact it is, how fast the simulator runs."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]
 Teleop = Annotated[bool, typer.Option("--teleop", help="Measure teleoperation instead, from outside.")]
 Seconds = Annotated[float, typer.Option(min=1.0, max=3600.0, metavar="S", help="With --teleop: how long to walk.")]
-Presses = Annotated[int, typer.Option(min=3, max=1000, metavar="N", help="With --teleop: sticks and stops a source.")]
-Update = Annotated[bool, typer.Option("--update-budget", help="Take today's costs as the budget.")]
+Presses = Annotated[int, typer.Option(min=3, max=1000, metavar="N", help="With --teleop: sticks and stops per source.")]
+Update = Annotated[bool, typer.Option("--update-budget", help="Make today's costs the budget.")]
 
 COLUMNS = ("cpython_us", "compiled_us", "fuel", "bytecode_us", "native_us", "viper_us", "float_us", "float_ratio")
 TELEOP_WIDTH = 150
-WIDTH = 130  # characters; a table is not cut when the output is no terminal
+WIDTH = 130  # characters, so that a table is not cut where the output is no terminal
 HEADS = ("CPython us", "compiled us", "fuel", "bytecode us", "native us", "viper us", "floats us", "floats/viper")
 
 
@@ -32,16 +32,16 @@ def bench(
     presses: Presses = 100,
     as_json: Json = False,
 ) -> int:
-    """Measure the core: time of each function in each runtime, exact cost, accuracy; and the simulator's speed.
+    """Measure the core: each function's time in each runtime, exact cost and accuracy; and the simulator's speed.
 
-    Fuel is what the WASI VM burns, the same in every run; more than 5 % over the budget in the
-    repository, or a figure that misses its bar, makes the exit code 1. CPython's times are processor
-    time, of the core's sources and of the compiled core (caramelo core build; else it is compiled for
-    the bench alone, which takes a minute). Bytecode, native, viper and floats are measured in one VM,
-    MicroPython's unix port.
+    Fuel is the WASI VM's count of instructions, the same in every run. Exit code 1 if it is more than 5 % over the
+    budget in the repository, or if a figure misses its bar. CPython's times are processor time, of the core's sources
+    and of the compiled core (caramelo core build; without it the bench compiles its own, which takes a minute).
+    Bytecode, native, viper and floats run in one VM, MicroPython's unix port.
 
-    With --teleop: deadlines and processor share of a walk, stick to packet and stop to torque off from every source,
-    bad messages; through a browser where there is one. Exit code 1 if a figure is not reached.
+    --teleop measures the deadlines and processor share of a walk, the times from stick to packet and from stop to
+    torque off for every source, and the effect of bad messages; through a browser if there is one. Exit code 1 if a
+    figure is not reached.
 
     Examples: caramelo bench; caramelo bench --json; caramelo bench --teleop
     """
@@ -113,14 +113,14 @@ def _print(found: "Bench") -> None:
     print_table(("error of", "worst", "median", "at most", "CMSIS-DSP q15", ""), [
         (a.name, f"{a.worst:.2g}", f"{a.median:.2g}", f"{a.bar:g}", "" if a.cmsis is None else f"{a.cmsis:.3g}", a.unit)
         for a in found.accuracy])
-    console.print(f"\nwhole tick, us (wanted: at most {TICK_US:g})")
+    console.print(f"\nwhole tick, us (at most {TICK_US:g} wanted)")
     for title, column in (("CPython", "cpython_us"), ("CPython, compiled", "compiled_us")):
         ticks = ", ".join(f"{walk} {us:.0f}" for walk, us in found.ticks(column).items())
         if ticks:
             console.print(f"{title}: {ticks}", soft_wrap=True)
     if found.instructions:
         counts = ", ".join(f"{name} {count}" for name, count in found.instructions.items())
-        console.print(f"instructions of a Cortex-M4 as viper, call included: {counts}", soft_wrap=True)
+        console.print(f"instructions on a Cortex-M4 as viper, with the call: {counts}", soft_wrap=True)
     console.print(
         f"this machine: {LOOP_TURNS} turns of x = x * 3 + i & 0xFFFF take {found.loop_us:.0f} us on CPython",
         soft_wrap=True,

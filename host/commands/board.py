@@ -1,4 +1,4 @@
-"""`caramelo board`: what a board is, what it noted, resetting it, its prompt."""
+"""`caramelo board`: shows what a board is and what it noted, resets it, opens its prompt."""
 
 import sys
 from typing import Annotated
@@ -16,9 +16,9 @@ GROUP = typer.Typer(help="Look at a board, reset it, use its prompt.", no_args_i
 
 @GROUP.command()
 def info(port: Port, as_json: Json = False) -> int:
-    """Tell what a board is and what firmware it holds. Its application is stopped for that and started again.
+    """Print what a board is and which firmware it holds. The command stops its application and starts it again.
 
-    Also the check that a freshly installed MicroPython answers.
+It also checks that a freshly installed MicroPython answers.
 
     Example: caramelo board info --port /dev/ttyACM0
     """
@@ -37,7 +37,7 @@ def info(port: Port, as_json: Json = False) -> int:
 
 @GROUP.command()
 def logs(port: Port, as_json: Json = False) -> int:
-    """Print what the board noted of starts that failed, newest last.
+    """Print the board's notes on failed starts, newest last.
 
     Example: caramelo board logs --port /dev/ttyACM0
     """
@@ -53,7 +53,7 @@ def logs(port: Port, as_json: Json = False) -> int:
 
 @GROUP.command()
 def reset(port: Port) -> int:
-    """Reset a board; its firmware starts.
+    """Reset a board, so that its firmware starts.
 
     Example: caramelo board reset --port /dev/ttyACM0
     """
@@ -66,14 +66,14 @@ def reset(port: Port) -> int:
 
 @GROUP.command()
 def shell(port: Port) -> int:
-    """Use the board's prompt: Ctrl-C stops what runs, Ctrl-D restarts, Ctrl-] leaves.
+    """Open the board's prompt: Ctrl-C stops the running program, Ctrl-D restarts, Ctrl-] leaves.
 
     Example: caramelo board shell --port /dev/ttyACM0
     """
     from ..boards.flash.shell import run_shell
 
     if not sys.stdin.isatty():
-        raise UserError("board shell: needs a terminal; for scripts use mpremote")
+        raise UserError("board shell: needs a terminal; in scripts use mpremote")
     run_shell(port)
     return 0
 

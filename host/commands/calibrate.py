@@ -1,4 +1,4 @@
-"""`caramelo calibrate`: finds which servo is which joint, and where its zero is, with questions and answers."""
+"""`caramelo calibrate`: asks questions to find which servo is which joint, and where its zero is."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 def calibrate(
     robot: RobotName = "caramelo",
-    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Where to; without it the robot's own.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port (default: the robot file's).")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="File to write (default: the robot's own).")] = None,
     answers: Annotated[Path | None, typer.Option(metavar="FILE", help="Take the answers from a file.")] = None,
-    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write each answer to a file at once.")] = None,
-    preview: Annotated[bool, typer.Option("--preview", help="Show the change, leave the file as it is.")] = False,
-    sim: Annotated[bool, typer.Option("--sim", help="Practise on emulated servos, mounted anyhow.")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE", help="Write each answer to a file.")] = None,
+    preview: Annotated[bool, typer.Option("--preview", help="Show the change; leave the file as it is.")] = False,
+    sim: Annotated[bool, typer.Option("--sim", help="Practise on emulated servos, mounted at random.")] = False,
     seed: Annotated[int, typer.Option(min=0, help="How the emulated servos are mounted.")] = 0,
 ) -> int:
-    """Calibrate the servos: the robot on a stand, its feet in the air, one joint after the other.
+    """Calibrate the servos one by one. Put the robot on a stand, its feet in the air.
 
-    Can be stopped with Ctrl-C and taken up again: what is done is kept beside the file, also with --preview. An
-    existing file is kept as a backup. Exit code 1 if a leg did not stand as drawn in the end.
+    Ctrl-C stops; the same command goes on from there, because a file beside the calibration keeps what is done, also
+    with --preview. An existing calibration is kept as a backup. Exit code 1 if a leg does not end as drawn.
 
     Examples: caramelo calibrate; caramelo calibrate --sim --preview; caramelo calibrate --answers answers.toml
     """
@@ -54,11 +54,11 @@ def calibrate(
         if wanted:
             kept = save_calibration(path, found)
             if change:
-                screen().print(f"wrote {path}" + (f", the former one is {kept}" if kept else ""), soft_wrap=True)
+                screen().print(f"wrote {path}" + (f"; the former one is {kept}" if kept else ""), soft_wrap=True)
             procedure.keep.unlink(missing_ok=True)
             wrong = procedure.check_legs(found)
         else:
-            screen().print(f"nothing written; {procedure.keep} keeps what was found", soft_wrap=True)
+            screen().print(f"nothing written; {procedure.keep} keeps the results so far", soft_wrap=True)
     if record is not None and answers is not None:
         write_answers(record, recorded | person.answers)
     if wrong:

@@ -19,8 +19,8 @@ GROUP = typer.Typer(help="Make the control core ten times as fast on this comput
 def build(as_json: Json = False) -> int:
     """Compile shared/ for this Python. Every caramelo command uses the result until a source changes.
 
-    Takes a minute on a PC and several on a Raspberry Pi, and a C compiler. It computes the same numbers to the bit
-    (caramelo parity --runtime cpython-compiled shows it); CARAMELO_CORE=source leaves it out for once.
+    This takes a minute on a PC and several on a Raspberry Pi, and needs a C compiler. The result computes the same
+    numbers to the bit (caramelo parity --runtime cpython-compiled shows it). CARAMELO_CORE=source runs without it.
 
     Example: caramelo core build
     """
@@ -30,19 +30,19 @@ def build(as_json: Json = False) -> int:
     _allow()
     found = find_core()
     if found is None:
-        write_note("compiling shared/, which takes a minute on a PC and several on a Raspberry Pi")
+        write_note("compiling shared/: takes a minute on a PC and several on a Raspberry Pi")
         found = home() / sources_id()
         try:
             build_core(found)
         except OSError as error:
-            raise UserError(f"{home()}: cannot be written: {error.strerror}") from error
+            raise UserError(f"{home()}: can't be written: {error.strerror}") from error
     _drop([core for core in kept_cores() if core != found])
     return _tell(as_json)
 
 
 @GROUP.command()
 def show(as_json: Json = False) -> int:
-    """Tell whether there is a compiled core, and whether it is of these sources.
+    """Show whether there is a compiled core, and whether it was made from these sources.
 
     Example: caramelo core show --json
     """
@@ -51,7 +51,7 @@ def show(as_json: Json = False) -> int:
 
 @GROUP.command()
 def remove(as_json: Json = False) -> int:
-    """Remove the compiled core: the sources run again.
+    """Remove the compiled core, so that the sources run again.
 
     Example: caramelo core remove
     """
@@ -69,7 +69,7 @@ def _drop(cores: "list[Path]") -> None:
         try:
             shutil.rmtree(core)
         except OSError as error:
-            raise UserError(f"{core}: cannot be removed: {error.strerror}") from error
+            raise UserError(f"{core}: can't be removed: {error.strerror}") from error
 
 
 def _allow() -> None:
@@ -78,7 +78,7 @@ def _allow() -> None:
     from ..boards.core import SWITCH
 
     if os.environ.get(SWITCH) == "source":
-        raise UserError(f"{SWITCH} is source, which says to use no compiled core: unset it first")
+        raise UserError(f"{SWITCH}=source turns the compiled core off: unset it first")
 
 
 def _tell(as_json: bool) -> int:
@@ -90,7 +90,7 @@ def _tell(as_json: bool) -> int:
     elif found:
         screen().print(f"the core runs as machine code, from {found}", soft_wrap=True)
     elif kept_cores():
-        screen().print("the core runs from its sources: the compiled one is of others; build it again: "
+        screen().print("the core runs from its sources: the compiled one was made from others; build it again: "
                        "caramelo core build", soft_wrap=True)
     else:
         screen().print("the core runs from its sources; to compile it: caramelo core build", soft_wrap=True)

@@ -1,4 +1,4 @@
-"""`caramelo experiment`: the papers' experiments in the simulators, beside what the papers measured."""
+"""`caramelo experiment`: repeats the papers' experiments in the simulators, beside the papers' figures."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,29 +12,29 @@ from ._options import ClusterAt, Honest, Jobs, Json, RobotName
 if TYPE_CHECKING:
     from ..lab.experiments.case import Table as Rows
 
-WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of these; goals: the figures to reach."
+WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of them; or goals, the figures to reach."
 
 SETS = ("chosen", "held-out")
-SET_HELP = "Seeds and start offsets: chosen, with which the constants were found, or held-out, which chose nothing."
+SET_HELP = "Seeds and start offsets: chosen, used to find the constants, or held-out, used only to check them."
 
 
 def experiment(
     what: Annotated[str, typer.Argument(metavar="EXPERIMENT", help=WHAT_HELP)],
     robot: RobotName = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
-    trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case, else each one's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name (default: the robot file's).")] = None,
+    trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case (default: its own).")] = None,
     jobs: Jobs = 1,
     cluster: ClusterAt = "",
-    only: Annotated[str, typer.Option(metavar="GROUPS", help="Of goals: these groups only, with commas between.")] = "",
+    only: Annotated[str, typer.Option(metavar="GROUPS", help="With goals: these groups only, comma-separated.")] = "",
     which: Annotated[str, typer.Option("--set", metavar="SET", help=SET_HELP)] = "chosen",
     three_d: Annotated[bool, typer.Option("--3d/--no-3d", help="Also check in three dimensions.")] = True,
     honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write report.html, PNG and JSON files here.")] = None,
     as_json: Json = False,
 ) -> None:
-    """Run one of the papers' experiments, or all, and show its figures beside the papers'.
+    """Run one of the papers' experiments, or all, and print its figures beside the papers'.
 
-    The same trials give the same figures whoever runs them. Exit code 0 if it ran, whatever came out.
+    The same trials give the same figures on every machine. Exit code 0 if it ran, whatever the figures are.
 
     Examples: caramelo experiment table1; caramelo experiment steps --gait paper-trot --jobs 4 --out out/steps;
     caramelo experiment all --trials 3 --jobs 4 --json; caramelo experiment goals --robot parallel --only flat,steps
@@ -56,7 +56,7 @@ def experiment(
     if which not in SETS:
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
     if only and what != "goals":
-        raise UserError(f"--only {only}: experiment {what} has no groups; it is for goals")
+        raise UserError(f"--only {only}: only with experiment goals; {what} has no groups")
     in_space = three_d and space_is_there()
     if three_d and not in_space:
         write_error(f"MuJoCo is not installed, so the 3-D columns stay empty: {how_to_get('mujoco')}")

@@ -10,8 +10,8 @@ from ._options import RobotName
 
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write here instead of to the terminal.")]
 Payload = Annotated[float, typer.Option(metavar="KG", min=0.0, max=20.0, help="Load on the body, kg.")]
-Voltage = Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V; without it nominal.")]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: what was written and how big it is.")]
+Voltage = Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V (default: nominal).")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object: the file written and its size.")]
 GROUND_HELP = "As for caramelo walk --in space."
 
 GROUP = typer.Typer(help="Write the robot as a MuJoCo model or a URDF, from its file.", no_args_is_help=True)
@@ -23,7 +23,7 @@ def export_mjcf(
     out: Out = None,
     payload: Payload = 0.0,
     voltage: Voltage = None,
-    friction: Annotated[float | None, typer.Option(min=0.05, max=2.0, help="Foot friction, else the file's.")] = None,
+    friction: Annotated[float | None, typer.Option(min=0.05, max=2.0, help="Friction (default: the file's).")] = None,
     terrain: Annotated[str, typer.Option(metavar="NAME", help=GROUND_HELP)] = "flat",
     height: Annotated[float | None, typer.Option(metavar="M", help="Height of the step, box or stones, m.")] = None,
     angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
@@ -62,7 +62,7 @@ def export_urdf(
 
 
 def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
-    """Return the voltage if the robot's drives are known at it."""
+    """Return the voltage if the robot file has the drives' data for it."""
     from ..robot.file import load_robot
     from ..robot.plane import planar_robot
     from ..util.errors import UserError
@@ -81,7 +81,7 @@ def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) 
     from ..util.files import write_text
 
     if as_json and out is None:
-        raise UserError("--json: the model itself is no JSON; say where it goes with --out FILE")
+        raise UserError("--json: the model itself is not JSON; name its file with --out FILE")
     if out is None:
         say(text.removesuffix("\n"))
         return

@@ -1,4 +1,4 @@
-"""`caramelo firmware`: builds what a board runs."""
+"""`caramelo firmware`: builds the firmware of the boards."""
 
 import os
 from pathlib import Path
@@ -17,13 +17,13 @@ if TYPE_CHECKING:
     from ..lab.parity.paths import RoleFigures
 
 Sources = Annotated[Path, typer.Option("--micropython", help="MicroPython's sources: a checkout with its submodules.")]
-Role = Annotated[str | None, typer.Option(help="What the board is to be: joint or gait; without it, both.")]
-RobotName = Annotated[str, typer.Option("--robot", help="Whose data a gait board gets: a name, or a .toml file.")]
-Out = Annotated[Path, typer.Option(help="Folder of the images; builds go on in build/ in it.")]
-Jobs = Annotated[int | None, typer.Option(min=1, help="Files compiled at once; without it, one per processor.")]
-Minutes = Annotated[int, typer.Option(min=0, max=600, metavar="M", help="Also let it operate that long.")]
+Role = Annotated[str | None, typer.Option(help="The board's role: joint or gait (default: both).")]
+RobotName = Annotated[str, typer.Option("--robot", help="Robot whose data a gait board gets: a name, or a .toml file.")]
+Out = Annotated[Path, typer.Option(help="Folder for the images; builds go on in its build/.")]
+Jobs = Annotated[int | None, typer.Option(min=1, help="Files compiled at once (default: one per processor).")]
+Minutes = Annotated[int, typer.Option(min=0, max=600, metavar="M", help="Also let it operate for this long.")]
 
-GROUP = typer.Typer(help="Build what a board runs.", no_args_is_help=True)
+GROUP = typer.Typer(help="Build the firmware of the boards.", no_args_is_help=True)
 
 
 @GROUP.command()
@@ -35,10 +35,10 @@ def image(
     jobs: Jobs = None,
     as_json: Json = False,
 ) -> int:
-    """Build the complete image of a board from MicroPython's sources, and print what it takes of the chip.
+    """Build the complete image of a board from MicroPython's sources, and print how much of the chip it takes.
 
-    Writes ROLE.caramelo for `caramelo flash`, and ROLE.dfu and ROLE.hex for a bare board. Needs ARM's compiler. More
-    than host/boards/build/image_budget.json allows makes the exit code 1.
+    Writes ROLE.caramelo for `caramelo flash`, and ROLE.dfu and ROLE.hex for a bare board. Needs ARM's compiler. Exit
+    code 1 if the image takes more than host/boards/build/image_budget.json allows.
 
     Example: caramelo firmware image --micropython ~/micropython --role joint
     """
@@ -66,12 +66,12 @@ def image(
 def measure(
     micropython: Sources, role: Role = None, minutes: Minutes = 0, jobs: Jobs = None, as_json: Json = False
 ) -> int:
-    """Count what whole paths of the firmware cost on an emulated Cortex-M4, in instructions, and the heap they leave.
+    """Count the instructions of whole paths of the firmware on an emulated Cortex-M4, and the heap that they leave.
 
     Builds MicroPython's qemu port with the firmware frozen in and runs it against the model of the chip. Needs ARM's
-    compiler and the extra `emulator`. More than lab/parity/path_budget.json allows makes the exit code 1, as does a
-    byte of the chip's heap taken in --minutes of operation, which on a computer take the joint as long as on a
-    board and the gait board a tenth of it.
+    compiler and the extra `emulator`. Exit code 1 if a path costs more than host/lab/parity/path_budget.json allows, or
+    if --minutes of operation take a byte of the chip's heap. On a computer these minutes take as long as on a board
+    for the joint, and a tenth of that for the gait board.
 
     Examples: caramelo firmware measure --micropython ~/micropython --role joint;
     caramelo firmware measure --micropython ~/micropython --minutes 60
@@ -81,7 +81,7 @@ def measure(
 
     told, ok = {}, True
     for name in _roles(role):
-        write_note(f"{name}: building, then counting; some minutes")
+        write_note(f"{name}: building, then counting; this takes some minutes")
         try:
             figures = figures_of(name, micropython, jobs or os.cpu_count() or 1, minutes)
         except RuntimeFailure as error:
@@ -98,8 +98,8 @@ def measure(
 
 
 def _print_paths(role: str, figures: "RoleFigures", heap_bytes: int) -> None:
-    print_table((f"{role}, instructions", "middle", "dearest", "at most", ""), [
-        (path.name, path.median, path.most, path.budget, "" if path.ok else "too dear") for path in figures.paths])
+    print_table((f"{role}, instructions", "median", "most", "at most", ""), [
+        (path.name, path.median, path.most, path.budget, "" if path.ok else "over budget") for path in figures.paths])
     console = screen()
     free = f"heap of {heap_bytes} bytes: {figures.free} free after set-up, {figures.left} after the run"
     console.print(free + f", at least {figures.least_free} wanted", soft_wrap=True)
@@ -111,7 +111,7 @@ def _roles(role: str | None) -> list[str]:
     from ..boards.build.frozen import ROLES
 
     if role is not None and role not in ROLES:
-        raise UserError(f"--role {role}: not known; there are {', '.join(ROLES)}")
+        raise UserError(f"--role {role}: allowed {', '.join(ROLES)}")
     return [role] if role else list(ROLES)
 
 

@@ -1,4 +1,4 @@
-"""`caramelo flash`: puts firmware on boards, and never leaves one without."""
+"""`caramelo flash`: puts firmware on boards, and never leaves a board without working firmware."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -14,13 +14,13 @@ from .joints.options import Channel, Interface
 if TYPE_CHECKING:
     from ..boards.flash.flash import Outcome, Wish
 
-ImagePath = Annotated[Path, typer.Argument(metavar="IMAGE", help="Image file that caramelo firmware image has made.")]
+ImagePath = Annotated[Path, typer.Argument(metavar="IMAGE", help="Image file made by caramelo firmware image.")]
 Nodes = Annotated[list[int] | None, typer.Argument(metavar="ID", help="With --can: the joints, 1 to 12.")]
-Can = Annotated[bool, typer.Option("--can", help="Over the joints' bus: the joints named, or with --all all twelve.")]
-Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; with --all, several times.")]
-All = Annotated[bool, typer.Option("--all", help="Every board named by --port, or found; with --can all joints.")]
-Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="The joint's id on the bus; it keeps it.")]
-Dry = Annotated[bool, typer.Option("--dry-run", help="Only tell what would be done.")]
+Can = Annotated[bool, typer.Option("--can", help="Over the joints' bus: the joints named, or all twelve with --all.")]
+Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; repeatable with --all.")]
+All = Annotated[bool, typer.Option("--all", help="All boards, found or named with --port; with --can all joints.")]
+Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="Id that the joint gets on the bus and keeps.")]
+Dry = Annotated[bool, typer.Option("--dry-run", help="Only print what would be done.")]
 
 
 def flash(
@@ -36,10 +36,10 @@ def flash(
     channel: Channel = None,
     as_json: Json = False,
 ) -> int:
-    """Put firmware on a board: into the slot that does not run, compared on the board, old firmware kept until the new
-    one has proved itself.
+    """Put firmware on a board. It goes into the slot that does not run, and the board compares it. The old firmware
+    stays until the new one has proved itself.
 
-    Over USB the motor supply must be off; over the joints' bus no joint may be armed. A joint's parameters stay.
+    Over USB the motor supply must be off; over the joints' bus no joint may be armed. A joint keeps its parameters.
 
     Examples: caramelo flash out/firmware/joint.caramelo --port /dev/ttyACM0 --id 3;
     caramelo flash out/firmware/joint.caramelo --can --all; caramelo flash out/firmware/joint.caramelo --can 4 5 6
@@ -51,13 +51,13 @@ def flash(
             raise UserError("flash --can: --port and --id are for boards on USB; name joints by number, or --all")
         return flash_over_can(image, nodes or [], every, dry_run, (robot, interface, channel), as_json)
     if nodes or interface or channel:
-        raise UserError("flash: joints by their numbers, --interface and --channel go with --can; boards with --port")
+        raise UserError("flash: joint numbers, --interface and --channel go with --can; name boards on USB with --port")
     from ..boards.build.image_file import read_image_file
     from ..boards.flash.flash import Wish
 
     ports = _ports(port or [], every)
     if node is not None and len(ports) > 1:
-        raise UserError(f"--id {node}: two joints with one id can't share a bus; flash them one by one")
+        raise UserError(f"--id {node}: two joints with the same id can't share a bus; flash them one by one")
     wish = Wish(read_image_file(image), node, dry_run)
     outcomes, failures = [], {}
     for device in ports:
@@ -84,7 +84,7 @@ def _flash(device: str, wish: "Wish") -> "Outcome":
 
 
 def _ports(named: list[str], every: bool) -> list[str]:
-    """Return the ports to flash; UserError if that is not clear."""
+    """Return the ports to flash; UserError if the command does not name them clearly."""
     from ..boards.flash.link import found_ports
 
     if not every:
@@ -93,7 +93,7 @@ def _ports(named: list[str], every: bool) -> list[str]:
         return named
     ports = named or found_ports()
     if not ports:
-        raise UserError("flash --all: no board is plugged in, or none with a USB serial port")
+        raise UserError("flash --all: no board with a USB serial port is plugged in")
     return list(dict.fromkeys(ports))
 
 

@@ -1,4 +1,4 @@
-"""`caramelo health`: how the robot is, one line for each part with a verdict."""
+"""`caramelo health`: how the robot is, one line with a verdict for each part."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,25 +14,25 @@ if TYPE_CHECKING:
     from ..control.health import Finding
     from ..imu.attitude import Attitude
 
-LOOK_S = 2.0  # the sensor takes one of them to find out where up is
+LOOK_S = 2.0  # the sensor needs one of them to find out where up is
 
 
 def health(
     robot: RobotName = "caramelo",
-    sim: Annotated[bool, typer.Option("--sim", help="Look at emulated servos or simulated joints.")] = False,
+    sim: Annotated[bool, typer.Option("--sim", help="Check emulated servos or simulated joints.")] = False,
     direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
-    socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Of a running drive's --socket.")] = None,
+    socket: Annotated[str | None, typer.Option(metavar="WHERE", help="The --socket of a running drive.")] = None,
     port: Annotated[str | None, typer.Option(help="Serial port, or INTERFACE:CHANNEL of CAN.")] = None,
     imu: Annotated[str | None, typer.Option(metavar="WHERE", help="i2c, a gait board's port, or a recording.")] = None,
-    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
-    seconds: Annotated[float, typer.Option(metavar="S", help="For so long it is looked at.")] = LOOK_S,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: the robot's own.")] = None,
+    seconds: Annotated[float, typer.Option(metavar="S", help="How long to look at it, s.")] = LOOK_S,
     as_json: Json = False,
 ) -> int:
-    """Tell how the robot is: loop, missed deadlines, bus errors by joint, IMU, battery, hottest joint, versions.
+    """Print how the robot is: loop, missed deadlines, bus errors by joint, IMU, battery, hottest joint, versions.
 
-    A running service is asked, which disturbs nothing. If none runs, joints and sensor are opened and read with the
-    joints off: a robot that stands by another program is not touched, as its port is taken. Each line says ok, note
-    or bad. Exit code 1 if anything is bad.
+    The command asks a running service, which disturbs nothing. If none runs, it opens joints and sensor and reads them
+    with the joints off. It can't touch a robot that another program holds up, because the port is taken. Each line says
+    ok, note or bad. Exit code 1 if anything is bad.
 
     Examples: caramelo health; caramelo health --sim --json; caramelo health --robot parallel --port socketcan:can0
     """
@@ -44,7 +44,7 @@ def health(
     if direct and not sim:
         raise UserError("--direct: only with --sim")
     if sim and socket is not None:
-        raise UserError("--sim: not with --socket, which asks a drive that runs")
+        raise UserError("--sim: not with --socket, which asks a running drive")
     opens = sim or port is not None or imu is not None or calibration is not None
     where = socket if socket is not None else SERVICE if not opens and runs(SERVICE) else None
     found: Sequence[Finding]
@@ -60,7 +60,7 @@ def health(
 def _opened(
     name: str, which: str, port: str | None, calibration: Path | None, imu: str | None, seconds: float
 ) -> "Sequence[Finding]":
-    """Return the lines of a robot opened for some time; if that fails, why, and whether the sensor answers."""
+    """Open the robot for some time and return its lines; if that fails, why, and whether the sensor answers."""
     from ..control.health import BAD, Finding, version_finding
     from ..imu.attitude import Attitude
     from ..imu.choose import I2C, open_source
@@ -73,9 +73,9 @@ def _opened(
 
     robot = load_robot(name)
     if which == "real" and robot.bus.kind == "none":
-        raise UserError(f"{robot.name}: this software can not drive it, it is simulated only: add --sim")
+        raise UserError(f"{robot.name}: can only be simulated, not driven: add --sim")
     if which == "emulated" and robot.bus.kind != "dynamixel":
-        which = "simulated"  # there is no servo bus to emulate
+        which = "simulated"  # it has no servo bus to emulate
     sensor = Attitude(robot, open_source(robot, imu or I2C))
     write_note(f"reading {robot.name} for {seconds:g} s, joints off")
     try:

@@ -1,4 +1,4 @@
-"""`caramelo identify`: the robot measures its own servos, and a copy of its file gets the numbers."""
+"""`caramelo identify`: measures the robot's servos, and writes the numbers into a copy of its file."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,22 +22,22 @@ if TYPE_CHECKING:
 
 def identify(
     robot: RobotName = "caramelo",
-    port: Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")] = None,
-    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
+    port: Annotated[str | None, typer.Option(help="Serial port (default: the robot file's).")] = None,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: the robot's own.")] = None,
     joint: Annotated[list[str] | None, typer.Option(metavar="NAME", help='Only this joint: "RL thigh".')] = None,
-    fit: Annotated[Path | None, typer.Option(metavar="RECORDS", help="Fit kept sweeps, without the robot.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Without it out/identify/ROBOT.")] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Do not ask: on its stand, then on the floor.")] = False,
-    no_floor: Annotated[bool, typer.Option("--no-floor", help="Only on the stand.")] = False,
+    fit: Annotated[Path | None, typer.Option(metavar="RECORDS", help="Fit recorded sweeps, without the robot.")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Default: out/identify/ROBOT.")] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Do not ask; it is on its stand, then on the floor.")] = False,
+    no_floor: Annotated[bool, typer.Option("--no-floor", help="Measure only on the stand.")] = False,
     sim: Annotated[bool, typer.Option("--sim", help="Measure emulated servos, drawn at random.")] = False,
-    seed: Annotated[int, typer.Option(min=0, help="Which emulated servos.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the emulated servos.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object; needs --yes, --sim or --fit.")] = False,
 ) -> int:
-    """Measure the servos: the robot on its stand, one joint after the other; then on the floor, on its own legs.
+    """Measure the servos: first on a stand, one joint after the other; then on the floor, on the robot's own legs.
 
-    Finds bus delay, stiffness, speed, torque, friction, play, rotor inertia and how the supply sags; says of each joint
-    how it is beside its brothers; writes pictures and a copy of the robot file. Ctrl-C lets go of all joints; what is
-    measured is kept, and the same command goes on from there. Exit code 1 if a joint is not sound.
+    Finds bus delay, stiffness, speed, torque, friction, play, rotor inertia and the sag of the supply; compares each
+    joint with its counterparts on the other legs; writes pictures and a copy of the robot file. Ctrl-C lets go of all
+    joints; the measurements are kept, and the same command goes on from there. Exit code 1 if a joint is not sound.
 
     Examples: caramelo identify; caramelo identify --sim; caramelo identify --fit out/identify/caramelo
     """
@@ -50,7 +50,7 @@ def identify(
     folder = fit or out or Path("out/identify") / (f"{data.name}-sim-{seed}" if sim else data.name)
     joints = _joints(joint)
     if as_json and not (yes or sim or fit):
-        raise UserError("--json: there is nobody to ask: add --yes, --sim or --fit RECORDS")
+        raise UserError("--json: can't ask questions: add --yes, --sim or --fit RECORDS")
     if fit is None:
         person = _person(yes or sim)
         with _rig(data, port, calibration, sim, seed) as (rig, stand):
@@ -84,7 +84,7 @@ def _person(agrees: bool) -> "Person":
 def _rig(
     robot: "Robot", port: str | None, calibration: Path | None, sim: bool, seed: int
 ) -> Iterator[tuple["Rig", "HonestStand | None"]]:
-    """Yield the servos, real or emulated; all are let go in the end, however it ends."""
+    """Yield the servos, real or emulated; lets go of all at the end, whatever happens."""
     import time
 
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
@@ -111,7 +111,7 @@ def _measure(
     robot: "Robot", rig: "Rig", stand: "HonestStand | None", person: "Person", folder: Path, joints: list[int],
     floor: bool,
 ) -> None:  # fmt: skip
-    """Ask, and measure what is not kept yet: on the stand, then on the floor if nothing forbids it."""
+    """Ask, and measure what is not measured yet: on the stand, then on the floor if nothing forbids it."""
     import mcap.writer  # noqa: F401  a library that is missing is told before anything moves
 
     from ..identify import keeping
@@ -120,7 +120,7 @@ def _measure(
     rig.prepare()
     person.say(
         "Put the robot on its stand: feet in the air, nothing within reach of the legs. Joints turn by up to 29 deg, "
-        f"quickly, with half of their torque, one after the other. Records go to {folder}."
+        f"quickly, with half their torque, one after the other. Records go to {folder}."
     )
     if person.ask("stand", "Measure?", ["go", "no"]) == "no":
         raise UserError("nothing was measured", NOT_ACHIEVED)
@@ -131,9 +131,9 @@ def _measure(
     with stages("weights") as show:
         reasons = unsafe(glance(robot, folder, show))
     if reasons:
-        person.say("It must not stand up: " + "; ".join(reasons))
+        person.say("The robot must not stand up: " + "; ".join(reasons))
         return
-    person.say("Put the robot on the floor, legs folded under it. It stands up, sways for half a minute, sits down.")
+    person.say("Put the robot on the floor, legs folded under it. It stands up, sways for half a minute and sits down.")
     if person.ask("floor", "Stand up?", ["go", "no"]) == "go":
         if stand is not None:
             stand.put_on_ground()
@@ -158,7 +158,7 @@ def _draw(robot: "Robot", folder: Path, result: "Result") -> list[Path]:
 
 
 def _write_copy(robot: "Robot", source: Path, folder: Path, result: "Result") -> list[Path]:
-    """Write the robot file's copy; nothing if too few joints are sound."""
+    """Write the copy of the robot file, unless too few joints are sound."""
     from datetime import date
 
     from ..bus.dynamixel.calibration.data import servo_of
@@ -197,7 +197,7 @@ def _tell(result: "Result", as_json: bool, paths: list[Path]) -> None:
     for _, verdict in sorted(result.verdicts.items()):
         screen().print(verdict.sentence, soft_wrap=True)
     if not result.stood:
-        screen().print("not measured on the floor: torque and the load's share of friction are the file's")
+        screen().print("not measured on the floor: torque and the load's share of friction are still the file's")
     tell_written(paths)
 
 

@@ -1,4 +1,4 @@
-"""`caramelo log`: looks at records, draws them, turns them into CSV, replays them."""
+"""`caramelo log`: summarises records, draws them, exports them as CSV, replays them."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +13,7 @@ from ._options import Json
 if TYPE_CHECKING:
     from ..records.reader import Fields, Record
 
-File = Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a folder: its newest record.")]
+File = Annotated[Path, typer.Argument(metavar="FILE", help="A record, or a folder (its newest record).")]
 
 GROUP = typer.Typer(help="Look at records of drives, and replay them.", no_args_is_help=True)
 
@@ -31,12 +31,12 @@ def info(file: File, as_json: Json = False) -> None:
         _show(facts)
 
 
-# What record_facts is made of, for read_record.
+# The fields that record_facts needs, for read_record.
 FACTS = {"/state": ("state", "reason"), "/fault": ("sentence",), "/timing": ("missed",)}
 
 
 def _read(file: Path, wanted: "Fields") -> "Record":
-    """Return a record of these fields; a bar shows how far it is read."""
+    """Read these fields of a record and return it; a bar shows the progress."""
     from ..records.reader import find_record, read_record
 
     path = find_record(file)
@@ -66,7 +66,7 @@ def record_facts(record: "Record") -> dict[str, Any]:
 
 def _show(facts: dict[str, Any]) -> None:
     console = screen()
-    end = "whole" if facts["whole"] else "cut off: read up to where it was cut"
+    end = "complete" if facts["whole"] else "cut off, read up to the cut"
     console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines, {end}")
     print_table(("channel", "messages"), facts["messages"].items())
     for change in facts["states"]:
@@ -77,7 +77,7 @@ def _show(facts: dict[str, Any]) -> None:
 
 @GROUP.command()
 def plot(
-    file: File, out: Annotated[Path | None, typer.Option(metavar="PNG", help="Without it beside the record.")] = None
+    file: File, out: Annotated[Path | None, typer.Option(metavar="PNG", help="Default: beside the record.")] = None
 ) -> None:
     """Draw joints, loads, attitude, health and timing into a PNG file.
 
@@ -86,11 +86,11 @@ def plot(
     from ..records.plot import FIELDS, plot_png
 
     if out is not None and out.suffix != ".png":
-        raise UserError(f"--out {out}: allowed: a name that ends in .png")
+        raise UserError(f"--out {out}: give a name that ends in .png")
     record = _read(file, FIELDS)
     target = out or record.path.with_suffix(".png")
     if target.resolve() == record.path.resolve():
-        raise UserError(f"{target}: is the record itself: name the picture with --out")
+        raise UserError(f"{target}: is the record itself; name the picture with --out")
     write_note("drawing")
     plot_png(record, target)
     tell_written([target])
@@ -99,8 +99,8 @@ def plot(
 @GROUP.command()
 def export(
     what: Annotated[str, typer.Argument(metavar="csv", help="The format: csv.")],
-    file: Annotated[Path | None, typer.Argument(metavar="FILE", help="A record, or a folder: its newest one.")] = None,
-    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Without it a folder beside the record.")] = None,
+    file: Annotated[Path | None, typer.Argument(metavar="FILE", help="A record, or a folder (its newest).")] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="Default: a folder beside the record.")] = None,
 ) -> None:
     """Write one CSV file per channel.
 
@@ -109,8 +109,8 @@ def export(
     from ..records.export import export_csv
 
     if what != "csv" or file is None:
-        wrong = "no record is named" if what == "csv" else f"{what} is no format"
-        raise UserError(f"log export: {wrong}: allowed: caramelo log export csv FILE, such as "
+        wrong = "names no record" if what == "csv" else f"{what} is not a format"
+        raise UserError(f"log export: {wrong}: use caramelo log export csv FILE, such as "
                         f"caramelo log export csv {what if what != 'csv' and file is None else 'walk.mcap'}")
     check_folder("--out", out)
     record = _read(file, {})
@@ -121,7 +121,7 @@ def export(
 
 @GROUP.command()
 def replay(file: File, as_json: Json = False) -> int:
-    """Feed the recorded inputs to the planner again; the joint targets must be the same to the bit.
+    """Feed the recorded inputs to the planner again; the joint targets must come out the same to the bit.
 
     Exit code 1 at the first difference. Example: caramelo log replay walk.mcap
     """

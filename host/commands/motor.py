@@ -1,4 +1,4 @@
-"""`caramelo motor`: a brushless joint's own firmware over a motor model, and the self-test of a real board."""
+"""`caramelo motor`: runs a brushless joint's firmware over a motor model, and a real board's self-test."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,9 +13,9 @@ if TYPE_CHECKING:
     from ..robot.actuators import Bldc
     from ..sim.motor.result import Result
 
-GROUP = typer.Typer(help="Brushless joints: simulated with their own firmware, and tested on the board.")
+GROUP = typer.Typer(help="Simulate a brushless joint with its own firmware, or test its board.")
 
-RobotOption = Annotated[str, typer.Option(help="A robot's name with brushless joints, or a file ending in .toml.")]
+RobotOption = Annotated[str, typer.Option(help="A robot with brushless joints: its name, or a file ending in .toml.")]
 
 
 @GROUP.command("sim")
@@ -27,7 +27,7 @@ def sim(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,
     as_json: Json = False,
 ) -> int:
-    """Run the joint's firmware on a simulated board and motor; without --scenario all of them and the exactness.
+    """Run the joint's firmware on a simulated board and motor. Without --scenario: all scenarios, and the exactness.
 
     Faults: shunt-offset, lost-encoder, encoder-disagreement, open-thermistor, short-thermistor, bus-sag, stall,
     late-interrupt, swapped-phases. Exit code 1 if a figure is missed.
@@ -67,17 +67,17 @@ def selftest(
         bool,
         typer.Option(
             "--bridge",
-            help="Also switch all three phases at half the period for 0.2 s. Must be connected: the supply, limited to "
-            "0.2 A, and USB. Must not be connected: the motor, unless the test without --bridge has passed and the "
-            "joint is free.",
+            help="Also switch all three phases at half the period for 0.2 s. Connect the supply, limited to 0.2 A, and "
+            "USB. Do not connect the motor unless the test without --bridge has passed and the joint is free to "
+            "turn.",
         ),
     ] = False,
     as_json: Json = False,
 ) -> int:
-    """Measure on a real joint's board what no simulation can tell; without --bridge it stays off, nothing moves.
+    """Measure on a real joint's board what no simulation can show. Without --bridge the bridge stays off.
 
-    Times of the control interrupt and the current step, ADC noise, gate driver, encoders. Exit code 1 if one is
-    outside of what is allowed.
+    Measures the times of the control interrupt and the current step, ADC noise, gate driver and encoders. Exit code 1
+    if one is outside its limits.
 
     Example: caramelo motor selftest --port /dev/ttyACM0
     """
@@ -102,7 +102,7 @@ def _joint_of(robot: str) -> "Bldc":
 
     data = load_robot(robot)
     if not isinstance(data.actuator, Bldc):
-        raise UserError(f"--robot {robot}: its joints are servos; name a robot with actuator.kind = bldc")
+        raise UserError(f"--robot {robot}: its joints are not brushless; name a robot with actuator.kind = bldc")
     return data.actuator
 
 

@@ -1,4 +1,4 @@
-"""`caramelo pairings`: which browsers may drive, and revoking that."""
+"""`caramelo pairings`: lists the browsers that may drive, and revokes them."""
 
 from pathlib import Path
 from typing import Annotated
@@ -10,13 +10,13 @@ from ._options import Json
 
 
 def pairings(
-    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="The service's: /var/lib/caramelo.")] = None,
-    forget: Annotated[bool, typer.Option("--forget", help="Revoke all; open pages are hung up on.")] = False,
+    folder: Annotated[Path | None, typer.Option(metavar="DIR", help="For the service: /var/lib/caramelo.")] = None,
+    forget: Annotated[bool, typer.Option("--forget", help="Revoke all pairings and disconnect open pages.")] = False,
     as_json: Json = False,
 ) -> None:
-    """Tell how many browsers are paired with the page, and since when; revoke that with --forget.
+    """Print how many browsers are paired with the page, and since when; --forget revokes all pairings.
 
-    A browser keeps its pairing over a restart. A drive that runs takes notice within a second.
+    A browser stays paired over a restart. A running drive notices the change within a second.
 
     Examples: caramelo pairings; sudo caramelo pairings --folder /var/lib/caramelo --forget
     """

@@ -1,4 +1,4 @@
-"""`caramelo parity`: shows that every Python computes the same numbers from the one source."""
+"""`caramelo parity`: shows that every Python computes the same numbers from the same source."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 EMULATED = "cortex-m-viper"  # slow, so only by its name
 Names = Annotated[list[str] | None, typer.Option("--runtime", help="Only this runtime, and CPython; repeatable.")]
 Port = Annotated[str | None, typer.Option(help="Serial port of a real board, e.g. /dev/ttyACM0.")]
-Vectors = Annotated[int, typer.Option(min=8, help="Vectors of a function; 200 also means walks of 5000 ticks.")]
+Vectors = Annotated[int, typer.Option(min=8, help="Vectors per function; 200 also means walks of 5000 ticks.")]
 Coverage = Annotated[bool, typer.Option("--coverage", help="Also report which statements ran, in a traced VM.")]
-Memory = Annotated[bool, typer.Option("--memory", help="Print instead each function's largest value and heap.")]
+Memory = Annotated[bool, typer.Option("--memory", help="Print each function's largest value and heap instead.")]
 
 
 def parity(
@@ -28,13 +28,13 @@ def parity(
     memory: Memory = False,
     as_json: Json = False,
 ) -> int:
-    """Run the same vectors in CPython and in every MicroPython here, and compare the digests.
+    """Run the same vectors in CPython and in every MicroPython here, and compare the results by their digests.
 
     The vectors cover every public function of shared/ over its range, and walks in every gait. If a
-    runtime differs, the first differing vector is shown and the exit code is 1.
+    runtime differs, the command prints the first vector that differs, and the exit code is 1.
 
-    Runtime cortex-m-viper, an emulated Cortex-M4 with the board's own machine code, takes minutes and runs only by
-    name.
+    The runtime cortex-m-viper, an emulated Cortex-M4 with the board's own machine code, takes minutes and runs only
+    when you name it.
 
     Examples: caramelo parity; caramelo parity --runtime wasi-source; caramelo parity --port /dev/ttyACM0
     """
@@ -67,7 +67,7 @@ def parity(
 
 
 def show_memory(as_json: bool) -> int:
-    """Print what each function takes from the heap and its largest intermediate; 1 if any keeps a byte."""
+    """Print each function's largest intermediate value and how much heap it takes; return 1 if any keeps a byte."""
     import tempfile
     from dataclasses import asdict
     from pathlib import Path
@@ -86,14 +86,14 @@ def show_memory(as_json: bool) -> int:
 
 
 def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":
-    """Return the runtimes asked for, CPython first; UserError for a name there is not."""
+    """Return the wanted runtimes, CPython first; UserError for an unknown name."""
     from ..boards.runtimes import all_runtimes
 
     runtimes = all_runtimes(port, emulated=EMULATED in (names or []))
     known = [runtime.name for runtime in runtimes]
     for name in names or []:
         if name not in known:
-            raise UserError(f"--runtime {name}: not known; there are {', '.join(known)}")
+            raise UserError(f"--runtime {name}: allowed {', '.join(known)}")
     return [r for r in runtimes if not names or r.name in names or r.name in ("cpython", "board")]
 
 

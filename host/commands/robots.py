@@ -23,7 +23,7 @@ GROUP = typer.Typer(help="List, show, check and write robot files.", invoke_with
 
 @GROUP.callback()
 def list_robots(context: typer.Context, as_json: Json = False) -> None:
-    """List, show, check and write robot files. Alone it lists the robots that --robot knows.
+    """List, show, check and write robot files. Without a command, list the robots that --robot knows.
 
     Examples: caramelo robots; caramelo robots show parallel --json; caramelo robots check my.toml;
     caramelo robots new my.toml
@@ -41,7 +41,7 @@ def list_robots(context: typer.Context, as_json: Json = False) -> None:
 
 @GROUP.command("show")
 def show_robot(which: Which, as_json: Json = False) -> None:
-    """Show a robot: the figures that matter most, or with --json everything in its file.
+    """Show a robot's most important figures, or with --json everything in its file.
 
     Example: caramelo robots show caramelo
     """
@@ -56,9 +56,9 @@ def show_robot(which: Which, as_json: Json = False) -> None:
 
 @GROUP.command("check")
 def check_robot(which: Which, as_json: Json = False) -> int:
-    """Check a robot file, and tell what the robot can do. What is wrong with the file is told in one line, exit code 2.
+    """Check a robot file, and print what the robot can do. Exit code 2 and one line if the file is wrong.
 
-    Exit code 1 if the robot can't carry itself: then one line says what it lacks, and which key to change.
+    Exit code 1 if the robot can't carry itself; one line then says what it lacks and which key to change.
 
     Example: caramelo robots check my.toml
     """
@@ -101,16 +101,16 @@ def ability_rows(robot: "Robot", known: "Ability") -> list[tuple[str, str]]:
     return [
         ("stands on four legs", f"{shares[0]} % of stall torque; {sag}"),
         ("on two, as in a trot", f"{shares[1]} %"),
-        ("walks level ground at", f"{known.flat_m_s:.2f} m/s, {FLAT_FROUDE:g} sqrt(g h) or what its legs can"),
+        ("walks level ground at", f"{known.flat_m_s:.2f} m/s: {FLAT_FROUDE:g} sqrt(g h), or what its legs can"),
         ("its legs can", f"{known.able_m_s:.2f} m/s: {known.able_why}"),
         ("its file allows", f"{fastest(robot)[0]:.2f} m/s: {limit(robot)}"),
         ("lifts a foot", f"{1000 * known.lift_m:.0f} mm while it climbs: {known.lift_why}"),
-        ("steps up, at a trot", f"{1000 * known.step_m:.0f} mm"),
+        ("steps up at a trot", f"{1000 * known.step_m:.0f} mm"),
     ]
 
 
 def derived(robot: "Robot") -> dict[str, Any]:
-    """Return what follows from a robot's file."""
+    """Return the values that follow from a robot's file."""
     from ..robot.gait_advice import gait_advice
 
     return {
@@ -122,7 +122,7 @@ def derived(robot: "Robot") -> dict[str, Any]:
 
 
 def overview(robot: "Robot") -> list[tuple[str, str]]:
-    """Return the figures that matter most, as rows of name and value with unit."""
+    """Return the most important figures, as rows of name and value with unit."""
     from ..robot.checks import reachable_heights
     from ..robot.gait_advice import gait_advice
 
@@ -157,7 +157,7 @@ def _actuator(robot: "Robot") -> str:
     if robot.actuator.kind == "pd":
         pd = robot.actuator
         held = f"{pd.stiffness_Nm_rad:g} N m/rad and {pd.damping_Nms_rad:g} N m s/rad"
-        return f"{pd.model}, {pd.torque_Nm:g} N m, {pd.no_load_rad_s:g} rad/s, holds by {held}"
+        return f"{pd.model}, {pd.torque_Nm:g} N m, {pd.no_load_rad_s:g} rad/s, holds with {held}"
     joint = robot.actuator
     torque = f"{joint.torque_limit_Nm:.2f} N m at {joint.drive.current_limit_A:g} A"
     return f"brushless, gear {joint.gear.ratio:g}:1, {torque}, {joint.drive.bus_voltage_V:g} V"

@@ -1,4 +1,4 @@
-"""`caramelo servos`: sets up, finds, looks at and switches the robot's servos."""
+"""`caramelo servos`: sets up, finds, watches and switches the robot's servos."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from ..bus.dynamixel.link import Link
     from ..robot.model import Robot
 
-Port = Annotated[str | None, typer.Option(help="Serial port; without it the robot file's own.")]
-Baud = Annotated[int | None, typer.Option(help="Rate; without it the robot file's own.")]
-Sim = Annotated[bool, typer.Option("--sim", help="Talk to emulated servos: twelve, behind a pseudo-terminal.")]
-Data = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help="Without it the robot's own.")]
+Port = Annotated[str | None, typer.Option(help="Serial port (default: the robot file's).")]
+Baud = Annotated[int | None, typer.Option(help="Rate (default: the robot file's).")]
+Sim = Annotated[bool, typer.Option("--sim", help="Talk to twelve emulated servos behind a pseudo-terminal.")]
+Data = Annotated[Path | None, typer.Option("--calibration", metavar="FILE", help="Default: the robot's own.")]
 Servo = Annotated[int, typer.Argument(metavar="ID", min=0, max=252, help="The servo's id.")]
 
-GROUP = typer.Typer(help="Set up, find, look at and switch the servos.", no_args_is_help=True)
+GROUP = typer.Typer(help="Set up, find, watch and switch the servos.", no_args_is_help=True)
 GROUP.command()(setup)
 
 
@@ -51,7 +51,7 @@ def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Ite
 
 
 def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
-    """Return the robot's calibration; None if it has none yet and none was asked for."""
+    """Return the robot's calibration; None if it has none yet and the command names none."""
     from ..bus.dynamixel.calibration.data import default_path, load_calibration, nominal
 
     if path is not None:
@@ -72,7 +72,7 @@ def scan(
     robot: RobotName = "caramelo",
     port: Port = None,
     baud: Baud = None,
-    all_bauds: Annotated[bool, typer.Option("--all-bauds", help="Try every rate: takes half a minute.")] = False,
+    all_bauds: Annotated[bool, typer.Option("--all-bauds", help="Try every rate, which takes half a minute.")] = False,
     calibration: Data = None,
     sim: Sim = False,
     as_json: Json = False,
@@ -102,7 +102,7 @@ def scan(
         print_table(("id", "joint", "model", "baud"), cells)
         screen().print(f"{len(rows)} servos on {name}\n{cost.sentence()}", soft_wrap=True)
         if 1 < len(rows) < JOINTS:
-            write_error(f"warning: a robot has {JOINTS} servos: check cables; servos that share an id count as one")
+            write_error(f"warning: a robot has {JOINTS} servos: check the cables; servos with the same id count as one")
         if warning:
             write_error(f"warning: {warning}")
     if not rows:
@@ -139,7 +139,7 @@ def status(
 
 def _status_cells(s: Any) -> tuple[str, ...]:
     if s is None:
-        return "-", "-", "-", "-", "-", "does not answer: check its cable, or scan"
+        return "-", "-", "-", "-", "-", "does not answer: check its cable, or run scan"
     torque = "on" if s.torque else "off"
     return (
         str(s.position),
@@ -170,11 +170,11 @@ def monitor(
     robot: RobotName = "caramelo",
     port: Port = None,
     calibration: Data = None,
-    seconds: Annotated[float | None, typer.Option(min=0.0, help="Stop after so long; without it on Ctrl-C.")] = None,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="Stop after this time (default: on Ctrl-C).")] = None,
     sim: Sim = False,
     as_json: Json = False,
 ) -> int:
-    """Watch all joints, torque off: turn them by hand and see angle, load, voltage, heat and bus errors change.
+    """Watch all joints with the torque off: turn them by hand and see angle, load, voltage, heat and bus errors.
 
     Example: caramelo servos monitor --sim --seconds 2
     """
@@ -186,7 +186,7 @@ def monitor(
 
 
 def _watch(bus: "ServoBus", seconds: float | None, view: Callable[..., Any] | None) -> "Measured":
-    """Read at the planner's rate until the time is over or Ctrl-C; show what is read ten times a second."""
+    """Read at the planner's rate until the time is over or Ctrl-C; show the reading ten times a second."""
     from contextlib import nullcontext
 
     period_s, began_s = 1 / bus.robot.control.rate_hz, bus.now()
@@ -206,7 +206,7 @@ def _watch(bus: "ServoBus", seconds: float | None, view: Callable[..., Any] | No
 
 @contextmanager
 def _live() -> Iterator[Callable[["ServoBus", "Measured"], None]]:
-    """Yield a function that shows a reading: in place on a terminal, else the last one at the end."""
+    """Yield a function that shows a reading: on a terminal in place, else only the last one, at the end."""
     from rich.live import Live
 
     with Live(console=screen(), auto_refresh=False, transient=False) as live:
@@ -257,10 +257,10 @@ def torque(
     baud: Baud = None,
     calibration: Data = None,
     limit: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of the stall torque to hold with.")] = 0.5,
-    seconds: Annotated[float | None, typer.Option(min=0.0, help="on: let go after so long.")] = None,
+    seconds: Annotated[float | None, typer.Option(min=0.0, help="on: let go after this time.")] = None,
     sim: Sim = False,
 ) -> int:
-    """Hold the present pose while this runs, or let go of all servos on the bus, calibrated or not.
+    """Hold the present pose while this runs, or switch off all servos on the bus, calibrated or not.
 
     Examples: caramelo servos torque off; caramelo servos torque on --limit 0.2
     """
@@ -270,9 +270,9 @@ def torque(
         from ..bus.dynamixel.table import TORQUE_ENABLE
 
         with servo_port(robot, port, baud, sim) as (_, link):
-            for _ in range(3):  # nobody confirms a packet to all
+            for _ in range(3):  # no servo confirms a broadcast
                 link.broadcast(TORQUE_ENABLE, 0)
-        screen().print("all servos on the bus were told to let go")
+        screen().print("told all servos on the bus to let go")
         return 0
     with _open_bus(robot, port, calibration, sim) as bus:
         bus.limit_torque(limit)
@@ -285,7 +285,7 @@ def torque(
 @GROUP.command()
 def set_id(
     old: Servo,
-    new: Annotated[int, typer.Argument(metavar="NEW", min=0, max=252, help="The id it gets.")],
+    new: Annotated[int, typer.Argument(metavar="NEW", min=0, max=252, help="The new id.")],
     robot: RobotName = "caramelo",
     port: Port = None,
     baud: Baud = None,
@@ -299,20 +299,20 @@ def set_id(
 
     with servo_port(robot, port, baud, sim) as (_, link):
         tools.set_id(link, old, new)
-    screen().print(f"servo {old} has id {new} now")
+    screen().print(f"servo {old} now has id {new}")
     return 0
 
 
 @GROUP.command()
 def set_baud(
     servo: Servo,
-    new: Annotated[int, typer.Argument(metavar="BAUD", help="The rate it gets.")],
+    new: Annotated[int, typer.Argument(metavar="BAUD", help="The new rate.")],
     robot: RobotName = "caramelo",
     port: Port = None,
     baud: Baud = None,
     sim: Sim = False,
 ) -> int:
-    """Set a servo's rate. All servos of a bus need the same.
+    """Set a servo's rate. All servos on a bus need the same rate.
 
     Example: caramelo servos set-baud 1 4000000 --baud 57600
     """
@@ -320,7 +320,7 @@ def set_baud(
 
     with servo_port(robot, port, baud, sim) as (_, link):
         tools.set_baud(link, servo, new)
-    screen().print(f"servo {servo} talks at {new} baud now")
+    screen().print(f"servo {servo} now talks at {new} baud")
     return 0
 
 
@@ -343,7 +343,7 @@ def budget(
     latency: Annotated[float, typer.Option(metavar="MS", min=0.0, help="The USB adapter's latency timer.")] = 1.0,
     as_json: Json = False,
 ) -> int:
-    """Tell how much of a control cycle the bus takes. Exit code 1 if it does not fit.
+    """Print how much of a control cycle the bus takes. Exit code 1 if it does not fit.
 
     Example: caramelo servos budget --baud 1000000 --latency 16
     """

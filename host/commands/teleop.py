@@ -12,38 +12,38 @@ from ..util.console import say, screen, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from ._options import Honest, RobotName
 
-# What is still running so long after the joints have been let go hangs on a disk, a pipe or a terminal: the system ends
-# the program then.
+# Seconds after letting go of the joints at which the system ends the program: anything that still runs then hangs on
+# a disk, a pipe or a terminal.
 END_MOST_S = 15
 
 
 def teleop(
     robot: RobotName = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name or file (default: the robot file's).")] = None,
     sim: Annotated[bool, typer.Option("--sim", help="Drive emulated servos on a simulated robot.")] = False,
     where: Annotated[str | None, typer.Option("--in", metavar="WORLD", help="With --sim: plane, or space.")] = None,
-    web: Annotated[bool, typer.Option("--web", help="Serve the page for phone and browser.")] = False,
-    listen: Annotated[str, typer.Option(metavar="ADDR", help="Where: address or address:port.")] = "127.0.0.1:8080",
-    foxglove: Annotated[bool, typer.Option("--foxglove", help="Serve Foxglove at --listen's address.")] = False,
+    web: Annotated[bool, typer.Option("--web", help="Serve the page for phones and browsers.")] = False,
+    listen: Annotated[str, typer.Option(metavar="ADDR", help="Address, or address:port.")] = "127.0.0.1:8080",
+    foxglove: Annotated[bool, typer.Option("--foxglove", help="Serve Foxglove on the address of --listen.")] = False,
     foxglove_port: Annotated[int, typer.Option(metavar="PORT", min=1, max=65535, help="Where.")] = 8765,
-    log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record into an MCAP file, or a folder.")] = None,
-    keep: Annotated[float | None, typer.Option(metavar="GB", help="Oldest records of the folder go beyond it.")] = None,
+    log: Annotated[Path | None, typer.Option(metavar="FILE", help="Record to an MCAP file, or into a folder.")] = None,
+    keep: Annotated[float | None, typer.Option(metavar="GB", help="Delete the oldest records above this size.")] = None,
     gamepad: Annotated[str | None, typer.Option(metavar="DEVICE", help="auto, or /dev/input/eventN.")] = None,
     socket: Annotated[str | None, typer.Option(metavar="WHERE", help="Unix socket or local port for scripts.")] = None,
     port: Annotated[str | None, typer.Option(help="Serial port, or INTERFACE:CHANNEL of CAN.")] = None,
     imu: Annotated[str | None, typer.Option(metavar="WHERE", help="i2c, a gait board's port, or a recording.")] = None,
-    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Without it the robot's own.")] = None,
-    headless: Annotated[bool, typer.Option("--headless", help="No keyboard and no screen, as a service.")] = False,
+    calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: the robot's own.")] = None,
+    headless: Annotated[bool, typer.Option("--headless", help="No keyboard and no screen, for a service.")] = False,
     honest: Honest = None,
     direct: Annotated[bool, typer.Option("--direct", help="With --sim: no servo bus in between.")] = False,
-    measure: Annotated[float | None, typer.Option(metavar="S", help="Drive by itself, print the figures.")] = None,
+    measure: Annotated[float | None, typer.Option(metavar="S", help="Drive by itself, then print the figures.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Headless; print one JSON object at the end.")] = False,
 ) -> int:
     """Drive the robot: keyboard in the terminal, gamepad, web page, script; an emergency stop works from each.
 
-    The checks of the start are printed in order. Then the screen shows the state, why the robot does not move, and
-    the keys. Ctrl-C sits down and leaves. Exit code 1 if a check fails, or if --measure missed a deadline or met
-    a fault. A simulated robot walks in space where MuJoCo is installed, else in the plane.
+    First the command prints its checks in order. Then the screen shows the state, why the robot does not move, and the
+    keys. Ctrl-C makes the robot sit down and ends the command. Exit code 1 if a check fails, or if --measure missed a
+    deadline or met a fault. A simulated robot walks in space where MuJoCo is installed, else in the plane.
 
     Examples: caramelo teleop --sim; caramelo teleop --sim --web; caramelo teleop --web --listen 0.0.0.0 --log logs/;
     caramelo teleop --sim --measure 30 --json
@@ -57,7 +57,7 @@ def teleop(
     _check_keep(keep, log)
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
-        raise UserError("no terminal to take keys from: add --headless, with --web, --foxglove, --gamepad or --socket")
+        raise UserError("no terminal for the keyboard: add --headless, with --web, --foxglove, --gamepad or --socket")
     if honest is not None and not sim:
         raise UserError(f"--{'honest' if honest else 'simple'}: only with --sim")
     loaded = with_gait(load_robot(robot).simulated(honest), gait)
@@ -100,11 +100,11 @@ def _check_keep(keep: float | None, log: Path | None) -> None:
     if keep is not None and not 0.01 <= keep <= 100_000:
         raise UserError(f"--keep {keep:g}: allowed 0.01 .. 100000 GB")
     if keep is not None and log is None:
-        raise UserError(f"--keep {keep:g}: only with --log and a folder")
+        raise UserError(f"--keep {keep:g}: only with --log FOLDER")
 
 
 def _in_space(where: str | None, sim: bool) -> bool:
-    """Return whether the simulation has three dimensions: as asked for, else where MuJoCo is installed."""
+    """Return whether the simulation has three dimensions: as --in says, else if MuJoCo is installed."""
     if where not in (None, "space", "plane"):
         raise UserError(f"--in {where}: allowed: space, plane")
     if where is not None and not sim:
@@ -143,6 +143,6 @@ def _show(figures: dict[str, Any]) -> None:
     if figures.get("log"):
         console.print(f"wrote {figures['log']}", soft_wrap=True)
     if figures["left_behind"]:
-        console.print(f"not ended in time, left behind: {', '.join(figures['left_behind'])}")
+        console.print(f"did not end in time, left behind: {', '.join(figures['left_behind'])}")
     if figures.get("log_trouble"):
         console.print(figures["log_trouble"], soft_wrap=True)

@@ -1,4 +1,4 @@
-"""`caramelo tune`: finds better values for a robot file in the simulators, and writes a copy with them."""
+"""`caramelo tune`: searches better values for a robot file in the simulators, and writes a copy with them."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
 
 WORLDS = {"plane": "plane", "space": "3-D"}
 GOALS = ("speed", "steps", "payload", "quiet")
-FOR_HELP = "What to be better at: speed, steps (higher ones), payload (more of it with less torque), quiet."
-OUT_HELP = "Write the copy here, else ROBOT-GOAL.toml in this folder."
-STORE_HELP = "Keep the trials here, and go on from them; else beside the copy."
+FOR_HELP = "What to improve: speed, steps (higher ones), payload (more, with less torque), quiet."
+OUT_HELP = "Write the copy here (default: ROBOT-GOAL.toml in this folder)."
+STORE_HELP = "Keep the trials here, and go on from them (default: beside the copy)."
 
 
 def tune(
     robot: RobotName = "caramelo",
     goal: Annotated[str, typer.Option("--for", metavar="GOAL", help=FOR_HELP)] = "speed",
     trials: Annotated[int, typer.Option(min=2, max=100_000, help="Choices of values to try, eight walks each.")] = 200,
-    gait: Annotated[str | None, typer.Option(help="A gait's name; without it the robot file's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name (default: the robot file's).")] = None,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "space",
     jobs: Jobs = 1,
     cluster: ClusterAt = "",
@@ -31,11 +31,11 @@ def tune(
     store: Annotated[Path | None, typer.Option(metavar="FILE", help=STORE_HELP)] = None,
     as_json: Json = False,
 ) -> int:
-    """Search a robot file's chosen values for a goal and write a copy of the file with the best, marked tuned.
+    """Search the best values of a robot file for a goal and write a copy of the file with them, marked tuned.
 
-    Each choice is walked on several grounds, with other friction, delay, voltage and drives each; before and after are
-    compared on grounds that were not searched. Ctrl-C keeps the best so far; the same command goes on from there. Exit
-    code 0 if the copy is better there, 1 if not: then none is written.
+    The robot walks each choice on several grounds, each with other friction, delay, voltage and drives. Then before and
+    after are compared on grounds that the search did not use. Ctrl-C keeps the best so far; the same command goes on
+    from there. Exit code 0 if the copy is better on those grounds; else 1, and no copy is written.
 
     Examples: caramelo tune --robot my.toml --for steps; caramelo tune --robot solo12 --for speed --jobs 4 --trials 400
     """
@@ -56,7 +56,7 @@ def tune(
     kept = store or copy.with_suffix(".trials.jsonl")
     check_folder("--out", copy.parent)
     if copy.exists() and not kept.exists():
-        raise UserError(f"--out {copy}: there is such a file, of no search that {kept} knows: name another")
+        raise UserError(f"--out {copy}: the file exists and comes from no search in {kept}: name another")
     with workers(jobs, cluster) as run_by, cases(f"tuning {file.robot.name} for {goal}") as tell:
         tuning = Tuning(wanted, kept, run_by,
                         lambda done, best: tell(done, trials, "" if best is None else f"best {best:.4g}"))
@@ -65,7 +65,7 @@ def tune(
         except KeyboardInterrupt:
             _keep(tuning, copy)
             raise
-        tell(trials, trials, "the best few walk more")
+        tell(trials, trials, "the best few walk again")
         tuning.final()
         tell(trials, trials, "before and after on other grounds")
         other = tuning.on_other_grounds()
@@ -79,11 +79,11 @@ def tune(
 
 
 def _keep(tuning: "Tuning", copy: Path) -> None:
-    """Write the best so far of a search that was ended, if there is any."""
+    """Write the best so far of a search that was stopped, if there is any."""
     if len(tuning.store.trials) > 1:
         tuning.write(copy)
         write_error(f"the best of {len(tuning.store.trials)} trials so far is in {copy}, not compared on other grounds "
-                    "yet: the same command goes on")
+                    "yet; the same command goes on from there")
 
 
 def _show(result: dict[str, Any]) -> None:
@@ -96,4 +96,4 @@ def _show(result: dict[str, Any]) -> None:
     if result["ok"]:
         tell_written([result["file"]])
     else:
-        write_error("the best is no better on grounds that were not searched: no file written")
+        write_error("the best is not better on grounds that the search did not use: no file written")

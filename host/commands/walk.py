@@ -1,4 +1,4 @@
-"""`caramelo walk`: walks a simulated robot over some ground and shows how it went."""
+"""`caramelo walk`: lets a simulated robot walk over some ground and prints how it went."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,17 +18,17 @@ WORLDS = ("plane", "space")
 FILES = ("walk.html", "walk.svg", "path.png", "walk.json")  # what --out gets
 TERRAIN_HELP = (
     "flat, stones, gravel, ramp (up and down), slope-up, slope-down, step (up and down), step-up, step-down, box, "
-    "stairs-up, stairs-down; in space also angled and left: a step met askew, and one under the left legs only."
+    "stairs-up, stairs-down; in space also angled (a step met askew) and left (one under the left legs only)."
 )
 
 
 def walk(
     robot: RobotName = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name, or a file; without it the robot file's own.")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name or file (default: the robot file's).")] = None,
     speed: Annotated[float, typer.Option(metavar="M_S", help="Commanded speed, m/s.")] = 0.05,
     where: Annotated[str, typer.Option("--in", metavar="WORLD", help="plane, or space (MuJoCo).")] = "plane",
     terrain: Annotated[str, typer.Option(metavar="NAME", help=TERRAIN_HELP)] = "flat",
-    height: Annotated[float | None, typer.Option(metavar="M", help="Height of a step, box or stones, m.")] = None,
+    height: Annotated[float | None, typer.Option(metavar="M", help="Height of step, box or stones, m.")] = None,
     angle: Annotated[float, typer.Option(metavar="DEG", help="Slope of the ramp, degrees.")] = 5.34,
     length: Annotated[float | None, typer.Option(metavar="M", help="Length of step, box, slope, tread, m.")] = None,
     start: Annotated[float, typer.Option(metavar="M", help="Where the obstacle begins, m ahead of the body.")] = 0.35,
@@ -37,16 +37,16 @@ def walk(
     friction: Annotated[float, typer.Option(help="Friction between foot and ground.")] = 0.9,
     voltage: Annotated[float | None, typer.Option(metavar="V", help="Supply voltage, V.")] = None,
     bus_delay: Annotated[float, typer.Option(metavar="S", help="How late goals reach the joints, s.")] = 0.02,
-    balance: Annotated[bool, typer.Option(help="Keep the body level by the measured attitude.")] = True,
+    balance: Annotated[bool, typer.Option(help="Level the body by its measured attitude.")] = True,
     seed: Annotated[int, typer.Option(min=0, max=2**31 - 1, help="Seed of stones and sensor noise.")] = 0,
     honest: Honest = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help=f"Write {', '.join(FILES)} here.")] = None,
     as_json: Json = False,
 ) -> int:
-    """Walk a simulated robot, show the figures, and write an animation, a moving picture and one of the path.
+    """Let a simulated robot walk and print the figures; --out writes an animation, a moving picture and the path.
 
-    Exit code 0 if it arrived as commanded, 1 if it did not (the reason is told), 2 for wrong use. The plane has no
-    left and right, and is fast; in space the robot can also roll, turn and drift, and is shown from the side.
+    Exit code 0 if it arrived as commanded, 1 with the reason if it did not, 2 for wrong use. The plane has no left and
+    right, and is fast to compute; in space the robot can also roll, turn and drift, and is drawn from the side.
 
     Examples: caramelo walk; caramelo walk --in space; caramelo walk --gait paper-trot --terrain step --height 0.05;
     caramelo walk --robot parallel --speed 0.1 --out out/parallel

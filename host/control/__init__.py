@@ -1,1 +1,1 @@
-"""From the wish to the joints: the planner in SI, arbiter, supervisor, safety, and the loop at a fixed rate."""
+"""From the driver's command to the joints: the planner in SI, arbiter, supervisor, safety, and the loop."""

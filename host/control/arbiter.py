@@ -1,4 +1,4 @@
-"""Who drives: one at a time, by priority; a dead-man; an emergency stop that anyone may pull and that stays pulled."""
+"""Who drives: one client at a time, by priority; a dead-man; an emergency stop that anyone may give, which latches."""
 
 from dataclasses import dataclass, field, replace
 
@@ -7,21 +7,21 @@ from shared.gait.gaits import GAIT_NAMES
 from .messages import Drive, Message
 
 DEAD_MAN_S = 0.300
-# A driver who has been silent for so long has left.
+# A driver who has been silent for this long has left.
 LEFT_S = 3.0
 PRIORITY = {"script": 0, "foxglove": 1, "web": 1, "gamepad": 2, "keyboard": 3}
 
 
 @dataclass(frozen=True)
 class Client:
-    """Somebody who sends messages: where from, and which one of those."""
+    """A sender of messages: its source, and its number among those of that source."""
 
     source: str
     number: int = 0
 
     @property
     def priority(self) -> int:
-        """Higher takes the controls from lower."""
+        """A higher one takes the controls from a lower one."""
         return PRIORITY[self.source]
 
     def __str__(self) -> str:
@@ -30,7 +30,7 @@ class Client:
 
 @dataclass(frozen=True)
 class Stop:
-    """An emergency stop: whose, when, and when the stop was pulled by the puller's own clock (or None)."""
+    """An emergency stop: who gave it, when, and when by the sender's own clock (or None)."""
 
     client: Client
     time_s: float
@@ -39,7 +39,7 @@ class Stop:
 
 @dataclass(frozen=True)
 class Pending:
-    """The oldest drive message that no packet carries yet: whose, its sender's time or None; if sticks moved since."""
+    """The oldest drive message not yet sent to the joints: from whom, the sender's time or None, if sticks moved."""
 
     source: str
     t_ms: float | None
@@ -48,7 +48,7 @@ class Pending:
 
 @dataclass
 class Arbiter:
-    """Takes checked messages of all clients and holds what is to be done now. Times are monotonic seconds."""
+    """Takes checked messages of all clients and holds the present commands. Times are monotonic seconds."""
 
     gait: str
     gaits: tuple[str, ...] = GAIT_NAMES
@@ -107,13 +107,13 @@ class Arbiter:
         return now_s - self._heard_s
 
     def update(self, now_s: float) -> Drive:
-        """Return what the sticks say now: no speed without a fresh command. A silent driver loses the controls."""
+        """Return the sticks' command now: no speed without a fresh message. A silent driver loses the controls."""
         if self.driver is not None and now_s - self._heard_s > LEFT_S:
             self.drop(self.driver)
         return self.drive if self.fresh(now_s) else Drive(pose=self.drive.pose)
 
     def _pull(self, client: Client, now_s: float, t_ms: float | None) -> None:
-        """The first stop is kept, and nothing that was wished before it survives it."""
+        """Keep the first stop, and drop every command from before it."""
         if self.stop is None:
             self.stop = Stop(client, now_s, t_ms)
         self.posture, self.drive, self.pending = "rest", Drive(), None
@@ -139,7 +139,7 @@ class Arbiter:
         return True
 
     def _admit(self, client: Client, now_s: float) -> bool:
-        """Let the driver in, and whoever finds the seat free or has priority over the driver."""
+        """Accept the driver, and a client that finds the seat free or has priority over the driver."""
         driver = self.driver
         if driver is not None and client != driver:
             left = now_s - self._heard_s > LEFT_S

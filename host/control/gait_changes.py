@@ -1,7 +1,7 @@
-"""What the planner says of its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
+"""The planner's reports on its gait, in sentences: trot or crawl, since when and why; what the crawl has met.
 
-The core keeps codes (planner/handover.py, crawl/state.py); here they get their words, for the walk's report,
-the pages and the records.
+The core keeps codes (planner/handover.py, crawl/state.py); this module has their sentences, for the walk's report, the
+pages and the records.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,13 +19,13 @@ from ..robot.gait_names import gait_names
 from ..robot.model import LEG_NAMES
 from .planner import Driver
 
-_GIVEN_UP = "backing off was given up: another command came, or joints or attitude became unknown"
+_GIVEN_UP = "backing off was stopped: another command came, or joints or attitude became unknown"
 _STOPPED = "told to stop, or fallen"
 BACKING_OFF, STANDING_STILL, CRAWL = "backing off", "standing still", "crawl"  # phases of an exchange
 
 
 def gait_now(driver: Driver) -> str:
-    """Return what is walked: "backing off", "trot", "crawl", or the name of a table's gait."""
+    """Return how the robot walks: "backing off", "trot", "crawl", or the name of a table gait."""
     status = driver.planner.status
     if status.backs:
         return BACKING_OFF
@@ -41,14 +41,14 @@ def exchange_phase(driver: Driver) -> str:
 
 
 def change_reason(driver: Driver) -> str:
-    """Return why trot and crawl were last exchanged, "" if they were not."""
+    """Return why trot and crawl last took over from each other, "" if they did not."""
     crawls = exchange_phase(driver) != ""
     return {
         handover.REASON_NONE: "",
         handover.REASON_HELD: "held up: its swings meet something again and again",
         handover.REASON_COMMAND: "the crawl was commanded"
         if crawls
-        else "a gait or a way was commanded that is not the crawl's",
+        else "the commanded gait or direction is not one for the crawl",
         handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
     }[driver.planner.status.reason]
 
@@ -56,41 +56,41 @@ def change_reason(driver: Driver) -> str:
 def margin_m(driver: Driver) -> float:
     """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
     if driver.planner.status.mover != MOVER_CRAWL:
-        tell_margin(driver.planner)  # neither the trot nor standing up has use for it
+        tell_margin(driver.planner)  # computed only here: neither the trot nor standing up uses it
     return driver.scale.metres(driver.planner.status.margin)
 
 
 def crawl_event(driver: Driver) -> str:
-    """Return what the crawl met last, "" if nothing."""
+    """Return a sentence on what the crawl met last, "" if nothing."""
     event = driver.planner.crawl.event
     leg = LEG_NAMES[event.leg]
     off_mm = 1000 * driver.scale.metres(event.z)
     return {
         crawl.EVENT_NONE: "",
-        crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm off the height expected",
-        crawl.EVENT_STEP: f"{leg} met ground {off_mm:.0f} mm above the height expected: it tries further on",
+        crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm from the expected height",
+        crawl.EVENT_STEP: f"{leg} met ground {off_mm:.0f} mm above the expected height: it tries further on",
         crawl.EVENT_DROP: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
-        crawl.EVENT_SHIN: f"{leg} stood on an edge with its shin: it lifts and goes further on",
-        crawl.EVENT_RISER: f"{leg} ran into a riser: it goes back and higher",
-        crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and is left hanging",
-        crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry what they should",
+        crawl.EVENT_SHIN: f"{leg} had its shin on an edge: it lifts and goes further on",
+        crawl.EVENT_RISER: f"{leg} hit a riser: it goes back and higher",
+        crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and stays in the air",
+        crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry the load that they should",
     }[event.code]
 
 
 class GaitWatch:
-    """Looks at a planner after each tick and keeps a note whenever trot and crawl are exchanged."""
+    """Checks a planner after each tick and keeps a note whenever trot and crawl take over from each other."""
 
     def __init__(self, driver: Driver) -> None:
         self._driver = driver
         self.restart()
 
     def restart(self) -> None:
-        """Forget the notes; the seconds count from here."""
+        """Forget the notes; seconds count from now."""
         self.notes: list[Note] = []
         self._ticks, self._before = 0, exchange_phase(self._driver)
 
     def look(self) -> None:
-        """Take note of a tick."""
+        """Note a tick's change, if there is one."""
         now, before = exchange_phase(self._driver), self._before
         self._ticks += 1
         if now == before:
@@ -115,5 +115,5 @@ def notes_json(notes: Iterable[Note]) -> list[dict[str, Any]]:
 
 
 def change_lines(changes: Sequence[dict[str, Any]]) -> list[tuple[str, str]]:
-    """Return the changes of a walk as rows for people."""
+    """Return the changes of a walk as rows to print."""
     return [(f"at {change['time_s']:.1f} s: {change['to']}", change["reason"]) for change in changes]

@@ -1,4 +1,4 @@
-"""What a real robot is driven through: its servos or its joints on CAN, and its inertial sensor, none opened yet."""
+"""A real robot's hardware: its servos or its joints on CAN, and its inertial sensor, none of them opened yet."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from ..robot.model import Robot
 from ..robot.poses import seated_pose_rad
 from ..util.errors import UserError
 
-SIMULATED_INTERFACES = ("udp_multicast", "virtual")  # what caramelo joints sim is reached by
-ELSEWHERE = "the joints are simulated elsewhere, and their body's sensor is not here: the body is not kept level"
+SIMULATED_INTERFACES = ("udp_multicast", "virtual")  # those of caramelo joints sim
+ELSEWHERE = "another program simulates the joints, and their body's sensor is not here: the body is not kept level"
 
 
 Place = tuple[float, float, float, float]  # x, y, z of the middle of the hips, m, and yaw, rad
@@ -21,9 +21,9 @@ Place = tuple[float, float, float, float]  # x, y, z of the middle of the hips, 
 
 @dataclass(frozen=True)
 class Stage:
-    """Where a simulated robot walks: grounds by name, each as the (x, z) of its surface along the way, m.
+    """The grounds of a simulated robot, by name, each as the (x, z) of its surface along the way, m.
 
-    ``choose`` puts the robot down, seated, at x = 0 of another ground; ``place`` tells where it is, None if not known.
+    ``choose`` puts the robot down, seated, at x = 0 of another ground; ``place`` returns where it is, None if unknown.
     """
 
     grounds: Mapping[str, Sequence[tuple[float, float]]]
@@ -33,11 +33,11 @@ class Stage:
 
 @dataclass(frozen=True)
 class Hardware:
-    """What a robot is driven through, none of it opened yet.
+    """A robot's hardware, none of it opened yet.
 
-    ``put_back`` lifts a simulated robot and puts it down seated; with a real one that is left to a person.
-    ``turns``: the robot lives in space and its sensor says how it turns; in the plane it never does.
-    ``simulated``: no metal moves. ``stage``: on grounds that can be chosen.
+    ``put_back`` lifts a simulated robot and puts it down seated; a real one needs a person for that.
+    ``turns``: the robot moves in space and its sensor measures its turning; in the plane it never turns.
+    ``simulated``: no real robot moves. ``stage``: the grounds to choose from.
     """
 
     bus: Bus
@@ -49,13 +49,13 @@ class Hardware:
 
 
 def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
-    """Return the real robot's parts; joints on CAN that ``caramelo joints sim`` simulates are real ones here.
+    """Return the real robot's parts; joints simulated by ``caramelo joints sim`` count as real here.
 
     ``port``: a serial port, or INTERFACE:CHANNEL of CAN, instead of the robot file's own; ``calibration``: a file
     instead of the robot's own.
     """
     if robot.bus.kind == "none":
-        raise UserError(f'{robot.name}: this software can not drive it (bus.kind = "none"), it is simulated only')
+        raise UserError(f'{robot.name}: can only be simulated, not driven (bus.kind = "none")')
     if robot.bus.kind == "can":
         interface = (port or robot.bus.interface).partition(":")[0]
         elsewhere = interface in SIMULATED_INTERFACES
@@ -74,13 +74,13 @@ def real(robot: Robot, port: str | None, calibration: Path | None) -> Hardware:
 
 
 def can_joints(robot: Robot, port: str | None) -> Bus:
-    """Return the joints on CAN; ``port`` INTERFACE:CHANNEL goes before the robot file's own."""
+    """Return the joints on CAN; ``port`` INTERFACE:CHANNEL overrides the robot file's own."""
     from ..bus.can.joints import CanJoints, new_session
     from ..bus.can.open import open_port
 
     assert robot.bus.kind == "can"
     interface, colon, channel = (port or "").partition(":")
     if port and not (colon and interface and channel):
-        raise UserError(f"--port {port}: of joints on CAN it is INTERFACE:CHANNEL, such as socketcan:can0")
+        raise UserError(f"--port {port}: for joints on CAN give INTERFACE:CHANNEL, such as socketcan:can0")
     bus_port = open_port(robot.bus, interface or None, channel or None)
     return CanJoints(robot, bus_port, new_session(), seated_pose_rad(robot), threaded=True)

@@ -1,4 +1,4 @@
-"""Verdicts on a robot from what it tells of itself (telemetry.py): loop, bus, sensor, battery, heat, versions."""
+"""Verdicts on a robot from its status (telemetry.py): loop, bus, sensor, battery, heat, versions."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ from ..bus.base import JOINT_LABELS, JOINTS
 from ..util.version import software_version
 
 OK, NOTE, BAD = "ok", "note", "bad"
-MISSED_BAD = 0.01  # of the ticks: more is felt in the walk (chosen)
-ERRORS_NOTE, ERRORS_BAD = 0.001, 0.01  # of the answers asked for (chosen)
+MISSED_BAD = 0.01  # of the ticks: more disturbs the walk (chosen)
+ERRORS_NOTE, ERRORS_BAD = 0.001, 0.01  # of the requested answers (chosen)
 SLOW_LOOP = 0.95  # of its rate
 NEAR_LOW, NEAR_HOT_C = 1.05, 10.0  # of the lowest supply; below the highest heat (chosen)
-WORST_JOINTS = 3  # are named
+WORST_JOINTS = 3  # so many are named
 
 Status = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One line: what was looked at, ``ok``, ``note`` or ``bad``, and what was found."""
+    """One line: the part, ``ok``, ``note`` or ``bad``, and what was found."""
 
     name: str
     verdict: str
@@ -28,7 +28,7 @@ class Finding:
 
 
 def findings(about: Status, first: Status, last: Status) -> Iterator[Finding]:
-    """Yield a line for each part, from what does not change and from two statuses some time apart."""
+    """Yield a line for each part, from the constant data and from two statuses some time apart."""
     yield _state(about, last)
     yield _loop(first, last)
     yield _deadlines(last)
@@ -63,7 +63,7 @@ def _deadlines(last: Status) -> Finding:
 
 
 def _bus(first: Status, last: Status) -> Finding:
-    """All errors since the drive began; but of the looking for joints before its first tick, none."""
+    """Count all errors since the drive began, but none from looking for joints before its first tick."""
     nothing: Status = {"bus_asked": 0, "bus_errors": 0, "lost_by_joint": [0] * JOINTS}
     before = nothing if first["timing"]["ticks"] else first
     asked, errors = (last[key] - before[key] for key in ("bus_asked", "bus_errors"))
@@ -92,29 +92,29 @@ def _imu(last: Status) -> Finding:
 def _battery(about: Status, last: Status) -> Finding:
     volts, low_V = last["battery_V"], about["low_V"]
     if volts is None:
-        return Finding("battery", BAD, "no joint tells a voltage")
+        return Finding("battery", BAD, "no joint reports a voltage")
     verdict = BAD if volts < low_V else NOTE if volts < NEAR_LOW * low_V else OK
-    return Finding("battery", verdict, f"{volts:.1f} V, it sits down below {low_V:.1f}")
+    return Finding("battery", verdict, f"{volts:.1f} V; the robot sits down below {low_V:.1f}")
 
 
 def _heat(about: Status, last: Status) -> Finding:
     known = [(heat_C, JOINT_LABELS[joint]) for joint, heat_C in enumerate(last["temperature_C"]) if heat_C is not None]
     hot_C = about["hot_C"]
     if not known:
-        return Finding("heat", BAD, "no joint tells a temperature")
+        return Finding("heat", BAD, "no joint reports a temperature")
     heat_C, joint = max(known)
     if hot_C is None:
         return Finding("heat", OK, f"hottest {joint}: {heat_C:.0f} degrees C")
     verdict = BAD if heat_C > hot_C else NOTE if heat_C > hot_C - NEAR_HOT_C else OK
-    return Finding("heat", verdict, f"hottest {joint}: {heat_C:.0f} degrees C, it sits down above {hot_C:.0f}")
+    return Finding("heat", verdict, f"hottest {joint}: {heat_C:.0f} degrees C; the robot sits down above {hot_C:.0f}")
 
 
 def version_finding(told: Mapping[str, str]) -> Finding:
-    """Return the line of the versions that a drive tells (util/version.py, and its joints')."""
+    """Return the line with the versions that a drive reports (util/version.py, and its joints')."""
     words = f"caramelo {told['caramelo']}, Python {told['python']}, core: {told['core']}"
     words += f", joints' firmware {told['joints']}" if told["joints"] else ""
     if "," in told["joints"]:
-        return Finding("versions", NOTE, f"{words}: the joints differ, flash or update them alike")
+        return Finding("versions", NOTE, f"{words}: the joints differ: give all the same firmware")
     if told["caramelo"] != software_version():
-        return Finding("versions", NOTE, f"{words}; this command is {software_version()}: start the service again")
+        return Finding("versions", NOTE, f"{words}; this command is {software_version()}: restart the service")
     return Finding("versions", OK, words)

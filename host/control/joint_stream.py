@@ -1,8 +1,8 @@
-"""Goals for the joints in the place of the planner's, checked anew in every tick: limits, steps, a dead-man.
+"""Joint goals from a program in place of the planner's, checked in every tick: limits, steps, a dead-man.
 
-Whoever sends goals moves the joints himself while the planner stands. Each joint goes there no faster than it was
-asked to and never beyond its limits. Who falls silent, or is done, gets the planner's stance back at the speed at which
-the robot stands up.
+A program that sends goals moves the joints itself while the planner stands. Each joint moves no faster than the program
+asked and never beyond its limits. If the program falls silent or is done, the joints return to the planner's stance, at
+the speed at which the robot stands up.
 """
 
 from collections.abc import Sequence
@@ -12,11 +12,11 @@ from ..bus.base import JOINTS, checked_goals
 from ..robot.model import Robot
 from .arbiter import DEAD_MAN_S
 
-BACK_RAD = 1e-3  # so near to the planner's goals it has them back: below a servo's step of 1.5 mrad
+BACK_RAD = 1e-3  # this close to the planner's goals the joints are back: less than a servo's step of 1.5 mrad
 
 
 class JointStream:
-    """One robot's; ``rate_hz`` ticks a second."""
+    """One robot's stream; ``rate_hz`` ticks a second."""
 
     def __init__(self, robot: Robot, rate_hz: int) -> None:
         self.limits_rad = tuple(limit for leg in range(4) for limit in robot.joint_limits_rad(leg))
@@ -24,13 +24,13 @@ class JointStream:
         self.usual_rad_s = robot.stand.joint_rad_s
         self._period_s = 1 / rate_hz
         self._speed_rad_s = self.usual_rad_s
-        self._goals: list[float] | None = None  # of the last tick; None: the planner has the joints
+        self._goals: list[float] | None = None  # of the last tick; None: the planner moves the joints
         self._wish: list[float] | None = None  # None: on the way back to the planner
         self._heard_s = -inf
 
     @property
     def active(self) -> bool:
-        """True while the joints are not where the planner wants them."""
+        """True while the joints are not back at the planner's goals."""
         return self._goals is not None
 
     @property
@@ -40,11 +40,11 @@ class JointStream:
 
     @property
     def wished(self) -> list[float]:
-        """The last wish; nothing once it is over."""
+        """The program's last goals; None once it is done."""
         return self._wish or []
 
     def begin(self, goals_rad: Sequence[float], speed_rad_s: float, now_s: float) -> None:
-        """Take the joints from where they are told to be; ``speed_rad_s``: the fastest that any may turn."""
+        """Take over the joints at their present goals; ``speed_rad_s``: the top speed of each."""
         self._goals = self._wish = list(checked_goals(goals_rad))
         self._speed_rad_s, self._heard_s = min(speed_rad_s, self.fastest_rad_s), now_s
 
@@ -64,15 +64,15 @@ class JointStream:
         self._wish = None
 
     def drop(self) -> None:
-        """Nothing holds the joints any more."""
+        """Forget everything: nothing holds the joints any more."""
         self._goals = self._wish = None
 
     def fresh(self, now_s: float) -> bool:
-        """True while the last wish is younger than the dead-man's time."""
+        """True while the last goals are younger than the dead-man's time."""
         return now_s - self._heard_s <= DEAD_MAN_S
 
     def goals(self, planned_rad: list[float], now_s: float) -> list[float]:
-        """Return this tick's goals: one step nearer to the wish, or back to what is planned."""
+        """Return this tick's goals: one step towards the program's goals, or back to the planner's."""
         if self._goals is None:
             return planned_rad
         target, speed_rad_s = planned_rad, self.usual_rad_s

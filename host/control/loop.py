@@ -1,8 +1,8 @@
-"""The loop: waits for the next tick with an ear for all command sources, then senses, listens again, acts.
+"""The loop: listens to all command sources until the next tick, then senses, listens again and acts.
 
-Commands are looked at between reading the joints and planning, so one that arrives while the joints answer still
-makes it into this tick. A stop does not wait for a tick at all. Nothing that a message asks for is waited for: it is
-done in the ticks to come.
+It takes commands between reading the joints and planning, so one that arrives while the joints answer still makes it
+into this tick. A stop does not wait for a tick at all. The loop never waits for what a message asks: it is done in the
+ticks to come.
 """
 
 import gc
@@ -20,12 +20,12 @@ KEPT = 2000
 
 
 class Source(Protocol):
-    """Where commands come from."""
+    """A source of commands."""
 
-    came_s: float  # since when what is being handed over may have been waiting, by the loop's clock; inf: it has not
+    came_s: float  # since when the present input may have been waiting, by the loop's clock; inf: it has not
 
     def poll(self, timeout_s: float) -> None:
-        """Wait for input up to a time and hand what came to the loop."""
+        """Wait for input up to a time and pass it to the loop."""
 
 
 class Loop:
@@ -41,11 +41,11 @@ class Loop:
         self.pacer = Pacer(supervisor.driver.rate_hz, clock())
         self.running = True
         self._source: Source | None = None
-        # By source: from the sender's time stamp to the packet on the bus, s, by the wall clock; only where both have
-        # one clock. Without a stamp a stop's time counts from when its source was last seen with nothing to say.
+        # By source: time from the sender's time stamp to the packet on the bus, s, by the wall clock; only if both use
+        # the same clock. Without a stamp a stop's time counts from when its source was last seen without input.
         self.command_s: dict[str, deque[float]] = {}
         self.stop_s: dict[str, deque[float]] = {}
-        # When the bus was last given goals after the sticks had moved, and a stop; None: never.
+        # When the bus last got goals after the sticks had moved, and a stop; None: never.
         self.steered_at_s: float | None = None
         self.stopped_at_s: float | None = None
 
@@ -63,7 +63,7 @@ class Loop:
         return obeyed
 
     def end(self) -> None:
-        """End before anything more is sent to the joints; a signal's handler may call it."""
+        """End before anything more is sent to the joints; a signal handler may call it."""
         self.running = False
 
     def drop(self, client: Client) -> None:
@@ -101,7 +101,7 @@ class Loop:
         self._after_tick(self)
 
     def _clock_command(self) -> None:
-        """Note how long the newest stick took from its sender to the bus."""
+        """Note how long the newest stick command took from its sender to the bus."""
         arbiter = self.supervisor.arbiter
         pending, arbiter.pending = arbiter.pending, None
         if pending is None or not self.supervisor.armed:
@@ -117,7 +117,7 @@ class Loop:
         _keep(self.stop_s, client.source, taken_s)
 
     def timing(self) -> dict[str, Any]:
-        """Return the ticks' figures, and how long commands and stops took to the bus, ms."""
+        """Return the ticks' figures, and how long commands and stops took to reach the bus, ms."""
         return {
             "rate_hz": self.supervisor.driver.rate_hz,
             **self.pacer.summary(),

@@ -1,6 +1,6 @@
-"""One message of a driver: a JSON object of exactly these keys, checked before anything acts on it.
+"""One message of a driver: a JSON object with exactly these keys, checked before anything acts on it.
 
-The page, scripts and the loop speak the same messages (docs/teleop.md). What is not exactly one of them is refused:
+The page, scripts and the loop use the same messages (docs/teleop.md). Anything that is not exactly one is refused:
 unknown or missing keys, wrong types, numbers beyond their range, more than LONGEST bytes.
 """
 
@@ -11,7 +11,7 @@ from typing import Any
 
 LONGEST = 512
 POSTURES = ("stand", "sit", "rest")
-# Far more than any robot takes: the planner limits to the robot's own. Only nonsense is refused here.
+# Far more than any robot can do: the planner applies the robot's own limits. Only nonsense is refused here.
 LARGEST_SPEED = 10.0
 LARGEST_POSE = 2.0
 LATEST_MS = 1e14
@@ -27,7 +27,7 @@ class BadMessage(ValueError):
 
 @dataclass(frozen=True)
 class Drive:
-    """What the sticks say: speeds in m/s and rad/s, body pose x, y, z in m and roll, pitch, yaw in rad."""
+    """The sticks' command: speeds in m/s and rad/s, body pose x, y, z in m and roll, pitch, yaw in rad."""
 
     vx_m_s: float = 0.0
     vy_m_s: float = 0.0
@@ -36,11 +36,11 @@ class Drive:
 
     @property
     def moves(self) -> bool:
-        """True if it asks for a walk."""
+        """True if it commands a walk."""
         return bool(self.vx_m_s or self.vy_m_s or self.wz_rad_s)
 
     def message(self) -> Message:
-        """Return the message that says so."""
+        """Return the message with this command."""
         speeds = {"vx_m_s": self.vx_m_s, "vy_m_s": self.vy_m_s, "wz_rad_s": self.wz_rad_s}
         return {"type": "drive", **speeds, "pose": list(self.pose)}
 
@@ -84,7 +84,7 @@ def _is_node(value: Any) -> bool:
     return type(value) is int and 1 <= value <= 12
 
 
-# Of the joints' page (host/teleop/joint_page.py); a step is one of the motor's angle.
+# For the joints' page (host/teleop/joint_page.py); a step is one of the motor's angle.
 JOINT_KEYS: Keys = {
     "joint": {"node": _is_node},
     "parameter": {
@@ -99,18 +99,18 @@ JOINT_KEYS: Keys = {
     "stop": {},
     "ping": {"t_ms": _TIME},
 }
-# May be there: when it happened, by the sender's clock.
+# Optional: when it happened, by the sender's clock.
 OPTIONAL = {"drive": {"t_ms": _TIME}, "stop": {"t_ms": _TIME}}
 
 
 def parse(text: str | bytes, all_keys: Keys = KEYS) -> Message:
     """Return a checked message, or raise BadMessage."""
     if len(text) > LONGEST:
-        raise BadMessage(f"{len(text)} bytes, at most {LONGEST}")
+        raise BadMessage(f"{len(text)} bytes, allowed at most {LONGEST}")
     try:
         value = json.loads(text, parse_constant=_no_constant)
     except (ValueError, RecursionError):
-        raise BadMessage("no JSON") from None
+        raise BadMessage("not JSON") from None
     return check(value, all_keys)
 
 
@@ -118,7 +118,7 @@ def check(value: Any, all_keys: Keys = KEYS) -> Message:
     """Return ``value`` if it is a message, or raise BadMessage."""
     kind = value.get("type") if isinstance(value, dict) else None
     if not isinstance(kind, str) or kind not in all_keys:
-        raise BadMessage(f"no object with a type of {', '.join(all_keys)}")
+        raise BadMessage(f"not an object with a type of {', '.join(all_keys)}")
     keys = all_keys[kind]
     allowed = {**keys, **OPTIONAL.get(kind, {})}
     for key in value.keys() - {"type"}:

@@ -1,4 +1,4 @@
-"""Where the robot has walked to, in SI: what the core follows by legs and gyroscope (shared/sense/odometry.py)."""
+"""Where the robot has walked to, in SI, from the core's legs and gyroscope (shared/sense/odometry.py)."""
 
 from dataclasses import dataclass
 from math import degrees, pi, sqrt
@@ -13,7 +13,7 @@ DOUBT_RAD = 1 << 26
 
 @dataclass(frozen=True)
 class Odometry:
-    """Where the body is since the start, x ahead and y left of where it stood then, and how fast it moves.
+    """Where the body is, x ahead and y left of where it stood at the start, and how fast it moves.
 
     Position in m, yaw in rad (positive to the left, not wrapped), velocities in the body's own axes, m/s and rad/s.
     ``covariance``: 3 x 3 by rows, of x, y and yaw; m2, m rad, rad2.
@@ -37,7 +37,7 @@ class Odometry:
 
 
 def read_odometry(params: Params, block: core.Odometry) -> Odometry:
-    """Return what the core has in a block of the robot with these parameters."""
+    """Return the core's block as an Odometry, for the robot with these parameters."""
     core.odometry_spread(params, block)
     unit_m, hertz = 1 / (1 << params.length_shift), params.rate_hz
     fine_m = unit_m / (1 << LF_BITS)

@@ -1,4 +1,4 @@
-"""From hardware to a supervisor: joints and sensor are opened and checked in order; nothing moves.
+"""From hardware to a supervisor: opens and checks joints and sensor in order; nothing moves.
 
 The first check that fails ends the start.
 """
@@ -16,7 +16,7 @@ from .safety import Safety
 from .supervisor import Supervisor
 from .telemetry import StartCheck
 
-# A servo's voltage and heat come in turns; a second is several rounds.
+# Servos report voltage and heat in turns; a second covers several rounds.
 SLOW_VALUES_S = 1.0
 IMU_READINGS = 5
 
@@ -28,7 +28,7 @@ def open_supervisor(
     told: Callable[[StartCheck], None] = lambda check: None,
     sleep: Callable[[float], None] = time.sleep,
 ) -> Supervisor:
-    """Open the robot's parts until ``stack`` ends, tell each check, and return what drives them.
+    """Open the robot's parts until ``stack`` ends, report each check, and return what drives them.
 
     UserError names the first check that fails.
     """
@@ -72,7 +72,7 @@ def start_checks(
 
 
 def _all_values(robot: Robot, bus: Bus, sleep: Callable[[float], None]) -> Measured:
-    """Read until everything has been told once, or the time is over."""
+    """Read until every value has been reported once, or the time is over."""
     measured, end_s = bus.read(), bus.now() + SLOW_VALUES_S
     while not (measured.complete and max(measured.slow_age_s) < SLOW_VALUES_S) and bus.now() < end_s:
         sleep(1 / robot.control.rate_hz)
@@ -88,7 +88,7 @@ def _health(robot: Robot, measured: Measured) -> StartCheck:
 
 def _battery(measured: Measured) -> StartCheck:
     volts = measured.battery_V
-    return StartCheck("battery", volts is not None, "no joint tells a voltage" if volts is None else f"{volts:.1f} V")
+    return StartCheck("battery", volts is not None, "no joint reports a voltage" if volts is None else f"{volts:.1f} V")
 
 
 def _temperature(measured: Measured) -> StartCheck:
@@ -96,7 +96,7 @@ def _temperature(measured: Measured) -> StartCheck:
 
 
 def _imu(attitude: Attitude | None) -> StartCheck:
-    """A robot without attitude walks, but not as level: the check never ends the start."""
+    """Check the attitude; this never ends the start, because a robot without attitude still walks, only less level."""
     if attitude is None:
         return StartCheck("attitude", True, "no sensor: the body is not kept level")
     for _ in range(IMU_READINGS):

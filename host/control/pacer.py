@@ -1,13 +1,13 @@
 """A fixed rate: when the next tick is due, how late each one was, which missed its deadline.
 
 Due times are start + n / rate, so lateness does not add up. A tick misses its deadline if its goals are not on the
-bus before the next tick is due; ticks left out because of that are misses too.
+bus before the next tick is due; ticks skipped because of that are misses too.
 """
 
 from collections import deque
 from typing import Any
 
-KEPT = 6000  # ticks whose lateness is kept: two minutes at 50 Hz
+KEPT = 6000  # ticks with their lateness: two minutes at 50 Hz
 
 
 class Pacer:
@@ -27,12 +27,12 @@ class Pacer:
         return self._start_s + self._n * self.period_s
 
     def begin(self, now_s: float) -> None:
-        """A tick begins."""
+        """Begin a tick."""
         self._began_s = now_s
         self.late_s.append(now_s - self.due_s)
 
     def end(self, now_s: float) -> int:
-        """A tick's goals are out; return how many deadlines were missed, skipping the ticks that can't be made up."""
+        """End a tick; skip ticks that can't be made up, and return the count of missed deadlines."""
         self.busy_s.append(now_s - self._began_s)
         self.ticks += 1
         self._n += 1
@@ -52,7 +52,7 @@ class Pacer:
 
 
 def figures_ms(seconds: "deque[float] | list[float]") -> dict[str, float]:
-    """Return how many times there are, and their quantiles in ms."""
+    """Return the number of times, and their quantiles in ms."""
     return {"count": len(seconds), **quantiles_ms(seconds)}
 
 

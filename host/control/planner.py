@@ -1,7 +1,7 @@
-"""The planner as a controller in SI: what the simulator, the servos and the joints are driven by.
+"""The planner as a controller in SI, which drives the simulator, the servos and the joints.
 
-Turns a driver's wish and sensed SI values into the core's blocks, runs one tick, and turns the
-twelve angles back. Everything between those two conversions is the core's integers.
+Converts a driver's command and sensed SI values into the core's blocks, runs one tick, and converts
+the twelve angles back. Between these two conversions there are only the core's integers.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ LET_GO = "it was off the ground: let go of the sticks, then drive again"
 
 @dataclass(frozen=True)
 class Command:
-    """What a driver wants: m/s, rad/s, m, rad; ``height_m`` 0 is the gait's own swing height."""
+    """A driver's command: m/s, rad/s, m, rad; ``height_m`` 0 is the gait's own swing height."""
 
     mode: str = "stand"
     gait: str = "trot"
@@ -46,7 +46,7 @@ class Driver:
     """One robot's planner with SI on both sides; ``rate_hz`` ticks a second."""
 
     def __init__(self, robot: Robot, rate_hz: int | None = None, planar: bool = False) -> None:
-        """``planar``: it lives in the sagittal plane, where it neither sways sideways nor turns."""
+        """``planar``: the robot moves in the sagittal plane, where it neither sways sideways nor turns."""
         self.robot = robot
         self.scale = scale_of(robot, rate_hz)
         self.rate_hz = self.scale.rate_hz
@@ -63,12 +63,12 @@ class Driver:
 
     @property
     def sensed_integers(self) -> list[int]:
-        """What the core was told to be sensed in the last tick (shared/sense/sensed.py)."""
+        """The core's sensed values of the last tick (shared/sense/sensed.py)."""
         return list(self._sensed.pack())
 
     @property
     def state(self) -> str:
-        """The planner's state in a word."""
+        """The planner's state as a word."""
         return STATE_NAMES[self.planner.status.state]
 
     @property
@@ -81,17 +81,17 @@ class Driver:
 
     @property
     def odometry(self) -> Odometry:
-        """Where the robot has walked to since it was begun or put down."""
+        """Where the robot has walked to since the start, or since it was put down."""
         return read_odometry(self.planner.params, self.planner.odometry)
 
     def restart_odometry(self) -> None:
-        """The robot has been put down elsewhere: all counts from there."""
+        """Count from here: the robot has been put down elsewhere."""
         odometry_restart(self.planner.odometry)
 
     def speed_limit(self, gait: str) -> tuple[float, str]:
-        """Return the fastest command ahead that a gait walks, m/s, and what makes it so: a key, or what legs can't.
+        """Return a gait's top forward command, m/s, and what limits it: a key, or the legs.
 
-        The crawl takes its own time; the figure is that of the trot it gives way to.
+The crawl has its own speed; its figure is that of the trot that takes over from it.
         """
         walked = self.planner.gaits[gait_index(self.robot, gait)]
         most, key = walked.speed_max[0], "speed_limits.stride_m"
@@ -102,7 +102,7 @@ class Driver:
         return self.scale.metres_per_second(most), key
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
-        """Return the fastest commands that a gait walks: ahead and aside, m/s, and turning, rad/s."""
+        """Return a gait's top commands: forward and sideways, m/s, and turning, rad/s."""
         ahead, aside, turning = self.planner.gaits[gait_index(self.robot, gait)].speed_max
         scale = self.scale
         return scale.metres_per_second(ahead), scale.metres_per_second(aside), scale.rad_per_second(turning)
@@ -118,7 +118,7 @@ class Driver:
         pitch_rad: float | None = None,
         rates_rad_s: Sequence[float] | None = None,
     ) -> None:
-        """Fill in what is sensed; None where it is not known. ``rates_rad_s``: about x, y, z, without bias."""
+        """Fill in the sensed values; None if unknown. ``rates_rad_s``: about x, y, z, without bias."""
         sensed, valid = self._sensed, self._sensed.valid
         valid.turned = int(rates_rad_s is not None)
         for axis, rate in enumerate(rates_rad_s or ()):

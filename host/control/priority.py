@@ -1,4 +1,4 @@
-"""Asks the system to run the loop before everything else; where it refuses, the loop runs like any program."""
+"""Asks the system to run the loop before everything else; if it refuses, the loop runs like any program."""
 
 import os
 from contextlib import suppress
@@ -8,18 +8,18 @@ NICE = -10
 
 
 def ask() -> str:
-    """Ask for real-time scheduling, else for a better nice value; return what came of it."""
+    """Ask for real-time scheduling, else for a better nice value; return the result in words."""
     with suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(LEVEL))
         return "real-time"
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
         return f"nice {NICE}"
-    return "that of any program; as a service it gets real-time (docs/teleop.md)"
+    return "like any program; as a service it gets real-time (docs/teleop.md)"
 
 
 def give_back(nicer: int) -> None:
-    """Stay behind the loop that started this process: ordinary behind a lifted one, else by ``nicer``."""
+    """Stay below the loop that started this process: at ordinary priority if the loop was raised, else by ``nicer``."""
     if os.sched_getscheduler(0) == os.SCHED_OTHER and os.getpriority(os.PRIO_PROCESS, 0) >= 0:
         os.nice(nicer)
         return

@@ -1,8 +1,8 @@
-"""Decides when the robot must sit down or let go, and remembers why: the first cause is kept until it is reset.
+"""Decides when the robot must sit down or let go, and remembers why: the first cause stays until it is reset.
 
-Four actions, the worst of all causes counts: ``none``; ``sit``: stop walking, sit down, then let go; ``damp``: the
-bus has already told the joints to brake and then let go, and nothing more is sent; ``limp``: let go at once, when
-there is nobody left to sit down with.
+Four actions, of which the worst counts: ``none``; ``sit``: stop walking, sit down, then let go; ``damp``: the bus has
+already told the joints to brake and then let go, and nothing more is sent; ``limp``: let go at once, because sitting
+down is no longer possible.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,17 +13,17 @@ from ..bus.base import JOINT_LABELS, JOINTS, Fault, Measured
 from ..robot.model import Robot
 
 ACTIONS = ("none", "sit", "damp", "limp")
-SILENT_S = 0.2  # a joint that has not answered for so long is missing: ten ticks of 50 Hz (chosen)
-SLOW_SILENT_S = 2.0  # temperature and voltage, which come in turns (chosen)
-LOW_FOR_S = 1.0  # a battery dips when all legs push (chosen)
+SILENT_S = 0.2  # a joint that has not answered for this long is missing: ten ticks of 50 Hz (chosen)
+SLOW_SILENT_S = 2.0  # the same for temperature and voltage, which come in turns (chosen)
+LOW_FOR_S = 1.0  # shorter dips do not count: the voltage dips when all legs push (chosen)
 FALLEN_RAD = 1.0  # roll or pitch beyond which no leg can help (chosen)
 SLOW = ("limp", "rising", "sitting", "seated", "folding")  # states of the planner with the torque of standing up
-MANY_MISSING = 3  # more silent joints than a leg has: the bus is dead, not a servo (chosen)
+MANY_MISSING = 3  # with more silent joints than a leg has, the bus is dead, not a servo (chosen)
 
 
 @dataclass
 class Safety:
-    """Watches one robot. ``name`` is the bus's own: with servo ids, where there are any."""
+    """Watches one robot. ``name`` is the bus's function for joint names, with servo ids if there are any."""
 
     robot: Robot
     name: Callable[[int], str] = JOINT_LABELS.__getitem__
@@ -37,30 +37,30 @@ class Safety:
         return self.first.sentence if self.first else ""
 
     def update(self, measured: Measured, attitude_rad: tuple[float, float] | None = None) -> str:
-        """Look at one reading, and at roll and pitch if they are known; return the action that holds now."""
+        """Check one reading, and roll and pitch if they are known; return the present action."""
         for fault in self.faults(measured, attitude_rad):
             self.raise_fault(fault)
         return self.action
 
     def raise_fault(self, fault: Fault) -> None:
-        """Latch a fault; a worse action than before is taken over, the first cause stays."""
+        """Latch a fault: take over a worse action, but keep the first cause."""
         if self.first is None:
             self.first = fault
         self.action = max(self.action, fault.action, key=ACTIONS.index)
 
     def tell_how_it_lies(self, attitude_rad: tuple[float, float] | None) -> None:
-        """Say of a robot that has fallen how it lies now; it may have rolled on, or been turned over."""
+        """Update how a fallen robot lies now; it may have rolled on, or somebody may have turned it over."""
         if self.first is not None and self.first.cause == "fallen" and attitude_rad is not None:
             self.first = replace(self.first, sentence=how_it_lies(attitude_rad))
 
     def reset(self, measured: Measured, attitude_rad: tuple[float, float] | None = None) -> str:
-        """Forget the faults, unless something is still wrong: return that sentence, "" if all is well."""
+        """Forget the faults, unless something is still wrong: then return its sentence, else ""."""
         self.first, self.action = None, "none"
         self.update(measured, attitude_rad)
         return self.sentence
 
     def faults(self, measured: Measured, attitude_rad: tuple[float, float] | None = None) -> Iterator[Fault]:
-        """Yield what is wrong now, the worst first; what the bus itself has noticed explains the rest."""
+        """Yield what is wrong now, the worst first; the bus's own faults come first, because they explain the rest."""
         yield from measured.faults
         yield from self._silent(measured)
         if attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD:
@@ -78,7 +78,7 @@ class Safety:
             yield Fault("sit", "missing", f"{names} does not answer: check its cable")
         stale = [joint for joint in range(JOINTS) if SLOW_SILENT_S < measured.slow_age_s[joint] < inf]
         if stale and not silent:
-            yield Fault("sit", "stale", f"{self.name(stale[0])} no longer tells voltage and temperature")
+            yield Fault("sit", "stale", f"{self.name(stale[0])} no longer reports voltage and temperature")
 
     def _tripped(self, measured: Measured) -> Iterator[Fault]:
         for joint, error in enumerate(measured.error):
@@ -105,24 +105,24 @@ class Safety:
 
 
 def lies_over(attitude_rad: tuple[float, float] | None) -> bool:
-    """Return whether the robot lies on a side, on its back or on its nose: no leg can help it up from there."""
+    """Return whether the robot lies on a side, on its back or on its nose, from where no leg can help it up."""
     return attitude_rad is not None and max(map(abs, attitude_rad)) > FALLEN_RAD
 
 
 def how_it_lies(attitude_rad: tuple[float, float]) -> str:
-    """Return what has become of a robot that has fallen, by its roll and pitch, and what to do."""
+    """Return how a fallen robot lies, by its roll and pitch, and what to do."""
     roll_rad, pitch_rad = attitude_rad
     if not lies_over(attitude_rad):
-        return "the robot has fallen and lies on its belly: it may get up by itself, keep clear of its legs"
+        return "the robot has fallen and lies on its belly: it can get up by itself; keep clear of its legs"
     if abs(roll_rad) > FALLEN_RAD:
         where = "right side" if roll_rad > 0 else "left side"
     elif cos(pitch_rad) < -cos(FALLEN_RAD):
         where = "back"
     else:
         where = "nose" if pitch_rad > 0 else "tail"
-    return f"the robot has fallen over onto its {where}: put it on its feet, it can't turn over by itself"
+    return f"the robot has fallen over onto its {where}: put it on its feet, because it can't turn over by itself"
 
 
 def torque_limit(robot: Robot, state: str) -> float:
-    """Return the share of stall torque for a planner state: little while it stands up or sits down, all else full."""
+    """Return the share of stall torque for a planner state: little while it stands up or sits down, else all."""
     return robot.stand.torque_fraction if state in SLOW else 1.0

@@ -1,7 +1,7 @@
-"""Between wish and joints: stands up before walking, sits down before letting go, lets go at once on a stop.
+"""Between command and joints: stands up before walking, sits down before letting go, lets go at once on a stop.
 
-One tick: read the joints, look for faults, take what the arbiter holds, plan, write. The state and the reason why the
-robot does not move are computed here and nowhere else.
+One tick: read the joints, look for faults, take the arbiter's commands, plan, write. Only this module computes the
+state and the reason why the robot does not move.
 """
 
 from collections import deque
@@ -21,9 +21,9 @@ from .notices import Notices
 from .planner import Driver
 from .safety import Fault, Safety, how_it_lies, lies_over, torque_limit
 
-# A foot so much of the stretched leg off its rest is too far away to rise on (chosen).
+# A foot that is further from its rest than this share of the stretched leg is too far away to rise on (chosen).
 STRETCHED = 0.5
-# How far ahead the tilt of a robot that falls is looked at (chosen: to be limp within 0.1 s).
+# How far ahead a falling robot's tilt is extrapolated (chosen: to be limp within 0.1 s).
 FALLS_S = 0.1
 OVER = object()
 STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "lifted", "sitting", "fault")
@@ -35,7 +35,7 @@ _WORDS = {"limp": "disarmed", "folding": "standing up", "rising": "standing up",
 
 @dataclass(frozen=True)
 class Change:
-    """A change of state: when, to what, and why it is so."""
+    """A change of state: when, to what, and the reason."""
 
     time_s: float
     state: str
@@ -45,11 +45,10 @@ class Change:
 class Supervisor:
     """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown.
 
-    ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None where they are not to be believed.
-
-    ``planar``: it lives in the sagittal plane, where it neither sways nor turns, nor folds its legs at its sides.
-    ``put_back``: a reset puts a simulated robot that can't get up by itself on its feet: a person's task with a real
-    one.
+``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None if they are not reliable.
+``planar``: it moves in the sagittal plane, where it neither sways nor turns, nor folds its legs at its sides.
+``put_back``: a reset puts a simulated robot that can't get up by itself on its feet; a real one needs a person for
+that.
     """
 
     def __init__(
@@ -72,7 +71,7 @@ class Supervisor:
         self.attitude: Attitude = None
         self.goals: list[float] = []
         self.armed = self.leaving = False
-        self.changes: deque[Change] = deque(maxlen=100)  # taken out by whoever records them
+        self.changes: deque[Change] = deque(maxlen=100)  # the recorder takes them out
         self._limit: float | None = None
         self._stopped = False
         self._resetting: Iterator[None] | None = None
@@ -90,9 +89,9 @@ class Supervisor:
             self.safety.tell_how_it_lies(self.attitude)
 
     def _attitude_to_come(self) -> Attitude:
-        """Return the attitude; of a robot tilted so far that any gait stops, that of 0.1 s later as it goes on turning.
+        """Return the attitude; for a robot tilted so far that any gait stops, the one that it will have 0.1 s later.
 
-        One that falls turns faster than the gyroscope tells, so what is known of it lags behind.
+A falling robot turns faster than the gyroscope can measure, so the attitude lags behind.
         """
         rates, gets_up = self._read_rates(), self.driver.state in ("folding", "rising")
         if self.attitude is None or rates is None or gets_up:
@@ -119,7 +118,7 @@ class Supervisor:
         self._note(now_s)
 
     def _feel(self) -> None:
-        """Tell the planner what is sensed, but nothing of joints that somebody else moves: it would answer to them."""
+        """Give the planner the sensed values, except of joints that a program moves: it would react to them."""
         if self.stream.active:
             self.driver.sense(None)
             return
@@ -128,7 +127,7 @@ class Supervisor:
         self.driver.sense(joints, roll_rad, pitch_rad, self._read_rates())
 
     def _watch_gait(self) -> None:
-        """Keep why trot and crawl were last exchanged; forgotten once it stands."""
+        """Keep why trot and crawl last took over from each other; forget it once the robot stands."""
         self._gait_watch.look()
         if self._gait_watch.notes:
             self.exchanged = self._gait_watch.notes.pop().why
@@ -137,7 +136,7 @@ class Supervisor:
 
     @property
     def remark(self) -> str:
-        """What the driver should know beside the state: of pose, readings and gait; or ""."""
+        """What the driver should know beside the state, on pose, readings and gait; or ""."""
         return "; ".join(part for part in (*self._notices.words(), *self._gait_remarks()) if part)
 
     def _gait_remarks(self) -> tuple[str, ...]:
@@ -148,23 +147,23 @@ class Supervisor:
         return self.exchanged, crawl_event(self.driver) if crawls else ""
 
     def leave(self) -> None:
-        """Sit down and let go, in the ticks to come; nobody drives any more."""
+        """Sit down and let go in the ticks to come; nobody drives any more."""
         self.leaving, self.arbiter.posture, self.arbiter.driver = True, "rest", None
 
     def stop_now(self) -> None:
-        """Let go before anything else; called as soon as a stop is pulled, between two ticks."""
+        """Let go before anything else; called between two ticks, as soon as a stop comes."""
         self.bus.emergency_stop()
         self.stream.drop()
         self.armed, self._stopped, self._limit, self._resetting = False, True, None, None
 
     def reset(self) -> None:
-        """Forget the faults that are over, in the ticks to come; one that is under way goes on."""
+        """Forget the faults that are over, in the ticks to come; a reset that is under way goes on."""
         self._stopped = False
         if self._resetting is None:
             self._resetting = self._reset()
 
     def _go_on_resetting(self) -> None:
-        """Do one tick's part of a reset: no wish may hold up the loop."""
+        """Do one tick's part of a reset, so that it does not hold up the loop."""
         if self._resetting is not None and next(self._resetting, OVER) is OVER:
             self._resetting = None
 
@@ -180,20 +179,20 @@ class Supervisor:
             self.safety.raise_fault(Fault("limp", "joints", str(error)))
             return
         if self.measured.faults or any(self.measured.error):
-            yield  # they are read anew
+            yield  # the joints are read again
         self.safety.reset(self.measured, self.attitude)
 
     def cannot_rise(self) -> str:
-        """Return why it can't get up by itself from how it lies, "" if it can.
+        """Return why the robot can't get up by itself from how it lies, "" if it can.
 
-        It folds its legs first if it knows that it lies on its belly.
+It folds its legs first if it knows that it lies on its belly.
         """
         if self.attitude is None or self._planar:
             return self.stretched()
         return how_it_lies(self.attitude) if lies_over(self.attitude) else ""
 
     def stretched(self) -> str:
-        """Return why it can't push itself up with the legs where they are, "" if it can.
+        """Return why the robot can't push itself up with the legs where they are, "" if it can.
 
         A robot that went limp while it walked lies on its belly with the legs stretched to the rear; pushing itself
         up from there tips it over its nose (seen in the plane: by 58 degrees).
@@ -223,7 +222,7 @@ class Supervisor:
             self.arbiter.posture = "rest"
 
     def _command(self, sticks: Drive, now_s: float) -> None:
-        """Turn what is wished into what the planner is asked for."""
+        """Turn the driver's command into the planner's command."""
         arbiter = self.arbiter
         posture = "rest" if self.safety.action != "none" else arbiter.posture
         if posture != "rest" and not self.armed:
@@ -252,12 +251,12 @@ class Supervisor:
         return "limp" if posture == "rest" and seated else "sit"
 
     def _arm(self) -> None:
-        """Switch the torque on, limited, with the goals where the joints are; a bad line takes several ticks."""
+        """Switch the torque on, limited, with goals where the joints are; a bad line makes this take several ticks."""
         if not self.measured.complete:
             return
         if self.cannot_rise():
-            if max(self.measured.age_s) < 1 / self.driver.rate_hz:  # else a lost answer may hide where a leg is now
-                self.arbiter.posture = "rest"  # it must not rise by itself once somebody puts it right
+            if max(self.measured.age_s) < 1 / self.driver.rate_hz:  # else a lost answer might hide where a leg is now
+                self.arbiter.posture = "rest"  # so that it does not rise by itself once somebody has set it upright
             return
         try:
             self._limit = None
@@ -274,7 +273,7 @@ class Supervisor:
         self.armed, self._limit = False, None
 
     def fastest(self) -> tuple[float, float, float]:
-        """Return the fastest that the gait walks: ahead and aside, m/s, and turning, rad/s."""
+        """Return the gait's top commands: forward and sideways, m/s, and turning, rad/s."""
         return self.driver.fastest(self.arbiter.gait)
 
     def _limit_torque(self) -> None:
@@ -296,7 +295,7 @@ class Supervisor:
         return _WORDS.get(word, word)
 
     def reason(self, now_s: float) -> str:
-        """Why the robot does not move, with what to do; "" while it walks as told."""
+        """Why the robot does not move, with what to do; "" while it walks as commanded."""
         arbiter = self.arbiter
         if arbiter.stop is not None:
             return f"emergency stop by {arbiter.stop.client}: reset it, then stand up"
@@ -311,7 +310,7 @@ class Supervisor:
     def _reason_of_state(self, now_s: float) -> str:
         arbiter, planner = self.arbiter, self.driver.state
         if self.leaving:
-            return "leaving: it sits down and lets go"
+            return "the program ends: the robot sits down and lets go"
         if self.driver.lifted:
             return self.driver.lifted
         if planner in ("folding", "rising", "sitting"):

@@ -1,4 +1,4 @@
-"""What everybody may know about the robot now, as plain values for JSON: for pages, scripts and the screen."""
+"""The robot's status as plain values for JSON: for pages, scripts and the screen."""
 
 from dataclasses import astuple, dataclass, field
 from math import inf, isfinite
@@ -13,12 +13,12 @@ from .hardware import Hardware, Place
 from .loop import Loop
 from .supervisor import Supervisor
 
-LIMITED = 1.001  # of the limit: a command beyond it is limited by more than the core's rounding
+LIMITED = 1.001  # of the limit: below it only the core's rounding limits a command
 
 
 @dataclass(frozen=True)
 class StartCheck:
-    """One start-up check and how it went."""
+    """One start-up check and its result."""
 
     name: str
     ok: bool
@@ -27,7 +27,7 @@ class StartCheck:
 
 @dataclass
 class Extra:
-    """What the loop itself does not know; all of it is told in the status."""
+    """Values for the status that the loop itself does not know."""
 
     checks: list[StartCheck] = field(default_factory=list)
     web: str = ""
@@ -35,7 +35,7 @@ class Extra:
     foxglove: str = ""
     scripts: int = 0
     bad_messages: int = 0
-    attitude_note: str = ""  # why the attitude is not known
+    attitude_note: str = ""  # why the attitude is unknown
     readings_missed: int = 0
     log: str = ""
     ground: str = ""  # of a simulation in space
@@ -43,17 +43,17 @@ class Extra:
     web_counts: dict[str, int] = field(default_factory=dict)
 
     def look_at(self, attitude: Attitude) -> None:
-        """Take in why the attitude is not known, and how many readings were missed."""
+        """Store why the attitude is unknown, and how many readings were missed."""
         self.attitude_note, self.readings_missed = attitude.fault or attitude.note, attitude.missed
 
 
 def rounded(values: Any, digits: int) -> list[float | None]:
-    """Return floats short enough to send; None for one that is not finite."""
+    """Return floats rounded for sending; None for one that is not finite."""
     return [round(value, digits) if isfinite(value) else None for value in values]
 
 
 def about(robot: Robot, parts: Hardware) -> dict[str, Any]:
-    """Return what does not change while the robot runs; ``parts`` are open."""
+    """Return the values that do not change while the robot runs; ``parts`` are open."""
     speed, body, drive = robot.speed_limits, robot.body_limits, robot.actuator
     return {
         "robot": robot.name,
@@ -69,20 +69,20 @@ def about(robot: Robot, parts: Hardware) -> dict[str, Any]:
 
 
 def _speed(supervisor: Supervisor) -> tuple[float, float, float]:
-    """Return what the planner is told to walk at, m/s and rad/s: nothing while the robot does not walk."""
+    """Return the planner's commanded speeds, m/s and rad/s: zeros while the robot does not walk."""
     wish = supervisor.driver.command
     walks = supervisor.armed and supervisor.driver.state == "walking" and wish.mode == "walk"
     return (wish.vx_m_s, wish.vy_m_s, wish.wz_rad_s) if walks else (0.0, 0.0, 0.0)
 
 
 def slower(supervisor: Supervisor) -> str:
-    """Return why the robot is not meant to walk as fast as it is told, "" if it is."""
+    """Return why the robot walks more slowly than commanded on purpose, "" if it does not."""
     driver, wish = supervisor.driver, supervisor.driver.command
     if not any(_speed(supervisor)):
         return ""
     phase = exchange_phase(driver)
     if phase:
-        return f"{phase}: in its own time"
+        return f"{phase}: at its own speed"
     asked = abs(wish.vx_m_s), abs(wish.vy_m_s), abs(wish.wz_rad_s)
     most = driver.fastest(wish.gait)
     if asked[0] > LIMITED * most[0]:
@@ -93,7 +93,7 @@ def slower(supervisor: Supervisor) -> str:
 
 
 def status(loop: Loop, extra: Extra) -> dict[str, Any]:
-    """Return the state, the reason, who drives, what is measured, and the loop's figures."""
+    """Return the state, the reason, the driver, the measured values, and the loop's figures."""
     supervisor = loop.supervisor
     arbiter, now_s = supervisor.arbiter, loop.clock()
     return {
@@ -124,7 +124,7 @@ def status(loop: Loop, extra: Extra) -> dict[str, Any]:
 
 
 def _gait(supervisor: Supervisor) -> dict[str, Any]:
-    """Return what is walked and how fast."""
+    """Return the gait and the speeds."""
     arbiter, driver = supervisor.arbiter, supervisor.driver
     odometry = driver.odometry
     return {
@@ -143,7 +143,7 @@ def _gait(supervisor: Supervisor) -> dict[str, Any]:
 
 
 def _measured(supervisor: Supervisor) -> dict[str, Any]:
-    """Return what joints and bus tell."""
+    """Return the values of the joints and the bus."""
     measured, counters = supervisor.measured, supervisor.bus.counters
     battery_V = measured.battery_V
     return {

@@ -1,1 +1,1 @@
-"""Measures a robot's servos: moves them in known ways, keeps records, and fits the numbers of the robot file."""
+"""Measures a robot's servos: moves them in known ways, keeps records, and fits the robot file's numbers."""

@@ -1,4 +1,4 @@
-"""What a joint carries: the leg's own weight and inertia in the air, its share of the robot's weight on the ground."""
+"""A joint's load: the leg's weight and inertia in the air, its share of the robot's weight on the ground."""
 
 from collections.abc import Sequence
 from math import pi
@@ -14,15 +14,15 @@ from .model import Load
 
 
 def joint_per_shaft(robot: Robot, joint: int) -> float:
-    """Return how far a joint turns when its servo's shaft turns by 1: the calf's rod has a ratio."""
+    """Return how far a joint turns when its servo's shaft turns by 1; the calf's rod has a ratio."""
     return robot.calf_drive.ratio if joint % 3 == 2 else 1.0
 
 
 def in_the_air(robot: Robot, joint: int) -> Load:
-    """Return what a joint turns with the robot on its stand and the rest of its leg as at rest."""
+    """Return a joint's load with the robot on its stand and the rest of its leg as at rest."""
     leg, kind = divmod(joint, 3)
     pose, ratio = rest_pose_rad(robot)[3 * leg : 3 * leg + 3], joint_per_shaft(robot, joint)
-    # A rigid part on an axis: its weight's torque is a sin q + b cos q, so two angles tell it.
+    # A rigid part on an axis: its weight's torque is a sin q + b cos q, so two angles determine it.
     turned = ([*pose[:kind], angle, *pose[kind + 1 :]] for angle in (0.0, pi / 2))
     cosine, sine = (_holds_Nm(robot, leg, other, kind, 0.0) for other in turned)
     return Load(leg_inertia_kg_m2(robot)[kind] * ratio**2, sine, cosine, ratio)
@@ -33,7 +33,7 @@ def _holds_Nm(robot: Robot, leg: int, pose: Sequence[float], kind: int, push_N: 
 
 
 def pushes_N(robot: Robot, pose_rad: Sequence[float]) -> list[float]:
-    """Return the ground's push on each of four feet, shared front to rear and left to right by where the mass is."""
+    """Return the ground's push on each of four feet; the centre of mass decides the shares."""
     parts = [(robot.links.trunk.mass_kg, robot.links.trunk.com_m)]
     feet = []
     for leg in range(4):
@@ -51,7 +51,7 @@ def pushes_N(robot: Robot, pose_rad: Sequence[float]) -> list[float]:
 
 
 def on_the_ground_Nm(robot: Robot, pose_rad: Sequence[float]) -> list[float]:
-    """Return what the robot's weight does to each shaft, standing: it would turn it that way."""
+    """Return the torque of the standing robot's weight on each shaft, in the direction in which it would turn it."""
     pushes, loads = pushes_N(robot, pose_rad), []
     for joint in range(12):
         leg, kind = divmod(joint, 3)

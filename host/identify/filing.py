@@ -1,4 +1,4 @@
-"""Writes what was measured into a copy of a robot file; its comments and all else stay."""
+"""Writes measured numbers into a copy of a robot file; its comments and all else stay."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from ..robot.file import load_robot
 from ..robot.rewrite import NewValue, rewritten
 from ..util.files import write_text
 
-# What stands after the unit of a key that the file lacks.
+# The comment of a key that the file lacks.
 KEYS = {
     "actuator.duty_per_rad": "[1/rad] duty per error",
     "actuator.armature_kg_m2": "[kg m2] rotor inertia through the gear",
@@ -22,29 +22,29 @@ KEYS = {
     "actuator.friction.viscous_Nms_rad": "[N m s/rad] viscous friction",
     "actuator.friction.load_motor": "[-] friction by the motor's torque",
     "actuator.friction.load_external": "[-] friction by the load's torque",
-    "bus.delay_s": "[s] from sending a goal to its acting, and from measuring to knowing",
+    "bus.delay_s": "[s] from sending a goal until it acts, and from measuring until known",
 }
 
 
 @dataclass(frozen=True)
 class Measure:
-    """A number over the joints: its median and by how much they differ, as a share; None where one was measured."""
+    """A number over the joints: its median, and how much they differ, as a share; None if only one was measured."""
 
     value: float
     spread: float | None = None
 
     def source(self, when: date) -> str:
-        """Return what stands in brackets behind it, but for the brackets."""
+        """Return the source for the brackets behind it, without the brackets."""
         spread = "" if self.spread is None else f", +-{100 * self.spread:.0f} % between joints"
         return f"{when.isoformat()}{spread}: measured"
 
     def new(self, value: float, meaning: str, when: date) -> NewValue:
-        """Return a value for the file, of three to four digits."""
+        """Return a value for the file, with three to four digits."""
         return NewValue(float(f"{value:.4g}"), meaning, self.source(when))
 
 
 def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Measure], when: date) -> None:
-    """Write a copy of a robot file with what was found (write_checked).
+    """Write a copy of a robot file with the numbers found (write_checked).
 
     ``found`` goes by ``table.key``, as ``actuator.coulomb_Nm``; ``stall_Nm`` and ``no_load_rad_s`` scale all supply
     points alike.
@@ -60,7 +60,7 @@ def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Meas
 
 
 def write_checked(source: Path, target: Path, values: Mapping[str, NewValue]) -> None:
-    """Write a copy of a robot file with these values, and check that it can be used; a bad copy is never left."""
+    """Write a copy of a robot file with these values, and check that it can be used; never leaves a bad copy."""
     text = rewritten(source.read_text(encoding="utf-8"), values, "measured")
     draft = target.with_name(f".{target.stem}.checked.toml")
     try:

@@ -1,6 +1,6 @@
-"""Finds the numbers with which the model does what the joint did: least squares with scipy, of one joint at a time.
+"""Finds the numbers with which the model moves as the joint did: least squares with scipy, one joint at a time.
 
-Unknown are the numbers of model.NAMES. What makes each visible:
+The unknowns are the numbers of model.NAMES. What makes each visible:
 
     stall torque, load friction    the robot's own weight on the ground, going up and going down
     no-load speed                  runs at known duties
@@ -8,11 +8,11 @@ Unknown are the numbers of model.NAMES. What makes each visible:
     friction at rest, Stribeck     slow ramps of the duty, runs just above it
     viscous friction               coasting: under power the motor's own braking hides it
     armature, play                 turning back and forth, chirps, against the known inertia of the leg
-    delay                          all of it; what answers take is measured by the clock
+    delay                          all sweeps; the clock measures the time that answers take
 
-Play, sticking and the P law make hollows in the sum of squares. So the sweeps that play hardly touches come first; then
-a grid over play, delay and armature finds where to go on with all of them, and steps along the flattest directions come
-between the rounds of least squares. If that ends too high, another start is tried.
+Play, sticking and the P law make local minima in the sum of squares. So the fit begins with the sweeps that play hardly
+touches; then a grid over play, delay and armature finds where to go on with all of them, and steps along the flattest
+directions come between the rounds of least squares. If that ends too high, the fit tries another start.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,14 +29,14 @@ from .sweeping import Trace
 
 SHIFTS = {"backlash_rad": 0.01, "act_s": 0.01}  # these are moved by this unit, the others by their logarithm
 LITTLE_PLAY = ("run", "ramp", "slow", "steps", "coast")  # sweeps that play hardly touches
-BY_P_LAW = ("steps", "chirp", "slow")  # sweeps whose load tells of the P law; elsewhere it is what was told
+BY_P_LAW = ("steps", "chirp", "slow")  # sweeps whose load shows the P law; elsewhere the duty is the commanded one
 ROUGH_COUNTS, OFFSET_COUNTS, ROUGH_LOAD, ROUGH_BALANCE = 0.35, 0.3, 0.01, 0.002
 LAID_NM = 0.015  # a weight that presses the play to one side while the joint is held (chosen)
-SOFT = 2.0  # beyond so many of these a difference counts only linearly
-NUDGE = 0.01  # of differences that stand for derivatives: as wide as the hollows
-FAST_RAD_S = 2.0  # friction there is one of the unknowns, because runs tell it well
+SOFT = 2.0  # a difference beyond this many standard deviations counts only linearly
+NUDGE = 0.01  # of differences that replace derivatives: as wide as the local minima
+FAST_RAD_S = 2.0  # friction at this speed is one of the unknowns, because runs show it well
 LEAST_VISCOUS = 0.003  # N m s/rad, below which viscous friction bends to 0 (chosen)
-GOOD = 0.36  # of a mean square that noise alone explains: 0.26 .. 0.32 with emulated joints
+GOOD = 0.36  # mean square that noise alone explains: 0.26 .. 0.32 with emulated joints
 STARTS = (
     {"backlash_rad": 0.018, "viscous_Nms_rad": 0.02}, {"load_motor": 0.12, "backlash_rad": 0.024},
     {"load_motor": 0.28, "stribeck_rad_s": 0.35, "viscous_Nms_rad": 0.025},
@@ -45,7 +45,7 @@ STARTS = (
 
 @dataclass(frozen=True)
 class Ground:
-    """What was seen of a joint under the robot's weight while it turned: speeds, loads on the shaft, duties of 12 V."""
+    """A joint's samples under the robot's weight while it turned: speeds, loads on the shaft, duties of 12 V."""
 
     speed_rad_s: Array
     load_Nm: Array
@@ -54,7 +54,7 @@ class Ground:
 
 @dataclass
 class Fitted:
-    """A joint's numbers, how far each is uncertain by the fit itself, and how well they explain what was seen."""
+    """A joint's numbers, each one's uncertainty by the fit itself, and how well they explain the measurements."""
 
     values: dict[str, float]
     spread: dict[str, float] = field(default_factory=dict)
@@ -64,12 +64,12 @@ class Fitted:
 
     @property
     def delay_s(self) -> float:
-        """From sending a goal to its acting, and from measuring to knowing."""
+        """From sending a goal until it acts, and from measuring until known."""
         return self.values["act_s"] + self.answer_s
 
 
 class JointFit:
-    """One joint's fit: its sweeps, its load in the air and, if it was there, what was seen on the ground."""
+    """One joint's fit: its sweeps, its load in the air, and its samples on the ground if there are any."""
 
     def __init__(self, servo: Servo, load: Load, traces: Sequence[Trace], ground: Ground | None = None) -> None:
         self.servo, self.load, self.ground = servo, load, ground
@@ -96,7 +96,7 @@ class JointFit:
         return Fitted(values, self._spread(best), misfit, median(answers), misfit < GOOD)
 
     def glance(self) -> float:
-        """Return how well the sweeps that play hardly touches can be explained, after one round of least squares."""
+        """Return how well one round of least squares explains the sweeps that play hardly touches."""
         x = self._of({**self.base, **STARTS[0]})
         self._settle(x)
         everything = self._columns
@@ -140,7 +140,7 @@ class JointFit:
         self.told = replace(self.told, side=sides[best, np.arange(len(self.traces))])
 
     def _better(self, x: Array, cost: float, tries: Array) -> tuple[Array, float]:
-        """Start again from the best of some tries, and keep what is better."""
+        """Start again from the best of some tries, and keep the better result."""
         found, least = self._squares(tries[int(np.argmin(self._costs(tries)))])
         return (found, least) if least < cost else (x, cost)
 
@@ -166,7 +166,7 @@ class JointFit:
 
     @property
     def _size(self) -> int:
-        """How many differences there are."""
+        """The number of differences."""
         extra = 0 if self.ground is None else len(self.ground.duty)
         by_p = sum(len(trace.load) for trace in self.traces if by_p_law(trace))
         return sum(len(trace.load) + 1 for trace in self.traces) + by_p + extra
@@ -189,7 +189,7 @@ class JointFit:
         return np.array([x] + [x + way * direction for direction in directions for way in ways])
 
     def _values(self, tries: Array) -> dict[str, Array]:
-        """Return the numbers of unknowns, a row a try; friction at rest and at speed stand for dry and viscous."""
+        """Return numbers from unknowns, a row per try; friction at rest and at speed stand for dry and viscous."""
         p = {name: np.full((len(tries), 1), value) for name, value in self.base.items()}
         for column, name in enumerate(self._free):
             x = tries[:, column : column + 1]
@@ -207,7 +207,7 @@ class JointFit:
         return p
 
     def _of(self, values: Mapping[str, float]) -> Array:
-        """Return the unknowns of numbers."""
+        """Return unknowns from numbers."""
         viscous = values["viscous_Nms_rad"] - LEAST_VISCOUS**2 / values["viscous_Nms_rad"] / 4
         left = values["stribeck_Nm"] * exp(
             -((FAST_RAD_S / values["stribeck_rad_s"]) ** self.servo.friction.stribeck_exponent)
@@ -223,12 +223,12 @@ class JointFit:
         ])  # fmt: skip
 
     def residuals(self, tries: Array) -> Array:
-        """Return what the model and the joint differ by, in units of what noise does; a row a try."""
+        """Return the differences between model and joint, in units of the noise; a row per try."""
         p = self._values(tries)
         found = []
         for trace, places, duties in self.seen(p):
             off = (places - np.array(trace.position_rad)) / self.servo.step_rad
-            mean = off.mean(axis=1, keepdims=True)  # where within its step of position the joint began is not known
+            mean = off.mean(axis=1, keepdims=True)  # where the joint began within its step of position is unknown
             found += [(off - mean) / ROUGH_COUNTS, mean / OFFSET_COUNTS]
             if by_p_law(trace):
                 found.append((duties - np.array(trace.load)) / ROUGH_LOAD)
@@ -237,7 +237,7 @@ class JointFit:
         return np.concatenate(found, axis=1)
 
     def seen(self, p: Mapping[str, Array]) -> list[tuple[Trace, Array, Array]]:
-        """Return of each sweep the angles and duties that such servos would have shown when the joint was asked."""
+        """Return for each sweep the angles and duties that such servos would have reported when the joint was asked."""
         traces, told = [self.traces[column] for column in self._columns], self.told.only(self._columns)
         places, duties = simulate(p, self.servo.friction, self.load, told)
         began = np.broadcast_to(told.start_rad, (1, *places.shape[1:]))
@@ -255,7 +255,7 @@ class JointFit:
         return rows
 
     def _spread(self, x: Array) -> dict[str, float]:
-        """Return the standard deviations by the curvature, as shares; optimistic, because hollows look like walls."""
+        """Return the standard deviations from the curvature, as shares; optimistic, because local minima look steep."""
         slopes = self._slopes(x)
         deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(slopes.T @ slopes)), 0.0))
         return {name: float(deviation) for name, deviation in zip(self._free, deviations, strict=True)}
@@ -267,7 +267,7 @@ def by_p_law(trace: Trace) -> bool:
 
 
 def told_of(traces: Sequence[Trace], servo: Servo, load: Load) -> Told:
-    """Return what the joint was told in sweeps, on the model's grid."""
+    """Return the joint's commands in sweeps, on the model's grid."""
     steps = max(round((trace.sent_s[-1]) / STEP_S) for trace in traces) + 40
     goal, most = np.empty((steps, len(traces))), np.empty((steps, len(traces)))
     for column, trace in enumerate(traces):
@@ -280,7 +280,7 @@ def told_of(traces: Sequence[Trace], servo: Servo, load: Load) -> Told:
 
 
 def balance(p: Mapping[str, Array], servo: Servo, ground: Ground) -> Array:
-    """Return by which share of the stall torque motor, load and friction do not cancel while a joint turns slowly."""
+    """Return the share of the stall torque by which motor, load and friction do not cancel in a slow turn."""
     stall = motor_stall_Nm(p, servo.friction)
     motor = stall * (ground.duty - ground.speed_rad_s / p["no_load_rad_s"])
     load = np.broadcast_to(ground.load_Nm, motor.shape)

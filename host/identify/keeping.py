@@ -1,4 +1,4 @@
-"""Keeps sweeps as records: one MCAP file a joint and one of all joints together, each whole or not there at all."""
+"""Keeps sweeps as records: one MCAP file per joint and one of all joints together, each complete or absent."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -25,12 +25,12 @@ def path_of(folder: Path, joint: int) -> Path:
 
 
 def together_path(folder: Path, what: str) -> Path:
-    """Return the file of what all joints did together: ``shake`` or ``ground``."""
+    """Return the file of all joints together: ``shake`` or ``ground``."""
     return folder / f"{TOGETHER}-{what}.mcap"
 
 
 def done(folder: Path, joint: int) -> bool:
-    """True if a joint's sweeps are kept already."""
+    """True if a joint's sweeps are already kept."""
     return path_of(folder, joint).exists()
 
 
@@ -46,7 +46,7 @@ def keep_traces(path: Path, robot: Robot, traces: Sequence[Trace]) -> None:
 
 
 def keep_stances(path: Path, robot: Robot, rows: Sequence[Stance]) -> None:
-    """Write what all joints did together."""
+    """Write the ticks of all joints together."""
     with _kept(path, robot) as put:
         for row in rows:
             put("/stance", row.at_s, asdict(row))
@@ -54,7 +54,7 @@ def keep_stances(path: Path, robot: Robot, rows: Sequence[Stance]) -> None:
 
 @contextmanager
 def _kept(path: Path, robot: Robot) -> Iterator[Callable[[str, float, dict[str, Any]], None]]:
-    """Yield what takes the rows of a record: topic, time, values. UserError if one could not be written."""
+    """Yield a function that takes the rows of a record: topic, time, values. UserError if one could not be written."""
     with atomic_path(path) as draft:
         recorder = Recorder(draft, {"robot": robot.name, "made_by": "caramelo identify"})
 
@@ -72,7 +72,7 @@ def _kept(path: Path, robot: Robot) -> Iterator[Callable[[str, float, dict[str, 
 
 
 def kept_traces(path: Path, robot: Robot) -> list[Trace]:
-    """Return a joint's sweeps. UserError if the file is none, damaged, or of another robot."""
+    """Return a joint's sweeps. UserError if the file is not a record, damaged, or of another robot."""
     traces: list[Trace] = []
     for values in _read(path, robot, "/sweep"):
         if not traces or traces[-1].name != values["sweep"] or values["asked_s"] < traces[-1].asked_s[-1]:
@@ -83,14 +83,14 @@ def kept_traces(path: Path, robot: Robot) -> list[Trace]:
 
 
 def kept_stances(path: Path, robot: Robot) -> list[Stance]:
-    """Return what all joints did together; nothing if that was not measured."""
+    """Return the ticks of all joints together; none if they were not measured."""
     return [Stance(**values) for values in _read(path, robot, "/stance")] if path.exists() else []
 
 
 def _read(path: Path, robot: Robot, topic: str) -> Iterator[dict[str, Any]]:
     record = read_record(path, {topic: tuple(CHANNELS[topic])})
     if record.damage:
-        raise UserError(f"{path}: is damaged ({record.damage}): remove it and measure again")
+        raise UserError(f"{path}: the record is damaged ({record.damage}): remove it and measure again")
     if record.about.get("robot") != robot.name:
-        raise UserError(f"{path}: of robot {record.about.get('robot', '?')}, allowed {robot.name}: name another folder")
+        raise UserError(f"{path}: of robot {record.about.get('robot', '?')}, allowed {robot.name}; name another folder")
     yield from (row.values for row in record.of(topic))

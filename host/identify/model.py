@@ -1,8 +1,8 @@
-"""The servo as the fit sees it: many copies with different numbers at once, through many sweeps at once, in numpy.
+"""The fit's servo model: many copies with different numbers through many sweeps at once, in numpy.
 
-The law is that of host/sim/servos/law.py, which a test holds against it: rotor and link with play between them, M6
-friction (arXiv 2410.08650). Left out: steps of position and duty, which the fit sees as noise, and the delay, which
-only shifts when the answer is seen.
+The law is that of host/sim/servos/law.py, and a test compares the two: rotor and link with play between them, M6
+friction (arXiv 2410.08650). It leaves out the steps of position and duty, which are noise to the fit, and the delay,
+which only shifts the time of the answer.
 """
 
 from collections.abc import Mapping, Sequence
@@ -18,8 +18,8 @@ Array = np.ndarray[Any, Any]
 
 STEP_S = 0.001
 FLANK_NM_RAD, FLANK_DAMPING = 300.0, 0.5  # as in host/sim/servos/law.py (assumed)
-NEW_RAD = radians(0.33)  # play from which a fit begins: a new MX-28's by the data sheet, whatever was assumed of wear
-# What is fitted, in the servo's own units, and how large an error of each is the same to the fit.
+NEW_RAD = radians(0.33)  # play at which a fit begins: a new MX-28's by the data sheet, whatever wear the file assumes
+# The fitted numbers, in the servo's own units, and errors of each that weigh the same in the fit.
 NAMES = (
     "stall_Nm", "no_load_rad_s", "duty_per_rad", "coulomb_Nm", "stribeck_Nm", "stribeck_rad_s", "viscous_Nms_rad",
     "load_motor", "load_external", "armature_kg_m2", "backlash_rad", "act_s",
@@ -28,7 +28,7 @@ NAMES = (
 
 @dataclass(frozen=True)
 class Load:
-    """What a joint turns: inertia at the servo's shaft, and its weight, which at the joint is -(a sin q + b cos q)."""
+    """A joint's load: inertia at the servo's shaft, and its weight, which at the joint is -(a sin q + b cos q)."""
 
     inertia_kg_m2: float
     sine_Nm: float
@@ -36,13 +36,13 @@ class Load:
     ratio: float = 1.0
 
     def at(self, shaft_rad: Array) -> Array:
-        """Return what the weight does to the shaft, N m."""
+        """Return the weight's torque on the shaft, N m."""
         ahead_rad, most_Nm = atan2(self.cosine_Nm, self.sine_Nm), hypot(self.sine_Nm, self.cosine_Nm)
         weight: Array = -self.ratio * most_Nm * np.sin(self.ratio * shaft_rad + ahead_rad)
         return weight
 
     def at_scalar(self, shaft_rad: float) -> float:
-        """Return the same for one angle, quickly."""
+        """Return the same for one angle, faster."""
         joint_rad = self.ratio * shaft_rad
         return -self.ratio * (self.sine_Nm * sin(joint_rad) + self.cosine_Nm * cos(joint_rad))
 
@@ -54,7 +54,7 @@ class Load:
         return Load(self.inertia_kg_m2, float(sine), float(cosine), self.ratio)
 
     def gone(self) -> "Load":
-        """Return the load of a horn that turns alone."""
+        """Return the load of a horn that turns without its leg."""
         return Load(0.1 * self.inertia_kg_m2, 0.0, 0.0, self.ratio)
 
 
@@ -79,7 +79,7 @@ class Told:
 
 
 def from_file(servo: Servo) -> dict[str, float]:
-    """Return what the robot file says, by ``NAMES``: where a fit begins; play is a new servo's."""
+    """Return the robot file's numbers, by ``NAMES``, at which a fit begins; play is a new servo's."""
     f = servo.friction
     return {
         "stall_Nm": servo.nominal.stall_Nm,
@@ -98,12 +98,12 @@ def from_file(servo: Servo) -> dict[str, float]:
 
 
 def motor_stall_Nm(p: Mapping[str, Any], fixed: Friction) -> Any:
-    """Return what the motor itself gives at stall, before the friction of its load takes its share."""
+    """Return the motor's own stall torque, before the friction of its load takes its share."""
     return p["stall_Nm"] / (1.0 - p["load_motor"] - fixed.load_motor_stribeck)
 
 
 def friction_Nm(p: Mapping[str, Any], fixed: Friction, motor_Nm: Array, load_Nm: Array, fast_rad_s: Array) -> Array:
-    """Return the most that friction holds against, M6; ``fast_rad_s`` is the speed's size."""
+    """Return the largest torque that friction holds, M6; ``fast_rad_s`` is the absolute speed."""
     slower = fast_rad_s / p["stribeck_rad_s"]
     fades = np.exp(-(slower if fixed.stribeck_exponent == 1.0 else slower**fixed.stribeck_exponent))
     square = np.where(
@@ -118,7 +118,7 @@ def friction_Nm(p: Mapping[str, Any], fixed: Friction, motor_Nm: Array, load_Nm:
 
 
 def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) -> tuple[Array, Array]:
-    """Return link angles and duties: sub-steps x copies x sweeps. ``p`` holds columns, one row a copy."""
+    """Return link angles and duties: sub-steps x copies x sweeps. ``p`` holds columns, one row per copy."""
     steps, sweeps = told.goal_rad.shape
     copies = len(p["stall_Nm"])
     places, duties = np.empty((steps, copies, sweeps)), np.empty((steps, copies, sweeps))
@@ -152,5 +152,5 @@ def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) ->
 
 
 def lag_s(p: Mapping[str, float]) -> float:
-    """Return how far a servo that runs freely is behind its goal: its speed is duty x no-load speed."""
+    """Return how far a servo that runs freely lags behind its goal: its speed is duty x no-load speed."""
     return 1.0 / (p["duty_per_rad"] * p["no_load_rad_s"])

@@ -1,4 +1,4 @@
-"""One picture a joint: what was measured, and what a servo with the fitted numbers would have done."""
+"""One picture per joint: the measurement, and the motion of a servo with the fitted numbers."""
 
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from .fit import Fitted, JointFit
 from .model import Array, Load, friction_Nm
 from .sweeping import Trace
 
-SHOWN = (("runs", "run"), ("coasting, torque off under way", "coast"), ("back and forth", "back"),
+SHOWN = (("runs", "run"), ("coasting, torque off while moving", "coast"), ("back and forth", "back"),
          ("steps and chirps", "steps chirp"), ("slow: duty", "slow"))  # fmt: skip
 
 
@@ -59,7 +59,7 @@ def _curves(place: Any, title: str, rows: list[tuple[Trace, Array, Array]], duty
         place.plot(times, scale * (fitted - zero), "tab:orange", lw=0.9)
     place.set_title(title)
     place.set_xlabel("s")
-    place.set_ylabel("duty, %" if duty else "turned since the beginning, deg")
+    place.set_ylabel("duty, %" if duty else "turned since the start, deg")
     place.grid(alpha=0.3)
 
 

@@ -1,24 +1,24 @@
-"""What a joint is made to do: runs at a limited duty, coasting, turning back, small steps, chirps, slow sweeps.
+"""A joint's test motions: runs at a limited duty, coasting, turning back, small steps, chirps, slow sweeps.
 
 All in angles of the servo's shaft. A run at a limited duty is a far goal with a small Goal PWM: the servo pushes with
-exactly that duty until it nears the goal, where it stops by itself. So the duty is known to 1/885; the P law knows it
-to a step of the position, 0.75 %.
+exactly that duty until it nears the goal, where it stops by itself. So the duty is known to 1/885; from the P law it
+would be known only to a step of the position, 0.75 %.
 """
 
 from dataclasses import dataclass
 from math import pi, sin
 
-TICK_S = 0.005  # a question every 5 ms: one answer of 32 bytes and the adapter's 1 ms fit in four times (chosen)
+TICK_S = 0.005  # a request every 5 ms: one answer of 32 bytes and the adapter's 1 ms fit in four times (chosen)
 REACH_RAD = 0.5  # to either side of the centre: 29 deg (chosen)
-MOST = 0.5  # of the stall torque: what moving joints may give on the stand (chosen)
-STEPS_MOST = 0.5  # of small steps and chirps, whose ways are a few degrees (chosen)
+MOST = 0.5  # of the stall torque: limit for moving joints on the stand (chosen)
+STEPS_MOST = 0.5  # limit for small steps and chirps, which move only a few degrees (chosen)
 RUNS = (0.07, 0.09, 0.11, 0.14, 0.18, 0.24, 0.32, 0.42)  # duties of single runs; friction takes 2 .. 8 %
 COASTS = (0.5, 0.45, 0.35, 0.25)  # duties before the torque is taken away
 
 
 @dataclass(frozen=True)
 class Move:
-    """From ``at_s`` on: the goal, and the duty's limit, None without torque."""
+    """From ``at_s`` on: the goal, and the duty's limit; None: no torque."""
 
     at_s: float
     goal_rad: float
@@ -36,7 +36,7 @@ class Sweep:
 
 
 def plan(centre_rad: float, reach_rad: float = REACH_RAD) -> list[Sweep]:
-    """Return the sweeps of one joint in the air, which stay within ``reach_rad`` of the centre."""
+    """Return the sweeps of one joint in the air, within ``reach_rad`` of the centre."""
     sweeps = [_run(centre_rad, reach_rad, way, duty) for duty in RUNS for way in (1, -1)]
     sweeps += [_coast(centre_rad, reach_rad, way, duty) for duty in COASTS for way in (1, -1)]
     sweeps += [_ramp(centre_rad, way) for way in (1, -1)]
@@ -53,7 +53,7 @@ def _run(centre: float, reach: float, way: int, duty: float) -> Sweep:
 
 def _coast(centre: float, reach: float, way: int, duty: float) -> Sweep:
     start, end = centre - way * reach * 0.95, centre + way * reach
-    free_s = 0.055 / duty + 0.03  # some 0.3 rad under way
+    free_s = 0.055 / duty + 0.03  # after about 0.3 rad
     moves = (Move(0.0, end, duty), Move(free_s, end, None), Move(free_s + 0.3, start, 0.1))
     return Sweep(f"coast {way * duty:+.2f}", start, free_s + 0.3, moves)
 

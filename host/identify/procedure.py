@@ -1,7 +1,7 @@
 """The whole measurement: sweep joint by joint, shake all, stand and sway; then fit, judge, and draw.
 
-What is measured is kept after every joint (keeping.py), so that it can be stopped and taken up again, and fitted
-without the robot.
+After every joint the measurements are kept (keeping.py), so that one can stop and go on later, and fit without the
+robot.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,14 +35,14 @@ from .verdict import (
     with_middle,
 )
 
-Show = Callable[[str, float], None]  # what is being done, and the share of it that is done
+Show = Callable[[str, float], None]  # the present work, and the share of it that is done
 SILENT: Show = lambda what, share: None  # noqa: E731
 LEAST_BROTHERS = 2
 
 
 @dataclass
 class Result:
-    """What came out: fits of the joints that are whole, a verdict of each, what the supply's resistance is."""
+    """The result: fits of the intact joints, a verdict on each joint, and the supply's resistance."""
 
     fits: dict[int, Fitted] = field(default_factory=dict)
     verdicts: dict[int, Verdict] = field(default_factory=dict)
@@ -56,7 +56,7 @@ class Result:
 
 
 def measure_in_air(rig: Rig, folder: Path, joints: Sequence[int], show: Show = SILENT) -> None:
-    """Sweep joints that are not kept yet, then shake all together; keep what is measured."""
+    """Sweep joints that are not kept yet, then shake all together; keep the measurements."""
     robot = rig.robot
     for joint in joints:
         if keeping.done(folder, joint) or _blocked_path(folder, joint).exists():
@@ -75,7 +75,7 @@ def measure_in_air(rig: Rig, folder: Path, joints: Sequence[int], show: Show = S
 
 
 def measure_on_ground(rig: Rig, folder: Path, show: Show = SILENT) -> None:
-    """Stand and sway, and keep what is measured."""
+    """Stand and sway, and keep the measurements."""
     path = keeping.together_path(folder, "ground")
     keeping.keep_stances(path, rig.robot, stand_and_sway(rig, lambda share: show("standing", share)))
 
@@ -85,12 +85,12 @@ def _blocked_path(folder: Path, joint: int) -> Path:
 
 
 def glance(robot: Robot, folder: Path, show: Show = SILENT) -> dict[int, Verdict]:
-    """Return what keeps joints from being fitted, and the robot from standing up: blocked, loose, reversed ones."""
+    """Return the joints that can't be fitted and that forbid standing up: blocked, loose, reversed ones."""
     found = {}
     for joint in range(JOINTS):
         if _blocked_path(folder, joint).exists():
             why = _blocked_path(folder, joint).read_text(encoding="utf-8").strip()
-            found[joint] = Verdict(joint, BLOCKED, f"{why}; mend it, remove {_blocked_path(folder, joint).name}")
+            found[joint] = Verdict(joint, BLOCKED, f"{why}; repair it, then remove {_blocked_path(folder, joint).name}")
         elif keeping.done(folder, joint):
             show(f"{JOINT_LABELS[joint]}: weight", joint / JOINTS)
             kind = _weight(robot, joint, keeping.kept_traces(keeping.path_of(folder, joint), robot))
@@ -115,7 +115,7 @@ def fit_all(robot: Robot, folder: Path, show: Show = SILENT) -> Result:
     kept = [joint for joint in range(JOINTS) if keeping.done(folder, joint)]
     result.verdicts = glance(robot, folder, show)
     if not kept and not result.verdicts:
-        raise UserError(f"{folder}: holds no sweeps: measure with caramelo identify")
+        raise UserError(f"{folder}: contains no sweeps: measure first, with caramelo identify")
     stood = grounds(robot, servo, keeping.kept_stances(keeping.together_path(folder, "ground"), robot))
     result.stood = stood is not None
     whole = [joint for joint in kept if joint not in result.verdicts]
@@ -135,10 +135,10 @@ def fit_all(robot: Robot, folder: Path, show: Show = SILENT) -> Result:
 
 
 def measures(result: Result) -> dict[str, Measure]:
-    """Return what goes into the robot file: medians of the sound joints, by table and key."""
+    """Return the numbers for the robot file: medians of the sound joints, by table and key."""
     sound = {j: fit for j, fit in result.fits.items() if result.verdicts[j].kind == SOUND and fit.fits}
     if len(sound) < LEAST_BROTHERS:
-        raise UserError(f"{len(sound)} sound joints, must be {LEAST_BROTHERS} at least: no robot file is written", 1)
+        raise UserError(f"{len(sound)} sound joints, at least {LEAST_BROTHERS} needed: no robot file is written", 1)
     middle = with_middle(sound)
     values, spread = middle.values, middle.spread
     found = {

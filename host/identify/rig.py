@@ -1,4 +1,4 @@
-"""The robot's servos while they are measured: a few joints have torque, all others are limp; every tick is looked at.
+"""The robot's servos during a measurement: a few joints have torque, all others are limp; every tick is checked.
 
 Angles are the servos' shafts', in the joints' sense: a joint's angle divided by the ratio of its drive. Goals go out
 every tick, so that the servos' bus watchdogs stay quiet; on a real port the guardian lets go if this process dies.
@@ -18,13 +18,13 @@ from ..robot.model import Robot
 
 BLOCK = (t.PRESENT_LOAD.address, t.PRESENT_TEMPERATURE.address + 1 - t.PRESENT_LOAD.address)
 MOST_SILENT = 20  # ticks without an answer of a joint that moves: 0.1 s (chosen)
-BEYOND_RAD = 0.12  # past its sweep's ends a joint is stopped: 7 deg (chosen)
+BEYOND_RAD = 0.12  # a joint this far past its sweep's ends is stopped: 7 deg (chosen)
 OFF_TRIES = 10
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What one servo answered, and when it was asked and had answered."""
+    """One servo's answer, when it was asked, and when it had answered."""
 
     asked_s: float
     answered_s: float
@@ -56,7 +56,7 @@ class Rig:
             self._guardian = Guardian(link.port.ser.fileno(), packet)
 
     def prepare(self) -> None:
-        """Look for all servos, let go of them, and set what measuring needs. ServoError says what is wrong."""
+        """Look for all servos, let go of them, and write the settings for measuring. ServoError says what is wrong."""
         link, model = self.link, servo_of(self.robot)
         for joint, servo in enumerate(self.calibration.ids):
             if link.ping(servo) is None:
@@ -64,7 +64,7 @@ class Rig:
             link.set_up(servo, self.name(joint), control_settings(model))
 
     def name(self, joint: int) -> str:
-        """Return how a joint is called."""
+        """Return a joint's name."""
         return f"{JOINT_LABELS[joint]} (id {self.calibration.ids[joint]})"
 
     def counts(self, joint: int, shaft_rad: float) -> int:
@@ -72,15 +72,15 @@ class Rig:
         return self.calibration.joints[joint].limited_counts(shaft_rad, self._per_rad)
 
     def rounded_rad(self, joint: int, shaft_rad: float) -> float:
-        """Return the angle that such a goal really is."""
+        """Return the angle that such a goal really means, after rounding and limits."""
         return self.calibration.joints[joint].angle_rad(self.counts(joint, shaft_rad), self._per_rad)
 
     def allow(self, joint: int, low_rad: float, high_rad: float) -> None:
-        """Set where a joint may be while it has torque; beyond, it is let go of."""
+        """Set a joint's allowed range while it has torque; beyond it the rig lets go of it."""
         self._allowed[joint] = low_rad - BEYOND_RAD, high_rad + BEYOND_RAD
 
     def hold(self, joint: int, most: float) -> None:
-        """Switch a joint's torque on, its goal where it is, with a share of its stall torque."""
+        """Switch a joint's torque on at its present angle, with a share of its stall torque."""
         servo = self.calibration.ids[joint]
         if self._guardian is not None:
             self._guardian.beat(True)
@@ -93,7 +93,7 @@ class Rig:
         self.link.write(servo, t.WATCHDOG, round(WATCHDOG_S / t.WATCHDOG_TICK_S))
 
     def limit(self, joint: int, most: float | None) -> None:
-        """Change a joint's share of its stall torque; None takes the torque away."""
+        """Change a joint's share of its stall torque; None switches the torque off."""
         servo = self.calibration.ids[joint]
         if most is None:
             self.link.write_all(t.TORQUE_ENABLE, {servo: 0})
@@ -105,7 +105,7 @@ class Rig:
             self.link.write_all(t.TORQUE_ENABLE, {servo: 1})
 
     def tell(self, goals_rad: Mapping[int, float]) -> None:
-        """Send goals of joints that have torque; the others' are sent again."""
+        """Send goals to joints that have torque; joints without a new goal get the last one again."""
         for joint, goal_rad in goals_rad.items():
             if joint in self._goals:
                 self._goals[joint] = self.counts(joint, goal_rad)
@@ -114,7 +114,7 @@ class Rig:
             self.link.write_all(t.GOAL_POSITION, {ids[joint]: counts for joint, counts in self._goals.items()})
 
     def ask(self, joints: Sequence[int]) -> dict[int, Reading]:
-        """Ask joints; what does not answer is missing. ServoError if that lasts, or if something is wrong."""
+        """Ask joints; those that do not answer are missing. ServoError if that lasts, or if something is wrong."""
         if self._guardian is not None:
             self._guardian.beat(bool(self._goals))
             if not self._guardian.alive:
@@ -131,7 +131,7 @@ class Rig:
                 continue
             self._silent[joint] = 0
             if answer.alert:
-                raise ServoError(f"{self.name(joint)} complains: look with: caramelo servos status")
+                raise ServoError(f"{self.name(joint)} reports an error: look at it with caramelo servos status")
             at = mount.angle_rad(t.unpack(t.PRESENT_POSITION, answer.data, BLOCK[0]), self._per_rad)
             load = mount.sign * t.unpack(t.PRESENT_LOAD, answer.data, BLOCK[0]) * t.LOAD_SHARE
             volts = t.unpack(t.PRESENT_VOLTAGE, answer.data, BLOCK[0]) * t.VOLTS
@@ -142,7 +142,7 @@ class Rig:
     def _miss(self, joint: int) -> None:
         self._silent[joint] += 1
         if self._silent[joint] > MOST_SILENT and joint in self._goals:
-            raise ServoError(f"{self.name(joint)} does not answer any more: check its cable; all joints are limp")
+            raise ServoError(f"{self.name(joint)} no longer answers: check its cable; all joints are limp")
 
     def _look(self, joint: int, at_rad: float, warm_C: int, volts: float) -> None:
         model, (low, high) = servo_of(self.robot), self._allowed[joint]
@@ -153,13 +153,13 @@ class Rig:
         if joint in self._goals and not low <= at_rad <= high:
             raise ServoError(
                 f"{self.name(joint)} is at {degrees(at_rad):.0f} deg of its servo, allowed {degrees(low):.0f} .. "
-                f"{degrees(high):.0f}: it was let go; is its calibration right?"
+                f"{degrees(high):.0f}: it was let go; check its calibration"
             )
 
     def release(self) -> None:
-        """Let go of all joints and have it confirmed; what never confirms is told."""
+        """Let go of all joints until they confirm it; ServoError names those that never do."""
         self._goals.clear()
-        for _ in range(3):  # nobody confirms a packet to all
+        for _ in range(3):  # no servo confirms a broadcast
             self.link.broadcast(t.TORQUE_ENABLE, 0)
         block = (t.TORQUE_ENABLE.address, 1)
         for _ in range(OFF_TRIES):
@@ -171,7 +171,7 @@ class Rig:
             self.link.write_all(t.TORQUE_ENABLE, dict.fromkeys(holding, 0))
         else:
             names = ", ".join(self.name(joint) for joint in holding.values())
-            raise ServoError(f"{names}: no answer that torque is off: cut the power, then check the cable")
+            raise ServoError(f"{names}: did not confirm that torque is off: cut the power, then check the cable")
         self.link.write_all(t.WATCHDOG, dict.fromkeys(self.calibration.ids, 0))
 
     def close(self) -> None:

@@ -1,4 +1,4 @@
-"""Carries out sweeps: one joint in the air, its leg's other joints held as at rest; then all joints on the ground."""
+"""Carries out sweeps: one joint in the air while its leg's others hold the rest pose; then all on the ground."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -16,18 +16,18 @@ from .rig import Reading, Rig
 
 GO_RAD_S = 0.6  # how fast a joint goes to where a sweep begins (chosen)
 SETTLE_S = 0.15
-ARRIVED_RAD = 0.08  # farther from there it is blocked: friction alone leaves 0.03 rad at the P gain in use (chosen)
+ARRIVED_RAD = 0.08  # further from its goal it is blocked: friction alone leaves 0.03 rad at the P gain in use (chosen)
 GROUND_TICK_S = 0.02
 PHASES = 4  # of a tick at which joints are asked in turn
 SHAKE_S, SHAKE_RAD = 2.0, 0.12
-SHAKES = (0.1, 0.2, 0.3, 0.4)  # duties with which all joints are shaken, to draw current
+SHAKES = (0.1, 0.2, 0.3, 0.4)  # duties for shaking all joints, to draw current
 
-Done = Callable[[float], None]  # takes the share that is done
+Done = Callable[[float], None]  # takes the completed share
 
 
 @dataclass
 class Trace:
-    """One sweep as it went: what was told at which time, what was read; times in s from its beginning."""
+    """One sweep as measured: commands with their times, and readings; times in s from its start."""
 
     joint: int
     name: str
@@ -53,7 +53,7 @@ class Stance:
 
 
 class Blocked(ServoError):
-    """A joint that does not get where its sweep begins."""
+    """A joint that does not reach the start of its sweep."""
 
     def __init__(self, joint: int, at_rad: float, goal_rad: float, ratio: float) -> None:
         self.joint = joint
@@ -64,7 +64,7 @@ class Blocked(ServoError):
 
 
 def rest_shafts_rad(robot: Robot) -> list[float]:
-    """Return the shafts' angles at rest, about which a joint is swept."""
+    """Return the shafts' angles at rest, the centres of the sweeps."""
     return [angle / joint_per_shaft(robot, joint) for joint, angle in enumerate(rest_pose_rad(robot))]
 
 
@@ -75,13 +75,13 @@ def sweeps_of(robot: Robot, joint: int) -> list[Sweep]:
     reach = min(REACH_RAD, centre - low - 0.02, high - centre - 0.02)
     if reach < 0.25:
         raise UserError(
-            f"{JOINT_LABELS[joint]}: {degrees(reach * ratio):.0f} deg to its limits from the rest stance, must be 15"
+            f"{JOINT_LABELS[joint]}: {degrees(reach * ratio):.0f} deg from rest to its limits, at least 15 needed"
         )
     return plan(centre, reach)
 
 
 def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[Trace]:
-    """Sweep one joint in the air and let go of its leg. Blocked if it does not get to where a sweep begins."""
+    """Sweep one joint in the air and let go of its leg. Blocked if it does not reach the start of a sweep."""
     rest, leg = rest_shafts_rad(rig.robot), joint // 3 * 3
     sweeps = sweeps_of(rig.robot, joint)
     ends = [move.goal_rad for sweep in sweeps for move in sweep.moves]
@@ -104,7 +104,7 @@ def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[T
 
 
 def _go(rig: Rig, goals_rad: dict[int, float], looked_at: int) -> None:
-    """Move joints together, slowly; then wait. Blocked if the one that is looked at does not arrive."""
+    """Move joints together, slowly; then wait. Blocked if the watched joint does not arrive."""
     for joint in goals_rad:
         rig.limit(joint, MOST)
     now = _all(rig, list(goals_rad))
@@ -122,7 +122,7 @@ def _go(rig: Rig, goals_rad: dict[int, float], looked_at: int) -> None:
 
 
 def _all(rig: Rig, joints: Sequence[int]) -> dict[int, Reading]:
-    """Return readings of all these joints, asked until each has answered."""
+    """Return readings of all these joints; asks until each has answered."""
     found: dict[int, Reading] = {}
     while len(found) < len(joints):
         found |= rig.ask([joint for joint in joints if joint not in found])
@@ -130,14 +130,14 @@ def _all(rig: Rig, joints: Sequence[int]) -> dict[int, Reading]:
 
 
 def _next(rig: Rig, due_s: float, tick_s: float) -> float:
-    """Wait for the next tick; one that is late does not hurry those after it."""
+    """Wait for the next tick; a late tick does not shorten the next ones."""
     due_s = max(due_s + tick_s, rig.clock())
     rig.wait_until(due_s)
     return due_s
 
 
 def _play(rig: Rig, joint: int, sweep: Sweep) -> Trace:
-    """Play one sweep's moves and take down what the joint does."""
+    """Play one sweep's moves and record the joint's motion."""
     trace, moves = Trace(joint, sweep.name), list(sweep.moves)
     began_s = due_s = rig.clock()
     goal_rad, most = sweep.start_rad, MOST
@@ -169,7 +169,7 @@ def _note(trace: Trace, sent_s: float, began_s: float, goal_rad: float, most: fl
 
 
 def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
-    """Shake all joints in the air, harder and harder: the current that draws shows how the supply sags."""
+    """Shake all joints in the air, harder and harder; the current drawn shows how the supply sags."""
     rest = rest_shafts_rad(rig.robot)
     rows: list[Stance] = []
     _allow_limits(rig)
@@ -231,7 +231,7 @@ def _glide(rig: Rig, start: Sequence[float], end: Sequence[float], seconds: floa
 
 
 def _tick(rig: Rig, what: str, goals: Sequence[float], rows: list[Stance], tick_s: float) -> None:
-    """Tell all joints, and ask them a little later each time: asked at one phase, rippling duties would lie."""
+    """Command all joints, and ask them a little later each time: at a fixed phase, the duties' ripple would mislead."""
     due_s = rig.clock()
     rig.tell(dict(enumerate(goals)))
     rig.wait_until(due_s + tick_s * (len(rows) % PHASES) / (PHASES + 1))
@@ -247,7 +247,7 @@ def _tick(rig: Rig, what: str, goals: Sequence[float], rows: list[Stance], tick_
 
 
 def _sway(robot: Robot) -> list[list[float]]:
-    """Return the poses of a body that goes slowly down and up, forward and back, to the left and to the right."""
+    """Return the poses of a body that moves slowly down and up, forward and back, left and right."""
     limits = robot.body_limits
     far = (min(0.03, 0.75 * limits.x_m), min(0.03, 0.75 * limits.y_m), min(0.03, 0.75 * limits.z_m))
     poses = []
@@ -266,6 +266,6 @@ def _shifted(robot: Robot, shift_m: Sequence[float]) -> list[float]:
         x, y, z = robot.foot_m(leg, robot.stance.rest_height_m)
         joints = leg_to_rad(robot, leg, (x - shift_m[0], y - shift_m[1], z - shift_m[2]))
         if joints is None:
-            raise UserError(f"{robot.name}: leg {leg} can't reach the sway of the measurement")
+            raise UserError(f"{robot.name}: leg {leg} can't follow the sway of the measurement")
         pose += joints
     return pose

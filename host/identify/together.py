@@ -1,4 +1,4 @@
-"""What all joints together tell: loads while the robot stands and sways, the supply while they shake."""
+"""Results from all joints together: loads while the robot stands and sways, the supply while they shake."""
 
 from collections.abc import Sequence
 
@@ -13,8 +13,8 @@ from .model import Array
 from .sweeping import Stance
 
 WINDOW = 8  # ticks over which means and speeds are taken: each of the phases twice
-SLOW_RAD_S = 0.03  # slower, a joint may stick
-KEEP = 400  # samples of a joint on the ground: more do not help, they are not independent
+SLOW_RAD_S = 0.03  # below this a joint may stick
+KEEP = 400  # samples of a joint on the ground: more do not help, because they are not independent
 
 
 def grounds(robot: Robot, servo: Servo, rows: Sequence[Stance]) -> list[Ground] | None:
@@ -45,7 +45,7 @@ def _ground(speed: Array, load: Array, duty: Array) -> Ground:
 
 
 def _steady(speed: Array) -> Array:
-    """Return where a joint has turned one way for a while, so that its play is closed and it is not being sped up."""
+    """Return where a joint has turned one way for a while, so that its play is taken up and it does not accelerate."""
     ahead, behind = np.roll(speed, -WINDOW), np.roll(speed, WINDOW)
     steady: Array = (speed * ahead > 0) & (speed * behind > 0)
     steady[:WINDOW] = steady[-WINDOW:] = False
@@ -55,8 +55,8 @@ def _steady(speed: Array) -> Array:
 def supply_ohm(servo: Servo, no_load_rad_s: float, rows: Sequence[Stance]) -> float | None:
     """Return the supply's resistance from shaking, for the stall current of the robot file; None without either.
 
-    The servos do not measure their current: it is stall current x duty x (duty - speed / no-load speed), so what is
-    measured is the resistance times that current.
+    The servos do not measure their current: it is stall current x duty x (duty - speed / no-load speed), so shaking
+    measures the resistance times that current.
     """
     rows = [row for row in rows if row.what == "shake"]
     if servo.stall_A == 0 or len(rows) < 30:

@@ -1,4 +1,4 @@
-"""Says in words how a joint is, beside its brothers: the other joints of the robot, whose servos are alike."""
+"""Says in words how a joint compares with the robot's other joints, whose servos are of the same type."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,21 +13,21 @@ from .fit import Fitted, JointFit
 from .model import Array, Load, friction_Nm, motor_stall_Nm
 from .sweeping import Trace
 
-APART = 0.25  # a number that differs so much from the brothers' median is told (chosen)
-PLAIN_BETTER = 1.25  # how much better another weight must explain the sweeps before the joint is called broken (chosen)
-STICKS = 1.7  # friction at one place, of what it is elsewhere (chosen)
+APART = 0.25  # a number that differs this much from the others' median is reported (chosen)
+PLAIN_BETTER = 1.25  # how much better another weight must explain the sweeps for the joint to count as broken (chosen)
+STICKS = 1.7  # friction at one place, times the usual friction (chosen)
 BIN_RAD, LEAST_SEEN = 0.04, 12
 SOUND, LOOSE, REVERSED, STICKING, BLOCKED, STIFF = "sound", "loose horn", "reversed", "sticking", "blocked", "friction"
 UNSAFE = (LOOSE, REVERSED, BLOCKED)  # with these the robot must not stand up
 TOLD = {
-    "at_rest_Nm": ("friction", 1.0), "stall_Nm": ("torque", 1.0), "no_load_rad_s": ("speed without load", 1.0),
+    "at_rest_Nm": ("friction", 1.0), "stall_Nm": ("torque", 1.0), "no_load_rad_s": ("no-load speed", 1.0),
     "backlash_deg": ("play", 1.0), "duty_per_rad": ("stiffness", 1.0),
 }  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is said of one joint; ``kind`` is one of the words above."""
+    """The verdict on one joint; ``kind`` is one of the words above."""
 
     joint: int
     kind: str
@@ -46,8 +46,8 @@ def weight_is(servo: Servo, load: Load, traces: Sequence[Trace], mirror_rad: flo
 def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[str, float]) -> tuple[float, float]:
     """Return how many times the usual friction a joint has at its worst place, and where, rad at the shaft.
 
-    Usual is what ``values`` say, and the joint's own median of it. A joint that stands still though it is pushed shows
-    at least the push.
+The usual friction is that of ``values``, scaled to the joint's own median. A joint that stands still although it is
+pushed has at least the friction of the push.
     """
     places, ratios = [], []
     for trace in traces:
@@ -65,7 +65,7 @@ def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[
 
 
 def _resistance(servo: Servo, load: Load, trace: Trace, values: Mapping[str, float]) -> tuple[Array, Array]:
-    """Return along a run where the joint is and its friction, as a share of what is expected there."""
+    """Return the joint's angles along a run, and its friction there as a share of the expected friction."""
     p = {name: np.array([value]) for name, value in values.items()}
     times, at = np.array(trace.asked_s), np.array(trace.position_rad)
     smooth = np.convolve(at, np.ones(7) / 7, mode="same")
@@ -97,34 +97,34 @@ def brothers(fits: Mapping[int, Fitted], joint: int) -> dict[str, float]:
 
 
 def judge(joint: int, fits: Mapping[int, Fitted], stick: tuple[float, float]) -> Verdict:
-    """Return what to say of a joint whose weight is as it should be."""
+    """Return the verdict on a joint whose weight is right."""
     label, own, others = JOINT_LABELS[joint], told_of(fits[joint].values), told_of(brothers(fits, joint))
     if stick[0] > STICKS:
         where = f"{degrees(stick[1]):.0f} deg of its servo"
-        return Verdict(joint, STICKING, f"{label}: sticks at {where}, {stick[0]:.1f} times the friction of elsewhere: "
+        return Verdict(joint, STICKING, f"{label}: sticks at {where}, with {stick[0]:.1f} times the usual friction: "
                                         "look for a damaged gear, or something that rubs")  # fmt: skip
     apart = {name: own[name] / others[name] - 1 for name in TOLD if others[name] > 0}
     said = [f"{abs(100 * share):.0f} % {'more' if share > 0 else 'less'} {TOLD[name][0]}"
             for name, share in apart.items() if abs(share) > APART]  # fmt: skip
     if not said:
-        sure = "" if fits[joint].fits else "; the fit is poor, look at its picture"
-        return Verdict(joint, SOUND, f"{label}: as its brothers{sure}")
+        sure = "" if fits[joint].fits else "; the fit is poor: look at its picture"
+        return Verdict(joint, SOUND, f"{label}: like the other joints{sure}")
     kind = STIFF if apart["at_rest_Nm"] > APART else "apart"
-    return Verdict(joint, kind, f"{label}: {', '.join(said)} than its brothers")
+    return Verdict(joint, kind, f"{label}: {', '.join(said)} than the other joints")
 
 
 def broken(joint: int, kind: str) -> Verdict:
-    """Return what to say of a joint whose weight is not as it should be."""
+    """Return the verdict on a joint whose weight is wrong."""
     label = JOINT_LABELS[joint]
     why = {
         LOOSE: "does not feel its leg's weight: its horn is loose",
         REVERSED: "feels its leg's weight the wrong way round: its sign in the calibration is reversed",
     }[kind]
-    return Verdict(joint, kind, f"{label}: {why}; mend it, calibrate, and measure again")
+    return Verdict(joint, kind, f"{label}: {why}; repair it, calibrate, and measure again")
 
 
 def with_middle(fits: Mapping[int, Fitted]) -> Fitted:
-    """Return a robot's servo: the median of its joints; what differs between them as a share."""
+    """Return a robot's servo: the median of its joints, and how much they differ, as a share."""
     names = next(iter(fits.values())).values
     middle = {name: median(fit.values[name] for fit in fits.values()) for name in names}
     spread = {

@@ -1,1 +1,1 @@
-"""The inertial sensor: one interface for a real one, a recorded one and a simulated one, and the attitude from it."""
+"""The inertial sensor, real, recorded or simulated, behind one interface; and the attitude from it."""

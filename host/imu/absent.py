@@ -1,4 +1,4 @@
-"""No inertial sensor: joints that another program simulates have none on this side of the bus."""
+"""No inertial sensor: if another program simulates the joints, there is none on this side of the bus."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ from .base import Imu, ImuError
 
 
 class AbsentImu(Imu):
-    """A sensor that is not there; ``why`` says so in a sentence."""
+    """A missing sensor; ``why`` is a sentence about it."""
 
     kind = "absent"
 

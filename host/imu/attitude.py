@@ -1,7 +1,7 @@
 """Roll and pitch from a sensor: body axes, bias at rest, the core's filter, and a watch over the sensor itself.
 
-States: ``aligning`` (at rest, gathering the start attitude and the gyro's bias), ``ok``, ``fault``. In the first
-and last there is no attitude, so the planner walks without balance; a sensor that comes back aligns again.
+States: ``aligning`` (at rest, measuring the start attitude and the gyro's bias), ``ok``, ``fault``. In the first and
+last there is no attitude, so the planner walks without balance; a sensor that comes back aligns again.
 """
 
 from collections.abc import Sequence
@@ -19,11 +19,11 @@ from ..robot.model import Robot
 from ..robot.scale import attitude_block, rad
 from .base import COUNTS, INT16_MAX, Axes, Imu, ImuError, ImuLate
 
-STUCK_S = 0.5  # real readings are never so long alike: their noise is several counts (measured on simulated noise)
+STUCK_S = 0.5  # real readings are never equal for so long: their noise is several counts (measured on simulated noise)
 RETRY_S = 0.5  # between tries to open a missing sensor (chosen)
-GAP_S = 0.1  # so long a missing reading is taken to be like the last: a body turns little meanwhile (chosen)
-# A robot that falls turns faster than an MPU6050 tells at 250 deg/s: for up to 0.3 s in space. Meanwhile the attitude
-# lags behind, but it still tells the fall.
+GAP_S = 0.1  # for this long the last reading replaces missing ones: a body turns little meanwhile (chosen)
+# A falling robot turns faster than the 250 deg/s of an MPU6050, for up to 0.3 s in space. Meanwhile the attitude lags
+# behind, but it still shows the fall.
 SATURATED_S = 0.5
 
 
@@ -48,7 +48,7 @@ class Attitude:
         self._retry_ticks = self._wait_ticks = round(RETRY_S * (rate_hz or robot.control.rate_hz))
 
     def open(self) -> None:
-        """Open the sensor and start to align. A missing one is a fault, not an error: it is looked for again."""
+        """Open the sensor and start to align. A missing one is a fault, not an error: later ticks look for it again."""
         self.align()
         self._open()
 
@@ -65,7 +65,7 @@ class Attitude:
         self.source.close()
 
     def align(self) -> None:
-        """Start again: attitude and gyro bias from the next readings at rest."""
+        """Start again: take attitude and gyro bias from the next readings at rest."""
         attitude_reset(self.block)
         self._aligned = False
 
@@ -115,7 +115,7 @@ class Attitude:
         return self.angles_rad
 
     def _bridge(self) -> bool:
-        """Go on with the last reading in the place of one that is missing; False once that has been done too often."""
+        """Go on with the last reading in place of a missing one; False once that has happened too often."""
         self._gap += 1
         if self.fault or not self._last or self._gap > self._gap_ticks:
             return False
@@ -123,7 +123,7 @@ class Attitude:
         return True
 
     def _look_again(self) -> None:
-        """Try to open a sensor that does not answer, now and then: it may have lost its settings with its power."""
+        """Try now and then to open a sensor that does not answer: it may have lost power, and so its settings."""
         self._wait_ticks -= 1
         if self._wait_ticks <= 0:
             self._open()
@@ -133,7 +133,7 @@ class Attitude:
         if flags & MOVED_WHILE_ALIGNING:
             self.note = "hold the robot still: the gyro's bias is being measured"
         elif flags & ACCEL_REJECTED and flags & ALIGNING:
-            self.note = "the accelerometer does not read 1 g at rest: is imu.accel_counts_per_g right?"
+            self.note = "the accelerometer does not read 1 g at rest: check imu.accel_counts_per_g"
         else:
             self.note = "" if self._aligned else "measuring the gyro's bias: hold the robot still"
 
@@ -143,13 +143,13 @@ class Attitude:
         self._last = tuple(counts)
         self._saturated = self._saturated + 1 if max(map(abs, counts)) >= INT16_MAX else 0
         if self._alike >= self._stuck_ticks:
-            return "the IMU is stuck: it repeats the same reading; switch it off and on, check its wires"
+            return "the IMU is stuck and repeats the same reading: switch it off and on, and check its wires"
         if self._saturated >= self._saturated_ticks:
-            return "the IMU is at the end of its range: is imu.gyro_counts_per_deg_s too large for this robot?"
+            return "the IMU is at the end of its range: imu.gyro_counts_per_deg_s may be too large for this robot"
         return ""
 
     def _fail(self, sentence: str) -> None:
-        """Note the first cause, and forget the attitude: it is worth nothing after a gap."""
+        """Note the first cause, and forget the attitude, which is useless after a gap."""
         if not self.fault:
             self.fault = sentence
             self.align()

@@ -1,4 +1,4 @@
-"""What every inertial sensor gives: six raw counts in the sensor's own axes, gyro x y z, accelerometer x y z."""
+"""The interface of every inertial sensor: six raw counts in the sensor's axes, gyro x y z, accelerometer x y z."""
 
 from abc import ABC, abstractmethod
 from collections.abc import MutableSequence, Sequence
@@ -10,7 +10,7 @@ INT16_MAX = 32767
 
 
 class ImuError(UserError):
-    """A sensor that does not answer, or one with nothing more to say."""
+    """A sensor that does not answer, or a recording that is over."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(sentence, NOT_ACHIEVED)
@@ -48,13 +48,13 @@ class Axes:
         self._rows = [("xyz".index(axis[1]), -1 if axis[0] == "-" else 1) for axis in axes]
 
     def to_body(self, sensor: Sequence[int], body: MutableSequence[int]) -> None:
-        """Write six counts in body axes; -32768 turned round is 32767, as int16 has no more."""
+        """Write six counts in body axes; -32768 becomes 32767 when its sign changes, the largest int16."""
         for part in (0, 3):
             for axis, (source, sign) in enumerate(self._rows):
                 body[part + axis] = min(sign * sensor[part + source], INT16_MAX)
 
     def to_sensor(self, body: Sequence[float]) -> list[float]:
-        """Return six values in sensor axes, the other way round."""
+        """Return six values in sensor axes, from body axes."""
         sensor = [0.0] * COUNTS
         for part in (0, 3):
             for axis, (source, sign) in enumerate(self._rows):

@@ -1,4 +1,4 @@
-"""Which inertial sensor a command takes: on the Pi's I2C, on a gait board, or a recording."""
+"""Chooses a command's inertial sensor: on the Pi's I2C, on a gait board, or a recording."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
-"""The inertial sensor of a gait board, over its serial link: each reading is asked for and comes by its number.
+"""The inertial sensor of a gait board, over its serial link: each reading is requested, and numbered.
 
-The board goes on with what it does by itself; its other frames are read and thrown away.
+The board keeps doing its own work; its other frames are read and thrown away.
 """
 
 import select
@@ -17,9 +17,9 @@ from ..protocol.gait_frames import FrameReader, frame
 from .base import COUNTS, Imu, ImuError, ImuLate
 
 START_S = 1.0  # a board that has just been opened may still be starting a tick (chosen)
-ANSWER_S = 0.004  # the patience with a servo (host/bus/dynamixel/port.py): USB, the board's tick, the scheduler
+ANSWER_S = 0.004  # as for a servo (host/bus/dynamixel/port.py): USB, the board's tick, the scheduler
 WRITE_S = 0.005
-BAUD = 115200  # the board's USB takes any
+BAUD = 115200  # the board's USB accepts any
 CHUNK = 4096
 READING_BYTES = 2 + 2 * COUNTS  # of its payload (firmware/link.py)
 
@@ -41,7 +41,7 @@ class Stream(Protocol):
 
 
 def open_serial(port: str) -> Stream:
-    """Return an open serial port; ImuError says what to do."""
+    """Return an open serial port; ImuError with what to do."""
     from ..bus.dynamixel.port import explain
 
     try:
@@ -70,7 +70,7 @@ class GaitBoardImu(Imu):
             self._ask(START_S)
         except ImuLate:
             self.close()
-            raise ImuError(f"{self._port}: no gait board answers: caramelo flash --role gait installs it") from None
+            raise ImuError(f"{self._port}: no gait board answers: install its firmware with caramelo flash") from None
         except BaseException:
             self.close()
             raise
@@ -103,7 +103,7 @@ class GaitBoardImu(Imu):
         return tuple(link.read_int16(self._reading, 2 + 2 * axis) for axis in range(COUNTS))
 
     def _found(self) -> bool:
-        """Take the bytes that are there; True if the awaited reading is among them."""
+        """Take the available bytes; True if the awaited reading is among them."""
         assert self._stream is not None
         found = False
         for kind, payload in self._reader.frames(self._stream.read(CHUNK) or b""):

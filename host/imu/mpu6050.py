@@ -1,7 +1,7 @@
 """MPU6050 on the Raspberry Pi's I2C bus: register map RM-MPU-6000A, revision 4.2.
 
-Accelerometer, temperature and gyro stand in one block of big-endian words; both are read in one go, so they belong
-to the same instant.
+Accelerometer, temperature and gyro are one block of big-endian words, which is read at once, so they belong to the same
+instant.
 """
 
 import fcntl
@@ -20,12 +20,12 @@ CLOCK_GYRO_X = 0x01  # awake, clocked by the gyro: steadier than the chip's own 
 LOW_PASS = 0x03  # 44 Hz, 4.9 ms late (4.3)
 GYRO_RANGES = (131.0, 65.5, 32.8, 16.4)  # counts per deg/s by FS_SEL (4.19)
 ACCEL_RANGES = (16384, 8192, 4096, 2048)  # counts per g by AFS_SEL (4.17)
-# linux/i2c-dev.h: how long a transfer may take, in units of 10 ms. The driver's own second would hold up fifty ticks.
+# linux/i2c-dev.h: how long a transfer may take, in units of 10 ms. The driver's default of 1 s would block 50 ticks.
 I2C_TIMEOUT, TIMEOUT_10MS = 0x0702, 1
 
 
 def open_i2c(bus: int) -> Any:
-    """Return an open SMBus of smbus2 (extra pi) that gives up a transfer in time."""
+    """Return an open SMBus of smbus2 (extra pi) that aborts a slow transfer in time."""
     from smbus2 import SMBus
 
     opened = SMBus(bus)
@@ -34,7 +34,7 @@ def open_i2c(bus: int) -> Any:
 
 
 class Mpu6050(Imu):
-    """The sensor with the ranges that the robot file's scales ask for; ``opener`` makes the I2C bus."""
+    """The sensor, with the ranges of the robot file's scales; ``opener`` makes the I2C bus."""
 
     kind = "mpu6050"
 
@@ -58,7 +58,7 @@ class Mpu6050(Imu):
             self._i2c = self._opener(self._bus_number)
             identity = self._i2c.read_byte_data(self._address, WHO_AM_I)
             if identity != IDENTITY:
-                raise ImuError(f"{self._where}: answers as 0x{identity:02x}, an MPU6050 does as 0x{IDENTITY:02x}")
+                raise ImuError(f"{self._where}: answers as 0x{identity:02x}, an MPU6050 answers as 0x{IDENTITY:02x}")
             for register, value in (
                 (POWER, CLOCK_GYRO_X),
                 (CONFIG, LOW_PASS),
@@ -69,7 +69,7 @@ class Mpu6050(Imu):
         except ModuleNotFoundError:
             raise ImuError(f"no library for the I2C bus on this machine: {how_to_get('smbus2')}") from None
         except FileNotFoundError:
-            raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: sudo raspi-config nonint do_i2c 0") from None
+            raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: run sudo raspi-config nonint do_i2c 0") from None
         except PermissionError:
             raise ImuError(
                 f"/dev/i2c-{self._bus_number}: no permission; run: sudo usermod -aG i2c $USER   and log in again"

@@ -1,1 +1,1 @@
-"""What measures and proves: parity, experiments, benches, figures. The robot runs without it."""
+"""Measurements and proofs: parity, experiments, benches, figures. The robot runs without them."""

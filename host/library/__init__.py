@@ -1,1 +1,1 @@
-"""The robot for one's own programs: what `from caramelo import Robot` gives."""
+"""The robot for one's own programs: `from caramelo import Robot`."""

@@ -1,4 +1,4 @@
-"""What goes wrong, in the library's words: every exception that it raises on purpose is a caramelo.Error."""
+"""Errors in the library's words: every exception that it raises on purpose is a caramelo.Error."""
 
 import re
 from collections.abc import Iterator
@@ -8,32 +8,32 @@ from ..util.errors import UserError
 from ..util.extras import missing_library
 
 _FLAG = re.compile(r"(?<!\S)--([a-z][a-z-]*)")  # an option of the command line
-_CALLED = {"log": "record"}  # what the library calls otherwise
+_CALLED = {"log": "record"}  # options that the library names differently
 
 
 class Error(Exception):
-    """Anything that the library refuses or does not achieve; the text is one sentence."""
+    """The library refused something or did not achieve it; the text is one sentence."""
 
 
 class BadValue(Error, ValueError):
-    """An argument that is not allowed: which, its value, and what is. Nothing has moved."""
+    """A wrong argument: its name, its value, and what is allowed. Nothing has moved."""
 
 
 class NotAchieved(Error):
-    """The robot did not do what it was told: what it did instead, and why."""
+    """The robot did not do what it was told: says what it did instead, and why."""
 
 
 class Fault(Error):
-    """The robot stopped by itself, or was stopped: the first cause. It stays so until ``reset``."""
+    """The robot stopped by itself, or was stopped: gives the first cause. It stays stopped until ``reset``."""
 
 
 for _each in (Error, BadValue, NotAchieved, Fault):
-    _each.__module__ = "caramelo"  # as whoever catches it calls it, and as a traceback does then
+    _each.__module__ = "caramelo"  # the name by which programs catch it, so that a traceback shows the same
 
 
 @contextmanager
 def own_words() -> Iterator[None]:
-    """Turn what the command line would say into an Error: options are called as the library's arguments are."""
+    """Turn an error of the command line into an Error that names the library's arguments instead of options."""
     try:
         yield
     except UserError as error:
@@ -46,13 +46,13 @@ def own_words() -> Iterator[None]:
 
 
 def _renamed(text: str) -> str:
-    """Call options as the arguments are; a command that is to be typed keeps its own."""
+    """Replace options by the arguments' names, except in a command to type."""
     told, command, options = text.partition("caramelo ")
     return _FLAG.sub(lambda found: _CALLED.get(found[1], found[1].replace("-", "_")), told) + command + options
 
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
-    """Return a number within its range, or raise BadValue that names it."""
+    """Return a number within its range, or raise BadValue with its name."""
     if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
         raise BadValue(f"{name} {value!r}: allowed {low:.4g} .. {high:.4g} {unit}".rstrip())
     return float(value)

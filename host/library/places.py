@@ -1,4 +1,4 @@
-"""Where a robot is: its hardware and its clock, by the place's name.
+"""The place of a robot, by name: its hardware and its clock.
 
 ``sim``: the sagittal plane, in simulated time. ``space``: three dimensions (MuJoCo, extra `space`), in simulated time.
 ``servos``: Dynamixel servos on a serial port. ``can``: brushless joints on a CAN bus.
@@ -24,10 +24,10 @@ Pose = tuple[float, float, float]  # x and y in m, yaw in rad
 
 
 class SimulatedClock:
-    """Monotonic seconds that pass only when told to."""
+    """Monotonic seconds that pass only on demand."""
 
     def __init__(self) -> None:
-        self._now_s = time.monotonic()  # records show when it was, as on a robot
+        self._now_s = time.monotonic()  # so that records show the real date, as on a robot
 
     def __call__(self) -> float:
         return self._now_s
@@ -39,7 +39,7 @@ class SimulatedClock:
 
 @dataclass(frozen=True)
 class Place:
-    """``advance`` lets simulated time pass; None where it passes by itself. ``truth``: where a simulated body is."""
+    """``advance`` lets simulated time pass; None if it passes by itself. ``truth``: where a simulated body is."""
 
     hardware: Hardware
     clock: Callable[[], float] = time.monotonic
@@ -49,7 +49,7 @@ class Place:
 
 def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None,
                honest: bool | None = None) -> Place:
-    """Return a place; BadValue if there is none of that name, or the robot has no such bus.
+    """Return a place; BadValue for an unknown name, or if the robot has no such bus.
 
     ``port`` and ``calibration``: see control/hardware.py; ``imu``: "" for the usual one, None for none, or where it is.
     """
@@ -57,17 +57,17 @@ def find_place(name: str, robot: Robot, port: str | None, calibration: Path | No
         raise BadValue(f"place {name!r}: allowed {', '.join(PLACES)}")
     if name in BUS_OF:
         if honest is not None:
-            raise BadValue(f"place {name!r}: honest is for sim and space only")
+            raise BadValue(f"place {name!r}: honest is only for sim and space")
         return _real(name, robot, port, calibration, imu)
     if port is not None or calibration is not None or imu != "":
-        raise BadValue(f"place {name!r}: port, calibration and imu are for servos and can only")
+        raise BadValue(f"place {name!r}: port, calibration and imu are only for servos and can")
     return _simulated(robot, name == "space")
 
 
 def _real(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None) -> Place:
     if robot.bus.kind != BUS_OF[name]:
         others = [place for place, kind in BUS_OF.items() if kind == robot.bus.kind]
-        has = f"the joints of {robot.name} are {others[0]!r}" if others else f"{robot.name} is for sim and space only"
+        has = f"the joints of {robot.name} are {others[0]!r}" if others else f"{robot.name} is only for sim and space"
         raise BadValue(f"place {name!r}: {has}")
     parts = real(robot, port, calibration)
     if imu is None:

@@ -18,11 +18,11 @@ from .places import Place, find_place
 from .run import Run
 from .sensed import JOINT_NAMES, Sensed
 
-# Generous: a crawl sets down four feet before it stands. Who waits longer than this learns why (chosen).
+# Generous: a crawl sets down four feet before it stands. After this time the caller gets an error (chosen).
 STAND_MOST_S, STOP_MOST_S, RESET_MOST_S, ALIGN_MOST_S = 20.0, 30.0, 2.0, 5.0
-SLOWEST_TURN = 0.15  # of the fastest: what is left of the turning speed near the angle (chosen)
-TURNED_RAD = radians(1.0)  # so near to the angle it is there (chosen)
-SLOWEST_HZ = 5.0  # a stream slower than that would meet its own dead-man
+SLOWEST_TURN = 0.15  # of the top turning speed: the speed near the angle (chosen)
+TURNED_RAD = radians(1.0)  # within this of the angle the turn is done (chosen)
+SLOWEST_HZ = 5.0  # a slower stream would trigger its own dead-man
 LONGEST_S = 3600.0
 
 Goals = Sequence[float] | Mapping[str, float]
@@ -35,12 +35,12 @@ class Robot:
         place: ``sim`` (the sagittal plane), ``space`` (three dimensions, extra `space`), ``servos`` or ``can``; or a
             Place of one's own (host/library/places.py), for which port, calibration and imu are not asked.
         robot: a robot's name, or the path of a robot file ending in .toml.
-        gait: a gait's name, or the path of a gait file (docs/gaits.md); without it the robot file's own.
-        port: of servos the serial port, of CAN ``INTERFACE:CHANNEL``; without it the robot file's own.
-        calibration: the servos' calibration file; without it the robot's own.
-        imu: ``i2c``, a gait board's port or a recording; ``""`` is the usual one, None none at all.
+        gait: a gait's name, or the path of a gait file (docs/gaits.md); default: the robot file's own.
+        port: for servos the serial port, for CAN ``INTERFACE:CHANNEL``; default: the robot file's own.
+        calibration: the servos' calibration file; default: the robot's own.
+        imu: ``i2c``, a gait board's port or a recording; ``""`` is the usual one, None is none.
         record: an MCAP file to write, or a folder for one; needs the extra `record`.
-        honest: of ``sim`` and ``space``: drives with friction, play, a sagging supply; None: as the file says.
+        honest: for ``sim`` and ``space``: drives with friction, play, a sagging supply; None: as the file says.
 
     In ``sim`` and ``space`` time passes only in calls that wait, as fast as it is computed, and the same calls give the
     same motion. With servos and CAN the control loop runs in a thread of its own.
@@ -71,14 +71,14 @@ class Robot:
         self._gait = self._known_gait(str(gait or self._file.gait.default))
         self._run: Run | None = None
         self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
-        self._joint_rad_s: float | None = None  # in a loop over stream: the fastest that its joints may turn
+        self._joint_rad_s: float | None = None  # in a loop over stream: the top speed of its joints
 
     # --- from opening to closing
 
     def open(self) -> Self:
-        """Connect to the joints and check them, without moving any; Error if a check fails. `with` does it."""
+        """Connect to the joints and check them without moving any; Error if a check fails. `with` calls it."""
         if self._run is not None:
-            raise Error("the robot is open already")
+            raise Error("the robot is already open")
         with own_words():
             self._run = Run(self._file, self._place, self._record)
         self._run.send({"type": "gait", "gait": self._gait})
@@ -86,7 +86,7 @@ class Robot:
         return self
 
     def close(self) -> None:
-        """Sit down, let the joints go, end the record; at once let go where it can't sit. May be called twice."""
+        """Sit down, let the joints go, end the record; if it can't sit, let go at once. May be called twice."""
         run, self._run = self._run, None
         if run is not None:
             run.close()
@@ -107,7 +107,7 @@ class Robot:
             raise Error("the robot is not open: write `with Robot(...) as robot:`, or call open()")
         return self._run
 
-    # --- what is known
+    # --- data
 
     @property
     def name(self) -> str:
@@ -116,24 +116,24 @@ class Robot:
 
     @property
     def sensed(self) -> Sensed:
-        """What was known after the last tick: joints, attitude, state, battery."""
+        """The values after the last tick: joints, attitude, state, battery."""
         return self._opened.sensed
 
     @property
     def odometry(self) -> Odometry:
         """Where the robot has walked to since it was opened, by dead reckoning with its legs and the gyro.
 
-        Feet that carry are taken to stay where they are: a slip stays in it, and its covariance says how much that may
-        be. In ``sim``, the plane, nothing can turn; there it turns as the legs would have it. ``truth`` is what a
-        simulated body really did.
+        It assumes that loaded feet stay in place: a slip stays in it as an error, whose size its covariance estimates.
+        In ``sim``, the plane, nothing can turn; there it turns as the legs command. ``truth`` is the real motion of a
+        simulated body.
         """
         return self._opened.sensed.odometry
 
     @property
     def truth(self) -> tuple[float, float, float]:
-        """Where a simulated body is: x and y in m, yaw in rad. Error on hardware, where nobody knows."""
+        """Where a simulated body is: x and y in m, yaw in rad. Error on hardware, where it is unknown."""
         if self._place.truth is None:
-            raise Error("truth: only a simulator knows where the robot is; ask odometry")
+            raise Error("truth: only a simulator knows where the robot is; use odometry")
         return self._place.truth()
 
     @property
@@ -163,10 +163,10 @@ class Robot:
         return name
 
     def health(self, seconds: float = 2.0) -> tuple[Finding, ...]:
-        """Let time pass, then tell how the robot is, a line for each part with the verdict ok, note or bad.
+        """Let time pass, then return how the robot is: a line for each part with the verdict ok, note or bad.
 
-        The parts: robot, loop, missed deadlines, bus errors by joint, IMU, battery, heat, versions. Counts are of the
-        time since it was opened. Nothing moves by it, and a fault is one of its lines, no error.
+        The parts: robot, loop, missed deadlines, bus errors by joint, IMU, battery, heat, versions. Counts begin
+        when the robot was opened. This moves nothing, and a fault is one of its lines, not an error.
         """
         run = self._opened
         for _ in range(round(finite("seconds", seconds, 0.0, LONGEST_S, "s") * run.rate_hz)):
@@ -176,7 +176,7 @@ class Robot:
     # --- postures
 
     def stand(self) -> None:
-        """Stand up and return once the robot stands; at first it holds still until the gyro's bias is known."""
+        """Stand up and return once the robot stands; first it holds still until the gyro's bias is known."""
         run = self._opened
         attitude = self._place.hardware.attitude
         run.until(lambda now: attitude.state != "aligning" or now.state != "disarmed", ALIGN_MOST_S, "attitude")
@@ -201,8 +201,8 @@ class Robot:
     ) -> None:
         """Hold the body shifted and turned from its stance, also in the walks to come, and return once it is there.
 
-        The robot stands. Ranges are the robot file's [body_limits]; one that the legs do not reach is held at the
-        nearest, which ``sensed.remark`` tells.
+        The robot must stand. Ranges are the robot file's [body_limits]; if the legs do not reach a pose, the robot
+        holds the nearest one, and ``sensed.remark`` says so.
         """
         limits = self._file.body_limits
         shift_m = [finite(n, v, -m, m, "m") for n, v, m in
@@ -227,7 +227,7 @@ class Robot:
         self._opened.emergency_stop()
 
     def reset(self) -> None:
-        """Forget a stop or a fault that is over; Fault if it is not. A simulated robot that fell is put on its feet."""
+        """Forget a stop or a fault that is over; Fault if it is not. This puts a fallen simulated robot on its feet."""
         run = self._opened
         run.send({"type": "reset"})
         for _ in range(round(RESET_MOST_S * run.rate_hz)):
@@ -249,9 +249,9 @@ class Robot:
         seconds: float | None = None,
         distance_m: float | None = None,
     ) -> None:
-        """Walk ahead, to the left and turning (to the left is positive), then stop; return once the robot stands.
+        """Walk forward, to the left and turning (left is positive), then stop; return once the robot stands.
 
-        For a time, or over a distance by ``odometry``: exactly one of them. BadValue for more than robot and gait walk;
+        Give either a time, or a distance by ``odometry``. BadValue for speeds above those of robot and gait;
         NotAchieved if the distance takes five times as long as it should, and 20 s.
         """
         sticks = self._sticks(vx_m_s, vy_m_s, wz_rad_s)
@@ -264,13 +264,13 @@ class Robot:
         distance_m = finite("distance_m", distance_m, 0.0, 1000.0, "m")
         speed_m_s = hypot(sticks.vx_m_s, sticks.vy_m_s)
         if sticks.wz_rad_s or not speed_m_s:
-            raise BadValue("distance_m: only straight ahead or aside, with a speed; a curve is walked for seconds")
+            raise BadValue("distance_m: only straight ahead or sideways, with a speed; for a curve give seconds")
         self._walk_way(sticks, distance_m, 20.0 + 5.0 * distance_m / speed_m_s)
 
     def turn(self, deg: float, wz_rad_s: float | None = None) -> None:
         """Turn on the spot by an angle, to the left if it is positive, by ``odometry``; return once the robot stands.
 
-        ``wz_rad_s``: the fastest it turns; without it as fast as robot and gait can.
+        ``wz_rad_s``: the top turning speed; default: that of robot and gait.
         """
         angle_rad = radians(finite("deg", deg, -3600.0, 3600.0, "deg"))
         most = self._fastest()[2]
@@ -280,7 +280,7 @@ class Robot:
 
         def there(now: Sensed) -> bool:
             left_rad = angle_rad - (now.odometry.yaw_rad - start_rad)
-            stops_rad_s = sqrt(slew_rad_s2 * abs(left_rad))  # it stops within half of what is left
+            stops_rad_s = sqrt(slew_rad_s2 * abs(left_rad))  # it can stop within half of the remaining angle
             wz_rad_s = min(most, max(SLOWEST_TURN * most, stops_rad_s))
             run.sticks = Drive(wz_rad_s=copysign(wz_rad_s, left_rad), pose=self._pose)
             return abs(left_rad) < TURNED_RAD
@@ -318,7 +318,7 @@ class Robot:
         start, speed = run.sensed.odometry, hypot(sticks.vx_m_s, sticks.vy_m_s)
         ahead, left = sticks.vx_m_s / speed, sticks.vy_m_s / speed
         c, s = cos(start.yaw_rad), sin(start.yaw_rad)
-        east, north = c * ahead - s * left, s * ahead + c * left  # the way in the odometry's axes
+        east, north = c * ahead - s * left, s * ahead + c * left  # the direction in the odometry's axes
 
         def gone_m() -> float:
             now = run.sensed.odometry
@@ -328,7 +328,7 @@ class Robot:
         try:
             run.until(lambda now: gone_m() >= distance_m, most_s, f"walk {distance_m:g} m")
         except NotAchieved as error:
-            raise NotAchieved(f"{error}; {gone_m():.3f} m were walked") from None
+            raise NotAchieved(f"{error}; the robot walked {gone_m():.3f} m") from None
         finally:
             run.sticks = None
         self._halt()
@@ -343,7 +343,7 @@ class Robot:
             run.sticks = None
 
     def _standing(self) -> Run:
-        """Return the run of a robot that stands, or will after what a stream has left it at."""
+        """Return the run of a robot that stands, or that will stand after a stream."""
         run = self._opened
         if run.sensed.fault:
             raise Fault(run.sensed.fault)
@@ -360,14 +360,14 @@ class Robot:
     def stream(
         self, hz: float = 50.0, *, seconds: float | None = None, joint_rad_s: float | None = None
     ) -> Iterator[Sensed]:
-        """Yield what is sensed ``hz`` times a second; in the loop ``set_speed`` drives, or ``set_joints`` moves joints.
+        """Yield the sensed values ``hz`` times a second; the loop drives with ``set_speed`` or ``set_joints``.
 
         ``hz`` 5 .. the planner's rate, rounded so that its period is whole ticks. It ends after ``seconds``, or when
-        the loop is left. ``joint_rad_s``: the fastest that ``set_joints`` may turn a joint; without it the speed at
-        which the robot stands up ([stand] of its file).
+        the loop is left. ``joint_rad_s``: the top speed of a joint with ``set_joints``; default: the speed at which the
+        robot stands up ([stand] of its file).
 
-        Every tick checks: no joint goes beyond its limits nor turns faster. Nothing set for 0.3 s, and the robot stops
-        walking, and the joints go back to the stance; so they do at the end.
+        Every tick checks that no joint goes beyond its limits or turns faster. If nothing is set for 0.3 s, the robot
+        stops walking and the joints go back to the stance; so they do at the end.
         """
         run = self._opened
         joints = run.supervisor.stream
@@ -394,10 +394,10 @@ class Robot:
                 run.do(run.supervisor.stream.end)
 
     def set_speed(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, wz_rad_s: float = 0.0) -> None:
-        """Walk so until the next turn of a loop over ``stream``; the ranges are those of ``walk``."""
+        """Walk at these speeds until the next turn of a loop over ``stream``; the ranges are those of ``walk``."""
         self._streaming("set_speed")
         if self._opened.supervisor.stream.active:
-            raise Error("set_speed: set_joints has the joints; leave its loop first")
+            raise Error("set_speed: set_joints moves the joints; leave its loop first")
         self._opened.sticks = self._sticks(vx_m_s, vy_m_s, wz_rad_s)
 
     def set_joints(self, goals_rad: Goals) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""An open robot: its supervisor, its ticks, what is known after each, and the record of it."""
+"""An open robot: its supervisor, its ticks, the values after each, and its record."""
 
 import time
 from collections.abc import Callable
@@ -23,7 +23,7 @@ LEAVING_S = 20.0
 
 
 class Run:
-    """From start-up checks to letting go. ``sticks``: what is driven, told anew in every tick that is waited for."""
+    """From start-up checks to letting go. ``sticks``: the command, sent again in every tick with a waiting caller."""
 
     def __init__(self, robot: Robot, place: Place, record: Path | None) -> None:
         self.robot, self.place = robot, place
@@ -92,7 +92,7 @@ class Run:
         return "emergency stop" if stop is not None else self.supervisor.safety.sentence
 
     def send(self, message: Message) -> None:
-        """Have the loop take a message; Error if it refuses."""
+        """Give the loop a message; Error if it refuses."""
         if not self._ticks.do(lambda: self.loop.receive(CLIENT, message)):
             raise Error(f"refused: {self.supervisor.arbiter.refusal}")
 
@@ -101,18 +101,18 @@ class Run:
         self._ticks.do(what)
 
     def wait(self) -> None:
-        """Return after the next tick, whatever the robot's state is then."""
+        """Return after the next tick, in whatever state the robot is then."""
         self._ticks.wait()
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return the verdict on each part, of all that has been since it was opened."""
+        """Return the verdict on each part, over the time since the robot was opened."""
         extra = Extra()
         extra.look_at(self.place.hardware.attitude)
         last = self._ticks.do(lambda: status(self.loop, extra))
         return tuple(findings(about(self.robot, self.place.hardware), self._first, last))
 
     def tick(self) -> Sensed:
-        """Say again what is driven and return what is known after the next tick; Fault if the robot has stopped.
+        """Repeat the command and return the values after the next tick; Fault if the robot has stopped.
 
         NotAchieved if it was lifted off the ground while it was driven.
         """
@@ -128,7 +128,7 @@ class Run:
         return self.sensed
 
     def until(self, done: Callable[[Sensed], bool], most_s: float, what: str) -> None:
-        """Tick until it is done; NotAchieved, with the reason, after a time."""
+        """Tick until ``done``; NotAchieved, with the reason, after a time."""
         for _ in range(round(most_s * self.rate_hz)):
             if done(self.sensed):
                 return
@@ -143,7 +143,7 @@ class Run:
         self.wait()
 
     def close(self) -> None:
-        """Sit down, let go, and end everything; let go at once where sitting down is not possible."""
+        """Sit down, let go, and end everything; let go at once if sitting down is not possible."""
         try:
             self._sit_down()
         except BaseException:
@@ -159,4 +159,4 @@ class Run:
             if not self.supervisor.armed:
                 return
             self.wait()
-        raise NotAchieved(f"the robot has not sat down within {LEAVING_S:g} s and was let go where it is")
+        raise NotAchieved(f"the robot did not sit down within {LEAVING_S:g} s, so its joints were let go where it is")

@@ -1,4 +1,4 @@
-"""What is known of the robot after a tick, as plain numbers."""
+"""The robot's values after a tick, as plain numbers."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ class Sensed:
     """One tick. Lists of twelve are in the order of ``JOINT_NAMES``; lists of four in that of ``LEG_NAMES``.
 
     ``state``: disarmed, standing up, standing, walking, crawling, lifted, sitting or fault. ``fault``: why the robot
-    stopped by itself or was stopped, "" if it was not. ``remark``: what else there is to know, such as a pose out of
+    stopped by itself or was stopped, "" if it was not. ``remark``: other remarks, such as a pose out of
     reach. ``load``: each joint's share of its stall torque, -1 .. 1. ``age_s``: how old position, speed and load are,
     inf for a joint that never answered. ``attitude_rad``: roll and pitch, ``rates_rad_s``: turning speeds about x, y
     and z; None while they are not known. ``swinging``: the legs that are planned to be in the air.

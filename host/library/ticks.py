@@ -1,7 +1,7 @@
-"""Who lets the loop tick: whoever waits, in simulated time; a thread of its own, on hardware.
+"""Lets the loop tick: in simulated time the waiting caller does, on hardware a thread of its own.
 
-On hardware the joints hear from the host in every tick, whatever the program is busy with. All that is asked of the
-robot is done between two ticks, by the thread that ticks.
+On hardware the host sends to the joints in every tick, whatever the program is busy with. The thread that ticks does
+all requests, between two ticks.
 """
 
 import queue
@@ -17,7 +17,7 @@ from ..control.loop import Loop
 from .errors import Error, own_words
 
 Answer = TypeVar("Answer")
-TICK_MOST_S = 5.0  # a loop that has not ticked for so long hangs: a bus waits no longer than a tick
+TICK_MOST_S = 5.0  # a loop that has not ticked for this long hangs, because a bus waits no longer than a tick
 
 
 class Ticks(ABC):
@@ -26,11 +26,11 @@ class Ticks(ABC):
     came_s = inf  # see control/loop.py, Source
 
     def start(self) -> None:
-        """Begin; what is called after each tick may be called from now on."""
+        """Begin: functions to call after each tick may be called from now on."""
         return
 
     def ticked(self) -> None:
-        """A tick is over, and all that is to be known of it is."""
+        """End a tick: all its values are known now."""
         return
 
     @abstractmethod
@@ -39,15 +39,15 @@ class Ticks(ABC):
 
     @abstractmethod
     def wait(self) -> None:
-        """Return after the next tick; Error if there are no more."""
+        """Return after the next tick; Error if there are no more ticks."""
 
     @abstractmethod
     def close(self) -> None:
-        """No more ticks; may be called twice."""
+        """End the ticks; may be called twice."""
 
 
 class SimulatedTicks(Ticks):
-    """Time passes when somebody waits for it, as fast as it is computed."""
+    """Simulated time, which passes only while a caller waits, as fast as it is computed."""
 
     def __init__(self, loop: Loop, advance: Callable[[float], None]) -> None:
         self._loop, self._advance = loop, advance
@@ -86,17 +86,17 @@ class ThreadTicks(Ticks):
         self._thread.start()
 
     def _run(self) -> None:
-        priority.ask()  # of this thread alone
+        priority.ask()  # for this thread only
         try:
             self._loop.run(self)
-        except BaseException as error:  # whoever waits is told; the joints must not go on without a loop
+        except BaseException as error:  # the waiting caller gets the error; the joints must not go on without a loop
             self._failure = error
             self._stop()
         with self._ticked:
             self._ticked.notify_all()
 
     def poll(self, timeout_s: float) -> None:
-        """See Source: do what has been asked for, and wait for it up to a time."""
+        """See Source: do the requests, and wait for them up to a time."""
         try:
             while True:
                 what, answer = self._asked.get(timeout=timeout_s) if timeout_s > 0 else self._asked.get_nowait()
@@ -147,6 +147,6 @@ class ThreadTicks(Ticks):
     def close(self) -> None:
         """See Ticks."""
         self._loop.end()
-        self._asked.put((lambda: None, Future()))  # it wakes up
+        self._asked.put((lambda: None, Future()))  # wakes it up
         if threading.current_thread() is not self._thread:
             self._thread.join(TICK_MOST_S)

@@ -27,7 +27,7 @@ _IGNORED = re.compile(r"(VERSION|NS_|BS_|BU_|BA_DEF_|BA_DEF_DEF_|CM_ \")|$")
 
 
 class DbcError(ValueError):
-    """One line: file, line or message, what is wrong, what is allowed."""
+    """An error in one line: file, line or message, what is wrong, what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Signal:
 
     @property
     def layout(self) -> tuple[object, ...]:
-        """What decides how raw integers go into the frame."""
+        """The properties that decide how raw integers go into the frame."""
         return (self.start, self.length, self.signed, self.low, self.high, self.special)
 
 
@@ -101,7 +101,7 @@ def _signal(place: str, groups: tuple[str, ...]) -> dict[str, object]:
     name, start, length, order, sign, factor, offset, low, high, unit = groups
     scale, zero = Fraction(factor), Fraction(offset)
     if order != "1":
-        raise _fail(place, f"{name} is big-endian; only little-endian (@1) is allowed")
+        raise _fail(place, f"{name} is big-endian, allowed only little-endian (@1)")
     if scale <= 0:
         raise _fail(place, f"{name} has factor {factor}; it must be above 0")
     limits = [(Fraction(limit) - zero) / scale for limit in (low, high)]
@@ -116,14 +116,14 @@ def _signal(place: str, groups: tuple[str, ...]) -> dict[str, object]:
 def _check_signal(place: str, signal: Signal, bits_used: set[int], frame_bits: int) -> None:
     bits = set(range(signal.start, signal.start + signal.length))
     if signal.length < 1 or signal.length > (MAX_SIGNED_BITS if signal.signed else MAX_UNSIGNED_BITS):
-        raise _fail(place, f"{signal.name} has {signal.length} bits; signed 1..31, unsigned 1..30 are allowed")
+        raise _fail(place, f"{signal.name} has {signal.length} bits, allowed signed 1..31, unsigned 1..30")
     if max(bits) >= frame_bits or bits & bits_used:
         raise _fail(place, f"{signal.name} overlaps another signal or leaves the frame")
     if not signal.bit_low <= signal.low <= signal.high <= signal.bit_high:
-        raise _fail(place, f"{signal.name} has raw limits {signal.low}..{signal.high} that its bits cannot hold")
+        raise _fail(place, f"{signal.name} has raw limits {signal.low}..{signal.high} that its bits can't hold")
     outside = [raw for raw, _ in signal.choices if not signal.low <= raw <= signal.high]
     if len(outside) > 1 or any(not signal.bit_low <= raw <= signal.bit_high for raw in outside):
-        raise _fail(place, f"{signal.name} names values {outside} outside its limits; one at most, within its bits")
+        raise _fail(place, f"{signal.name} names values {outside} outside its limits, allowed one, within its bits")
     bits_used |= bits
 
 
@@ -178,7 +178,7 @@ class _Reader:
             value = int(found[6]) if found[6] else found[5]
             self._target(place, found[2], found[3], found[4])[key] = value
         elif not _IGNORED.match(text):
-            raise _fail(place, f"cannot read {text.strip()[:60]!r}")
+            raise _fail(place, f"can't read {text.strip()[:60]!r}")
 
     def messages(self) -> list[Message]:
         made = []
@@ -199,7 +199,7 @@ def parse(text: str) -> list[Message]:
 
 
 def fault_words() -> tuple[tuple[int, str], ...]:
-    """Return (code, word) of every fault of a joint; FAULT_COAST_FROM is a border, not a code."""
+    """Return (code, word) of every fault of a joint; FAULT_COAST_FROM is a limit, not a code."""
     codes = {n: v for n, v in vars(faults).items() if n.startswith("FAULT_") and n != "FAULT_COAST_FROM"}
     return tuple(sorted((value, name.removeprefix("FAULT_").lower()) for name, value in codes.items()))
 

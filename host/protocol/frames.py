@@ -20,14 +20,14 @@ if sys.byteorder != "little":  # the codec's words are the frame's bytes only on
 
 
 class Frame(NamedTuple):
-    """``words`` is what the codec reads and writes, ``data`` the same eight bytes."""
+    """The codec reads and writes ``words``; ``data`` is the same eight bytes."""
 
     words: array[int]
     data: memoryview
 
 
 class Kind(NamedTuple):
-    """What an identifier stands for: the message, which node or group of it, and its codec."""
+    """The meaning of an identifier: the message, its node or group, and its codec."""
 
     message: Message
     instance: int
@@ -35,20 +35,20 @@ class Kind(NamedTuple):
     decode: Callable[[array[int], Any], int]
 
     def values(self) -> Any:
-        """Return what the codec reads and writes: the message's record, else an array."""
+        """Return the codec's values: the message's record, else an array."""
         made = getattr(codec, record_name(self.message.codec or self.message.name), None)
         return made() if made else array("i", [0] * len(self.message.signals))
 
 
 def new_frame() -> Frame:
-    """Return an empty frame, to be kept and used again."""
+    """Return an empty frame, to keep and reuse."""
     words = array("H", (0, 0, 0, 0))
     return Frame(words, memoryview(words).cast("B"))
 
 
 @cache
 def kinds() -> dict[int, Kind]:
-    """Return every identifier of the protocol with what it stands for."""
+    """Return every identifier of the protocol with its meaning."""
     found = {}
     for message in dbc.load():
         name = message.codec or message.name
@@ -60,7 +60,7 @@ def kinds() -> dict[int, Kind]:
 
 
 def _pack(signals: tuple[Signal, ...], words: array[int], values: Any) -> int:
-    """Do what the codec's encode does, for a frame that the core has none for."""
+    """Encode like the codec, for a frame for which the core has no encode."""
     whole = clipped = 0
     for signal, raw in zip(signals, pack(values), strict=True):
         limited = raw if raw == signal.special else max(signal.low, min(signal.high, raw))
@@ -71,7 +71,7 @@ def _pack(signals: tuple[Signal, ...], words: array[int], values: Any) -> int:
 
 
 def _unpack(signals: tuple[Signal, ...], words: array[int], values: Any) -> int:
-    """Do what the codec's decode does, for a frame that the core has none for."""
+    """Decode like the codec, for a frame for which the core has no decode."""
     whole = sum(word << 16 * place for place, word in enumerate(words))
     raws = [_signed(signal, whole >> signal.start & (1 << signal.length) - 1) for signal in signals]
     unpack(values, raws)

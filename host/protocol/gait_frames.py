@@ -1,4 +1,4 @@
-"""Frames to and from a gait board (firmware/link.py), for a computer: whole frames made, and found in what has come."""
+"""Frames to and from a gait board (firmware/link.py), for a computer: makes frames, and finds them in a stream."""
 
 from collections.abc import Sequence
 
@@ -22,7 +22,7 @@ class FrameReader:
 
     @property
     def broken(self) -> int:
-        """Frames dropped: a wrong CRC, a length that cannot be."""
+        """Number of frames dropped because of a wrong CRC or an impossible length."""
         return self._reader.broken
 
     def frames(self, data: bytes) -> list[tuple[int, bytes]]:

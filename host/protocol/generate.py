@@ -21,7 +21,7 @@ DOCS = "docs/can-protocol.md"
 
 
 def canonical(messages: list[Message], table: list[Parameter]) -> str:
-    """What the frames and parameters mean, free of layout, order and comments of the sources."""
+    """The meaning of the frames and parameters, without layout, order and comments of the sources."""
     lines = []
     for m in sorted(messages, key=lambda message: message.identifier):
         lines.append(f"message {m.identifier} {m.name} {m.length} {m.first} {m.instances} {m.stride}")
@@ -36,7 +36,7 @@ def canonical(messages: list[Message], table: list[Parameter]) -> str:
 
 
 def protocol_hash(messages: list[Message], table: list[Parameter]) -> int:
-    """First 16 bits of the SHA-256 of the canonical text; 0 and 0xFFFF, empty and erased memory, are passed over."""
+    """First 16 bits of the SHA-256 of the canonical text; skips 0 and 0xFFFF, which are empty and erased memory."""
     digest = hashlib.sha256(canonical(messages, table).encode()).digest()
     pairs = [digest[i] << 8 | digest[i + 1] for i in range(0, len(digest), 2)]
     return next(value for value in pairs if value not in (0, 0xFFFF))

@@ -35,7 +35,7 @@ from .limits import differs, limit_but, outside
 
 @dataclass(frozen=True)
 class Piece:
-    """The part of a field in one word: ``width`` bits at ``place`` in the word, ``shift`` up in the field."""
+    """The part of a field in one word: ``width`` bits at ``place`` in the word, at ``shift`` in the field."""
 
     word: int
     place: int
@@ -57,12 +57,12 @@ def pieces(signal: Signal) -> list[Piece]:
 
 
 def record_name(codec: str) -> str:
-    """Return what the record of a codec is called."""
+    """Return the name of a codec's record."""
     return "".join(word.title() for word in codec.split("_"))
 
 
 def _is_group(name: str, messages: list[Message]) -> bool:
-    """Return whether the fields are equal slots that go by number: then an array holds them and no record."""
+    """Return whether the fields are equal, numbered slots: then an array holds them instead of a record."""
     return name != messages[0].name
 
 
@@ -75,7 +75,7 @@ def _elements(name: str, messages: list[Message]) -> list[tuple[Signal, str]]:
 
 
 def _literal(value: int) -> str:
-    """A number as the core may write it: 2^30 itself is not a small integer, not even under a minus."""
+    """A number in the form that the core may use: 2^30 itself is not a small integer, not even after a minus."""
     return "-0x3FFFFFFF - 1" if value == -(1 << 30) else str(value)
 
 
@@ -127,7 +127,7 @@ def _range_text(signal: Signal) -> str:
 
 
 def _record(name: str, message: Message) -> str:
-    """A value that is not there yet is the one that says so."""
+    """The initial value is the one that means "not available"."""
     fields = []
     for s in message.signals:
         unit = "" if s.core_unit == "1" else s.core_unit

@@ -1,7 +1,7 @@
-"""Renders what people and other tools read of the protocol: tables of docs/can-protocol.md, and the expanded DBC.
+"""Renders the protocol for people and other tools: tables of docs/can-protocol.md, and the expanded DBC.
 
-joints.dbc holds one message per kind. SavvyCAN, Kvaser's tools and cantools want one per identifier, with
-the joints' names: that is what `caramelo joints dbc` writes.
+joints.dbc holds one message per kind. SavvyCAN, Kvaser's tools and cantools need one per identifier, with
+the joints' names: `caramelo joints dbc` writes that.
 """
 
 from __future__ import annotations
@@ -103,17 +103,17 @@ def parameter_table(parameters: list[Parameter]) -> str:
 
 
 def fill(text: str, tables: dict[str, str]) -> str:
-    """Return ``text`` with what stands between each pair of markers replaced by its table; every table must appear."""
+    """Return ``text`` with its table between each pair of markers; every table must appear."""
     for name, table in tables.items():
         pattern = re.compile(rf"(<!-- generated: {name} -->\n).*?(<!-- end -->)", re.DOTALL)
         text, found = pattern.subn(lambda m, body=table: f"{m[1]}{body}\n{m[2]}", text)  # type: ignore[misc]
         if found != 1:
-            raise ValueError(f"docs/can-protocol.md: marker of table {name!r} found {found} times; once is needed")
+            raise ValueError(f"docs/can-protocol.md: marker of table {name!r} found {found} times, allowed once")
     return text
 
 
 def _instance(message: Message, number: int) -> tuple[str, Callable[[Signal], str]]:
-    """Name of one instance of a message, and what its signals are called there."""
+    """Return the name of one instance of a message, and a function for its signals' names there."""
     if message.instance_of == "group":
         slots = JOINTS[4 * number : 4 * number + 4]
         return f"{message.name}_{number}", lambda s: slots[int(s.name[-1])]

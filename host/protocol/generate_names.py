@@ -7,7 +7,7 @@ import hashlib
 from .dbc import Message
 from .parameters import ACCESS, Parameter, ParameterError
 
-# Words that belong to one signal: (message, signal, prefix of the names).
+# Words of a single signal: (message, signal, prefix of the names).
 WORDS = (
     ("heartbeat", "state", "STATE"),
     ("heartbeat", "mode", "MODE"),
@@ -19,7 +19,7 @@ WORDS = (
     ("update_answer", "reason", "UPDATE_WHY"),
 )
 
-FIRST_OF_GROUPS = "setpoint_position"  # a group's frames are all as long as its
+FIRST_OF_GROUPS = "setpoint_position"  # the frames of all groups have its length
 
 
 def _words(messages: list[Message], message: str, signal: str, prefix: str) -> list[str]:
@@ -45,7 +45,7 @@ def render_names(messages: list[Message], protocol_hash: int) -> str:
     ]
     for m in messages:
         parts.append(f"{m.name.upper()}_ID = const(0x{m.identifier:03X})")
-        if m.signals and (not m.codec or m.name == FIRST_OF_GROUPS):  # a stop's length does not count
+        if m.signals and (not m.codec or m.name == FIRST_OF_GROUPS):  # a stop may have any length
             parts.append(f"{m.name.upper()}_LENGTH = const({m.length})")
     parts += ["\n# A slot or value that is not there; of fields of other than 16 bits with their length."]
     parts += _specials(messages)
@@ -69,12 +69,12 @@ BETWEEN = ("UNIQUE_ID_1", "UNIQUE_ID_2")
 
 
 def _constant(parameter: Parameter) -> str:
-    """Name of the constant; of a row of parameters it is the row's, and stands for the first."""
+    """Name of the constant; a row of parameters has one, which stands for the first."""
     return (parameter.name.removesuffix("_0") if parameter.count > 1 else parameter.name).upper()
 
 
 def keys(parameters: list[Parameter]) -> list[int]:
-    """Return by id what a joint keeps a parameter under: 30 bits of its name, unit and scale, whatever its id."""
+    """Return by id the key under which a joint saves a parameter: 30 bits of its name, unit and scale."""
     texts = [f"{p.name} {p.unit} {p.raw_per_unit}" for p in parameters]
     made = [int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big") >> 2 for text in texts]
     if len(set(made)) < len(made):

@@ -13,15 +13,15 @@ RAW_LOW, RAW_HIGH = -(1 << 30), (1 << 30) - 1
 
 
 class ParameterError(ValueError):
-    """One line: which parameter, which value, what is allowed."""
+    """An error in one line: which parameter, which value, what is allowed."""
 
 
 @dataclass(frozen=True)
 class Parameter:
     """One parameter; raw = value x raw_per_unit. ``low``, ``high`` and ``default`` are raw.
 
-    ``zero`` False: 0 is refused though within the limits. ``place``: its number within a row of ``count``.
-    ``group``: what it belongs to; a row without one goes on with that of the row before.
+    ``zero`` False: 0 is refused although within the limits. ``place``: its number within a row of ``count``.
+    ``group``: its heading; a row without one has that of the row before.
     """
 
     id: int
@@ -40,14 +40,14 @@ class Parameter:
     group: str = ""
 
     def to_raw(self, value: float) -> int:
-        """Return the nearest raw value of ``value`` in ``unit``; ParameterError when it is not allowed."""
+        """Return the nearest raw value to ``value`` in ``unit``; ParameterError if it is not allowed."""
         raw = round(Fraction(value) * self.raw_per_unit) if value == value and abs(value) != float("inf") else None
         if self.access == "measured":
-            raise ParameterError(f"{self.name}: read only")
+            raise ParameterError(f"{self.name}: can only be read")
         if raw is None or not self.low <= raw <= self.high or (raw == 0 and not self.zero):
             low, high = self.to_value(self.low), self.to_value(self.high)
             unit = (f" {self.unit}" if self.unit else "") + ("" if self.zero else ", but not 0")
-            raise ParameterError(f"{self.name}: {value:.10g} is not allowed; use {low:.10g} to {high:.10g}{unit}")
+            raise ParameterError(f"{self.name}: {value:.10g}: allowed {low:.10g} to {high:.10g}{unit}")
         return raw
 
     def to_value(self, raw: int) -> float:
@@ -65,7 +65,7 @@ def _parameters(first: int, row: dict[str, object]) -> list[Parameter]:
     where = f"parameters.toml: parameter {first} ({row.get('name', 'no name')})"
     wrong = (_NEEDED - set(row)) | (set(row) - _KEYS)
     if wrong:
-        raise ParameterError(f"{where}: keys {sorted(wrong)} are missing or unknown")
+        raise ParameterError(f"{where}: missing or unknown keys {sorted(wrong)}")
     if any(type(row.get(key, 1)) is not int for key in _INTEGERS):
         raise ParameterError(f"{where}: low, high, default and count must be whole numbers")
     scale = Fraction(str(row.get("raw_per_unit", 1)))
@@ -73,7 +73,7 @@ def _parameters(first: int, row: dict[str, object]) -> list[Parameter]:
     if scale <= 0 or one.access not in ACCESS or one.count < 1:
         raise ParameterError(f"{where}: raw_per_unit and count must be above 0, access one of {', '.join(ACCESS)}")
     if not RAW_LOW <= one.low <= one.default <= one.high <= RAW_HIGH or (one.default == 0 and not one.zero):
-        raise ParameterError(f"{where}: low <= default <= high within -2^30..2^30-1 does not hold, or default is 0")
+        raise ParameterError(f"{where}: allowed low <= default <= high within -2^30..2^30-1, a default other than 0")
     if one.count == 1:
         return [one]
     return [replace(one, id=first + i, name=f"{one.name}_{i}", place=i) for i in range(one.count)]
@@ -87,7 +87,7 @@ def parse(text: str) -> list[Parameter]:
     names = [parameter.name for parameter in made]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice or not 0 < len(made) <= 256:
-        raise ParameterError(f"parameters.toml: {len(made)} parameters, given twice: {twice}; 1..256 are allowed, once")
+        raise ParameterError(f"parameters.toml: {len(made)} parameters, given twice: {twice}; allowed 1..256, once")
     return made
 
 

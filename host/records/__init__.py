@@ -1,1 +1,1 @@
-"""Records of what the robot did: MCAP files, written while it runs, looked at and replayed afterwards."""
+"""Records of drives: MCAP files, written while the robot runs, then examined and replayed."""

@@ -26,9 +26,9 @@ class Table:
 
 
 def export_csv(record: Record, folder: Path, progress: Progress = lambda done: None) -> list[Path]:
-    """Write the files of a record that has been read through, all or none; return their paths.
+    """Write the files of a record that has been read to its end, all or none; return their paths.
 
-    UserError if a message is no JSON object, or has other values than the first of its channel.
+UserError if a message is not a JSON object, or has other values than the first of its channel.
     """
     paths = paths_of(record, folder)
     again = Record(record.path)
@@ -40,7 +40,7 @@ def export_csv(record: Record, folder: Path, progress: Progress = lambda done: N
                 tables[channel.topic] = _begin(stack, paths[channel.topic], list(cells))
             table = tables[channel.topic]
             if list(cells) != table.columns:
-                raise BadValue("it has other values than the first one: allowed: the same ones in every message")
+                raise BadValue("it has other values than the first message: allowed: the same in every message")
             table.writer.writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
     return list(paths.values())
 
@@ -58,7 +58,7 @@ def paths_of(record: Record, folder: Path) -> dict[str, Path]:
     """Return the file of each topic, all in this one folder; UserError if two would share one."""
     paths = {topic: folder / f"{file_name(topic.removeprefix('/'))}.csv" for topic in record.counts}
     if len(set(paths.values())) < len(paths):
-        raise UserError(f"{record.path}: two channels have one name but for a / in front: allowed: different names")
+        raise UserError(f"{record.path}: two channels have one name except for a leading /: allowed: different names")
     return paths
 
 

@@ -1,4 +1,4 @@
-"""What the loop records each tick: the state of the supervisor, turned into the channels' messages."""
+"""Records each tick of the loop: turns the supervisor's state into the channels' messages."""
 
 import hashlib
 import json
@@ -19,7 +19,7 @@ DRAWN_HZ = 25  # a viewer's picture is smooth (chosen)
 
 
 def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
-    """Return what a replay needs besides the ticks: the robot as integers, the gaits in order, which core it was."""
+    """Return the data that a replay needs besides the ticks: the robot as integers, the gaits in order, the core."""
     planner = supervisor.driver.planner
     return {
         "robot": robot.name,
@@ -32,7 +32,7 @@ def about(robot: Robot, supervisor: Supervisor) -> dict[str, str]:
 
 
 def core_fingerprint() -> str:
-    """Return a hash of the core's sources: another core may walk otherwise."""
+    """Return a hash of the core's sources: another core may walk differently."""
     digest = hashlib.sha256()
     root = ROOT / "shared"
     for path in sorted(root.rglob("*.py")):
@@ -41,7 +41,7 @@ def core_fingerprint() -> str:
 
 
 class LoopLog:
-    """Hands every tick of a loop to a recorder."""
+    """Passes every tick of a loop to a recorder."""
 
     def __init__(self, recorder: Recorder) -> None:
         self.recorder = recorder
@@ -84,7 +84,7 @@ class LoopLog:
         self._put("/planner", now_s, {"tick": self._tick, **blocks, **planned})
 
     def _draw(self, supervisor: Supervisor, now_s: float) -> None:
-        """Put what viewers draw: the robot's parts once a second, where they are 25 times."""
+        """Record the messages for viewers: the robot's parts once a second, their places 25 times."""
         scene = self._scene = self._scene or Scene(supervisor.robot)
         rate_hz, time_ns = supervisor.driver.rate_hz, self.recorder.time_ns(now_s)
         measured, drawn = supervisor.measured, dict[str, dict[str, Any]]()

@@ -1,7 +1,7 @@
-"""What an MCAP file holds, one after the other: what is known of the robot, messages with their channel, the end.
+"""Reads the parts of an MCAP file in order: the robot's data, messages with their channels, the end.
 
-mcap knows what the parts look like. The file and its chunks are cut into parts here: an hour has over a million, and
-mcap's own reader takes longer for them than for all the rest.
+mcap decodes the parts. This module splits the file and its chunks into parts, because an hour has over a million and
+mcap's own reader takes longer for that than for all the rest.
 """
 
 import struct
@@ -20,7 +20,7 @@ _MESSAGE_HEAD = struct.Struct("<HIQQ")  # channel, sequence, log time, publish t
 
 @dataclass(frozen=True)
 class Channel:
-    """Where messages belong to; ``encoding`` is json in our own records."""
+    """A message's channel; ``encoding`` is json in our own records."""
 
     topic: str
     encoding: str
@@ -32,11 +32,11 @@ Channels = dict[int, Channel]
 
 
 class BadPart(Exception):
-    """What is no MCAP from here on."""
+    """A part that is not MCAP, or damaged."""
 
 
 class NoMcap(Exception):
-    """The file does not begin as one."""
+    """The file does not begin like an MCAP file."""
 
 
 def parts(file: Any, metadata: str) -> Iterator[Part]:
@@ -69,13 +69,13 @@ def _top(file: Any) -> Iterator[tuple[int, bytes]]:
     while True:
         head = file.read(_HEAD.size)
         if len(head) < _HEAD.size:
-            raise BadPart("the file ends before its end")
+            raise BadPart("the file is cut off")
         opcode, length = _HEAD.unpack(head)
         if length > LARGEST_PART:
-            raise BadPart("a part is larger than any that is written")
+            raise BadPart("a part is larger than a record's largest")
         data = file.read(length)
         if len(data) < length or (opcode == _FOOTER and file.read() != MAGIC):
-            raise BadPart("the file ends before its end")
+            raise BadPart("the file is cut off")
         if opcode in _READ:
             yield opcode, data
         if opcode == _FOOTER:
@@ -83,7 +83,7 @@ def _top(file: Any) -> Iterator[tuple[int, bytes]]:
 
 
 def _decompressed(chunk: Any) -> bytes:
-    """Return a chunk's content; what would fill the memory is refused before."""
+    """Return a chunk's content; refuses one that would fill the memory."""
     from mcap.stream_reader import get_chunk_data_stream
     from zstandard import frame_content_size
 
@@ -91,13 +91,13 @@ def _decompressed(chunk: Any) -> bytes:
         raise BadPart(f"a chunk is compressed with {chunk.compression}")
     size = frame_content_size(chunk.data) if chunk.compression else 0
     if max(size, chunk.uncompressed_size) > LARGEST_PART:
-        raise BadPart("a chunk is larger than any that is written")
+        raise BadPart("a chunk is larger than a record's largest")
     stream, length = get_chunk_data_stream(chunk, validate_crc=True)
     return stream.read(length)
 
 
 def _messages(data: bytes, channels: Channels) -> Iterator[Message]:
-    """Yield a chunk's messages, and take down the channels it makes known."""
+    """Yield a chunk's messages, and note the channels that it defines."""
     at = 0
     while at < len(data):
         opcode, length = _HEAD.unpack_from(data, at)
@@ -115,7 +115,7 @@ def _messages(data: bytes, channels: Channels) -> Iterator[Message]:
 def _message(data: bytes, channels: Channels) -> Message:
     number, _, time_ns, _ = _MESSAGE_HEAD.unpack_from(data)
     if number not in channels:
-        raise BadPart(f"a message is of channel {number}, which the file does not name")
+        raise BadPart(f"a message belongs to channel {number}, which the file does not define")
     return channels[number], time_ns, data[_MESSAGE_HEAD.size :]
 
 

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
     Array = ndarray[Any, Any]
 
-CLOSE = 0.03  # of the picture's width: names of states would lie over each other
+CLOSE = 0.03  # of the picture's width: closer names of states would overlap
 LONGEST_NAME = 80  # characters of names that are written into one line
-LARGEST = 1e12  # what is no number or larger leaves a gap
+LARGEST = 1e12  # larger values, and values that are not numbers, leave a gap
 STRETCHES = 1000  # of a curve; the axes are 950 dots wide
 COLOURS = ("tab:blue", "tab:orange", "tab:green", "tab:red")
 
-# What is drawn of a record, for read_record.
+# The fields to draw, for read_record.
 FIELDS = {
     "/state": ("state",),
     "/joints": ("wanted_rad", "measured_rad"),
@@ -63,7 +63,7 @@ def plot_png(record: Record, path: Path) -> None:
 
 
 def _curves(record: Record, topic: str, name: str) -> "tuple[Array, Array]":
-    """Return times in s and a field's values, a row a message, at least a column; what can't be drawn is NaN."""
+    """Return times in s and a field's values, a row per message, at least one column; NaN if it can't be drawn."""
     import numpy as np
 
     column = record.of(topic).columns[name]
@@ -72,7 +72,7 @@ def _curves(record: Record, topic: str, name: str) -> "tuple[Array, Array]":
 
 
 def _thinned(times_s: "Array", values: "Array") -> "tuple[Array, Array]":
-    """Return of each of many short stretches the lowest and the highest value: in the picture that looks the same."""
+    """Return the lowest and the highest value of many short stretches, which look the same in the picture."""
     import numpy as np
 
     step = len(values) // STRETCHES
@@ -147,7 +147,7 @@ def _changes(record: Record) -> list[tuple[str, float]]:
 
 
 def _name_states(changes: list[tuple[str, float]], duration_s: float, axis: Any) -> None:
-    """Write the states above an axis; those that follow at once are written into one line, cut where it is long."""
+    """Write the states above an axis; states in quick succession share a line, which is cut if it is long."""
     lines: list[tuple[str, float]] = []
     for state, at_s in changes:
         if not lines or at_s - lines[-1][1] >= CLOSE * duration_s:

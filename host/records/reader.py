@@ -1,4 +1,4 @@
-"""Reads a record, also one that a power cut has ended in the middle: what is whole is read, the rest is told."""
+"""Reads a record, even one cut off by a power failure: reads the intact part, and reports the damage."""
 
 import struct
 from collections import Counter
@@ -14,13 +14,13 @@ from .parts import BadPart, Channel, Message, NoMcap, Part, parts
 from .recorder import ROBOT
 from .values import BadValue, Rows, read_object
 
-Fields = Mapping[str, Collection[str]]  # topic -> fields that are wanted of it
+Fields = Mapping[str, Collection[str]]  # topic -> wanted fields
 Progress = Callable[[float], None]  # takes the bytes read so far
 
 
 @dataclass
 class Record:
-    """A record's rows by topic, of the topics that were wanted; of all: how many messages, from when to when."""
+    """A record's rows by topic, for the wanted topics; for all topics: number of messages, first and last time."""
 
     path: Path
     rows: dict[str, Rows] = field(default_factory=dict)
@@ -33,7 +33,7 @@ class Record:
     latest: str = ""
 
     def of(self, topic: str) -> Rows:
-        """Return the rows of a topic that was wanted, in order of writing."""
+        """Return the rows of a wanted topic, in order of writing."""
         return self.rows[topic]
 
     def times_s(self, topic: str) -> list[float]:
@@ -47,19 +47,19 @@ class Record:
 
 
 def find_record(path: Path) -> Path:
-    """Return the file: of a folder its newest record."""
+    """Return the file; for a folder, its newest record."""
     if not path.is_dir():
         return path
     records = sorted(path.glob("*.mcap"), key=lambda record: record.stat().st_mtime_ns)
     if not records:
-        raise UserError(f"{path}: holds no record: make one with caramelo teleop --log {path}")
+        raise UserError(f"{path}: contains no record: make one with caramelo teleop --log {path}")
     return records[-1]
 
 
 def read_record(path: Path, wanted: Fields = CHANNELS, progress: Progress = lambda done: None) -> Record:
-    """Return a record, of a folder the newest, with the wanted fields of the wanted topics.
+    """Return a record, for a folder the newest, with the wanted fields of the wanted topics.
 
-    UserError if the file is none, or if a wanted message is not as docs/records.md has it.
+UserError if the file is not a record, or if a wanted message differs from docs/records.md.
     """
     record = Record(find_record(path), {topic: Rows(topic, fields) for topic, fields in wanted.items()})
     with telling(record):
@@ -91,11 +91,11 @@ def messages(record: Record, progress: Progress = lambda done: None) -> Iterator
 
 
 def _no_record(path: Path) -> UserError:
-    return UserError(f"{path}: no record: allowed: an MCAP file written by caramelo teleop --log")
+    return UserError(f"{path}: not a record: allowed: an MCAP file written by caramelo teleop --log")
 
 
 def _until_damage(found: Iterator[Part], record: Record) -> Iterator[Part]:
-    """Yield what is found until the file is cut off or wrong, which the record is told."""
+    """Yield parts until the file is cut off or damaged, and note that in the record."""
     from mcap.exceptions import McapError
     from zstandard import ZstdError
 

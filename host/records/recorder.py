@@ -1,7 +1,7 @@
-"""Writes a record while the robot runs: the loop hands over, a thread encodes, writes and forces it onto the disk.
+"""Writes a record while the robot runs: the loop hands over messages; a thread encodes, writes and syncs them.
 
-Four times a second the chunk in hand is closed, written and synced, so a power cut costs less than a second. A disk
-that is full or gone ends the record, not the walk; one that hangs costs what does not find room in memory.
+Four times a second the current chunk is closed, written and synced, so a power cut costs less than a second. A disk
+that is full or gone ends the record, not the walk; one that hangs costs the messages that do not fit into memory.
 """
 
 import json
@@ -28,7 +28,7 @@ ROBOT = "robot"
 
 
 class Recorder:
-    """One file. ``put`` never blocks; ``trouble`` says why nothing is written any more, "" if all is well."""
+    """One file. ``put`` never blocks; ``trouble`` says why writing has stopped, "" if all is well."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Recorder:
         sync: Callable[[int], None] = os.fsync,
         most_bytes: int | None = None,
     ) -> None:
-        """``most_bytes``: what this and the older records of its folder may take together (rotation.py)."""
+        """``most_bytes``: limit for this and the older records of its folder together (rotation.py)."""
         self.path, self.trouble, self.dropped = path, "", 0
         self._about, self._sync, self._most_bytes, self._part = about, sync, most_bytes, 0
         self._over = threading.Event()
@@ -55,7 +55,7 @@ class Recorder:
         self._thread.start()
 
     def _begin(self, path: Path) -> None:
-        """Start a file; of one that goes on where another ended the metadata tell the part."""
+        """Start a file; if it continues another, its metadata contain the part's number."""
         from mcap.writer import CompressionType, Writer
 
         self._file = _create(path)
@@ -84,18 +84,18 @@ class Recorder:
         return self._epoch_ns + int(time_s * 1e9)
 
     def keep_up(self) -> None:
-        """Wait for the disk if it is far behind, as who makes ticks faster than time goes by has to."""
+        """Wait for the disk if it is far behind, which ticks in simulated time need."""
         while self._queue.qsize() > MOST_WAITING // 2 and self._thread.is_alive():
             time.sleep(KEEP_UP_S)
 
     def close(self) -> None:
-        """Write what is waiting, and the index. A disk that hangs is given five seconds, and then left to itself."""
+        """Write the waiting messages and the index. A disk that hangs gets five seconds, and is then left behind."""
         self._over.set()
         with suppress(queue.Full):  # then it is awake, and looks by itself once it has written all
             self._queue.put_nowait(None)
         self._thread.join(CLOSE_S)
         if self._thread.is_alive():
-            self.trouble = self.trouble or f"{self.path}: the disk hangs: the end of the record is missing"
+            self.trouble = self.trouble or f"{self.path}: the disk hangs, so the end of the record is missing"
 
     def _register(self, topic: str) -> int:
         told = schema(topic)
@@ -117,7 +117,7 @@ class Recorder:
             self._close_file()
 
     def _go_on(self) -> None:
-        """Finish a file that has its share of the room, and begin the next."""
+        """Finish a file that has reached its size, and begin the next."""
         if self._has_its_share():
             self._writer.finish()
             self._force()
@@ -170,7 +170,7 @@ class Recorder:
 
 
 def record_path(wanted: Path) -> Path:
-    """Return the file to write: ``wanted`` if it ends in .mcap; any other name is a folder's, for a file of its own."""
+    """Return the file to write: ``wanted`` if it ends in .mcap; any other name is a folder for a new file."""
     if wanted.suffix != ".mcap" or wanted.is_dir():
         return wanted / f"caramelo-{datetime.now():%Y%m%d-%H%M%S}.mcap"
     return wanted

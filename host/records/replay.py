@@ -23,7 +23,7 @@ from .reader import Record
 
 @dataclass(frozen=True)
 class Replay:
-    """How a replay went; ``difference`` is "" if every tick is the same."""
+    """The result of a replay; ``difference`` is "" if every tick is the same."""
 
     ticks: int
     difference: str
@@ -45,11 +45,11 @@ def replay(record: Record, progress: Callable[[float], None] = lambda done: None
     ``progress`` takes the ticks done.
     """
     if record.about.get("part", "1") != "1":
-        what = "only its first part can be replayed, for the planner's state at the start of the others is not recorded"
+        what = "only the first part can be replayed: the planner's state at the start of the others is not recorded"
         raise UserError(f"{record.path}: part {record.about['part']} of a drive: {what}")
     rows = record.of("/planner")
     if not rows or "params" not in record.about:
-        raise UserError(f"{record.path}: nothing to replay: it holds no planner inputs")
+        raise UserError(f"{record.path}: nothing to replay: it contains no planner inputs")
     gaits = record.about["gaits"].split() if "gaits" in record.about else BEFORE
     tick, difference = 0, ""
     try:
@@ -70,7 +70,7 @@ def replay(record: Record, progress: Callable[[float], None] = lambda done: None
 
 
 def _differs(planner: Planner, tick: int, values: dict[str, Any], gaits: Sequence[str], now: Sequence[str]) -> str:
-    """Return how a tick comes out otherwise than recorded, "" if it does not.
+    """Return how a tick differs from the record, "" if it does not.
 
     ``gaits``: the record's registry; ``now``: the planner's.
     """
@@ -88,7 +88,7 @@ def _differs(planner: Planner, tick: int, values: dict[str, Any], gaits: Sequenc
 
 
 def _own_gaits(record: Record) -> tuple[Entry, ...]:
-    """Return the gaits that the robot had beside the core's registry."""
+    """Return the robot's gaits that are not in the core's registry."""
     found = json.loads(record.about.get("own_gaits", "[]"))
     return tuple((name, mover, (tuple(head), tuple(tuple(row) for row in rows))) for name, mover, (head, rows) in found)
 
@@ -96,13 +96,13 @@ def _own_gaits(record: Record) -> tuple[Entry, ...]:
 def _params(record: Record) -> Params:
     """Return the planner's parameters."""
     try:
-        block = list(array("i", map(int, record.about["params"].split())))  # refuses what is no 32-bit number
+        block = list(array("i", map(int, record.about["params"].split())))  # refuses anything but 32-bit numbers
     except (ValueError, OverflowError):
         raise UserError(f"{record.path}: the planner's parameters are damaged: allowed: 32-bit numbers") from None
     params = Params()
     wanted = len(pack(params))
     if len(block) != wanted:
-        raise UserError(f"{record.path}: the planner has {len(block)} parameters, this core takes {wanted}")
+        raise UserError(f"{record.path}: its planner has {len(block)} parameters, this core needs {wanted}")
     unpack(params, block)
     return params
 

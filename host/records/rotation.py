@@ -1,6 +1,6 @@
-"""Keeps a folder of records within a size: the oldest finished ones are removed.
+"""Keeps a folder of records within a size by removing the oldest finished ones.
 
-Never the one that is being written, by this process or another, and nothing that is no record of `--log FOLDER`.
+It never removes a record that this or another process is writing, nor a file that is not a record of `--log FOLDER`.
 """
 
 import fcntl
@@ -24,7 +24,7 @@ def make_room(folder: Path, most_bytes: int, running: Path) -> None:
     records = []
     for path in folder.iterdir():
         if NAME.fullmatch(path.name) and path.is_file() and not path.is_symlink() and path != running:
-            with suppress(FileNotFoundError):  # another process keeps this folder small, too
+            with suppress(FileNotFoundError):  # another process also keeps this folder small
                 about = path.stat()
                 records.append((about.st_mtime_ns, path.name, about.st_size, path))
     total = sum(size for _, _, size, _ in records)

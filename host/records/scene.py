@@ -1,4 +1,4 @@
-"""What viewers draw of the robot, as messages of Foxglove's standard schemas: where its links are, and their shapes.
+"""The robot for viewers, as messages of Foxglove's standard schemas: its links' places and shapes.
 
 Frames: ``odom`` is where the robot stood up, level, z = 0 on the ground; ``base_link`` the body. The others are the
 URDF's (host/robot/shapes.py), so that a viewer may take either. Lengths in m, angles as quaternions, to 1e-5.
@@ -19,7 +19,7 @@ WORLD = "odom"
 DIGITS = 5
 Turn = tuple[float, float, float, float]  # quaternion x, y, z, w
 Messages = dict[str, dict[str, Any]]  # by topic
-_TOLD = (0, 1, 5)  # of x, y, z and the turns about them
+_TOLD = (0, 1, 5)  # the known ones of x, y, z and the turns about them
 _STILL: Turn = (0.0, 0.0, 0.0, 1.0)
 _LISTS = {"box": "cubes", "cylinder": "cylinders", "sphere": "spheres"}
 
@@ -88,7 +88,7 @@ def _transform(stamp: dict[str, int], parent: str, child: str, at_m: Vector, tur
 
 
 def _odometry(stamp: dict[str, int], at: Odometry, pose: dict[str, Any]) -> dict[str, Any]:
-    """Return the body's place and motion; of the covariances, 6 x 6, what is told of: x, y and the turn about z."""
+    """Return the body's place and motion; in the 6 x 6 covariances, only x, y and the turn about z are known."""
     covariance = [0.0] * 36
     for i, row in enumerate(_TOLD):
         for j, column in enumerate(_TOLD):

@@ -17,7 +17,7 @@ _CODES = {"number": "d", "integer": "q", "boolean": "b"}
 
 
 class BadValue(Exception):
-    """What is wrong with a message's values and what is allowed."""
+    """An error in a message's values: what is wrong, and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Row:
 
 
 class Column:
-    """A field of all messages in order, one after the other in ``all``; a list's ``width`` of it belong to one."""
+    """A field of all messages, in order in ``all``; for a list, ``width`` entries belong to a message."""
 
     def __init__(self, rule: dict[str, Any]) -> None:
         self.width: int | None = rule.get("maxItems")
@@ -40,7 +40,7 @@ class Column:
         """Take the next message's value; BadValue says what is allowed."""
         try:
             fits = self._take(value)
-        except (TypeError, OverflowError):  # the array refuses what is no number, or too large
+        except (TypeError, OverflowError):  # the array refuses values that are not numbers, or too large
             fits = False
         if not fits:
             raise BadValue(f"allowed: {self.width or 'one of'} {_NAMES[self._kind]}")
@@ -69,7 +69,7 @@ class Rows(Sequence[Row]):
         self.columns = {name: Column(CHANNELS[topic][name]) for name in fields}
 
     def add(self, time_ns: int, values: dict[str, Any]) -> None:
-        """Take the next message; BadValue names the field that is not as the channel has it."""
+        """Take the next message; BadValue names a field that does not fit its channel."""
         for name, column in self.columns.items():
             try:
                 column.add(values.get(name))
@@ -95,11 +95,11 @@ class Rows(Sequence[Row]):
 
 
 def read_object(data: bytes) -> dict[str, Any]:
-    """Return a message's JSON object; BadValue if it is none."""
+    """Return a message's JSON object; BadValue if it is not one."""
     try:
         values = json.loads(data.decode())
     except (ValueError, RecursionError) as error:
-        raise BadValue(f"is no JSON ({type(error).__name__}): allowed: a JSON object") from None
+        raise BadValue(f"not JSON ({type(error).__name__}): allowed: a JSON object") from None
     if not isinstance(values, dict):
-        raise BadValue(f"is JSON, but {type(values).__name__}: allowed: a JSON object")
+        raise BadValue(f"JSON, but a {type(values).__name__}: allowed: a JSON object")
     return values

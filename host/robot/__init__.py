@@ -1,1 +1,1 @@
-"""The robot file, checked, and what follows from it alone: integers of the core, poses, drives, gains, heat."""
+"""The robot file: its checks, and what follows from it alone: integers of the core, poses, drives, gains, heat."""

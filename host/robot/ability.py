@@ -1,4 +1,4 @@
-"""What a robot can do before it walks, from its file alone: what standing takes, how fast it walks, how high it steps.
+"""What a robot will be able to do, from its file alone: the torque to stand, its speed, how high it steps.
 
 `caramelo robots check` prints it. Torques: host/robot/statics.py; speeds and lifts: host/robot/trot_tuning.py.
 """
@@ -15,9 +15,9 @@ from .model import JOINT_NAMES, Robot
 from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
 from .trot_tuning import STEP_LEG, able, highest_lift_m, trot_figures
 
-FLAT_FROUDE = 0.25  # of sqrt(g h): the speed on level ground that every robot is to walk
+FLAT_FROUDE = 0.25  # of sqrt(g h): the speed that every robot should walk on level ground
 MOST_TORQUE = 1.0  # of stall while two legs carry; Caramelo with weaker servos walks at 0.9 and not at 1.1
-TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torque
+TORQUE_KEYS = {  # by kind of actuator: the key that gives its joints more torque
     "servo": "actuator.supply.stall_Nm",
     "bldc": "actuator.drive.current_limit_A",
     "pd": "actuator.torque_Nm",
@@ -26,9 +26,9 @@ TORQUE_KEYS = {  # which key of each kind of actuator gives its joints more torq
 
 @dataclass(frozen=True)
 class Ability:
-    """Shares are of the torque at standstill, for hip, thigh and calf.
+    """Shares are parts of the torque at standstill, for hip, thigh and calf.
 
-    The sag is without what is fed forward; None if the legs fold up.
+    The sag is without feed-forward; None if the legs fold up.
     """
 
     sag_m: float | None
@@ -61,7 +61,7 @@ def ability(robot: Robot) -> Ability:
 
 
 def cannot(robot: Robot, known: Ability) -> Iterator[str]:
-    """Yield in a sentence what keeps a robot from walking, and which key of its file to change; nothing if it can."""
+    """Yield a sentence for each thing that keeps a robot from walking, with the key to change; none if it can walk."""
     more = TORQUE_KEYS[robot.actuator.kind]
     worst = max(range(3), key=known.on_two.__getitem__)
     if known.on_two[worst] > MOST_TORQUE:
@@ -72,9 +72,9 @@ def cannot(robot: Robot, known: Ability) -> Iterator[str]:
         )
     if known.sag_m is None:
         stiffer = STIFFNESS_KEYS[robot.actuator.kind]
-        yield f"on four legs its joints give way until the legs fold up: raise {stiffer}, or lower links.trunk.mass_kg"
+        yield f"on four legs the joints are so soft that they fold up: raise {stiffer}, or lower links.trunk.mass_kg"
     if known.able_m_s == 0:
         yield (
             f"a swing takes {trot_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "
-            f"on the spot: faster drives, or a higher stance.rest_height_m"
+            f"on the spot: use faster drives, or raise stance.rest_height_m"
         )

@@ -1,6 +1,6 @@
-"""The actuators and the bus of a robot file: position servos (paper A), brushless joints (paper B), or others' joints.
+"""The actuators and the bus of a robot file: position servos (paper A), brushless joints (paper B), foreign joints.
 
-Others' joints and servos without a bus can be simulated, and not driven.
+Foreign joints and servos without a bus can be simulated but not driven.
 """
 
 from math import inf, pi
@@ -10,7 +10,7 @@ from .values import Table, number, one_of, text, whole, yes_or_no
 
 
 class SupplyPoint(Table):
-    """What a servo gives at one supply voltage."""
+    """A servo's torque and speed at one supply voltage."""
 
     voltage_V: Annotated[float, number(3.0, 60.0, "V")]
     stall_Nm: Annotated[float, number(0.01, 200.0, "N m")]
@@ -26,7 +26,7 @@ class Friction(Table):
     """A servo's friction beyond ``coulomb_Nm``: the M6 model of Duclusaud et al., ICRA 2025 (arXiv 2410.08650).
 
     All zero is dry friction alone. ``motor``: share of the motor's torque; ``external``: of the load's; ``stribeck``:
-    at rest, fading as exp(-(speed / stribeck_rad_s)^stribeck_exponent). What uses them: host/sim/servos/law.py.
+    at rest, fading as exp(-(speed / stribeck_rad_s)^stribeck_exponent). host/sim/servos/law.py uses them.
     """
 
     stribeck_Nm: Annotated[float, number(0.0, 10.0, "N m")] = 0.0
@@ -42,12 +42,12 @@ class Friction(Table):
 
 
 class Servo(Table):
-    """A position servo with its own controller; figures at the servo's own shaft."""
+    """A position servo with its own controller; the figures are those at the servo's own shaft."""
 
     kind: Literal["servo"]
     model: Annotated[str, text(r"[\x20-\x7e]{1,60}", "1 .. 60 printable characters")]
     counts_per_turn: Annotated[int, whole(256, 65536, "counts")]
-    p_gain: Annotated[int, whole(0, 16383)] = 0  # registers, of servos on a bus only
+    p_gain: Annotated[int, whole(0, 16383)] = 0  # registers, only for servos on a bus
     i_gain: Annotated[int, whole(0, 16383)] = 0
     d_gain: Annotated[int, whole(0, 16383)] = 0
     duty_per_rad: Annotated[float, number(0.05, 200.0, "1/rad")]
@@ -56,7 +56,7 @@ class Servo(Table):
     nominal_voltage_V: Annotated[float, number(3.0, 60.0, "V")]
     low_voltage_V: Annotated[float, number(3.0, 60.0, "V")]
     hot_C: Annotated[float, number(30.0, 120.0, "degrees C")]
-    # What is known of few servos; 0 leaves it out.
+    # Values that few servos' data give; 0 leaves an effect out.
     friction: Friction = Friction()
     backlash_deg: Annotated[float, number(0.0, 10.0, "deg")] = 0.0
     pwm_steps: Annotated[int, whole(0, 65536, "steps")] = 0
@@ -66,7 +66,7 @@ class Servo(Table):
 
     @property
     def fastest_rad_s(self) -> float:
-        """The fastest it turns: its no-load speed at the nominal voltage."""
+        """Its highest speed: the no-load speed at the nominal voltage."""
         return self.nominal.no_load_rad_s
 
     @property
@@ -76,32 +76,32 @@ class Servo(Table):
 
     @property
     def step_rad(self) -> float:
-        """The step of its goals and of its readings."""
+        """The resolution of its goals and readings."""
         return 2 * pi / self.counts_per_turn
 
     @property
     def supply_V(self) -> float:
-        """The nominal supply."""
+        """The nominal supply voltage."""
         return self.nominal_voltage_V
 
     @property
     def least_V(self) -> float:
-        """The lowest supply that it is known to work at."""
+        """The lowest supply voltage at which it is known to work."""
         return self.supply[0].voltage_V
 
     @property
     def low_V(self) -> float:
-        """Below it the robot sits down."""
+        """The robot sits down below this voltage."""
         return self.low_voltage_V
 
     @property
     def sit_C(self) -> float:
-        """Hotter, the robot sits down."""
+        """The robot sits down above this temperature."""
         return self.hot_C
 
 
 class Motor(Table):
-    """A brushless motor, and what its rotor encoder resolves."""
+    """A brushless motor, and the resolution of its rotor encoder."""
 
     power_W: Annotated[float, number(1.0, 5000.0, "W")]
     pole_pairs: Annotated[int, whole(1, 50, "pole pairs")]
@@ -142,7 +142,7 @@ class Drive(Table):
 
 
 class Thermal(Table):
-    """The winding's sensor and how it warms up: winding to housing to air."""
+    """The winding's sensor, and how heat flows from winding to housing to air."""
 
     thermistor: Annotated[Literal["ntc", "ptc"], one_of("ntc", "ptc")]
     thermistor_25C_ohm: Annotated[float, number(10.0, 1e6, "ohm")]
@@ -168,7 +168,7 @@ class Bldc(Table):
 
     @property
     def fastest_rad_s(self) -> float:
-        """The fastest it turns: its board's limit."""
+        """Its highest speed: its board's limit."""
         return self.drive.speed_limit_rad_s
 
     @property
@@ -178,35 +178,35 @@ class Bldc(Table):
 
     @property
     def step_rad(self) -> float:
-        """The step of its readings."""
+        """The resolution of its readings."""
         return 2 * pi / 2**self.gear.encoder_bits
 
     @property
     def supply_V(self) -> float:
-        """The nominal supply."""
+        """The nominal supply voltage."""
         return self.drive.bus_voltage_V
 
     @property
     def least_V(self) -> float:
-        """The lowest supply that it works at."""
+        """The lowest supply voltage at which it works."""
         return self.drive.under_voltage_V
 
     @property
     def low_V(self) -> float:
-        """Below it the robot sits down."""
+        """The robot sits down below this voltage."""
         return self.drive.under_voltage_V
 
     @property
     def sit_C(self) -> float:
-        """Hotter, the robot sits down."""
+        """The robot sits down above this temperature."""
         return self.thermal.winding_derate_C
 
 
 class PdJoint(Table):
-    """Another's joint: its board holds a goal by a stiffness and a damping, with what torque it has.
+    """A foreign joint: its board holds a goal with a stiffness and a damping, within its torque.
 
-    torque = clip(stiffness x error - damping x speed, +-torque). Stiffness and damping are told of each joint alike;
-    torque, speed and armature are those at the shaft of the motor's gear.
+    torque = clip(stiffness x error - damping x speed, +-torque). Stiffness and damping are those of a joint, the same
+    for all; torque, speed and armature are those at the shaft of the motor's gear.
     """
 
     kind: Literal["pd"]
@@ -222,41 +222,41 @@ class PdJoint(Table):
 
     @property
     def fastest_rad_s(self) -> float:
-        """The fastest it turns."""
+        """Its highest speed."""
         return self.no_load_rad_s
 
     @property
     def step_rad(self) -> float:
-        """The step of its readings."""
+        """The resolution of its readings."""
         return 2 * pi / 2**self.encoder_bits
 
     @property
     def supply_V(self) -> float:
-        """The nominal supply."""
+        """The nominal supply voltage."""
         return self.voltage_V
 
     @property
     def least_V(self) -> float:
-        """The lowest supply that it is known to work at: the nominal one."""
+        """The lowest supply voltage at which it is known to work: the nominal one."""
         return self.voltage_V
 
     @property
     def low_V(self) -> float:
-        """Nothing is known of a supply too low."""
+        """Unknown: no supply voltage counts as too low."""
         return 0.0
 
     @property
     def sit_C(self) -> float:
-        """Nothing is known of its heat."""
+        """Unknown: no temperature counts as too hot."""
         return inf
 
 
 USUAL_DELAY_S = 0.020  # (assumed: one 50 Hz tick)
-Delay = Annotated[float, number(0.0, 0.5, "s")]  # from sending a goal to its acting, and from measuring to knowing
+Delay = Annotated[float, number(0.0, 0.5, "s")]  # from sending a goal until it acts, and from measuring until known
 
 
 class ServoBus(Table):
-    """The servos' serial bus. Which id is which joint is calibration data, not part of the robot file."""
+    """The servos' serial bus. The ids of the joints are calibration data, not part of the robot file."""
 
     kind: Literal["dynamixel"]
     port: Annotated[str, text(r"\S{1,200}", "a device name without spaces")]
@@ -266,7 +266,7 @@ class ServoBus(Table):
 
 
 class CanBus(Table):
-    """The joints' CAN bus or buses, and what holds a position: a spring in the joint, its cascade, or the host."""
+    """The joints' CAN bus or buses, and what holds a position: a spring in the joint, a cascade in it, or the host."""
 
     kind: Literal["can"]
     interface: Annotated[str, text(r"[a-z0-9_]{1,40}", "the name of a python-can interface, such as socketcan")]
@@ -281,12 +281,12 @@ class CanBus(Table):
 
     @property
     def channels(self) -> tuple[str, ...]:
-        """One bus, or two: of the front legs and of the rear legs."""
+        """One bus, or two: one for the front legs and one for the rear legs."""
         return tuple(self.channel.split(","))
 
 
 class NoBus(Table):
-    """A robot that this software simulates, and can't drive."""
+    """No bus: this software can simulate the robot but not drive it."""
 
     kind: Literal["none"]
     delay_s: Delay = USUAL_DELAY_S

@@ -1,4 +1,4 @@
-"""Makes of a robot what every command makes of it before it runs, so that a file that passes the check can be used."""
+"""Builds all that any command builds from a robot before it runs, so that a file that passes the check can be used."""
 
 from collections.abc import Iterator
 
@@ -14,7 +14,7 @@ from .scale import attitude_block, core_params
 
 
 def unbuildable(robot: Robot) -> Iterator[str]:
-    """Yield in a sentence what can't be made of a robot: the planner, its gaits, the plane, the joints' blocks."""
+    """Yield a sentence for each part that can't be built: the planner, its gaits, the plane, the joints' blocks."""
     for build in (_planner, planar_robot, attitude_block, _joints):
         try:
             build(robot)

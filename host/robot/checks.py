@@ -1,6 +1,6 @@
-"""What no single value of a robot file can show: symmetry, reach, stance, scales, and values that belong together.
+"""Checks that need more than one value of a robot file: symmetry, reach, stance, scales, related values.
 
-Each check yields its complaints as (key, value, what is allowed); none yields nothing.
+Each check yields its complaints as (key, value, what is allowed).
 """
 
 from collections.abc import Iterator
@@ -26,10 +26,10 @@ SYMMETRY_M = 1e-6
 SHORTEST_LEG_M = 0.05
 LONGEST_LEG_M = 1.0
 FARTHEST_FOOT_LU = 1 << 17
-HOST_CURRENT_HZ = 400  # with 200 Hz the robot falls in the simulator (caramelo joints compare)
-STEP_S = 0.001  # of the plane and of the simulated bus
-BUSES = {"servo": ("dynamixel", "none"), "bldc": ("can",), "pd": ("none",)}  # of each kind of actuator
-CURRENT_LOOP_PER_BANDWIDTH = 20  # one step of delay: more bandwidth loses the phase margin
+HOST_CURRENT_HZ = 400  # at 200 Hz the robot falls in the simulator (caramelo joints compare)
+STEP_S = 0.001  # time step of the plane and of the simulated bus
+BUSES = {"servo": ("dynamixel", "none"), "bldc": ("can",), "pd": ("none",)}  # allowed for each kind of actuator
+CURRENT_LOOP_PER_BANDWIDTH = 20  # at least: with one step of delay, more bandwidth loses the phase margin
 
 
 def complaints(robot: Robot) -> Iterator[Complaint]:
@@ -67,7 +67,7 @@ def hips_are_symmetric(robot: Robot) -> Iterator[Complaint]:
 
 
 def legs_have_a_usable_length(robot: Robot) -> Iterator[Complaint]:
-    """Thigh and calf together are what the integer core was tested for."""
+    """The leg's length is one that the integer core was tested with."""
     geometry = robot.geometry
     if not SHORTEST_LEG_M <= geometry.leg_m <= LONGEST_LEG_M:
         allowed = f"thigh_m + calf_m within {SHORTEST_LEG_M:g} .. {LONGEST_LEG_M:g} m, not {geometry.leg_m:g}"
@@ -95,7 +95,7 @@ def feet_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
 
 
 def changes_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
-    """Every speed and acceleration is at least one of the core's units per tick and at most what it holds."""
+    """Every speed and acceleration is at least one of the core's units per tick, and at most the largest that fits."""
     rate = robot.control.rate_hz
     length = 2.0**robot.length_shift
     speed, body = robot.speed_limits, robot.body_limits
@@ -112,11 +112,11 @@ def changes_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
     ):
         low, high = 1 / units_per_tick, LARGEST_SPEED / units_per_tick
         if not low <= value <= high:
-            yield key, value, f"{low:.4g} .. {high:.4g} at {rate} Hz: 1 .. {LARGEST_SPEED} of the core's units a tick"
+            yield key, value, f"{low:.4g} .. {high:.4g} at {rate} Hz: 1 .. {LARGEST_SPEED} of the core's units per tick"
 
 
 def gains_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
-    """The gains of balance, which hold the tick, fit the core's 15 bits."""
+    """The gains of balance, which include the tick's length, fit the core's 15 bits."""
     rate = robot.control.rate_hz
     for key, value, largest in (
         ("balance.ki_1_s", robot.balance.ki_1_s, LARGEST_GAIN * rate / Q16),
@@ -127,7 +127,7 @@ def gains_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
 
 
 def gaits_exist(robot: Robot) -> Iterator[Complaint]:
-    """The gaits named are those that the robot knows, and none is both advised and not."""
+    """The robot knows the gaits named, and no gait is both advised and not advised."""
     own = robot.gait
     for key, named in (("default", [own.default]), ("advised_m_s", own.advised_m_s), ("not_advised", own.not_advised)):
         for name in named:
@@ -139,7 +139,7 @@ def gaits_exist(robot: Robot) -> Iterator[Complaint]:
 
 
 def poses_are_reachable(robot: Robot) -> Iterator[Complaint]:
-    """Resting and sitting feet are within reach and joint limits on all four legs; sitting is lower."""
+    """At rest and sitting, all four feet are within reach and joint limits; sitting is lower."""
     stance = robot.stance
     for key, height_m in (("rest_height_m", stance.rest_height_m), ("sit_height_m", stance.sit_height_m)):
         for leg, name in enumerate(LEG_NAMES):
@@ -152,7 +152,7 @@ def poses_are_reachable(robot: Robot) -> Iterator[Complaint]:
 
 
 def why_unreachable(robot: Robot, leg: int, height_m: float) -> str:
-    """Return why a standing leg can't have its hip ``height_m`` above its foot, or nothing if it can."""
+    """Return why a standing leg can't have its hip ``height_m`` above its foot, or "" if it can."""
     foot = robot.foot_m(leg, height_m)
     joints = leg_to_rad(robot, leg, foot)
     if joints is None:
@@ -164,7 +164,7 @@ def why_unreachable(robot: Robot, leg: int, height_m: float) -> str:
 
 
 def reachable_heights(robot: Robot) -> str:
-    """Return the heights at which all four legs reach their feet, to the millimetre, in words."""
+    """Return in words the heights at which all four legs can stand, to the millimetre."""
     millimetres = range(1, int(robot.geometry.reach_m * 1000) + 1)
     good = [mm for mm in millimetres if not any(why_unreachable(robot, leg, mm / 1000) for leg in range(4))]
     if not good:
@@ -173,7 +173,7 @@ def reachable_heights(robot: Robot) -> str:
 
 
 def servo_is_consistent(servo: Servo) -> Iterator[Complaint]:
-    """The supply points rise and hold the nominal voltage."""
+    """The supply points rise, and one has the nominal voltage."""
     voltages = [point.voltage_V for point in servo.supply]
     if not voltages:
         yield "actuator.supply", [], "at least one [[actuator.supply]] table"
@@ -208,7 +208,7 @@ def joint_is_consistent(joint: Bldc) -> Iterator[Complaint]:
 
 
 def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
-    """Servos hang on a servo bus or none, brushless joints on CAN, as fast as the planner; others' joints on none."""
+    """Servos need a servo bus or none, brushless joints a CAN bus as fast as the planner, foreign joints none."""
     wanted = BUSES[robot.actuator.kind]
     if robot.bus.kind not in wanted:
         allowed = " or ".join(f'"{kind}"' for kind in wanted)
@@ -220,19 +220,19 @@ def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
 
 
 def servo_bus_is_usable(servo: Servo) -> Iterator[Complaint]:
-    """Servos on a bus hold a position by their registers."""
+    """Servos on a bus need gains in their registers to hold a position."""
     if servo.p_gain == 0:
         yield "actuator.p_gain", servo.p_gain, "above 0 on a dynamixel bus: with 0 the servo holds nothing"
 
 
 def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
-    """Brushless joints turn the calf one to one: their boards know no ratio but the gear's."""
+    """Brushless joints turn the calf one to one: their boards know only the gear's ratio."""
     if isinstance(robot.actuator, Bldc) and robot.calf_drive.ratio != 1.0:
         yield "calf_drive.ratio", robot.calf_drive.ratio, '1 for actuator.kind = "bldc"; the gear has its own ratio'
 
 
 def simulators_can_step(robot: Robot) -> Iterator[Complaint]:
-    """A drive's damping does not overshoot the inertia that it brakes within the simulators' step (sim2d/model.py)."""
+    """Within the simulators' step, a drive's damping never reverses the motion that it brakes (sim2d/model.py)."""
     actuator = robot.actuator
     if isinstance(actuator, Bldc):
         return
@@ -244,7 +244,7 @@ def simulators_can_step(robot: Robot) -> Iterator[Complaint]:
         damping = max(servo.at_voltage(voltage_V).damping_Nms_rad for voltage_V in volts)
         least = (least_inertia_kgm2(damping, STEP_S) - link.inertia_kg_m2[1]) * ratio**2
         if actuator.armature_kg_m2 < least:
-            why = f"with less the {name}'s damping overshoots in a step of {STEP_S:g} s"
+            why = f"with less, the {name}'s damping overshoots within the simulator's step of {STEP_S:g} s"
             allowed = f"at least {least * 1.005:.3g}: {why}"
             yield "actuator.armature_kg_m2", actuator.armature_kg_m2, allowed
 
@@ -256,4 +256,4 @@ def can_bus_is_usable(bus: CanBus, control_hz: int) -> Iterator[Complaint]:
     if bus.rate_hz < control_hz:
         yield "bus.rate_hz", bus.rate_hz, f"at least control.rate_hz = {control_hz}"
     if bus.loops == "host-current" and bus.rate_hz < HOST_CURRENT_HZ:
-        yield "bus.rate_hz", bus.rate_hz, f"at least {HOST_CURRENT_HZ} with host-current: slower, the legs swing"
+        yield "bus.rate_hz", bus.rate_hz, f"at least {HOST_CURRENT_HZ} with host-current: below it the legs oscillate"

@@ -1,4 +1,4 @@
-"""A calf whose motor sits on the body: that motor turns with thigh and calf together."""
+"""A calf whose motor sits on the body: that motor turns by thigh and calf together."""
 
 from collections.abc import Sequence
 

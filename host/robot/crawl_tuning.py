@@ -1,6 +1,6 @@
-"""The crawl's numbers (shared/body/crawl_setup.py) of a robot at a rate: its table, as large as the leg, and its shape.
+"""A robot's numbers for the crawl at a rate (shared/body/crawl_setup.py): its table, scaled to the leg, and its shape.
 
-A robot file's table ``crawl`` gives single numbers anew, in SI: the keys are the fields with their unit in the file,
+A robot file's table ``crawl`` overrides single numbers, in SI. The keys are the fields with their units, such as
 ``margin_m``, ``lift_speed_m_s``, ``settle_s``.
 """
 
@@ -15,7 +15,7 @@ from shared.num.fixed import cos_q15, hypot, isqrt
 _LEG_MM = 240  # the leg that the table's lengths belong to
 _STRIDE_MM = 90  # the longest
 _SECOND_US = 1_000_000
-# How a field's name ends, and its key in the file, by the core's unit; what the table gives it in is so many to 1 of SI
+# The core's unit -> how a field's name ends, how its key ends in the file, how many of the table's units are 1 in SI
 _UNITS = {
     "lu": ("", "_m", 1000),
     "lf / tick": ("", "_m_s", 1000),
@@ -29,7 +29,7 @@ _UNITS = {
 }
 _NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
 _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
-_MOST_LAG_S = 0.062  # goals are kept for 31 ticks, at up to 500 Hz
+_MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
 def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple[str, object, str]]:
@@ -49,7 +49,7 @@ def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple
 
 
 def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None:
-    """Write the crawl's numbers into parameters that have rate, legs and leg length already."""
+    """Write the crawl's numbers into parameters that already have rate, legs and leg length."""
     for name, place in _NUMBERS.items():
         setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params.leg_length, params.rate_hz))
     for key, value in given.items():
@@ -61,12 +61,12 @@ def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None
 
 
 def _one(unit: str, leg_m: float) -> float:
-    """Return what 1 in the table is in SI, for a leg."""
+    """Return the SI value of 1 in the table, for a leg."""
     return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") else 1)
 
 
 def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
-    """Return what the core takes for a thousandth of a number of the table, for a leg of ``leg`` lu."""
+    """Return the core's value of a thousandth of a number of the table, for a leg of ``leg`` lu."""
     if unit in ("brad", "Q15", "own weight"):
         one = {"brad": 32768 / pi, "Q15": 32768, "own weight": 4096}[unit]
         return round(value / 1000 / _UNITS[unit][2] * one)
@@ -84,9 +84,9 @@ def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
 def _shape(params: Params) -> None:
     """Write what follows from hips and legs: the hips are carried at 0.865 of the straightest leg.
 
-    Caramelo's are at 185 mm of 214: the straighter the knees, the less they carry. A trot's foot is put no higher than
-    half way from the hip's offset to the shortest leg below the hip (clearance): there its leg's direction turns by no
-    more than the foot's way over that depth. What the joints reach above it lies at the ends of thigh and calf.
+    Caramelo's are at 185 mm of 214: straighter knees need less torque. A trot's foot goes no higher than half way from
+    the hip's offset to the shortest leg below the hip (clearance): up to there, its leg's direction turns by no more
+    than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
     """
     crawl, front = params.crawl, params.legs[FR]
     length = front.hip[0] - params.legs[RR].hip[0]
@@ -102,7 +102,7 @@ def _shape(params: Params) -> None:
 
 
 def _bend(leg: Leg) -> tuple[int, int]:
-    """Bring a leg's reach in to where the calf's limits end; return its longest and shortest in its plane, lu."""
+    """Reduce a leg's reach to where the calf's limits end; return its longest and shortest in its plane, lu."""
     straight, bent = (leg.highest[2], leg.lowest[2]) if leg.knee < 0 else (leg.lowest[2], leg.highest[2])
     far, near = bent_length(leg, straight), bent_length(leg, bent)
     leg.longest = min(hypot(far, leg.hip_length), leg.longest)

@@ -7,7 +7,7 @@ from sim2d.model import ServoModel
 from .actuators import Bldc, PdJoint, Servo
 from .model import Robot
 
-STIFFNESS_KEYS = {  # which key of each kind of actuator makes its joints stiffer
+STIFFNESS_KEYS = {  # by kind of actuator: the key that makes its joints stiffer
     "servo": "actuator.duty_per_rad",
     "bldc": "actuator.drive.position_bandwidth_hz",
     "pd": "actuator.stiffness_Nm_rad",
@@ -46,7 +46,7 @@ def servo_model(servo: Servo, joint_per_motor: float) -> ServoModel:
 
 
 def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
-    """Return the spring that a brushless joint is in impedance mode (joint_gains.impedance_gains) as a linear law.
+    """Return the linear law of a brushless joint in impedance mode, a spring (joint_gains.impedance_gains).
 
     Stiffness from the position and velocity bandwidths acting on the rotor's inertia seen at the
     joint; torque limited by the current limit; damping by the velocity loop.
@@ -68,9 +68,9 @@ def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
 
 
 def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
-    """Return another's joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far.
+    """Return a foreign joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far.
 
-    Its board is told stiffness and damping of the joint itself.
+Its stiffness and damping are given at the joint itself.
     """
     ratio = joint_per_motor
     return ServoModel(
@@ -85,7 +85,7 @@ def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
 
 
 def friction_bands(robot: Robot) -> tuple[tuple[float, float, float], float]:
-    """Return what friction holds back of hip, thigh and calf as they turn: unloaded, rad, and per sag under a load.
+    """Return how far friction holds hip, thigh and calf back as they turn: unloaded, rad, and per sag under a load.
 
     A motor that turns a load L gives (L (1 + l) + f) / (1 - m) where it goes against it and (L (1 - l) - f) / (1 + m)
     where it goes with it, by M6 (arXiv 2410.08650) once Stribeck has faded: f is dry, m and l are the shares of motor

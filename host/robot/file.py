@@ -1,4 +1,4 @@
-"""Loads robot files: TOML in, one checked Robot out, or one line that says file, key, value and what is allowed."""
+"""Loads robot files: TOML in, one checked Robot out, or one line with the file, key, value and what is allowed."""
 
 from collections.abc import Iterator
 from difflib import get_close_matches
@@ -33,18 +33,18 @@ def robot_names() -> list[str]:
 
 
 def driven_names() -> list[str]:
-    """Return the names of those that this software can drive; the others are simulated only."""
+    """Return the names of the robots that this software can drive; the others are only simulated."""
     return [name for name in robot_names() if load_robot(name).bus.kind != "none"]
 
 
 def load_robot(name_or_path: str) -> Robot:
-    """Return the robot of that name, or of the file if it ends in .toml; RobotFileError if anything is wrong."""
+    """Return the robot of a name, or of a file that ends in .toml; RobotFileError if anything is wrong."""
     path = find(name_or_path)
     return checked(read_toml(path), str(path))
 
 
 def load_can_robot(name_or_path: str) -> tuple[Robot, CanBus]:
-    """Return the robot of that name or file, and its bus; UserError if its joints are not on CAN."""
+    """Return the robot of a name or file, and its bus; UserError if its joints are not on CAN."""
     robot = load_robot(name_or_path)
     if robot.bus.kind != "can":
         raise UserError(f"{robot.name} has no joints on CAN; try --robot parallel")
@@ -52,14 +52,14 @@ def load_can_robot(name_or_path: str) -> tuple[Robot, CanBus]:
 
 
 def checked(data: dict[str, Any], place: str) -> Robot:
-    """Return the robot of a file's tables; RobotFileError with ``place`` in front if anything is wrong."""
+    """Return the robot of a file's tables; RobotFileError that begins with ``place`` if anything is wrong."""
     for key, sentence in former_names(data):
         raise RobotFileError(f"{place}: {key}: {sentence}")
     try:
         robot = Robot.model_validate(data)
     except ValidationError as error:
         errors = error.errors()
-        # A key that is missing is often there under a wrong name, which says more.
+        # A missing key is often there under a wrong name, and that error says more.
         first = next((one for one in errors if one["type"] != "missing"), errors[0])
         raise RobotFileError(f"{place}: {explain(first, data)}") from None
     for key, value, allowed in complaints(robot):
@@ -70,7 +70,7 @@ def checked(data: dict[str, Any], place: str) -> Robot:
 
 
 def find(name_or_path: str) -> Path:
-    """Return the file of a robot's name or the path itself."""
+    """Return the file of a robot's name, or the path itself."""
     if name_or_path.endswith(".toml"):
         return Path(name_or_path)
     names = robot_names()
@@ -83,16 +83,16 @@ def find(name_or_path: str) -> Path:
 
 
 def read_toml(path: Path, what: str = "robot") -> dict[str, Any]:
-    """Return the tables of a TOML file of a robot, or of a gait."""
+    """Return the tables of a robot's or a gait's TOML file."""
     try:
         return files.read_toml(path)
     except FileNotFoundError:
         known = ", ".join(robot_names() if what == "robot" else GAIT_NAMES)
-        raise RobotFileError(f"{path}: no such file: {what}s known by name are {known}") from None
+        raise RobotFileError(f"{path}: no such file; {what}s known by name are {known}") from None
     except OSError as error:
         raise RobotFileError(f"{path}: can't be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
-        raise RobotFileError(f"{path}: byte {error.start}: is not UTF-8 text: save the file as UTF-8") from None
+        raise RobotFileError(f"{path}: byte {error.start} is not UTF-8 text: save the file as UTF-8") from None
     except ValueError as error:
         _complain_about_syntax(path, str(error))
 
@@ -106,7 +106,7 @@ def _complain_about_syntax(path: Path, message: str) -> NoReturn:
 
 
 def former_names(data: dict[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield where a file has a gait by the name it had before, and what it is called now."""
+    """Yield where a file uses a gait's former name, and a sentence with its present name."""
     gait = data.get("gait", {})
     for key, value in gait.items() if isinstance(gait, dict) else ():
         for name in [value] if isinstance(value, str) else value if isinstance(value, dict) else ():
@@ -121,7 +121,7 @@ def explain(error: ErrorDetails, data: dict[str, Any], model: type[BaseModel] = 
     key, kind, value = ".".join(str(part) for part in place), error["type"], error["input"]
     if kind == "missing":
         page = "robot-files" if model is Robot else "gaits"
-        return f"{key}: value missing: allowed: any that docs/{page}.md names, but it must be there"
+        return f"{key}: value missing: it must be there; docs/{page}.md names what is allowed"
     if kind == "extra_forbidden":
         siblings = known_keys(place[:-1], data, model)
         hint = did_you_mean(str(place[-1]), siblings)
@@ -129,7 +129,7 @@ def explain(error: ErrorDetails, data: dict[str, Any], model: type[BaseModel] = 
     if kind.startswith("union_tag") and isinstance(value, dict):
         found = f"value {show(value['kind'])}" if "kind" in value else "value missing"
         return f"{key}.kind: {found}: allowed: one of {', '.join(show(name) for name in UNION_KEYS[key])}"
-    if kind == "value_error":  # of a table as a whole: the sentence begins with the key
+    if kind == "value_error":  # about a table as a whole: the sentence begins with the key
         return ".".join(filter(None, (key, error["msg"].removeprefix("Value error, "))))
     if kind == "allowed":
         return f"{key}: value {show(value)}: allowed: {error['msg']}"
@@ -151,7 +151,7 @@ def known_keys(place: list[int | str], data: dict[str, Any], model: type[BaseMod
 
 
 def _table_of(model: type[BaseModel], key: str, inside: Any) -> type[BaseModel]:
-    """Return the class of the table under ``key``; of several, the one that its kind asks for."""
+    """Return the class of the table under ``key``; if there are several, the one for the table's ``kind``."""
     tables = [choice for choice in _parts(model.model_fields[key].annotation) if issubclass(choice, BaseModel)]
     if len(tables) == 1:
         return tables[0]

@@ -1,22 +1,22 @@
-"""Which gaits are advised for a robot, up to which speed, and why the others are not.
+"""Which gaits are advised for a robot, up to which speed, and why the others are not advised.
 
-The robot file has what was tried (docs/robot-files.md); here is the one place that reads it. A gait that the file does
-not name has not been tried.
+The robot file says what was tried (docs/robot-files.md), and only this module reads it. A gait that the file does not
+name has not been tried.
 """
 
 from .gait_names import gait_names
 from .model import Robot
 
-UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: caramelo walk --in space tries it"
+UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: try caramelo walk --in space"
 
 
 def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0) -> str:
-    """Return why a gait is not advised for this robot at this speed, "" if it is; speed 0 asks for the gait alone."""
+    """Return why a gait is not advised for this robot at this speed, "" if it is; at speed 0, about the gait alone."""
     own = robot.gait
     if gait not in own.advised_m_s:
         return own.not_advised.get(gait, UNTRIED)
     most_m_s = own.advised_m_s[gait]
-    return f"tried up to {most_m_s:g} m/s only" if abs(speed_m_s) > most_m_s else ""
+    return f"tried only up to {most_m_s:g} m/s" if abs(speed_m_s) > most_m_s else ""
 
 
 def gait_advice(robot: Robot) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Loads gait files: TOML in, a robot that walks so out, or one line that says file, key, value and what is allowed."""
+"""Loads gait files: TOML in, a robot with that gait out, or one line with the file, key, value and what is allowed."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from .own_gait import OwnGait
 
 
 def with_gait(robot: Robot, name_or_path: str | None) -> Robot:
-    """Return a robot whose gait after start-up is one it knows, or that of a file ending in .toml; None changes none.
+    """Return a robot that starts with a gait it knows, or that of a file ending in .toml; None keeps its own gait.
 
     UserError for an unknown name, or a file that can't be used.
     """

@@ -1,4 +1,4 @@
-"""The gaits' names: what a name's place is in the core's registry, and what became of the names there were before."""
+"""The gaits' names: their places in the core's registry, and the present names of gaits that were renamed."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -11,13 +11,13 @@ if TYPE_CHECKING:
     from .model import Robot
 
 RENAMED = {"adaptive": "trot", "fast-trot": "trot", "climb": "crawl"}
-# The registry of records that do not say theirs; its own trot and crawl were tables that are gone.
+# The registry of records that do not contain theirs. Its trot and crawl were tables, which no longer exist.
 BEFORE = ("paper-trot", "blind trot", "blind crawl", "adaptive", "climb")
 
 
 def new_name(name: str) -> str:
-    """Return in a sentence what a gait of this name is called now, "" if it never had another."""
-    return f"gait '{name}' is called '{RENAMED[name]}' now" if name in RENAMED else ""
+    """Return a sentence with the present name of a renamed gait, "" if the name was never changed."""
+    return f"gait '{name}' is now called '{RENAMED[name]}'" if name in RENAMED else ""
 
 
 def gait_names(robot: "Robot") -> tuple[str, ...]:
@@ -26,7 +26,7 @@ def gait_names(robot: "Robot") -> tuple[str, ...]:
 
 
 def gait_index(robot: "Robot", name: str) -> int:
-    """Return a gait's place among those of a robot, or raise UserError with the names there are."""
+    """Return a gait's place among those of a robot; UserError with all names if it has none."""
     names = gait_names(robot)
     if name not in names:
         raise UserError(f"--gait {name}: {new_name(name) or 'no such gait; there are ' + ', '.join(names)}")
@@ -34,7 +34,7 @@ def gait_index(robot: "Robot", name: str) -> int:
 
 
 def place_now(names: Sequence[str], place: int, now: Sequence[str] = GAIT_NAMES) -> int:
-    """Return where a gait of a registry of ``names`` is in that of ``now``; a place beyond it is beyond that, too.
+    """Return a gait's place in the registry ``now`` from its place in ``names``; beyond one is as far beyond the other.
 
     UserError if the gait is gone.
     """
@@ -42,5 +42,5 @@ def place_now(names: Sequence[str], place: int, now: Sequence[str] = GAIT_NAMES)
         return len(now)
     name = RENAMED.get(names[place], names[place])
     if name not in now:
-        raise UserError(f"the gait '{name}' is gone; there are {', '.join(now)}")
+        raise UserError(f"the gait '{name}' no longer exists; there are {', '.join(now)}")
     return now.index(name)

@@ -15,7 +15,7 @@ from .joint_units import Units
 
 @dataclass(frozen=True)
 class Quantity:
-    """How a value is told: SI unit and factor where the joint's Units are needed for it, else its own unit."""
+    """How to print a value: SI unit and factor if that needs the joint's Units, else its own unit."""
 
     own_unit: str
     si_unit: str = ""
@@ -46,7 +46,7 @@ RAD_S = Quantity("rate units", "rad/s", lambda units: units.rad_s_per_rate)
 
 @dataclass(frozen=True)
 class Words:
-    """``sentence`` holds {} for the value with its unit, ``hint`` says what to do."""
+    """``sentence`` contains {} for the value with its unit, ``hint`` says what to do."""
 
     name: str
     sentence: str
@@ -63,26 +63,26 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_WATCHDOG: Words(
         "watchdog",
-        "no set-point for {}",
+        "no set-point came for {}",
         "the host stopped sending or the bus is broken; clear and arm again",
         MS,
     ),
     f.FAULT_OVER_SPEED: Words(
         "over-speed",
-        "turned at {}",
-        "lower the commanded speed or look for what pushes the joint",
+        "the joint turned at {}",
+        "lower the commanded speed, or look for something that pushes the joint",
         RAD_S,
     ),
     f.FAULT_POSITION_LIMIT: Words(
         "position limit",
-        "moved out to {}",
-        "move the joint back by hand, check its limits and zero",
+        "the joint moved out to {}",
+        "move the joint back by hand; check its limits and zero",
         DEGREE,
     ),
     f.FAULT_STALL: Words(
         "stall",
-        "pushed with {} without moving",
-        "free the joint; if it is free, check the motor's three wires and their order, then commission",
+        "the joint pushed with {} without moving",
+        "free the joint; if it is free, check the motor's three wires and their order, then commission it",
         AMPERE,
     ),
     f.FAULT_WINDING_HOT: Words(
@@ -106,13 +106,13 @@ WORDS: dict[int, Words] = {
     f.FAULT_THERMISTOR_SHORT: Words(
         "thermistor short",
         "the thermistor reads {}",
-        "look for a short at its wire",
+        "look for a short circuit in its wire",
         COUNTS,
     ),
     f.FAULT_DUPLICATE_ID: Words(
         "duplicate id",
         "another joint sends as node {}",
-        "give one of the two another id with set-id",
+        "give one of them another id with caramelo joints set-id",
         PLAIN,
     ),
     f.FAULT_OVERRUN: Words(
@@ -129,32 +129,32 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_JOINT_ENCODER_LOST: Words(
         "joint encoder lost",
-        "no valid reading of the joint's encoder for {}",
+        "no valid reading of the joint encoder for {}",
         "check the encoder's connector and the distance of its magnet",
         MS,
     ),
     f.FAULT_EMERGENCY_STOP: Words(
         "emergency stop",
-        "an emergency stop was asked for",
+        "an emergency stop was commanded",
         "release it, then clear and arm again",
         PLAIN,
     ),
     f.FAULT_OVER_CURRENT: Words(
         "over-current",
         "the current reached {}",
-        "look for a short between the phases; check the motor's three wires and their order, then commission",
+        "look for a short circuit between the phases; check the motor's wires and their order, then commission it",
         AMPERE,
     ),
     f.FAULT_UNDER_VOLTAGE: Words(
         "under-voltage",
         "the supply fell to {}",
-        "charge the battery, check the supply's wires",
+        "charge the battery; check the supply's wires",
         VOLT,
     ),
     f.FAULT_OVER_VOLTAGE: Words(
         "over-voltage",
         "the supply rose to {}",
-        "braking feeds the supply: brake slower or use a battery",
+        "braking feeds current back into the supply: brake more slowly, or use a battery",
         VOLT,
     ),
     f.FAULT_ENCODER_LOST: Words(
@@ -166,7 +166,7 @@ WORDS: dict[int, Words] = {
     f.FAULT_ENCODER_DISAGREE: Words(
         "encoder disagreement",
         "joint and rotor encoder differ by {}",
-        "check coupling and magnets, then home again; commission it again if a part was changed",
+        "check coupling and magnets, then home the joint again; commission it again if a part was changed",
         DEGREE,
     ),
     f.FAULT_CURRENT_SENSE: Words(
@@ -178,13 +178,13 @@ WORDS: dict[int, Words] = {
     f.FAULT_DRIVER: Words(
         "gate driver",
         "the gate driver reports {} in its fault registers",
-        "look the bits up in docs/joint.md; often a short at the motor",
+        "look up the bits in docs/joint.md; often it is a short circuit at the motor",
         PLAIN,
     ),
     f.FAULT_DRIVER_SETUP: Words(
         "gate driver setup",
-        "register {} of the gate driver does not read back what was written or the hardware left its ready state",
-        "switch the power off and on; then the board is defective",
+        "register {} of the gate driver does not read back as written, or the hardware left its ready state",
+        "switch the power off and on; if it returns, the board is defective",
         PLAIN,
     ),
     f.FAULT_EXCEPTION: Words(
@@ -195,14 +195,14 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_POSITION_RANGE: Words(
         "position range",
-        "the rotor is {} turns from zero, beyond what a position can hold",
-        "home again",
+        "the rotor is {} turns from zero, more than a position value can hold",
+        "home the joint again",
         PLAIN,
     ),
     f.FAULT_STORAGE: Words(
         "storage",
         "the stored parameters could not be read",
-        "write and save them again",
+        "write and save the parameters again",
         PLAIN,
     ),
     f.FAULT_INTERRUPT_STOPPED: Words(
@@ -213,7 +213,7 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_COMMISSION_OFFSET: Words(
         "commissioning: offset",
-        "a current sensor reads {} without current, 2048 expected",
+        "a current sensor reads {} without current, instead of 2048",
         "a shunt amplifier is defective",
         COUNTS,
     ),
@@ -225,7 +225,7 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_COMMISSION_SUM: Words(
         "commissioning: sum",
-        "under current the three phases add up to {}",
+        "while current flows, the three phases add up to {}",
         "a shunt amplifier or its gain is wrong",
         COUNTS,
     ),
@@ -243,32 +243,32 @@ WORDS: dict[int, Words] = {
     ),
     f.FAULT_COMMISSION_NO_CURRENT: Words(
         "commissioning: no current",
-        "only {} flowed",
-        "connect the motor: two of its wires or all are open, or the supply is too weak",
+        "a current of only {} flowed",
+        "connect the motor: two or all of its wires are open, or the supply is too weak",
         AMPERE,
     ),
     f.FAULT_COMMISSION_NOT_FREE: Words(
         "commissioning: not free",
         "the rotor moved {} instead of following the field",
-        "free the joint, lift the robot",
+        "free the joint; lift the robot",
         COUNTS,
     ),
     f.FAULT_COMMISSION_POLE_PAIRS: Words(
         "commissioning: pole pairs",
-        "the rotor moved {} in a number of the field's turns that no whole number of pole pairs fits",
+        "the rotor moved {} while the field turned, which fits no whole number of pole pairs",
         "free the joint; check that the rotor encoder's magnet does not slip",
         COUNTS,
     ),
     f.FAULT_COMMISSION_PHASE_ORDER: Words(
         "commissioning: phase order",
-        "the rotor turns the other way than stored (direction {})",
-        "two motor wires are exchanged: put them back, or commission anew",
+        "the rotor turns in direction {}, opposite to the stored one",
+        "two motor wires are swapped: swap them back, or commission the joint again",
         PLAIN,
     ),
     f.FAULT_COMMISSION_FRICTION: Words(
         "commissioning: friction",
         "friction holds the rotor {} behind the field",
-        "free the joint; if it is free, raise current_limit_A, half of which turns the rotor",
+        "free the joint; if it is free, raise current_limit_A: half of it turns the rotor",
         ELECTRICAL,
     ),
     f.FAULT_COMMISSION_JOINT_ENCODER: Words(
@@ -280,67 +280,67 @@ WORDS: dict[int, Words] = {
     f.FAULT_COMMISSION_MOVING: Words(
         "commissioning: moving",
         "the joint turns at {}",
-        "hold it still",
+        "hold the joint still",
         RAD_S,
     ),
     f.FAULT_COMMISSION_OFFSET_CHANGED: Words(
         "commissioning: offset changed",
-        "the rotor offset is {} from the stored one",
-        "commission anew; the magnet has slipped",
+        "the rotor offset differs from the stored one by {}",
+        "the magnet has slipped: commission the joint again",
         ELECTRICAL,
     ),
     f.FAULT_HOME_NO_STOP: Words(
         "homing: no stop",
-        "no stop found in {}",
-        "check the direction of the search and the joint's stop",
+        "no stop was found within {}",
+        "check the direction of the search, and the joint's stop",
         MS,
     ),
     f.FAULT_HOME_AMBIGUOUS: Words(
         "homing: ambiguous",
         "the stop found at {} does not fit the rotor's angle",
-        "check what stopped the joint; commission the stop's position",
+        "check what stopped the joint, and its parameter stop, the stop's position",
         DEGREE,
     ),
     f.FAULT_COMMISSION_PHASE_OPEN: Words(
         "commissioning: phase open",
         "phase {} of 3 carries no current",
-        "check this wire of the motor, its plug and its winding",
+        "check this motor wire, its plug and its winding",
         PLAIN,
     ),
     f.FAULT_COMMISSION_WINDING: Words(
         "commissioning: winding",
-        "resistance or inductance gives the current loop a gain of {}, which it cannot have",
-        "look for a short in the winding; else change current_bandwidth_hz",
+        "the resistance or inductance would need a current loop gain of {}, which is out of range",
+        "look for a short circuit in the winding; else change current_bandwidth_hz",
         PLAIN,
     ),
     f.FAULT_COMMISSION_END_STOP: Words(
         "commissioning: end stop",
-        "the rotor stood after {} and did not go round",
+        "the rotor stopped after {} and did not go round",
         "move the joint to the middle of its range: the rotor needs one turn either way",
         COUNTS,
     ),
     f.FAULT_COMMISSION_MAGNET: Words(
         "commissioning: magnet",
-        "the rotor encoder's readings are bent by {} either way",
+        "the rotor encoder's readings are off by up to {} either way",
         "centre its magnet on the shaft",
         COUNTS,
     ),
     f.FAULT_COMMISSION_FLUX: Words(
         "commissioning: flux",
-        "a back-EMF of {} was found, which no motor of this supply has",
+        "the measured back-EMF is {}, which no motor for this supply has",
         "check the rotor's magnets and the supply's voltage",
         PLAIN,
     ),
     f.FAULT_COMMISSION_INERTIA: Words(
         "commissioning: inertia",
-        "an inertia of {} was found, for which the velocity loop can have no gain",
+        "the measured inertia is {}, for which no gain of the velocity loop fits",
         "check that the joint swings freely; else change velocity_bandwidth_hz",
         PLAIN,
     ),
     f.FAULT_COMMISSION_COGGING: Words(
         "commissioning: cogging",
-        "the rotor's cogging takes {}, more than can be held against",
-        "check that nothing rubs once or more often a turn; else this motor is too rough for its current limit",
+        "the rotor's cogging takes {}, more than the joint can compensate",
+        "check that nothing rubs once or more per turn; else this motor's cogging is too strong for its current limit",
         AMPERE,
     ),
     f.FAULT_COMMISSION_CURRENT_LOOP: Words(
@@ -352,19 +352,19 @@ WORDS: dict[int, Words] = {
     f.FAULT_COMMISSION_VELOCITY_LOOP: Words(
         "commissioning: velocity loop",
         "the velocity loop has {} of the wanted bandwidth",
-        "look for what the joint carries or touches; else change velocity_bandwidth_hz",
+        "check that the joint carries and touches nothing; else change velocity_bandwidth_hz",
         PERCENT,
     ),
     f.FAULT_COMMISSION_POSITION_LOOP: Words(
         "commissioning: position loop",
         "the position loop has {} of the wanted bandwidth",
-        "look for what the joint touches; else change position_bandwidth_hz",
+        "check that the joint touches nothing; else change position_bandwidth_hz",
         PERCENT,
     ),
     f.FAULT_COMMISSION_LOAD: Words(
         "commissioning: load",
-        "half of the current limit needs {} to the speed limit: the load is too heavy for this motor",
-        "take the load off; else lower speed_limit_rad_s or take a larger motor",
+        "half of the current limit takes {} to reach the speed limit: the load is too heavy for this motor",
+        "take the load off; else lower speed_limit_rad_s or use a larger motor",
         MS,
     ),
     f.FAULT_COMMISSION_PLAY: Words(
@@ -382,7 +382,7 @@ def fault_name(code: int) -> str:
 
 
 def fault_sentence(code: int, value: int, units: Units | None = None) -> str:
-    """Return what happened with its number, and a hint, as one line."""
+    """Return in one line what happened, its value, and a hint."""
     if code not in WORDS:
         return f"unknown fault {code}: its value is {value}; update this program to the joint's version"
     words = WORDS[code]

@@ -1,7 +1,7 @@
-"""A brushless joint's SI data become its integer blocks: gains from bandwidths, scales, limits.
+"""Turns a brushless joint's SI data into its integer blocks: gains from bandwidths, scales, limits.
 
-Velocity loop: kp = J w / kt, ki = kp w / 4. Position loop: kp = w. The current loop's gains, the units and what is
-refused are in joint_units.py, heat in joint_heat.py. Every value is checked here, once, so that no product in
+Velocity loop: kp = J w / kt, ki = kp w / 4. Position loop: kp = w. The current loop's gains, the units and
+refusals are in joint_units.py, heat in joint_heat.py. Every value is checked once, here, so that no product in
 shared/joint reaches 2^30.
 """
 
@@ -34,7 +34,7 @@ from .joint_units import (
 )
 from .thermistor import curve, part_of, refusal
 
-CURRENT_SHARE = 0.98  # of the limit may be asked for: noise and overshoot of the current loop need the rest (chosen)
+CURRENT_SHARE = 0.98  # of the limit can be commanded: noise and overshoot of the current loop need the rest (chosen)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class JointBlocks:
 
 
 def joint_blocks(bldc: Bldc, setup: JointSetup, board: Board | None = None) -> JointBlocks:
-    """Return the blocks of one joint; UserError with one line if its data cannot be served."""
+    """Return the blocks of one joint; UserError with one line if its data do not fit the integers."""
     board = board or Board()
     check_bandwidths(bldc)
     check_ripple(bldc)
@@ -87,7 +87,7 @@ def impedance_gains(bldc: Bldc) -> tuple[int, int]:
     if max(gains) > 32767:
         raise UserError(
             f"actuator.drive.velocity_bandwidth_hz {bldc.drive.velocity_bandwidth_hz:g}: gives a stiffness of "
-            f"{stiffness:.0f} A/turn and a damping of {damping:.0f} A/(turn/s); the bus carries 2047 and 127; lower it"
+            f"{stiffness:.0f} A/turn and a damping of {damping:.0f} A/(turn/s); the bus carries 2047 and 127: lower it"
         )
     return gains
 
@@ -97,7 +97,7 @@ def _loop(bldc: Bldc, board: Board, units: Units) -> LoopSettings:
     period = round(board.timer_hz / (2 * bldc.drive.pwm_hz))
     if not 500 <= period <= 7000:
         low, high = board.timer_hz / 14000, board.timer_hz / 1000
-        raise UserError(f"actuator.drive.pwm_hz {bldc.drive.pwm_hz}: {low:.0f} .. {high:.0f} on this timer")
+        raise UserError(f"actuator.drive.pwm_hz {bldc.drive.pwm_hz}: allowed {low:.0f} .. {high:.0f} with this timer")
     loop_settings.pwm_period = period
     loop_settings.pwm_half = period * 8 + 8
     loop_settings.pwm_pulse = round(board.shortest_pulse_s * board.timer_hz / 2)
@@ -259,6 +259,6 @@ def _check_ranges(settings: JointSettings) -> None:
     for field_name, (low, high, name) in _RANGES.items():
         value = getattr(settings, field_name)
         if not low <= value <= high:
-            raise UserError(f"{name}: gives {value} in the joint's integers, {low} .. {high} is allowed")
+            raise UserError(f"{name}: gives {value} in the joint's integers, allowed {low} .. {high}")
     if settings.position_min >= settings.position_max:
         raise UserError("joint limits: the lower one must be below the upper one")

@@ -9,7 +9,7 @@ COPPER_PER_K = 0.00393  # resistance of copper; shared/joint/thermal.py has the 
 
 
 def heat_places(bldc: Bldc, setup: JointSetup, board: Board, units: Units) -> dict[str, int]:
-    """Return the thermal places of settings: limits, heating and leaks of the model, I2t."""
+    """Return the thermal settings: limits, heating and leaks of the model, I2t."""
     t, watt = bldc.thermal, 1.5 * bldc.motor.resistance_ohm * units.ampere_per_cu**2 * 256
     heat, heat_shift = _with_shift(watt / t.winding_J_K / SLOW_HZ * 16 * 16384, 2047, 24)
     leaks = [

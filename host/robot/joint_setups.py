@@ -1,4 +1,4 @@
-"""What differs between the twelve joints of a robot: limits at the motor, what of the leg it turns, joint encoders."""
+"""What differs between a robot's twelve joints: limits at the motor, the leg's inertia at it, joint encoders."""
 
 from ..util.errors import UserError
 from .joint_units import JointSetup
@@ -7,7 +7,7 @@ from .model import Robot
 
 
 def joint_setups(robot: Robot) -> list[JointSetup]:
-    """Return what differs from joint to joint; a coupled calf's limits are its motor's."""
+    """Return what differs between the joints; a coupled calf's limits are its motor's."""
     if robot.actuator.kind != "bldc":
         raise UserError(f"{robot.name} has no CAN joints: its actuators are {robot.actuator.kind}s")
     gear, inertias = robot.actuator.gear, leg_inertia_kg_m2(robot)

@@ -1,4 +1,4 @@
-"""What a joint's integers stand for: the data they are made from, the units that fit, and what is refused.
+"""What a joint's integers stand for: the data behind them, the units that fit, and what is refused.
 
 Current loop: kp = L w and ki = R w. No bandwidth may exceed a twentieth of its loop's rate, nor the PWM ripple the
 current limit; the voltage's unit is the finest for which no product of the current step reaches 2^30.
@@ -24,7 +24,7 @@ class Board:
     timer_hz: float = 168e6  # STM32F405, TIM1
     bus_divider: float = 13.0  # assumed: 42.9 V full scale
     dead_time_s: float = 100e-9  # DRV8323 default
-    duty_delay_steps: float = 1.0  # from the samples to the update event that takes their duties over (docs/joint.md)
+    duty_delay_steps: float = 1.0  # from the samples to the update event that applies their duties (docs/joint.md)
     rotor_age_steps: float = 1.0  # of the rotor's reading at the samples: an answer comes with the next read
     settling_s: float = 2.5e-6  # shunt amplifier, low side on that long before a sample
     shortest_pulse_s: float = 0.5e-6  # assumed
@@ -42,10 +42,10 @@ class JointSetup:
     inertia_kg_m2: float = 0.01  # leg about the joint (assumed)
     has_joint_encoder: bool = True
     sign: int = 1  # joint angle over rotor count
-    stop_rad: float | None = None  # where the mechanical stop is; the nearer limit if not given
-    stop_towards: int = -1  # direction in which the stop is looked for
-    continuous_A: float | None = None  # current that may flow for ever; the current limit if not given
-    peak_s: float = 10.0  # time at the limit until only that is left
+    stop_rad: float | None = None  # where the mechanical stop is; default: the nearer limit
+    stop_towards: int = -1  # direction in which homing searches the stop
+    continuous_A: float | None = None  # current that may flow forever; default: the current limit
+    peak_s: float = 10.0  # time at the limit until only continuous_A is allowed
 
 
 @dataclass(frozen=True)
@@ -102,12 +102,12 @@ def current_gains(bldc: Bldc) -> tuple[float, float]:
 
 
 def rotor_inertia(bldc: Bldc, setup: JointSetup) -> float:
-    """Return the inertia the motor turns, seen at the rotor, in kg m2."""
+    """Return the inertia that the motor turns, seen at the rotor, in kg m2."""
     return bldc.motor.rotor_inertia_kg_m2 + setup.inertia_kg_m2 / bldc.gear.ratio**2
 
 
 def trip_A(bldc: Bldc, board: Board) -> float:
-    """Return the current at which the step trips: 2.5 times the limit, or 0.85 of what the shunts can read."""
+    """Return the current at which the step trips: 2.5 times the limit, or 0.85 of the shunts' range."""
     return min(2.5 * bldc.drive.current_limit_A, 0.85 * full_scale_A(bldc, board))
 
 
@@ -116,7 +116,7 @@ def choose_units(bldc: Bldc, board: Board) -> Units:
     ampere = full_scale_A(bldc, board) / 2048 / 6
     gear = bldc.gear.ratio
     if not 1 <= gear <= 63.9:
-        raise UserError(f"actuator.gear.ratio {gear:g}: a joint's integers serve 1 .. 63.9")
+        raise UserError(f"actuator.gear.ratio {gear:g}: allowed 1 .. 63.9, which fit a joint's integers")
     if bldc.drive.current_limit_A > 0.6 * full_scale_A(bldc, board):
         raise UserError(
             f"actuator.drive.current_limit_A {bldc.drive.current_limit_A:g}: at most 60 % of the "
@@ -143,12 +143,12 @@ def step_gains(bldc: Bldc, ampere: float, volt: float) -> tuple[int, int]:
 
 
 def _fits(bldc: Bldc, board: Board, ampere: float, volt: float) -> bool:
-    """Whether the sums of current_step stay in range: largest error, integral at both voltage limits, feed-forward."""
+    """Return whether the sums of current_step stay in range: largest error, integral at its limits, feed-forward."""
     kp, ki = step_gains(bldc, ampere, volt)
     error = (trip_A(bldc, board) + bldc.drive.current_limit_A) / ampere
     longest = bus_most_V(board) / sqrt(3) / volt
     total = (kp + ki) * error + 2 * longest * 8192
-    fine = bldc.drive.bus_voltage_V / volt >= 2500  # a duty is no coarser than the timer makes it
+    fine = bldc.drive.bus_voltage_V / volt >= 2500  # so that a duty is no coarser than the timer makes it
     return fine and total < WORD and total / 8192 + longest < AXIS_MOST_VU and kp > 64 and ki > 8
 
 
@@ -158,5 +158,5 @@ def full_scale_A(bldc: Bldc, board: Board) -> float:
 
 
 def bus_most_V(board: Board) -> float:
-    """Return the supply at which the board's ADC ends."""
+    """Return the supply voltage at which the board's ADC ends."""
     return board.adc_volt * board.bus_divider

@@ -19,7 +19,7 @@ def leg_forward(links_m: Vector, side: int, joints_rad: Vector) -> Vector:
 
 
 def leg_inverse(links_m: Vector, side: int, knee: int, foot_m: Vector) -> Vector | None:
-    """Return the three angles in rad that put the foot at ``foot_m``, or None if no angles do."""
+    """Return the three angles in rad that put the foot at ``foot_m``, or None if it is out of reach."""
     l1, l2, l3 = links_m
     x, y, z = foot_m
     drop_squared = y * y + z * z - l1 * l1

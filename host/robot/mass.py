@@ -23,10 +23,10 @@ def rest_leg_rad(robot: Robot, leg: int) -> Vector:
 
 
 def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
-    """Return what the drives of hip, thigh and calf turn of a leg in the air, kg m2 about their axes, at rest.
+    """Return the inertia that the drives of hip, thigh and calf turn in a raised leg at rest, kg m2 about their axes.
 
-    A thigh takes the calf along as it is bent, or only the calf's mass at the knee where the calf's motor sits on the
-    body and holds it (paper B).
+    A thigh moves the calf along as it is bent; if the calf's motor sits on the body and holds it (paper B), the thigh
+    only moves the calf's mass at the knee.
     """
     geometry, links = robot.geometry, robot.links
     pose = rest_leg_rad(robot, 0)

@@ -19,7 +19,7 @@ LEG_NAMES = ("FR", "FL", "RR", "RL")
 JOINT_NAMES = ("hip", "thigh", "calf")
 KNEE_SIGNS = {"elbow": -1, "knee": 1}
 KNEE_CONFIGURATIONS = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
-# Two lengths squared must stay below 2^30 in the core, so a stretched leg may have this many units.
+# Two squared lengths must add up to less than 2^30 in the core, so a stretched leg has at most this many units.
 LARGEST_REACH_LU = 32700
 
 Pair = tuple[float, float]
@@ -42,7 +42,7 @@ class HipPositions(Table):
 
 
 class Geometry(Table):
-    """Lengths and the way the knees point (paper A, figures 2 and 4)."""
+    """Lengths, and which way the knees point (paper A, figures 2 and 4)."""
 
     hip_offset_m: Annotated[float, number(0.0, 0.5, "m")]
     thigh_m: PositiveLength
@@ -117,7 +117,7 @@ class CalfDrive(Table):
 
     @property
     def coupled(self) -> bool:
-        """True if the motor sets the calf's angle to the body: motor = thigh + calf (paper B)."""
+        """True if the motor sets the calf's angle against the body: motor = thigh + calf (paper B)."""
         return self.motor_on == "body"
 
 
@@ -180,9 +180,9 @@ class Balance(Table):
 
 
 class Gait(Table):
-    """The gait after start-up, which gaits suit the robot, and what all share; the gaits are in shared/gait/gaits.py.
+    """The gait after start-up, the gaits that suit the robot, and what all share; shared/gait/gaits.py has the gaits.
 
-    Ask host/robot/gait_advice.py which gaits are advised: it knows those that are named nowhere here, too.
+    host/robot/gait_advice.py knows which gaits are advised, including those that are not named here.
     """
 
     default: GaitName
@@ -211,10 +211,10 @@ class Imu(Table):
 
 
 class Simulation(Table):
-    """How much of the world the walking simulators show this robot; a robot drives alike without this table.
+    """How realistic the simulators are when this robot walks; the real robot does not use this table.
 
-    ``honest``: the drives as far as the file knows them, and parts that hit each other; else linear laws alone.
-    ``ground_N_m``: how much of a foot's load makes soft ground give by 1 m, in three dimensions; 0 is hard ground.
+    ``honest``: the drives as far as the file describes them, and parts that hit each other; else only linear laws.
+    ``ground_N_m``: the foot load that presses soft ground in by 1 m, in three dimensions; 0 is hard ground.
     """
 
     honest: Annotated[bool, yes_or_no()] = True
@@ -223,7 +223,7 @@ class Simulation(Table):
 
 
 class Robot(Table):
-    """One robot file, checked. Made by host/robot/file.py only."""
+    """One robot file, checked. Only host/robot/file.py makes it."""
 
     name: Annotated[str, text("[a-z][a-z0-9_-]{0,30}", "lower-case letters, digits, - and _, at most 31")]
     description: Line
@@ -257,7 +257,7 @@ class Robot(Table):
         return floor(log2(LARGEST_REACH_LU / self.geometry.reach_m))
 
     def simulated(self, honest: bool | None) -> "Robot":
-        """Return the robot in an honest world, or in a simple one; None: as its file says."""
+        """Return the robot with honest drives, or with simple ones; None: as its file says."""
         if honest is None:
             return self
         return self.model_copy(update={"simulation": self.simulation.model_copy(update={"honest": honest})})

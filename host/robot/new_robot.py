@@ -1,7 +1,7 @@
-"""A new robot's file: a person's answers put into the text of the known robot whose joints are like the new one's.
+"""Writes a new robot's file: puts a person's answers into the text of a known robot with the same kind of joints.
 
-What is asked is checked with the same validators as the file. What follows from the answers is derived here; all else
-stays as in the known robot's file, comments and units included, and says so at its end.
+The file's own validators check the answers. Values that follow from the answers are derived here. All others stay as
+in the known robot's file, with comments and units, and the end of each such line says so.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,9 +25,9 @@ from .values import Table, number, one_of
 Answer = str | float
 Answers = Mapping[str, Answer]
 
-OTHER, DONOR = "other", "spotmicro"  # servos that no known robot has, and whose file is taken for them
+OTHER, DONOR = "other", "spotmicro"  # servos that no known robot has, and the robot whose file serves as their template
 REST_SHARE, SIT_SHARE = 0.7, 0.48  # of the leg: hip above foot (Caramelo: 0.71 and 0.48)
-ROD_RADIUS_M, SERVO_M = 0.012, 0.04  # of a link as an even rod, for its inertia along it; a servo's edge
+ROD_RADIUS_M, SERVO_M = 0.012, 0.04  # of a link as a uniform rod, for its inertia along it; a servo's edge
 TRUNK_BEYOND_M, TRUNK_HEIGHT_M = 0.06, 0.07  # the trunk's box: longer than from hip to hip, and its height
 NOT_TOGETHER = "these answers do not go together"
 # Caramelo's, for servos that nobody has measured: dry friction per stall torque, and the rotor's inertia per damping,
@@ -36,17 +36,17 @@ COULOMB_SHARE, ROTOR_S = 0.06 / 2.5, 0.0032 / (2.5 / 5.76)
 
 
 def joints_like() -> dict[str, str]:
-    """Return what the question for the joints knows, each with what it is."""
+    """Return the possible answers to the question about the joints, each with its description."""
     robots = [load_robot(name) for name in robot_names()]
-    # Others' joints hold by a stiffness that was chosen for their robot, and can't be driven.
+    # Foreign joints are left out: their stiffness was chosen for their robot, and they can't be driven.
     known = {each.name: each.description.partition(";")[0] for each in robots if each.actuator.kind != "pd"}
-    known[OTHER] = "servos of another type: simulated only, on a bus this software drives the MX-28(2.0)"
+    known[OTHER] = "servos of another type: simulated only; on a bus, this software drives the MX-28(2.0)"
     return known
 
 
 @dataclass(frozen=True)
 class Question:
-    """``name`` is the option and the key of its answer; ``table`` and ``field`` are of the value's check."""
+    """``name`` is the option and the key of its answer; ``table`` and ``field`` say where the value's check is."""
 
     name: str
     text: str
@@ -54,10 +54,10 @@ class Question:
     table: type[Table]
     field: str
     asked: Callable[[Answers], bool] = lambda answers: True
-    allowed: Any = None  # a check of its own, where the file has the value in another form
+    allowed: Any = None  # its own check, if the file holds the value in another form
 
     def check(self, value: object) -> Answer:
-        """Return the answer if the file may hold it, a text as a number where one is wanted; UserError if not."""
+        """Return the answer if the file may hold it, as a number if one is wanted; UserError if not."""
         told = get_type_hints(self.table, include_extras=True)[self.field] if self.allowed is None else self.allowed
         wanted = number_of(value) if isinstance(value, str) and not isinstance(self.default({}), str) else value
         try:
@@ -68,7 +68,7 @@ class Question:
         return answer
 
     def _hint(self, value: object) -> str:
-        """Return what millimetres or grams would be, if that is what was said."""
+        """Return the answer converted from millimetres or grams, if it may have been given in them."""
         if not isinstance(value, float) or isinstance(self.default({}), str):
             return ""
         try:
@@ -109,9 +109,9 @@ def _span(low_m: float, high_m: float) -> Any:
 
 @cache
 def questions() -> tuple[Question, ...]:
-    """Return what is asked, in this order; made once, for it reads every known robot.
+    """Return the questions in their order; made only once, because it reads every known robot.
 
-    Defaults are Caramelo's, or follow from what was answered before.
+    Defaults are Caramelo's, or follow from earlier answers.
     """
     like = Annotated[str, one_of(*joints_like())]
     return (
@@ -155,7 +155,7 @@ def new_file(answers: Answers) -> str:
 
 
 def _geometry(answers: Answers) -> Changes:
-    """Return the lengths that were asked."""
+    """Return the lengths that the answers give."""
     x_m, y_m = _number(answers, "front_rear") / 2, _number(answers, "left_right") / 2
     changes = {
         f"geometry.hips_m.{name}": Change(shown([x * x_m, y * y_m]), "yours")
@@ -169,7 +169,7 @@ def _geometry(answers: Answers) -> Changes:
 
 
 def _lengths(answers: Answers) -> Changes:
-    """Return what follows from the legs' length; shares are Caramelo's."""
+    """Return the values that follow from the legs' length; shares are Caramelo's."""
     leg_m = _number(answers, "thigh") + _number(answers, "calf")
     size_m = [_number(answers, "front_rear") + TRUNK_BEYOND_M, _number(answers, "left_right"), TRUNK_HEIGHT_M]
     return {
@@ -186,15 +186,15 @@ def _lengths(answers: Answers) -> Changes:
 
 
 def _masses(answers: Answers) -> Changes:
-    """Return the masses, with the inertias of an even box, a cube of a servo's size and even rods."""
+    """Return the masses, with the inertias of a uniform box, a cube of a servo's size and uniform rods."""
     length_m, width_m = _number(answers, "front_rear") + TRUNK_BEYOND_M, _number(answers, "left_right")
     thigh_m, calf_m = _number(answers, "thigh"), _number(answers, "calf")
     changes: dict[str, Change] = {}
     for name, shape, com_z_m, inertia in (
-        ("trunk", "an even box", 0.0, _box(length_m, width_m, TRUNK_HEIGHT_M)),
+        ("trunk", "a uniform box", 0.0, _box(length_m, width_m, TRUNK_HEIGHT_M)),
         ("hip", "a cube of a servo's size", 0.0, _box(SERVO_M, SERVO_M, SERVO_M)),
-        ("thigh", "an even rod", -thigh_m / 2, _rod(thigh_m)),
-        ("calf", "an even rod", -calf_m / 2, _rod(calf_m)),
+        ("thigh", "a uniform rod", -thigh_m / 2, _rod(thigh_m)),
+        ("calf", "a uniform rod", -calf_m / 2, _rod(calf_m)),
     ):
         mass_kg = _number(answers, f"{name}_mass")
         meaning = f"about the centre of mass, x y z: {shape}"
@@ -224,7 +224,7 @@ def _rod(length_m: float) -> list[float]:
 
 
 def _drives(answers: Answers) -> Changes:
-    """Return where the calf's motor is, and the servo if it is none of a known robot."""
+    """Return where the calf's motor is, and the servo if no known robot has it."""
     meaning = "thigh: the motor sets the knee's angle; body: thigh + calf"
     changes = {"calf_drive.motor_on": Change(shown(answers["calf_motor"]), "yours", meaning)}
     if answers["joints"] != OTHER:
@@ -245,7 +245,7 @@ def _drives(answers: Answers) -> Changes:
 
 
 def _speeds(robot: Robot) -> Changes:
-    """Return the speed limits: what every robot is to walk on level ground, or less if its legs can't."""
+    """Return the speed limits: the speed that every robot should walk on level ground, or less if its legs can't."""
     x_m, y_m = robot.hip_m(1)
     vx_m_s = max(0.01, floor(100 * ability(robot).flat_m_s) / 100)
     turn_rad_s = TURN_SHARE * vx_m_s / hypot(x_m, y_m + robot.geometry.hip_offset_m)
@@ -262,14 +262,14 @@ HEADER = """\
 #
 # Frame: x forward, y left, z up. Legs FR, FL, RR, RL. An angle of 0 is a leg straight down; thigh > 0 puts the
 # knee behind the hip, calf < 0 is an elbow. After each value: [unit] meaning (source). Sources: yours (your answer),
-# derived (follows from your answers), assumed (measure it), as {donor} (taken over), datasheet, chosen (yours to tune).
-# Before your own robot moves, measure joint_limits: where its links touch. Gaits are advised for a robot once tried.
+# derived (follows from your answers), assumed (measure it), as {donor} (copied), datasheet, chosen (yours to tune).
+# Before your own robot moves, measure joint_limits: where its links touch. Gaits are advised once they were tried.
 # docs/robot-files.md explains every table. Try a change with: caramelo robots check FILE
 """
 
 
 def unanswered(answers: Answers) -> Iterator[Question]:
-    """Yield what is still to be asked, one after the other: what was answered meanwhile counts."""
+    """Yield the open questions one by one, taking into account the answers given meanwhile."""
     for question in questions():
         if question.name not in answers and question.asked(answers):
             yield question

@@ -1,22 +1,22 @@
-"""Poses of a robot's legs by where their feet are, and of the whole robot with its feet at rest: standing, seated."""
+"""Poses of single legs from their feet's places, and of the whole robot with its feet at rest: standing, seated."""
 
 from ..util.errors import UserError
 from .kinematics_si import Vector, leg_forward, leg_inverse
 from .model import Robot
 
-FOLDS = 24  # angles of a joint that are looked at for folding: steps of 6 deg at most
+FOLDS = 24  # angles of a joint to try for folding: steps of 6 deg at most
 
 
 def leg_to_rad(robot: Robot, leg: int, foot_m: Vector) -> Vector | None:
-    """Return hip, thigh and calf with which the foot is there, from the hip's axis; None out of reach."""
+    """Return hip, thigh and calf that put the foot there, seen from the hip's axis; None out of reach."""
     return leg_inverse(robot.geometry.links_m, robot.side(leg), robot.knee_sign(leg), foot_m)
 
 
 def leg_pose_rad(robot: Robot, leg: int, height_m: float) -> Vector:
-    """Return hip, thigh and calf of a leg, its foot at rest, the hips ``height_m`` above it. UserError if too far."""
+    """Return hip, thigh and calf of a leg with its foot at rest, ``height_m`` below the hips. UserError if too far."""
     pose = leg_to_rad(robot, leg, robot.foot_m(leg, height_m))
     if pose is None:
-        raise UserError(f"{robot.name}: a height of {height_m:g} m is out of reach of leg {leg}")
+        raise UserError(f"{robot.name}: leg {leg} can't stand at a height of {height_m:g} m")
     return pose
 
 
@@ -33,8 +33,8 @@ def seated_pose_rad(robot: Robot) -> list[float]:
 def folded_leg_rad(robot: Robot, leg: int) -> Vector:
     """Return the joints of a leg folded beside a robot that lies on its belly.
 
-    The hip is as far out as it goes; of a grid of thigh and calf angles those that bring the foot nearest to where it
-    is at rest along the body, no lower than the belly, where it would lift the robot.
+    The hip is as far out as it goes. Thigh and calf are the angles of a grid that bring the foot nearest its place at
+    rest along the body, but no lower than the belly: there it would lift the robot.
     """
     belly_m = robot.geometry.foot_radius_m - robot.links.trunk.size_m[2] / 2
     rest_m = robot.foot_m(leg, robot.stance.sit_height_m)[0]

@@ -1,6 +1,6 @@
-"""Writes values into a copy of a robot file's text: all else stays, comments and order too; and reads its sources.
+"""Writes values into a copy of a robot file's text, keeping comments and order; and reads the values' sources.
 
-A line's source is the last word of its comment, in brackets: ``(chosen)``. What was measured may have its spread before
+A line's source is the last word of its comment, in brackets: ``(chosen)``. A measured value's spread may stand before
 it: ``(2026-11-23, +-7 % between joints: measured)``.
 """
 
@@ -19,9 +19,9 @@ _COLUMN = 39  # where the comments of a robot file begin
 
 @dataclass(frozen=True)
 class NewValue:
-    """A number for a key, with what its comment says where the file has no such line yet: unit and meaning.
+    """A number for a key, with unit and meaning for its comment if the file has no such line yet.
 
-    ``source``: its own, where it is not that of all the others.
+    ``source``: its own, if it differs from that of the others.
     """
 
     value: float
@@ -30,7 +30,7 @@ class NewValue:
 
 
 def sources(text: str) -> dict[str, str]:
-    """Return the source of every key, by its dotted name; "" where a line tells none."""
+    """Return the source of every key, by its dotted name; "" if a line has none."""
     found = {}
     for name, item in _lines(tomlkit.parse(text)):
         told = _SOURCE.search(item.trivia.comment)
@@ -39,15 +39,15 @@ def sources(text: str) -> dict[str, str]:
 
 
 def spreads(text: str) -> dict[str, float]:
-    """Return by how much a value differs from joint to joint, as a share, of every key whose comment tells it."""
+    """Return how much values differ between joints, as a share, for every key whose comment says it."""
     told = ((name, _SPREAD.search(item.trivia.comment)) for name, item in _lines(tomlkit.parse(text)))
     return {name: float(found.group(1)) / 100 for name, found in told if found}
 
 
 def rewritten(text: str, values: Mapping[str, NewValue], source: str) -> str:
-    """Return the text with these values, each with its source; keys that are not there come in, with their table.
+    """Return the text with these values, each with its source; missing keys and their tables are added.
 
-    Of several tables of one name a number says which: ``actuator.supply.0.stall_Nm``.
+    If several tables share a name, a number says which: ``actuator.supply.0.stall_Nm``.
     """
     document = tomlkit.parse(text)
     for name, new in values.items():
@@ -74,7 +74,7 @@ def _lines(table: Any, above: str = "") -> Iterator[tuple[str, Item]]:
 
 
 def _table(document: Any, name: str) -> Any:
-    """Return the table of a dotted name; one that is not there is put at the end."""
+    """Return the table of a dotted name; a missing one is added at the end."""
     inside = document
     for part in name.split(".") if name else ():
         if part.isdecimal():
@@ -89,7 +89,7 @@ def _table(document: Any, name: str) -> Any:
 
 
 def _keep_comment(old: Item, new: Item, source: str) -> None:
-    """Give the new value the old one's comment in the same column, with another source."""
+    """Give the new value the old one's comment, in the same column, with the new source."""
     comment = old.trivia.comment
     if _SOURCE.search(comment):
         comment = _SOURCE.sub(f"({source})", comment)

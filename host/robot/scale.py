@@ -1,4 +1,4 @@
-"""The one place where SI becomes the core's integers, and back.
+"""Converts SI into the core's integers and back; nothing else does.
 
 A ``Scale`` belongs to one robot at one planner rate: the length unit is the robot's own
 (2^-length_shift m), speeds are per tick. Angles are 1/65536 turn everywhere.
@@ -28,11 +28,11 @@ YAW18 = 1 << 18
 LARGEST_SPEED = (1 << 19) - 1
 LARGEST_GAIN = (1 << 15) - 1
 
-# Readings of a sensor at rest differ by less: ten times an MPU6050's noise (product specification 3.4, 6.1 and 6.2)
+# Readings of a sensor at rest differ less than this: ten times an MPU6050's noise (product specification 3.4, 6.1, 6.2)
 REST_DEG_S, REST_G = 0.5, 0.027
-FALLEN_S = 0.1  # tilted for so long is fallen
-EVENED_S = 0.2  # over which the odometry's speeds and the weight felt are evened (chosen)
-FASTEST_TILT_RAD_S = 10.0  # of a body that falls (a leg of 0.24 m that tips over ends at 9)
+FALLEN_S = 0.1  # a robot tilted for this long has fallen
+EVENED_S = 0.2  # time over which the odometry's speeds and the felt weight are averaged (chosen)
+FASTEST_TILT_RAD_S = 10.0  # of a falling body (one that tips over on a leg of 0.24 m ends at 9)
 
 
 def brad(angle_rad: float) -> int:
@@ -85,7 +85,7 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
 def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
     """Return the robot as the core's integers (shared/body/params.py); ``planar``: it neither sways nor turns.
 
-    Raises UserError, naming the key, where a value of the file can't be had at this rate.
+Raises UserError, naming the key, if a value of the file does not fit at this rate.
     """
     scale = scale_of(robot, rate_hz)
     params = Params()
@@ -136,7 +136,7 @@ def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
 
 
 def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
-    """Fill in the balance: gains as shared/num/pid.py takes them, and limits."""
+    """Fill in the balance: gains in the form of shared/num/pid.py, and limits."""
     balance = robot.balance
     values = (
         ("kp", "kp_q12", balance.kp * Q12),
@@ -154,9 +154,9 @@ def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
 
 
 def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
-    """Fill in how fast goals may move, and how far a reading may be from the one before.
+    """Fill in how fast goals may move, and how far a reading may be from the previous one.
 
-    A joint pushed from outside turns faster than its motor does, and a bus may be late by a tick: twice as far.
+    A joint pushed from outside turns faster than its motor does, and a bus may be late by a tick: so twice as far.
     """
     motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
     for joint, times in enumerate((1.0, 1.0, ratio)):
@@ -197,7 +197,7 @@ def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
 
 
 def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
-    """Fill in how the joints give under load, in own weights, and where the mass lies."""
+    """Fill in how far the joints sag under load, in own weights, and where the mass lies."""
     weight_N, gives = robot.mass_kg * GRAVITY_M_S2, []
     for joint, drive in enumerate(joint_drives(robot)):
         stiffness = drive.stiffness_Nm_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD
@@ -221,7 +221,7 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
 
 
 def _too_soft(robot: Robot, joint: int, most: float) -> str:
-    """Return what the softest joint does while its leg carries half of the robot, and up to what can be compensated."""
+    """Return how the softest joint sags while its leg carries half of the robot, and how much can be compensated."""
     drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
     torque_Nm = abs(torques_Nm(robot, 0, push_on_two_N(robot))[joint])
     sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm
@@ -235,7 +235,7 @@ def _too_soft(robot: Robot, joint: int, most: float) -> str:
 
 
 def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
-    """Return a fresh attitude filter (shared/sense/attitude.py) with the robot's IMU scales."""
+    """Return a new attitude filter (shared/sense/attitude.py) with the robot's IMU scales."""
     rate = robot.control.rate_hz if rate_hz is None else rate_hz
     imu = robot.imu
     block = Attitude()

@@ -1,4 +1,4 @@
-"""The robot as links in a tree and solid shapes on them: what URDF, records and viewers draw."""
+"""The robot as a tree of links with solid shapes, which URDF, records and viewers draw."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ COLOURS = {  # red, green, blue, opacity
 
 @dataclass(frozen=True)
 class Frame:
-    """A link's place on its parent, m; ``joint`` 0 .. 11 turns it about x (``axis`` 0) or y (1), None: it is fixed."""
+    """A link's place on its parent, m; ``joint`` 0 .. 11 turns it about x (``axis`` 0) or y (1); None: it is fixed."""
 
     name: str
     parent: str
@@ -56,7 +56,7 @@ def frames(robot: Robot) -> Iterator[Frame]:
 
 
 def shapes(robot: Robot) -> Iterator[Shape]:
-    """Yield what can be seen of the robot; a foot's shape is the calf's."""
+    """Yield the robot's visible shapes; a foot's shape belongs to the calf."""
     plane = planar_robot(robot)
     offset_m, thigh_m, calf_m = robot.geometry.links_m
     radius_m, foot_m = plane.shank_radius_m, plane.foot_radius_m

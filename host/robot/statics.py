@@ -1,8 +1,8 @@
-"""What standing asks of a robot's drives, by virtual work: their torques, and how far the body sags on four feet.
+"""What standing demands of a robot's drives, by virtual work: their torques, and how far the body sags on four feet.
 
-A joint's torque is how fast the energy of a leg's links, less the work of the ground's push on its foot, changes with
-its angle. Torques and stiffnesses are those of host/robot/drives.py: at the joints, and of a calf whose motor sits on
-the body at thigh + calf.
+A joint's torque is the change, with its angle, of the energy of the leg's links less the work of the ground's push on
+the foot. Torques and stiffnesses are those of host/robot/drives.py: at the joints, or at thigh + calf for a calf whose
+motor sits on the body.
 """
 
 from sim2d.model import GRAVITY_M_S2
@@ -14,12 +14,12 @@ from .mass import com_at_rest_m, leg_parts
 from .model import Robot
 from .poses import leg_pose_rad, leg_to_rad, rest_pose_rad
 
-_STEP, _SHIFT_M = 1e-5, 1e-4  # rad and m, of the differences that stand for derivatives
-_NEWTON = 6  # steps: of the robots that are known, the last moves the body by less than 1 um
+_STEP, _SHIFT_M = 1e-5, 1e-4  # rad and m, of the differences that replace derivatives
+_NEWTON = 6  # steps: for the known robots, the last one moves the body by less than 1 um
 
 
 def pushes_on_four_N(robot: Robot) -> list[float]:
-    """Return the ground's push on each of four feet: front and rear share the weight by where its centre is."""
+    """Return the ground's push on each of four feet; the centre of mass decides how front and rear share the weight."""
     com_x_m, weight_N = com_at_rest_m(robot)[0], robot.mass_kg * GRAVITY_M_S2
     front, rear = (robot.hip_m(leg)[0] + robot.stance.foot_forward_m for leg in (0, 2))
     on_front = weight_N * (com_x_m - rear) / (front - rear)
@@ -32,14 +32,14 @@ def push_on_two_N(robot: Robot) -> float:
 
 
 def torques_Nm(robot: Robot, leg: int, push_N: float) -> Vector:
-    """Return what the drives of a leg at rest hold, hip, thigh and calf, with a push straight up on its foot."""
+    """Return the torques that a leg at rest holds, hip, thigh and calf, with a push straight up on its foot."""
     pose = leg_pose_rad(robot, leg, robot.stance.rest_height_m)
     hip, thigh, calf = (load_slope_Nm(robot, leg, pose, joint, push_N) for joint in range(3))
     return hip, thigh - calf if robot.calf_drive.coupled else thigh, calf
 
 
 def torque_shares(robot: Robot, pushes_N: list[float]) -> Vector:
-    """Return the largest torque of hips, thighs and calves over the legs, of what the drives give at standstill."""
+    """Return the largest torque of hips, thighs and calves over the legs, as a share of the drives' at standstill."""
     stall = [drive.stall_torque_Nm for drive in joint_drives(robot)]
     legs = [torques_Nm(robot, leg, push_N) for leg, push_N in enumerate(pushes_N)]
     hip, thigh, calf = (max(abs(leg[joint]) for leg in legs) / stall[joint] for joint in range(3))
@@ -47,10 +47,10 @@ def torque_shares(robot: Robot, pushes_N: list[float]) -> Vector:
 
 
 def sag_m(robot: Robot) -> float | None:
-    """Return how far the body sinks on four feet that do not slip, nothing being fed forward; None if its legs fold up.
+    """Return how far the body sinks on four feet that do not slip, without feed-forward; None if its legs fold up.
 
-    The drives' springs and the weight find the least energy by Newton's method. Legs whose knees point alike let the
-    body go back as it sinks; others can't.
+    Newton's method finds the least energy of the drives' springs and the weight. If all knees point the same way, the
+    body also moves back as it sinks; otherwise it can't.
     """
     down_m = back_m = 0.0
     for _ in range(_NEWTON):
@@ -62,7 +62,7 @@ def sag_m(robot: Robot) -> float | None:
 
 
 def _newton_step_m(robot: Robot, down_m: float, back_m: float) -> tuple[float, float] | None:
-    """Return the step from a moved body towards the least energy; None where there is no least, or no such pose."""
+    """Return the step from a moved body towards the least energy; None if there is no minimum, or no such pose."""
     steps = [(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)]
     energies = [_energy_J(robot, down_m + a * _SHIFT_M, back_m + b * _SHIFT_M) for a, b in steps]
     known = [energy for energy in energies if energy is not None]
@@ -81,7 +81,7 @@ def _newton_step_m(robot: Robot, down_m: float, back_m: float) -> tuple[float, f
 
 
 def load_slope_Nm(robot: Robot, leg: int, pose: Vector, joint: int, push_N: float) -> float:
-    """Return the derivative of a leg's energy by one joint's angle: what holds that joint, N m."""
+    """Return the derivative of a leg's energy by one joint's angle: the torque that holds that joint, N m."""
     energies = []
     for step in (_STEP, -_STEP):
         joints = [angle + step * (at == joint) for at, angle in enumerate(pose)]
@@ -95,7 +95,7 @@ def load_slope_Nm(robot: Robot, leg: int, pose: Vector, joint: int, push_N: floa
 def _energy_J(robot: Robot, down_m: float, back_m: float) -> float | None:
     """Return the energy of the drives' springs, whose goals are the rest pose, and of the weight, of a moved body.
 
-    None where a leg is too long or too short for it.
+    None if a leg is too long or too short for it.
     """
     height_m, rest, now = robot.stance.rest_height_m, rest_pose_rad(robot), list[float]()
     trunk = robot.links.trunk

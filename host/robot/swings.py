@@ -1,4 +1,4 @@
-"""What the way of a foot in the air asks of the drives' speeds, and the most of something that they can do."""
+"""The drive speeds that a foot's way through the air demands, and a search for the most that the drives can do."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -43,7 +43,7 @@ def asked_speeds(robot: Robot, joints_rad: Sequence[Vector], time_s: float) -> V
 
 
 def most(highest: float, can: Callable[[float], bool]) -> float:
-    """Return the largest value within 0 .. ``highest`` that can be done; what more of cannot, less may."""
+    """Return the largest possible value within 0 .. ``highest``, where every value below a possible one is possible."""
     if can(highest):
         return highest
     low, high = 0.0, highest

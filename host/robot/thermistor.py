@@ -19,7 +19,7 @@ _E3_OHM = [m * 10**e for e in range(1, 6) for m in (1.0, 2.2, 4.7)]
 
 
 class Part(NamedTuple):
-    """What a reading depends on; the thermistor is to ground, the pull-up to the ADC's supply."""
+    """The parts that a reading depends on; the thermistor goes to ground, the pull-up to the ADC's supply."""
 
     kind: str  # "ntc" or "ptc"
     ohm_25C: float
@@ -71,7 +71,7 @@ def curve(part: Part) -> tuple[int, ...]:
 
 @cache
 def worst_error_K(part: Part, most_C: int) -> float:
-    """Return how far off the joint reads at most, from -20 degrees C to ``most_C``.
+    """Return the largest error of the joint's reading, from -20 degrees C to ``most_C``.
 
     Curve, rounding and the ADC's resolution; infinite if a reading is one of an open or shorted sensor.
     """
@@ -86,10 +86,10 @@ def worst_error_K(part: Part, most_C: int) -> float:
 
 
 def refusal(bldc: Bldc, board: Board) -> str:
-    """Return what to use instead if the board cannot read the file's thermistor within a degree; else nothing."""
+    """Return what to use instead if the board can't read the file's thermistor within a degree; else ""."""
     part, most_C = part_of(bldc, board), max(MUST_READ_C[1], ceil(bldc.thermal.winding_cutoff_C))
     if worst_error_K(part, most_C) <= 1:
         return ""
     good = [ohm for ohm in _E3_OHM if worst_error_K(part._replace(ohm_25C=ohm), most_C) <= 1]
-    wanted = f"{good[0]:g} .. {good[-1]:g} ohm" if good else "another thermistor_beta_K: no resistance is one"
-    return f"{wanted}, which the board's pull-up of {part.pull_up_ohm:g} ohm reads within a degree"
+    wanted = f"{good[0]:g} .. {good[-1]:g} ohm" if good else "another thermistor_beta_K: no resistance fits this one"
+    return f"{wanted}, which the board with its pull-up of {part.pull_up_ohm:g} ohm reads within a degree"

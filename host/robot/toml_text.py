@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Change(NamedTuple):
-    """A new value as TOML has it, its source, and what it means if that is not what the line says."""
+    """A new value as TOML, its source, and its meaning if that differs from the line's."""
 
     value: str
     source: str
@@ -18,12 +18,12 @@ Changes = Mapping[str, Change]  # by "table.key"
 
 _HEAD = re.compile(r"\[+([\w.]+)\]+")
 _LINE = re.compile(r"([\w-]+) = (.+?)\s+# (\[.+?\]) ?(.*?) ?\(([^()]*)\)")
-_STAYS_TRUE = ("assumed", "chosen", "datasheet", "yours", "derived")  # sources that hold for another robot, too
+_STAYS_TRUE = ("assumed", "chosen", "datasheet", "yours", "derived")  # sources that also hold for another robot
 _COLUMN = 39  # where the comments begin
 
 
 def shown(value: object) -> str:
-    """Return a text, number or list of numbers as TOML has it; numbers with six digits."""
+    """Return a text, number or list of numbers as TOML; numbers with six digits."""
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, list):
@@ -34,8 +34,8 @@ def shown(value: object) -> str:
 def changed(text: str, changes: Changes, drop: set[str], donor: str, header: str = "") -> str:
     """Return the text with the values and sources of ``changes`` ("table.key"), without the tables to ``drop``.
 
-    With a ``header``: that in place of the lines before the first value; values that are not changed say whose they
-    are, and of several tables of one name only the first stays if it is changed.
+    A ``header`` replaces the lines before the first value; then unchanged values say whose they are, and of several
+    tables of one name only the first stays if it is changed.
     """
     lines = list(_blocks(text, changes, drop, donor, bool(header)))
     if header:
@@ -67,7 +67,7 @@ def _line(line: str, key: str, changes: Changes, donor: str, foreign: bool) -> s
     name, value, unit, meaning, source = found.groups()
     if key in changes:
         value, source, new_meaning = changes[key]
-        meaning = new_meaning or meaning.partition(";")[0]  # what stands behind it is about the other robot's value
+        meaning = new_meaning or meaning.partition(";")[0]  # the rest is about the other robot's value
     elif not foreign:
         return line
     elif source not in _STAYS_TRUE:

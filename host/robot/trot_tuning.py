@@ -1,7 +1,7 @@
-"""The trot's figures of a robot, from its file alone: times from sqrt(h/g) and drives' lags, lengths from the leg.
+"""A robot's figures for the trot, from its file alone: times from sqrt(h/g) and drives' lags, lengths from the leg.
 
-The constants that are left are below, the same for every robot. They were found on Caramelo and Parallel in MuJoCo, on
-level ground and at steps of up to a fifth of the leg. A robot file's table ``trot`` gives those in NUMBERS anew.
+The remaining constants are below, the same for every robot. They were found on Caramelo and Parallel in MuJoCo, on
+level ground and at steps of up to a fifth of the leg. A robot file's table ``trot`` can override those in NUMBERS.
 """
 
 from collections.abc import Iterator, Mapping
@@ -18,39 +18,39 @@ from .model import JOINT_NAMES, Robot
 from .swings import asked_speeds, most, poses_rad, within_limits
 
 GAIT = "trot"  # whose figures these are
-LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and once something was met
-HIGHEST_LIFT = 0.45  # of the leg: of a foot that was held up in its last swing
-LAGS_IN_SWING = 2.0  # of the drives' lag, added to sqrt(h/g): what a swing takes
+LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and after a foot met something
+HIGHEST_LIFT = 0.45  # of the leg: for a foot that was held up in its last swing
+LAGS_IN_SWING = 2.0  # times the drives' lag, added to sqrt(h/g): the duration of a swing
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
-AHEAD_SHARE = 0.8  # of a swing: a foot's way along the ground is over when it comes down, though drives lag
+AHEAD_SHARE = 0.8  # of a swing: then a foot's motion along the ground ends, so that it is over at touchdown despite lag
 CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
 CAPTURE_MOST = 0.3  # of the height: the furthest such step
-LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs take a tilt back
-HEADING_HZ = 2.0  # rad/s of turn per rad of heading that is missed
-SLOPE_CYCLES = 1.0  # in which the ground's slope is believed
-DRIFT_SHARE = 0.5  # of the speed's error, taken back in a cycle
-DRIFT_LEAST_M_S = 0.02  # of speed that may be taken back at rest; and 0.3 of the speed (shared/trot/steer.py)
-FREE_LAG_SHARE = 0.3  # of the drives' lag is left of an unhindered foot that is led by half of it
-SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is led in full
-LOAD_SHARE = 0.15  # of a stance, in which half of the weight goes over to the foot
-TURN_LATE_S = 0.05  # that a foot in the air may be late: the two of a diagonal go unlike ways in a turn
-LATE_PER_S = 25.0  # of what a foot may be behind, more for each second of the bus's delay while it goes ahead
-HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after something was met
-HIGH_SPEED = 0.45  # of the leg in a cycle: the fastest meanwhile
-LATE_FROUDE = 0.08  # of sqrt(g h): the same of a robot whose drives are too slow for such swings (servos)
-EDGE_LENGTHS = 1.2  # of the body: after such a way with high swings one edge is soon over
-STAIRS_FROUDE = 0.02  # of sqrt(g h): the fastest where it still climbs after that, as on stairs
+LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs correct a tilt
+HEADING_HZ = 2.0  # rad/s of turn per rad of heading error
+SLOPE_CYCLES = 1.0  # over which the ground's slope is averaged
+DRIFT_SHARE = 0.5  # of the speed's error, corrected per cycle
+DRIFT_LEAST_M_S = 0.02  # largest such correction at rest; plus 0.3 of the speed (shared/trot/steer.py)
+FREE_LAG_SHARE = 0.3  # of the drives' lag remains for an unhindered foot when half of it is compensated
+SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is fed forward in full
+LOAD_SHARE = 0.15  # of a stance, in which half of the weight shifts onto the foot
+TURN_LATE_S = 0.05  # that a foot in the air may be late in a turn, where the two feet of a diagonal go different ways
+LATE_PER_S = 25.0  # growth of a foot's allowed lag per second of bus delay, as a share, while the foot moves ahead
+HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after a foot met something
+HIGH_SPEED = 0.45  # of the leg per cycle: top speed meanwhile
+LATE_FROUDE = 0.08  # of sqrt(g h): the same for a robot whose drives are too slow for such swings (servos)
+EDGE_LENGTHS = 1.2  # of the body: the way with high swings after which a single edge is passed
+STAIRS_FROUDE = 0.02  # of sqrt(g h): top speed if the ground still rises after that, as on stairs
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
-SWING_ASKS = 1.5  # of a drive's no-load speed may the goals of a swing ask: what lags rounds them off
-STEP_LEG = 0.16  # of the leg: the highest step that every robot is to walk up
-SWING_POINTS = 25  # of a swing are looked at for that
-FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried faster
-SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the speed ahead: aside, and of the feet when turning
+SWING_ASKS = 1.5  # times a drive's no-load speed is the most that a swing's goals may demand: lag rounds them off
+STEP_LEG = 0.16  # of the leg: the highest step that every robot should walk up
+SWING_POINTS = 25  # of a swing are checked for that
+FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried at a higher speed
+SIDE_SHARE, TURN_SHARE = 0.4, 0.7  # of the forward speed: sideways, and of the feet when turning
 
 
 @dataclass(frozen=True)
 class Number:
-    """What a robot file may give anew: what it is else, the least and the most, its unit and meaning."""
+    """A number that a robot file can override: its usual value, the least and the most, its unit and meaning."""
 
     usual: float
     least: float
@@ -60,12 +60,12 @@ class Number:
 
 NUMBERS = {
     "low_lift": Number(LOW_LIFT, 0.03, 0.25, "[of the leg] top of a swing on even ground"),
-    "high_lift": Number(HIGH_LIFT, 0.15, 0.40, "[of the leg] the same once something was met"),
-    "lags_in_swing": Number(LAGS_IN_SWING, 0.0, 6.0, "[-] of the drives' lag, added to sqrt(h/g): what a swing takes"),
-    "stance_share": Number(STANCE_SHARE, 0.51, 0.70, "[-] of a cycle, in which a foot stands"),
-    "capture_share": Number(CAPTURE_SHARE, 0.0, 1.0, "[-] of the gain with which a step catches a wrong speed at once"),
-    "level_share": Number(LEVEL_SHARE, 0.3, 2.0, "[-] of sqrt(g/h): how fast the legs take a tilt back"),
-    "drift_share": Number(DRIFT_SHARE, 0.0, 1.0, "[-] of the speed's error, taken back in a cycle"),
+    "high_lift": Number(HIGH_LIFT, 0.15, 0.40, "[of the leg] the same after a foot met something"),
+    "lags_in_swing": Number(LAGS_IN_SWING, 0.0, 6.0, "[-] drives' lags, added to sqrt(h/g): duration of a swing"),
+    "stance_share": Number(STANCE_SHARE, 0.51, 0.70, "[-] of a cycle, in which a foot is in stance"),
+    "capture_share": Number(CAPTURE_SHARE, 0.0, 1.0, "[-] of the gain with which one step corrects a wrong speed"),
+    "level_share": Number(LEVEL_SHARE, 0.3, 2.0, "[-] of sqrt(g/h): how fast the legs correct a tilt"),
+    "drift_share": Number(DRIFT_SHARE, 0.0, 1.0, "[-] of the speed's error, corrected per cycle"),
 }
 
 
@@ -82,7 +82,7 @@ def trot_complaints(given: Mapping[str, float]) -> Iterator[tuple[str, object, s
 
 @dataclass(frozen=True)
 class TrotFigures:
-    """What the trot takes from a robot, SI."""
+    """What the trot uses of a robot, SI."""
 
     leg_m: float
     height_m: float
@@ -113,23 +113,23 @@ class TrotFigures:
 
     @property
     def neutral_s(self) -> float:
-        """Foothold ahead of rest per speed, with which the pendulum goes on evenly."""
+        """Foothold ahead of rest per speed, with which the pendulum keeps its speed."""
         return self.tipping_s * tanh(self.cycle_s / 4 / self.tipping_s)
 
     @property
     def capture_s(self) -> float:
-        """Foothold further ahead per speed that is too much."""
+        """Foothold further ahead per excess speed."""
         return self.own["capture_share"] * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
 
     @property
     def climbing_m_s(self) -> float:
-        """The fastest while swings are high."""
+        """Top speed while swings are high."""
         return HIGH_SPEED * self.leg_m / self.cycle_s
 
     def swing(self, speed_m_s: float, lift_m: float) -> list[tuple[float, float]]:
-        """Return where a foot in the air is sent, x ahead and z up of its rest, at SWING_POINTS even times.
+        """Return the goals of a foot in the air, x ahead of and z above its rest, at SWING_POINTS even times.
 
-        As shared/trot/feet.py plans it for a body at an even speed: a cycloid along the ground, a cosine up.
+        As shared/trot/feet.py plans them for a body at constant speed: a cycloid along the ground, a cosine upwards.
         """
         start_m, way = speed_m_s * (self.neutral_s - self.stance_s), []
         for point in range(SWING_POINTS):
@@ -154,21 +154,21 @@ def trot_figures(robot: Robot) -> TrotFigures:
 
 
 def able(robot: Robot) -> tuple[float, str]:
-    """Return the fastest ahead that the legs can do, m/s, and what limits it.
+    """Return the highest forward speed of the legs, m/s, and what limits it.
 
-    A joint that comes to its limit in a swing is held there, which does not slow the robot.
+    A joint that reaches its limit in a swing stays there, which does not slow the robot.
     """
     figures = trot_figures(robot)
     froude_m_s = FROUDE_SPEED * sqrt(GRAVITY_M_S2 * figures.height_m)
     lift_m = figures.own["low_lift"] * figures.leg_m
     speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= SWING_ASKS)
     if speed_m_s == froude_m_s:
-        return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), beyond which nothing was tried"
+        return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), the highest that was tried"
     return speed_m_s, _too_slow(_asked(robot, figures, speed_m_s * 1.01 + 0.001, lift_m))
 
 
 def highest_lift_m(robot: Robot) -> tuple[float, str]:
-    """Return how high the top of a swing can be while the trot climbs, and what limits it."""
+    """Return how high a swing can go while the trot climbs, and what limits it."""
     figures = trot_figures(robot)
     speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), figures.own["high_lift"] * figures.leg_m
 
@@ -179,13 +179,13 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
 
     lift_m = most(wanted_m, can)
     if lift_m == wanted_m:
-        return lift_m, f"{figures.own['high_lift']:g} of the leg, as the trot lifts it"
+        return lift_m, f"{figures.own['high_lift']:g} of the leg, the trot's own limit"
     asked = _asked(robot, figures, speed_m_s, lift_m * 1.01 + 0.0001)
     return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
 
 
 def high_speed_m_s(robot: Robot) -> float:
-    """Return the fastest while swings are high: less where they ask too much of the drives without any way ahead."""
+    """Return the top speed while swings are high: less if the drives are too slow for them even on the spot."""
     figures = trot_figures(robot)
     if max(_asked(robot, figures, 0.0, figures.own["high_lift"] * figures.leg_m)) <= SWING_ASKS:
         return figures.climbing_m_s
@@ -193,7 +193,7 @@ def high_speed_m_s(robot: Robot) -> float:
 
 
 def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
-    """Return what a swing asks of the drives' speeds; infinite out of reach."""
+    """Return the drive speeds that a swing demands; infinite out of reach."""
     poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
     return (inf, inf, inf) if poses is None else asked_speeds(robot, poses, figures.swing_s)
 
@@ -204,14 +204,14 @@ def _too_slow(asked: Vector) -> str:
 
 
 def fastest(robot: Robot) -> tuple[float, float, float]:
-    """Return the fastest command, m/s ahead and aside and rad/s: what the legs can do and the robot file wants."""
+    """Return the top commands, m/s forward and sideways and rad/s: what the legs can do and the robot file allows."""
     ahead_m_s, limits = able(robot)[0], robot.speed_limits
     turn_rad_s = TURN_SHARE * ahead_m_s / hypot(*trot_figures(robot).rests_m[0])
     return min(ahead_m_s, limits.vx_m_s), min(SIDE_SHARE * ahead_m_s, limits.vy_m_s), min(turn_rad_s, limits.wz_rad_s)
 
 
 def limit(robot: Robot) -> str:
-    """Return what limits the trot's speed ahead: a key of the robot file, or what its legs can't."""
+    """Return what limits the trot's forward speed: a key of the robot file, or the legs."""
     most_m_s, why = able(robot)
     return "speed_limits.vx_m_s" if robot.speed_limits.vx_m_s < most_m_s else why
 

@@ -1,4 +1,4 @@
-"""The robot as a URDF: for RViz and for other simulators. Links have inertia and simple shapes, joints limits.
+"""The robot as a URDF, for RViz and other simulators. Links have inertia and simple shapes, joints have limits.
 
 A calf driven from the body (paper B) is an ordinary knee joint here: URDF knows no coupled drives, so its
 effort and velocity are those of the drive seen from the knee.
@@ -49,7 +49,7 @@ def _vector(values: Iterable[float]) -> str:
 def _add_link(root: Xml.Element, robot: Robot, frame: Frame) -> Xml.Element:
     """Add a link with its inertia: the file's link is a left elbow leg's, so y mirrors by side and x by knee.
 
-    A foot has none: a reader may give a link with a shape and no inertia a mass of its own.
+    A foot has none: some readers would give a link with a shape but no inertia a mass of its own.
     """
     if frame.name == "trunk":
         trunk = robot.links.trunk
@@ -76,7 +76,7 @@ def _body(
 
 
 def _shape(link: Xml.Element, shape: Shape) -> None:
-    """Add a shape to be seen and, if it collides, felt."""
+    """Add a visible shape, and the same for collisions if it collides."""
     turned = _vector((pi / 2, 0, 0)) if shape.across else "0 0 0"
     for role in ("visual", "collision") if shape.collides else ("visual",):
         element = Xml.SubElement(link, role)

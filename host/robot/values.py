@@ -1,4 +1,4 @@
-"""The kinds of value that a robot file may hold; each says in its error what is allowed, with the unit.
+"""The kinds of value that a robot file may hold; each one's error says what is allowed, with the unit.
 
 They are pydantic validators: an error's message is the part of the line after ``value ...:``.
 """
@@ -11,11 +11,11 @@ from typing import Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 from pydantic_core import PydanticCustomError
 
-LINE = r"[^\x00-\x1f\x7f-\x9f]{1,200}"  # one line for people: nothing that steers a terminal
+LINE = r"[^\x00-\x1f\x7f-\x9f]{1,200}"  # one line of text, without control characters for a terminal
 
 
 class Table(BaseModel):
-    """Common to all tables: unknown keys are errors and nothing changes after loading."""
+    """Common to all tables: unknown keys are errors, and nothing changes after loading."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
@@ -23,7 +23,7 @@ class Table(BaseModel):
 def _only(
     fits: Callable[[Any], object], allowed: str, made: Callable[[Any], object] = lambda value: value
 ) -> BeforeValidator:
-    """Let a value through if it ``fits``, as what is ``made`` of it; else the error says what is allowed."""
+    """Accept a value if it ``fits``, converted by ``made``; else the error says what is allowed."""
 
     def check(value: object) -> object:
         if not fits(value):
@@ -111,12 +111,12 @@ def _handedness(axes: list[object]) -> int:
 
 
 def yes_or_no() -> BeforeValidator:
-    """A boolean, and no number that looks like one."""
+    """A boolean; a number that looks like one is refused."""
     return one_of(True, False)
 
 
 def show(value: object) -> str:
-    """Return a value the way TOML writes it, on one line, shortened."""
+    """Return a value as TOML writes it, on one line and shortened."""
     if isinstance(value, bool):
         return "true" if value else "false"
     line = '"' + " ".join(value.split()) + '"' if isinstance(value, str) else " ".join(repr(value).split())

@@ -1,7 +1,7 @@
-"""What the page draws: joints, feet, support polygon and centre of mass, in m, level with the ground.
+"""The figure that the page draws: joints, feet, support polygon and centre of mass, in m, level with the ground.
 
 Origin in the middle of the hips; x forward, y left, z up, turned by roll and pitch as in shared/sense/attitude.py.
-Masses sit on the lines between the joints; the few mm beside them are left out.
+Masses count as lying on the lines between the joints; the few mm beside them are ignored.
 """
 
 from collections.abc import Sequence
@@ -31,9 +31,9 @@ class View:
         )
 
     def points(self, joints_rad: Sequence[float], roll_rad: float, pitch_rad: float, swinging: int) -> dict[str, Any]:
-        """Return legs (hip, thigh joint, knee, foot), the feet that stand in order, the centre of mass and the ground.
+        """Return legs (hip, thigh joint, knee, foot), the stance feet in order, the centre of mass and the ground.
 
-        The ground is under the lowest point: of a robot that lies, that is a knee or the body.
+        The ground is under the lowest point, which is a knee or the body if the robot lies.
         """
         legs = [self._leg(leg, joints_rad) for leg in range(4)]
         mass_kg, moment = self._trunk()

@@ -1,9 +1,9 @@
-"""What the drives draw from the battery: winding losses, mechanical power, and what they take at rest.
+"""The drives' power from the battery: winding losses, mechanical power, and the power at rest.
 
 A servo's motor: current = torque x stall current / stall torque (data sheet), winding resistance = voltage /
 stall current, power = current^2 x resistance + torque x speed, never below 0 (no drive feeds the battery).
 A brushless joint: q current = torque / (gear x torque constant), three windings lose 3/2 R i^2, the gear its share.
-Of others' joints ("pd") the windings are not known: what they lose is missing, only mechanical power is counted.
+The windings of foreign joints ("pd") are unknown: their losses are missing, only mechanical power counts.
 """
 
 import tomllib
@@ -21,7 +21,7 @@ Array = np.ndarray[Any, Any]
 
 @cache
 def taken() -> dict[str, Any]:
-    """Return what is taken besides what the robot file says (energy.toml)."""
+    """Return the power data that the robot file does not have (energy.toml)."""
     return tomllib.loads((Path(__file__).parent / "energy.toml").read_text(encoding="utf-8"))
 
 

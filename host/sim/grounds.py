@@ -1,4 +1,4 @@
-"""The ground of a walk by name: a polyline in the plane, drawn out sideways in space; and what only space has."""
+"""The ground of a walk by name: a polyline in the plane, extended sideways in space; and grounds only in space."""
 
 import math
 from collections.abc import Callable
@@ -22,7 +22,7 @@ NAMES = ("flat", "stones", "gravel", "ramp", "slope-up", "slope-down", "step", "
 
 @dataclass(frozen=True)
 class GroundSpec:
-    """A ground by name; UserError if there is none such.
+    """A ground by name; UserError for an unknown name.
 
     ``height_m`` None: the ground's own; ``start_m``: where it begins; ``length_m``: of a step, a box, a tread, a
     slope, or of all stones, None: the ground's own; ``seed`` of the stones.
@@ -37,9 +37,9 @@ class GroundSpec:
 
     def __post_init__(self) -> None:
         if self.name not in NAMES:
-            raise UserError(f"--terrain {self.name}: no such ground; there are {', '.join(NAMES)}")
+            raise UserError(f"--terrain {self.name}: allowed {', '.join(NAMES)}")
         if self.height_m is not None and self.name not in DEFAULT_HEIGHT_M:
-            raise UserError(f"--height: {self.name} has none; it is for {', '.join(DEFAULT_HEIGHT_M)}")
+            raise UserError(f"--height: {self.name} has no height; only with {', '.join(DEFAULT_HEIGHT_M)}")
 
     @property
     def height(self) -> float:
@@ -51,7 +51,7 @@ FLAT = GroundSpec()
 
 
 def make_terrain(spec: GroundSpec) -> Terrain:
-    """Return the ground in the plane, and of what only space has the step that is met; UserError if it can't be."""
+    """Return the ground in the plane, for grounds only in space the step that it contains; UserError if impossible."""
     height, start, length = spec.height, spec.start_m, spec.length_m
     makers: dict[str, Callable[[], Terrain]] = {
         "flat": terrain.flat,
@@ -73,7 +73,7 @@ def make_terrain(spec: GroundSpec) -> Terrain:
 
 
 def make_ground(spec: GroundSpec) -> Ground:
-    """Return the ground in space; UserError if it can't be."""
+    """Return the ground in space; UserError if it is impossible."""
     if spec.name in STONES:
         return stones(spec.seed, spec.height, spec.start_m, spec.length_m or 2.0, loose=spec.name == "gravel")
     drawn = make_terrain(spec)

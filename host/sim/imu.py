@@ -1,4 +1,4 @@
-"""A simulated sensor: what the plant's body does, in counts, with a bias and noise like an MPU6050's."""
+"""A simulated sensor: the motion of the plant's body in counts, with a bias and noise like an MPU6050's."""
 
 import random
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 """The body behind simulated joints: the sagittal plane with its drives, hips as twelve-joint extras, a simulated IMU.
 
-``Plant`` holds what every joint is told (goal, on or off, torque limit) and what it does (angle, speed, load). It
-advances only when told to, by simulated time, so the same calls give the same motion.
+``Plant`` holds every joint's commands (goal, on or off, torque limit) and its state (angle, speed, load). It advances
+only on demand, by simulated time, so the same calls give the same motion.
 """
 
 from abc import ABC, abstractmethod
@@ -29,7 +29,7 @@ LONGEST_STEP_S = 0.25  # a paused program must not make up for an hour of physic
 
 @dataclass
 class Drives:
-    """What the joints are told, twelve of each, and the share of stall torque that each gives."""
+    """The joints' commands, twelve of each, and the share of stall torque that each gives."""
 
     goal_rad: list[float]
     on: list[bool] = field(default_factory=lambda: [False] * JOINTS)
@@ -40,7 +40,7 @@ class Drives:
 def servo_torque_Nm(
     model: ServoModel, drives: Drives, joint: int, goal_rad: float, position_rad: float, speed_rad_s: float
 ) -> float:
-    """Return what a servo gives: stall x clip(duty) - damping x speed, the duty within its limit; 0 if it is off.
+    """Return a servo's torque: stall x clip(duty) - damping x speed, the duty within its limit; 0 if it is off.
 
     Keeps its duty in ``drives.load``, as the servo's own load register does.
     """
@@ -109,11 +109,11 @@ class Hinge:
 
 
 class Plant(ABC):
-    """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` is what they hear."""
+    """Twelve joints and a body. ``position_rad`` and ``speed_rad_s`` hold the present; ``drives`` the commands."""
 
     @property
     def supply_V(self) -> float | None:
-        """What the joints measure as their supply; None if the plant knows of none."""
+        """The supply voltage that the joints measure; None if the plant has none."""
         return None
 
     def __init__(self, robot: Robot, pose_rad: Sequence[float]) -> None:
@@ -161,7 +161,7 @@ def joint_models(robot: Robot) -> list[ServoModel]:
 
 
 def hinges(robot: Robot, pose_rad: Sequence[float]) -> list[Hinge]:
-    """Return the joints as if each were alone, with what it turns: its own link and those below, hanging straight."""
+    """Return the joints as if each were alone, with its load: its own link and those below, hanging straight."""
     links, geometry = robot.links, robot.geometry
     calf = links.calf.inertia_kg_m2[1] + links.calf.mass_kg * (geometry.calf_m / 2) ** 2
     thigh = links.thigh.inertia_kg_m2[1] + links.calf.mass_kg * geometry.thigh_m**2 + calf
@@ -225,7 +225,7 @@ class PlaneBody:
         self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
 
     def sensed(self, time_s: float) -> "Sensed":
-        """Return what sensors on the body tell."""
+        """Return the readings of sensors on the body."""
         return self._sensors.read(self.world.state(), [0.0] * 4, time_s)
 
     def run(self, goal_rad: Sequence[float], steps: int, turn: Callable[[int, Hinge], None]) -> None:
@@ -263,7 +263,7 @@ class PlanePlant(Plant):
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant; only hips can be turned by hand, the others stand on the ground."""
-        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     def put_back(self) -> None:
         """See Plant."""

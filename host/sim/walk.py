@@ -1,4 +1,4 @@
-"""One walk of the simulated robot: what was asked, the run, its figures, and the files it leaves."""
+"""One walk of the simulated robot: its specification, the run, its figures, and its files."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ from ..util.errors import UserError
 from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
 from .servos.plane import coupled, honest_servos
 
-# What a walk's way counts: ahead and to the left in m, turning to the left in rad.
+# How a walk's way is measured: ahead and to the left in m, turning to the left in rad.
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
 
 ENOUGH = 0.5  # of the commanded speed, where nothing was in the way
@@ -91,7 +91,7 @@ class WalkSpec:
 
     @property
     def time_limit_s(self) -> float:
-        """Give up after this: as long as asked, or five times what the command would take and 20 s."""
+        """Give up after this: the given time, or five times the command's own time plus 20 s."""
         return self.limit_s or min(3600.0, 20.0 + 5.0 * self.distance_m / self.speed_m_s)
 
 
@@ -120,12 +120,12 @@ def run_walk(
 ) -> Recording:
     """Simulate the walk in the plane; the same spec, the same recording.
 
-    ``actuator`` takes the place of the drives as linear laws (robot/drives.py). UserError for what the plane has not.
+    ``actuator`` replaces the drives as linear laws (robot/drives.py). UserError for anything that the plane lacks.
     """
     if spec.ground.name in ONLY_SPACE:
-        raise UserError(f"--terrain {spec.ground.name}: the plane has no left and right; it is for --in space")
+        raise UserError(f"--terrain {spec.ground.name}: the plane has no left and right: add --in space")
     if spec.way != "ahead" or spec.push:
-        raise UserError("walk: in the plane a robot walks ahead, and nobody pushes it")
+        raise UserError("walk: in the plane a robot only walks ahead, and can't be pushed")
     controller = PlannerController(spec)
     robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
     voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
@@ -179,8 +179,8 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
 def judged(spec: WalkSpec, result: dict[str, Any]) -> dict[str, Any]:
     """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
 
-    A command beyond what robot and gait allow is limited, and so not achieved. Slower than ENOUGH of it counts as
-    achieved only where it backed off and crawled on: then the ground was in the way, which is told.
+    A command above the limits of robot and gait is limited, and so not achieved. A walk below ENOUGH of the commanded
+    speed counts as achieved only if the robot backed off and crawled on: then the reason names the ground.
     """
     most_m_s, key = Driver(spec.robot, planar=True).speed_limit(spec.gait)
     limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
@@ -220,7 +220,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def space_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return what only a walk in space has (host/sim/space/side.py)."""
+    """Return the figures that only a walk in space has (host/sim/space/side.py)."""
     if "roll_range_deg" not in result:
         return []
     aside = f"{1000 * result['side_drift_m']:.0f} mm to the left, turned {result['yaw_drift_deg']:.1f} deg"
@@ -228,7 +228,7 @@ def space_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def energy_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return what the drives took and gave (host/sim/motor/walking.py); per metre only where it went some way ahead."""
+    """Return the drives' energy (host/sim/motor/walking.py); per metre only if the robot went some way ahead."""
     rows = []
     per_metre_J = result["energy_per_metre_J"]
     if per_metre_J is not None:

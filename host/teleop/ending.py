@@ -1,6 +1,6 @@
-"""Ends what only listens to a drive: all of it at once, each in a thread of its own, together within a bound.
+"""Ends a drive's listeners all at once, each in a thread of its own, within a common time limit.
 
-By then the joints have been let go. A disk, a page or a terminal that hangs is left to itself, so the program ends.
+By then the joints have been let go. A disk, a page or a terminal that hangs is left behind, so the program ends.
 """
 
 import threading
@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 
 def end_all(closers: Mapping[str, Callable[[], object]], within_s: float) -> list[str]:
-    """Call all; return the names of those that have not ended within a time. One's error is raised at the end."""
+    """Call all; return the names of those that have not ended in time. An error of one is raised at the end."""
     errors: list[Exception] = []
 
     def end(close: Callable[[], object]) -> None:

@@ -1,7 +1,7 @@
-"""A gamepad at this machine (Linux, library evdev): left stick walks, right stick turns and pitches.
+"""A gamepad at this machine (Linux, library evdev): the left stick walks, the right stick turns and pitches.
 
-A pad tells changes only, so a held stick says nothing. While the dead-man button (left shoulder) is held the last
-position is sent again and again; released, nothing is sent and the robot stops.
+A pad reports only changes, so a held stick reports nothing. While the dead-man button (left shoulder) is held, the
+last position is sent again and again; after its release nothing is sent, and the robot stops.
 """
 
 import os
@@ -31,7 +31,7 @@ BUTTONS: dict[int, Message] = {
 class Gamepad:
     """A pad as an input of the hub; ``device`` is an evdev.InputDevice or anything that reads like one.
 
-    ``fastest`` tells what the gait walks at most, which a full stick means: m/s ahead and aside, rad/s.
+    ``fastest`` returns the gait's top speeds, which a full stick commands: m/s forward and sideways, rad/s.
     """
 
     client = Client("gamepad")
@@ -60,7 +60,7 @@ class Gamepad:
         return said + self.repeat()
 
     def repeat(self) -> list[Message]:
-        """Return the sticks as they are while the dead-man button is held, nothing else."""
+        """Return the sticks' command while the dead-man button is held, else nothing."""
         if not self._held:
             return []
         pitch_rad, stick = self._robot.body_limits.angles_rad[1], self._axes
@@ -97,7 +97,7 @@ def open_gamepad(robot: Robot, fastest: Fastest, path: str, opener: Callable[[st
             raise UserError(f"--gamepad {each}: {error.strerror or error}") from None
         if BTN_SOUTH in device.capabilities().get(EV_KEY, []):
             return Gamepad(robot, fastest, device)
-    raise UserError("--gamepad: no gamepad found: plug it in or pair it; ls /dev/input/event* shows the devices")
+    raise UserError("--gamepad: no gamepad found: plug one in or pair one; ls /dev/input/event* shows the devices")
 
 
 def _candidates() -> list[str]:
@@ -109,5 +109,5 @@ def _candidates() -> list[str]:
 def _range(device: Any, axis: int) -> tuple[int, int]:
     info = device.absinfo(axis)
     if info.max <= info.min:
-        raise UserError(f"the gamepad tells no range for its axis {axis}")
+        raise UserError(f"--gamepad: the gamepad reports no range for its axis {axis}: use another gamepad")
     return info.min, info.max

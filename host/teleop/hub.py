@@ -1,8 +1,8 @@
 """All command sources in one select(): scripts on a socket, servers' processes, the keyboard, a gamepad.
 
 A script's connection is one client. A side is a process that speaks for many clients, the pages or Foxglove's viewers,
-and puts each one's number beside its message. Whoever sends a line that is no message is hung up on and counted, and so
-is who sends too many: what is beyond the limit is not even looked at, unless it is a stop.
+and puts each one's number beside its message. The hub hangs up on a client that sends a line that is not a message, or
+too many lines, and counts it. It ignores messages beyond the limit, except stops.
 """
 
 import json
@@ -25,8 +25,8 @@ from .web.limits import Bucket
 from .web.peer import may_open_sockets, peer_of
 
 MOST_SCRIPTS = 8
-MESSAGES_PER_S, BURST = 200.0, 200  # of a script: more than any loop has ticks
-PATIENCE = 200  # messages beyond that before a script is hung up on
+MESSAGES_PER_S, BURST = 200.0, 200  # of a script: more than any loop's ticks
+PATIENCE = 200  # messages beyond that before the hub hangs up on a script
 CONNECTIONS_PER_S, CONNECTION_BURST = 4.0, 16
 STOP = b'"stop"'
 SIDE_LINE = 1024
@@ -39,10 +39,10 @@ class Input(Protocol):
     client: Client
 
     def fileno(self) -> int:
-        """What to wait for."""
+        """Return the file descriptor to wait for."""
 
     def messages(self) -> list[Message]:
-        """What it says now. OSError if it is gone."""
+        """Return its present messages. OSError if it is gone."""
 
 
 @dataclass(eq=False)
@@ -61,7 +61,7 @@ class Script:
 
 @dataclass(eq=False)
 class Side:
-    """A process that speaks for many clients of one source: pages, viewers."""
+    """A process that speaks for many clients of one source, pages or viewers."""
 
     source: str
     lines: Lines
@@ -74,7 +74,7 @@ class Side:
 
 
 class Hub:
-    """Hands messages to ``receive`` and lost clients to ``drop``."""
+    """Passes messages to ``receive`` and lost clients to ``drop``."""
 
     def __init__(
         self,
@@ -84,18 +84,18 @@ class Hub:
         keys: Keys = KEYS,
     ) -> None:
         self._receive, self._drop, self._clock, self._keys = receive, drop, clock, keys
-        self.came_s = inf  # since when what is being handed over may have been waiting; inf: nothing is
-        self._quiet_s: dict[object, float] = {}  # when a source was last seen with nothing to say
+        self.came_s = inf  # since when the present input may have been waiting; inf: there is none
+        self._quiet_s: dict[object, float] = {}  # when a source was last seen without input
         self._connections = Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock)
         self._friends = may_open_sockets()
         self._listener: socket.socket | None = None
         self._scripts: dict[Client, Script] = {}
-        self._sides: dict[str, Side] = {}  # by the source that its clients count as
+        self._sides: dict[str, Side] = {}  # by the source of its clients
         self._inputs: list[Input] = []
         self._path: Path | None = None
         self._number = 0
         self.bad = self.limited = 0
-        self.about: dict[str, Any] = {}  # what a script is told at once
+        self.about: dict[str, Any] = {}  # what a script gets first
 
     def listen(self, where: str) -> None:
         """Let scripts connect to a Unix socket's path, or to a port number on 127.0.0.1."""
@@ -111,7 +111,7 @@ class Hub:
         self._inputs.append(source)
 
     def add_side(self, source: str, stream: socket.socket, news: Callable[[dict[str, Any]], None]) -> None:
-        """Take the end of a process that speaks for many clients; what it says of itself goes to ``news``."""
+        """Take our end of a process that speaks for many clients; its reports on itself go to ``news``."""
         self._sides[source] = Side(source, Lines(stream, SIDE_LINE), news)
 
     def has_side(self, source: str) -> bool:
@@ -148,18 +148,18 @@ class Hub:
         self.came_s = inf
 
     def _look(self, waiting: list[Any], timeout_s: float) -> list[Any]:
-        """Return who has something to say, and keep since when it may have."""
+        """Return the sources with input, and keep since when it may have been waiting."""
         looked_s = self._clock()
         ready, _, _ = select.select(waiting, [], [], 0.0)
         before_s = {each: self._quiet_s.get(each, looked_s) if each in ready else looked_s for each in waiting}
         if not ready and timeout_s > 0:
             ready, _, _ = select.select(waiting, [], [], timeout_s)
-            before_s = dict.fromkeys(waiting, self._clock())  # it woke at once
+            before_s = dict.fromkeys(waiting, self._clock())  # select() returned at once
         self._quiet_s = before_s
         return ready
 
     def tell(self, news: dict[str, Any]) -> None:
-        """Send all scripts and sides what goes on."""
+        """Send a status to all scripts and sides."""
         for client, script in list(self._scripts.items()):
             try:
                 script.lines.send(news)
@@ -186,7 +186,8 @@ class Hub:
             stream, _ = self._listener.accept()
         except OSError:
             return
-        # A port is open to everybody on this machine, the socket's file to those who may drive: so it is for both.
+        # Any user of this machine can reach a port, but only those who may drive can open the socket's file: check
+        # both.
         welcome = self._path is not None or peer_of(stream) in self._friends
         if not welcome or len(self._scripts) >= MOST_SCRIPTS or not self._connections.take():
             stream.close()
@@ -215,7 +216,7 @@ class Hub:
             self._lose(script.client)
 
     def _skip(self, script: Script, line: bytes) -> None:
-        """Leave out a message beyond the limit, unless it is a stop; one that does not end it is hung up on."""
+        """Skip a message beyond the limit, unless it is a stop; hang up on a script that goes on."""
         self.limited += 1
         script.excess += 1
         if STOP in line and (message := parse(line, self._keys))["type"] == "stop":
@@ -231,14 +232,14 @@ class Hub:
             self.lose_side(side.source)
 
     def _try_side(self, line: bytes, side: Side) -> None:
-        """A bad line must not cost the next one, which may be a stop."""
+        """Handle a line; a bad one must not cost the next one, which may be a stop."""
         try:
             self._take_side(line, side)
         except (ValueError, KeyError, TypeError):
             self.bad += 1
 
     def _take_side(self, line: bytes, side: Side) -> None:
-        """A client's message, a client that is gone, or news of the process itself."""
+        """Handle a client's message, the loss of a client, or news of the process itself."""
         value = json.loads(line)
         if not isinstance(value, dict):
             raise TypeError("no object")
@@ -264,7 +265,7 @@ class Hub:
         try:
             lines.send(value)
         except Gone:
-            return  # its next receive() says so too, and that is where a client is dropped
+            return  # its next receive() fails too, and drops the client
 
     def _hear_input(self, source: Any) -> None:
         try:
@@ -282,7 +283,7 @@ class Hub:
 
 
 def _from_the_last_stop(lines: Iterator[bytes]) -> Iterator[bytes]:
-    """A stop overtakes what its sender said before it and nobody has looked at yet."""
+    """Put a stop before earlier messages of its sender that have not been handled yet."""
     kept, gone = list[bytes](), None
     try:
         for line in lines:
@@ -301,10 +302,10 @@ def _on_port(port: int) -> socket.socket:
 
 
 def _on_path(path: Path) -> socket.socket:
-    """Listen on a Unix socket that only this user may open; a dead one in its place is removed."""
+    """Listen on a Unix socket that only this user may open; remove a dead one in its place."""
     if path.exists():
         if not stat.S_ISSOCK(path.stat().st_mode):
-            raise OSError("there is a file of that name")
+            raise OSError("a file of that name exists")
         _refuse_living(path)
         path.unlink()
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
@@ -323,4 +324,4 @@ def _refuse_living(path: Path) -> None:
             probe.connect(str(path))
         except OSError:
             return
-    raise OSError("another program listens there: is another caramelo running?")
+    raise OSError("another program listens there (another caramelo?)")

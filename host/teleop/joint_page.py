@@ -1,7 +1,7 @@
 """The joints' page: one joint's parameters, its signals as they come, and steps of its goal.
 
-One loop: a cycle of the bus, what the pages ask for, a parameter to read, and twenty times a second what the pages are
-told. Whoever arms is whose page has to stay open: with it the torque goes.
+One loop does a cycle of the bus, the pages' requests, and the reading of a parameter, and sends the status to the pages
+twenty times a second. The page that arms the joints has to stay open: when it closes, the torque goes off.
 """
 
 import time
@@ -27,12 +27,12 @@ from .joint_step import Step
 
 TOLD_EVERY_S = 0.05
 VALUES_EVERY_S = 0.25
-KEPT_S = 0.5  # of the signals in each telling: a page may miss some of them
+KEPT_S = 0.5  # of signals in each status, because a page may miss some statuses
 BRAD_DEG, WIRE_DEG_S, WIRE_A = 360 / 65536, 360 / 4096, 1 / 4096
 
 
 def about(robot: Robot, simulated: bool) -> dict[str, Any]:
-    """Return what a page is told first: the robot, its joints, and what is known of each parameter."""
+    """Return a page's first message: the robot, its joints, and the data of each parameter."""
     rows = [[p.name, p.group, p.unit, p.meaning, p.to_value(p.low), p.to_value(p.high), p.access, p.stored]
             for p in load()]  # fmt: skip
     names = [joint_name(node) for node in range(1, 13)]
@@ -40,7 +40,7 @@ def about(robot: Robot, simulated: bool) -> dict[str, Any]:
 
 
 class JointPage:
-    """What the pages see and do. ``hub`` is made by it; ``clock`` paces joints that live in simulated time."""
+    """The pages' view and actions. It makes ``hub``; ``clock`` paces joints in simulated time."""
 
     def __init__(self, bus: CanJoints, clock: Callable[[], float] = time.monotonic) -> None:
         self._bus, self._clock = bus, clock
@@ -56,11 +56,11 @@ class JointPage:
         self._armer: Client | None = None
         self._told = ""
         self._tell_s = self._values_s = 0.0
-        self._ahead_s = bus.now() - clock()  # of simulated time before this clock's
+        self._ahead_s = bus.now() - clock()  # simulated time less this clock's
         self._choose(1)
 
     def tick(self) -> None:
-        """Do one cycle and what is due after it."""
+        """Do one cycle, and the work that is due after it."""
         bus = self._bus
         bus.run_for(bus.cycle.period_s)
         self._sample()
@@ -82,7 +82,7 @@ class JointPage:
             self._bus.torque(False)
         self.hub.close()
 
-    # what the pages ask for
+    # the pages' requests
 
     def _receive(self, client: Client, message: Message) -> bool:
         try:
@@ -94,7 +94,7 @@ class JointPage:
     def _drop(self, client: Client) -> None:
         if client == self._armer:
             self._bus.torque(False)
-            self._give_up("the page that armed the joints is gone: they were let go")
+            self._give_up("the page that armed the joints is gone: they are off")
 
     def _choose(self, node: int) -> None:
         self._node, self._values, self._reading = node, {}, iter(find_all(None))
@@ -107,25 +107,25 @@ class JointPage:
         if said["node"] == self._node:
             self._values[parameter.name] = parameter.to_value(raw)
         value = f"{parameter.to_value(raw):.6g} {parameter.unit}".strip()
-        self._told = f"{joint_name(said['node'])}: {parameter.name} is {value} until it loses power; Keep keeps it"
+        self._told = f"{joint_name(said['node'])}: {parameter.name} is {value} until it loses power; Keep saves it"
 
     def _keep(self, client: Client, said: Message) -> None:
         self._bus.requests.demand(said["node"], w.COMMAND_SAVE_PARAMETERS)
-        self._told = f"{joint_name(said['node'])}: its parameters are kept over a loss of power"
+        self._told = f"{joint_name(said['node'])}: its parameters are saved"
 
     def _arm(self, client: Client, said: Message) -> None:
         if not said["on"]:
             self._bus.torque(False)
-            self._give_up("the joints were let go")
+            self._give_up("the joints are off")
         elif self._armer is None:
             self._bus.make_ready()
             self._bus.limit_torque(self._bus.robot.stand.torque_fraction)
             self._bus.torque(True)
-            self._armer, self._told = client, "all joints hold where they are"
+            self._armer, self._told = client, "all joints hold their present angles"
 
     def _stop(self, client: Client, said: Message) -> None:
         self._bus.emergency_stop()
-        self._give_up("emergency stop: all joints were let go")
+        self._give_up("emergency stop: all joints are off")
 
     def _give_up(self, why: str) -> None:
         self._armer, self._step, self._told = None, None, why
@@ -137,7 +137,7 @@ class JointPage:
         if self._armer is None or goals is None:
             raise UserError("a step: arm the joints first", NOT_ACHIEVED)
         if self._step is not None:
-            raise UserError("a step is under way: wait for its end", NOT_ACHIEVED)
+            raise UserError("a step is running: wait for its end", NOT_ACHIEVED)
         node, deg = said["node"], said["deg"]
         there = [goal * BRAD_DEG for goal in goals]
         away = [angle + (deg if at == node - 1 else 0.0) for at, angle in enumerate(there)]
@@ -169,10 +169,10 @@ class JointPage:
     def _set_goals(self, motors_deg: list[float]) -> None:
         self._bus.cycle.set_goals([radians(angle) for angle in motors_deg])
 
-    # what the pages are told
+    # the pages' status
 
     def _read_one(self) -> None:
-        """Read the next parameter of the chosen joint, but nothing during a step: the bus is for that."""
+        """Read the next parameter of the chosen joint, but none during a step, which needs the bus."""
         parameter = None if self._step else next(self._reading, None)
         if parameter is None:
             return
@@ -209,7 +209,7 @@ class JointPage:
         }
 
     def _state(self, view: JointView) -> str:
-        """Return a joint's state in words: its fault if it has one."""
+        """Return a joint's state in words, with its fault if it has one."""
         if view.node not in self._bus.link.alive():
             return "not there"
         if view.heartbeat.fault:

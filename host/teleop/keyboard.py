@@ -1,7 +1,7 @@
-"""Keys of a terminal as messages. A terminal tells presses and repeats, never releases.
+"""Keys of a terminal as messages. A terminal reports presses and repeats, never releases.
 
-So a drive key acts while it repeats: each press is one command, and the dead-man ends the walk 300 ms after the last
-one. Body pose, gait and speed share are set in steps and stay.
+So a drive key acts while it repeats: each press is one command, and the dead-man ends the walk 300 ms after the last.
+Body pose, gait and speed share change in steps and stay.
 """
 
 import os
@@ -51,7 +51,7 @@ HELP = (
     ("t g x", "stand up, sit, joints off"),
     ("w s", "forward, back"),
     ("a d", "turn left, right"),
-    ("q e", "step left, right"),
+    ("q e", "sideways left, right"),
     ("z c", "forward in a curve"),
     ("1 .. 9 0", "speed 10 .. 90, 100 %"),
     ("arrows", "pitch and roll"),
@@ -59,14 +59,14 @@ HELP = (
     ("j l n m", "body left, right, ahead, back"),
     ("u o h", "yaw left, right; level"),
     ("y b", "next gait, balance on/off"),
-    ("Ctrl-C", "sit down and leave"),
+    ("Ctrl-C", "sit down and end"),
 )
 _KEY = re.compile(rb"\x1b\[[ABCD]|\x1bO[ABCD]|\x1b\[[0-9;]*.?|[\x00-\x7f]|[\x80-\xff]+")
 _ARROWS = {b"A": "up", b"B": "down", b"C": "right", b"D": "left"}
 
 
 def keys_of(data: bytes) -> list[str]:
-    """Return the names of the keys in what a terminal sent; what is none of ours becomes ""."""
+    """Return the names of the keys in a terminal's input; other keys become ""."""
     names = []
     for part in _KEY.findall(data):
         if part.startswith((b"\x1b[", b"\x1bO")):
@@ -78,7 +78,7 @@ def keys_of(data: bytes) -> list[str]:
 
 @dataclass
 class Keys:
-    """What the keys have set so far. ``fastest`` tells what the gait walks at most: m/s ahead and aside, rad/s."""
+    """What the keys have set so far. ``fastest`` returns the gait's top speeds: m/s forward and sideways, rad/s."""
 
     robot: Robot
     gait: str
@@ -93,7 +93,7 @@ class Keys:
         return (limits.x_m, limits.y_m, limits.z_m, *limits.angles_rad)
 
     def message(self, key: str) -> Message | None:
-        """Return what a key says, or None."""
+        """Return a key's message, or None."""
         if key == " ":
             return {"type": "stop"}
         if key == "r":
@@ -110,7 +110,7 @@ class Keys:
         return self._stick(key)
 
     def _stick(self, key: str) -> Message | None:
-        """Return the sticks for a key of speed or pose."""
+        """Return the stick command for a key of speed or pose."""
         if key in DRIVE_KEYS:
             return self._drive(*DRIVE_KEYS[key])
         if key in POSE_KEYS:
@@ -151,7 +151,7 @@ class Keyboard:
         return self._descriptor
 
     def messages(self) -> list[Message]:
-        """See hub.Input: the last drive key of a burst counts, all others each."""
+        """See hub.Input: of a burst only the last drive key counts, but all other keys count."""
         data = os.read(self._descriptor, LONGEST_READ)
         if not data:
             raise OSError("the terminal is gone")

@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a terminal that goes away: they wake the loop and are counted. Once is sit down, twice let go."""
+"""Ctrl-C, SIGTERM and a terminal that goes away wake the loop and are counted: once to sit down, twice to let go."""
 
 import signal
 import socket
@@ -9,13 +9,13 @@ from typing import Self
 from ..control.arbiter import Client
 from ..control.messages import Message
 
-# SIGHUP is what a closed terminal or a broken ssh sends.
+# A closed terminal or a broken ssh sends SIGHUP.
 LEAVE_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 CHUNK = 64
 
 
 class Leaving:
-    """An input of the hub that says nothing, but wakes it; ``again`` is called at every signal after the first."""
+    """An input of the hub that only wakes it; ``again`` is called at every signal after the first."""
 
     client = Client("keyboard")
 

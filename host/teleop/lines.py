@@ -5,12 +5,12 @@ import socket
 from collections.abc import Iterator
 from typing import Any
 
-LONGEST_BACKLOG = 1 << 16  # bytes a slow reader may leave unread before its news are dropped
-CHUNK = 1 << 11  # read at once: a flood of lines must not hold up a tick
+LONGEST_BACKLOG = 1 << 16  # bytes that a slow reader may leave unread before further news are dropped
+CHUNK = 1 << 11  # bytes read at once, so that a flood of lines can't hold up a tick
 
 
 class Gone(Exception):
-    """The other side has closed, or broke the rules of the connection."""
+    """The other side has closed the connection or broken its rules."""
 
 
 class Lines:
@@ -27,7 +27,7 @@ class Lines:
         return self.socket.fileno()
 
     def receive(self) -> Iterator[bytes]:
-        """Yield the whole lines that are there; Gone if the other side is, or sends a line that is too long."""
+        """Yield the complete lines; Gone if the other side is gone, or sends a line that is too long."""
         try:
             data = self.socket.recv(CHUNK)
         except BlockingIOError:
@@ -44,7 +44,7 @@ class Lines:
             raise Gone
 
     def send(self, value: dict[str, Any]) -> None:
-        """Send an object, or drop it if the other side does not read; Gone if it is."""
+        """Send an object, or drop it if the other side does not read; Gone if the other side is gone."""
         if len(self._unsent) > LONGEST_BACKLOG:
             self.dropped += 1
         else:
@@ -52,7 +52,7 @@ class Lines:
         self.flush()
 
     def flush(self) -> None:
-        """Send what the other side takes now."""
+        """Send as much as the other side takes now."""
         try:
             while self._unsent:
                 del self._unsent[: self.socket.send(self._unsent)]

@@ -10,7 +10,7 @@ LONGEST_LINE = 1 << 16
 
 
 class Link:
-    """The loop's end of things."""
+    """The connection to the loop."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._reader, self._writer = reader, writer
@@ -29,7 +29,7 @@ class Link:
 
 
 async def converse(descriptor: int, serve: Callable[[Link, dict[str, Any]], Awaitable[None]]) -> None:
-    """Serve over an inherited socket; what comes first is the set-up."""
+    """Serve over an inherited socket; the first line is the set-up."""
     stream = socket.socket(fileno=descriptor)
     link = Link(*await asyncio.open_connection(sock=stream, limit=LONGEST_LINE))
     setup = await link.receive()

@@ -1,4 +1,4 @@
-"""Looks at a robot that is driven by another program: what that tells on its socket."""
+"""Watches a robot that another program drives, by the status on that program's socket."""
 
 import json
 import socket
@@ -10,14 +10,14 @@ from typing import Any
 from ..util.errors import NOT_ACHIEVED, UserError
 
 SERVICE = "/run/caramelo/teleop.sock"  # of host/teleop/service/caramelo.service
-ANSWER_S = 3.0  # a drive tells its status 20 times a second
+ANSWER_S = 3.0  # a drive sends its status 20 times a second
 CHUNK = 1 << 16
 
-Seen = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]  # what does not change, the first status, the last
+Seen = tuple[dict[str, Any], dict[str, Any], dict[str, Any]]  # the constant data, the first status, the last
 
 
 def runs(where: str) -> bool:
-    """Return whether a drive may listen there."""
+    """Return whether a drive might listen there."""
     if where.isdigit():
         return True
     try:
@@ -27,7 +27,7 @@ def runs(where: str) -> bool:
 
 
 def seen_on_socket(where: str, seconds: float) -> Seen:
-    """Return what a drive tells on its Unix socket or local port for some time; UserError if nobody does."""
+    """Return a drive's data from its Unix socket or local port over some time; UserError if no drive answers."""
     family, address = (socket.AF_INET, ("127.0.0.1", int(where))) if where.isdigit() else (socket.AF_UNIX, where)
     said: dict[str, list[dict[str, Any]]] = {"hello": [], "status": []}
     try:

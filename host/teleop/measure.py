@@ -11,14 +11,14 @@ from ..control.loop import Loop
 from ..control.messages import Message
 
 SEND_S = 0.1
-STAND_UP_S = 20.0  # a robot that does not stand by then does not come to it
+STAND_UP_S = 20.0  # a robot that does not stand by then will not stand at all
 SPEED_SHARE = 0.5
 CLIENT = Client("script")
 LEVEL = [0.0] * 6
 
 
 class Measure:
-    """Drives for ``seconds`` once the robot stands; ``done`` is true afterwards."""
+    """Drives for ``seconds`` once the robot stands; then ``done`` is true."""
 
     def __init__(self, seconds: float, vx_m_s: float, page_cpu_s: Callable[[], float] = lambda: 0.0) -> None:
         """``page_cpu_s`` returns the processor time that the page's process has used."""
@@ -52,7 +52,7 @@ class Measure:
             self._end(loop, now_s)
 
     def _begin(self, loop: Loop, now_s: float) -> None:
-        """Figures are of the walk: standing up switches torque on, which takes longer than a tick."""
+        """Begin the figures with the walk: standing up switches torque on, which takes longer than a tick."""
         self._began_s, self._wall_s = now_s, now_s
         self._busy_s, self._page_s = time.process_time(), self._page_cpu_s()
         self._ticks_before, self._missed_before = loop.pacer.ticks, loop.pacer.missed
@@ -60,9 +60,9 @@ class Measure:
         loop.pacer.busy_s.clear()
 
     def _give_up(self, loop: Loop, now_s: float) -> None:
-        """A robot with a fault is not measured any further."""
+        """End the measurement if the robot has a fault."""
         self.done = True
-        self.failure = loop.supervisor.reason(now_s) or "it does not stand up"
+        self.failure = loop.supervisor.reason(now_s) or "the robot does not stand up"
         self.figures = loop.timing()
 
     def _stick(self) -> Message:

@@ -3,8 +3,8 @@
 import socket
 from typing import TextIO
 
-BLOCKS = {(0, 0): " ", (1, 0): "▀", (0, 1): "▄", (1, 1): "█"}  # of a module and the one below
-INK, PLAIN = "\x1b[30;107m", "\x1b[0m"  # whatever the terminal's colours are
+BLOCKS = {(0, 0): " ", (1, 0): "▀", (0, 1): "▄", (1, 1): "█"}  # for a module and the one below it
+INK, PLAIN = "\x1b[30;107m", "\x1b[0m"  # independent of the terminal's colours
 QUIET = 2  # modules around it
 
 
@@ -21,12 +21,12 @@ def qr_lines(text: str) -> list[str]:
 
 
 def shows_blocks(stream: TextIO) -> bool:
-    """Return whether somebody sees a stream, and in an encoding that has the blocks."""
+    """Return whether a stream goes to a terminal, in an encoding that has the blocks."""
     return stream.isatty() and (stream.encoding or "").lower().replace("-", "") == "utf8"
 
 
 def own_address() -> str:
-    """Return this machine's address in its network; its name if it has none. Nothing is sent for that."""
+    """Return this machine's address in its network, or its name if it has none. This sends nothing."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect(("192.0.2.1", 9))  # an address for documentation (RFC 5737): only the route is looked up
@@ -36,6 +36,6 @@ def own_address() -> str:
 
 
 def page_address(address: str, port: int, code: str) -> str:
-    """Return what the phone opens: the page behind a listener, with the code where no server is told it."""
+    """Return the address for the phone: the page of a listener, with the code in the part that no server receives."""
     host = own_address() if address in ("0.0.0.0", "::") else address
     return f"http://{f'[{host}]' if ':' in host else host}:{port}/#{code}"

@@ -9,10 +9,10 @@ import sys
 
 from ..control.priority import give_back
 
-NICER = 5  # than a loop that nobody lifted above the others (chosen)
+NICER = 5  # than a loop at ordinary priority (chosen)
 
 if __name__ == "__main__":
-    give_back(NICER)  # before the imports below, which take the better part of a second
+    give_back(NICER)  # before the imports below, which take almost a second
     from .link import converse
 
     server = importlib.import_module(f"{__package__}.{sys.argv[1]}.process")

@@ -1,7 +1,7 @@
-"""One drive from start-up checks to sitting down: bus, sources, page, record and loop put together and apart.
+"""One drive from start-up checks to sitting down: assembles bus, sources, page, record and loop, and ends them.
 
 At the end the joints are let go before anything else. Record, page and screen only listen: they end after that, each
-by itself and within a bound, and one that hangs is left behind.
+by itself and within a time limit, and one that hangs is left behind.
 """
 
 import os
@@ -37,14 +37,14 @@ from .terminal import Screen, raw_keys
 
 STATUS_HZ = 20
 GAMEPAD_HZ = 20
-# Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
+# Walking to a stop, sitting down and letting go take a few seconds; after this time the robot lets go where it is.
 LEAVING_S = 20.0
 END_S = 6.0  # for record, page and screen together; a record on a slow disk takes a while
 
 
 @dataclass(frozen=True)
 class Options:
-    """What was asked for on the command line."""
+    """The options of the command line."""
 
     robot: str = "caramelo"
     web: bool = False
@@ -60,9 +60,9 @@ class Options:
 
 
 class Session:
-    """A drive of a robot through ``hardware``, which is entered when the drive begins.
+    """A drive of a robot with ``hardware``, which is opened when the drive begins.
 
-    ``say`` prints a line of the start-up; ``free`` is called at the end, when the joints are let go.
+``say`` prints a line of the start-up; ``free`` is called at the end, once the joints are let go.
     """
 
     def __init__(
@@ -77,13 +77,13 @@ class Session:
         self.extra = Extra()
         self._leave_s = 0.0
         self._leaving: Leaving | None = None
-        self._closers: dict[str, Callable[[], object]] = {}  # of what listens, by name
+        self._closers: dict[str, Callable[[], object]] = {}  # of the listeners, by name
         self._after: list[Callable[[Loop], None]] = []
         self._screen: Screen | None = None
         self._web: SideProcess | None = None
         self._foxglove: SideProcess | None = None
         self._qr: list[str] = []
-        self._invitation = ""  # for the terminal only: it tells the pairing code
+        self._invitation = ""  # only for the terminal, because it contains the pairing code
         self._measure: Measure | None = None
         self._attitude: Attitude | None = None
         self._stage: Stage | None = None
@@ -91,7 +91,7 @@ class Session:
     def run(self) -> dict[str, Any]:
         """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
         with ExitStack() as stack:
-            # Before the emulated servos start: they inherit it, as they stand for hardware.
+            # Before the emulated servos start, so that they inherit it: they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
             parts = stack.enter_context(self._hardware)
             self._attitude, self._stage = parts.attitude, parts.stage
@@ -112,7 +112,7 @@ class Session:
             return {**self._figures(loop), "left_behind": left}
 
     def _drive(self, stack: ExitStack, hub: Hub, loop: Loop) -> None:
-        """Add what commands and what listens, and go."""
+        """Add the sources and the listeners, and run."""
         self._add_sources(stack, hub, loop)
         self._add_log(loop.supervisor)
         self._leaving = stack.enter_context(Leaving(loop.end))
@@ -146,7 +146,7 @@ class Session:
         self._after.append(_every(rate_hz // STATUS_HZ, lambda loop: self._publish(loop, hub)))
 
     def _add_servers(self, hub: Hub, loop: Loop) -> None:
-        """Serve the page and Foxglove's viewers; both take the same pairing code."""
+        """Serve the page and Foxglove's viewers, with the same pairing code."""
         from .web.access import is_loopback, new_code
         from .web.paired import paired_path
 
@@ -158,7 +158,7 @@ class Session:
         if options.foxglove:
             side = SideProcess(FOXGLOVE, (address, options.foxglove_port), setup)
             self._foxglove = self._serve(side, "Foxglove", hub, loop)
-        who = " (this machine's other users need it)" if is_loopback(address) and not options.foxglove else ""
+        who = " (other users of this machine need it)" if is_loopback(address) and not options.foxglove else ""
         self._invitation = f"pairing code {code}{who}"
         write_error(self._invitation)
         if options.web and not is_loopback(address) and shows_blocks(sys.stderr):
@@ -183,7 +183,7 @@ class Session:
 
         path, keep_GB = record_path(self.options.log), self.options.keep_GB
         if keep_GB is not None and path == self.options.log:
-            raise UserError(f"--keep {keep_GB:g}: only with a folder for --log, not with the file {path}")
+            raise UserError(f"--keep {keep_GB:g}: only with --log FOLDER, not with the file {path}")
         most_bytes = None if keep_GB is None else int(keep_GB * 1e9)
         recorder = Recorder(path, about_record(self.robot, supervisor), most_bytes=most_bytes)
         self._closers["record"] = recorder.close
@@ -199,7 +199,7 @@ class Session:
             self._closers["screen"] = self._screen.close
 
     def _gate(self, loop: Loop) -> Callable[[Client, Message], bool]:
-        """Return the way in for messages: once the session ends, only stops pass."""
+        """Return the entry for messages; once the session ends, it passes only stops."""
 
         def receive(client: Client, message: Message) -> bool:
             if self._must_leave and message["type"] != "stop":
@@ -285,7 +285,7 @@ def resident_kB() -> int:
 
 
 def _every(ticks: int, call: Callable[[Loop], None]) -> Callable[[Loop], None]:
-    """Return ``call`` for one tick of so many."""
+    """Return a function that calls ``call`` once in so many ticks."""
 
     def sometimes(loop: Loop) -> None:
         if loop.pacer.ticks % max(1, ticks) == 0:

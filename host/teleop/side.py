@@ -1,8 +1,7 @@
 """A server's process, kept running: started, watched, and started again when it ends or falls silent.
 
-The page's and that for Foxglove's viewers: each speaks for its clients over a socket of lines (hub.py).
-
-All of it happens in the loop's own thread and nothing of it waits, but for the first start.
+One serves the page, one Foxglove's viewers; each speaks for its clients over a socket of lines (hub.py).
+All this happens in the loop's own thread, and only the first start waits.
 """
 
 import json
@@ -23,18 +22,18 @@ from ..util.child import end_child
 from ..util.errors import UserError
 from .hub import Hub
 
-START_S = 60.0  # takes a second; longer behind other work, because the process is nicer than that (chosen)
+START_S = 60.0  # usually a second, but longer beside other work, because the process has a low priority (chosen)
 END_S = 3.0
 DEFAULT = "127.0.0.1:8080"
-SILENT_S = 5.0  # it speaks once a second (host/teleop/web/process.py); a busy machine may hold it up (chosen)
+SILENT_S = 5.0  # it reports once a second (host/teleop/web/process.py); a busy machine may delay it (chosen)
 AGAIN_S = 1.0  # between its end and the next start
-STEADY_S = 5.0  # after so long it counts as running again
-UNREACHABLE_S = 20.0  # nobody can stop the robot from the page for longer than this (chosen)
+STEADY_S = 5.0  # after this time it counts as running again
+UNREACHABLE_S = 20.0  # the longest time in which nobody can stop the robot from the page (chosen)
 
 
 @dataclass
 class Counts:
-    """What the process tells once a second; ``pages``: its clients."""
+    """The process's report, once a second; ``pages``: its clients."""
 
     pages: int = 0
     refusals: dict[str, int] = field(default_factory=dict)
@@ -43,7 +42,7 @@ class Counts:
 
 @dataclass(frozen=True)
 class Kind:
-    """``source`` is what its clients count as (arbiter.PRIORITY) and the server's folder, ``needs`` its library."""
+    """``source`` is its clients' source (arbiter.PRIORITY) and the server's folder, ``needs`` its library."""
 
     source: str
     needs: str
@@ -58,7 +57,7 @@ FOXGLOVE = Kind("foxglove", "foxglove", "Foxglove server", "ws")
 class SideProcess:
     """The process behind a server.
 
-    ``note`` is what everybody is told of it: the address, or why there is none. ``setup`` is what it gets to know.
+    ``note`` is its line in the status: the address, or why there is none. ``setup`` is the data that the process gets.
     """
 
     def __init__(
@@ -68,24 +67,24 @@ class SideProcess:
         setup: dict[str, Any],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        import_module(kind.needs)  # here, so that a missing extra is told before anything runs
+        import_module(kind.needs)  # here, so that a missing extra is reported before anything runs
         self._kind, (self._address, self._port) = kind, listen
         self._setup = {**setup, "listen": self._address, "port": self._port}
         self._clock = clock
         self.process: subprocess.Popen[bytes] | None = None
         self.note, self.counts = "", Counts()
         self.starts = 0
-        self._runs = self._listens = False  # since it was started; once it said so
+        self._runs = self._listens = False  # since its start; since its own report
         self._began_s = self._heard_s = self._ended_s = 0.0
-        self._lost_s: float | None = None  # since when it has not been steady
+        self._lost_s: float | None = None  # since when it has not run steadily
         self._why = ""
-        self._errors = os.memfd_create("caramelo-side")  # its last words; in memory, so no disk is waited for
+        self._errors = os.memfd_create("caramelo-side")  # its last words; in memory, so that nothing waits for a disk
 
     def start(self, hub: Hub) -> None:
-        """Start the process and give the hub its end of their common socket; what comes of it, it says itself."""
+        """Start the process and give the hub its end of their common socket; the process reports how it goes."""
         ours, theirs = socket.socketpair()
         os.ftruncate(self._errors, 0)
-        # A session of its own: Ctrl-C in the terminal is the loop's to handle.
+        # In a session of its own, because the loop handles Ctrl-C in the terminal.
         self.process = subprocess.Popen(
             [sys.executable, "-m", f"{NAME}.teleop.server", self._kind.source, str(theirs.fileno())],
             pass_fds=[theirs.fileno()],
@@ -104,7 +103,7 @@ class SideProcess:
     def wait(self, hub: Hub, meanwhile: Callable[[], object] = lambda: None) -> None:
         """Wait until it serves for the first time; UserError if it can't.
 
-        ``meanwhile`` is called many times a second: what the joints have told must not grow old by the waiting.
+        ``meanwhile`` is called many times a second, so that the joints' values do not grow old while this waits.
         """
         while not self._listens and not self._why and self._clock() - self._began_s < START_S:
             hub.poll(0.02)
@@ -113,15 +112,15 @@ class SideProcess:
                 self._why = self._why or f"the {self._kind.name}'s process did not start: {self._last_words()}"
         if not self._listens:
             self.close()
-            raise UserError(self._why or f"the {self._kind.name}'s process says nothing for {START_S:.0f} s")
+            raise UserError(self._why or f"the {self._kind.name}'s process has reported nothing for {START_S:.0f} s")
 
     def watch(self, hub: Hub, supervisor: Supervisor) -> None:
-        """Look whether it lives, start it again if not; sit the robot down once it is out of reach for too long."""
+        """Check that it lives, else start it again; sit the robot down once it is out of reach for too long."""
         now_s = self._clock()
         if self._runs and not hub.has_side(self._kind.source) and self._is_over():
             self._lose(hub, self._why or self._last_words())
         elif self._runs and now_s - self._heard_s > (SILENT_S if self._listens else START_S):
-            self._lose(hub, f"the {self._kind.name}'s process has said nothing for {now_s - self._heard_s:.0f} s")
+            self._lose(hub, f"the {self._kind.name}'s process has reported nothing for {now_s - self._heard_s:.0f} s")
         elif self._runs and self._listens and now_s - self._began_s > STEADY_S:
             self._lost_s = None
         elif not self._runs and now_s - self._ended_s > AGAIN_S and self._is_over():
@@ -139,7 +138,7 @@ class SideProcess:
         return self.process is None or self.process.poll() is not None
 
     def _hear(self, news: dict[str, Any]) -> None:
-        """Take what the process says of itself."""
+        """Take the process's report on itself."""
         self._heard_s = self._clock()
         if "error" in news:
             self._why = str(news["error"])
@@ -151,7 +150,7 @@ class SideProcess:
             self.note = self._url() + (f" ({self.counts.trouble})" if self.counts.trouble else "")
 
     def _lose(self, hub: Hub, why: str) -> None:
-        """It is gone, or as good as gone: let nothing be left of it."""
+        """Remove all that is left of a process that is gone or hangs."""
         assert self.process is not None
         hub.lose_side(self._kind.source)
         self.process.kill()
@@ -162,13 +161,13 @@ class SideProcess:
         self.note = f"no {self._kind.name}: {why}; start {self.starts + 1} follows"
 
     def _stand_down(self, supervisor: Supervisor, lost_s: float) -> None:
-        """A robot that stands and that nobody drives any more, nor can reach by this server, sits down and lets go."""
+        """Sit down and let go if the robot stands, nobody drives, and nobody can reach it through this server."""
         if supervisor.armed and supervisor.safety.first is None and supervisor.arbiter.driver is None:
             sentence = f"the {self._kind.name} has been out of reach for {lost_s:.0f} s, and nobody else drives"
             supervisor.safety.raise_fault(Fault("sit", self._kind.name, sentence))
 
     def _last_words(self) -> str:
-        """Return the last line of what it wrote before it died, or how it died."""
+        """Return the last line that it wrote before it died, or how it died."""
         assert self.process is not None
         text = os.pread(self._errors, 1 << 16, max(0, os.fstat(self._errors).st_size - (1 << 16)))
         lines = text.decode(errors="replace").split("\n")

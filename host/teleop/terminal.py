@@ -1,7 +1,7 @@
 """The terminal: keys without Enter, and a screen with the state, the reason, the key map and the loop's figures.
 
 Painting has its own thread, so a slow or halted terminal (ssh over a bad line, Ctrl-S) holds nothing up; it paints the
-newest status. All that the terminal is ever sent during a drive comes from that thread.
+newest status. During a drive only that thread writes to the terminal.
 """
 
 import sys
@@ -25,28 +25,28 @@ BOLD, RED, GREEN, PLAIN = "\x1b[1m", "\x1b[1;97;41m", "\x1b[1;32m", "\x1b[0m"
 
 @contextmanager
 def raw_keys(descriptor: int) -> Iterator[None]:
-    """Take keys one by one, unseen; Ctrl-C still interrupts. The terminal is put back at the end."""
+    """Read keys one by one without echo; Ctrl-C still interrupts. The end restores the terminal."""
     before = termios.tcgetattr(descriptor)
     try:
         tty.setcbreak(descriptor)
         yield
     finally:
-        with suppress(termios.error):  # a terminal that is gone needs nothing put back
-            termios.tcsetattr(descriptor, termios.TCSANOW, before)  # not after what waits: a halted one takes nothing
+        with suppress(termios.error):  # a terminal that is gone needs no restoring
+            termios.tcsetattr(descriptor, termios.TCSANOW, before)  # not after pending output: a halted one takes none
 
 
 class Screen:
     """Paints the newest status a few times a second until it is closed, or the terminal is gone."""
 
     def __init__(self, secret: str = "", picture: Sequence[str] = (), stream: TextIO = sys.stdout) -> None:
-        """``secret`` is shown here and nowhere else: the page's pairing code; ``picture``: where there is room."""
+        """``secret``: the page's pairing code, shown only here; ``picture``: shown if there is room."""
         self._secret, self._picture = secret, list(picture)
         self._stream, self._status = stream, dict[str, Any]()
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._paint, name="screen", daemon=True)
 
     def open(self) -> None:
-        """Switch to the terminal's second page and start."""
+        """Switch to the terminal's alternate screen and start."""
         self._thread.start()
 
     def show(self, status: dict[str, Any]) -> None:
@@ -54,7 +54,7 @@ class Screen:
         self._status = status
 
     def close(self) -> None:
-        """Back to the first page; waits as long as the terminal does."""
+        """Return to the main screen; this waits as long as the terminal does."""
         self._done.set()
         self._thread.join()
 
@@ -71,7 +71,7 @@ class Screen:
             self._write(LEAVE)
 
     def _write(self, text: str) -> bool:
-        """Write to the terminal; False if it is gone, which must not end a drive before the robot has sat down."""
+        """Write to the terminal; False if it is gone, which must not end a drive before the robot sits."""
         try:
             self._stream.write(text)
             self._stream.flush()
@@ -81,7 +81,7 @@ class Screen:
 
 
 def screen_lines(status: dict[str, Any], secret: str = "") -> list[str]:
-    """Return the screen's lines. Texts of the status may come from anywhere: they are shown, never obeyed."""
+    """Return the screen's lines. Texts of the status may come from anywhere, so control characters are escaped."""
     status = {key: " ".join(plain(value).split()) if isinstance(value, str) else value for key, value in status.items()}
     timing, driver = status["timing"], status["driver"]
     mark = RED if status["stop"] or status["fault"] else GREEN if not status["reason"] else BOLD

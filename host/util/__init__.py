@@ -1,1 +1,1 @@
-"""What every folder of the host may use: errors, files, processes, the console."""
+"""Helpers for every folder of the host: errors, files, processes, the console."""

@@ -5,7 +5,7 @@ from typing import Any
 
 
 def end_child(process: subprocess.Popen[Any], patience_s: float) -> None:
-    """Close its input, which tells it to end; kill it if it still runs ``patience_s`` later; close its output."""
+    """Close its input, which makes it end; kill it if it still runs ``patience_s`` later; close its output."""
     if process.stdin is not None:
         process.stdin.close()
     try:

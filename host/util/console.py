@@ -1,6 +1,6 @@
-"""What commands print: results on stdout, progress and errors on stderr, one JSON object when asked for.
+"""The commands' output: results on stdout, progress and errors on stderr, one JSON object with --json.
 
-A text may come from a file, a board or the network and hold what a terminal obeys; nothing of that is printed raw.
+A text may come from a file, a board or the network and contain control characters; they are never printed raw.
 """
 
 import json
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 def plain(text: str) -> str:
-    """Return a text that a terminal only shows: what can't be printed is written as its escape, but tabs and line ends.
+    """Return a text that a terminal only shows: writes unprintable characters as escapes, except tabs and line ends.
 
-    That is every control character (ESC and C1 among them), what turns the direction of writing, half a surrogate.
+They are all control characters (ESC and C1 among them), changes of the writing direction, half a surrogate.
     """
     if text.isprintable():
         return text
@@ -28,7 +28,7 @@ def plain(text: str) -> str:
 
 
 def screen() -> "Console":
-    """Return the console for results: what is put into it is text, never markup (use rich's Text for a style)."""
+    """Return the console for results: its input is text, never markup (use rich's Text for a style)."""
     return _console(sys.stdout)
 
 
@@ -45,7 +45,7 @@ def _console(file: TextIO) -> "Console":
 
 
 def make_table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: str = "") -> "Table":
-    """Return rows of cells (rich's Text, or whatever str() tells) below a head; without a head the first is bold."""
+    """Return rows of cells (rich's Text, or anything with str()) below a head; without a head the first is bold."""
     from rich.table import Table
     from rich.text import Text
 
@@ -59,7 +59,7 @@ def make_table(head: Sequence[str], rows: Iterable[Sequence[object]], caption: s
 
 
 def print_table(head: Sequence[str], rows: Iterable[Sequence[object]], width: int = 0) -> None:
-    """Print a table on stdout (see make_table), where the terminal is narrower in ``width`` columns nevertheless."""
+    """Print a table on stdout (see make_table), in ``width`` columns even if the terminal is narrower."""
     console = screen()
     console.width = max(console.width, width)
     console.print(make_table(head, rows), soft_wrap=bool(width))
@@ -78,18 +78,18 @@ def say(text: str) -> None:
 
 
 def write_json(value: Mapping[str, Any]) -> None:
-    """Print exactly one JSON object on one line. NaN and infinity are refused: they are no JSON."""
+    """Print exactly one JSON object on one line. NaN and infinity are refused: they are not JSON."""
     sys.stdout.write(_plain_json(json.dumps(value, ensure_ascii=False, allow_nan=False)) + "\n")
     sys.stdout.flush()
 
 
 def _plain_json(line: str) -> str:
-    """Return the same JSON with what can't be printed escaped as JSON has it; outside strings there is none."""
+    """Return the same JSON with unprintable characters as JSON escapes; they occur only in strings."""
     return "".join(char if char.isprintable() else json.dumps(char)[1:-1] for char in line)
 
 
 def end_output() -> str:
-    """Write out what stdout still holds; return "", or in one line why that fails: then all that comes is dropped."""
+    """Flush stdout; return "", or in one line why that fails: then all later output is dropped."""
     try:
         sys.stdout.flush()
     except OSError as error:
@@ -100,13 +100,13 @@ def end_output() -> str:
 
 def write_error(sentence: str) -> None:
     """Print one line on stderr, with the command's name in front."""
-    with suppress(OSError):  # a terminal that is gone, a full disk: nobody is left to be told
+    with suppress(OSError):  # a terminal that is gone, a full disk: nobody could read it
         sys.stderr.write(f"caramelo: {plain(' '.join(sentence.split()))}\n")
         sys.stderr.flush()
 
 
 def write_note(what: str) -> None:
-    """Tell on stderr what is being done, if somebody watches."""
+    """Print on stderr what the command is doing, if it is a terminal."""
     if sys.stderr.isatty():
         sys.stderr.write(f"{plain(what)} ...\n")
         sys.stderr.flush()
@@ -114,9 +114,9 @@ def write_note(what: str) -> None:
 
 @contextmanager
 def progress(title: str, total: float) -> Iterator[Callable[..., None]]:
-    """Yield a function to be called with the part of ``total`` done so far; a bar shows it on a terminal only.
+    """Yield a function to call with the part of ``total`` done so far; only on a terminal a bar shows it.
 
-    Called with a text too it shows that behind the title.
+A text as second argument appears behind the title.
     """
     if not sys.stderr.isatty():
         yield lambda done, what="": None

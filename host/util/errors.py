@@ -1,4 +1,4 @@
-"""What goes wrong through the user's input or machine, as one sentence and an exit code.
+"""Errors of the user's input or machine, as one sentence and an exit code.
 
 Exit codes of the command: 0 done, 1 not achieved, 2 wrong use or bad input, 130 stopped by Ctrl-C,
 129 and 143 by SIGHUP (the terminal is gone) and SIGTERM.

@@ -1,4 +1,4 @@
-"""Which optional part of the installation a missing library belongs to (pyproject.toml, optional-dependencies)."""
+"""Finds the optional part of the installation for a missing library (pyproject.toml, optional-dependencies)."""
 
 from importlib.util import find_spec
 
@@ -33,7 +33,7 @@ EXTRA_OF = {
 
 
 def missing_library(error: ModuleNotFoundError) -> UserError | None:
-    """Return what to tell the user if an extra is not installed, None if the module is missing for no such reason."""
+    """Return the error for a missing extra, None if the module is missing for another reason."""
     library = (error.name or "").partition(".")[0]
     extra = EXTRA_OF.get(library)
     if extra is None:
@@ -42,14 +42,14 @@ def missing_library(error: ModuleNotFoundError) -> UserError | None:
 
 
 def not_installed(library: str) -> str | None:
-    """Return how to install a library that is not here; None if it is."""
+    """Return how to install a missing library; None if it is installed."""
     return None if find_spec(library) else f"{library} is not installed: {how_to_get(library)}"
 
 
 def how_to_get(library: str) -> str:
-    """Return how to install the extra that a library belongs to: by make in a checkout, else by pip."""
+    """Return how to install a library's extra: with make in a checkout, else with pip."""
     extra = EXTRA_OF[library]
     if (ROOT / "Makefile").exists() and (ROOT / "pyproject.toml").exists():
         return f"run make setup EXTRAS={extra} in the project's folder"
-    wheel = "with the wheel's file in place of the name if you installed from one"
+    wheel = "with the wheel's file instead of the name if you installed from one"
     return f"run pip install 'caramelo-robot[{extra}]', {wheel}"

@@ -1,4 +1,4 @@
-"""Files appear whole or not at all: written beside their place under a hidden name, then renamed."""
+"""Files appear complete or not at all: they are written beside their place under a hidden name, then renamed."""
 
 import os
 import tomllib
@@ -15,19 +15,19 @@ TOO_DEEP = "its tables or lists are nested too deeply"
 
 
 def check_folder(flag: str, path: Path | None) -> None:
-    """Refuse a folder that results can't be written to before hours of work are lost to it; make nothing yet."""
+    """Refuse a folder that can't take results before hours of work would be lost; create nothing yet."""
     if path is None:
         return
     there = next(place for place in (path.absolute(), *path.absolute().parents) if place.exists())
     if not there.is_dir():
         raise UserError(f"{flag} {path}: {there} is a file: name a folder")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise UserError(f"{flag} {path}: {there} may not be written by you: name another folder")
+        raise UserError(f"{flag} {path}: you may not write to {there}: name another folder")
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Turn what the system refuses while ``path`` is written into one sentence."""
+    """Turn the system's errors while writing ``path`` into one sentence."""
     try:
         yield
     except OSError as error:
@@ -35,22 +35,22 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def file_name(foreign: str) -> str:
-    """Return a name that came from a file or a board as the name of one file: it can lead nowhere else.
+    """Return a name from a file or a board as the name of one file, which can't lead elsewhere.
 
-    All but ASCII letters, digits and ``_.-~`` is written as ``%2F`` and the like, a dot in front too: different names
-    stay different.
+All but ASCII letters, digits and ``_.-~`` becomes ``%2F`` and the like, also a leading dot; different names stay
+different.
     """
     name = quote(foreign.encode("utf-8", "surrogatepass"), safe="")
     return f"%2E{name[1:]}" if name.startswith(".") else name or "%"
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the tables of a TOML file; OSError if it can't be read, ValueError if it is none."""
+    """Return the tables of a TOML file; OSError if it can't be read, ValueError if it is not TOML."""
     return parse_toml(path.read_bytes().decode())
 
 
 def parse_toml(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML file's text; ValueError if it is none."""
+    """Return the tables of a TOML file's text; ValueError if it is not TOML."""
     try:
         tables = tomllib.loads(text)
     except RecursionError:
@@ -82,7 +82,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file whole and onto the disk, or not at all."""
+    """Write a complete file and sync it to the disk, or write nothing."""
     with atomic_path(path) as draft, draft.open("wb") as file:
         file.write(content)
         file.flush()
@@ -90,5 +90,5 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 
 def write_text(path: Path, content: str) -> None:
-    """Write a UTF-8 text file whole and onto the disk, or not at all."""
+    """Write a complete UTF-8 text file and sync it to the disk, or write nothing."""
     write_bytes(path, content.encode())

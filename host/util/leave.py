@@ -1,4 +1,4 @@
-"""A command told to end (SIGTERM) or without its terminal (SIGHUP) ends as with Ctrl-C: nothing is left behind."""
+"""A command ends on SIGTERM or SIGHUP (the terminal is gone) as with Ctrl-C: nothing is left behind."""
 
 import signal
 import threading
@@ -13,13 +13,13 @@ LEAVE_SIGNALS = (signal.SIGTERM, signal.SIGHUP)
 def heard_signals() -> Iterator[list[int]]:
     """Raise KeyboardInterrupt in the block at the first of the signals; yield the numbers heard.
 
-    One that is ignored stays so, as nohup wants it. Only the main thread hears signals.
+    An ignored signal stays ignored, as nohup needs. Only the main thread receives signals.
     """
     heard: list[int] = []
 
     def leave(number: int, frame: FrameType | None) -> None:
         heard.append(number)
-        if len(heard) == 1:  # a second one must not disturb the tidying up
+        if len(heard) == 1:  # a second one must not disturb the clean-up
             raise KeyboardInterrupt
 
     main = threading.current_thread() is threading.main_thread()

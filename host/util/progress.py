@@ -1,4 +1,4 @@
-"""How far a command is that works on many cases for minutes: a bar on a terminal, else lines on stderr."""
+"""Progress of a command that works on many cases for minutes: a bar on a terminal, else lines on stderr."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -6,13 +6,13 @@ from contextlib import contextmanager
 
 from .console import progress
 
-# Called with the number of the case, of how many, and its name if it has one.
+# Called with the number of the case, the number of cases, and the case's name if it has one.
 Tell = Callable[[int, int, str], None]
 
 
 @contextmanager
 def cases(title: str) -> Iterator[Tell]:
-    """Yield what is to be told of each case; stdout is left to the result."""
+    """Yield the function to call for each case; stdout stays free for the result."""
     with progress(title, 1.0) as bar:
 
         def tell(number: int, total: int, name: str = "") -> None:
@@ -25,7 +25,7 @@ def cases(title: str) -> Iterator[Tell]:
 
 @contextmanager
 def stages(title: str, quiet: bool = False) -> Iterator[Callable[[str, float], None]]:
-    """Yield what is to be told of each stage and how much of it, 0 .. 1, is done; ``quiet``: no lines."""
+    """Yield the function to call with each stage and its progress, 0 .. 1; ``quiet``: no lines."""
     last = ""
     with progress(title, 1.0) as bar:
 
@@ -40,6 +40,6 @@ def stages(title: str, quiet: bool = False) -> Iterator[Callable[[str, float], N
 
 
 def write_step(what: str) -> None:
-    """Print on stderr what a command of minutes is about to do."""
+    """Print the next step of a long command on stderr."""
     sys.stderr.write(f"{what}\n")
     sys.stderr.flush()

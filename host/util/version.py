@@ -1,4 +1,4 @@
-"""Which versions run here: of this software, of Python, and whether the core is machine code or its sources."""
+"""The versions in use: this software, Python, and whether the core is machine code or its sources."""
 
 import platform
 from importlib.metadata import version

@@ -33,7 +33,7 @@ class Fault:
 
 @record
 class Reply:
-    """What the joint measured at the last SYNC."""
+    """The joint's measurements at the last SYNC."""
 
     position: int = field("brad = 2^-16 turn", "-32767 .. 32767 or -32768 (not_available)", -32768)
     velocity: int = field("2^-12 turn/s", "-32767 .. 32767 or -32768 (not_available)", -32768)
@@ -42,7 +42,7 @@ class Reply:
 
 @record
 class SlowStatus:
-    """Temperatures, voltage, limits acting, loss counters."""
+    """Temperatures, voltage, active limits, loss counters."""
 
     winding_temperature: int = field("2^-4 degC", "-4095 .. 4095 or -4096 (not_available)", -4096)
     mcu_temperature: int = field("2^-4 degC", "-4095 .. 4095 or -4096 (not_available)", -4096)
@@ -66,7 +66,7 @@ class Heartbeat:
 
 @record
 class ServiceRequest:
-    """Request of the host to one node, or to all with node 0."""
+    """Request of the host to one node, or with node 0 to all."""
 
     command: int = field("", "1 .. 14")
     sequence: int = field("", "0 .. 255")
@@ -88,7 +88,7 @@ class ServiceResponse:
 
 @record
 class UpdateRequest:
-    """Firmware over the bus: what the host asks of one joint."""
+    """Firmware over the bus: request of the host to one joint."""
 
     command: int = field("", "1 .. 8")
     key: int = field("", "0 .. 255")
@@ -109,7 +109,7 @@ class UpdateBlock:
 
 @record
 class UpdateMissing:
-    """Blocks that the joint has not got."""
+    """Blocks that the joint lacks."""
 
     first: int = field("", "0 .. 131071")
     second: int = field("", "0 .. 131071")

@@ -258,7 +258,7 @@ def test_what_the_system_refuses_is_a_line(run, monkeypatch):
         raise OSError(28, "No space left on device", "/tmp/x")
 
     monkeypatch.setattr("host.robot.file.robot_names", full)
-    assert run("robots") == (1, "", "caramelo: /tmp/x: the system refuses: No space left on device\n")
+    assert run("robots") == (1, "", "caramelo: /tmp/x: the system refused: No space left on device\n")
 
 
 def test_ctrl_c_while_the_command_is_imported_is_a_line():

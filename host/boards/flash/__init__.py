@@ -1,1 +1,1 @@
-"""Flashing: firmware onto a board over its serial prompt, into the slot that is not in use, and back when it fails."""
+"""Flashing: firmware onto a board over its serial prompt, into the unused slot, and back if it fails."""

@@ -1,4 +1,4 @@
-"""What a board may answer: its lines are read against these shapes before anything is done with them."""
+"""The shapes of a board's answers: its lines are checked against them before anything uses them."""
 
 from typing import Annotated
 
@@ -17,19 +17,19 @@ def _slot_number(letter: object) -> int:
 
 
 class Answer(BaseModel):
-    """What belongs to it is there, of its kind; nothing is turned into another kind."""
+    """Common to all answers: every field is there and has its type; no type is converted."""
 
     model_config = ConfigDict(strict=True, frozen=True)
 
 
 class Truth(Answer):
-    """The answer to a question."""
+    """The answer to a yes-no question."""
 
     yes: bool
 
 
 class Sectors(Answer):
-    """What is to be erased, from low to high."""
+    """The sectors to erase, from low to high."""
 
     sectors: list[Sector]
 
@@ -41,7 +41,7 @@ class Log(Answer):
 
 
 class Held(Answer):
-    """What a slot holds."""
+    """The content of a slot."""
 
     build: str
     version: str
@@ -49,7 +49,7 @@ class Held(Answer):
 
 
 class Report(Answer):
-    """What the running firmware says of its start; ``error`` is empty and ``self_test`` "" when all went well."""
+    """The running firmware's report on its start; ``error`` and ``self_test`` are empty if all went well."""
 
     slot: Annotated[int, BeforeValidator(_slot_number)]
     stage: str
@@ -64,7 +64,7 @@ class Report(Answer):
 
 
 class Survey(Answer):
-    """What a board is. ``wished`` is the last boot record: slot and starts left; None without one."""
+    """What a board is. ``wished`` is the last boot record: slot and remaining starts; None without one."""
 
     version: tuple[int, int, int]
     report: Report
@@ -79,10 +79,10 @@ class Survey(Answer):
 
     @property
     def other(self) -> int:
-        """The slot that does not run, and so the one that can be written."""
+        """The slot that does not run, which can therefore be written."""
         return 1 - self.report.slot
 
     @property
     def settled(self) -> bool:
-        """Return True if the running slot is to stay."""
+        """Return True if the running slot is confirmed."""
         return self.wished in (None, (self.report.slot, CONFIRMED))

@@ -1,6 +1,6 @@
-"""A board from the host: what runs and lies on it, and writing the slot that does not run, by scripts at its prompt.
+"""A board seen from the host: reads what it holds and runs, and writes the other slot, by scripts at its prompt.
 
-The scripts only call firmware/startup.py and firmware/update.py, which are frozen into what runs there.
+The scripts only call firmware/startup.py and firmware/update.py, which are frozen into the board's firmware.
 """
 
 import base64
@@ -45,11 +45,11 @@ answer({"sectors": u.begin(binascii.a2b_base64(%r), False)})
 
 
 class NoFirmware(BoardError):
-    """MicroPython answers, but our part of what is frozen into it does not."""
+    """MicroPython answers, but our firmware in it does not."""
 
 
 class Board:
-    """The board behind ``link``, whose prompt is there; each call is one or more scripts."""
+    """The board behind ``link``, which is at its prompt; each call runs one or more scripts."""
 
     def __init__(self, link: BoardLink) -> None:
         self.link = link
@@ -66,11 +66,11 @@ class Board:
         return self.link.ask(_SURVEY, Survey)
 
     def report(self) -> Report:
-        """Return what the running firmware says of its start."""
+        """Return the running firmware's report on its start."""
         return self.link.ask("answer(start.report())", Report)
 
     def is_whole(self, slot: int) -> bool:
-        """Return True if the image in a slot is what its header says, as the board reads it."""
+        """Return True if the board reads the image in a slot as its header says."""
         script = f"answer({{'yes': bool(u.is_whole({slot}, start.feed))}})"
         return self.link.ask(script, Truth, HASH_TIMEOUT_S).yes
 
@@ -103,21 +103,21 @@ class Board:
         self.link.run("u.activate()")
 
     def go_back(self) -> None:
-        """Let the other slot start next, for good."""
+        """Let the other slot start next, permanently."""
         self.link.run("u.go_back()")
 
     def confirm(self) -> None:
-        """Let the running slot stay."""
+        """Confirm the running slot."""
         self.link.run("u.confirm()")
 
     def set_node(self, node: int) -> None:
-        """Leave the joint's id for its next start; BoardError if the settings are full."""
+        """Store the joint's id for its next start; BoardError if the settings are full."""
         script = f"answer({{'yes': bool(start.journal.put('node', bytes([{node}])))}})"
         if not self.link.ask(script, Truth).yes:
-            raise BoardError(f"{self.link.port}: the id was not kept: reset the board, then flash again")
+            raise BoardError(f"{self.link.port}: the board did not store the id: reset it, then flash again")
 
     def node_waits(self) -> bool:
-        """Return True if the joint has not taken over the id that was left for it."""
+        """Return True if the joint has not taken over the stored id."""
         return self.link.ask("answer({'yes': bool(start.journal.get('node'))})", Truth).yes
 
     def log(self) -> str:

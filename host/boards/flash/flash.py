@@ -1,7 +1,7 @@
-"""Flashes one board: look, decide, write the slot that does not run, compare, switch, start, ask back, confirm.
+"""Flashes one board: look, decide, write the slot that does not run, compare, switch, start, ask, confirm.
 
-At any moment the board starts a whole firmware: until the boot record is written the old one, from then on the new
-one, and the old one again if the new one is not confirmed.
+At any moment the board starts a complete firmware: until the boot record is written the old one, then the new one, and
+the old one again if the new one is not confirmed.
 """
 
 import contextlib
@@ -19,15 +19,15 @@ from .answers import Report, Survey
 from .board import Board, NoFirmware
 from .link import BoardError, BoardLink
 
-SETTLE_S = 6.0  # waited for the board to say that it started; what it says before USB is open is lost (chosen)
-GRACE_S = 1.0  # in which an application that can't run fails (chosen)
+SETTLE_S = 6.0  # to wait for the board's message that it started; messages before USB is open are lost (chosen)
+GRACE_S = 1.0  # within this time an application that can't run fails (chosen)
 ANSWER_TRIES = TRIAL_STARTS + 3
 MOTOR_OFF_MV = 5500  # USB alone may lift a board's supply to 5 V (assumed); motors run from 12 V up
 
 
 @dataclass(frozen=True)
 class Wish:
-    """What is to be on the board."""
+    """The firmware and id that the board should have."""
 
     image: ImageFile
     node: int | None = None
@@ -36,7 +36,7 @@ class Wish:
 
 @dataclass
 class Outcome:
-    """What was done to a board, and what it answers now. ``bytes`` went into the slot; 0 if it held them already."""
+    """What was done to a board, and its answer now. ``bytes`` were written; 0 if the slot already held them."""
 
     port: str
     build: str
@@ -49,11 +49,11 @@ class Outcome:
     self_test: str | None = None
 
 
-Progress = Callable[[float, float], None]  # bytes done, bytes in all
+Progress = Callable[[float, float], None]  # bytes done, total bytes
 
 
 def flash(port: str, wish: Wish, progress: Progress = lambda done, total: None) -> Outcome:
-    """Bring one board to what is wished. UserError before anything is written, BoardError after."""
+    """Bring one board to the wanted state. UserError before anything is written, BoardError after."""
     with BoardLink(port) as link:
         try:
             return _flash(link, wish, progress)
@@ -91,16 +91,16 @@ def _flash(link: BoardLink, wish: Wish, progress: Progress) -> Outcome:
 
 
 def check_board(port: str, wish: Wish, survey: Survey) -> None:
-    """UserError if the image is not for this board or these sources, or if the motor is fed."""
+    """UserError if the image is not for this board or these sources, or if the motor supply is on."""
     about, report = wish.image.about, survey.report
     if report.board != about.board:
-        raise UserError(f"{port}: is a {report.board}; the image is for a {about.board}, the role {about.role}")
+        raise UserError(f"{port}: is a {report.board}, but the image is for a {about.board}, role {about.role}")
     if wish.node is not None and about.role != "joint":
-        raise UserError(f"--id {wish.node}: only joints have one; this is an image for the role {about.role}")
+        raise UserError(f"--id {wish.node}: only for joints; this image is for the role {about.role}")
     if about.protocol not in (None, PROTOCOL_HASH):
         raise UserError(
             f"{port}: the image speaks protocol {about.protocol:#x}, this computer {PROTOCOL_HASH:#x}: "
-            f"build the image anew (caramelo firmware image)"
+            f"build the image again (caramelo firmware image)"
         )
     if survey.supply_mV is not None and survey.supply_mV > MOTOR_OFF_MV:
         raise UserError(
@@ -109,15 +109,15 @@ def check_board(port: str, wish: Wish, survey: Survey) -> None:
 
 
 def _holds(board: Board, survey: Survey, slot: int, image: ImageFile) -> bool:
-    """Return True if a slot holds its half of the image already, to the byte."""
+    """Return True if a slot already holds its half of the image, to the byte."""
     held = survey.slots[slot]
     return held is not None and held.sha256 == image.header(slot).sha256.hex() and board.is_whole(slot)
 
 
 def _back_to_settled(link: BoardLink, board: Board, survey: Survey) -> tuple[Board, Survey]:
-    """Let a board on trial start the slot that worked before: the running one can't be written, and is not trusted."""
+    """Let a board on trial start the slot that worked before: the running one can't be written and is not confirmed."""
     if survey.slots[survey.other] is None or not board.is_whole(survey.other):
-        return board, survey  # there is nothing to go back to
+        return board, survey  # no slot to go back to
     board.go_back()
     link.reset()
     board = _started(link)
@@ -125,7 +125,7 @@ def _back_to_settled(link: BoardLink, board: Board, survey: Survey) -> tuple[Boa
 
 
 def _confirm(link: BoardLink, wish: Wish, target: int, outcome: Outcome) -> None:
-    """Wait until the new firmware runs, check what it says of itself, confirm it and start it for good."""
+    """Wait until the new firmware runs, check its report, confirm it and start it permanently."""
     board, report = _running(link, target)
     outcome.version, outcome.protocol = report.version, report.protocol
     outcome.self_test = "passed"
@@ -143,14 +143,14 @@ def _confirm(link: BoardLink, wish: Wish, target: int, outcome: Outcome) -> None
 
 
 def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
-    """Return the report of the wanted slot once its application ran; BoardError when the board went back."""
+    """Return the report of the wanted slot once its application has run; BoardError if the board went back."""
     report: Report | None = None
     for _ in range(ANSWER_TRIES):
         try:
             board = _started(link)
             report = board.report()
         except NoFirmware:
-            link.reset()  # it can't even be asked: its starts have to be used up
+            link.reset()  # it can't even be asked: use up its starts
             continue
         except UserError:
             link.close()  # it reset in the middle of an answer
@@ -160,7 +160,7 @@ def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
             return board, report
         if ran or (report.stage == FAILED and report.confirmed):
             break
-        link.reset()  # stopped on its way, or failed: it starts again, three times at most
+        link.reset()  # interrupted or failed: it starts again, three times at most
     why = _last_line(link)
     _leave_running(link)
     if report is None:
@@ -172,7 +172,7 @@ def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
 
 
 def _started(link: BoardLink) -> Board:
-    """Return the board once it is back and says that its application has started, a moment later."""
+    """Return the board once it is back and a moment after it reports that its application has started."""
     link.wait_until_back()
     heard = bytearray()
 
@@ -187,7 +187,7 @@ def _started(link: BoardLink) -> Board:
 
 
 def _last_line(link: BoardLink) -> str:
-    """Return the last line that tells of a failure in the board's log, with a colon in front."""
+    """Return the last line about a failure in the board's log, after a colon."""
     with contextlib.suppress(UserError):
         link.interrupt()
         lines = [line for line in Board(link).log().splitlines() if "was not confirmed" not in line]

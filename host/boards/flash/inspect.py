@@ -1,4 +1,4 @@
-"""What a board says of itself: its MicroPython, its slots, its log."""
+"""A board's report on itself: its MicroPython, its slots, its log."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from .link import BoardLink
 
 
 def describe(port: str) -> dict[str, Any]:
-    """Return what a board is and holds; it is started again afterwards."""
+    """Return what a board is and holds; then start it again."""
     with BoardLink(port) as link:
         survey = Board(link).survey()
         link.reset()
@@ -36,7 +36,7 @@ def _held(held: Held | None) -> str:
 
 
 def read_log(port: str) -> list[str]:
-    """Return the lines of a board's log; it is started again afterwards."""
+    """Return the lines of a board's log; then start it again."""
     with BoardLink(port) as link:
         text = Board(link).log()
         link.reset()
@@ -44,7 +44,7 @@ def read_log(port: str) -> list[str]:
 
 
 def restart(port: str) -> None:
-    """Reset a board and wait until it is there again."""
+    """Reset a board and wait until it is back."""
     with BoardLink(port) as link:
         link.reset()
         link.wait_until_back()

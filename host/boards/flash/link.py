@@ -1,4 +1,4 @@
-"""A board's prompt on a serial port, through mpremote's transport. Every wait is bounded, every failure a sentence."""
+"""A board's prompt on a serial port, with mpremote's transport. Every wait is bounded, every failure a sentence."""
 
 import contextlib
 import errno
@@ -25,7 +25,7 @@ Shape = TypeVar("Shape")
 
 
 class BoardError(UserError):
-    """The board failed in the middle of something, as opposed to wrong use."""
+    """The board failed during an operation, as opposed to wrong use."""
 
     def __init__(self, sentence: str) -> None:
         super().__init__(sentence, NOT_ACHIEVED)
@@ -68,11 +68,11 @@ class BoardLink:
             raise UserError(f"{self.port}: {_refusal(self.port, error)}") from error
 
     def interrupt(self) -> None:
-        """Open the port if need be, stop what runs on the board and get its prompt."""
+        """Open the port if needed, stop the program on the board and get its prompt."""
         from mpremote.transport import TransportError
 
         self.open()
-        with self._failures(), contextlib.redirect_stdout(None):  # it prints what it did not understand
+        with self._failures(), contextlib.redirect_stdout(None):  # it prints bytes that it did not understand
             try:
                 self._link.enter_raw_repl(soft_reset=False, timeout_overall=PROMPT_TIMEOUT_S)
             except TransportError:
@@ -90,7 +90,7 @@ class BoardLink:
         return str(output.decode("utf-8", "replace"))
 
     def ask(self, script: str, shape: type[Shape], timeout_s: float = STEP_TIMEOUT_S) -> Shape:
-        """Run a script that answers with one marked line of JSON, and return that; BoardError if it has another shape.
+        """Run a script that answers with one marked line of JSON, and return it; BoardError if it has another shape.
 
         ``shape``: a class or type as pydantic takes it (answers.py).
         """
@@ -113,7 +113,7 @@ class BoardLink:
         self.close()
 
     def listen(self, seconds: float, take: Callable[[bytes], bool] = lambda data: False) -> None:
-        """Read what the board says for so long, or until ``take`` returns True."""
+        """Read the board's output for this long, or until ``take`` returns True."""
         self.open()
         end = time.monotonic() + seconds
         with self._failures():
@@ -141,16 +141,16 @@ class BoardLink:
                 time.sleep(0.1)
 
     def close(self) -> None:
-        """Let the port go, as it is."""
+        """Close the port without any other step."""
         link, self._link = self._link, None
         if link is not None:
-            with contextlib.suppress(OSError):  # a board that is gone can't be told
+            with contextlib.suppress(OSError):  # the board may be gone
                 _unlock(link.serial)
                 link.close()
 
     @contextlib.contextmanager
     def _failures(self) -> Iterator[None]:
-        """Turn what can go wrong on a serial line into one sentence."""
+        """Turn the errors of a serial line into one sentence."""
         import serial
         from mpremote.transport import TransportError
 
@@ -162,16 +162,16 @@ class BoardLink:
         except (TransportError, struct.error) as error:
             self.close()
             raise BoardError(
-                f"{self.port}: the board does not answer as MicroPython does: is it the right port? "
-                f"Reset the board and try again; a board without MicroPython: docs/flashing.md"
+                f"{self.port}: the board does not answer like MicroPython: check that this is its port. "
+                f"Reset it and try again; for a board without MicroPython see docs/flashing.md"
             ) from error
 
 
 def _unreadable(port: str, first: Mapping[str, Any]) -> BoardError:
     """Return what is wrong with an answer; ``first`` is pydantic's first complaint."""
     place = ".".join(str(part) for part in first["loc"])
-    return BoardError(f"{port}: what the board answers can't be read: {place}: {first['msg']}: reset it and try again; "
-                      f"if it stays, install its MicroPython anew (docs/flashing.md)"[:400])
+    return BoardError(f"{port}: the board's answer can't be read: {place}: {first['msg']}: reset it and try again; "
+                      f"if that does not help, install its MicroPython again (docs/flashing.md)"[:400])
 
 
 def check_port(port: str) -> None:
@@ -181,11 +181,11 @@ def check_port(port: str) -> None:
     if not os.path.exists(port):
         raise UserError(f"{port}: no such port: {_ports()}")
     if not os.access(port, os.R_OK | os.W_OK):
-        raise UserError(f"{port}: no permission: sudo usermod -aG dialout $USER, then log in again")
+        raise UserError(f"{port}: no permission: run sudo usermod -aG dialout $USER, then log in again")
 
 
 def _refusal(port: str, error: BaseException) -> str:
-    """Return why a port that exists could not be opened; mpremote does not tell."""
+    """Return why an existing port could not be opened; mpremote does not say."""
     import serial
 
     try:
@@ -194,12 +194,12 @@ def _refusal(port: str, error: BaseException) -> str:
         if cause.errno in (errno.EAGAIN, errno.EWOULDBLOCK, errno.EBUSY) or "lock" in str(cause):
             return "another program uses it: close it (a terminal, an editor, another caramelo), then try again"
         if cause.errno in (errno.EACCES, errno.EPERM):
-            return "no permission: sudo usermod -aG dialout $USER, then log in again"
+            return "no permission: run sudo usermod -aG dialout $USER, then log in again"
     return f"can't be opened ({error}): plug the board in again"
 
 
 def _unlock(port: Any) -> None:
-    """Give up the port's lock now: closing alone leaves it with a child process that was forked a moment ago."""
+    """Release the port's lock now: closing alone leaves it to a child process that was forked a moment ago."""
     if isinstance(getattr(port, "fd", None), int):
         fcntl.flock(port.fd, fcntl.LOCK_UN)
 
@@ -212,9 +212,9 @@ def found_ports() -> list[str]:
 
 
 def _ports() -> str:
-    """Return what to plug in or which ports there are."""
+    """Return what to plug in, or which ports there are."""
     found = found_ports()
-    return f"there are {', '.join(found)}" if found else "is the board plugged in? No USB serial port is here"
+    return f"there are {', '.join(found)}" if found else "plug the board in: this machine has no USB serial port"
 
 
 def _os_error(words: str) -> int:

@@ -1,8 +1,8 @@
-"""Flashes the joints of a robot over their bus: one image goes to all of them at once, each asks for what it missed.
+"""Flashes the joints of a robot over their bus: one image goes to all at once, and each asks for the blocks it missed.
 
-Nothing is written before every joint has let the image's header pass, and none is switched over before all hold the
-whole image: until then a failure leaves all joints with their old firmware. After that each joint starts the new one on
-trial and is confirmed when it tells that it runs; one that does not start it goes back by itself.
+Nothing is written before every joint has accepted the image's header, and none is switched over before all have the
+whole image: until then a failure leaves all joints with their old firmware. Then each joint starts the new one on trial
+and is confirmed once it reports that it runs; a joint that does not start it goes back by itself.
 """
 
 import struct
@@ -22,34 +22,34 @@ from ...util.errors import NOT_ACHIEVED, UserError
 from ..build.image_file import ImageFile
 
 FIRST_WORD, LAST_WORD = 5, 28  # of a header: protocol, sha256, board, build, version, role
-ERASE_ANSWER_S = 5.0  # a sector takes 2 s at most (DS8626, 128 KiB in words), and the joint tells before each
-VERIFY_S = 0.4  # a sha256 of 448 KiB takes 0.2 s (assumed); asked again after so long
+ERASE_ANSWER_S = 5.0  # a sector takes 2 s at most (DS8626, 128 KiB in words), and the joint reports before each
+VERIFY_S = 0.4  # a sha256 of 448 KiB takes 0.2 s (assumed); the host asks again after this time
 RESTART_S = 15.0  # a start takes a second, three failed ones and the old firmware five (assumed)
-KEEP_S = 1.0  # joints are asked so often how far they are; after ten seconds of silence they leave
-SLOW_SHARE = 0.05  # of the blocks lost by a joint: then its flash or the bus is slow, and the host goes slower (chosen)
-MISSING_MOST = 20_000  # blocks that one joint is asked for in one go: four seconds, and the others wait (chosen)
+KEEP_S = 1.0  # between questions for the joints' progress; after ten seconds without one they leave the update
+SLOW_SHARE = 0.05  # of the blocks: if a joint loses more, its flash or the bus is slow: send more slowly (chosen)
+MISSING_MOST = 20_000  # blocks to ask one joint for at once: four seconds, while the others wait (chosen)
 BEYOND = 0x1FFFF  # no block has so high a number
-ROUNDS = 40  # of repeating what somebody missed
+ROUNDS = 40  # of repeating missed blocks
 LISTEN_S = 0.5  # two heartbeats
 
 WHY = {
-    w.UPDATE_WHY_ARMED: "is armed: a robot that stands is not flashed; let it sit down, disarm it, then flash again",
-    w.UPDATE_WHY_NO_FLASH: "has no flash that could be written: it is a simulated joint",
-    w.UPDATE_WHY_OTHER_UPDATE: "is being flashed by somebody else: wait ten seconds, then flash again",
-    w.UPDATE_WHY_NOT_A_HEADER: "got a header that is none: flash again",
-    w.UPDATE_WHY_OTHER_BOARD: "is a board of another type than the image",
-    w.UPDATE_WHY_RUNNING_SLOT: "runs from the slot that the image is for: flash again",
-    w.UPDATE_WHY_OTHER_IMAGE: "got another image than the one it was told of: does another computer flash?",
+    w.UPDATE_WHY_ARMED: "is armed: let the robot sit down, disarm it, then flash again",
+    w.UPDATE_WHY_NO_FLASH: "is a simulated joint, whose flash can't be written",
+    w.UPDATE_WHY_OTHER_UPDATE: "is being flashed by another program: wait ten seconds, then flash again",
+    w.UPDATE_WHY_NOT_A_HEADER: "got a damaged header: flash again",
+    w.UPDATE_WHY_OTHER_BOARD: "is a board of another type than the image's",
+    w.UPDATE_WHY_RUNNING_SLOT: "runs from the slot for which the image is: flash again",
+    w.UPDATE_WHY_OTHER_IMAGE: "got another image than announced: check that no other computer is flashing",
     w.UPDATE_WHY_NO_MEMORY: "has too little memory for the update: reset it, then flash again",
-    w.UPDATE_WHY_FLASH: "cannot write its flash: is it worn out?",
-    w.UPDATE_WHY_DIFFERENT: "reads the image back differently: flash again; if it stays, its flash is worn out",
-    w.UPDATE_WHY_WRONG_STATE: "has left the update, as after a reset: look at its supply, then flash again",
+    w.UPDATE_WHY_FLASH: "can't write its flash, which may be worn out",
+    w.UPDATE_WHY_DIFFERENT: "reads the image back differently: flash again; if it stays so, its flash is worn out",
+    w.UPDATE_WHY_WRONG_STATE: "has left the update, as after a reset: check its supply, then flash again",
 }
 
 
 @dataclass
 class JointOutcome:
-    """What became of one joint; ``slot``, ``build`` and ``version`` are those of the firmware that runs at the end."""
+    """The result for one joint; ``slot``, ``build`` and ``version`` are those of the firmware that runs at the end."""
 
     node: int
     joint: str
@@ -69,18 +69,18 @@ class JointOutcome:
         return 1 - SLOTS.index(self.slot)
 
 
-Tell = Callable[[str, float], None]  # what is being done, and how much of it, 0 .. 1
+Tell = Callable[[str, float], None]  # the present work, and its progress, 0 .. 1
 
 
 def check_image(image: ImageFile) -> None:
-    """UserError if an image is none of a joint, or speaks another protocol than this computer."""
+    """UserError if an image is not for a joint, or speaks another protocol than this computer."""
     about = image.about
     if about.role != "joint":
-        raise UserError(f"--can: only joints are on the bus; this is an image for the role {about.role}")
+        raise UserError(f"--can: only joints are on the bus; this image is for the role {about.role}")
     if about.protocol != PROTOCOL_HASH:
         raise UserError(
             f"the image speaks protocol {about.protocol or 0:#06x}, this computer {PROTOCOL_HASH:#06x}: "
-            f"build the image anew (caramelo firmware image)"
+            f"build the image again (caramelo firmware image)"
         )
 
 
@@ -96,7 +96,7 @@ class CanFlash:
         self._entered: list[int] = []
 
     def survey(self) -> dict[int, JointOutcome]:
-        """Look what the joints are, and refuse what must not be flashed. Nothing is written."""
+        """Check what the joints are, and refuse those that must not be flashed. This writes nothing."""
         self.bus.wait(LISTEN_S)
         for node, heard in self.bus.joints.items():
             self._check_rest(node, heard.heartbeat)
@@ -105,7 +105,7 @@ class CanFlash:
             if answer.reason:
                 raise self._refusal(node, answer.reason)
             if answer.high != VERSION:
-                raise UserError(f"{joint_name(node)} is updated in another way, {answer.high}, than this host knows")
+                raise UserError(f"{joint_name(node)} needs update version {answer.high}, which this host does not know")
         words = dict.fromkeys(self.nodes, b"")
         for index in range(FIRST_WORD, LAST_WORD):
             for node, answer in self._all(self.nodes, Ask(w.UPDATE_LOOK, index)).items():
@@ -119,26 +119,26 @@ class CanFlash:
         return self.joints
 
     def _check_rest(self, node: int, beat: Heartbeat | None) -> None:
-        """UserError if any joint of the robot is armed, also one that is not to be flashed, or has a twin."""
+        """UserError if any joint of the robot is armed, even one not to be flashed, or if two boards share a node."""
         if beat is not None and w.STATE_READY <= beat.state <= w.STATE_FAULT_REACTION:
             raise self._refusal(node, w.UPDATE_WHY_ARMED)
         if beat is not None and beat.fault == FAULT_DUPLICATE_ID:
-            text = f"{joint_name(node)}: another board has the same node: give one another, caramelo joints set-id"
+            text = f"{joint_name(node)}: two boards have this node; change one with caramelo joints set-id"
             raise UserError(text, NOT_ACHIEVED)
 
     def _check(self, joint: JointOutcome) -> None:
         about = self.image.about
         if joint.board != about.board:
-            raise UserError(f"{joint.joint} is a {joint.board}; the image is for a {about.board}")
+            raise UserError(f"{joint.joint} is a {joint.board}, but the image is for a {about.board}")
         if joint.protocol != about.protocol:
-            joint.note = f"spoke protocol {joint.protocol:#06x}, another than this computer's {about.protocol:#06x}"
+            joint.note = f"spoke protocol {joint.protocol:#06x}, unlike this computer's {about.protocol:#06x}"
 
     def waiting(self) -> list[int]:
         """Return the joints that do not run the image yet."""
         return [node for node, joint in self.joints.items() if joint.build != self.image.about.build]
 
     def run(self) -> list[JointOutcome]:
-        """Bring all joints to the image; UserError when none of them has changed. Failures of single ones are told."""
+        """Bring all joints to the image; UserError if none has changed. Failures of single joints are reported."""
         todo = self.waiting()
         if todo:
             try:
@@ -151,7 +151,7 @@ class CanFlash:
         return list(self.joints.values())
 
     def _write(self, todo: list[int]) -> None:
-        """Have the image whole in the other slot of all these joints."""
+        """Get the whole image into the other slot of all these joints."""
         about = self.image.about
         bound = (about.protocol or 0) | int(about.build[:4], 16) << 16
         self._entered = list(todo)
@@ -166,7 +166,7 @@ class CanFlash:
         self._tell("verifying", 1.0)
 
     def _send_headers(self, todo: list[int]) -> None:
-        """Send each slot's header until all its joints have it and have let it pass."""
+        """Send each slot's header until all its joints have received and accepted it."""
         for _ in range(ROUNDS):
             waiting = [node for node, answer in self._look(todo).items() if answer.state == w.UPDATE_IS_WAITING]
             if not waiting:
@@ -178,7 +178,7 @@ class CanFlash:
         raise UserError(f"{joint_name(waiting[0])} does not get the image's header: the bus loses frames", NOT_ACHIEVED)
 
     def _erase(self, todo: list[int]) -> None:
-        """Have all joints erase, and wait for each: it tells before every sector, and while it erases it is deaf."""
+        """Let all joints erase, and wait for each: it reports before every sector, but hears nothing meanwhile."""
         if all(self._state(node) == w.UPDATE_IS_WHOLE for node in todo):
             return
         for node in todo:
@@ -191,7 +191,7 @@ class CanFlash:
             self._tell("erasing", 1 - len(left) / len(todo))
             for node in left:
                 if now_s - max(began_s, self.bus.joints[node].heard_s) > ERASE_ANSWER_S:
-                    text = f"{joint_name(node)} has not answered for {ERASE_ANSWER_S:g} s while it erased its flash"
+                    text = f"{joint_name(node)} has not answered for {ERASE_ANSWER_S:g} s while erasing its flash"
                     raise UserError(f"{text}: reset it, then flash again; nothing was switched over", NOT_ACHIEVED)
             if left and now_s - asked_s > KEEP_S / 4:
                 asked_s = now_s
@@ -199,13 +199,13 @@ class CanFlash:
         self._expect({node: self._answered(node) for node in todo})
 
     def _nudge(self, todo: list[int]) -> None:
-        """Ask again what may have got lost: those that have not begun to erase, and how far the others are."""
+        """Repeat requests that may have got lost: ask joints that have not begun to erase, and the others' progress."""
         for node in todo:
             begun = self._state(node) != w.UPDATE_IS_CHECKED
             self.bus.request(node, Ask(w.UPDATE_LOOK, LOOK_FLAGS) if begun else Ask(w.UPDATE_ERASE))
 
     def _send_image(self, slot: int, todo: list[int]) -> None:
-        """Send one slot's image once to all its joints, then what somebody misses, until nobody does."""
+        """Send one slot's image once to all its joints, then the blocks that any joint misses, until none does."""
         nodes = [n for n in todo if self.joints[n].target == slot and self._state(n) == w.UPDATE_IS_TAKING]
         if not nodes:
             return
@@ -216,13 +216,13 @@ class CanFlash:
             left = [node for node, count in self._left(nodes).items() if count]
             if not left:
                 return
-            for node in left:  # what one has missed comes to all, so that the next has less to ask for
+            for node in left:  # all joints get the blocks that one missed, so that the next one has less to ask for
                 wanted = self._missing(node)
                 self._send_blocks(slot, image, wanted, todo, f"repeating what was missed, round {turn + 1}")
-        raise UserError(f"{joint_name(left[0])} misses blocks after {ROUNDS} rounds: look at the cable", NOT_ACHIEVED)
+        raise UserError(f"{joint_name(left[0])} misses blocks after {ROUNDS} rounds: check the cable", NOT_ACHIEVED)
 
     def _send_blocks(self, slot: int, image: bytes, numbers: Sequence[int], todo: list[int], what: str) -> None:
-        """Send blocks; now and then look how many the joints miss, and go slower when the first pass loses many."""
+        """Send blocks; check now and then how many the joints miss, and slow down if the first pass loses many."""
         told_s, told, before = self.bus.port.now(), 0, dict.fromkeys(todo, 0)
         taking = [n for n in todo if self.joints[n].target == slot and self._state(n) == w.UPDATE_IS_TAKING]
         self._tell(what, 0.0)
@@ -238,12 +238,12 @@ class CanFlash:
         self._tell(what, 1.0)
 
     def _left(self, nodes: list[int]) -> dict[int, int]:
-        """Return how many blocks joints miss; a question after those beyond the end gets no other answer."""
+        """Return how many blocks joints miss, by a question for blocks beyond the end, which returns only the count."""
         answers = self._expect(self._all(nodes, Ask(w.UPDATE_MISSING, value=BEYOND)))
         return {node: answer.low | answer.high << 16 for node, answer in answers.items()}
 
     def _missing(self, node: int) -> list[int]:
-        """Ask a joint for the blocks it has not got; return their numbers, rising, no more than others can wait for."""
+        """Ask a joint for its missing blocks; return their numbers, rising, no more than the others can wait for."""
         joint = self.bus.joints[node]
         joint.missing.clear()
         start, before = 0, -1
@@ -254,12 +254,12 @@ class CanFlash:
         return sorted(joint.missing)
 
     def _switch(self, todo: list[int]) -> None:
-        """Let all start the new firmware; what can't be or does not come back is told as that joint's failure."""
+        """Let all start the new firmware; a joint that can't or does not come back gets a failure."""
         self._tell("starting", 0.0)
         answers = self.bus.ask(dict.fromkeys(todo, Ask(w.UPDATE_SWITCH)))
         self._entered = []
         for node, answer in answers.items():
-            if answer.reason:  # one without an answer may have started anew already: that is looked at
+            if answer.reason:  # one without an answer may have restarted already, which is checked below
                 self.joints[node].failure = self._refusal(node, answer.reason).args[0]
         left = [node for node in todo if not self.joints[node].failure]
         end_s = self.bus.port.now() + RESTART_S
@@ -269,12 +269,12 @@ class CanFlash:
             self._tell("starting", 1 - len(left) / len(todo))
         for node in left:
             self.joints[node].failure = (
-                f"{joint_name(node)} has not come back within {RESTART_S:g} s: look at its supply; it starts the new "
+                f"{joint_name(node)} has not come back within {RESTART_S:g} s: check its supply; it starts the new "
                 f"firmware three times at most, then the old one"
             )
 
     def _is_back(self, node: int) -> bool:
-        """Look whether a joint runs its application again, and note what it runs."""
+        """Check whether a joint runs its application again, and note its firmware."""
         asked = self.bus.ask({node: Ask(w.UPDATE_LOOK, LOOK_FLAGS)}, tries=1)
         if node not in asked or asked[node].state != w.UPDATE_IS_RUNNING:
             return False
@@ -293,19 +293,19 @@ class CanFlash:
         return True
 
     def _confirm(self, nodes: list[int]) -> None:
-        """Let the new firmware of these joints stay."""
+        """Confirm the new firmware of these joints."""
         answers = self.bus.ask(dict.fromkeys(nodes, Ask(w.UPDATE_CONFIRM, value=self._build)))
         for node in nodes:
             joint = self.joints[node]
             if node not in answers:
-                joint.failure = f"{joint.joint} did not answer when it was to be confirmed: flash again"
+                joint.failure = f"{joint.joint} did not answer the confirmation: flash again"
             elif answers[node].reason:
                 joint.failure = self._refusal(node, answers[node].reason).args[0]
             else:
                 joint.confirmed = True
 
     def _cancel(self) -> None:
-        """Have the joints that have left their application start it again: the old one."""
+        """Let joints that have left their application start it again, the old one."""
         self.bus.ask({node: Ask(w.UPDATE_CANCEL) for node in self._entered}, tries=3)
 
     def _all(self, nodes: list[int], ask: Ask, wait_s: float = ANSWER_S) -> dict[int, UpdateAnswer]:
@@ -326,7 +326,7 @@ class CanFlash:
         return self.bus.joints[node].last
 
     def _expect(self, answers: Mapping[int, UpdateAnswer], state: int | None = None) -> Mapping[int, UpdateAnswer]:
-        """Return the answers; UserError for the first that was refused, or for a joint that is not as it should be."""
+        """Return the answers; UserError for the first refusal, or for a joint in a wrong state."""
         for node, answer in answers.items():
             if answer.reason:
                 raise self._refusal(node, answer.reason)
@@ -338,19 +338,19 @@ class CanFlash:
         return UserError(f"{joint_name(node)} {WHY.get(reason, f'refuses, reason {reason}')}", NOT_ACHIEVED)
 
     def _silent(self, node: int) -> UserError:
-        """Return what is wrong with a joint that gives no answer."""
+        """Return what is wrong with a joint that does not answer."""
         beat = self.bus.joints[node].heartbeat
         if beat is None:
             text = f"{joint_name(node)} is not there: check its power, the CAN cable and both terminators"
         elif beat.mode == w.MODE_UPDATING:
-            text = f"{joint_name(node)} has fallen silent: look at its supply, then flash again"
+            text = f"{joint_name(node)} has fallen silent: check its supply, then flash again"
         else:
-            text = f"{joint_name(node)} runs a firmware that knows no update over the bus: flash it once over USB"
+            text = f"{joint_name(node)} runs firmware that can't be updated over the bus: flash it once over USB"
         return UserError(text, NOT_ACHIEVED)
 
 
 def _described(node: int, words: bytes, flags: UpdateAnswer) -> JointOutcome:
-    """Return what a joint runs: ``words`` are those of its header from FIRST_WORD on."""
+    """Return a joint's firmware: ``words`` are those of its header from FIRST_WORD on."""
     protocol, _, *texts = struct.unpack("<I32s16s16s16s8s", words)
     board, build, version, _ = [text.split(b"\0")[0].decode("ascii", "replace") for text in texts]
     confirmed = bool(flags.low & FLAG_CONFIRMED)

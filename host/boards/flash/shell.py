@@ -1,4 +1,4 @@
-"""A terminal on a board's prompt: what is typed goes there, what it says comes here, until Ctrl-]."""
+"""A terminal on a board's prompt: carries input and output until Ctrl-]."""
 
 import os
 import select
@@ -13,7 +13,7 @@ LEAVE = b"\x1d"  # Ctrl-]
 
 
 def run_shell(port: str) -> None:
-    """Join this terminal and the board; UserError if the port can't be opened, BoardError when the board goes."""
+    """Connect this terminal to the board; UserError if the port can't be opened, BoardError if the board goes away."""
     link = BoardLink(port)
     link.open()
     keyboard = sys.stdin.fileno()
@@ -21,7 +21,7 @@ def run_shell(port: str) -> None:
     write_note(f"{port}: Ctrl-] leaves")
     try:
         tty.setraw(keyboard)
-        link.send(b"\r\x02")  # the friendly prompt, whatever was used last
+        link.send(b"\r\x02")  # to the friendly prompt, whichever was used last
         join(link, keyboard, sys.stdout.fileno())
     finally:
         termios.tcsetattr(keyboard, termios.TCSADRAIN, before)

@@ -1,4 +1,4 @@
-"""Every Python that the core must agree on, behind one interface."""
+"""Every Python on which the core must give the same results, behind one interface."""
 
 from .base import Runtime
 from .board import Board
@@ -12,9 +12,9 @@ from .wasi import Wasi
 
 
 def all_runtimes(port: str | None = None, emulated: bool = False) -> list[Runtime]:
-    """Return the runtimes in the order they are reported; the board only with a ``port``.
+    """Return the runtimes in reporting order; the board only with a ``port``.
 
-    ``emulated``: also the Cortex-M4 that is emulated, which takes minutes.
+    ``emulated``: also the emulated Cortex-M4, which takes minutes.
     """
     runtimes: list[Runtime] = [
         CPython(),

@@ -1,4 +1,4 @@
-"""What a runtime is: it can be missing, it prepares a tree of sources, it runs a script on that tree."""
+"""The interface of a runtime: it can be missing, it prepares a tree of sources, it runs a script on that tree."""
 
 import json
 import shutil
@@ -6,29 +6,29 @@ from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
 
-MARK = "@@"  # a script's answer is the line that starts with this; anything else is chatter
+MARK = "@@"  # a script's answer is the line that starts with this; other lines are ignored
 
 
 class RuntimeFailure(Exception):
-    """A script that ended without an answer; the text holds what it printed."""
+    """A script that ended without an answer; the text contains its output."""
 
 
 class Runtime(ABC):
     """One way to run the core.
 
-    ``prepare`` receives a folder with the sources and returns the folder scripts run on;
-    ``execute`` runs a script there and returns what it printed.
+    ``prepare`` receives a folder with the sources and returns the folder for scripts;
+    ``execute`` runs a script there and returns its output.
     """
 
     name: str
     emitter: str  # "source": the files as they are
     arch = "any"
     timeout_s: float = 300.0
-    afresh = True  # whether each of many scripts starts with an empty memory
+    afresh = True  # whether each script starts with an empty memory
 
     @abstractmethod
     def missing(self) -> str | None:
-        """Return why this runtime cannot be used here, with what to install; None if it can."""
+        """Return why this runtime can't be used here, with what to install; None if it can."""
 
     def prepare(self, sources: Path, work: Path) -> Path:
         """Return the folder to run on, made in ``work`` from ``sources``."""
@@ -41,7 +41,7 @@ class Runtime(ABC):
         """Run ``script`` with ``tree`` importable and return its output; RuntimeFailure if it fails."""
 
     def close(self) -> None:
-        """Let go of what the runtime holds; most hold nothing."""
+        """Release the runtime's resources; most have none."""
         return
 
     def ask(self, tree: Path, script: str) -> dict[str, Any]:
@@ -49,7 +49,7 @@ class Runtime(ABC):
         return self._answers(tree, script, 1)[0]
 
     def ask_each(self, tree: Path, scripts: list[str]) -> list[dict[str, Any]]:
-        """Return the answers to scripts that need nothing of each other, in a process each if memory is short."""
+        """Return the answers to independent scripts, in a process each if memory is short."""
         if self.afresh:
             return [self.ask(tree, script) for script in scripts]
         return self._answers(tree, "".join(scripts), len(scripts))
@@ -70,7 +70,7 @@ def copy_sources(sources: Path, work: Path) -> Path:
 
 
 def compile_sources(sources: Path, work: Path, emitter: str, arch: str) -> Path:
-    """Return the sources as the firmware build makes them."""
+    """Return the sources as converted by the firmware build."""
     from ..build.tree import compile_tree, write_tree
 
     tree = work / f"{emitter}-{arch}"

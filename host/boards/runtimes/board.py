@@ -1,8 +1,8 @@
-"""A real board on a serial port, by the link that flashing uses: the truth.
+"""A real board on a serial port, over the link that flashing uses: the final reference.
 
 The tree goes into a folder ``parity`` of the board's file system and is removed at the end: a board with caramelo's
 own firmware has none, so this is for any board with MicroPython as its makers distribute it. Every
-wait is bounded: a board that says nothing is a failure with a sentence, never a hang.
+wait is bounded: a silent board is a failure with a sentence, never a hang.
 """
 
 import base64
@@ -28,7 +28,7 @@ ARCHES = (
     "rv32imc", "rv64imc",
 )  # fmt: skip
 
-# Each script starts with nothing of ours in memory, so that modules are loaded one set at a time.
+# Each script starts without our modules in memory, so that only one set is loaded at a time.
 PROLOGUE = f"""
 import gc, sys
 for _name in list(sys.modules):
@@ -75,7 +75,7 @@ class Board(Runtime):
             return self._link.run(PROLOGUE + script, self.timeout_s)
 
     def close(self) -> None:
-        """Remove what was copied and let the port go."""
+        """Remove the copied files and close the port."""
         link, self._link = self._link, None
         if link is None:
             return
@@ -116,7 +116,7 @@ def _write(link: "BoardLink", path: str, data: bytes) -> None:
 
 @contextlib.contextmanager
 def _failures() -> Iterator[None]:
-    """Turn what goes wrong with a board into what goes wrong with a runtime."""
+    """Turn the errors of a board into those of a runtime."""
     try:
         yield
     except UserError as error:

@@ -1,4 +1,4 @@
-"""CPython with the core in C, as a board's image has it (build/c_core.py): shows that the C computes the same."""
+"""CPython with the core in C, as in a board's image (build/c_core.py): shows that the C computes the same."""
 
 from pathlib import Path
 

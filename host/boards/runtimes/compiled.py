@@ -1,4 +1,4 @@
-"""CPython again, with the core as machine code (host/boards/build/native_core.py): what a Raspberry Pi may run."""
+"""CPython again, with the core as machine code (host/boards/build/native_core.py), which a Raspberry Pi may run."""
 
 import shutil
 from pathlib import Path
@@ -8,11 +8,11 @@ from ..core import PACKAGE, find_core
 from .base import RuntimeFailure
 from .cpython import CPython
 
-HERE = "shared"  # what the core is called in the folders that runtimes start from
+HERE = "shared"  # the core's name in the runtimes' folders
 
 
 class Compiled(CPython):
-    """Takes the core that was built of these very sources, else compiles them, which takes a minute."""
+    """Uses the core built from exactly these sources, else compiles them, which takes a minute."""
 
     name = "cpython-compiled"
     emitter = "mypyc"

@@ -1,10 +1,10 @@
-"""MicroPython on an emulated Cortex-M4: 32 bit, the very machine code that a board is flashed with, every
-instruction counted.
+"""MicroPython on an emulated Cortex-M4: 32 bit, the same machine code as on a board, with every instruction
+counted.
 
 The VM is MicroPython's own qemu port, built for a Cortex-M4 (docs/core.md has the four commands) and put at
 ~/.cache/caramelo/micropython-cortex-m4.bin or named by CARAMELO_CORTEX_M. The PyPI package unicorn emulates the
-processor; the machine round it is memory, a serial port, and one address whose writing takes a reading of the
-instructions done so far (``import host; host.call("", "")``). Time, caches and flash wait states are not emulated.
+processor; the machine around it is memory, a serial port, and one address: a write there reads the count of
+instructions so far (``import host; host.call("", "")``). Time, caches and flash wait states are not emulated.
 """
 
 import contextlib
@@ -19,10 +19,10 @@ from .base import Runtime, RuntimeFailure
 from .wasi import cache_folder
 
 MEMORY_BYTES = 4 << 20  # of the image, as ports/qemu/mcu/arm/mps2.ld has it; code, heap and stack
-ROM_AT, ROM_BYTES = 0x21000000, 4 << 20  # where the port looks for a file system at its start, from MicroPython 1.26 on
+ROM_AT, ROM_BYTES = 0x21000000, 4 << 20  # where the port looks for a file system when it starts, since MicroPython 1.26
 FILES_AT, MARKS_AT, SERIAL_AT, SYSTEM_AT = 0x60000000, 0x50000000, 0x40004000, 0xE000E000
 PAGE = 0x1000
-DATA, STATE, HAS_BYTE = 0, 4, 2  # registers of the serial port, and its bit for a byte that waits
+DATA, STATE, HAS_BYTE = 0, 4, 2  # registers of the serial port, and its bit for a waiting byte
 BREAKPOINT, SEMIHOSTING_EXIT = 7, 0x18
 PROLOGUE = f"""
 import machine, sys, uctypes, vfs
@@ -48,7 +48,7 @@ class CortexM(Runtime):
         self.marks: list[int] = []
 
     def missing(self) -> str | None:
-        no_vm = None if image_path().exists() else f"no VM at {image_path()}: docs/core.md tells how it is made"
+        no_vm = None if image_path().exists() else f"no VM at {image_path()}: docs/core.md says how to make it"
         return not_installed("unicorn") or no_vm
 
     def execute(self, tree: Path, script: str) -> str:
@@ -67,7 +67,7 @@ class CortexM(Runtime):
 class Machine:
     """One emulated processor with its memory, from power-on until the script has answered.
 
-    ``actions``: what is done when the script writes that number to MARKS_AT; 0 takes a reading of the instructions.
+    ``actions``: functions to call when the script writes their number to MARKS_AT; 0 reads the count of instructions.
     """
 
     def __init__(self, image: bytes, files: bytes, counting: bool) -> None:
@@ -97,7 +97,7 @@ class Machine:
         self._uc = uc
 
     def run(self, script: str, timeout_s: float) -> bytes:
-        """Give the script to the raw prompt and return all that the VM printed."""
+        """Give the script to the raw prompt and return the VM's output."""
         import unicorn
 
         stack, start = struct.unpack("<II", bytes(self._uc.mem_read(0, 8)))
@@ -132,7 +132,7 @@ class Machine:
         self._uc.mem_write(address, data)
 
     def _interrupt(self, uc: Any, number: int, data: Any) -> None:
-        """Pass over the calls to a debugger that the port makes at its start; anything else ends the run."""
+        """Skip the debugger calls that the port makes when it starts; anything else ends the run."""
         registers = self._registers
         if number != BREAKPOINT or uc.reg_read(registers.UC_ARM_REG_R0) == SEMIHOSTING_EXIT:
             self.failure = f"the VM stopped with exception {number}"
@@ -163,7 +163,7 @@ def rom_files(tree: Path) -> bytes:
     """Return the tree as a MicroPython ROM file system."""
     from mpremote.romfs import make_romfs
 
-    with contextlib.redirect_stdout(None):  # it lists what it packs
+    with contextlib.redirect_stdout(None):  # it lists the packed files
         return bytes(make_romfs(str(tree), mpy_cross=False))
 
 

@@ -10,7 +10,7 @@ from .process import run_command
 
 
 class Unix(Runtime):
-    """``emitter`` source runs the files as they are, the others what the firmware build makes of them."""
+    """``emitter`` source runs the files as they are, the others run them as converted by the firmware build."""
 
     timeout_s = 1000.0  # for all scripts at once
     afresh = False
@@ -22,7 +22,7 @@ class Unix(Runtime):
 
     def missing(self) -> str | None:
         if (sys.platform, platform.machine()) != ("linux", "x86_64"):
-            return f"the unix VM comes for linux x86_64 only, this is {sys.platform} {platform.machine()}"
+            return f"the unix VM exists only for linux x86_64, this is {sys.platform} {platform.machine()}"
         return not_installed("micropython_unix")
 
     def execute(self, tree: Path, script: str) -> str:

@@ -1,9 +1,9 @@
 """MicroPython for WASI under wasmtime: 32 bit, small integers of 31 bits, and a cost exact to the unit.
 
 The VM's garbage collector does not survive a run, so scripts must allocate less than its heap of
-1 MB; ``gc.disable()`` is put before each. The module asks its host for two functions that
-MicroPython itself has no use for: here they let a script take a reading of the fuel burnt so far
-(``import host; host.call("", "")``), which costs it a constant 1066 units and no memory.
+1 MB; each begins with ``gc.disable()``. The module imports two functions from its host that MicroPython
+itself does not need: here they let a script read the fuel burnt so far
+(``import host; host.call("", "")``), which costs a constant 1066 units and no memory.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ PROLOGUE = "import gc, sys\ngc.disable()\nsys.path.append('/core')\n"
 
 
 class Wasi(Runtime):
-    """``emitter`` source runs the files as they are, bytecode what the firmware build makes of them.
+    """``emitter`` source runs the files as they are, bytecode runs them as converted by the firmware build.
 
     ``marks`` holds, after a run with ``counting``, the fuel burnt at each reading the script took; counting makes a
     run a third slower.
@@ -85,7 +85,7 @@ class Wasi(Runtime):
         return answer
 
     def _settings(self, tree: Path, script: str, stdout: str, stderr: str) -> Any:
-        """Output goes to a file: a callback would run on a thread of wasmtime's, at exit too late for Python."""
+        """Write output to a file: a callback would run on a thread of wasmtime's, at exit too late for Python."""
         import wasmtime
 
         settings = wasmtime.WasiConfig()
@@ -114,15 +114,15 @@ class Wasi(Runtime):
 
 
 def load_module(engine: Any, code: bytes, made_by: str) -> Any:
-    """Return the compiled module, from the cache if it is there and whole.
+    """Return the compiled module, from the cache if it is there and complete.
 
     The file starts with the hash of what follows, because a torn file must not reach the loader:
-    a compiled module is machine code and is not checked again. No cache is no error.
+    a compiled module is machine code and is not checked again. A missing cache is not an error.
     """
     import wasmtime
 
     path = cache_folder() / f"vm-{hashlib.sha256(code + made_by.encode()).hexdigest()[:24]}.cwasm"
-    with contextlib.suppress(OSError, wasmtime.WasmtimeError):  # not there, or of another processor
+    with contextlib.suppress(OSError, wasmtime.WasmtimeError):  # not there, or for another processor
         kept = path.read_bytes()
         if hashlib.sha256(kept[32:]).digest() == kept[:32]:
             return wasmtime.Module.deserialize(engine, kept[32:])
@@ -137,7 +137,7 @@ def cache_folder() -> Path:
 
 
 def _keep(path: Path, data: bytes) -> None:
-    with contextlib.suppress(OSError):  # a home that cannot be written only costs the compilation again
+    with contextlib.suppress(OSError):  # if the home can't be written, the module is only compiled again
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
             file.write(data)

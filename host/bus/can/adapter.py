@@ -1,12 +1,12 @@
 """A CAN bus behind python-can: socketcan, slcan, gs_usb and other adapters by name, virtual and udp_multicast.
 
 A full send buffer (ENOBUFS) is counted and the frame is gone; nothing waits for room. After bus-off the adapter is
-opened anew, at most ten times a second, and ``trouble`` says so until a frame comes through again.
+opened again, at most ten times a second, and ``trouble`` says so until a frame comes through again.
 
-What goes first, an emergency stop, has a socket of its own on socketcan, whose frames Linux puts into the first of
-its three queues (SO_PRIORITY, pfifo_fast): it overtakes what waits, and finds room where the other queue is full. Only
-the controller's own mailboxes, two or three frames, are before it. Of slcan's serial port the output is thrown away.
-With gs_usb nothing can be overtaken; the cycle repeats a stop until the joints have heard it.
+An emergency stop goes first. On socketcan it has a socket of its own, whose frames Linux puts into the first of its
+three queues (SO_PRIORITY, pfifo_fast): it overtakes waiting frames, and finds room even if the other queue is full.
+Only the two or three frames in the controller's mailboxes go before it. On slcan the serial port's waiting output is
+thrown away. On gs_usb nothing can be overtaken; the cycle repeats a stop until the joints have heard it.
 """
 
 import errno
@@ -25,11 +25,11 @@ from .port import Port, Received
 
 INTERFACES = ("socketcan", "slcan", "gs_usb", "virtual", "udp_multicast")
 REOPEN_S = 0.1
-SKIP_MOST = 32  # frames of other kinds looked at to find one of ours
-FIRST_PRIORITY = 6  # the highest that needs no rights (socket(7)); pfifo_fast sends it before all others
+SKIP_MOST = 32  # frames of other kinds to skip while looking for one of ours
+FIRST_PRIORITY = 6  # the highest that needs no privileges (socket(7)); pfifo_fast sends it before all others
 FRAME = struct.Struct("=IB3x8s")  # linux/can.h: struct can_frame
 LOCKED_S = 0.005  # a sender that takes longer hangs in its driver
-ECHO_S = 5.0  # an own frame that has not come back by then was lost; a busy machine may leave it waiting (chosen)
+ECHO_S = 5.0  # one of our own frames that has not come back by then was lost; a busy machine may delay it (chosen)
 SERIAL_BAUD = 115200
 MULTICAST = "ff15:7079:7468:6f6e:6465:6d6f:6d63:6173"  # python-can's own group
 
@@ -38,15 +38,15 @@ _DOWN = (errno.ENETDOWN, errno.ENODEV, errno.EIO)
 _BUS_OFF_BIT = 0x40  # linux/can/error.h: CAN_ERR_BUSOFF
 _HINTS = {
     "socketcan": "ip link set {} up type can bitrate {}",
-    "slcan": "is the adapter plugged in, and may you use the port (group dialout)",
-    "gs_usb": "is the adapter plugged in; CHANNEL is its number, 0 the first",
+    "slcan": "check that the adapter is plugged in and that you may use the port (group dialout)",
+    "gs_usb": "check that the adapter is plugged in; CHANNEL is its number, 0 for the first",
     "udp_multicast": "start caramelo joints sim first; CHANNEL is a multicast address",
-    "virtual": "virtual buses exist within one process only",
+    "virtual": "virtual buses exist only within one process",
 }
 
 
 class AdapterPort(Port):
-    """One adapter; UserError with a hint if it cannot be opened."""
+    """One adapter; UserError with a hint if it can't be opened."""
 
     def __init__(self, interface: str, channel: str, bitrate: int) -> None:
         super().__init__()
@@ -84,7 +84,7 @@ class AdapterPort(Port):
                 how = how_to_get("msgpack")
                 raise UserError(f"udp_multicast needs msgpack, which is not installed: {how}") from error
             hint = _HINTS[interface].format(channel, bitrate)
-            raise UserError(f"cannot open {self.name}: {error}; {hint}") from error
+            raise UserError(f"can't open {self.name}: {error}; {hint}") from error
 
     def send(self, identifier: int, data: bytes) -> bool:
         """See Port."""
@@ -133,7 +133,7 @@ class AdapterPort(Port):
         elif code in _FULL or code is None:
             self.counters.full += 1
         else:
-            raise UserError(f"{self.name}: cannot send: {error}") from error
+            raise UserError(f"{self.name}: can't send: {error}") from error
 
     def receive(self) -> Received | None:
         """See Port."""
@@ -157,7 +157,7 @@ class AdapterPort(Port):
         return None
 
     def _is_echo(self, message: can.Message) -> bool:
-        """Return whether a frame is one of our own: a multicast group gives each back to its sender, in order."""
+        """Return whether a frame is one of our own: a multicast group returns each to its sender, in order."""
         echoes = self._echoes
         if not echoes:
             return False
@@ -176,7 +176,7 @@ class AdapterPort(Port):
         self._shut()
 
     def _ready(self) -> bool:
-        """Open the adapter anew after bus-off, when its time has come; False while there is none."""
+        """Open the adapter again after bus-off, once it is time; False while it is not open."""
         if self._bus is None and self.now() >= self._reopen_s:
             try:
                 self._bus = self._open()
@@ -189,8 +189,8 @@ class AdapterPort(Port):
         """See Port."""
         if self._off_s is None:
             return ""
-        what = "was bus-off and is back, but nothing comes" if self._bus is not None else "is bus-off"
-        return f"{self.name} {what}: check the cable, both terminators and that all have the same bit rate"
+        what = "was bus-off and is back, but receives nothing" if self._bus is not None else "is bus-off"
+        return f"{self.name} {what}: check the cable, both terminators, and that all nodes have the same bit rate"
 
     def now(self) -> float:
         """See Port."""
@@ -217,7 +217,7 @@ class AdapterPort(Port):
 
 
 def _first_socket(channel: str) -> socket.socket:
-    """Return a socket that hears nothing and whose frames go first."""
+    """Return a socket that receives nothing and whose frames go first."""
     first = socket.socket(socket.PF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
     try:
         first.setsockopt(socket.SOL_CAN_RAW, socket.CAN_RAW_FILTER, b"")
@@ -232,5 +232,5 @@ def _first_socket(channel: str) -> socket.socket:
 
 def _number(channel: str) -> int:
     if not channel.isdecimal():
-        raise UserError(f"--channel {channel}: of gs_usb it is the adapter's number, 0 the first")
+        raise UserError(f"--channel {channel}: with gs_usb give the adapter's number, 0 for the first")
     return int(channel)

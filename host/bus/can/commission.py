@@ -1,4 +1,4 @@
-"""Commissioning over the bus: started, followed and stopped, and what a joint found, in SI."""
+"""Commissioning over the bus: starts, follows and stops it, and reads a joint's results in SI."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ...util.errors import NOT_ACHIEVED, UserError
 from .joints import CanJoints
 from .params import find_all, read
 
-LONGEST_S = 90.0  # a commissioning ends by itself before
+LONGEST_S = 90.0  # a commissioning ends by itself before this
 LOOK_S = 0.1
 NAMES = (
     "pole_pairs", "direction", "bemf", "current_kp", "current_ki", "resistance", "inductance_d", "inductance_q",
@@ -26,7 +26,7 @@ NAMES = (
 
 @dataclass(frozen=True)
 class Found:
-    """What one joint found of its motor."""
+    """One joint's findings about its motor."""
 
     node: int
     pole_pairs: int
@@ -37,26 +37,26 @@ class Found:
     torque_constant_Nm_A: float
     eccentricity_deg: float  # of the rotor encoder, amplitude at the rotor
     friction_lag_deg: float  # electrical, at the commissioning current
-    inertia_kg_m2: float  # at the rotor, with what hangs on it
+    inertia_kg_m2: float  # at the rotor, with everything that it turns
     coulomb_Nm: float  # at the rotor
     viscous_Nms_rad: float  # at the rotor
     backlash_deg: float | None  # at the joint; None without a joint encoder
     cogging_Nm: float  # at the rotor, amplitude of the strongest wave
-    velocity_bandwidth_hz: float  # that the velocity loop was given
+    velocity_bandwidth_hz: float  # set for the velocity loop
     current_kp: int
     current_ki: int
     velocity_p: int
 
     @property
     def inductance_H(self) -> float:
-        """The mean of both axes, which the current loop's gain is made for."""
+        """The mean of both axes, from which the current loop's gain follows."""
         return (self.inductance_d_H + self.inductance_q_H) / 2
 
 
 def run(bus: CanJoints, node: int, verify: bool, show: Callable[[float], None]) -> None:
-    """Commission a joint, or verify it; ``show`` gets the seconds gone. UserError with the joint's reason if it fails.
+    """Commission a joint, or verify it; ``show`` gets the elapsed seconds. UserError with the joint's reason.
 
-    However this ends before the joint does, it is disarmed.
+If this ends before the joint is done, for whatever reason, it disarms the joint.
     """
     view = bus.link.views[node]
     kind = COMMISSION_VERIFY if verify else COMMISSION_FULL
@@ -71,14 +71,14 @@ def run(bus: CanJoints, node: int, verify: bool, show: Callable[[float], None]) 
         if view.heartbeat.mode == w.MODE_COMMISSIONING:
             bus.torque(False)
     if view.heartbeat.fault:
-        bus.run_for(1.1)  # its fault record comes within a second
+        bus.run_for(1.1)  # the joint's fault record comes within a second
         raise UserError(f"node {node}: {bus.cycle.guard.fault_text(view)}", NOT_ACHIEVED)
     if bus.now() >= began_s + LONGEST_S:
-        raise UserError(f"node {node}: not done after {LONGEST_S:.0f} s, and disarmed; look at its fault", NOT_ACHIEVED)
+        raise UserError(f"node {node}: not done after {LONGEST_S:.0f} s; disarmed it; look at its fault", NOT_ACHIEVED)
 
 
 def found(bus: CanJoints, node: int, bldc: Bldc) -> Found:
-    """Read out what a joint found."""
+    """Read a joint's findings."""
     raw = {p.name: read(bus.requests, node, p) for p in find_all(NAMES)}
     units, hz = choose_units(bldc, Board()), bldc.drive.current_loop_hz
     ohm = units.volt_per_vu / units.ampere_per_cu

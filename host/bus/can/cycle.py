@@ -1,10 +1,10 @@
-"""The host's cycle: read what came, look whether all is well, send set-points and SYNC, at a fixed rate.
+"""The host's cycle: read what came, check that all is well, send set-points and SYNC, at a fixed rate.
 
-Deadlines are on the monotonic clock and do not drift; how late each cycle starts goes into a histogram. Between the
-planner's goals the set-points go straight from one to the next, so that joints see 200 small steps and not 50 large.
+Deadlines are on the monotonic clock and do not drift; how late each cycle starts goes into a histogram. The set-points
+interpolate between the planner's goals, so that joints see 200 small steps instead of 50 large ones.
 
-One thread does the cycles. Others may call ``set_goals`` and ``let_go``: both only leave word for the next cycle, but
-for the first frame of an emergency stop. Letting go is repeated until every joint says that it has no torque.
+One thread does the cycles. Others may call ``set_goals`` and ``let_go``: both only leave a request for the next cycle,
+except that an emergency stop sends its first frame at once. Letting go is repeated until every joint reports no torque.
 """
 
 import threading
@@ -23,14 +23,14 @@ from .link import JointLink, JointView
 BRAD_PER_RAD = 65536 / tau
 _AT_REST = (0.0,) * 12
 TORQUE_STATES = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
-GAINS_AGAIN = 40  # cycles between two tellings of a spring's gains: a joint that came back has none
+GAINS_AGAIN = 40  # cycles after which a spring's gains are sent again: a joint that came back has none
 DISARM_AGAIN = 4  # cycles between two tries: a joint answers within a millisecond, by a heartbeat
 JITTER_EDGES_S = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02)
 
 
 @dataclass
 class Timing:
-    """How late cycles started, and how many were left out because the host was away."""
+    """How late cycles started, and how many were skipped because the host was away."""
 
     late: list[int] = field(default_factory=lambda: [0] * (len(JITTER_EDGES_S) + 1))
     worst_s: float = 0.0
@@ -53,7 +53,7 @@ class Timing:
 
 
 class Cycle:
-    """Sends ``rate_hz`` times a second. ``goals`` are motor angles, brad; None sends SYNC alone.
+    """Sends ``rate_hz`` times a second. ``goals`` are motor angles, brad; None: send only SYNC.
 
     ``spring``: stiffness and damping with which the joints hold their goals; None: they hold them by their cascade.
     """
@@ -88,11 +88,11 @@ class Cycle:
 
     @property
     def goals_brad(self) -> list[float] | None:
-        """Return the motor angles that the last set-points asked for; None while there are none."""
+        """Return the motor angles of the last set-points; None while there are none."""
         return None if self._goals is None else list(self._goals)
 
     def hold(self) -> None:
-        """Have the goals be where the joints are, each until it is enabled: what they are armed with."""
+        """Set the goals to where the joints are, each until it is enabled: they are armed with these goals."""
         self._holding = True
         self._goals = [float(_position(self.link.views[node].reply)) for node in self.link.nodes]
         self._left = 0
@@ -100,7 +100,7 @@ class Cycle:
             self.loops.reset()
 
     def set_goals(self, goals_rad: Sequence[float], within_s: float = 0.0) -> None:
-        """Go to twelve motor angles from the next cycle on, evenly within a time."""
+        """Go to twelve motor angles at constant speed within a time, from the next cycle on."""
         self._wanted = ([angle * BRAD_PER_RAD for angle in goals_rad], within_s)
 
     def _take_wanted(self) -> None:
@@ -113,7 +113,7 @@ class Cycle:
         self._steps = [(to - now) / self._left for to, now in zip(goals, at, strict=True)]
 
     def run_until(self, time_s: float) -> None:
-        """Do the cycles due until a time, each at its own; leave out those that are over already."""
+        """Do the cycles due until a time, each at its own time; skip those whose time is over."""
         port = self.link.port
         while self.due_s <= time_s:
             port.wait_until(self.due_s)
@@ -160,7 +160,7 @@ class Cycle:
             self.link.send_setpoints(self.loops.identifier, self.loops.setpoints(brads, steps, self.link.views))
 
     def _watch(self) -> None:
-        """Look at the joints; a reaction that is stronger than the one before is told, and done."""
+        """Check the joints; report a reaction that is stronger than the previous one, and carry it out."""
         notices = self.guard.while_armed()
         if self.link.e_stops != self._e_stops:
             notices = [Notice(0, "e-stop", E_STOP, "stop")]
@@ -183,7 +183,7 @@ class Cycle:
                 self._goals[i] = float(_position(view.reply))
 
     def start(self) -> bool:
-        """Watch the joints from here on: they are armed. False if they are to let go instead."""
+        """Watch the joints from now on: they are armed. False if they must let go instead."""
         self._holding = False
         self.reaction, self.notices, self._e_stops = "none", [], self.link.e_stops
         self.guard.start()
@@ -197,7 +197,7 @@ class Cycle:
         self._goals = self._wanted = None
 
     def damp(self) -> None:
-        """Quick stop of all joints, and no set-point any more."""
+        """Quick-stop all joints, and send no more set-points."""
         self.end()
         for node in self.link.nodes:
             self.link.request(node, w.COMMAND_QUICK_STOP)
@@ -205,7 +205,7 @@ class Cycle:
     def let_go(self, how: str) -> None:
         """Take all torque away: ``disarm``, from the next cycle on; ``stop``, at once and before all other frames.
 
-        Repeated until all joints have said that they are off. A stop takes the place of disarming, not the other way
+        Repeated until all joints have confirmed that they are off. A stop replaces disarming, but not the other way
         round.
         """
         with self._word:
@@ -217,12 +217,12 @@ class Cycle:
             self.link.emergency_stop()
 
     def stop(self) -> None:
-        """Take all torque away, also that of a joint which does not hear its own emergency stop."""
+        """Take all torque away, even from a joint that does not hear its own emergency stop."""
         self.let_go("stop")
 
     @property
     def holding(self) -> list[int]:
-        """The nodes that have not said that they are off since they were told to let go."""
+        """The nodes that have not confirmed that they are off since they were told to let go."""
         views, since_s = self.link.views, self._let_go_s
         return [node for node in self.link.nodes if not _is_off(views[node], since_s)]
 

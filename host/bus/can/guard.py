@@ -1,8 +1,8 @@
-"""What is wrong with the joints as a whole, named, and what the whole robot does about it.
+"""Finds what is wrong with the joints as a whole, and says what the whole robot does about it.
 
 ``refuse``: do not arm. ``damp``: quick stop of all joints, set-points end, each joint damps, then coasts.
-``sit``: the planner is to sit the robot down while it still can. ``stop``: an emergency stop, no torque at once. The
-worst reaction of all notices counts.
+``sit``: the planner should sit the robot down while it still can. ``stop``: an emergency stop, torque off at once. The
+strongest reaction of all notices counts.
 """
 
 from collections.abc import Iterable
@@ -18,7 +18,7 @@ from .link import HEARTBEAT_S, JointLink, JointView
 from .service import joint_name
 
 REACTIONS = ("none", "refuse", "sit", "damp", "stop")  # rising
-E_STOP = "an emergency stop came over the bus: look who pulled it, clear the faults, then arm"
+E_STOP = "an emergency stop came over the bus: find out who sent it, clear the faults, then arm"
 NOBODY = "check the supply, the CAN cable and both terminators, and that this is the right interface and channel"
 SILENT_S = 0.05  # ten cycles at 200 Hz without a reply while armed
 LOSS_SHARE = 0.1  # of the replies of a window
@@ -29,7 +29,7 @@ _HOT = w.LIMIT_WINDING_TEMPERATURE | w.LIMIT_MCU_TEMPERATURE
 
 @dataclass(frozen=True)
 class Notice:
-    """Something wrong: with which node (0: all), in a sentence, and what to do about it."""
+    """Something wrong: with which node (0: all), what, in a sentence with what to do, and the reaction."""
 
     node: int
     what: str
@@ -38,12 +38,12 @@ class Notice:
 
 
 def worst(notices: Iterable[Notice]) -> str:
-    """Return the strongest reaction that any notice asks for."""
+    """Return the strongest reaction of all notices."""
     return max((notice.reaction for notice in notices), key=REACTIONS.index, default="none")
 
 
 class Guard:
-    """Looks at a link; ``units`` turns fault values into SI."""
+    """Watches a link; ``units`` turns fault values into SI."""
 
     def __init__(self, link: JointLink, units: Units | None = None) -> None:
         self.link, self._units = link, units
@@ -57,14 +57,14 @@ class Guard:
         self._window_start, self._lossy = self.link.syncs, set()
 
     def before_arming(self, boards: dict[int, set[int]] | None = None) -> list[Notice]:
-        """Return what keeps the robot from being armed; ``boards`` is what discovery found, if it was asked."""
+        """Return what prevents arming the robot; ``boards`` is the result of a discovery, if there was one."""
         now = self.link.port.now()
         if not self.link.alive():
             return [Notice(0, "missing", f"no joint answers on {self.link.port.name}: {NOBODY}", "refuse")]
         found = [notice for node in self.link.nodes for notice in self._at_rest(self.link.views[node], now)]
         for node, numbers in sorted((boards or {}).items()):
             if node and len(numbers) > 1:
-                text = f"{joint_name(node)}: {len(numbers)} boards have this node; give one another: joints set-id"
+                text = f"{joint_name(node)}: {len(numbers)} boards have this node; change one: caramelo joints set-id"
                 found.append(Notice(node, "duplicate", text, "refuse"))
         if boards is not None:
             found += [self._mute(node) for node in self.link.alive() if node not in boards]
@@ -72,7 +72,7 @@ class Guard:
 
     @staticmethod
     def _mute(node: int) -> Notice:
-        text = f"{joint_name(node)} is there but did not tell its board's number: the bus loses frames; look again"
+        text = f"{joint_name(node)} is there but did not report its board's number: the bus loses frames; try again"
         return Notice(node, "mute", text, "refuse")
 
     def _at_rest(self, view: JointView, now: float) -> list[Notice]:
@@ -81,11 +81,11 @@ class Guard:
             text = f"{name} is not there: check its power, the CAN cable and both terminators"
             return [Notice(view.node, "missing", text, "refuse")]
         if view.heartbeat.mode == w.MODE_UPDATING:
-            text = f"{name} is getting new firmware: wait until that has ended, or ten seconds after it broke off"
+            text = f"{name} is getting new firmware: wait until that ends, or ten seconds after it broke off"
             return [Notice(view.node, "updating", text, "refuse")]
         theirs = view.heartbeat.protocol_hash
         if theirs != w.PROTOCOL_HASH:
-            text = f"{name} speaks protocol {theirs:#06x}, this host {w.PROTOCOL_HASH:#06x}: caramelo flash --can"
+            text = f"{name} speaks protocol {theirs:#06x}, this host {w.PROTOCOL_HASH:#06x}: run caramelo flash --can"
             return [Notice(view.node, "hash", text, "refuse")]
         if view.heartbeat.fault:
             return [Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "refuse")]
@@ -106,7 +106,7 @@ class Guard:
         code = view.heartbeat.fault
         known = view.fault.code == code
         if code and not known:
-            return f"{fault_name(code)}; its fault record has not come yet, look again in a second"
+            return f"{fault_name(code)}; its fault record has not come yet; try again in a second"
         return fault_sentence(code, view.fault.value if known else 0, self._units)
 
     def while_armed(self) -> list[Notice]:
@@ -127,11 +127,11 @@ class Guard:
         if heartbeat.fault:
             return Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "damp")
         if heartbeat.session != self.link.session:
-            return Notice(view.node, "reset", f"{name} was reset: look at its supply and its connector", "damp")
+            return Notice(view.node, "reset", f"{name} was reset: check its supply and its connector", "damp")
         if now - view.reply_s > SILENT_S:
             return Notice(view.node, "silent", f"{name} has not replied for {now - view.reply_s:.2f} s", "damp")
         if view.status.limits & _HOT:
-            return Notice(view.node, "hot", f"{name} gets hot and is held back: let the robot sit and cool", "sit")
+            return Notice(view.node, "hot", f"{name} is hot and limits its current: let the robot sit and cool", "sit")
         if view.node in self._lossy:
             return Notice(view.node, "loss", f"{name}: more than a tenth of its replies is lost", "sit")
         return None

@@ -1,8 +1,8 @@
 """Position loops on the host: the joint's own cascade from shared/, with the joints in velocity or in current mode.
 
-Each cycle does as many ticks of the trajectory as milliseconds have passed, on the last reply, and sends the velocity
-or the current that the cascade wants. That acts one cycle later and is held for another: a delay of one and a half
-cycles, which a loop in the joint does not have. Therefore
+Each cycle computes one tick of the trajectory per elapsed millisecond, from the last reply, and sends the velocity or
+the current that the cascade wants. It acts one cycle later and is held for another: a delay of one and a half cycles,
+which a loop in the joint does not have. Therefore
 
 * the position is the one the joint will have when the command acts, at the speed it has;
 * the goals' own speed goes into the trajectory, which moves several milliseconds a cycle;
@@ -29,7 +29,7 @@ KINDS = {"impedance": "impedance", "joint": "position", "host-velocity": "veloci
 
 
 class HostLoops:
-    """Twelve loops of one kind of ``SETPOINTS``, with the blocks that the joints themselves have."""
+    """Twelve loops of one kind of ``SETPOINTS``, with the same blocks as the joints."""
 
     def __init__(self, blocks: Sequence[JointBlocks], drive: Drive, rate_hz: int, kind: str) -> None:
         self._blocks = list(blocks)
@@ -44,7 +44,7 @@ class HostLoops:
             _slow_down(block, position, velocity, MOTION_HZ / rate_hz)
 
     def reset(self) -> None:
-        """Start anew where the joints are, at the next cycle."""
+        """Start again where the joints are, at the next cycle."""
         self._started = [False] * len(self._blocks)
 
     def setpoints(
@@ -52,7 +52,7 @@ class HostLoops:
     ) -> list[int]:
         """Return twelve set-points of the wire; NO_CHANGE for a joint without a known position.
 
-        ``steps_brad`` is how far the goals go in a cycle.
+        ``steps_brad`` is how far the goals move in a cycle.
         """
         self._ticks = self._milliseconds()
         for i, goal in enumerate(goals_brad):
@@ -64,7 +64,7 @@ class HostLoops:
         return self._wanted
 
     def _milliseconds(self) -> int:
-        """Return how many milliseconds this cycle has, in turns more and fewer where they are not whole."""
+        """Return this cycle's whole milliseconds; if the period is not whole, cycles vary by one."""
         before = self._cycles * MOTION_HZ // self._rate_hz
         self._cycles += 1
         return self._cycles * MOTION_HZ // self._rate_hz - before
@@ -100,6 +100,6 @@ def _slow_down(block: JointBlocks, position: float, velocity: float, cycle_ms: f
     settings.velocity_i = round(
         settings.velocity_i * velocity * velocity * cycle_ms
     )  # kp w / 4: host/robot/joint_gains.py
-    # The joint itself knows its supply and its heat, and limits what it is told.
+    # The joint itself knows its supply and its heat, and limits its set-points.
     state.current_limit = settings.current_max
     state.bus = (settings.under_start + settings.over_start) // 2

@@ -1,10 +1,10 @@
 """The robot of twelve brushless joints on CAN behind the one interface to a robot's joints.
 
-The planner's 50 goals a second become 200 set-points by the cycle (host/bus/can/cycle.py). With ``threaded`` it runs in
-a thread of its own, as on the robot, and that thread alone has the bus: whoever drives reads what it has heard, leaves
-goals, and asks for what takes several exchanges (arming, clearing), which it does between its cycles. Nobody waits
-for it. Only an emergency stop is sent from where it is pulled. Without ``threaded`` whoever drives calls ``run_until``,
-as in simulated time, and all that is asked for is done at once.
+The cycle (host/bus/can/cycle.py) turns the planner's 50 goals a second into 200 set-points. With ``threaded`` it runs
+in a thread of its own, as on the robot, and only that thread uses the bus: the caller reads what the thread has heard,
+leaves goals, and requests what takes several exchanges (arming, clearing); the thread does that between its cycles.
+Nobody waits for it. Only an emergency stop is sent by the caller's own thread. Without ``threaded`` the caller calls
+``run_until``, as in simulated time, and every request is done at once.
 """
 
 import queue
@@ -38,8 +38,8 @@ LISTEN_MOST_S = 1.5
 APPROACH_S = 0.03  # set-points before arming: the joints need fresh ones
 ENABLE_S = 0.05
 POLL_S = 0.001
-ABANDONED_S = 0.2  # whoever asked for torque and does not ask again for so long no longer wants it
-OFF_S = 0.3  # until all joints have said that they are off: a heartbeat and some
+ABANDONED_S = 0.2  # a caller that has not repeated its request for torque for this long no longer wants it
+OFF_S = 0.3  # until all joints have confirmed that they are off: a heartbeat and some
 DISARM_S = 0.1  # then joints that have not confirmed it get an emergency stop
 JOIN_S = 1.0
 ACTIONS = {"sit": "sit", "damp": "damp", "stop": "limp"}  # of control/safety.py, by reaction of guard.py
@@ -52,7 +52,7 @@ _RAD_S_PER_WIRE = tau / 4096
 
 @dataclass
 class Work:
-    """Something for the cycle's thread, and what came of it; an emergency stop after ``stops`` ends it."""
+    """Work for the cycle's thread, and its outcome; an emergency stop after ``stops`` ends it."""
 
     do: Callable[[], None]
     stops: int
@@ -69,7 +69,7 @@ class Work:
 
 
 class CanJoints(Bus):
-    """``pose_rad`` is where the robot sits when it is switched on: joints without an encoder home on it."""
+    """``pose_rad`` is the robot's sitting pose when it is switched on: joints without an encoder home there."""
 
     kind = "can"
 
@@ -105,7 +105,7 @@ class CanJoints(Bus):
         self._asked_s = 0.0
 
     def open(self) -> None:
-        """See Bus: listen, look for boards, refuse what must not be armed, home joints without an encoder."""
+        """See Bus: listen, look for boards, refuse joints that must not be armed, home joints without an encoder."""
         try:
             self.listen()
             self.make_ready()
@@ -117,14 +117,14 @@ class CanJoints(Bus):
             self._thread.start()
 
     def make_ready(self) -> None:
-        """Look for boards, refuse with UserError what must not be armed, home joints without an encoder."""
+        """Look for boards, refuse with UserError joints that must not be armed, home joints without an encoder."""
         wrong = self.cycle.guard.before_arming(self.requests.discover())
         if wrong:
             raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
         self._home()
 
     def listen(self) -> None:
-        """Hear two heartbeats of every joint; wait longer for those that are late."""
+        """Wait for two heartbeats of every joint, and longer for those that are late."""
         end_s = self.now() + LISTEN_MOST_S
         self.run_for(LISTEN_S)
         while any(self.link.views[node].heartbeat_s == -inf for node in self.link.nodes) and self.now() < end_s:
@@ -141,7 +141,7 @@ class CanJoints(Bus):
         self.run_for(2 * self.cycle.period_s)
 
     def _run(self) -> None:
-        """Do the cycles at their times, and between them what is asked for."""
+        """Do the cycles at their times, and the requested work between them."""
         try:
             while not self._over.is_set():
                 due_s = self.cycle.due_s
@@ -150,7 +150,7 @@ class CanJoints(Bus):
                 if not self._waiting.empty():
                     self._do(self._waiting.get_nowait())
         except Exception as error:
-            self._failure = error  # without set-points the joints damp; whoever drives is told at once
+            self._failure = error  # without set-points the joints damp; the caller learns of it at once
 
     def _do(self, work: Work) -> None:
         self._work = work
@@ -158,7 +158,7 @@ class CanJoints(Bus):
         self._work = None
 
     def _soon(self, do: Callable[[], None]) -> "Future[None]":
-        """Have the cycle's thread do something; without one do it now."""
+        """Let the cycle's thread do something; without a thread do it now."""
         work = Work(do, self._stops)
         if self._thread is None:
             self._do(work)
@@ -174,19 +174,19 @@ class CanJoints(Bus):
         asked.result()
 
     def _still_wanted(self) -> Requests:
-        """Return whom to ask as a part of some work; UserError if an emergency stop was pulled meanwhile."""
+        """Return the requests to use during some work; UserError if an emergency stop came meanwhile."""
         if self._work is not None and self._work.stops != self._stops:
             raise UserError(OVERTAKEN, NOT_ACHIEVED)
         return self.requests
 
     def _await_off(self) -> None:
-        """Wait until all joints told to let go have said that they have; UserError names one that has not."""
+        """Wait until all joints have confirmed that they let go; UserError names one that has not."""
         end_s = self.now() + OFF_S
         while self.cycle.letting_go and self.now() < end_s:
             self.cycle.run_until(self.now() + self.cycle.period_s)
         if self.cycle.letting_go:
             name = joint_name(self.cycle.holding[0])
-            raise UserError(f"{name} has not said that it let go: check its power and the CAN cable", NOT_ACHIEVED)
+            raise UserError(f"{name} has not confirmed that it let go: check its power and the CAN cable", NOT_ACHIEVED)
 
     def run_for(self, seconds: float) -> None:
         """Go on with the cycle for a time."""
@@ -286,7 +286,7 @@ class CanJoints(Bus):
             for node in self.link.nodes:
                 if not views[node].enabled:
                     why = self.cycle.guard.fault_text(views[node])
-                    raise UserError(f"{joint_name(node)} accepted to be armed but is not: {why}", NOT_ACHIEVED)
+                    raise UserError(f"{joint_name(node)} accepted arming but is not armed: {why}", NOT_ACHIEVED)
             if not self.cycle.start():
                 raise UserError(OVERTAKEN, NOT_ACHIEVED)
         except UserError:
@@ -300,11 +300,11 @@ class CanJoints(Bus):
             )
 
     def limit_torque(self, fraction: float) -> None:
-        """See Bus; a joint takes another current limit only while it is disarmed, so it holds from the next arming."""
+        """See Bus; a joint takes a new current limit only while it is disarmed, so it applies from the next arming."""
         self._fraction = checked_fraction(fraction)
 
     def try_torque(self) -> bool:
-        """See Bus. Torque that nobody waits for any more is taken away again."""
+        """See Bus. Torque that the caller no longer waits for is taken away again."""
         self._asked_s = self.now()
         if self._arming is None:
             self._arming = self._soon(self._arm)
@@ -329,7 +329,7 @@ class CanJoints(Bus):
         return True
 
     def _clear(self) -> None:
-        """Clear the joints that have a fault, once all have heard that they are to let go."""
+        """Clear the joints that have a fault, once all have heard that they must let go."""
         self._await_off()
         self.cycle.notices = []
         for node in self.link.nodes:
@@ -338,13 +338,13 @@ class CanJoints(Bus):
         self.cycle.run_until(self.now() + ENABLE_S)
 
     def emergency_stop(self) -> None:
-        """See Bus: one frame to all, before any other, and again until all joints have said that they are off."""
+        """See Bus: one frame to all, before any other, repeated until all joints have confirmed that they are off."""
         self._stops += 1
         self._arming = self._clearing = None
         self.cycle.stop()
 
     def close(self) -> None:
-        """See Bus: bounded, also where nobody answers."""
+        """See Bus; takes a bounded time even if nobody answers."""
         if self.link.syncs and not self._over.is_set():
             self._let_all_go()
         self._over.set()
@@ -370,7 +370,7 @@ class CanJoints(Bus):
 
 
 def new_session() -> int:
-    """Return a session 1 .. 255 that the joints most likely do not know yet."""
+    """Return a session 1 .. 255 that is most likely new to the joints."""
     return 1 + secrets.randbelow(255)
 
 

@@ -1,7 +1,7 @@
-"""The host's end of the joints' bus: set-points and SYNC out, everything the joints say in, losses counted per joint.
+"""The host's end of the joints' bus: sends set-points and SYNC, receives all that the joints send, counts losses.
 
-Nothing is asked and waited for: SYNC makes the joints take their set-points at once and reply; what came since the
-last cycle is read before the next. A joint without a reply by then is ``lost``; a reply that comes a cycle too late
+Nothing waits for an answer: SYNC makes the joints take their set-points at once and reply; the next cycle first reads
+what came since the last. A joint without a reply by then is ``lost``; a reply that comes a cycle too late
 turns that into ``late``. Values are the wire's integers (docs/can-protocol.md).
 """
 
@@ -35,7 +35,8 @@ from ...protocol.frames import kinds, new_frame
 from .port import Port
 
 GROUPS = NODES // 4
-# Read at once: more than the shortest frames of two full buses in a cycle of 200 Hz, and less time than half of it.
+# Frames to read at once: more than the shortest that fit into a cycle of 200 Hz on two full buses, in less than half of
+# it.
 RECEIVE_MOST = 256
 HEARTBEAT_S = 1.0  # five heartbeats
 RECEIVE_S = 0.002
@@ -43,7 +44,7 @@ RECEIVE_S = 0.002
 
 @dataclass
 class JointView:
-    """What one joint said last, raw, and what of it was missing. ``heard_s`` is when it said anything at all."""
+    """One joint's last reports, raw, and how many were missing. ``heard_s`` is when it last sent anything."""
 
     node: int
     reply: Reply = field(default_factory=Reply)
@@ -67,7 +68,7 @@ class JointView:
 
     @property
     def state_words(self) -> str:
-        """Return what the state is called."""
+        """Return the state's name."""
         signals = kinds()[w.HEARTBEAT_ID + self.node].message.signals
         return dict(next(s for s in signals if s.name == "state").choices)[self.state].replace("_", " ")
 
@@ -110,7 +111,7 @@ class JointLink:
         self.responses: list[Response] = []
         self.e_stops = 0
         self.syncs = 0
-        self.floods = 0  # times that more had come than was read at once
+        self.floods = 0  # how often more had come than is read at once
         self._in, self._out = new_frame(), new_frame()
         self._slots = array("i", [w.NO_CHANGE] * 4)
         self._sync = Sync()
@@ -127,7 +128,7 @@ class JointLink:
         return [node for node in self.nodes if now_s - self.views[node].heartbeat_s <= HEARTBEAT_S]
 
     def request(self, node: int, command: int, index: int = 0, value: int = 0, again: bool = False) -> int:
-        """Send a request to a node, 0 for all, and return its sequence number; ``again`` repeats the last one's."""
+        """Send a request to a node, 0 for all, and return its sequence number; ``again`` reuses the last number."""
         if not again:
             self._sequence = (self._sequence + 1) & 0xFF
         unpack(self._request, (command, self._sequence, self.session, index, value))
@@ -136,7 +137,7 @@ class JointLink:
         return self._sequence
 
     def send_setpoints(self, identifier: int, values: Sequence[int]) -> None:
-        """Send one kind of set-point to all nodes of this bus: twelve raw values, NO_CHANGE for none."""
+        """Send one kind of set-point to all nodes of this bus: twelve raw values, NO_CHANGE for no new one."""
         for group in self._groups:
             for slot in range(4):
                 node = 4 * group + slot + 1
@@ -145,7 +146,7 @@ class JointLink:
             self.port.send(identifier + 8 * group, self._out.data.tobytes())
 
     def sync(self) -> None:
-        """Close the last cycle's count and send SYNC."""
+        """Finish the last cycle's counts and send SYNC."""
         for node in self.nodes if self._counting else ():
             view = self.views[node]
             if not view.answered:
@@ -162,7 +163,7 @@ class JointLink:
         return self.port.send_first(w.E_STOP_ID, b"")
 
     def receive(self) -> None:
-        """Read what has come, up to a bound: a flood must not keep the cycle from its time."""
+        """Read what has come, up to a limit, so that a flood can't delay the cycle."""
         end_s = self.port.now() + RECEIVE_S
         for _ in range(RECEIVE_MOST):
             frame = self.port.receive()

@@ -43,19 +43,19 @@ def bits_of(value: int, width: int) -> list[int]:
 def stuffed_region(identifier: int, data: bytes) -> list[int]:
     """The bits of a frame from start of frame to the end of its CRC, before stuffing."""
     if not 0 <= identifier <= 0x7FF or len(data) > 8:
-        raise ValueError(f"identifier {identifier:#x} with {len(data)} bytes: 0..0x7ff with 0..8 are allowed")
+        raise ValueError(f"identifier {identifier:#x} with {len(data)} bytes: allowed 0..0x7ff with 0..8 bytes")
     header = [0, *bits_of(identifier, 11), 0, 0, 0, *bits_of(len(data), 4)]
     body = header + [bit for byte in data for bit in bits_of(byte, 8)]
     return body + bits_of(crc15(body), 15)
 
 
-# Where stuffing stands: 2 x (equal bits so far - 1) + the last bit
+# State of the stuffing: 2 x (equal bits so far - 1) + the last bit
 _IDLE = 1  # the bus is recessive before a frame
 
 
 @cache
 def _stuffed_byte(state: int, byte: int, width: int = 8) -> tuple[int, int]:
-    """Return how many stuff bits ``width`` bits get behind a state, and the state after them."""
+    """Return how many stuff bits ``width`` bits get after a state, and the state after them."""
     run, last, count = state // 2 + 1, state % 2, 0
     for bit in bits_of(byte, width):
         run = run + 1 if bit == last else 1
@@ -67,13 +67,13 @@ def _stuffed_byte(state: int, byte: int, width: int = 8) -> tuple[int, int]:
 
 @cache
 def _crc_byte(high: int) -> int:
-    """Return what eight bits shifted out of the CRC leave of it."""
+    """Return what eight bits shifted out of the CRC contribute to it."""
     return crc15(bits_of(high, 8))
 
 
 @cache
 def _head(identifier: int, length: int) -> tuple[int, int, int]:
-    """Return of a frame's 19 bits before its data: their CRC, their stuff bits, the state after them."""
+    """Return the CRC and the stuff bits of the 19 bits before a frame's data, and the state after them."""
     bits = stuffed_region(identifier, bytes(length))[:19]
     count, state = 0, _IDLE
     for bit in bits:
@@ -83,7 +83,7 @@ def _head(identifier: int, length: int) -> tuple[int, int, int]:
 
 
 def frame_bits(identifier: int, data: bytes) -> int:
-    """Bits a frame takes on the bus, intermission included."""
+    """Bits that a frame takes on the bus, intermission included."""
     crc, count, state = _head(identifier, len(data))
     for byte in data:
         more, state = _stuffed_byte(state, byte)
@@ -95,7 +95,7 @@ def frame_bits(identifier: int, data: bytes) -> int:
 
 
 def worst_bits(length: int) -> int:
-    """Most bits any frame of ``length`` bytes can take, intermission included."""
+    """Most bits that a frame of ``length`` bytes can take, intermission included."""
     region = _STUFFED_OVERHEAD + 8 * length
     return region + (region - 1) // 4 + _UNSTUFFED
 
@@ -114,7 +114,7 @@ class Scheduled:
 
 
 def scheduled(name: str, identifier: int, length: int, rate_hz: float) -> Scheduled:
-    """A message of which only identifier and length are known: its samples are 64 fixed pseudo-random payloads."""
+    """A message with only identifier and length known: its samples are 64 fixed pseudo-random payloads."""
     state, samples = 1, []
     for _ in range(64):
         payload = bytearray()
@@ -168,7 +168,7 @@ def _encoded(identifier: int, rows: Iterable[list[int]]) -> tuple[tuple[int, byt
 
 
 def _group_cycle(identifier: int, group: int, nodes: Sequence[int], size: int) -> tuple[tuple[int, bytes], ...]:
-    """Set-points of one group over one gait cycle; slots of joints on another bus hold "no change"."""
+    """Set-points of one group over one gait cycle; joints on another bus have "no change" in their slots."""
     slots = range(4 * group + 1, 4 * group + 5)
     rows = ([_swing(t, n, size) if n in nodes else names.NO_CHANGE for n in slots] for t in range(_CYCLE_SAMPLES))
     return _encoded(identifier, rows)
@@ -220,7 +220,7 @@ def default_schedule(
     """What the host and ``nodes`` (1 .. 12) send on one bus: SYNC, set-points and replies at ``rate_hz``, status."""
     unknown = [kind for kind in setpoints if kind not in SETPOINTS]
     if unknown or not nodes or any(not 1 <= node <= NODES for node in nodes):
-        raise ValueError(f"set-points {unknown} unknown or no node 1..12; known: {', '.join(SETPOINTS)}")
+        raise ValueError(f"set-points {unknown}, or no node 1..12: allowed {', '.join(SETPOINTS)}")
     sync = Scheduled("SYNC", rate_hz, _encoded(names.SYNC_ID, ([counter, 0x5A] for counter in range(256))))
     replies = tuple(sample for node in nodes for sample in _reply_cycle(node))
     status = [[25 * 16 + i, 30 * 16 + i, 24 * 16 - i % 8, 0, 0, 0] for i in range(_CYCLE_SAMPLES)]

@@ -7,7 +7,7 @@ from .port import Port
 
 
 def open_port(bus: CanBus, interface: str | None = None, channel: str | None = None) -> Port:
-    """Return the port; what is not given is the robot file's. UserError with a hint if it cannot be opened."""
+    """Return the port; the robot file gives what is not named. UserError with a hint if it can't be opened."""
     interface = interface or bus.interface
     channels = channel.split(",") if channel else bus.channels
     front = AdapterPort(interface, channels[0], bus.bitrate)

@@ -1,7 +1,7 @@
 """Two buses behind one port: the front legs' joints on the first, the rear legs' on the second.
 
-What goes to one joint goes to its bus, what goes to all goes to both. The host carries an emergency stop over: heard on
-one bus, it is sent on the other before anything else is read.
+Frames to one joint go to its bus, frames to all go to both. The host passes an emergency stop on: when it hears one on
+one bus, it sends it on the other before it reads anything else.
 """
 
 from shared.wire import names as w
@@ -13,12 +13,12 @@ REAR = 7  # first node of the second bus: 1 + 3 x leg + joint, legs FR, FL, RR, 
 
 
 def bus_of(node: int) -> int:
-    """Return on which of two buses, 0 or 1, node 1 .. 12 is."""
+    """Return the bus, 0 or 1, of a node 1 .. 12."""
     return int(node >= REAR)
 
 
 def buses_for(identifier: int) -> tuple[int, ...]:
-    """Return the buses that a frame of the host concerns; groups of four set-points reach over both."""
+    """Return the buses that a frame of the host concerns; groups of four set-points can span both."""
     block = frame_block(identifier)
     if block == w.SETPOINT_POSITION_ID:
         first = 4 * setpoint_group(identifier) + 1
@@ -30,7 +30,7 @@ def buses_for(identifier: int) -> tuple[int, ...]:
 
 
 class PairPort(Port):
-    """Two ports of one machine as one."""
+    """Two ports of one machine, combined."""
 
     def __init__(self, front: Port, rear: Port) -> None:
         super().__init__()
@@ -40,7 +40,7 @@ class PairPort(Port):
 
     @property
     def counters(self) -> PortCounters:
-        """Return both buses' counters added up."""
+        """Return the sum of both buses' counters."""
         a, b = (port.counters for port in self.ports)
         return PortCounters(a.sent + b.sent, a.received + b.received, a.full + b.full, a.bus_off + b.bus_off)
 

@@ -1,4 +1,4 @@
-"""A joint's kept parameters in a JSON file: raw integers by name, with the protocol that they belong to."""
+"""A joint's saved parameters in a JSON file: raw integers by name, with the protocol that they belong to."""
 
 import json
 from collections.abc import Mapping
@@ -11,11 +11,11 @@ from ...protocol.parameters import Parameter, ParameterError, load
 from ...util.errors import UserError
 from ...util.files import write_text
 
-NOT_IN_FILES = "node_id"  # a file may go to another joint, which stays the node that it is
+NOT_IN_FILES = "node_id"  # a file may go to another joint, which keeps its own node
 
 
 def kept() -> list[Parameter]:
-    """Return the parameters that a file holds."""
+    """Return the parameters that belong in a file."""
     return [parameter for parameter in load() if parameter.stored and parameter.name != NOT_IN_FILES]
 
 
@@ -33,13 +33,13 @@ def read_file(path: Path) -> dict[str, int]:
     except OSError as error:
         raise UserError(f"{path}: can't be read: {error.strerror or error}") from error
     except (ValueError, KeyError, TypeError, RecursionError) as error:
-        raise UserError(f"{path}: is no file of params save --file ({type(error).__name__}: {error})") from error
+        raise UserError(f"{path}: not a file of params save --file ({type(error).__name__}: {error})") from error
     if protocol != f"{PROTOCOL_HASH:#06x}":
-        raise UserError(f"{path}: is of protocol {protocol}, this is {PROTOCOL_HASH:#06x}: save the joint anew")
+        raise UserError(f"{path}: has protocol {protocol}, this is {PROTOCOL_HASH:#06x}: save the joint's again")
     known = {parameter.name: parameter for parameter in kept()}
     for name, raw in values.items():
         if name not in known or type(raw) is not int:
-            raise UserError(f"{path}: {name} = {raw!r}: allowed are whole numbers of the parameters that are kept")
+            raise UserError(f"{path}: {name} = {raw!r}: allowed: whole numbers, for parameters that a joint saves")
         try:
             known[name].to_raw(known[name].to_value(raw))
         except ParameterError as error:

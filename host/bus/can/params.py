@@ -11,7 +11,7 @@ from .service import Requests
 
 
 def find_all(names: Sequence[str] | None) -> list[Parameter]:
-    """Return parameters by name, all without names; UserError for one that does not exist."""
+    """Return parameters by name, all if there is no name; UserError for one that does not exist."""
     known = {parameter.name: parameter for parameter in load()}
     for name in names or ():
         if name not in known:
@@ -36,7 +36,7 @@ def write(requests: Requests, node: int, parameter: Parameter, value: float) -> 
 
 
 def read_kept(requests: Requests, node: int) -> dict[str, int]:
-    """Return the raw values of the parameters that are kept, but for the node itself."""
+    """Return the raw values of the saved parameters, except the node itself."""
     return {parameter.name: read(requests, node, parameter) for parameter in kept()}
 
 
@@ -53,7 +53,7 @@ def write_kept(requests: Requests, node: int, values: Mapping[str, int]) -> int:
 def differences(
     requests: Requests, node: int, wanted: Mapping[str, int] | None = None
 ) -> list[tuple[Parameter, int, int]]:
-    """Return the kept parameters that differ from a file's values, or a fresh board's: raw, and raw wanted."""
+    """Return the saved parameters that differ from a file's or a fresh board's: raw value, and raw wanted one."""
     expected = {parameter.name: parameter.default for parameter in kept()} if wanted is None else wanted
     rows = [(p, read(requests, node, p), expected[p.name]) for p in kept() if p.name in expected]
     return [row for row in rows if row[1] != row[2]]

@@ -1,6 +1,6 @@
-"""One interface to a CAN bus as the host sees it: send without waiting, receive what has come, wait for a moment.
+"""One interface to a CAN bus as the host sees it: send without waiting, receive what has come, wait until a time.
 
-Times are monotonic seconds, of the machine or of the simulation; nothing here reads the clock on the wall.
+Times are monotonic seconds, of the machine or of the simulation; nothing here reads the wall clock.
 """
 
 from abc import ABC, abstractmethod
@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 
 
 class Received(NamedTuple):
-    """A frame and when it came."""
+    """A frame, and when it came."""
 
     time_s: float
     identifier: int
@@ -19,7 +19,7 @@ class Received(NamedTuple):
 
 @dataclass
 class PortCounters:
-    """What became of the frames: ``full`` found no room in the send buffer, ``bus_off`` how often the node was off."""
+    """Counts of frames: ``full`` found no room in the send buffer; ``bus_off`` is how often the node was off."""
 
     sent: int = 0
     received: int = 0
@@ -44,12 +44,12 @@ class Port(ABC):
         """Put a frame into the send buffer; False, and counted, if there is no room or the node is bus-off."""
 
     def send_first(self, identifier: int, data: bytes) -> bool:
-        """Send a frame before all that waits; what waits is thrown away as far as the adapter lets us."""
+        """Send a frame before all that wait; those are thrown away as far as the adapter allows."""
         return self.send(identifier, data)
 
     @abstractmethod
     def receive(self) -> Received | None:
-        """Return the oldest frame that has come, or None; does not wait, and looks at a few frames at most."""
+        """Return the oldest frame that has come, or None; does not wait, and checks only a few frames."""
 
     @abstractmethod
     def now(self) -> float:
@@ -57,11 +57,11 @@ class Port(ABC):
 
     @abstractmethod
     def wait_until(self, time_s: float) -> None:
-        """Wait for a moment; one that is over returns at once."""
+        """Wait until a time; return at once if it is over."""
 
     @property
     def trouble(self) -> str:
-        """Return what is wrong with the bus now, as a sentence with what to do, or ""."""
+        """Return a sentence on what is wrong with the bus now, with what to do, or ""."""
         return ""
 
     def close(self) -> None:

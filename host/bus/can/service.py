@@ -1,6 +1,6 @@
-"""Requests to joints: asked with a sequence number, repeated while no answer comes, refusals as sentences.
+"""Requests to joints: sent with a sequence number, repeated while no answer comes; refusals become sentences.
 
-A repeated request carries the same number, so a joint that has done it answers again and does not do it twice.
+A repeated request has the same number, so a joint that has done it answers again but does not do it twice.
 """
 
 from collections.abc import Callable
@@ -23,24 +23,24 @@ RESULTS = {
     w.RESULT_OUT_OF_RANGE: "the value is out of range",
     w.RESULT_READ_ONLY: "the parameter can only be read",
     w.RESULT_NEEDS_DISARMED: "it is armed: disarm it first",
-    w.RESULT_WRONG_STATE: "not in this state: disarm it, or wait until it is ready",
+    w.RESULT_WRONG_STATE: "not possible in its present state: disarm it, or wait until it is ready",
     w.RESULT_FAULT_PRESENT: "a fault is latched or its cause is still there: see joints status, then joints clear",
     w.RESULT_WRONG_HASH: "it speaks another protocol: flash the same version as the host's",
-    w.RESULT_NO_SESSION: "the request carries no session",
-    w.RESULT_NO_SETPOINT: "no set-point reached it lately: the bus loses frames",
+    w.RESULT_NO_SESSION: "the request contains no session",
+    w.RESULT_NO_SETPOINT: "it has received no set-point lately: the bus loses frames",
     w.RESULT_FAR_FROM_SETPOINT: "the set-point is far from where it is",
     w.RESULT_NOT_HOMED: "it does not know its angle: put the robot into its sitting pose, and home it",
-    w.RESULT_NOT_COMMISSIONED: "it is not commissioned: caramelo joints commission",
+    w.RESULT_NOT_COMMISSIONED: "it is not commissioned: run caramelo joints commission",
     w.RESULT_STORAGE_FAILED: "its file system refused to save",
-    w.RESULT_DUPLICATE_ID: "another board has the same node: caramelo joints scan, then set-id",
-    w.RESULT_WRONG_KEY: "the board's number does not match: caramelo joints scan tells it",
+    w.RESULT_DUPLICATE_ID: "another board has the same node: run caramelo joints scan, then set-id",
+    w.RESULT_WRONG_KEY: "the board's number does not match: caramelo joints scan shows it",
     w.RESULT_BUSY: "it is busy: try again",
-    w.RESULT_WRONG_CHALLENGE: "the request does not carry its challenge: it was armed or let go meanwhile, try again",
+    w.RESULT_WRONG_CHALLENGE: "the request lacks its challenge: the joint was armed or let go meanwhile; try again",
 }
 
 
 def joint_name(node: int) -> str:
-    """Return how to call a node."""
+    """Return a node's name."""
     return f"{JOINT_LABELS[node - 1]} (node {node})" if node else "board without a node"
 
 
@@ -50,7 +50,7 @@ def refusal(response: Response) -> str:
 
 
 class Requests:
-    """Asks joints; ``idle`` is called while it waits, for what has to go on meanwhile."""
+    """Asks joints; while it waits it calls ``idle``, for work that has to go on meanwhile."""
 
     def __init__(self, link: JointLink, idle: Callable[[float], None] | None = None) -> None:
         self.link = link
@@ -75,11 +75,11 @@ class Requests:
         return None
 
     def ask(self, node: int, command: int, index: int = 0, value: int = 0) -> Response | None:
-        """Return a node's answer, or None if it gave none in any of four tries."""
+        """Return a node's answer, or None if none of four tries got one."""
         return self._exchange(node, command, index, value)
 
     def demand(self, node: int, command: int, index: int = 0, value: int = 0) -> Response:
-        """Return the answer of a node that did what it was asked; else UserError says why not."""
+        """Return a node's answer if it did what it was asked; else UserError says why not."""
         answer = self.ask(node, command, index, value)
         if answer is None:
             raise UserError(f"{joint_name(node)} does not answer: check its power and the CAN cable", NOT_ACHIEVED)
@@ -90,12 +90,12 @@ class Requests:
     def challenged(
         self, node: int, command: int = w.COMMAND_ARM, index: int = 0, low: int = w.PROTOCOL_HASH
     ) -> Response:
-        """Demand arming, commissioning or homing of a joint: it carries its challenge, and ``low`` below that."""
+        """Request arming, commissioning or homing of a joint, with its challenge, and ``low`` in the lower bits."""
         challenge = self.demand(node, w.COMMAND_READ_PARAMETER, PARAMETER_CHALLENGE).value
         return self.demand(node, command, index, challenge << 16 | low & 0xFFFF)
 
     def to_board(self, command: int, number: int, index: int = 0) -> Response:
-        """Ask the one board with a number, whatever its node: set-id and the loader."""
+        """Ask the board with a number, whatever its node: for set-id and the loader."""
         answer = self._exchange(0, command, index, number, anybody=True)
         if answer is None:
             raise UserError(f"board {number:#x} does not answer: caramelo joints scan lists the boards", NOT_ACHIEVED)
@@ -106,7 +106,7 @@ class Requests:
     def discover(self, times: int = 2) -> dict[int, set[int]]:
         """Return the boards' numbers by node; two numbers under one node are two boards with one id.
 
-        Asked again, TRIES times more at most, while a joint that is heard has not answered: an answer may get lost.
+        Asks again, up to TRIES more times, while a joint that is heard has not answered: an answer may get lost.
         """
         found: dict[int, set[int]] = {}
         for turn in range(times + TRIES):

@@ -1,7 +1,7 @@
 """The host's end of the bus while firmware goes over it: requests to joints, blocks to all, at a share of the bus.
 
-What goes by, sent or heard, is counted by its bits on the wire, stuffing and intermission included (load.py); the next
-frame waits until the share allows it.
+All traffic, sent or heard, is counted in bits on the wire, with stuffing and intermission (load.py); the next frame
+waits until the share allows it.
 """
 
 import struct
@@ -27,11 +27,11 @@ from ...util.errors import NOT_ACHIEVED, UserError
 from .load import BITRATE, frame_bits
 from .port import Port
 
-SHARE = 0.66  # of the bus, so that what joints say by themselves keeps it below 0.7
-BURST_S = 0.001  # sent at once: a computer cannot wait for 0.1 ms (chosen)
+SHARE = 0.66  # of the bus, so that it stays below 0.7 with what joints send by themselves
+BURST_S = 0.001  # sent at once: a computer can't wait for just 0.1 ms (chosen)
 ANSWER_S = 0.05  # a joint answers within a millisecond; adapters and computers take longer
 TRIES = 10
-FULL_S = 1.0  # a send buffer that takes nothing for so long belongs to a bus that does not work
+FULL_S = 1.0  # a send buffer that takes nothing for this long belongs to a bus that does not work
 BLOCK_BYTES = 6
 
 
@@ -46,7 +46,7 @@ class Ask:
 
 @dataclass
 class Heard:
-    """What a joint said last, and when it said anything."""
+    """A joint's last reports, and when it last sent anything."""
 
     node: int
     heard_s: float = float("-inf")
@@ -62,7 +62,7 @@ class UpdateBus:
     def __init__(self, port: Port, key: int, bitrate: int = BITRATE, share: float = SHARE) -> None:
         self.port, self.key = port, key
         self.joints = {node: Heard(node) for node in range(1, 13)}
-        self.bits = 0  # gone by
+        self.bits = 0  # seen on the bus
         self._per_s = bitrate * share
         self._free_s = port.now()
         self._in, self._out = new_frame(), new_frame()
@@ -122,11 +122,11 @@ class UpdateBus:
             joint.heard_s = time_s
         elif block == w.HEARTBEAT_ID and length == w.HEARTBEAT_LENGTH:
             heartbeat = Heartbeat()
-            decode_heartbeat(words, heartbeat)  # the layout of a joint of any age; what its fields mean may differ
+            decode_heartbeat(words, heartbeat)  # its layout is the same in every firmware; meanings may differ
             joint.heartbeat, joint.heard_s = heartbeat, time_s
 
     def slow_down(self) -> None:
-        """Take a tenth less of the bus from now on."""
+        """Use a tenth less of the bus from now on."""
         self._per_s *= 0.9
 
     def wait(self, seconds: float) -> None:
@@ -137,7 +137,7 @@ class UpdateBus:
             self.listen()
 
     def ask(self, asks: Mapping[int, Ask], wait_s: float = ANSWER_S, tries: int = TRIES) -> dict[int, UpdateAnswer]:
-        """Ask joints, again those that do not answer; return the answers of those that did, by node."""
+        """Ask joints, repeating for those that do not answer; return the answers by node."""
         found: dict[int, UpdateAnswer] = {}
         for _ in range(tries):
             left = [node for node in asks if node not in found]
@@ -163,5 +163,5 @@ class UpdateBus:
 
 
 def _is_of(answer: UpdateAnswer, ask: Ask) -> bool:
-    """Return whether a word of a header is the one that was asked for."""
+    """Return whether a word of a header is the wanted one."""
     return ask.command != w.UPDATE_LOOK or answer.index == ask.index

@@ -10,15 +10,15 @@ from ..base import JOINTS
 from . import table as t
 
 BITS_PER_BYTE = 10  # start, eight, stop
-SLICE = 3  # servos that tell the slow values each cycle
-ROUNDS = 2  # questions a cycle: all servos fast, three servos slow
+SLICE = 3  # servos that report the slow values each cycle
+ROUNDS = 2  # requests per cycle: fast values of all servos, slow values of three
 WELL_SET_LATENCY_MS = 1
 USABLE = 0.8  # the planner and the scheduler need the rest of the cycle (chosen)
 
 
 @dataclass(frozen=True)
 class Budget:
-    """One cycle: bytes in each packet, and how much of the cycle's time they take."""
+    """One cycle: the bytes of each packet, and how much of the cycle's time they take."""
 
     baud: int
     rate_hz: int
@@ -44,7 +44,7 @@ class Budget:
 
     @property
     def cycle_ms(self) -> float:
-        """Time there is."""
+        """Time available."""
         return 1000 / self.rate_hz
 
     @property
@@ -69,7 +69,7 @@ class Budget:
         """Return the figures in words."""
         verdict = "fits" if self.fits else "does not fit: raise the baud rate, or lower control.rate_hz"
         return (
-            f"bus budget: {self.bytes} bytes a cycle at {self.baud} baud = {self.wire_ms:.2f} ms, with {ROUNDS} waits "
+            f"bus budget: {self.bytes} bytes a cycle at {self.baud} baud = {self.wire_ms:.2f} ms; with {ROUNDS} waits "
             f"of {self.latency_ms:g} ms {self.total_ms:.2f} of {self.cycle_ms:.1f} ms ({self.rate_hz} Hz): {verdict}"
         )
 

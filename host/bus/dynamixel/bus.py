@@ -1,7 +1,7 @@
-"""Twelve servos as a Bus: one sync write and one sync read a cycle, voltage, heat and state of a leg in turns.
+"""Twelve servos as a Bus: one sync write and one sync read per cycle; voltage, heat and state of one leg at a time.
 
 When the host falls silent, the servos' own bus watchdog stops them where they are, and another process lets go of them
-(guardian.py). Letting go is a packet that nobody confirms, so it is sent again until each servo says it is off.
+(guardian.py). No servo confirms the packet that lets go, so it is sent again until each servo reports that it is off.
 """
 
 import threading
@@ -21,16 +21,16 @@ from .link import PATIENCE_MS, Answer, Link, ServoError, packet_of, protocol_of
 from .port import latency_warning
 from .table import Register
 
-WATCHDOG_S = 0.2  # ten ticks of 50 Hz: longer than any hiccup that is none (chosen)
-SLICES = 8  # cycles until every servo has told voltage and heat, and state
+WATCHDOG_S = 0.2  # ten ticks of 50 Hz: longer than a harmless hiccup (chosen)
+SLICES = 8  # cycles until every servo has reported voltage and heat, and state
 SILENT = "does not answer: check its cable"
-OFF_TRIES = 10  # when leaving; each asks all servos whether they have let go
+OFF_TRIES = 10  # at the end; each asks all servos whether they have let go
 UNGUARDED = Fault("sit", "guardian", "the process that lets go of the servos if this one dies has ended: start again")
 TORQUE_TRIES = 20  # each needs an answer from all twelve: at 2 % bad packets about every second one gets it
 
 
 def control_settings(model: Servo) -> list[tuple[Register, int]]:
-    """Return what a servo needs to hold goals at once, by the gains of the robot file."""
+    """Return the settings with which a servo can hold goals, with the gains of the robot file."""
     return [
         (t.RETURN_DELAY, 0), (t.OPERATING_MODE, t.POSITION_CONTROL), (t.P_GAIN, model.p_gain), (t.I_GAIN, model.i_gain),
         (t.D_GAIN, model.d_gain), (t.PROFILE_VELOCITY, 0), (t.PROFILE_ACCELERATION, 0),
@@ -83,7 +83,7 @@ class ServoBus(Bus):
         return self._clock()
 
     def open(self) -> None:
-        """See Bus: every servo must answer, be the right model and not be tripped."""
+        """See Bus: every servo must answer, be the right model and not have tripped."""
         self.port.open()
         self._opened = True
         try:
@@ -104,24 +104,24 @@ class ServoBus(Bus):
         if len(missing) == JOINTS:
             raise ServoError(
                 f"{self.port.port_name}: no servo answers at {self.port.getBaudRate()} baud: is the power on? "
-                f"Look for other rates and ids with: caramelo servos scan --all-bauds"
+                f"look for other rates and ids with: caramelo servos scan --all-bauds"
             )
         if missing:
             raise ServoError(f"no answer from {', '.join(missing)}: {self._strangers()}")
         for joint, model in enumerate(models):
             if model != t.MODEL_MX28_V2:
-                old = " (its firmware is the old one: update it with Dynamixel Wizard)" * (model == t.MODEL_MX28_V1)
-                raise ServoError(f"{self.name(joint)} is model {model}, must be {t.MODEL_MX28_V2}, MX-28(2.0){old}")
+                old = " (old firmware: update it with Dynamixel Wizard)" * (model == t.MODEL_MX28_V1)
+                raise ServoError(f"{self.name(joint)} is model {model}, not {t.MODEL_MX28_V2}, MX-28(2.0){old}")
 
     def _strangers(self) -> str:
-        """Return what to do about missing servos: renumber one that has a foreign id, or look at the cable."""
+        """Return what to do about missing servos: renumber one with a foreign id, or check the cable."""
         if self.link.protocol == 1.0:
             return "check its cable and id with: caramelo servos scan"
         foreign = sorted(set(self.link.ping_all()) - set(self._ids))
         if foreign:
             ids = ", ".join(map(str, foreign))
             return (
-                f"but an id that belongs to no joint does: {ids}; mis-numbered? caramelo servos set-id {foreign[0]} NEW"
+                f"but from an id that belongs to no joint: {ids}; wrong id? caramelo servos set-id {foreign[0]} NEW"
             )
         return "check its cable and power, and that no other servo has the same id"
 
@@ -183,7 +183,7 @@ class ServoBus(Bus):
         self._ask_trouble(alerted)
 
     def _ask_trouble(self, joints: list[int]) -> None:
-        """Ask servos that raise their alert flag what is wrong."""
+        """Ask servos with the alert flag what is wrong."""
         if not joints:
             return
         register = t.HARDWARE_ERROR
@@ -194,7 +194,7 @@ class ServoBus(Bus):
                 self._error[joint] = t.hardware_error_text(answer.data[0])
 
     def _take_slice(self, now_s: float) -> None:
-        """Ask one leg: voltage and heat in one round, torque, errors and watchdog in the next."""
+        """Ask one leg: for voltage and heat in one round, for torque, errors and watchdog in the next."""
         self._cycle = (self._cycle + 1) % SLICES
         joints = range(self._cycle % 4 * 3, self._cycle % 4 * 3 + 3)
         block = t.SLOW_BLOCK if self._cycle < 4 else t.STATE_BLOCK
@@ -211,7 +211,7 @@ class ServoBus(Bus):
                 self._look_at_state(joint, answer)
 
     def _look_at_state(self, joint: int, answer: Answer) -> None:
-        """Keep what is wrong with a servo's state; repair a torque limit that it did not hear."""
+        """Store what is wrong with a servo's state; resend a torque limit that it missed."""
 
         def value(register: Register) -> int:
             return t.unpack(register, answer.data, t.STATE_BLOCK[0])
@@ -251,7 +251,7 @@ class ServoBus(Bus):
                 self._torque, self._tries = False, 0
                 self._let_go()
                 return
-            with self.link.patient(PATIENCE_MS):  # whoever waits here is no loop
+            with self.link.patient(PATIENCE_MS):  # no control loop waits here
                 while not self._hold_here():
                     continue
 
@@ -264,7 +264,7 @@ class ServoBus(Bus):
             return holds
 
     def _hold_here(self) -> bool:
-        """Torque on with the present positions as goals, watchdog running; checked, because nobody confirms."""
+        """Torque on with the present positions as goals, watchdog running; checked, as servos do not confirm it."""
         self._stopped = False
         present = self.link.read_all(self._ids, t.FAST_BLOCK)
         silent = [joint for joint, servo in enumerate(self._ids) if servo not in present]
@@ -283,7 +283,7 @@ class ServoBus(Bus):
         return True
 
     def _switch_on(self, present: dict[int, Answer]) -> None:
-        """Torque on with the goals where the servos are."""
+        """Switch torque on with goals where the servos are."""
         if self._guardian is not None:
             self._guardian.beat(True)
         self._tell_all(t.WATCHDOG, 0)
@@ -310,7 +310,7 @@ class ServoBus(Bus):
         return reasons
 
     def emergency_stop(self) -> None:
-        """See Bus. If another thread is talking, it sends the stop right after its present cycle as well."""
+        """See Bus. If another thread is talking, that thread also sends the stop right after its present cycle."""
         self._stopped = True
         self._torque = False
         with self._lock:
@@ -323,7 +323,7 @@ class ServoBus(Bus):
         self._tell_all(t.TORQUE_ENABLE, 0)
 
     def _let_go_for_good(self) -> None:
-        """Let go until all servos say that they have, or have been asked often."""
+        """Let go until all servos confirm it, or have been asked often enough."""
         for _ in range(OFF_TRIES):
             self._let_go()
             answers = self.link.read_all(self._ids, (t.TORQUE_ENABLE.address, t.TORQUE_ENABLE.size))

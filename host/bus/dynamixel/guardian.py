@@ -1,10 +1,10 @@
-"""Lets go of the servos when the program that holds them dies or hangs: a process of its own, with the port alone.
+"""Lets go of the servos if the program that holds them dies or hangs: a process of its own, with only the port.
 
 The servos can't do that: their bus watchdog stops them where they are, and they go on holding (docs/servos.md). The
-holder beats through a pipe, telling whether it wants torque. A pipe that closes while it does is a death; no beat for
-PATIENCE_S is a hang. Both are answered by the packet that takes the torque from all servos, again and again, because it
-may run into half a packet of the dead. This file imports nothing of the project, so that it starts quickly and no
-fault of the rest is its own.
+holder sends beats through a pipe, which say whether it wants torque. If the pipe closes while it wants torque, it has
+died; if no beat comes for PATIENCE_S, it hangs. In both cases the guardian sends the packet that takes the torque from
+all servos, again and again, because it may collide with half a packet of the dead process. This file imports nothing
+of the project, so that it starts quickly and shares no fault with the rest.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ class Guardian:
     def __init__(self, port: int, packet: bytes) -> None:
         theirs, self._beats = os.pipe()
         os.set_blocking(self._beats, False)
-        # A session of its own: Ctrl-C and Ctrl-Z in the terminal are for the holder.
+        # In a session of its own, because Ctrl-C and Ctrl-Z in the terminal are for the holder.
         self.process = subprocess.Popen(
             [sys.executable, "-m", __name__, str(port), str(theirs), packet.hex()],
             pass_fds=[port, theirs],
@@ -38,11 +38,11 @@ class Guardian:
         self.alive = True
 
     def beat(self, torque: bool) -> None:
-        """Tell that the holder lives, and whether it wants torque; never waits."""
+        """Report that the holder lives, and whether it wants torque; never waits."""
         try:
             os.write(self._beats, TORQUE if torque else NO_TORQUE)
         except BlockingIOError:
-            return  # it has enough beats
+            return  # the pipe is full of beats
         except OSError:
             self.alive = False
 
@@ -58,7 +58,7 @@ class Guardian:
 
 
 def watch(port: int, beats: int, packet: bytes) -> None:
-    """Let go whenever the holder wants torque and does not beat; until it has closed the pipe."""
+    """Let go whenever the holder wants torque but does not beat, until it has closed the pipe."""
     torque = False
     while True:
         if not select.select([beats], [], [], PATIENCE_S if torque else None)[0]:
@@ -75,7 +75,7 @@ def watch(port: int, beats: int, packet: bytes) -> None:
 
 
 def _let_go(port: int, beats: int, packet: bytes) -> None:
-    """Send the packet often, as long as the holder (-1: it is dead) is silent."""
+    """Send the packet again and again while the holder (-1: it is dead) is silent."""
     waiting = [] if beats < 0 else [beats]
     for _ in range(TRIES):
         with contextlib.suppress(

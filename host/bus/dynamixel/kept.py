@@ -1,4 +1,4 @@
-"""What a guided procedure has done so far, joint by joint, in a TOML file that it is taken up from."""
+"""A TOML file with what a guided procedure has done so far, joint by joint, from which it can go on."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -16,7 +16,7 @@ Done = TypeVar("Done", bound="DataclassInstance")
 
 
 def write_kept(path: Path, robot: str, done: Mapping[int, Done]) -> None:
-    """Write what is done of each joint: dataclasses of whole numbers."""
+    """Write what is done for each joint: dataclasses of whole numbers."""
     lines = [f'robot = "{robot}"']
     for joint, one in sorted(done.items()):
         values = ", ".join(f"{name} = {value}" for name, value in asdict(one).items())
@@ -25,15 +25,15 @@ def write_kept(path: Path, robot: str, done: Mapping[int, Done]) -> None:
 
 
 def read_kept(path: Path, robot: str, kind: type[Done]) -> dict[int, Done]:
-    """Return what is done, by joint; UserError if it is no such file, or one of another robot."""
-    remedy = "delete it to start anew"
+    """Return what is done, by joint; UserError if it is not such a file, or belongs to another robot."""
+    remedy = "delete the file to start again"
     try:
         tables = read_toml(path)
         if tables.pop("robot") != robot:
             raise UserError(f"{path}: begun for another robot; {remedy}")
         return {JOINT_LABELS.index(label): _one(values, kind) for label, values in tables.items()}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UserError(f"{path}: can't go on from it ({error}); {remedy}") from None
+        raise UserError(f"{path}: can't go on from this file ({error}); {remedy}") from None
 
 
 def _one(values: Mapping[str, int], kind: type[Done]) -> Done:

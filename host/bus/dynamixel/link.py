@@ -1,7 +1,7 @@
-"""Talking to servos by register, through the SDK's packets: single reads and writes, one for all, many in one go.
+"""Talking to servos by register, with the SDK's packets: single reads and writes, broadcasts, group reads and writes.
 
 Every bad answer is counted and thrown away. The SDK's group reads stop at the first missing answer and drop the
-status bits, so the answers are collected here: each one counts by itself, in whatever order it arrives.
+status bits, so this module collects the answers itself: each one counts separately, in whatever order they arrive.
 """
 
 import termios
@@ -32,7 +32,7 @@ from .table import (
 )  # fmt: skip
 from .unstuff import packet_handler
 
-# Outside of the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
+# Outside the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
 PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0
 RETRIES = 5  # at 4 % lost or damaged packets one exchange in ten million fails
 
@@ -60,7 +60,7 @@ class Link:
         self.port, self.protocol = port, protocol
         self.packets = packet_handler(protocol)
         self.counters = Counters() if counters is None else counters
-        self._given_up = 0  # answers that did not come in time and may come yet
+        self._given_up = 0  # answers that did not come in time but may still come
 
     def ping(self, servo: int, tries: int = RETRIES, patience_ms: float = PING_PATIENCE_MS) -> int | None:
         """Return the model number of a servo, or None if it does not answer."""
@@ -72,13 +72,13 @@ class Link:
         return None
 
     def ping_patiently(self, servo: int) -> int | None:
-        """Return the same of a servo that should be there: before it is missing it is asked with more patience."""
+        """Return the same for a servo that should be there: asks with more patience before it counts as missing."""
         return self.ping(servo) or self.ping(servo, patience_ms=PATIENCE_MS)
 
     def ping_all(self) -> dict[int, int]:
-        """Return the model numbers of all who answer one question, by id; protocol 2.0 only.
+        """Return the model numbers of all servos that answer a broadcast ping, by id; protocol 2.0 only.
 
-        One lost byte hides all that come after it, and two with one id may look like one.
+        One lost byte hides all later answers, and two servos with the same id may look like one.
         """
         found, _ = self._guard(self.packets.broadcastPing, self.port)
         return {int(servo): int(model) for servo, (model, _) in found.items()}
@@ -95,7 +95,7 @@ class Link:
         raise ServoError(f"servo id {servo} does not answer: check its cable and power")
 
     def write(self, servo: int, register: Register, value: int) -> None:
-        """Write a register and have it confirmed, or raise ServoError."""
+        """Write a register; ServoError if the servo does not confirm it."""
         data, error = pack(register, value), 0
         with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
@@ -109,7 +109,7 @@ class Link:
         raise ServoError(f"servo id {servo} {'refuses: ' + why if why else 'does not answer: check cable and power'}")
 
     def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
-        """Let go of a servo and write the settings that differ: they wear out by writing. ServoError if it tripped."""
+        """Let go of a servo and write only settings that differ, as writing wears them. ServoError if it tripped."""
         if tripped := hardware_error_text(self.read(servo, HARDWARE_ERROR)):
             raise ServoError(f"{name} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}")
         self.write(servo, TORQUE_ENABLE, 0)
@@ -119,7 +119,7 @@ class Link:
                 self.write(servo, register, value)
 
     def refusal(self, error: int) -> str:
-        """Return why a servo did not take an instruction, "" if it did."""
+        """Return why a servo refused an instruction, "" if it did not."""
         if self.protocol == 1.0:
             # Bits 3, 4, 6: range, checksum, instruction. The others are the servo's own condition.
             return "value out of range or damaged packet" if error & 0x58 else ""
@@ -148,25 +148,25 @@ class Link:
             self.port.patience_ms = former
 
     def _drain(self) -> None:
-        """Let a late answer come and go: packets have no numbers, so it would pass for the next one."""
+        """Let a late answer pass: packets have no numbers, so it would be taken for the next one."""
         time.sleep(self.port.patience_ms / 1000 if self.port.is_real else 0.0)
         self._guard(self.port.clearPort)
 
     def write_all(self, register: Register, values: Mapping[int, int]) -> None:
-        """Write a register of many servos in one packet; nobody confirms it."""
+        """Write a register of many servos in one packet; they do not confirm it."""
         group = GroupSyncWrite(self.port, self.packets, register.address, register.size)
         for servo, value in values.items():
             group.addParam(servo, pack(register, value))
         self._count_sent(self._guard(group.txPacket))
 
     def broadcast(self, register: Register, value: int) -> None:
-        """Write a register of every servo there is; nobody confirms it."""
+        """Write a register of every servo; they do not confirm it."""
         data = pack(register, value)
         args = (self.port, BROADCAST_ID, register.address, register.size, data)
         self._count_sent(self._guard(self.packets.writeTxOnly, *args))
 
     def _count_sent(self, result: int) -> None:
-        """Nobody confirms the packet, but one that did not even go out is counted."""
+        """No servo confirms the packet, but one that did not even go out is counted."""
         self.counters.lost += result != COMM_SUCCESS
 
     def read_all(self, servos: Iterable[int], block: tuple[int, int]) -> dict[int, Answer]:
@@ -189,7 +189,7 @@ class Link:
         return self._collect(wanted, length)
 
     def _collect(self, wanted: list[int], length: int) -> dict[int, Answer]:
-        """Take answers until all are there or time is over; what is none of ours is counted and dropped."""
+        """Take answers until all are there or the time is over; count and drop foreign ones."""
         counters, found = self.counters, dict[int, Answer]()
         bad = 0
         while len(found) + bad < len(wanted):
@@ -212,7 +212,7 @@ class Link:
         return found
 
     def _count_stray(self) -> None:
-        """An answer to nothing that was asked now: one that had been given up comes late, else it is wrong."""
+        """Count an answer that was not asked for now: a late one if some had been given up, else a wrong one."""
         if self._given_up:
             self._given_up -= 1
             self.counters.late += 1
@@ -247,13 +247,13 @@ class Link:
         return bool(result == COMM_SUCCESS)
 
     def _guard(self, call: Any, *arguments: Any) -> Any:
-        """Call the SDK; an adapter that went away becomes one sentence."""
+        """Call the SDK; turn the loss of the adapter into one sentence."""
         try:
             return call(*arguments)
         except (serial.SerialException, OSError, termios.error) as error:
             self.port.is_using = False
             name = self.port.port_name
-            raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start again") from None
+            raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start the command again") from None
 
 
 def serial_bus(robot: Robot) -> ServoBus:
@@ -270,7 +270,7 @@ def protocol_of(robot: Robot) -> float:
 
 @contextmanager
 def open_link(robot: Robot, port: str | None = None, baud: int | None = None) -> Iterator[Link]:
-    """Yield the link to a robot's servos, its port open; what is not given is the robot file's own."""
+    """Yield the link to a robot's servos with its port open; port and rate are the robot file's unless given."""
     own = serial_bus(robot)
     serial = ServoPort(port or own.port, baud or own.baud)
     serial.open()
@@ -281,7 +281,7 @@ def open_link(robot: Robot, port: str | None = None, baud: int | None = None) ->
 
 
 class _Tape:
-    """A port that keeps what is sent."""
+    """A port that stores what is sent."""
 
     is_using = False
 
@@ -289,7 +289,7 @@ class _Tape:
         self.data = b""
 
     def clearPort(self) -> None:
-        """Nothing comes in."""
+        """Receive nothing."""
 
     def writePort(self, packet: list[int]) -> int:
         self.data += bytes(packet)

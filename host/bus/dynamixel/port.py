@@ -1,8 +1,8 @@
-"""The serial port as dynamixel-sdk wants it, but one that sleeps while it waits, gives up in time, and explains itself.
+"""A serial port for dynamixel-sdk that sleeps while it waits, gives up in time, and explains its errors.
 
 The SDK's own port polls without a pause and waits at least 34 ms for a lost answer, almost two ticks of a
-50 Hz planner; and its packets look at the clock only while there are too few bytes, so a line that never falls silent
-would never let them go. Here a read ends by the clock; the packets are the SDK's.
+50 Hz planner; and its packets check the clock only while there are too few bytes, so a line that never falls silent
+would hold them up forever. Here the clock ends a read; the packets are the SDK's.
 """
 
 import errno
@@ -16,12 +16,12 @@ from dynamixel_sdk import PortHandler
 from ...util.errors import UserError
 from .table import BAUDS
 
-# A lost answer is given up this long after its last byte could have come: one USB poll, the latency timer of a
-# well set-up adapter (1 ms), and the scheduler (assumed).
+# A lost answer is given up this long after its last byte could have come: one USB poll, the latency timer of an
+# adapter that is set up well (1 ms), and the scheduler (assumed).
 PATIENCE_MS = 4.0
 LATENCY_TIMER = "/sys/bus/usb-serial/devices/{tty}/latency_timer"
 SLOW_LATENCY_MS = 16
-WRITE_S = 0.005  # an adapter that takes no bytes for so long has lost the packet (chosen; the largest takes 1 ms)
+WRITE_S = 0.005  # an adapter that takes no bytes for this long has lost the packet (chosen; the largest takes 1 ms)
 
 
 class ServoPort(PortHandler):  # type: ignore[misc]
@@ -34,11 +34,11 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         self.ser: serial.Serial | None = None
         self.baudrate = baud
         self.patience_ms = patience_ms
-        self._expected = 0  # bytes of the answer that is waited for
-        self._late: int | None = None  # bytes still taken though the time is over; None: it is not
+        self._expected = 0  # bytes of the awaited answer
+        self._late: int | None = None  # bytes to take although the time is over; None: it is not over
 
     def open(self) -> None:
-        """Open the device for this process alone, or raise UserError with what to do."""
+        """Open the device for this process only; UserError with what to do if that fails."""
         try:
             self.setupPort(self.baudrate)
         except serial.SerialException as error:
@@ -56,13 +56,13 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         return True
 
     def getCFlagBaud(self, baudrate: int) -> int:
-        """Return a rate the servos have, or -1."""
+        """Return the rate if the servos support it, else -1."""
         return baudrate if baudrate in BAUDS else -1
 
     def readPort(self, length: int) -> bytes:
-        """Return up to ``length`` bytes; sleep until there are some or the packet's time is over, then nothing more.
+        """Return up to ``length`` bytes; sleep until there are some, or until the packet's time is over.
 
-        A program that was woken too late still takes the bytes that came in time, as many as an answer has.
+        A program that wakes up too late still takes the bytes that came in time, up to an answer's length.
         """
         assert self.ser is not None
         left_s = (self.packet_timeout - self.getTimeSinceStart()) / 1000
@@ -87,12 +87,12 @@ class ServoPort(PortHandler):  # type: ignore[misc]
             return 0
 
     def setPacketTimeout(self, packet_length: int) -> None:
-        """Give a packet its time on the wire and the patience."""
+        """Allow a packet its time on the wire, plus the patience."""
         self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
         self._expected, self._late = packet_length, None
 
     def getCurrentTime(self) -> float:
-        """Return ms that never jump, unlike the SDK's wall clock."""
+        """Return the time in ms, which never jumps, unlike the SDK's wall clock."""
         return time.monotonic() * 1000
 
 
@@ -105,8 +105,8 @@ def explain(port: str, error: serial.SerialException) -> str:
     if number in (errno.EACCES, errno.EPERM):
         return f"{port}: no permission; run: sudo usermod -aG dialout $USER   and log in again"
     if number in (errno.EBUSY, errno.EWOULDBLOCK, errno.EAGAIN) or "lock" in str(error):
-        return f"{port}: in use by another program; stop it (is another caramelo running?), or: fuser {port}"
-    return f"{port}: can't be opened: {error}; is it a serial port?"
+        return f"{port}: another program uses it: stop that (another caramelo?), or find it with: fuser {port}"
+    return f"{port}: can't be opened: {error}; check that it is a serial port"
 
 
 def ports() -> list[str]:
@@ -117,12 +117,12 @@ def ports() -> list[str]:
 
 
 def latency_path(port: str, pattern: str = LATENCY_TIMER) -> Path:
-    """Return where the kernel shows the latency timer of a USB adapter."""
+    """Return the kernel's file for the latency timer of a USB adapter."""
     return Path(pattern.format(tty=Path(port).resolve().name))
 
 
 def latency_ms(port: str, pattern: str = LATENCY_TIMER) -> int | None:
-    """Return the USB adapter's latency timer in ms, or None where there is none."""
+    """Return the USB adapter's latency timer in ms, or None if it has none."""
     try:
         return int(latency_path(port, pattern).read_text())
     except (OSError, ValueError):
@@ -130,9 +130,9 @@ def latency_ms(port: str, pattern: str = LATENCY_TIMER) -> int | None:
 
 
 def latency_warning(port: str, pattern: str = LATENCY_TIMER) -> str | None:
-    """Return what to do about an adapter that holds every answer back for 16 ms, or None if all is well."""
+    """Return what to do about an adapter that delays every answer by 16 ms, or None if all is well."""
     waits_ms = latency_ms(port, pattern)
     if waits_ms is None or waits_ms < SLOW_LATENCY_MS:
         return None
     path = latency_path(port, pattern)
-    return f"{port}: the adapter holds answers back for {waits_ms} ms; run: echo 1 | sudo tee {path}"
+    return f"{port}: the adapter delays answers by {waits_ms} ms; run: echo 1 | sudo tee {path}"

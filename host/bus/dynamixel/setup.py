@@ -1,9 +1,9 @@
-"""The guided set-up of servos: one at a time on the bus, found whatever it is set to, and set as its joint needs it.
+"""The guided set-up of servos, one at a time on the bus: finds it with any settings, and sets it up for its joint.
 
     plug in one -> find it -> is it the right kind? -> settings, id, rate -> read back -> keep
 
-Only what differs is written, so a servo whose power went off half-way is plugged in again and set up to its end.
-What is done is kept in a file after every servo.
+It writes only settings that differ, so a servo that lost power half-way can be plugged in again and completed. After
+every servo a file keeps what is done.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,21 +21,21 @@ from .link import Link, ServoError
 from .tools import Found, ping_all, set_baud, set_id
 
 FACTORY_BAUD = t.BAUDS[t.BAUD.initial]
-ALWAYS = 2  # rates that are searched in any case: a new servo's and the bus's
-SLOW = 3  # rates that are searched where each id is asked by itself, two seconds a rate
-# All settings as when new, but for the delay of answers; id, rate and protocol are not among them.
+ALWAYS = 2  # rates that are always searched: a new servo's and the bus's
+SLOW = 3  # rates that are searched when each id has to be asked separately, two seconds per rate
+# All settings as in a new servo, except the delay of answers; id, rate and protocol are not among them.
 SETTINGS = {
     name: (register, 0 if register is t.RETURN_DELAY else register.initial)
     for name, register in t.REGISTERS.items()
     if register.eeprom and register.writable and register not in (t.ID, t.BAUD, t.PROTOCOL)
 }
-# Load to temperature: two servos that share an id differ somewhere in it, and spoil each other's answer.
+# Load to temperature: two servos with the same id differ somewhere in it, and damage each other's answer.
 LIVE = t.Register(t.PRESENT_LOAD.address, t.PRESENT_TEMPERATURE.address + 1 - t.PRESENT_LOAD.address, 0, 0, 0, False)
 
 
 @dataclass(frozen=True)
 class Done:
-    """One servo set up: id and rate that it has now and was found with; how many other settings were written."""
+    """One servo set up: its present and former id and rate, and how many other settings were written."""
 
     id: int
     baud: int
@@ -48,8 +48,8 @@ class Done:
 class Setup:
     """The servos of one robot on an open port, and a person who plugs them in.
 
-    ``ids``: one for each joint. ``keep``: the file of what is done so far, or None. ``plug`` does a person's part in
-    the simulation: it is called with the joint whose servo is wanted.
+    ``ids``: one for each joint. ``keep``: the file with what is done so far, or None. ``plug`` plugs servos in for the
+    simulation: it is called with the joint whose servo is wanted.
     """
 
     def __init__(self, robot: Robot, link: Link, person: Person, ids: Sequence[int], baud: int,
@@ -69,7 +69,7 @@ class Setup:
         return self.done
 
     def one(self, joint: int) -> None:
-        """Ask for one servo and set it up; where it can't be, say why, and whoever is there may try once more."""
+        """Ask for one servo and set it up; if that fails, say why, and a person who is there may try once more."""
         label = JOINT_LABELS[joint]
         self.person.ask(f"{label} plugged", f"\nPlug in the servo of {label}, and no other.", [])
         if self._plug is not None:
@@ -89,12 +89,12 @@ class Setup:
                                 f'{found.baud}. Its LED is on: write "{label} {self.ids[joint]}" on it.')
 
     def find(self) -> Found:
-        """Return the only servo on the bus, whatever its id and rate, or say what is there."""
+        """Return the only servo on the bus, whatever its id and rate; ServoError if there are none or several."""
         wanted, other = self.link.protocol, 3.0 - self.link.protocol  # 2.0 and 1.0
         found = self._search(wanted) or self._search(other)
         where = self.link.port.port_name
         if not found:
-            raise ServoError(f"no servo answers on {where} at any rate: are its power and its cable in?")
+            raise ServoError(f"no servo answers on {where} at any rate: check its power and its cable")
         if len(found) > 1:
             those = ", ".join(f"id {servo.id} at {servo.baud} baud" for servo in found)
             raise ServoError(f"{len(found)} servos answer ({those}): leave one plugged in")
@@ -103,7 +103,7 @@ class Setup:
         return found[0]
 
     def _search(self, protocol: float) -> list[Found]:
-        """Return who answers: at a new servo's rate and the bus's, else at the first rate where anybody does."""
+        """Return the servos that answer at a new servo's rate and the bus's, else at the first rate where one does."""
         link, found = Link(self.link.port, protocol), list[Found]()
         rates = list(dict.fromkeys((FACTORY_BAUD, self.baud, 1_000_000, *t.BAUDS)))
         rates = rates[:SLOW] if protocol == 1.0 != self.link.protocol else rates
@@ -117,21 +117,21 @@ class Setup:
         return found
 
     def _suitable(self, found: Found, protocol: float) -> None:
-        """Refuse a servo of another kind; the port talks at its rate from then on."""
+        """Refuse a servo of another kind; from then on the port uses the servo's rate."""
         if found.model != t.MODEL_MX28_V2:
             old = "; update its firmware to (2.0) with Dynamixel Wizard" * (found.model == t.MODEL_MX28_V1)
-            raise ServoError(f"servo id {found.id} is a {found.text}, must be MX-28(2.0){old}")
+            raise ServoError(f"servo id {found.id} is not an MX-28(2.0) but {found.text}{old}")
         if found.protocol != protocol:
-            raise ServoError(f"servo id {found.id} talks protocol {found.protocol}, {self.robot.name} wants "
+            raise ServoError(f"servo id {found.id} speaks protocol {found.protocol}, but {self.robot.name} needs "
                              f"{protocol}: set its Protocol Type to {protocol:.0f} with Dynamixel Wizard")
         self.link.port.setBaudRate(found.baud)
         firmware = self.link.read(found.id, t.FIRMWARE)
         if firmware < t.WATCHDOG_FIRMWARE:
-            raise ServoError(f"servo id {found.id} has firmware {firmware}, must be {t.WATCHDOG_FIRMWARE} or newer: "
+            raise ServoError(f"servo id {found.id} has firmware {firmware}, but needs {t.WATCHDOG_FIRMWARE} or newer: "
                              f"update it with Dynamixel Wizard")
         tripped = t.hardware_error_text(self.link.read(found.id, t.HARDWARE_ERROR))
         if tripped:
-            raise ServoError(f"servo id {found.id} has tripped: {tripped}; take its power away and give it again")
+            raise ServoError(f"servo id {found.id} has tripped: {tripped}; switch its power off and on")
 
     def _alone(self, servo: int) -> None:
         damaged = self.link.counters.corrupted
@@ -140,22 +140,22 @@ class Setup:
         except ServoError:
             if self.link.counters.corrupted == damaged:
                 raise
-            raise ServoError(f"the answers of id {servo} come damaged, as if two servos with that id talked at once: "
+            raise ServoError(f"the answers of id {servo} are damaged, as if two servos with that id talked at once: "
                              f"leave one plugged in") from None
 
     def is_another(self, label: str, found: Found) -> bool:
-        """Return whether this is not a servo done before that is still plugged in; only a person can tell."""
+        """Return whether this is another servo than one done before; only a person can tell."""
         former = [joint for joint, done in self.done.items() if (done.id, done.baud) == (found.id, found.baud)]
         if not former:
             return True
-        question = f"Id {found.id} at {found.baud} baud is that of {JOINT_LABELS[former[0]]}. Is this another servo?"
+        question = f"{JOINT_LABELS[former[0]]} has id {found.id} at {found.baud} baud. Is this another servo?"
         if self.person.ask(f"{label} another", question, ["yes", "no"]) == "yes":
             return True
         self.person.refuse(f"{label} another", f"then unplug it, and plug in the servo of {label}")
         return False
 
     def set_up(self, number: int, found: Found) -> Done:
-        """Write what differs: settings, then id, then rate; read all of it back, and light the LED."""
+        """Write what differs: settings, then id, then rate; read everything back, and light the LED."""
         link, servo = self.link, found.id
         link.write(servo, t.TORQUE_ENABLE, 0)
         differ = self._differing(servo)
@@ -167,7 +167,7 @@ class Setup:
             set_baud(link, number, self.baud)
         lost = self._differing(number)
         if lost:
-            raise ServoError(f"servo id {number} did not keep {', '.join(lost)}: plug it in again, or take another")
+            raise ServoError(f"servo id {number} did not keep {', '.join(lost)}: plug it in again, or use another")
         link.write(number, t.LED, 1)
         return Done(number, self.baud, link.read(number, t.FIRMWARE), servo, found.baud, len(differ))
 
@@ -180,12 +180,12 @@ class Setup:
             write_kept(self.keep, self.robot.name, self.done)
 
     def resume(self) -> None:
-        """Take up an earlier, unfinished set-up if there is one and the person wants it."""
+        """Go on with an earlier, unfinished set-up if there is one and the person wants it."""
         if self.keep is None or not self.keep.exists():
             return
         done = read_kept(self.keep, self.robot.name, Done)
         if any((it.id, it.baud) != (self.ids[joint], self.baud) for joint, it in done.items()):
-            raise UserError(f"{self.keep}: begun with other ids or another rate; delete it to start anew")
-        question = f"{len(done)} of {len(JOINT_LABELS)} servos are set up already. Go on with the others?"
+            raise UserError(f"{self.keep}: begun with other ids or another rate; delete the file to start again")
+        question = f"{len(done)} of {len(JOINT_LABELS)} servos are already set up. Go on with the others?"
         if self.person.ask("resume", question, ["yes", "no"]) == "yes":
             self.done = done

@@ -1,4 +1,4 @@
-"""Control table of the MX-28 with (2.0) firmware, the part in use: Robotis e-manual, MX-28(2.0), control table.
+"""The part in use of the MX-28's control table with (2.0) firmware: Robotis e-manual, MX-28(2.0), control table.
 
 The same table holds with protocol 2.0 and 1.0, which that firmware speaks too (register 13).
 """
@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 class Register(NamedTuple):
-    """One value: where it is, its size in bytes, what it holds when new, who may write it."""
+    """One value: its address, its size in bytes, its value in a new servo, and when it may be written."""
 
     address: int
     size: int
@@ -81,13 +81,13 @@ VOLTS = 0.1
 
 BAUDS = (9600, 57600, 115200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)  # by the value of BAUD
 
-# Read in one go: each cycle, and in slices of a few servos a cycle.
+# Blocks that are read at once: each cycle, and for a few servos per cycle.
 FAST_BLOCK = (PRESENT_LOAD.address, 10)  # load, velocity, position
 SLOW_BLOCK = (PRESENT_VOLTAGE.address, 3)  # voltage, temperature
 # Torque, hardware error, watchdog and torque limit.
 STATE_BLOCK = (TORQUE_ENABLE.address, GOAL_PWM.address + GOAL_PWM.size - TORQUE_ENABLE.address)
 
-# Hardware error bits, and what to say.
+# Hardware error bits and their texts.
 HARDWARE_ERRORS = {
     0x01: "supply voltage out of range",
     0x04: "too hot",

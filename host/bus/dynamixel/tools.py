@@ -1,4 +1,4 @@
-"""What `caramelo servos` does with single servos: find them, number them, set their rate, look at them."""
+"""The work of `caramelo servos` on single servos: find them, number them, set their rate, read their status."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from . import table as t
 from .link import Link, ServoError
 
 BROADCAST_FIRST, BROADCAST_LAST = 0, 252
-AGAIN_MS = 20.0  # for 241 ids that are not there five seconds (chosen)
+AGAIN_MS = 20.0  # 241 absent ids then take five seconds (chosen)
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,8 @@ class Found:
 def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> list[Found]:
     """Return all servos that answer at the port's present rate, by id.
 
-    Each id is asked by itself, twice: with answers to a broadcast one lost byte hides all that come after it. If
-    fewer than a robot has answer, the others are asked once more, with more patience.
+    Each id is asked separately, twice: in the answers to a broadcast, one lost byte hides all later ones. If fewer than
+    a robot has answer, the other ids are asked once more, with more patience.
     """
     found, baud = dict[int, Found](), link.port.getBaudRate()
     for again in (False, True):
@@ -49,9 +49,9 @@ def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> l
 
 
 def ping_all(link: Link) -> dict[int, int]:
-    """Return the model numbers of who answers, by id, quicker than ``find`` and surely only where they are few.
+    """Return the models of the servos that answer, by id; quicker than ``find``, but reliable only for a few servos.
 
-    Protocol 1.0 knows no question to all: there each id is asked by itself.
+Protocol 1.0 has no broadcast ping: there each id is asked separately.
     """
     if link.protocol == 1.0:
         models = {number: link.ping(number, tries=1) for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1)}
@@ -60,19 +60,19 @@ def ping_all(link: Link) -> dict[int, int]:
 
 
 def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda done: None) -> Iterator[Found]:
-    """Yield the servos at every rate there is; the port keeps the last one that the machine can do."""
+    """Yield the servos at every rate; the port keeps the last rate that the machine supports."""
     for at, baud in enumerate(t.BAUDS):
         if link.port.setBaudRate(baud):
             yield from find(link, lambda done, at=at: progress((at + done) / len(t.BAUDS)))  # type: ignore[misc]
 
 
 def set_id(link: Link, old: int, new: int) -> None:
-    """Give a servo another id, or say why not: ids must be free, or two servos will talk at once."""
+    """Give a servo another id; ServoError if that id is taken: two servos would talk at once."""
     for number in (old, new):
         if not 0 <= number <= BROADCAST_LAST:
             raise UserError(f"id {number}: allowed 0 .. {BROADCAST_LAST}")
     if old == new:
-        raise UserError(f"id {new}: it has that already")
+        raise UserError(f"id {new}: the servo has this id already")
     if link.ping_patiently(old) is None:
         raise ServoError(f"no servo answers with id {old}: find it with: caramelo servos scan")
     if link.ping(new) is not None:
@@ -80,11 +80,11 @@ def set_id(link: Link, old: int, new: int) -> None:
     link.write(old, t.TORQUE_ENABLE, 0)
     _write_unless_moved(link, old, t.ID, new, lambda: link.ping(new) is not None)
     if link.ping_patiently(new) is None:
-        raise ServoError(f"the servo no longer answers, neither as {old} nor as {new}: scan, and check its cable")
+        raise ServoError(f"the servo no longer answers as {old} or as {new}: check its cable, then scan")
 
 
 def set_baud(link: Link, servo: int, baud: int) -> None:
-    """Set a servo's rate; from then on it answers at that rate only."""
+    """Set a servo's rate; from then on it answers only at that rate."""
     if baud not in t.BAUDS:
         raise UserError(f"{baud} baud: allowed {', '.join(map(str, t.BAUDS))}")
     if link.ping_patiently(servo) is None:
@@ -102,7 +102,7 @@ def set_baud(link: Link, servo: int, baud: int) -> None:
 
 
 def _write_unless_moved(link: Link, servo: int, register: Any, value: int, moved: Callable[[], bool]) -> None:
-    """Write a register that changes how the servo is reached; a lost confirmation is no failure."""
+    """Write a register that changes how the servo is reached; a lost confirmation is not an error."""
     try:
         link.write(servo, register, value)
     except ServoError:
@@ -126,7 +126,7 @@ class Status:
 
 
 def status(link: Link, servo: int) -> Status | None:
-    """Return what a servo says about itself, or None if it does not answer."""
+    """Return what a servo reports about itself, or None if it does not answer."""
     model = link.ping(servo)
     if model is None:
         return None

@@ -1,7 +1,7 @@
-"""The SDK's packets of one protocol, with a mend for what its version 4.1.0 gets wrong in protocol 2.0.
+"""The SDK's packets of one protocol, with a fix for a mistake of its version 4.1.0 in protocol 2.0.
 
 Where data hold FF FF FD, an FD is stuffed behind it (Robotis e-manual, protocol 2.0, byte stuffing). The SDK takes it
-out in place and compares with bytes that it has moved already, so that it takes out one too many of FF FF FD FF FD FD.
+out in place and compares with bytes that it has already moved, so it takes out one too many of FF FF FD FF FD FD.
 """
 
 from typing import Any

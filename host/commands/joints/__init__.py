@@ -1,4 +1,4 @@
-"""`caramelo joints`: finds, looks at, arms, numbers and sets the brushless joints on CAN, and simulates them."""
+"""`caramelo joints`: finds, watches, arms, numbers and sets up the brushless joints on CAN, and simulates them."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,7 @@ from . import board, commission, compare, dbc, drive, figures, load, look, page,
 
 def _group() -> typer.Typer:
     group = typer.Typer(
-        help="Find, look at, arm, number and set the CAN joints, or simulate them.", no_args_is_help=True
+        help="Find, watch, arm, number and set up the CAN joints, or simulate them.", no_args_is_help=True
     )
     commands: dict[str, Callable[..., int]] = {
         "scan": look.scan,
@@ -29,7 +29,7 @@ def _group() -> typer.Typer:
     }
     for name, command in commands.items():
         group.command(name)(command)
-    kept = typer.Typer(help="Read, write, keep and compare the joints' parameters.", no_args_is_help=True)
+    kept = typer.Typer(help="Read, write, save and compare the joints' parameters.", no_args_is_help=True)
     parts: dict[str, Callable[..., int]] = {
         "get": params.get,
         "set": params.set_,

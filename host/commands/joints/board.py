@@ -1,4 +1,4 @@
-"""`caramelo joints set-id`: the number that a board has on the bus."""
+"""`caramelo joints set-id`: gives a board its number on the bus."""
 
 from typing import Annotated
 
@@ -11,10 +11,10 @@ from .options import Channel, Interface, RobotName, Sim, joints
 
 def set_id(
     board: Annotated[str, typer.Argument(metavar="BOARD", help="The board's number, as joints scan shows it.")],
-    node: Annotated[int, typer.Argument(metavar="NODE", min=0, max=12, help="The node it gets; 0 takes it away.")],
+    node: Annotated[int, typer.Argument(metavar="NODE", min=0, max=12, help="The new node; 0 takes the old one away.")],
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Give a board another node, and keep it. Refused if another board has that node.
+    """Give a board another node, which it keeps. Refused if another board has that node.
 
     Example: caramelo joints set-id 0x2ab1c2d3 5
     """
@@ -32,5 +32,5 @@ def set_id(
         bus.run_for(0.05)
         if node:
             bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
-    screen().print(f"board {number:#x} is node {node} now")
+    screen().print(f"board {number:#x} is now node {node}")
     return 0

@@ -1,4 +1,4 @@
-"""`caramelo joints commission`: a joint finds out about its motor by itself, and tells."""
+"""`caramelo joints commission`: lets a joint measure its own motor, and prints the results."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...bus.can.commission import Found
     from ...bus.can.joints import CanJoints
 
-TAKES_S = 45.0  # about, for the bar
+TAKES_S = 45.0  # about; for the progress bar
 MOTOR_KEYS = ("pole_pairs", "resistance_ohm", "inductance_H", "torque_constant_Nm_A", "coulomb_Nm")
 
 
@@ -22,15 +22,15 @@ def commission(
     node: Annotated[str, typer.Argument(metavar="NODE|all", help="1 + 3 x leg + joint, or all, one by one.")],
     verify: Annotated[bool, typer.Option("--verify", help="Compare direction and offset; change nothing.")] = False,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a copy of the robot file with what was found.")
+        Path | None, typer.Option(metavar="FILE", help="Write a copy of the robot file with the results.")
     ] = None,
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Let a joint measure its motor in the leg, set its current loop and keep it. Exit code 1 with the reason if not.
+    """Let a joint measure its motor in the leg, set its current loop and save the results. Exit code 1 if it fails.
 
-    The rotor goes round once and a little more from where it stands: legs in the air, the joint in the middle of its
-    range. With --sim each joint is simulated with its motor.
+    The rotor turns a little more than once from where it stands: keep the legs in the air and the joint in the middle
+    of its range. With --sim each joint is simulated with its motor.
 
     Examples: caramelo joints commission 5 --sim; caramelo joints commission all --out measured.toml
     """
@@ -38,7 +38,7 @@ def commission(
 
     nodes = _nodes(node)
     if verify and out:
-        raise UserError("--verify finds nothing to write: leave --out out")
+        raise UserError("--out: not with --verify, which finds nothing to write")
     if out and (out.suffix != ".toml" or out.exists() or not out.parent.is_dir()):
         raise UserError(f"--out {out}: give a new file ending in .toml, in a folder that exists")
     bldc = load_robot(robot).actuator
@@ -67,7 +67,7 @@ def _nodes(text: str) -> list[int]:
 
 
 def _one(bus: "CanJoints", node: int, verify: bool, show: Any, bldc: Any) -> "list[Found]":
-    """Commission one joint and let it keep what it found; nothing is returned when verified."""
+    """Commission one joint and let it save the results; return nothing when it only verifies."""
     from shared.wire import names as w
 
     from ...bus.can.commission import found, run
@@ -80,7 +80,7 @@ def _one(bus: "CanJoints", node: int, verify: bool, show: Any, bldc: Any) -> "li
 
 
 def _write(robot: str, out: Path, made: "list[Found]") -> None:
-    """Write the copy: of each value the median, and by how much the joints differ from it at most."""
+    """Write the copy: the median of each value, and the largest difference of a joint from it."""
     from datetime import date
     from statistics import median
 
@@ -97,9 +97,9 @@ def _write(robot: str, out: Path, made: "list[Found]") -> None:
 
 
 def _measured(robot: str, made: "list[Found]") -> dict[str, list[float]]:
-    """Return what goes into the robot file, of every joint that found it.
+    """Return the values for the robot file, from every joint that found them.
 
-    The rotor's own inertia is what was found less what the file says that the joint turns; none if nothing is left.
+    The rotor's own inertia is the measured one less the inertia that the joint turns by the file; none if none is left.
     """
     from ...robot.file import load_robot
     from ...robot.joint_setups import joint_setups

@@ -1,4 +1,4 @@
-"""`caramelo joints compare`: position loops in the joint beside loops on the host, in the simulator."""
+"""`caramelo joints compare`: compares position loops in the joint with loops on the host, in the simulator."""
 
 from typing import Annotated, Any
 
@@ -24,13 +24,14 @@ COLUMNS = {
 
 def compare(
     robot: RobotName = "parallel",
-    seconds: Annotated[float, typer.Option(min=1.0, max=60.0, help="How long each walks, simulated time.")] = 3.0,
+    seconds: Annotated[float, typer.Option(min=1.0, max=60.0, help="Simulated time that each walks.")] = 3.0,
     as_json: Json = False,
 ) -> int:
     """Walk at 0.05 m/s with the position loops in the joint, and on the host in velocity and in current mode.
 
-    Error is set-point minus angle of all twelve motors, rms and worst; lag is the shift in time that makes it least,
-    and what is left then; body its least height. Exit code 1 if the robot did not walk with one of them.
+    "error" is set-point minus angle of all twelve motors, rms and worst; "lag" the shift in time that makes it least,
+    and "left" the error that then remains; "body" is the body's least height. Exit code 1 if the robot did not walk
+    with one of the loops.
 
     Example: caramelo joints compare --seconds 3
     """

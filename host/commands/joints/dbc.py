@@ -1,4 +1,4 @@
-"""`caramelo joints dbc`: the protocol as other tools read it."""
+"""`caramelo joints dbc`: writes the protocol in a form that other tools read."""
 
 from pathlib import Path
 from typing import Annotated
@@ -23,7 +23,7 @@ def dbc(
     from ...util.files import write_text
 
     if as_json and out is None:
-        raise UserError("--json: a DBC file is no JSON; say where it goes with --out FILE")
+        raise UserError("--json: a DBC file is not JSON; name the file with --out FILE")
     text = expanded_dbc(source.load())
     if out is None:
         say(text.removesuffix("\n"))

@@ -12,20 +12,20 @@ from .options import Channel, Interface, RobotName, Seconds, Sim, joints
 def arm(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
     limit: Annotated[
-        float | None, typer.Option(min=0.0, max=1.0, help="Share of the current limit; else stand.torque_fraction.")
+        float | None, typer.Option(min=0.0, max=1.0, help="Share of current limit (default: stand.torque_fraction).")
     ] = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Arm all joints where they are and hold them while this runs; then disarm. Exit code 1 if one gives up.
+    """Arm all joints where they are and hold them while this runs, then disarm. Exit code 1 if a joint gives up.
 
-    A robot that stands on its legs needs most of the current: half of it ends in a stall after a second.
+    A robot that stands on its legs needs most of the current: with half of it, a joint stalls after a second.
 
     Example: caramelo joints arm --sim --seconds 1
     """
     with joints(robot, interface, channel, sim) as bus:
         bus.open()
         bus.limit_torque(bus.robot.stand.torque_fraction if limit is None else limit)
-        console = screen()  # loading it takes longer than the joints' watchdog waits
+        console = screen()  # loaded now, because that takes longer than the joints' watchdog waits
         console.print("arming; Ctrl-C disarms")
         bus.torque(True)
         began_s = bus.now()
@@ -37,25 +37,25 @@ def arm(
         gave_up = bus.cycle.reaction in ("damp", "stop")
         bus.torque(False)
         timing = bus.cycle.timing.as_dict()
-    screen().print(f"disarmed; cycles started late: {timing['late']}, left out: {timing['skipped']}", soft_wrap=True)
+    screen().print(f"disarmed; cycles started late: {timing['late']}, skipped: {timing['skipped']}", soft_wrap=True)
     return NOT_ACHIEVED if gave_up else 0
 
 
 def disarm(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False
 ) -> int:
-    """Disarm all joints, whoever armed them.
+    """Disarm all joints, no matter which program armed them.
 
     Example: caramelo joints disarm
     """
     with joints(robot, interface, channel, sim) as bus:
         bus.torque(False)
-    screen().print("all joints were told to let go")
+    screen().print("told all joints to let go")
     return 0
 
 
 def clear(robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False) -> int:
-    """Clear latched faults. Arms nothing. Exit code 1 while a cause is still there.
+    """Clear latched faults. This arms nothing. Exit code 1 if a cause is still there.
 
     Example: caramelo joints clear
     """

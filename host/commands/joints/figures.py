@@ -1,4 +1,4 @@
-"""`caramelo joints figures`: what the joints' bus has to reach, and what it reaches here."""
+"""`caramelo joints figures`: the figures that the joints' bus must reach, and those that it reaches here."""
 
 from dataclasses import asdict
 from typing import Annotated
@@ -13,13 +13,13 @@ from .options import Json, RobotName
 
 def figures(
     robot: RobotName = "parallel",
-    messages: Annotated[int, typer.Option(min=1, help="Random frames of each type beside cantools.")] = 1000,
+    messages: Annotated[int, typer.Option(min=1, help="Random frames of each type to compare with cantools.")] = 1000,
     distance: Annotated[float, typer.Option(min=0.3, max=5.0, help="Metres walked over CAN and directly.")] = 0.5,
     as_json: Json = False,
 ) -> int:
-    """Print the figures of the bus: codec, load, time of a cycle, speed. Exit code 1 if one is not reached.
+    """Print the figures of the bus: codec, load, time of a cycle, speed. Exit code 1 if the bus misses one.
 
-    The figures are asked of 100 000 frames of each type and of 1.5 m, which takes minutes.
+    The bar is set for 100 000 frames of each type and 1.5 m, which takes minutes.
 
     Example: caramelo joints figures --messages 100000 --distance 1.5
     """

@@ -1,4 +1,4 @@
-"""`caramelo joints busload`: how much of the bus the schedule takes."""
+"""`caramelo joints busload`: prints how much of the bus the schedule takes."""
 
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,18 +11,18 @@ from .options import Json, RobotName
 if TYPE_CHECKING:
     from ...bus.can.load import LoadRow
 
-MOST_SHARE = 0.7  # beyond it a lost frame's repetition finds no room in its cycle (chosen)
+MOST_SHARE = 0.7  # above it a lost frame can't be repeated in the same cycle (chosen)
 
 
 def busload(
     robot: RobotName = "parallel",
-    rate: Annotated[float | None, typer.Option(min=20, max=1000, help="Hz; without it the robot file's.")] = None,
+    rate: Annotated[float | None, typer.Option(min=20, max=1000, help="Hz (default: the robot file's).")] = None,
     buses: Annotated[
-        int | None, typer.Option(min=1, max=2, help="Two: front legs on one, rear legs on the other; else the file's.")
+        int | None, typer.Option(min=1, max=2, help="2: front legs on one, rear legs on the other (default: file's).")
     ] = None,
     as_json: Json = False,
 ) -> int:
-    """Print how much of each bus the configured schedule takes, worst and typical. Exit code 1 above 70 %.
+    """Print how much of each bus the configured schedule takes, at worst and typically. Exit code 1 above 70 %.
 
     Example: caramelo joints busload --rate 400 --buses 2
     """

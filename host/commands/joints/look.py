@@ -1,4 +1,4 @@
-"""`caramelo joints scan|status|monitor`: what is on the bus, and what every joint says."""
+"""`caramelo joints scan|status|monitor`: shows what is on the bus, and what every joint reports."""
 
 import json
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ def scan(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """List the boards on the bus, and what keeps the robot from being armed. Exit code 1 if anything does.
+    """List the boards on the bus, and what prevents arming the robot. Exit code 1 if anything does.
 
     Example: caramelo joints scan --sim
     """
@@ -45,7 +45,7 @@ def status(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Show every joint's state, limits, losses, and its fault in words. Exit code 1 if one is missing or in fault.
+    """Show every joint's state, limits, lost frames, and its fault in words. Exit code 1 if one is missing or in fault.
 
     Example: caramelo joints status --interface udp_multicast --channel default
     """
@@ -63,7 +63,7 @@ def status(
 
 
 REFRESH_S = 0.1
-# What monitor can plot: key of a row, and the least span that fills a curve
+# What monitor can plot -> key of a row, and the least span that fills a curve
 PLOTS = {
     "angle": ("motor_deg", 2.0),
     "current": ("current_A", 0.2),
@@ -74,11 +74,11 @@ PLOTS = {
 
 def monitor(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, seconds: Seconds = None,
-    plot: Annotated[str, typer.Option(help="Curve of the last seconds: angle, current, heat or supply.")] = "angle",
-    out: Annotated[Path | None, typer.Option(help="Record what every joint said, one JSON object a line.")] = None,
+    plot: Annotated[str, typer.Option(help="Curve to draw: angle, current, heat or supply.")] = "angle",
+    out: Annotated[Path | None, typer.Option(help="Record all reports, one JSON object per line.")] = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Watch all joints, as a live table with a curve each; nothing is armed. Records with --out, line by line.
+    """Watch all joints in a live table with a curve for each. This arms nothing. --out records, line by line.
 
     Example: caramelo joints monitor --sim --seconds 2 --plot current --out joints.jsonl
     """
@@ -110,7 +110,7 @@ def monitor(
 
 @contextmanager
 def _record(path: Path | None) -> Iterator[TextIO | None]:
-    """Yield a new file that takes line by line, so that nothing is lost when this ends; None without a path."""
+    """Yield a new file that is written line by line, so that nothing is lost when this ends; None without a path."""
     if path is None:
         yield None
         return

@@ -1,4 +1,4 @@
-"""Options that the joints' commands share, and the joints of a robot opened by them."""
+"""Options that the joints' commands share, and a robot's joints opened with them."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -15,22 +15,20 @@ if TYPE_CHECKING:
 RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
 Interface = Annotated[
     str | None,
-    typer.Option(help="socketcan, slcan, gs_usb, virtual or udp_multicast; without it the robot file's own."),
+    typer.Option(help="socketcan, slcan, gs_usb, virtual or udp_multicast (default: the robot file's)."),
 ]
 Channel = Annotated[str | None, typer.Option(help="can0, a serial port, an adapter's number or a multicast group.")]
 Sim = Annotated[bool, typer.Option("--sim", help="Talk to joints simulated in this process, in simulated time.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 Node = Annotated[int, typer.Argument(metavar="NODE", min=1, max=12, help="1 + 3 x leg + joint.")]
-Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after so long; without it on Ctrl-C.")]
-
-
+Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after this time (default: on Ctrl-C).")]
 @contextmanager
 def joints(
     robot: str, interface: str | None, channel: str | None, simulated: bool, benches: Sequence[int] = ()
 ) -> Iterator["CanJoints"]:
-    """Yield the joints of a robot, listened to for two heartbeats but not checked.
+    """Yield the joints of a robot, after listening for two heartbeats; they are not checked.
 
-    ``benches``: of simulated ones, the nodes to be had with the full motor model, each on a bench of its own.
+    ``benches``: the simulated nodes that get the full motor model, each on a bench of its own.
     """
     from ...bus.can.joints import CanJoints, new_session
     from ...robot.file import load_can_robot

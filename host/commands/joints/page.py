@@ -11,13 +11,13 @@ from .options import Channel, Interface, RobotName, Seconds, Sim, joints
 
 def page(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
-    listen: Annotated[str, typer.Option(metavar="ADDR", help="Where: address or address:port.")] = "127.0.0.1:8080",
+    listen: Annotated[str, typer.Option(metavar="ADDR", help="Address, or address:port.")] = "127.0.0.1:8080",
     seconds: Seconds = None,
 ) -> int:  # fmt: skip
-    """Serve a page of the joints: parameters with their limits, plots of what is picked, steps of one joint's goal.
+    """Serve a page for the joints: parameters with their limits, plots of what you pick, steps of one joint's goal.
 
-    Put the robot on a stand before you arm it there. Space and the red button stop; so does closing the page that
-    armed. Ctrl-C ends it. Exit code 1 if the page's process ends.
+    Put the robot on a stand before you arm it on the page. Space, the red button and closing the page that armed it
+    all stop. Ctrl-C ends the command. Exit code 1 if the page's process ends by itself.
 
     Example: caramelo joints page --sim
     """
@@ -39,7 +39,7 @@ def page(
         try:
             server.start(served.hub)
             server.wait(served.hub, served.tick)
-            who = " (this machine's other users need it)" if is_loopback(where[0]) else ""
+            who = " (other users of this machine need it)" if is_loopback(where[0]) else ""
             console.print(f"{server.note}, pairing code {code}{who}; Ctrl-C ends", soft_wrap=True)
             end_s = None if seconds is None else time.monotonic() + seconds
             while served.hub.has_side(PAGE.source) and (end_s is None or time.monotonic() < end_s):
@@ -50,5 +50,5 @@ def page(
         finally:
             served.close()
             server.close()
-    console.print("the page's process ended: the joints were let go" if lost else "ended; the joints are let go")
+    console.print("the page's process ended by itself; the joints are off" if lost else "ended; the joints are off")
     return NOT_ACHIEVED if lost else 0

@@ -1,4 +1,4 @@
-"""`caramelo joints params`: reads, writes, keeps and compares a joint's parameters."""
+"""`caramelo joints params`: reads, writes, saves and compares a joint's parameters."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,11 +11,11 @@ from .options import Channel, Interface, Json, Node, RobotName, Sim, joints
 
 def get(
     node: Node,
-    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME ...]", help="Without any: all.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME ...]", help="Default: all.")] = None,
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Read parameters of a joint, in their own units.
+    """Read parameters of a joint, in their units.
 
     Example: caramelo joints params get 5 current_kp gear_q8 --sim
     """
@@ -37,7 +37,7 @@ def set_(
     value: Annotated[float, typer.Argument(metavar="VALUE", help="In the parameter's unit.")],
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Write one parameter of a joint until it loses power; params save keeps it.
+    """Write one parameter of a joint. It lasts until the joint loses power; params save makes it permanent.
 
     Example: caramelo joints params set 5 position_p 900
     """
@@ -45,18 +45,18 @@ def set_(
 
     with joints(robot, interface, channel, sim) as bus:
         raw = write(bus.requests, node, find_all([name])[0], value)
-    screen().print(f"node {node}: {name} is raw {raw} now; params save keeps it")
+    screen().print(f"node {node}: {name} is now raw {raw}; params save makes it permanent")
     return 0
 
 
-File = Annotated[Path | None, typer.Option("--file", metavar="FILE", help="Parameters as params save writes them.")]
+File = Annotated[Path | None, typer.Option("--file", metavar="FILE", help="A file that params save has written.")]
 
 
 def save(
     node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Keep a joint's parameters over a power cycle; with --file write them into a file too.
+    """Make a joint's parameters permanent, so that they survive a power cycle; with --file also write them to a file.
 
     Examples: caramelo joints params save 5; caramelo joints params save 5 --file joint5.json
     """
@@ -69,7 +69,7 @@ def save(
         bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
         if file is not None:
             write_file(file, node, read_kept(bus.requests, node))
-    screen().print(f"node {node}: parameters are kept" + (f", and in {file}" if file else ""), soft_wrap=True)
+    screen().print(f"node {node}: parameters saved" + (f", also to {file}" if file else ""), soft_wrap=True)
     return 0
 
 
@@ -77,7 +77,7 @@ def restore(
     node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
     sim: Sim = False,
 ) -> int:  # fmt: skip
-    """Set a joint's parameters to a file's, or to a fresh board's, until it loses power; params save keeps them.
+    """Set a joint's parameters to a file's or a fresh board's. They last until it loses power, unless params save runs.
 
     Examples: caramelo joints params restore 5; caramelo joints params restore 5 --file joint5.json
     """
@@ -93,7 +93,7 @@ def restore(
             what = "those of a fresh board"
         else:
             what = f"those of {file}, {write_kept(bus.requests, node, values)} changed"
-    screen().print(f"node {node}: parameters are {what}; params save keeps them", soft_wrap=True)
+    screen().print(f"node {node}: parameters are {what}; params save makes them permanent", soft_wrap=True)
     return 0
 
 

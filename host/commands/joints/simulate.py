@@ -1,4 +1,4 @@
-"""`caramelo joints sim`: the robot's joints on a bus, without hardware."""
+"""`caramelo joints sim`: simulates the robot's joints on a bus, without hardware."""
 
 from contextlib import closing
 from typing import Annotated
@@ -12,15 +12,15 @@ from .options import RobotName, Seconds
 def sim(
     robot: RobotName = "parallel",
     interface: Annotated[str, typer.Option(help="udp_multicast, or socketcan with a vcan channel.")] = "udp_multicast",
-    channel: Annotated[str, typer.Option(help="default is python-can's own group; two with a comma.")] = "default",
+    channel: Annotated[str, typer.Option(help="default is python-can's own group; two: with a comma.")] = "default",
     fault: Annotated[list[str] | None, typer.Option(help="KIND[:NODE]@SECONDS, such as power-cycle:5@10.")] = None,
-    loss: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of frames that each node does not hear.")] = 0.0,
-    vm: Annotated[int, typer.Option(min=0, max=12, help="So many joints run in MicroPython VMs of their own.")] = 0,
+    loss: Annotated[float, typer.Option(min=0.0, max=1.0, help="Share of frames that each node misses.")] = 0.0,
+    vm: Annotated[int, typer.Option(min=0, max=12, help="How many joints run in MicroPython VMs of their own.")] = 0,
     seconds: Seconds = None,
 ) -> int:
-    """Simulate the robot's twelve joints on a bus: each its own firmware, with the plane as the body.
+    """Simulate the robot's twelve joints on a bus: each runs its own firmware, and the body moves in the plane.
 
-    Then, from another terminal: caramelo joints status --interface udp_multicast --channel default
+    Then, in another terminal: caramelo joints status --interface udp_multicast --channel default
 
     Examples: caramelo joints sim --fault power-cycle:5@10 --loss 0.01; caramelo joints sim --vm 4
     """
@@ -45,5 +45,5 @@ def sim(
         except KeyboardInterrupt:
             screen().print("stopped")
     if gateway.behind_s:
-        screen().print(f"this machine was too slow by {gateway.behind_s:.1f} s in all")
+        screen().print(f"this machine was too slow: it fell {gateway.behind_s:.1f} s behind in all")
     return 0

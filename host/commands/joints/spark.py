@@ -1,14 +1,14 @@
-"""Curves of one line of text for the terminal: a value's last seconds, from its least to its largest."""
+"""One-line curves for the terminal: a value's last seconds, from its least to its largest."""
 
 from collections import deque
 from collections.abc import Sequence
 
 BARS = "▁▂▃▄▅▆▇█"
-KEPT = 40  # values, one a refresh
+KEPT = 40  # values, one per refresh
 
 
 def spark(values: Sequence[float | None], least_span: float) -> str:
-    """Return one bar a value, a space where it is not known; a span below ``least_span`` is drawn as flat as it is."""
+    """Return one bar per value, a space where it is unknown; a span below ``least_span`` does not fill the height."""
     known = [value for value in values if value is not None]
     if not known:
         return ""

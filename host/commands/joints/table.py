@@ -1,4 +1,4 @@
-"""What one joint said last as a row, and all rows as a table with the faults in sentences below it."""
+"""A joint's last report as a row, and all rows as a table with the faults in sentences below it."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from ...bus.can.joints import CanJoints
     from ...bus.can.link import JointView
 
-HOMELESS = "does not know its angle yet: put the robot into its sitting pose; arm and teleop home it there"
+HOMELESS = "does not know its angle yet: put the robot into its sitting pose, where arm and teleop home it"
 
 
 def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
@@ -42,7 +42,7 @@ def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
     }
 
 
-# Column and its heading; faults stand below the table, because they are sentences
+# Column -> its heading; faults are sentences, so they stand below the table
 _COLUMNS = {
     "state": "state",
     "motor_deg": "deg",
@@ -60,7 +60,7 @@ def rows_of(bus: "CanJoints") -> list[dict[str, Any]]:
 
 
 def table(rows: list[dict[str, Any]], plotted: str = "", curves: Sequence[str] = ()) -> Any:
-    """Return the rows as a table, with a curve each where there are any."""
+    """Return the rows as a table, with a curve for each if there are curves."""
     from rich.console import Group
     from rich.text import Text
 

@@ -1,1 +1,1 @@
-"""The papers' experiments in the simulators, each beside what the papers measured."""
+"""The papers' experiments in the simulators, each beside the papers' measurements."""

@@ -1,4 +1,4 @@
-"""The records of an experiment: its cases before it ran, a row for each when it has, and what it hands over."""
+"""The records of an experiment: its cases before it runs, a row for each afterwards, and its results."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from ...control.gait_changes import change_lines
 from ..workers.work import Task
 from .trials import PLANE, Answer, Options
 
-# A case's answers by simulator; a case says that it is met, is not, or only reports (None), and its figure in words.
+# From a case's answers by simulator: whether it is met, not met, or only reported (None), and its figure in words.
 Answers = Mapping[str, list[Answer]]
 Judge = Callable[[Answers], tuple[bool | None, str]]
 
@@ -20,7 +20,7 @@ Judge = Callable[[Answers], tuple[bool | None, str]]
 class Case:
     """One row: its trials by simulator, its limit in words and who judges it, the papers' figures, and more for JSON.
 
-    A trial that stands in several cases of an experiment, the same object, runs once.
+    A trial that is in several cases of an experiment, as the same object, runs once.
     """
 
     name: str
@@ -41,7 +41,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table for people: title, head, rows of text."""
+    """A table to print: title, head, rows of text."""
 
     title: str
     head: tuple[str, ...]
@@ -50,7 +50,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG: its file's name, a caption, and who draws it into a path."""
+    """A PNG: its file's name, a caption, and a function that draws it to a path."""
 
     name: str
     caption: str
@@ -59,7 +59,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Found:
-    """What an experiment says of its rows: figures for JSON, tables for people, pictures."""
+    """An experiment's results from its rows: figures for JSON, tables to print, pictures."""
 
     result: dict[str, Any]
     tables: list[Table]
@@ -68,7 +68,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Experiment:
-    """A table of cases and what is made of their answers."""
+    """An experiment: its cases, and the evaluation of their answers."""
 
     title: str
     cases: Callable[[Options], list[Case]]
@@ -85,7 +85,7 @@ class Film:
 
 
 def films(row: Row) -> list[Film]:
-    """Return the films of a row: of the answers that kept a recording of the plane."""
+    """Return the films of a row, one for each answer that kept a recording of the plane."""
     kept = [answer for answer in row.answers.get(PLANE, []) if isinstance(answer.recording, Recording)]
     return [Film(row.case.name, answer.recording, [
         ("speed", f"{answer.figures['mean_speed_m_s']:.4f} m/s"),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Sample:
-    """What is known of a series of trials: how many, their mean, their sample standard deviation."""
+    """A series of trials: their number, mean and sample standard deviation."""
 
     n: int
     mean: float
@@ -31,7 +31,7 @@ def published(n: int, quantity: dict[str, float]) -> Sample:
 
 
 def t_test(first: Sample, second: Sample) -> float | None:
-    """Return the two-sided p-value that both have the same mean; None where nothing varies or n is too small."""
+    """Return the two-sided p-value for equal means; None if nothing varies or n is too small."""
     from scipy import stats
 
     if min(first.n, second.n) < 2 or first.sd + second.sd <= 1e-9 * (abs(first.mean) + abs(second.mean)):

@@ -1,4 +1,4 @@
-"""Slopes, steps and payload (paper A, sections 4.1.3 and 4.1.4): how many pass of each, and how well."""
+"""Slopes, steps and payload (paper A, sections 4.1.3 and 4.1.4): how many trials pass, and how well."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -22,10 +22,10 @@ SLOPES, OFFSETS, WALKS = 10, 10, 3  # trials of a slope, start offsets of a step
 SPEED_M_S = 0.05
 STEP_START_M = 0.30
 PLATEAU_M = 0.45
-# A gait that takes an obstacle one leg at a time may take this long. Having backed off 0.17 m from an edge it crawls
-# 20 s until it is where it was; with its tries at the edge that may be more than 30 s without a gain.
+# A gait that crosses an obstacle one leg at a time may take this long. After backing off 0.17 m from an edge it crawls
+# 20 s until it is back; with its tries at the edge that can be more than 30 s without progress.
 LIMIT_S = 240.0
-# Steps by the name of their ground, in each simulator; what goes up and down again in space is up in the plane.
+# Steps by the name of their ground, in each simulator; an up-and-down step in space is an up step in the plane.
 STEPS = {"up": "step-up", "down": "step-down", "box": "box", "over": "step", "angled": "angled", "left": "left"}
 SPACE_STEPS = ("over", "angled", "left")
 
@@ -41,7 +41,7 @@ def step_specs(options: Options, kind: str, height_m: float, speed_m_s: float = 
                start_m: float = STEP_START_M, length_m: float | None = None) -> list[WalkSpec]:
     """Return walks over an obstacle from start offsets across a stride, at both frictions.
 
-    A verdict near a limit flips with where the feet happen to be when they meet the edge, so one start proves nothing.
+    A verdict near a limit depends on where the feet happen to be when they meet the edge, so one start proves nothing.
     """
     long_m = length_m or (PLATEAU_M if kind in SPACE_STEPS else None)
     specs = []
@@ -61,7 +61,7 @@ def load_specs(options: Options, knees: str, load_kg: float) -> list[WalkSpec]:
 
 
 def slope_cases(options: Options) -> list[Case]:
-    """Return all slopes; the first of each is kept."""
+    """Return all slopes; the first trial of each keeps its recording."""
     said = {True: "passed", False: "not tried"}
     return [
         Case(f"{angle:g} deg {kind}", {where: trials(where, slope_specs(options, kind, angle), True)
@@ -72,7 +72,7 @@ def slope_cases(options: Options) -> list[Case]:
 
 
 def step_cases(options: Options) -> list[Case]:
-    """Return all steps; the first of each in the plane is kept. Some are in space only."""
+    """Return all steps; the first trial of each in the plane keeps its recording. Some are only in space."""
     paper = papers()["steps"]
     said = {**dict.fromkeys(paper["passed_m"], "passed"), **dict.fromkeys(paper["hard_m"], "hard")}
     cases = []
@@ -118,7 +118,7 @@ def counted(answers: list[Answer]) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class View:
-    """How counts are shown: the x axis (a fact of the cases and its scale), what is drawn over it, and a limit."""
+    """How to show counts: the x axis (a fact of the cases and its scale), the figure over it, and a limit."""
 
     name: str
     title: str

@@ -1,4 +1,4 @@
-"""The numbers the experiments are compared with, and those they rest on, from the data files."""
+"""The papers' figures, the assumptions and the goals of the experiments, from the data files."""
 
 import tomllib
 from functools import cache
@@ -10,17 +10,17 @@ _HERE = Path(__file__).parent
 
 @cache
 def papers() -> dict[str, Any]:
-    """Return what the papers measured (papers.toml)."""
+    """Return the papers' measurements (papers.toml)."""
     return tomllib.loads((_HERE / "papers.toml").read_text(encoding="utf-8"))
 
 
 @cache
 def assumptions() -> dict[str, Any]:
-    """Return what the figures rest on (assumptions.toml)."""
+    """Return the assumptions of the figures (assumptions.toml)."""
     return tomllib.loads((_HERE / "assumptions.toml").read_text(encoding="utf-8"))
 
 
 @cache
 def goal_tables() -> dict[str, Any]:
-    """Return what robots are to reach (goals.toml)."""
+    """Return the figures that robots should reach (goals.toml)."""
     return tomllib.loads((_HERE / "goals.toml").read_text(encoding="utf-8"))

@@ -35,7 +35,7 @@ Rows = list[tuple[float, float, float, float]]
 
 @dataclass(frozen=True)
 class Swing:
-    """What a swing's path looked like: rows of time, x, y, height from the foot's rest, wanted and done."""
+    """A swing's path: rows of time, x, y, height from the foot's rest, wanted and done."""
 
     wanted: Rows
     done: Rows
@@ -60,7 +60,7 @@ class AirTrial:
     in_space: bool
 
     def run(self) -> Answer:
-        """Simulate it; the plane tells no way sideways."""
+        """Simulate it; the plane has no sideways motion."""
         swing = self.swing()
         figures = {"ok": True, **swing.figures()}
         if not self.in_space:
@@ -105,7 +105,7 @@ def path_goals(robot: Robot, target_m: tuple[float, float]) -> list[Vector]:
 
 
 def _encoder(robot: Robot) -> Callable[[Sequence[float]], Vector]:
-    """Return what rounds three joint angles to what the encoders tell."""
+    """Return a function that rounds three joint angles as the encoders do."""
     step_rad = robot.actuator.step_rad
     steps = (step_rad, step_rad, step_rad * robot.calf_drive.ratio)
 
@@ -117,7 +117,7 @@ def _encoder(robot: Robot) -> Callable[[Sequence[float]], Vector]:
 
 
 def _plane_mover(trial: AirTrial) -> Callable[[Vector], Vector]:
-    """Return what moves the leg one step in the plane towards a goal and reads the encoders."""
+    """Return a function that moves the leg one step in the plane towards a goal and reads the encoders."""
     robot, encode = trial.robot, _encoder(trial.robot)
     plane = planar_robot(robot)
     world = World(plane, terrain.flat(), supply_voltage_V=trial.conditions["voltage_V"], dt_s=_STEP_S)

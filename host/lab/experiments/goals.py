@@ -1,6 +1,6 @@
-"""The figures to reach, for any robot: what its table in goals.toml says, else the general one, by the robot's size.
+"""The figures to reach, for any robot: from its table in goals.toml, else from the general one, by the robot's size.
 
-Most are in space. What is wanted of the same gait in the plane is the group `plane`.
+Most are in space. The group `plane` has the figures of the same gait in the plane.
 """
 
 import math
@@ -36,7 +36,7 @@ STAIR_TREAD_M = 0.25
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is wanted of one robot, SI: see goals.toml."""
+    """The goals of one robot, SI: see goals.toml."""
 
     flat_m_s: float
     aside_m_s: float
@@ -53,7 +53,7 @@ class Wanted:
 
 
 def wanted(robot: Robot, gait: str) -> Wanted:
-    """Return what is wanted of a robot."""
+    """Return the goals of a robot."""
     tables = goal_tables()
     table = tables["general"] | tables.get(robot.name, {})
     froude_m_s = math.sqrt(GRAVITY_M_S2 * robot.stance.rest_height_m)
@@ -114,7 +114,7 @@ def flat(options: Options, want: Wanted) -> list[Case]:
 
 
 def conditions(options: Options, want: Wanted) -> list[Case]:
-    """Return level ground with what differs from day to day; its file tells the robot of a delay where that is said."""
+    """Return level ground under everyday variations; the robot file has the bus's delay only where that is said."""
     speed, least = want.flat_m_s, want.table["conditions_least"]
     judge = within(least, bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
                    pitch_range_deg=(0, TILT_DEG))
@@ -141,7 +141,7 @@ def ways(options: Options, want: Wanted) -> list[Case]:
 
 
 def at_a_trot(answer: Answer) -> bool:
-    """Return whether a walk arrived and never went over to the crawl."""
+    """Return whether a walk arrived without the crawl ever taking over."""
     return answer.ok and all(change["to"] != "crawl" for change in answer.figures["gait_changes"])
 
 
@@ -159,7 +159,7 @@ def _step(options: Options, want: Wanted, kind: str, height_m: float, limits: st
 
 
 def low(options: Options, want: Wanted) -> list[Case]:
-    """Return steps of four fifths of the height, all of which are to be passed in some way."""
+    """Return steps of four fifths of the height, all of which the robot should pass in some way."""
     return [_step(options, want, kind, 0.8 * want.step_m, "all arrive", share(1.0)) for kind in ("up", "down", "over")]
 
 
@@ -244,7 +244,7 @@ def load(options: Options, want: Wanted, where: str = SPACE) -> list[Case]:
 
 
 def plane(options: Options, want: Wanted) -> list[Case]:
-    """Return what is wanted in the plane."""
+    """Return the goals in the plane."""
     def case(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
         return Case(name, {PLANE: trials(PLANE, list(specs))}, limits, judge)
 

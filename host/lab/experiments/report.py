@@ -31,7 +31,7 @@ def report_html(robot: Robot, gait: str, sections: Sequence[Section], folder: Pa
     parts = [_section(robot, *section, folder) for section in sections]
     contents = "".join(f'<li><a href="#{name}">{html.escape(told)}</a></li>' for name, told, _, _ in sections)
     intro = ("Plane: the project's own simulator of the sagittal plane. 3-D: the independent check in MuJoCo, with the "
-             "same planner and servo law. Paper: what the papers measured on their robots.")
+             "same planner and servo law. Paper: the papers' measurements on their robots.")
     return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
             f'<meta name="viewport" content="width=device-width"><style>{_STYLE}</style></head>\n<body>'
             f"<h1>{html.escape(title)}</h1><p>{intro}</p><ul>{contents}</ul>\n{''.join(parts)}</body></html>\n")

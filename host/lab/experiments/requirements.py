@@ -1,4 +1,4 @@
-"""The papers' requirements, one case each: met or not, with the figure it is judged by."""
+"""The papers' requirements, one case each: met or not, with the figure that decides."""
 
 import math
 from collections.abc import Callable
@@ -63,7 +63,7 @@ def _by_simulator(judge: Judge) -> Judge:
 
 
 def inspection(robot: Robot, flat: Answers) -> tuple[bool, str]:
-    """Judge time and energy for the area by the simulator in which it needs more, against what the battery holds."""
+    """Judge time and energy for the area by the simulator in which it needs more, against the battery's energy."""
     found = []
     for where, walks in flat.items():
         arrived = [walk.figures for walk in walks if walk.ok]
@@ -80,7 +80,7 @@ def inspection(robot: Robot, flat: Answers) -> tuple[bool, str]:
 
 
 def coverage(robot: Robot, speed_m_s: float, power_W: float) -> dict[str, Any]:
-    """Return what walking over the area takes, in lanes as wide as a camera sees, turning between them."""
+    """Return time and energy for walking over the area, in lanes as wide as a camera sees, with turns between them."""
     job, battery = assumptions()["inspection"], _battery(robot)
     side_m = math.sqrt(job["area_m2"])
     lanes = math.ceil(side_m / job["swath_m"])

@@ -36,7 +36,7 @@ def names_of(what: str) -> tuple[str, ...]:
 
 
 def run_experiment(name: str, options: Options, workers: Workers, tell: Tell) -> Outcome:
-    """Run one experiment; ``tell`` hears how many trials of how many are ready. The outcome depends on no timing."""
+    """Run one experiment; ``tell`` gets the number of finished trials and of all. The outcome depends on no timing."""
     experiment = EXPERIMENTS[name]
     cases = experiment.cases(options)
     trials = {id(trial): trial for case in cases for series in case.trials.values() for trial in series}

@@ -16,7 +16,7 @@ from .trials import PLANE, SPACE, Answer, Options, Trial, drawn, trial_condition
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is sampled: its name in the papers' figures, for people, and among a trial's; scale and digits shown."""
+    """A sampled quantity: its name in the papers' figures, in tables, and in a trial; scale and digits to show."""
 
     name: str
     label: str

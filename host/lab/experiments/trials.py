@@ -15,7 +15,7 @@ from ...sim.walk import WalkSpec, run_walk, walk_result
 from .data import assumptions
 
 PLANE, SPACE = "plane", "3-D"
-START_S = 4.0  # in which the robot starts: steady figures leave it out
+START_S = 4.0  # the robot's start, which steady figures leave out
 FRICTIONS = (0.6, 0.9)
 STRIDE_M = 0.10  # paper A: 0.05 m/s in cycles of 2 s
 EDGE_M = 0.3  # the time over an edge is from this far before it to this far behind
@@ -27,7 +27,7 @@ _HELD_OUT_SHIFT = (3 - 5**0.5) / 2
 
 @dataclass(frozen=True)
 class Options:
-    """What is asked of an experiment.
+    """The options of an experiment.
 
     ``trials`` None: the experiment's own number; ``only``: of the groups of cases, all if it is empty; ``held_out``:
     seeds and start offsets that chose no constant.
@@ -125,7 +125,7 @@ def _steady_speed_m_s(time_s: "np.ndarray[Any, Any]", x_m: "np.ndarray[Any, Any]
 
 
 def _crossing_s(time_s: "np.ndarray[Any, Any]", x_m: "np.ndarray[Any, Any]", edge_m: float) -> float | None:
-    """Return the time from EDGE_M before an edge to EDGE_M behind it, None for who came not so far."""
+    """Return the time from EDGE_M before an edge to EDGE_M behind it; None if the robot did not get that far."""
     if x_m.max() < edge_m + EDGE_M:
         return None
     began, ended = (float(time_s[np.argmax(x_m >= edge_m + side * EDGE_M)]) for side in (-1, 1))
@@ -138,12 +138,12 @@ def trials(where: str, specs: list[WalkSpec], keep: bool = False) -> list[Trial]
 
 
 def drawn(spec: WalkSpec, seed: int) -> WalkSpec:
-    """Return the walk with what a trial draws by its seed: supply, bus delay and friction, and the seed itself."""
+    """Return the walk with a trial's random values from its seed: supply, bus delay and friction, and the seed."""
     return replace(spec, **trial_conditions(spec.robot, seed))  # type: ignore[arg-type]
 
 
 def trial_conditions(robot: Robot, seed: int) -> dict[str, float]:
-    """Return what a trial draws by its seed, named as in WalkSpec."""
+    """Return a trial's random values from its seed, named as in WalkSpec."""
     ranges, draw = assumptions()["trial"], random.Random(f"trial {seed}")
     drop = draw.uniform(0.0, ranges["voltage_drop"])
     return {

@@ -1,4 +1,4 @@
-"""Cases with a limit: who judges them, and the table of what is met and what is not."""
+"""Cases with a limit: their judges, and the table of met and unmet cases."""
 
 import math
 from collections.abc import Callable
@@ -45,7 +45,7 @@ def within(least: float = 1.0, judged: bool = True, **limits: tuple[float, float
 
     def figure(answer: Answer, key: str) -> float:
         value = answer.figures[key]
-        return math.inf if value is None else float(value)  # who came nowhere has no figure for each metre
+        return math.inf if value is None else float(value)  # a robot that did not move has no figure per metre
 
     def good(answer: Answer) -> bool:
         return answer.ok and all(low <= figure(answer, key) <= high for key, (low, high) in limits.items())

@@ -1,4 +1,4 @@
-"""Position loops in the joint beside loops on the host: the same walk with each, and how well the joints followed."""
+"""Compares position loops in the joint with loops on the host: the same walk with each, and how the joints follow."""
 
 from dataclasses import asdict, dataclass
 from math import degrees, tau
@@ -72,7 +72,7 @@ def compare(robot: Robot, loops: str, rate_hz: int, buses: int, seconds: float) 
 
 
 def least_lag(goals: np.ndarray, angles: np.ndarray) -> tuple[int, float]:
-    """Return by how many ms the angles follow the goals, and the rms error that is left then."""
+    """Return the lag of the angles behind the goals, ms, and the rms error that then remains."""
     errors = []
     for lag in range(min(MOST_LAG_MS, len(goals) // 2)):
         late = goals[: len(goals) - lag]

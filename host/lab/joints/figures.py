@@ -1,4 +1,4 @@
-"""The figures of the joints' bus: codec beside cantools, load, time of a cycle, speed beside direct control."""
+"""The figures of the joints' bus: codec against cantools, load, time of a cycle, speed against direct control."""
 
 import random
 import time
@@ -21,7 +21,7 @@ from ...robot.joint_setups import joint_setups
 from ...robot.model import Robot
 from ...sim.joints.sim_walk import SimWalk
 
-FROM_M = 0.1  # the robot has got going
+FROM_M = 0.1  # by then the robot walks steadily
 CYCLES = 300
 LATE_MS = 20  # direct control's goals come a planner's tick late, as over the bus
 STEP_MS = 5
@@ -29,7 +29,7 @@ STEP_MS = 5
 
 @dataclass(frozen=True)
 class Figure:
-    """One line: what, the figure it has to reach in words, what was found, and whether it reached it."""
+    """One line: what, the bar in words, the value found, and whether it reaches the bar."""
 
     what: str
     wanted: str
@@ -45,7 +45,7 @@ def codec_figure(count: int) -> Figure:
     messages = [message for message in dbc.load() if message.signals]
     different = sum(_differs(database, message, random.Random(message.first), count) for message in messages)
     found = f"{different} of {count * len(messages)} differ ({count} of each of {len(messages)} types)"
-    return Figure("codec beside cantools, both ways", "0 differ", found, different == 0)
+    return Figure("codec against cantools, both ways", "0 differ", found, different == 0)
 
 
 def _differs(database: object, message: dbc.Message, draw: random.Random, count: int) -> int:
@@ -79,7 +79,7 @@ def load_figures(robot: Robot) -> list[Figure]:
     return [
         Figure(f"{what}, worst case", "at most 40 %", f"{worst:.1f} %", worst <= 40),
         Figure(
-            f"{what}, frames really sent", "within 1 % of typical", f"{100 * share:.2f} %, {off:.2f} % off", off <= 1
+            f"{what}, frames actually sent", "within 1 % of typical", f"{100 * share:.2f} %, {off:.2f} % off", off <= 1
         ),
     ]
 
@@ -181,4 +181,4 @@ def speed_figure(robot: Robot, distance_m: float) -> Figure:
     over_can, direct = speed_m_s(SimWalk(robot), distance_m), speed_m_s(Direct(robot), distance_m)
     off = 100 * abs(over_can / direct - 1)
     found = f"{1000 * over_can:.1f} beside {1000 * direct:.1f} mm/s, {off:.1f} % off"
-    return Figure(f"speed over CAN beside direct control, {distance_m:g} m", "within 5 %", found, off <= 5)
+    return Figure(f"speed over CAN against direct control, {distance_m:g} m", "within 5 %", found, off <= 5)

@@ -36,7 +36,7 @@ STAND_S = 20.0
 
 @dataclass(frozen=True)
 class Row:
-    """A figure, the most it may be, and how it came about."""
+    """A figure, its limit, and details."""
 
     what: str
     value: float
@@ -52,7 +52,7 @@ class Row:
 
 @dataclass
 class Bench:
-    """All figures, and what could not be measured here and why."""
+    """All figures, and those that could not be measured here, with the reason."""
 
     rows: list[Row]
     skipped: dict[str, str]
@@ -64,7 +64,7 @@ class Bench:
 
 
 class Source(Protocol):
-    """Somebody who drives: pushes a stick, lets it go, pulls the stop, stands up, forgets the stop."""
+    """A driver for measurements: pushes a stick, lets it go, stops, stands up, resets the stop."""
 
     def __call__(self, what: str) -> None:
         """Do one of push, let go, stop, stand, reset."""
@@ -79,7 +79,7 @@ LINES: dict[str, dict[str, Any]] = {
 
 
 def run_bench(seconds: float, presses: int, done: Callable[[str], None]) -> Bench:
-    """Measure everything; ``done`` is told what is being measured."""
+    """Measure everything; ``done`` gets the name of each measurement."""
     bench = Bench([], {})
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder:
         done(f"walking for {seconds:g} s")
@@ -96,7 +96,7 @@ def run_bench(seconds: float, presses: int, done: Callable[[str], None]) -> Benc
 
 
 def _walk(seconds: float) -> list[Row]:
-    """Walk with the page being served and watched by one script."""
+    """Walk while the page is served and one script watches."""
     command = [sys.executable, "-m", f"{NAME}.cli", "teleop", "--sim", "--web", "--listen", f"127.0.0.1:{free_port()}"]
     command += ["--measure", f"{seconds:g}", "--json"]
     done = subprocess.run(command, capture_output=True, text=True)
@@ -115,7 +115,7 @@ def _walk(seconds: float) -> list[Row]:
 
 
 class Skipped(Exception):
-    """Why something can't be measured here."""
+    """The reason why something can't be measured here."""
 
 
 @contextmanager
@@ -153,7 +153,7 @@ SOURCES: dict[str, Callable[[Path], Any]] = {
 
 
 def _latencies(folder: Path, name: str, opener: Callable[[Path], Any], presses: int) -> list[Row]:
-    """Return how long sticks and stops of a source take to the packet."""
+    """Return how long a source's sticks and stops take to reach the packet."""
     chance = Random("pauses")
     with opener(folder) as (teleop, source):
         source("stand")
@@ -191,7 +191,7 @@ def _press(teleop: Watched, source: Source, chance: Random) -> float:
 
 
 def _stop(teleop: Watched, source: Source, chance: Random) -> float:
-    """Pull the stop while the robot rises, and reset it."""
+    """Stop while the robot rises, and reset."""
     source("stand")
     teleop.wait(lambda status: status["armed"], STAND_S)
     time.sleep(chance.uniform(0.02, 0.06))
@@ -210,7 +210,7 @@ def _since(key: str, time_s: float) -> Callable[[Status], bool]:
 
 
 def _noise(folder: Path) -> list[Row]:
-    """Let bad messages come over many connections, twice: the first round fills all buffers."""
+    """Send bad messages over many connections, twice: the first round fills all buffers."""
     from .noise import make_noise, memory_kB
 
     with Watched(folder) as teleop:
@@ -226,5 +226,5 @@ def _noise(folder: Path) -> list[Row]:
     return [
         Row(f"{name}: missed deadlines", missed, 0, "", detail),
         Row(f"{name}: obeyed", after["obeyed"] - before["obeyed"], 0, ""),
-        Row(f"{name}: memory grown", max(0, last_kB - first_kB), GROWN_KB, "kB"),
+        Row(f"{name}: memory growth", max(0, last_kB - first_kB), GROWN_KB, "kB"),
     ]

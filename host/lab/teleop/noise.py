@@ -1,4 +1,4 @@
-"""What a broken or hostile page may send, many at once: none of it may be obeyed, or hold up the loop."""
+"""Messages of broken or hostile pages, many at once: the loop must obey none, and none may hold it up."""
 
 import asyncio
 import json
@@ -15,7 +15,7 @@ LONGEST_S = 300.0
 
 
 def bad_message(chance: random.Random, number: int) -> bytes | str:
-    """Return something that is no message."""
+    """Return something that is not a message."""
     kinds = (
         lambda: bytes(chance.randrange(256) for _ in range(chance.randrange(1, LONGEST))),
         lambda: "".join(chr(chance.randrange(32, 0x2FF)) for _ in range(chance.randrange(1, 100))),
@@ -39,7 +39,7 @@ async def _all(url: str, messages: int, connections: int) -> None:
 
 
 async def _one(session: aiohttp.ClientSession, url: str, left: list[int], chance: random.Random) -> None:
-    """Talk until nothing is left to say, and connect again whenever hung up on."""
+    """Send until nothing is left, and connect again after each hang-up."""
     while left[0] > 0:
         try:
             socket = await session.ws_connect(f"{url}/ws", origin=url)

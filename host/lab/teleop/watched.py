@@ -19,14 +19,14 @@ from ... import NAME
 from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
 
-PATIENCE_S = 120.0  # a busy machine may take so long for what is due within a second
+PATIENCE_S = 120.0  # a busy machine may take this long for something due within a second
 CHUNK = 1 << 16
 
 Status = dict[str, Any]
 
 
 def free_port() -> int:
-    """Return a port that nobody listens at."""
+    """Return a port on which nobody listens."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]
@@ -89,14 +89,14 @@ class Watched:
             else:
                 return script
         self.__exit__(None, None, None)
-        raise UserError("caramelo teleop did not start: start it by itself and see what it says", NOT_ACHIEVED)
+        raise UserError("caramelo teleop did not start: start it by itself to see its error", NOT_ACHIEVED)
 
     def say(self, **message: Any) -> None:
         """Send a message as the script."""
         self.script.sendall(json.dumps(message).encode() + b"\n")
 
     def status(self) -> Status:
-        """Return a status younger than the call; older ones that wait are thrown away. Both clocks are one."""
+        """Return a status younger than the call, and throw away older ones. Both use the same clock."""
         asked_s = time.monotonic()
         self.script.settimeout(PATIENCE_S)
         while True:

@@ -1,1 +1,1 @@
-"""Finds the values of a robot file that are chosen: walks in the simulators, an optimiser, a copy of the file."""
+"""Finds better chosen values for a robot file: walks in the simulators, an optimiser, a copy of the file."""

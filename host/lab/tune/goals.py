@@ -1,6 +1,6 @@
-"""What a robot can be tuned for: the walks that tell, each on ground and under conditions of its seed, and their score.
+"""The goals of tuning: their walks, each with ground and conditions from its seed, and their score.
 
-Speeds, heights and loads follow from leg and mass alone, so that robots which differ in what is searched walk the same.
+Speeds, heights and loads follow from leg and mass alone, so robots that differ only in searched values walk the same.
 """
 
 import random
@@ -21,9 +21,9 @@ from ..experiments.data import assumptions
 from ..experiments.trials import Trial, most_loaded
 
 SEARCHED_SEEDS = range(8)  # of every candidate
-FINAL_SEEDS = range(500, 516)  # of the few that did best: with eight walks, who is best of 200 was also lucky
-OTHER_SEEDS = range(1000, 1016)  # of the score before and after, which chooses nothing
-FASTEST_M_S = 1.0  # a command that the robot file's own limit decides about
+FINAL_SEEDS = range(500, 516)  # of the few best ones: with eight walks, the best of 200 was also lucky
+OTHER_SEEDS = range(1000, 1016)  # of the scores before and after, which choose nothing
+FASTEST_M_S = 1.0  # a command that the robot file's own limit will reduce
 WALK_S = 10.0
 CALM_OF_FROUDE = 0.09  # of sqrt(g x leg): speed over steps, with loads, and where it is to be quiet
 STONES_OF_LEG = 0.04
@@ -31,13 +31,13 @@ STEPS_OF_LEG = (0.10, 0.14, 0.18, 0.22)
 LOADS_OF_MASS = (0.2, 0.4, 0.6, 0.8)
 STEP_LATE = 2.5  # times what the command would take over a step, then it is over
 FRICTION_KEYS = {"servo": "actuator.coulomb_Nm", "bldc": "actuator.motor.coulomb_Nm", "pd": "actuator.coulomb_Nm"}
-FALL = 0.25  # of its way counts where a robot has fallen
+FALL = 0.25  # of its way counts if a robot has fallen
 LOUD_RAD_S2 = 100.0  # rms acceleration of the joints whose score is 1
 
 
 @dataclass(frozen=True)
 class Goal:
-    """A goal: what its score counts, its walks by seed, and the score of one, from its figures."""
+    """A goal: the unit of its score, its walks by seed, and the score of a walk from its figures."""
 
     unit: str
     walk: Callable[[Robot, str, int], WalkSpec]
@@ -69,7 +69,7 @@ def walks(goal: str, robot: Robot, gait: str, where: str, seeds: range,
 
 
 def _drawn(spec: WalkSpec, spreads: Mapping[str, float]) -> WalkSpec:
-    """Return the walk with what its seed draws: supply, delay, friction, and drives not quite as the file says."""
+    """Return the walk with random values from its seed: supply, delay, friction, and drives unlike the file's."""
     ranges, draw = assumptions()["tune"], random.Random(f"tune {spec.seed}")
     actuator, drop = spec.robot.actuator, draw.uniform(0.0, ranges["voltage_drop"])
     spec = replace(
@@ -82,7 +82,7 @@ def _drawn(spec: WalkSpec, spreads: Mapping[str, float]) -> WalkSpec:
 
 
 def _built(robot: Robot, stiffness: float, friction: float) -> Robot:
-    """Return the robot as it may be built: all drives alike, but other than its file says by these factors."""
+    """Return the robot as it may be built: all drives differ from its file by the same factors."""
     drive = robot.actuator
     if isinstance(drive, Servo):
         changed = {"duty_per_rad": drive.duty_per_rad * stiffness, "coulomb_Nm": drive.coulomb_Nm * friction}

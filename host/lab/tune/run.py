@@ -17,13 +17,13 @@ from .values import RobotFile
 
 FINALISTS = 6  # candidates that walk on the final seeds, too
 
-# Called with how many trials are done, and the best score so far, if there is one.
+# Called with the number of finished trials, and the best score so far, if there is one.
 Told = Callable[[int, float | None], None]
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be tuned: the robot file, for what, with which gait, in which simulator, how many trials at most."""
+    """A tuning task: the robot file, the goal, the gait, the simulator, and the largest number of trials."""
 
     file: RobotFile
     goal: str
@@ -33,7 +33,7 @@ class Wanted:
 
 
 class Tuning:
-    """One search, from its beginning or from where its store ended."""
+    """One search, from the beginning or from the end of its store."""
 
     def __init__(self, wanted: Wanted, store: Path, workers: Workers, told: Told) -> None:
         self.wanted, self._workers, self._told = wanted, workers, told
@@ -59,7 +59,7 @@ class Tuning:
     def scores(self, candidates: Sequence[Values], seeds: range, told: Callable[[int], None]) -> list[float]:
         """Return the mean score of each candidate's walks; one that can't be built has none.
 
-        ``told`` hears how many candidates are done.
+``told`` gets the number of finished candidates.
         """
         wanted, robots = self.wanted, [self.wanted.file.like(values) for values in candidates]
         tasks = [walk for robot in robots if robot is not None
@@ -80,11 +80,11 @@ class Tuning:
 
     @property
     def best(self) -> tuple[Values, float]:
-        """The best values, and their score on the searched grounds: of the final if there was one, else so far."""
+        """The best values, and their score on searched grounds: of the final walks if there were any, else so far."""
         return self._chosen or self.store.best
 
     def final(self) -> None:
-        """Choose among those that did best by more walks than the search gave them."""
+        """Choose among the best by more walks than in the search."""
         ranked = sorted(self.store.trials, key=lambda trial: -trial[1])
         few = [trial for place, trial in enumerate(ranked) if trial not in ranked[:place]][:FINALISTS]
         more = self.scores([values for values, _ in few], FINAL_SEEDS, lambda done: None)
@@ -93,19 +93,19 @@ class Tuning:
         self._chosen = few[walked.index(max(walked))]
 
     def on_other_grounds(self) -> tuple[float, float]:
-        """Return the score of the file's own values and of the best, on ground and conditions not searched."""
+        """Return the scores of the file's own and the best values, on grounds that the search did not use."""
         before, after = self.scores([self.now, self.best[0]], OTHER_SEEDS, lambda done: None)
         return before, after
 
     def write(self, out: Path) -> None:
         """Write a copy of the robot file with the best values; UserError if nothing is better than the file's own."""
         if self.best[0] == self.now:
-            raise UserError(f"nothing better was found in {len(self.store.trials)} trials than {self.wanted.file.path} "
+            raise UserError(f"{len(self.store.trials)} trials found nothing better than {self.wanted.file.path} "
                             "as it is: no file written", NOT_ACHIEVED)
         write_text(out, self.wanted.file.rewritten(self.searched, self.best[0]))
 
     def result(self, other: tuple[float, float]) -> dict[str, Any]:
-        """Return what came out, for JSON."""
+        """Return the results, for JSON."""
         best, score = self.best
         return {
             "robot": self.wanted.file.robot.name, "for": self.wanted.goal, "gait": self.wanted.gait,

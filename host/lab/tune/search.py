@@ -39,7 +39,7 @@ def _tried(values: list[Values], evaluate: Evaluate, store: Store, done: int) ->
     """Return the scores of the candidates; those that the store has are not tried again."""
     known = [kept for kept, _ in store.trials[done : done + len(values)]]
     if known != values[: len(known)]:
-        raise UserError(f"{store.path}: its trials from {done + 1} on are not those that this numpy and cma would "
+        raise UserError(f"{store.path}: its trials from {done + 1} on differ from those that this numpy and cma would "
                         "make: remove it, or name another with --store")
     new = values[len(known) :]
     for one, score in zip(new, evaluate(new) if new else [], strict=True):

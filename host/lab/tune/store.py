@@ -30,16 +30,16 @@ class Store:
             found = json.loads(lines[0])
             other = [key for key in head if found.get(key) != head[key]]
             if other:
-                raise UserError(f"{self.path}: its trials are of another search ({', '.join(other)}): remove it, "
+                raise UserError(f"{self.path}: its trials belong to another search ({', '.join(other)}): remove it, "
                                 "or name another with --store")
-            # What a power cut left of a last line has no end, and is tried again.
+            # A last line that a power cut left incomplete is tried again.
             self.trials = [(one["values"], float(one["score"])) for one in map(json.loads, lines[1:-1])]
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-            raise UserError(f"{self.path}: is no file of trials ({error}): name another with --store") from error
+            raise UserError(f"{self.path}: not a file of trials ({error}): name another with --store") from error
         write_text(self.path, "\n".join(lines[:-1]) + "\n")
 
     def add(self, values: Values, score: float) -> None:
-        """Keep a trial, onto the disk."""
+        """Write a trial to the disk."""
         self.trials.append((values, score))
         with writing(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps({"values": values, "score": score}) + "\n")
@@ -48,5 +48,5 @@ class Store:
 
     @property
     def best(self) -> tuple[Values, float]:
-        """The values with the highest score, and it; of equals the first."""
+        """The values with the highest score, and the score; the first of equals."""
         return max(self.trials, key=lambda trial: trial[1])

@@ -1,7 +1,7 @@
-"""Which values of a robot file are searched, between which bounds, and the robot that a choice of them makes.
+"""The values of a robot file to search, their bounds, and the robot for a choice of them.
 
-Searched is what somebody chose: lines marked chosen or tuned, and the trot's own numbers that the file leaves out. Not
-searched is what the simulators can't judge, as the gains of a joint's own loops, and what keeps the robot safe.
+The search covers chosen values: lines marked chosen or tuned, and the trot's own numbers that the file leaves out. It
+leaves out values that the simulators can't judge, such as the gains of a joint's own loops, and values for safety.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from ...robot.rewrite import NewValue, rewritten, sources, spreads
 from ...robot.trot_tuning import GAIT, NUMBERS
 from ...util.errors import UserError
 
-OURS = ("chosen", "tuned")  # sources of what may be changed
+OURS = ("chosen", "tuned")  # sources of values that may be changed
 DIGITS = 4  # of a value in the file, and so in its trials
 LIMIT = "speed_limits.vx_m_s"
 # Least and most in leg lengths, as a robot stands. The trot's own numbers have theirs in host/robot/trot_tuning.py.
@@ -43,17 +43,17 @@ class Searched:
     meaning: str = ""
 
     def at(self, share: float) -> float:
-        """Return the value at a share of the way from least to most, as the file will have it."""
+        """Return the value at a share of the way from least to most, with the file's digits."""
         return float(f"{self.low + (self.high - self.low) * min(1.0, max(0.0, share)):.{DIGITS}g}")
 
     @property
     def share(self) -> float:
-        """Where the value is now."""
+        """The share of the present value."""
         return (self.now - self.low) / (self.high - self.low)
 
 
 class RobotFile:
-    """A robot file: its text, by how much its joints differ, and robots that are like it but for some values."""
+    """A robot file: its text, how much its joints differ, and robots that differ from it in some values."""
 
     def __init__(self, name_or_path: str) -> None:
         self.path: Path = find(name_or_path)
@@ -63,9 +63,9 @@ class RobotFile:
         self._data = read_toml(self.path)
 
     def searched(self, gait: str, speed: bool) -> list[Searched]:
-        """Return what is searched: the numbers only of the gait that has them, the speed limit only where speed counts.
+        """Return the values to search: a gait's numbers only for that gait, the speed limit only for the goal speed.
 
-        UserError if it is nothing.
+UserError if there are none.
         """
         marks, leg_m = sources(self.text), self.robot.geometry.leg_m
         froude_m_s = sqrt(GRAVITY_M_S2 * leg_m)

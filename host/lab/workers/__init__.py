@@ -1,1 +1,1 @@
-"""Who runs trials: this process, processes of this computer, or those of a lab's machines."""
+"""Workers for trials: this process, processes of this computer, or those of a lab's machines."""

@@ -1,4 +1,4 @@
-"""Tasks run by processes of dask.distributed: started here for one command, or standing on a lab's machines.
+"""Runs tasks in processes of dask.distributed, started here for one command or running on a lab's machines.
 
 A worker that dies costs its task another run, which gives the same answer; a task that takes four workers down with it
 is given up.
@@ -28,11 +28,11 @@ from .work import Task
 _CONNECT_S = 10.0
 _LOOK_S = 0.02  # between two looks at what is ready: a trial takes longer
 _BATCH = 200  # tasks of some kB that travel to the scheduler at once
-_QUIET_S = 10.0  # without an answer, before it is asked whether there still is a worker
+_QUIET_S = 10.0  # without an answer, before checking whether there still is a worker
 
 
 class Cluster:
-    """Workers behind a scheduler. ``wanted``: what each must have in common with this process; None: they do."""
+    """Workers behind a scheduler. ``wanted``: versions that each must share with this process; None: they do."""
 
     def __init__(self, client: Client, wanted: Mapping[str, str] | None) -> None:
         self.client, self._wanted, self._runs = client, wanted, 0
@@ -62,7 +62,7 @@ class Cluster:
         return futures
 
     def _ready(self, futures: Sequence[Any]) -> Iterator[Any]:
-        """Yield what is ready, as it gets ready; tell if nobody is left to work."""
+        """Yield answers as they get ready; report if no worker is left."""
         completed, left, heard_s = as_completed(futures, loop=self.client.loop), len(futures), time.monotonic()
         while left:
             batch = completed.next_batch(block=False)
@@ -89,8 +89,8 @@ def _answer(future: Any) -> Any:
     try:
         return future.result()
     except KilledWorker as error:
-        raise UserError(f"a trial was given up: {error.allowed_failures + 1} workers died while they ran it, the last "
-                        f"{error.last_worker.address}: is there too little memory?", NOT_ACHIEVED) from error
+        raise UserError(f"a trial was given up: {error.allowed_failures + 1} workers died while running it, the last "
+                        f"{error.last_worker.address}: check its memory", NOT_ACHIEVED) from error
     except (FutureCancelledError, CommClosedError) as error:
         raise _lost(error) from error
     except OtherVersionsError as error:
@@ -102,7 +102,7 @@ def _lost(error: Exception) -> UserError:
 
 
 def _unlike(who: str, difference: str) -> UserError:
-    return UserError(f"--cluster: {who} has {difference}: its figures could be others; install the same there")
+    return UserError(f"--cluster: {who} has {difference}: its figures could differ; install the same versions there")
 
 
 @contextmanager
@@ -119,9 +119,9 @@ def local_cluster(jobs: int) -> Iterator[Cluster]:
 
 @contextmanager
 def standing_cluster(address: str) -> Iterator[Cluster]:
-    """Yield the workers of the scheduler at ``address``; UserError if they are not as this process is."""
+    """Yield the workers of the scheduler at ``address``; UserError if their versions differ from this process's."""
     if not re.fullmatch(r"(tcp|tls)://.+:\d+", address):
-        raise UserError(f"--cluster {address}: allowed is the scheduler's address, as tcp://HOST:8786")
+        raise UserError(f"--cluster {address}: allowed: the scheduler's address, such as tcp://HOST:8786")
     with _unlogged(), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of other versions: below, in one line
         try:
@@ -137,11 +137,11 @@ def _checked(client: Client, address: str) -> Mapping[str, str]:
     """Return this process's versions, which every worker has too, or raise UserError."""
     threads = client.nthreads()
     if not threads:
-        raise UserError(f"--cluster {address}: it has no worker: start some with dask worker {address} --nthreads 1")
+        raise UserError(f"--cluster {address}: no worker is there: start some with dask worker {address} --nthreads 1")
     for worker, count in threads.items():
         if count != 1:
             raise UserError(f"--cluster {address}: worker {worker} runs {count} trials in one process: start it with "
-                            "--nthreads 1, and with --nworkers for more processes")
+                            "--nthreads 1, and --nworkers for more processes")
     mine = versions()
     for worker, told in client.run(told_versions, on_error="return").items():
         if isinstance(told, BaseException):
@@ -153,7 +153,7 @@ def _checked(client: Client, address: str) -> Mapping[str, str]:
 
 @contextmanager
 def _unlogged() -> Iterator[None]:
-    """Keep dask's logs off the terminal: what ends a command is told in one line."""
+    """Keep dask's logs off the terminal: one line says why a command ends."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -164,7 +164,7 @@ def _unlogged() -> Iterator[None]:
 
 @contextmanager
 def _ctrl_c_for_this_process_only() -> Iterator[None]:
-    """Start what the block starts deaf to Ctrl-C, which a terminal sends to all: this process ends them."""
+    """Start the block's processes with Ctrl-C ignored, which a terminal sends to all: this process ends them."""
     resource_tracker.ensure_running()  # started later, it would let Ctrl-C in again
     held = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:

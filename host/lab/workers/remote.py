@@ -1,4 +1,4 @@
-"""What a worker of a cluster calls. Importing it imports no part of the core: `use_core` comes first."""
+"""The functions that a cluster's worker calls. Importing this imports no part of the core: `use_core` comes first."""
 
 import pickle
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""What two processes must have in common for a trial to give the same figures in both, to the bit."""
+"""The versions that two processes must share for a trial to give the same figures in both, to the bit."""
 
 import hashlib
 import platform
@@ -8,7 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 from ... import ROOT
 
-FOLDERS = ("shared", "sim2d", "host")  # what a trial is made of
+FOLDERS = ("shared", "sim2d", "host")  # the code of a trial
 LIBRARIES = ("mujoco", "pymunk", "numpy")
 
 
@@ -16,7 +16,7 @@ LIBRARIES = ("mujoco", "pymunk", "numpy")
 def versions() -> Mapping[str, str]:
     """Return this process's: a fingerprint of the sources, Python and libraries, the processor, and a short walk.
 
-    The walk says what no version does: two processors may round a sine differently.
+    The walk shows what no version can: two processors may round a sine differently.
     """
     from ...boards.core import use_core
 

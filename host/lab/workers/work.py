@@ -1,4 +1,4 @@
-"""Trials run by somebody: answers in the order of the tasks, whatever finishes first and however many work at them."""
+"""The interface of workers: answers come in the order of the tasks, whichever finishes first."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -8,7 +8,7 @@ from ...util.errors import UserError
 
 
 class Task(Protocol):
-    """One piece of work; it and its answer travel between processes. Its answer depends on itself alone."""
+    """One piece of work; it and its answer travel between processes. Its answer depends only on itself."""
 
     def run(self) -> Any:
         """Do it."""
@@ -18,7 +18,7 @@ class Workers(Protocol):
     """Who runs tasks."""
 
     def run_all(self, tasks: Sequence[Task], done: Callable[[int], None]) -> list[Any]:
-        """Run all tasks and return their answers in order; ``done`` hears how many are ready.
+        """Run all tasks and return their answers in order; ``done`` gets the number of finished ones.
 
         The first error of a task is raised after dropping the rest.
         """
@@ -38,12 +38,12 @@ class Here:
 
 @contextmanager
 def workers(jobs: int = 1, cluster: str = "") -> Iterator[Workers]:
-    """Yield who runs tasks: ``jobs`` processes of this computer, or the cluster at an address if there is one.
+    """Yield the workers: ``jobs`` processes of this computer, or the cluster at an address if there is one.
 
-    Ctrl-C drops what runs. UserError if the cluster can't be used.
+Ctrl-C drops running tasks. UserError if the cluster can't be used.
     """
     if cluster and jobs > 1:
-        raise UserError(f"--jobs {jobs}: with --cluster, its own workers do the work: name one of the two")
+        raise UserError(f"--jobs {jobs}: not with --cluster, whose own workers do the work")
     if jobs == 1 and not cluster:
         yield Here()
         return

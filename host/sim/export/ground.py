@@ -1,4 +1,4 @@
-"""Ground in three dimensions: sim2d's polylines drawn out sideways, and what only three dimensions have."""
+"""Ground in three dimensions: sim2d's polylines extended sideways, and grounds that exist only in three dimensions."""
 
 import itertools
 import math

@@ -33,7 +33,7 @@ _DRY = {"solreffriction": "0.004 1", "solimpfriction": "0.9999 0.9999 0.001 0.5 
 
 @dataclass(frozen=True)
 class ModelOptions:
-    """What the robot file does not say. ``friction`` None: the foot's own; ``voltage_V`` None: nominal.
+    """Options beside the robot file. ``friction`` None: the foot's own; ``voltage_V`` None: nominal.
 
     ``honest``: the gears have play, and who steps the model gives the drives' torque (host/sim/space/drives.py).
     """
@@ -45,7 +45,7 @@ class ModelOptions:
     dt_s: float = 0.001
     impratio: float = 100.0
     on_a_stand: bool = False
-    at_rest: bool = True  # loads in the rest pose; else with all joints at 0, for who places the robot himself
+    at_rest: bool = True  # load in the rest pose; else with all joints at 0, for callers that place the robot
     honest: bool = False  # not with at_rest
     self_collision: bool = False  # else the robot's parts go through each other
 
@@ -112,7 +112,7 @@ def _touching(friction: float) -> dict[str, str]:
 
 
 def _let_collide(root: Xml.Element) -> None:
-    """Let all parts that touch the ground touch each other, but for neighbours: a thigh's top is in the trunk."""
+    """Let all parts that touch the ground touch each other, except neighbours: a thigh's top is in the trunk."""
     for geom in root.iter("geom"):
         if geom.get("priority"):
             geom.set("contype", "2")

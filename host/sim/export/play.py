@@ -1,4 +1,4 @@
-"""What an honest drive changes in a MuJoCo model: play in its gear, the motor's own braking, torque told from outside.
+"""The changes of an honest drive to a MuJoCo model: play in its gear, the motor's braking, external torque.
 
 A joint's play is a second hinge behind the first: the first turns with the rotor and has its armature and friction, the
 second turns freely between stops, the flanks. A coupled calf's rotor turns with the rod: tendon over both of the

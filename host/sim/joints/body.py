@@ -18,7 +18,7 @@ SLOW_RAD_S = 0.5  # below it dry friction fades, so that an explicit step stays 
 
 
 class _Torques:
-    """sim2d's drives, each of which gives the torque it was told, less its gear's dry friction."""
+    """sim2d's drives, each of which gives the commanded torque less its gear's dry friction."""
 
     def __init__(self, dry_Nm: float) -> None:
         self._dry_Nm, self.torque_Nm = dry_Nm, [0.0] * len(PLANAR_INDEX)
@@ -51,7 +51,7 @@ class TorqueBody:
         return float(self.world.parts.bodies[0].position.y)
 
     def pitch(self, time_s: float) -> tuple[float, float]:
-        """Return pitch, rad, and its rate, rad/s, as an inertial sensor on the body tells them."""
+        """Return pitch, rad, and its rate, rad/s, as an inertial sensor on the body measures them."""
         sensed = self._body.sensed(time_s)
         return sensed.pitch_rad, sensed.pitch_rate_rad_s
 

@@ -17,7 +17,7 @@ from .sim_robot import SimRobot, power_off
 
 FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage", "hot")
 HOT_C = 90.0
-BABBLE_ID = 0x07F  # below SYNC: nobody else gets a word in
+BABBLE_ID = 0x07F  # below SYNC, so that no other frame gets through
 CATCH_UP_S = 0.1  # farther behind than that, the simulated time stays behind
 
 

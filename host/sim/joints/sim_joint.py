@@ -92,7 +92,7 @@ class SimJoint:
         return self._counts, int(self.angle_rad / tau * 16384) & 16383
 
     def power_cycle(self) -> None:
-        """Take the supply away and give it back: memory is lost, what was saved is not."""
+        """Switch the supply off and on: memory is lost, saved parameters are not."""
         self.resets += 1
         self.power = True
         self.torque_Nm = 0.0
@@ -135,7 +135,7 @@ class SimJoint:
         return self.inside.q_ref * self._ampere if self.inside.bridge else 0.0
 
     def _shunts(self, current_A: float, counts: int) -> tuple[int, ...]:
-        """Return what the shunts read when the motor carries a q current (Park and Clarke turned back)."""
+        """Return the shunts' readings for a q current (inverse Park and Clarke)."""
         angle = tau * self.bldc.motor.pole_pairs * counts / 16384
         q = current_A * self._counts_per_A
         alpha, half = -q * sin(angle), 0.8660254037844386 * q * cos(angle)
@@ -153,5 +153,5 @@ class SimJoint:
         self._read = self._sensors()
 
     def close(self) -> None:
-        """End what the joint runs in; what it has saved is gone."""
+        """End the joint's process; its saved parameters are gone."""
         self.inside.close()

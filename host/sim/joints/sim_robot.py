@@ -113,7 +113,7 @@ class SimRobot:
             self.body.step([joint.torque_Nm for joint in self.joints])
 
     def close(self) -> None:
-        """Remove what the joints have saved."""
+        """Remove the joints' saved parameters."""
         for joint in self.joints:
             joint.close()
 

@@ -1,4 +1,4 @@
-"""The planner, the joints' bus and the simulated robot in simulated time: what walks over CAN without hardware."""
+"""The planner, the joints' bus and the simulated robot in simulated time, to walk over CAN without hardware."""
 
 from collections.abc import Callable, Collection
 
@@ -64,5 +64,5 @@ class SimWalk:
         self.go(0.2, mode="stand")
 
     def close(self) -> None:
-        """Remove what the joints have saved."""
+        """Remove the joints' saved parameters."""
         self.sim.close()

@@ -40,7 +40,7 @@ SESSION = 17
 
 @dataclass
 class Trace:
-    """What was recorded once a millisecond."""
+    """The values recorded once a millisecond."""
 
     time_s: list[float] = field(default_factory=list)
     joint_rad: list[float] = field(default_factory=list)
@@ -110,7 +110,7 @@ class Bench:
 
     @property
     def state(self) -> JointState:
-        """What the joint remembers."""
+        """The joint's saved parameters."""
         return self.joint.control.state
 
     @property
@@ -222,4 +222,4 @@ class Bench:
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
         if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
-            raise UserError(f"the simulated joint refuses to be armed: result {result}")
+            raise UserError(f"the simulated joint refused arming: result {result}")

@@ -1,4 +1,4 @@
-"""The simulated joint finds out about its motor: commissioning of one that nobody has commissioned."""
+"""The simulated joint measures its motor: commissioning of a fresh joint."""
 
 from math import degrees, hypot, tau
 
@@ -16,7 +16,7 @@ MOST = {"resistance_error": 0.05, "inductance_d_error": 0.05, "inductance_q_erro
 
 
 def commission(bldc: Bldc) -> Result:
-    """Commission a joint nobody has commissioned: commutation, resistance, inductance, flux linkage, eccentricity."""
+    """Commission a fresh joint: commutation, resistance, inductance, flux linkage, eccentricity."""
     true_rad = 2.345
     bench = Bench(bldc, commissioned=False, elec_offset_rad=true_rad)
     bench.wrong.eccentric_rad = ECCENTRIC_RAD

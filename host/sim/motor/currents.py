@@ -28,7 +28,7 @@ def current_held(bldc: Bldc) -> Result:
 
 
 def _current(name: str, bldc: Bldc, load: Load) -> Result:
-    """Step of the current from rest, looked at in every current step; how far the rotor turned is told."""
+    """Step of the current from rest, checked in every current step; reports how far the rotor turned."""
     bench = Bench(bldc, load)
     bench.arm(w.MODE_CURRENT, 0.0)
     bench.run(100)

@@ -1,4 +1,4 @@
-"""The simulated joint fails on command: what is switched on, which fault must latch, and how soon."""
+"""The simulated joint fails on command: the cause, which fault must latch, and how soon."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -81,7 +81,7 @@ FAULTS: dict[str, FaultCase] = {
 
 
 def fault(bldc: Bldc, name: str) -> Result:
-    """One fault of FAULTS: when it is latched, what the joint says, and the torque that is left."""
+    """One fault of FAULTS: when it is latched, the joint's sentence, and the remaining torque."""
     case = FAULTS[name]
     if name == "swapped-phases":
         return _swapped(bldc, case)
@@ -92,7 +92,7 @@ def fault(bldc: Bldc, name: str) -> Result:
         bench.goal += 0.3
         bench.run(40)
     if bench.state.fault_code:
-        raise UserError(f"fault-{name}: the joint was at fault before: {_sentence(bench)}")
+        raise UserError(f"fault-{name}: the joint was already in fault: {_sentence(bench)}")
     case.begin(bench)
     found = _wait(bench, case.run_ms)
     bench.run(600)

@@ -134,7 +134,7 @@ class Motor:
         self.bus_V = self.supply_V - self.load.source_ohm * power / bus
 
     def _open(self, phase: int) -> None:
-        """Take the current out that would flow in an open phase; what is left flows through the other two."""
+        """Remove the current that would flow in an open phase; the rest flows through the other two."""
         e = self.pole_pairs * self.rotor_rad + self.elec_offset_rad - 2 * pi * phase / 3
         c, s = cos(e), sin(e)
         flows = self.i_d * c - self.i_q * s

@@ -1,4 +1,4 @@
-"""What a scenario of the simulated joint hands over: its figures, and the bench with its record."""
+"""The results of a scenario of the simulated joint: its figures, and the bench with its record."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -23,5 +23,5 @@ class Result:
 
 
 def enabled(bench: Bench) -> bool:
-    """Return whether the joint still does what it is told."""
+    """Return whether the joint still follows its commands."""
     return int(bench.state.drive_state) == w.STATE_OPERATION_ENABLED

@@ -1,4 +1,4 @@
-"""What `caramelo motor sim` can show, by name: a motion, a loop, a fault or the commission of a simulated joint."""
+"""The scenarios of `caramelo motor sim`, by name: a motion, a loop, a fault or the commissioning of a joint."""
 
 from collections.abc import Callable
 
@@ -33,4 +33,4 @@ def run_scenario(bldc: Bldc, name: str) -> Result:
         return SCENARIOS[name](bldc)
     if name.startswith("fault-") and name[6:] in FAULTS:
         return fault(bldc, name[6:])
-    raise UserError(f"--scenario {name}: no such scenario; there are {', '.join(names())}")
+    raise UserError(f"--scenario {name}: allowed {', '.join(names())}")

@@ -1,4 +1,4 @@
-"""What a joint's board reads of the motor: shunt currents, encoders, bus, thermistor, each with its faults.
+"""The readings of a joint's board: shunt currents, encoders, bus, thermistor, each with its faults.
 
 Amplifier counts have an offset, noise, 12 bits and an end. The rotor encoder answers each read with the angle at the
 read before, as AS5047P's frames do (firmware/encoders.py); its jitter and glitches are seeded.
@@ -56,7 +56,7 @@ class Sensors:
         self.glitches = 0  # readings that were none
 
     def read_fast(self, motor: Motor, out: SimBoard) -> None:
-        """Write what a current step reads; the encoder's answer to the next one is taken here."""
+        """Write the readings for a current step; this also takes the encoder's answer for the next one."""
         at = self._at
         noise, offsets, scale, raw = self._noise, self.offsets_counts, self._per_A, out.raw
         a, b, c = motor.phases_A()
@@ -77,7 +77,7 @@ class Sensors:
         self._answer = int(rotor_rad / tau * 16384 + self.wrong.rotor_noise * noise[at]) & 16383
 
     def read_slow(self, motor: Motor, out: SimBoard) -> None:
-        """Write what the motion tick and the slow tick read."""
+        """Write the readings for the motion tick and the slow tick."""
         full_V = self.board.adc_volt * self.board.bus_divider
         out.bus = min(4095, round(motor.bus_V / full_V * 4096 + self._noise[self._at]))
         joint_rad = 0.0 if self.wrong.joint_stuck else motor.joint_rad

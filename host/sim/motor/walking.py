@@ -2,7 +2,7 @@
 
 Reduced: the current loop is taken as exact (it settles within a millisecond), gear play and spring are left out, the
 gear's loss opposes the motion. tests/host/sim/motor compares it with the full model: the same way within half a degree,
-the same current below 15 Hz within 5 %. Energy is counted with and without what braking motors give back.
+the same current below 15 Hz within 5 %. Energy is counted with and without that of braking motors.
 """
 
 from collections.abc import Sequence
@@ -120,7 +120,7 @@ class JointMotor:
 class JointMotors:
     """The eight drives of the plane, in motor angles; sim2d's Drives.
 
-    What they give is the motor's torque behind an ideal gear: that is what the current limit bounds.
+    Their torque is the motor's after an ideal gear, to which the current limit applies.
     """
 
     def __init__(self, bldc: Bldc, thigh_kg_m2: float, calf_kg_m2: float, spring: bool) -> None:
@@ -150,7 +150,7 @@ def joint_motors(robot: Robot) -> tuple[JointMotors, Drives]:
 
 
 def transport(robot: Robot, recording: Recording, payload_kg: float, motors: JointMotors | None) -> dict[str, Any]:
-    """Return what the legs' drives take per metre and per weight and metre, without and with regeneration.
+    """Return the energy of the legs' drives per metre and per weight and metre, without and with regeneration.
 
     The plane's eight drives and no electronics. The torque is the motor's behind an ideal gear, which the current
     limit bounds; a gear driven backwards resists with its own loss on top. Regeneration counts what braking motors

@@ -33,13 +33,13 @@ CHUNK = 4096
 
 
 class Commands:
-    """What the emulator can be told while it runs; each returns what is answered."""
+    """The emulator's commands while it runs; each returns its answer."""
 
     def __init__(self, bus: EmulatedBus, imu: SimulatedImu) -> None:
         self._bus, self._imu = bus, imu
 
     def do(self, order: dict[str, Any]) -> dict[str, Any]:
-        """Carry out one order; what it can't do is told."""
+        """Carry out one command; the answer says if it can't."""
         try:
             name = order.pop("do")
             answer: dict[str, Any] = getattr(self, f"on_{name}")(**order)
@@ -127,13 +127,13 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--robot", default="caramelo")
     parser.add_argument("--plant", choices=("ground", "bench", "space"), default="ground")
-    parser.add_argument("--honest", action="store_true", default=None, help="else as the robot's file says")
+    parser.add_argument("--honest", action="store_true", default=None, help="default: as the robot file says")
     parser.add_argument("--simple", dest="honest", action="store_false")
     parser.add_argument("--truth", type=Path, help="calibration file that says how the servos are mounted")
-    parser.add_argument("--new", action="store_true", help="servos as they come out of their boxes, none plugged in")
+    parser.add_argument("--new", action="store_true", help="servos fresh from the box, none plugged in")
     parser.add_argument("--lost", type=float, default=0.0)
     parser.add_argument("--corrupted", type=float, default=0.0)
-    parser.add_argument("--latency-ms", type=float, default=1.0, help="how long the adapter holds answers back")
+    parser.add_argument("--latency-ms", type=float, default=1.0, help="delay of the adapter's answers")
     parser.add_argument("--seed", type=int, default=0)
     return parser.parse_args()
 
@@ -170,7 +170,7 @@ def baud_of(terminal: int) -> int | None:
 
 
 def tell(answer: Mapping[str, Any]) -> None:
-    """Write one line to whoever started this; nothing is kept that would be written again at the end."""
+    """Write one line to the parent process, unbuffered, so that nothing is written again at the end."""
     os.write(1, json.dumps(answer).encode() + b"\n")
 
 
@@ -178,7 +178,7 @@ def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
     """Answer packets and orders until stdin ends."""
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
-    bus.advance(TICK_S)  # what is slow the first time must not hold up the first answer
+    bus.advance(TICK_S)  # so that slow first calls do not delay the first answer
     # Until a program sets a rate, the terminal has its own, which no servo listens to.
     tell({"port": os.ttyname(theirs)})
     began = time.monotonic()
@@ -209,7 +209,7 @@ def main() -> int:
     try:
         serve(bus, Commands(bus, imu), options.latency_ms / 1000)
     except BrokenPipeError:
-        return 1  # whoever started this is gone, before it could close our input
+        return 1  # the parent process is gone before it could close our input
     return 0
 
 

@@ -29,7 +29,7 @@ class Disturbance:
         self.chance = random.Random(f"bus {self.seed}")
 
     def carry(self, packet: bytes) -> bytes:
-        """Return what arrives of a packet: all of it, nothing, or the packet with one byte changed."""
+        """Return the part of a packet that arrives: all of it, nothing, or the packet with one byte changed."""
         self.packets += 1
         luck = self.chance.random()
         if luck < self.lost:

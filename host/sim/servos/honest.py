@@ -1,4 +1,4 @@
-"""Twelve joints with the honest law of a servo, in the air or under the robot's weight: what a robot is measured on.
+"""Twelve joints with the honest law of a servo, in the air or under the robot's weight: a robot for identification.
 
 On a stand each joint turns its own leg, the rest of which stays as at rest. On the ground each bears what statics says
 of the whole pose; the joints do not shake each other. Steps, falls and slipping feet are the walking simulators' part.
@@ -29,7 +29,7 @@ STICKY_RAD, STICKY_TIMES = 0.06, 4.0
 
 @dataclass(frozen=True)
 class Made:
-    """One imaginary robot: its servos, its supply, how long answers take, and what is broken, joint by joint."""
+    """One imaginary robot: its servos, its supply, the time of answers, and its faults, joint by joint."""
 
     figures: tuple[Figures, ...]
     supply_ohm: float
@@ -219,14 +219,14 @@ class HonestStand:
 
 
 def reference_shaft_rad(robot: Robot, joint: int) -> float:
-    """Return about which angle of its shaft a joint is mirrored if its sign was found wrongly."""
+    """Return the angle of the shaft about which a joint is mirrored if its sign is wrong."""
     from ...bus.dynamixel.calibration.procedure import reference_rad
 
     return reference_rad(robot, joint) / joint_per_shaft(robot, joint)
 
 
 def _turned_round(robot: Robot, joint: int, mount: JointCalibration) -> JointCalibration:
-    """Return what a person would have calibrated who took the joint's sign the wrong way."""
+    """Return the calibration by a person who got the joint's sign wrong."""
     per_rad = counts_per_rad(robot)[joint] * joint_per_shaft(robot, joint)
     counts = mount.counts(reference_shaft_rad(robot, joint), per_rad)
     zero = counts + mount.sign * round(reference_shaft_rad(robot, joint) * per_rad)

@@ -1,19 +1,19 @@
 """The honest law of a servo: late goals, coarse duty, a sagging supply, friction that depends on load, and play.
 
-What a simulator calls, once per sub-step and joint, in motor angles:
+A simulator calls, once per sub-step and joint, in motor angles:
 
     law.step(goal_rad, most, position_rad, speed_rad_s, load_Nm, dt_s)
 
-and then gives the link ``law.torque_Nm``, and brakes it with at most ``law.friction_Nm``. Each part is left out by its
-number being zero; with all of them zero it is torque = stall x clip(duty) - stall / no-load speed x speed, and
+and then gives the link ``law.torque_Nm``, and brakes it with at most ``law.friction_Nm``. A zero leaves its part
+out; with all of them zero it is torque = stall x clip(duty) - stall / no-load speed x speed, and
 ``coulomb_Nm`` of friction.
 
 Friction is the M6 model of Duclusaud et al., "Extended Friction Models for the Physics Simulation of Servo Actuators",
-ICRA 2025 (arXiv 2410.08650), equation of M6. The stall torque of a data sheet is measured at the shaft, behind what
-friction takes of it, so the motor gives more (``motor_stall_Nm``).
+ICRA 2025 (arXiv 2410.08650), equation of M6. The stall torque of a data sheet is measured at the shaft, after friction
+has taken its share, so the motor gives more (``motor_stall_Nm``).
 
-With play the rotor turns by itself between the flanks of its gears: it is stepped here, friction with it, and the link
-feels what a flank passes on. Then ``link_armature_kg_m2`` is 0, else the link carries the rotor's inertia.
+With play the rotor turns by itself between the flanks of its gears: this module steps it with its friction, and
+the link gets the force of a flank. Then ``link_armature_kg_m2`` is 0, else the link carries the rotor's inertia.
 """
 
 from collections import deque
@@ -31,7 +31,7 @@ LEAST_PLAY_RAD = 3e-4  # an arc minute: in the walking simulators a link between
 
 @dataclass(frozen=True)
 class Figures:
-    """What a law is made of, at the servo's shaft; figures of one supply voltage. ``delay_s`` is one way's."""
+    """The figures of a law at the servo's shaft, for one supply voltage. ``delay_s`` is for one direction."""
 
     stall_Nm: float
     no_load_rad_s: float
@@ -48,7 +48,7 @@ class Figures:
 
     @property
     def motor_stall_Nm(self) -> float:
-        """What the motor itself gives at stall, so that behind the friction of its load the data sheet's is left."""
+        """The motor's own stall torque: after the friction of its load, the data sheet's torque remains."""
         return self.stall_Nm / (1.0 - self.friction.load_motor - self.friction.load_motor_stribeck)
 
     @property
@@ -77,9 +77,9 @@ def figures_of(servo: Servo, delay_s: float = 0.0) -> Figures:
 
 
 def honest_figures(actuator: Servo | Bldc | PdJoint) -> Figures | None:
-    """Return what the walking simulators know of a drive beyond its linear law; None if the robot file knows nothing.
+    """Return a drive's data beyond its linear law for the walking simulators; None if the robot file has none.
 
-    Of a brushless joint that is its gear: its play, and its loss as friction that grows with the motor's torque.
+For a brushless joint this is its gear: its play, and its loss as friction that grows with the motor's torque.
     """
     if isinstance(actuator, PdJoint):
         return None
@@ -111,13 +111,13 @@ class Battery:
         self._drawn_A += current_A
 
     def settle(self) -> None:
-        """End a sub-step: from now on the voltage is what the current left of it."""
+        """End a sub-step: from now on the current reduces the voltage."""
         self.voltage_V = max(0.0, self.open_V - self.resistance_ohm * max(0.0, self._drawn_A))
         self._drawn_A = 0.0
 
 
 def friction_law(figures: Figures) -> Callable[[float, float, float], float]:
-    """Return M6: of motor torque, load torque (what the load does to the shaft) and speed the most that friction holds.
+    """Return M6: the largest friction torque for a motor torque, a load torque (on the shaft) and a speed.
 
     Dry friction, more of it at rest (Stribeck), a share of what the gears pass on, and viscous friction. A function
     made once for each servo: it is called some ten thousand times per simulated second.
@@ -144,7 +144,7 @@ def friction_law(figures: Figures) -> Callable[[float, float, float], float]:
 
 
 def stopped_Nm(inertia_kg_m2: float, speed_rad_s: float, driving_Nm: float, most_Nm: float, dt_s: float) -> float:
-    """Return what friction does in a sub-step: it brings to rest, with at most ``most_Nm``."""
+    """Return the friction torque of a sub-step: it brings to rest, with at most ``most_Nm``."""
     wanted = -(inertia_kg_m2 * speed_rad_s / dt_s + driving_Nm)
     return max(-most_Nm, min(most_Nm, wanted))
 
@@ -175,7 +175,7 @@ class ServoLaw:
     ) -> None:
         """Advance by a sub-step from where the link is: ``most`` is the duty's limit 0 .. 1, None without torque.
 
-        ``load_Nm`` is what gravity, ground and the like do to the link; it only matters without play.
+        ``load_Nm`` is the torque of gravity, ground and the like on the link; it only matters without play.
         """
         self._time_s += dt_s
         self._hear(goal_rad, most)
@@ -188,7 +188,7 @@ class ServoLaw:
         self.friction_Nm = self._most_Nm(self.torque_Nm, load_Nm, speed_rad_s)
 
     def _hear(self, goal_rad: float, most: float | None) -> None:
-        """Take what is told after the delay."""
+        """Take the commands whose delay is over."""
         if self.figures.delay_s <= 0:
             self._goal_rad, self._most = goal_rad, most
             return
@@ -229,7 +229,7 @@ class ServoLaw:
         self.torque_Nm, self.friction_Nm = flank_Nm, 0.0
 
     def _flank_Nm(self, apart_rad: float, apart_rad_s: float, dt_s: float) -> float:
-        """Return what a flank passes on: a stiff spring that only pushes, stepped implicitly to stay stable."""
+        """Return a flank's torque: a stiff spring that only pushes, stepped implicitly to stay stable."""
         deep_rad = abs(apart_rad) - self.figures.backlash_rad / 2
         if deep_rad <= 0:
             return 0.0
@@ -242,7 +242,7 @@ class ServoLaw:
 
 
 class Stood:
-    """A link on its servo, held by nothing else: what the law's trust tests and the stand step."""
+    """A link on its servo, held by nothing else, for the law's trust tests and the stand."""
 
     def __init__(self, law: ServoLaw, inertia_kg_m2: float, position_rad: float) -> None:
         self.law, self.inertia_kg_m2 = law, inertia_kg_m2

@@ -9,7 +9,7 @@ from .bus import EmulatedBus
 
 
 class LoopbackPort:
-    """What PortHandler offers, as far as the SDK's packets use it."""
+    """The part of PortHandler's interface that the SDK's packets use."""
 
     is_real = False
 
@@ -28,7 +28,7 @@ class LoopbackPort:
         """Nothing to close."""
 
     def clearPort(self) -> None:
-        """Forget answers that nobody took; the SDK does so before each packet, so the line was silent, too."""
+        """Forget unread answers; the SDK calls this before each packet, so the line was also silent."""
         self._waiting.clear()
         self.bus.idle()
 
@@ -42,7 +42,7 @@ class LoopbackPort:
         return self._baud
 
     def writePort(self, packet: list[int]) -> int:
-        """Hand a packet to the servos and keep what comes back."""
+        """Give a packet to the servos and keep their answers."""
         for answer in self.bus.receive(bytes(packet), self._clock(), self._baud):
             self._waiting += answer
         return len(packet)

@@ -44,7 +44,7 @@ def crc16(data: bytes) -> int:
 
 
 def _take_packet(buffer: bytearray, header: bytes, length_at: int, length_size: int) -> bytes | None:
-    """Take the first whole packet from the buffer, and what lies before it; None if there is none yet.
+    """Take the first whole packet from the buffer, and the bytes before it; None if there is none yet.
 
     A packet starts with ``header``; its length, ``length_size`` bytes at ``length_at``, counts the bytes after it.
     """

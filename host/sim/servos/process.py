@@ -22,7 +22,7 @@ ANSWER_S = 10.0  # an order outside of a control loop may wait for a busy machin
 END_S = 2.0
 IMU_S = 0.004  # a reading must not hold up a tick; the same patience as with a servo (host/bus/dynamixel/port.py)
 GROUND_S = 1.0  # the robot lies there meanwhile, its joints off
-MOST_OWED = 20  # late answers before no more orders are sent: a pipe that nobody reads must not fill up
+MOST_OWED = 20  # late answers after which no more commands are sent, so that an unread pipe does not fill up
 CHUNK = 4096
 
 
@@ -149,7 +149,7 @@ class EmulatorImu(Imu):
             counts: list[int] = answer["counts"]
             self.place = tuple(answer["place"]) if "place" in answer else None
         except Late:
-            raise ImuLate("the emulated IMU does not answer in time: is this machine too busy?") from None
+            raise ImuLate("the emulated IMU does not answer in time: this machine may be too busy") from None
         except UserError as error:
             raise ImuError(str(error)) from None
         return counts

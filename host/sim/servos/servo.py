@@ -1,4 +1,4 @@
-"""One emulated MX-28(2.0): its control table, and what the servo does by itself when that changes.
+"""One emulated MX-28(2.0): its control table, and the servo's own reactions to changes of it.
 
 After the e-manual's MX-28(2.0) page: when the bus watchdog trips, the servo stops and takes no goals, but its torque
 stays on; so it holds where it is, here too. Left out: profiles, indirect addresses, registered writes, other operating

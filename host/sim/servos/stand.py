@@ -1,4 +1,4 @@
-"""A robot on a stand to try the calibration with: emulated servos mounted in a way that nobody was told.
+"""A robot on a stand to try the calibration with: emulated servos mounted in an unknown way.
 
 Ids are shuffled, signs are flipped and zeros are off; a hand that turns joints is part of it. No real time passes.
 """
@@ -21,7 +21,7 @@ FARTHEST_OFF = 150  # counts: horns go on in steps of 16 deg, so a joint is at m
 
 
 def hidden_mounting(robot: Robot, seed: int) -> Calibration:
-    """Return how the servos of an imaginary robot are mounted: as nobody would plan it, but as it could be."""
+    """Return how the servos of an imaginary robot are mounted: unplanned, but possible."""
     chance = random.Random(f"mounting {seed}")
     ids = chance.sample(range(1, 40), JOINTS)
     middle = servo_of(robot).counts_per_turn // 2
@@ -45,11 +45,11 @@ class SimulatedBench(Bench):
         super().__init__(Link(port, self.bus.protocol), self._pass_time, self)
 
     def place(self, servo: int, joint: int, angle_rad: float) -> None:
-        """See Hands: turns what the servo really drives."""
+        """See Hands: turns the joint that the servo really drives."""
         self.plant.push(self.truth.ids.index(servo), angle_rad)
 
     def nudge(self, servo: int) -> int:
-        """See Bench; says what a person at the robot would see."""
+        """See Bench; also says what a person at the robot would see."""
         joint = self.truth.ids.index(servo)
         direction = super().nudge(servo)
         way = "+" if direction * self.truth.joints[joint].sign > 0 else "-"
@@ -62,7 +62,7 @@ class SimulatedBench(Bench):
 
 
 def truthful_answers(robot: Robot, bench: SimulatedBench) -> dict[str, str]:
-    """Return what a careful person would answer at this bench."""
+    """Return the answers of a careful person at this bench."""
     answers = {"resume": "yes", "write": "yes"}
     for joint, mount in enumerate(bench.truth.joints):
         answers[f"servo {mount.id} joint"] = JOINT_LABELS[joint]

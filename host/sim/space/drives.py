@@ -45,7 +45,7 @@ class Joints:
         self.play_q, self.play_v = _addresses(model, PLAY)
 
     def links(self, values: Array, rotors: Indices, plays: Indices) -> Array:
-        """Return the joints' angles or speeds: of what the gears turn."""
+        """Return the joints' angles or speeds, after the gears."""
         return np.asarray(values[rotors] + values[plays] if len(plays) else values[rotors])
 
 
@@ -91,7 +91,7 @@ class HonestDrives:
             self._data.ctrl[:] = goal_rad
 
     def switch(self, on: Sequence[bool], limit: Sequence[float]) -> None:
-        """Open the bridges of drives that are off: but for friction nothing brakes them; limit the duty of the rest."""
+        """Open the bridges of drives that are off: only friction brakes them; limit the duty of the rest."""
         if not self._servo:
             return
         self._most = [most if gives else 0.0 for most, gives in zip(limit, on, strict=True)]
@@ -100,7 +100,7 @@ class HonestDrives:
         self._put(self._model.dof_damping, self._model.tendon_damping, brakes)
 
     def torques_Nm(self) -> Array:
-        """Return what the drives give at the joints, in the measure of the data sheet: its stall torque is the most."""
+        """Return the drives' torques at the joints, on the data sheet's scale: at most its stall torque."""
         share = self._figures.stall_Nm / self._figures.motor_stall_Nm
         return np.array(self.given_Nm) * share / self._ratios
 

@@ -9,7 +9,7 @@ from .world import World
 
 _HOLD_RAD_S = 12.0  # how stiff the hand is, as the frequency of a robot that hangs in it (assumed)
 _LIFTS_M_S = 0.3  # (assumed)
-_WITH_LEGS = 2.0  # of the trunk's moments of inertia, what the hand turns (assumed)
+_WITH_LEGS = 2.0  # times the trunk's moments of inertia: the inertia that the hand turns (assumed)
 
 
 class Hand:

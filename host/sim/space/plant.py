@@ -40,7 +40,7 @@ class SwitchedWorld(World):
         self._rest()
 
     def drive(self, goal_rad: Sequence[float], on: Sequence[bool], limit: Sequence[float]) -> None:
-        """Tell the drives their goals, which of them give torque, and up to what share of their stall torque."""
+        """Command the drives: their goals, which of them give torque, and up to what share of their stall torque."""
         self._act(np.asarray(goal_rad, dtype=float))
         if self.drives is not None:
             self.drives.switch(on, limit)
@@ -61,7 +61,7 @@ class SwitchedWorld(World):
 
 
 class SpacePlant(Plant):
-    """A robot that waits seated on some ground. Off, a drive turns freely but for its friction and damping."""
+    """A robot that waits seated on some ground. A drive that is off turns freely against its friction and damping."""
 
     def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
         super().__init__(robot, seated_pose_rad(robot))
@@ -80,7 +80,7 @@ class SpacePlant(Plant):
 
     def push(self, joint: int, angle_rad: float) -> None:
         """See Plant."""
-        raise UserError(f"joint {joint}: a robot that stands can't be turned by hand; lift it, or use a bench")
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""

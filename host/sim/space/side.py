@@ -17,7 +17,7 @@ from .world import Array
 
 
 def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> Recording:
-    """Return what the plane would have recorded of the walk: all points projected along y."""
+    """Return the walk as a recording of the plane: all points projected along y."""
     turn = _turned(rec.attitude_rad)
     points = _legs_m(spec.robot, rec.joint_rad) @ turn[:, None].transpose(0, 1, 3, 2) + rec.position_m[:, None, None]
     xz = points[..., [0, 2]]

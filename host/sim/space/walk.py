@@ -27,7 +27,7 @@ from ..walk import WAYS, WalkSpec
 from .hand import Hand, lifted_m
 from .world import Array, World
 
-# (dt_s, impratio): twice as fast as what the exported model says, and a gait's figures stay the same.
+# (dt_s, impratio): twice as fast as in the exported model, with the same figures of a gait.
 FAST = (0.002, 10.0)
 FALL_TILT_RAD = math.radians(45.0)
 _SETTLE_S = 0.5
@@ -37,7 +37,7 @@ _ASIDE = {"ahead": (0.0, 1.0), "back": (0.0, 1.0), "left": (1.0, 0.0), "turn": (
 
 @dataclass(frozen=True)
 class SpaceRecording:
-    """One row per control tick from the command to walk on; truth, not what the sensors told."""
+    """One row per control tick from the command to walk on; true values, not sensor readings."""
 
     time_s: Array
     position_m: Array
@@ -154,7 +154,7 @@ def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = Non
 
 
 def _disturbance(spec: WalkSpec, world: World) -> Callable[[float], None]:
-    """Return what is to be called before each tick with its time: it pushes the trunk, or lifts it, as specified."""
+    """Return a function to call before each tick with its time: it pushes or lifts the trunk as specified."""
     push, lift = spec.push, spec.lift
     hands: list[Hand] = []
 

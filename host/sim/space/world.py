@@ -25,7 +25,7 @@ from .drives import HonestDrives, Joints, compliant
 
 Array = npt.NDArray[np.float64]
 
-_SOFT_DAMPING = 1.0  # of critical, of what a foot and soft ground do (assumed)
+_SOFT_DAMPING = 1.0  # of critical, for a foot on soft ground (assumed)
 _GROUND, _TRUNK, _LIMB, _FOOT = 1, 2, 3, 10
 
 
@@ -106,7 +106,7 @@ class World:
         self._sent.append((self._step + self._delay_steps, goal))
 
     def push(self, force_N: tuple[float, float]) -> None:
-        """Push the middle of the trunk, N ahead and to the left in the ground's axes, until told otherwise."""
+        """Push the middle of the trunk, N ahead and to the left in the ground's axes, until the next call."""
         self.data.xfrc_applied[self.trunk, :2] = force_N
 
     def advance(self) -> None:
@@ -132,7 +132,7 @@ class World:
         """Simulated time."""
         return self._step * self.options.dt_s
 
-    # --- what the robot senses
+    # --- the robot's sensors
 
     def joints_rad(self) -> Array:
         """Return the twelve joint angles in encoder steps."""
@@ -185,7 +185,7 @@ class World:
         return roll, pitch, math.atan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
 
     def drive_torques_Nm(self) -> Array:
-        """Return what the twelve drives give, each at its own shaft's joint: force less damping."""
+        """Return the torques of the twelve drives, each at its own shaft's joint: force less damping."""
         if self.drives is not None:
             return self.drives.torques_Nm()
         speeds = np.array(to_motor(self.robot, self.joint_speeds_rad_s().tolist()))

@@ -1,6 +1,6 @@
-"""What the Foxglove process does: serves what the loop tells as channels, and hands on what viewers publish.
+"""The Foxglove process: serves the loop's status as channels, and passes on what viewers publish.
 
-The SDK has threads of its own; what they hear is handled in this process's one loop.
+The SDK has threads of its own; this process's only loop handles what they receive.
 """
 
 import asyncio
@@ -20,24 +20,24 @@ from ...robot.file import load_robot
 from ..link import Link
 from .viewers import Viewers
 
-COUNTS_S = 1.0  # also between the parts that do not change
+COUNTS_S = 1.0  # between counts, and between messages of the parts that do not change
 TOLD_S = 0.5  # between notes of one kind to the viewers
 
 
 class Ear(ServerListener):
-    """Hands what the server hears to the process's loop."""
+    """Passes what the server receives to the process's loop."""
 
     def __init__(self, viewers: Viewers, call: Callable[..., object]) -> None:
         self._viewers, self._call = viewers, call
         self._topics: dict[tuple[int, int], str] = {}
-        self._held: dict[int, int] = {}  # channels by viewer: with the last one it is gone
+        self._held: dict[int, int] = {}  # channels per viewer: a viewer without channels is gone
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
         """See ServerListener."""
         self._hold(client.id, 1)
 
     def on_unsubscribe(self, client: Client, channel: ChannelView) -> None:
-        """See ServerListener: it comes when a viewer hangs up, too."""
+        """See ServerListener: also called when a viewer hangs up."""
         self._hold(client.id, -1)
 
     def on_client_advertise(self, client: Client, channel: ClientChannel) -> None:
@@ -64,7 +64,7 @@ class Ear(ServerListener):
 
 
 class Channels:
-    """The channels that viewers see; those that do not change are sent again for who comes later."""
+    """The channels that viewers see; those that do not change are sent again for viewers that come later."""
 
     def __init__(self, robot: str) -> None:
         self._scene, self._epoch_ns = Scene(load_robot(robot)), time.time_ns() - time.monotonic_ns()
@@ -72,7 +72,7 @@ class Channels:
         self._status: foxglove.Channel | None = None
 
     def take(self, status: dict[str, Any]) -> None:
-        """Publish a status and where everything is."""
+        """Publish a status, and the place of every part."""
         time_ns = self._epoch_ns + int(status["time_s"] * 1e9)
         joints = [angle or 0.0 for angle in status["joints_rad"]]
         at = replace(Odometry(*status["odometry"]), covariance=tuple(status["covariance"]))
@@ -83,7 +83,7 @@ class Channels:
         self._status.log(status, log_time=time_ns)
 
     def repeat(self) -> None:
-        """Publish what does not change."""
+        """Publish the parts that do not change."""
         now_ns = time.time_ns()
         self._log(self._scene.parts(now_ns), now_ns)
 
@@ -93,7 +93,7 @@ class Channels:
 
 
 def schema_of(value: Any) -> dict[str, Any]:
-    """Return a JSON schema of a value as it is; what may be null is told as a number."""
+    """Return a JSON schema of a value as it is; a value that may be null counts as a number."""
     if isinstance(value, dict):
         return {"type": "object", "properties": {key: schema_of(each) for key, each in value.items()}}
     if isinstance(value, list):
@@ -104,14 +104,14 @@ def schema_of(value: Any) -> dict[str, Any]:
 
 
 class Notes:
-    """Tells the viewers something, and the same again only after a while."""
+    """Sends notes to the viewers, and the same note again only after a while."""
 
     def __init__(self) -> None:
         self.server: foxglove.WebSocketServer | None = None
         self._said: dict[str, float] = {}
 
     def tell(self, sentence: str) -> None:
-        """Tell it."""
+        """Send a note."""
         now_s = time.monotonic()
         self._said = {said: at_s for said, at_s in self._said.items() if now_s - at_s < TOLD_S}
         if self.server is not None and sentence not in self._said:
@@ -134,7 +134,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
             supported_encodings=["json"],
             server_listener=Ear(viewers, loop.call_soon_threadsafe),
         )
-    except Exception as error:  # the SDK has no kind of its own for a port that is taken
+    except Exception as error:  # the SDK has no error class for a port that is taken
         link.send({"type": "web", "error": f"Foxglove at {setup['listen']}:{setup['port']}: {error}"})
         return
     link.send({"type": "web", "listens": True})
@@ -143,13 +143,13 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
         if news["type"] == "status":
             channels.take(news)
         elif news["type"] == "refused":
-            notes.tell(f"viewer {news['page']}: {news['message']} refused: somebody else drives, or it is stopped")
+            notes.tell(f"viewer {news['page']}: {news['message']} refused: another client drives, or it is stopped")
     counting.cancel()
     notes.server.stop()
 
 
 async def _count(viewers: Viewers, channels: Channels, link: Link) -> None:
-    """Tell the loop once a second how many viewers there are and what was refused; repeat what does not change."""
+    """Report viewers and refusals to the loop once a second; repeat the parts that do not change."""
     while True:
         channels.repeat()
         counts = {"malformed": viewers.malformed, "limited": viewers.limited, "refused": viewers.refused}

@@ -1,7 +1,7 @@
-"""What Foxglove's viewers may say: messages of docs/teleop.md or a speed, once they have told the pairing code.
+"""Messages of Foxglove's viewers: those of docs/teleop.md or a speed, once they have sent the pairing code.
 
-A viewer is a connection. Nothing that it says counts before it has paired: any web page that a browser on this machine
-shows could connect, too. Limits are those of the page's messages.
+A viewer is a connection. None of its messages counts before it has paired, because any web page that a browser on this
+machine shows could also connect. Limits are those of the page's messages.
 """
 
 import json
@@ -15,7 +15,7 @@ from ..web.access import Pairing
 from ..web.limits import BURST, MESSAGES_PER_S, Bucket
 
 COMMAND, SPEED = "/command", "/cmd_vel"
-PEER = "foxglove"  # all viewers guess as one: a new connection has no new guesses
+PEER = "foxglove"  # all viewers count as one peer: a new connection gets no new guesses
 
 
 @dataclass
@@ -29,7 +29,7 @@ class Viewer:
 class Viewers:
     """All connections.
 
-    ``forward`` hands a message with its viewer's number to the loop, ``tell`` a note to all viewers.
+    ``forward`` passes a message with its viewer's number to the loop; ``tell`` sends a note to all viewers.
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class Viewers:
             self._forward({"page": number, "gone": True})
 
     def take(self, number: int, topic: str, data: bytes) -> None:
-        """Take what a viewer has published on a topic of its own."""
+        """Take a message that a viewer has published."""
         self.join(number)
         viewer = self.known[number]
         if not viewer.messages.take() and b'"stop"' not in data:
@@ -81,7 +81,7 @@ class Viewers:
 
 
 def _message(topic: str, data: bytes) -> Message:
-    """Return what was published, as one of the loop's messages or a pairing; BadMessage if it is none."""
+    """Return the published data as a message of the loop or a pairing; BadMessage if they are neither."""
     if topic == COMMAND:
         paired = _pairing(data)
         return parse(data) if paired is None else paired
@@ -100,7 +100,7 @@ def _pairing(data: bytes) -> Message | None:
 
 
 def _speed(data: bytes) -> Message:
-    """Return a twist (ROS geometry_msgs/Twist as JSON) as sticks, the body level."""
+    """Return a twist (ROS geometry_msgs/Twist as JSON) as a stick command with a level body."""
     value = _json(data)
     try:
         linear, angular = value["linear"], value["angular"]
@@ -113,11 +113,11 @@ def _speed(data: bytes) -> Message:
 
 def _json(data: bytes) -> dict[str, Any]:
     if len(data) > LONGEST:
-        raise BadMessage(f"{len(data)} bytes, at most {LONGEST}")
+        raise BadMessage(f"{len(data)} bytes, allowed at most {LONGEST}")
     try:
         value = json.loads(data)
     except (ValueError, RecursionError):
-        raise BadMessage("no JSON") from None
+        raise BadMessage("not JSON") from None
     if not isinstance(value, dict):
-        raise BadMessage("no JSON object")
+        raise BadMessage("not a JSON object")
     return value

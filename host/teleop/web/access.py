@@ -1,4 +1,4 @@
-"""Who may use the page: its own origin only, and only who knows the code from the terminal, or is the robot's user."""
+"""Who may use the page: only its own origin, and only clients with the terminal's code or of the robot's user."""
 
 import hmac
 import ipaddress
@@ -12,13 +12,13 @@ from .limits import PerPeer
 from .paired import Paired
 
 CODE_DIGITS = 6
-# Each peer: one guess a second, after five wrong ones a minute's rest, then two, four ... at most an hour. Somebody
-# with all 254 addresses of a home network makes some 1 300 guesses an hour: two weeks for half of the 10^6 codes.
+# Each peer has one guess a second; after five wrong ones it waits a minute, then two, four ... at most an hour. With
+# all 254 addresses of a home network that is about 1 300 guesses an hour: two weeks for half of the 10^6 codes.
 GUESSES, BETWEEN_S, REST_S, LONGEST_REST_S = 5, 1.0, 60.0, 3600.0
 
 
 def new_code() -> str:
-    """Return a fresh pairing code."""
+    """Return a new pairing code."""
     return f"{secrets.randbelow(10**CODE_DIGITS):0{CODE_DIGITS}d}"
 
 
@@ -32,7 +32,7 @@ def is_loopback(address: str) -> bool:
 
 @dataclass
 class Guesser:
-    """A peer's wrong guesses since its last right one, and until when it is not listened to."""
+    """A peer's wrong guesses since its last right one, and until when its guesses are ignored."""
 
     wrong: int = 0
     closed_until_s: float = 0.0
@@ -55,7 +55,7 @@ class Pairing:
         return token is not None and self.paired.allows(token)
 
     def pair(self, code: str, peer: str) -> str | None:
-        """Return a token for the right code; None for a wrong one, or while this peer's guesses are not heard."""
+        """Return a token for the right code; None for a wrong one, or while this peer's guesses are ignored."""
         now_s, guesser = self._clock(), self._guessers[peer]
         if now_s < guesser.closed_until_s:
             return None
@@ -75,12 +75,12 @@ def _rest_s(wrong: int) -> float:
 
 
 def _bytes(text: str) -> bytes:
-    """Return the bytes of whatever came as a header: not all of it need be text."""
+    """Return a header's bytes, which may not be text."""
     return text.encode(errors="surrogatepass")
 
 
 class Names:
-    """The names under which this server may be asked for; anything else is a foreign page's trick (DNS rebinding)."""
+    """The host names that this server accepts; any other is a foreign page's trick (DNS rebinding)."""
 
     def __init__(self, listen: str, port: int) -> None:
         self._port, self._open = port, not is_loopback(listen)
@@ -97,7 +97,7 @@ class Names:
         return port == self._port and (name in self._names or self._is_address(name))
 
     def origin_ok(self, origin: str | None, host: str | None) -> bool:
-        """True if the page that asks came from this very server."""
+        """True if the requesting page came from this server."""
         return self.host_ok(host) and origin is not None and origin.lower() == f"http://{host}".lower()
 
     def _is_address(self, name: str) -> bool:

@@ -1,7 +1,7 @@
-"""Who gets a connection, and for how long: a few per peer, some in all, seconds each, unless it becomes a page.
+"""Limits connections: a few per peer, some in all, seconds each, unless the connection becomes a page.
 
-Whoever comes is let in; for that the oldest connection that asks for nothing has to go, first of the same peer's. So
-nobody can fill the house by sitting in it: neither with idle connections, nor with headers or bodies that never end.
+A new connection is always accepted; in return the oldest one that is not a page is closed, first one of the same peer.
+So nobody can block the server with idle connections, or with headers or bodies that never end.
 """
 
 import asyncio
@@ -15,10 +15,10 @@ from dataclasses import dataclass
 from .limits import Bucket, PerPeer
 from .peer import peer_of
 
-WAITING_S = 10.0  # from its start to its end, for a connection that is no page: headers, body, answer
-MOST_EACH, MOST = 16, 128  # connections that are no page; a browser opens six
+WAITING_S = 10.0  # whole time of a connection that is not a page: headers, body, answer
+MOST_EACH, MOST = 16, 128  # connections that are not pages; a browser opens six
 CONNECTIONS_PER_S, CONNECTION_BURST = 50.0, 100  # per peer; opening the page takes eight
-AT_ONCE = 32  # accepted before others have their turn
+AT_ONCE = 32  # connections to accept before other work gets its turn
 PAUSE_S = 0.2
 BACKLOG = 128
 
@@ -33,7 +33,7 @@ class Guest:
 
 
 class Door:
-    """Accepts connections and hands them to protocols that ``serve`` makes."""
+    """Accepts connections and passes them to protocols that ``serve`` makes."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class Door:
         self._listener, self._serve, self._loop = listener, serve, asyncio.get_running_loop()
         self._waiting_s = waiting_s
         self._guests: list[Guest] = []  # oldest first
-        self._peers: dict[asyncio.BaseTransport, str] = {}  # of pages too
+        self._peers: dict[asyncio.BaseTransport, str] = {}  # also of pages
         self._comings = PerPeer(lambda: Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock))
         self._tasks: set[asyncio.Task[None]] = set()
         self.turned_away = 0
@@ -56,18 +56,18 @@ class Door:
         self._loop.add_reader(self._listener, self._accept)
 
     def close(self) -> None:
-        """Accept no more, and send away who is not a page."""
+        """Accept no more, and close connections that are not pages."""
         self._loop.remove_reader(self._listener)
         self._listener.close()
         for guest in list(self._guests):
             self._send_away(guest)
 
     def peer(self, transport: asyncio.BaseTransport | None) -> str:
-        """Return who is at the other end."""
+        """Return the peer at the other end."""
         return self._peers.get(transport, "unknown") if transport is not None else "unknown"
 
     def stay(self, transport: asyncio.BaseTransport | None) -> None:
-        """Let a connection stay: it has become a page, and is counted elsewhere."""
+        """Let a connection stay: it has become a page, which is counted elsewhere."""
         for guest in self._guests:
             if guest.transport is transport:
                 guest.end.cancel()
@@ -80,7 +80,7 @@ class Door:
                 stream, _ = self._listener.accept()
             except (BlockingIOError, ConnectionError):
                 return
-            except OSError:  # no descriptors left: asking again at once would not find any
+            except OSError:  # no descriptors left: trying again at once would not help
                 self._loop.remove_reader(self._listener)
                 self._loop.call_later(PAUSE_S, self.open)
                 return
@@ -105,7 +105,7 @@ class Door:
             self._guests.append(guest)
 
     def _make_room(self, peer: str) -> None:
-        """End the oldest of the peer, or of all, where there are as many as there may be."""
+        """End the oldest connection of the peer, or of all, if the limit is reached."""
         self._guests = [guest for guest in self._guests if not self._is_over(guest)]
         self._peers = {each: its for each, its in self._peers.items() if not each.is_closing()}
         own = [guest for guest in self._guests if guest.peer == peer]

@@ -1,4 +1,4 @@
-"""How much of anything somebody may have: a bucket of tokens, and one thing per peer for a bounded number of peers."""
+"""Rate limits: a bucket of tokens, and one thing per peer for a bounded number of peers."""
 
 from collections import OrderedDict
 from collections.abc import Callable
@@ -10,7 +10,7 @@ MESSAGES_PER_S, BURST = 60.0, 60  # of a page, or of one of Foxglove's viewers
 
 
 class Bucket:
-    """``take`` is true while there is a token: so many at once, so many a second."""
+    """``take`` is true while there is a token: ``burst`` at once, ``rate`` a second."""
 
     def __init__(self, per_s: float, burst: int, clock: Callable[[], float]) -> None:
         self._per_s, self._burst, self._clock = per_s, burst, clock
@@ -28,13 +28,13 @@ class Bucket:
 
 
 class PerPeer(Generic[Kept]):
-    """What is kept of each peer; of more than MOST_PEERS the one that was not heard of for longest is forgotten."""
+    """One thing per peer; beyond MOST_PEERS the peer that has been silent for longest is forgotten."""
 
     def __init__(self, make: Callable[[], Kept]) -> None:
         self._make, self._kept = make, OrderedDict[str, Kept]()
 
     def __getitem__(self, peer: str) -> Kept:
-        """Return a peer's, made anew for one that is not known."""
+        """Return a peer's thing, made new for an unknown peer."""
         if peer not in self._kept:
             self._kept[peer] = self._make()
             if len(self._kept) > MOST_PEERS:

@@ -1,6 +1,6 @@
-"""The browsers that are paired, kept over a restart: hashes of their tokens in a file, which lets nobody in by itself.
+"""The paired browsers, kept over a restart: a file with hashes of their tokens, which alone let nobody in.
 
-Whoever removes a line, or the file, revokes: it is looked at again as soon as it has changed.
+Removing a line or the file revokes pairings: the file is read again as soon as it changes.
 """
 
 import hashlib
@@ -27,15 +27,15 @@ def paired_path() -> Path:
 
 
 class Paired:
-    """The tokens' hashes with the day of pairing, oldest first; without a ``path`` only as long as the program runs."""
+    """The tokens' hashes with the day of pairing, oldest first; without a ``path`` only while the program runs."""
 
     def __init__(self, path: Path | None = None) -> None:
         self._path, self._read_at = path, (0, 0)
         self._since: dict[str, str] = {}  # hash: day
-        self.trouble = ""  # why nothing is kept
+        self.trouble = ""  # why pairings are not kept
 
     def browsers(self) -> dict[str, str]:
-        """Return hash and day of each, as the file has them now."""
+        """Return hash and day of each pairing in the file now."""
         self._refresh()
         return dict(self._since)
 
@@ -59,7 +59,7 @@ class Paired:
             self._write()
 
     def forget_all(self) -> None:
-        """Revoke all: without the file nobody is paired, whoever owns it."""
+        """Revoke all: without the file nobody is paired."""
         self._since = {}
         if self._path is None:
             return
@@ -80,7 +80,7 @@ class Paired:
             self._read_at, self._since = at, self._read() if at != (0, 0) else {}
 
     def _read(self) -> dict[str, str]:
-        """Return what the file says; of one that is none nobody is paired."""
+        """Return the file's pairings; none if the file can't be used."""
         assert self._path is not None
         try:
             found = json.loads(self._path.read_text())["browsers"]
@@ -104,5 +104,5 @@ class Paired:
 
 
 def _hash(token: str) -> str:
-    """Return a token's hash; tokens are long and random, so a plain one is enough."""
+    """Return a token's hash; tokens are long and random, so a plain hash is enough."""
     return hashlib.sha256(token.encode(errors="surrogatepass")).hexdigest()

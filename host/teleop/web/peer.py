@@ -1,6 +1,7 @@
-"""Who is at the other end of a connection: an address, or on this machine a user.
+"""Who is at the other end of a connection: an address, or, on this machine, a user.
 
-All users of a machine have one address, so the kernel is asked whose a connection is (sock_diag(7), an exact look-up).
+All users of a machine have the same address, so we ask the kernel who owns a connection (sock_diag(7), an exact
+look-up).
 """
 
 import ipaddress
@@ -18,11 +19,11 @@ HEAD, REQUEST, PORTS, REST = (
     struct.Struct("=III"),
 )
 UID_AT = HEAD.size + 64  # inet_diag_msg: four bytes, 48 of the socket's id, expires, rqueue, wqueue, uid
-IPV6_NETWORK = 64  # bits that one subscriber has, with all addresses below them
+IPV6_NETWORK = 64  # bits of a subscriber's prefix: all addresses in it count as one
 
 
 def peer_of(stream: socket.socket) -> str:
-    """Return by what name limits and lock-outs are kept: "user 1000" on this machine, else the address."""
+    """Return the name for limits and lock-outs: "user 1000" on this machine, else the address."""
     try:
         there, here = stream.getpeername(), stream.getsockname()
         address = ipaddress.ip_address(there[0].partition("%")[0])

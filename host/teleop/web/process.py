@@ -1,6 +1,6 @@
-"""What the web process does: talks to the loop over a socket that it inherits; ends when that does.
+"""The web process: talks to the loop over an inherited socket, and ends with it.
 
-The first line from the loop is the set-up, the first line back says that the page is served, or why it can't be.
+The loop's first line is the set-up; the first line back says that the page is served, or why it can't be.
 """
 
 import asyncio
@@ -28,7 +28,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     robot = load_robot(setup["robot"])
     view = View(robot)
     names = Names(setup["listen"], setup["port"])
-    # The code is for everybody who could not open the scripts' socket on this machine either.
+    # The code is for users who could not open the scripts' socket on this machine either.
     friends = may_open_sockets() if is_loopback(setup["listen"]) else frozenset[str]()
     paired = Paired(Path(setup["paired"]) if setup.get("paired") else None)
     pairing = Pairing(setup["code"], friends, time.monotonic, paired)
@@ -56,7 +56,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
 
 
 async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link) -> None:
-    """Tell the loop once a second how many pages there are, what was refused and what went wrong."""
+    """Report to the loop once a second how many pages there are, what was refused and what went wrong."""
     while True:
         await asyncio.sleep(COUNTS_S)
         await server.hang_up_revoked()

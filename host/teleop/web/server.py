@@ -1,7 +1,7 @@
-"""The page's server: files, pairing, one websocket per page. Passes on checked messages only, and fans out the status.
+"""The page's server: files, pairing, one websocket per page. Passes on only checked messages, and sends the status.
 
-It holds no state of the robot: the loop decides who drives. A page that sends anything but a message, too much or
-too often, is hung up on. Limits are per page and per peer, and what is beyond them never reaches the loop.
+It holds no state of the robot: the loop decides who drives. The server hangs up on a page that sends anything but a
+message, too much or too often. Limits are per page and per peer, and nothing beyond them reaches the loop.
 """
 
 import asyncio
@@ -20,13 +20,13 @@ from .limits import BURST, MESSAGES_PER_S, Bucket, PerPeer
 from .trouble import THEIRS
 
 PAGE = Path(__file__).with_name("page")
-PAGES = {"index.html": KEYS, "joints.html": JOINT_KEYS}  # what each of them may say
+PAGES = {"index.html": KEYS, "joints.html": JOINT_KEYS}  # the messages that each page may send
 TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
-MOST_PAGES, MOST_PAGES_EACH = 16, 8  # in all, and of one peer
-PEER_PER_S, PEER_BURST = 120.0, 120  # of all pages of a peer
+MOST_PAGES, MOST_PAGES_EACH = 16, 8  # in all, and per peer
+PEER_PER_S, PEER_BURST = 120.0, 120  # for all pages of a peer
 STOPS_PER_S, STOP_BURST = 10.0, 5
-STOP_EVERY_S = 0.01  # stops of all pages that come closer together than this are one
-PATIENCE = 200  # messages beyond the limit before a page is hung up on
+STOP_EVERY_S = 0.01  # stops closer together than this, from any pages, count as one
+PATIENCE = 200  # messages beyond the limit before the server hangs up on a page
 HEARTBEAT_S = 5.0
 COOKIE = "caramelo"
 KEPT_S = 365 * 24 * 3600  # a browser keeps its pairing
@@ -43,7 +43,7 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class Page:
-    """One open page: its socket, its number, its peer and token, and the newest status that it has not been sent."""
+    """One open page: its socket, its number, its peer and token, and the newest status not yet sent to it."""
 
     def __init__(
         self, number: int, peer: str, socket: web.WebSocketResponse, clock: Callable[[], float], token: str | None
@@ -71,7 +71,7 @@ class Page:
 
 
 class Stops:
-    """Passes on stops at once; of those that follow within STOP_EVERY_S the last one goes when that is over."""
+    """Passes on stops at once; of those that follow within STOP_EVERY_S, the last one goes at its end."""
 
     def __init__(self, forward: Callable[[dict[str, Any]], None]) -> None:
         self._forward, self._next_s = forward, 0.0
@@ -94,7 +94,7 @@ class Stops:
 
 
 class Server:
-    """All pages. ``forward`` hands a message with its page's number to the loop; ``first``: the one of PAGES served."""
+    """All pages. ``forward`` passes a message with its page's number to the loop; ``first``: the PAGE to serve."""
 
     def __init__(
         self,
@@ -138,14 +138,14 @@ class Server:
     def _guard(self) -> Any:
         @web.middleware
         async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
-            """Refuse foreign names; set the headers on every answer, errors too. One connection, one answer."""
+            """Refuse foreign names; set the headers on every answer, also on errors. One answer per connection."""
             try:
                 if not self._names.host_ok(request.headers.get("Host")):
                     raise web.HTTPMisdirectedRequest(text="unknown host name\n")
                 response = await handler(request)
             except THEIRS:
                 self.malformed += 1
-                response = web.Response(status=400, text="that can't be read\n")
+                response = web.Response(status=400, text="this request can't be read\n")
             except web.HTTPException as error:
                 error.headers.update(HEADERS)
                 error.force_close()
@@ -177,7 +177,7 @@ class Server:
             )
 
     async def _paired(self, request: web.Request) -> web.Response:
-        kept = self._pairing.allows(request.cookies.get(COOKIE), "")  # by its token, which it can give back
+        kept = self._pairing.allows(request.cookies.get(COOKIE), "")  # by its token, which the browser can give back
         return web.json_response({"paired": self._is_paired(request), "kept": kept})
 
     async def _pair(self, request: web.Request) -> web.Response:
@@ -201,7 +201,7 @@ class Server:
         return response
 
     async def hang_up_revoked(self) -> None:
-        """Hang up on the pages of browsers that are no longer paired."""
+        """Hang up on pages whose browsers are no longer paired."""
         for page in list(self.pages.values()):
             if not self._pairing.allows(page.token, page.peer):
                 await page.socket.close(code=WSCloseCode.POLICY_VIOLATION, message=b"not paired any more")
@@ -241,12 +241,12 @@ class Server:
             sender.cancel()
 
     def _take(self, page: Page, text: str) -> bool:
-        """Pass on a message; False for what is none, and for the last straw of too many."""
+        """Pass on a message; False if it is not a message, or far beyond the limit."""
         try:
             message = parse(text, self._keys)
         except BadMessage:
             return False
-        if message["type"] == "stop":  # is never held back, but counts
+        if message["type"] == "stop":  # never held back, but counted
             in_time = page.stops.take()
             self._stops.pull({"page": page.number, "message": message})
         else:
@@ -262,7 +262,7 @@ class Server:
 
 
 def _file(path: Path) -> Handler:
-    """Return a handler for one of the page's files, read once: there is no way to ask for any other."""
+    """Return a handler for one of the page's files, read once; no other file can be requested."""
     content, kind = path.read_bytes(), TYPES[path.suffix]
 
     async def answer(request: web.Request) -> web.Response:

@@ -1,4 +1,4 @@
-"""What the web process logs: counted and told in a line, for its screen is the driver's."""
+"""The web process's log: counted and reported in one line, because its screen is the driver's."""
 
 import logging
 
@@ -8,12 +8,12 @@ from aiohttp.http_exceptions import HttpProcessingError
 from ...util.console import plain
 
 LONGEST = 200
-# What the other side does wrong: bytes that are no request, a body that can't be decoded or that breaks off.
+# Mistakes of the other side: bytes that are not a request, a body that can't be decoded or that breaks off.
 THEIRS = (HttpProcessingError, ClientPayloadError, web.RequestPayloadError, UnicodeError, ConnectionError)
 
 
 class Trouble(logging.Handler):
-    """Takes all that is logged in this process. What the other side does wrong is counted, anything else is told."""
+    """Takes all log entries of this process. Mistakes of the other side are counted, anything else is reported."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -21,7 +21,7 @@ class Trouble(logging.Handler):
         logging.getLogger().handlers[:] = [self]
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take one."""
+        """Take one entry."""
         error = record.exc_info[1] if record.exc_info else None
         if isinstance(error, THEIRS):
             self.malformed += 1
@@ -32,5 +32,5 @@ class Trouble(logging.Handler):
 
     @property
     def sentence(self) -> str:
-        """What went wrong last, and how often something did; "" if nothing."""
+        """The last error, and how many there were; "" if none."""
         return f"{self._count} errors, the last: {self._last}" if self._count else ""

@@ -166,7 +166,7 @@ def test_from_elsewhere_a_true_sentence(roll_deg, pitch_deg, where, monkeypatch)
     monkeypatch.setattr(rig.supervisor, "_read_attitude", lambda: attitude)
     monkeypatch.setattr(rig.supervisor, "_put_back", lambda: None)  # a real robot
     rig.run(0.1)
-    told = f"the robot has fallen over onto its {where}: put it on its feet, it can't turn over by itself"
+    told = f"the robot has fallen over onto its {where}: put it on its feet, because it can't turn over by itself"
     for message in (STILL, RESET, STAND, RESET, STAND):
         rig.send(message)
         rig.run(0.1)
@@ -179,7 +179,7 @@ def test_thrown_onto_its_belly_it_is_reset_and_gets_up():
     rig = robot.rig
     assert max(map(abs, robot.plant.world.attitude_rad()[:2])) < FALLEN_RAD
     assert rig.reason == (
-        "the robot has fallen and lies on its belly: it may get up by itself, keep clear of its legs; then reset")
+        "the robot has fallen and lies on its belly: it can get up by itself; keep clear of its legs; then reset")
     rig.send(STAND)
     rig.run(1.0, STILL)
     assert not rig.holding

@@ -9,5 +9,5 @@ from host.util.errors import UserError
 
 @pytest.mark.parametrize("name", sorted(set(robot_names()) - set(driven_names())))
 def test_a_robot_that_is_simulated_only_is_not_driven(name):
-    with pytest.raises(UserError, match=f"{name}: this software can not drive it"):
+    with pytest.raises(UserError, match=f"{name}: can only be simulated, not driven"):
         real(load_robot(name), None, None)

@@ -39,7 +39,7 @@ def test_a_robot_that_is_well(seen):
     assert {verdict for verdict, _ in lines.values()} == {"ok"}
     assert lines["robot"][1] == "caramelo, simulated: disarmed"
     assert lines["loop"][1] == "50.0 of 50 Hz in the last 2.0 s"
-    assert lines["battery"][1] == "12.0 V, it sits down below 10.2"
+    assert lines["battery"][1] == "12.0 V; the robot sits down below 10.2"
 
 
 def timing(seen, **changed):
@@ -64,8 +64,8 @@ def test_every_part_can_be_bad_and_says_why(seen):
         ("IMU", {"readings_missed": 3}, "note", "3 readings missed"),
         ("battery", {"battery_V": 10.0}, "bad", "10.0 V"),
         ("battery", {"battery_V": 10.5}, "note", "10.5 V"),
-        ("battery", {"battery_V": None}, "bad", "no joint tells a voltage"),
-        ("heat", {"temperature_C": heat_C}, "bad", "hottest FL thigh: 80 degrees C, it sits down above 75"),
+        ("battery", {"battery_V": None}, "bad", "no joint reports a voltage"),
+        ("heat", {"temperature_C": heat_C}, "bad", "hottest FL thigh: 80 degrees C; the robot sits down above 75"),
         ("heat", {"temperature_C": [66.0] * 12}, "note", "66 degrees C"),
     ):
         found = verdicts(seen, **changes)[name]
@@ -78,7 +78,7 @@ def test_versions_that_differ_are_noted(seen):
     assert verdicts(seen, {"versions": {**own, "joints": "1.0.0, 1.1.0"}})["versions"][0] == "note"
     verdict, words = verdicts(seen, {"versions": {**own, "caramelo": "0.0.1"}})["versions"]
     assert verdict == "note"
-    assert "start the service again" in words
+    assert "restart the service" in words
 
 
 def test_a_simulated_robot(run):
@@ -140,7 +140,7 @@ def test_a_port_without_servos(run, tmp_path, monkeypatch):
     ("arguments", "code", "words"),
     [
         (("--seconds", "0"), 2, "--seconds 0: allowed 2 .. 600 s"),
-        (("--robot", "pupper"), 2, "simulated only: add --sim"),
+        (("--robot", "pupper"), 2, "can only be simulated, not driven: add --sim"),
         (("--direct",), 2, "--direct: only with --sim"),
         (("--sim", "--socket", "x"), 2, "--sim: not with --socket"),
         (("--imu", "tin can"), 2, "--imu tin can: allowed"),

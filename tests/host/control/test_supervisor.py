@@ -114,7 +114,8 @@ def test_a_fall_lets_go_in_the_tick_that_senses_it(rig, monkeypatch):
     assert rig.holding
     rig.loop.tick(Silence())
     assert not rig.holding
-    assert rig.reason.startswith("the robot has fallen over onto its right side: put it on its feet, it can't turn")
+    fallen = "the robot has fallen over onto its right side: put it on its feet, because it can't turn"
+    assert rig.reason.startswith(fallen)
 
 
 QUICK = {**STILL, "vx_m_s": 0.3}

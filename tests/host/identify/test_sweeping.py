@@ -100,7 +100,7 @@ def test_a_joint_that_leaves_its_place_is_let_go():
 
 def test_a_thigh_whose_sign_is_wrong_is_let_go_and_told():
     made = stand(3, "reversed", 1)
-    with pytest.raises(ServoError, match=r"FR thigh .* it was let go; is its calibration right\?"):
+    with pytest.raises(ServoError, match=r"FR thigh .* it was let go; check its calibration"):
         sweeping.sweep_joint(made.rig, 1)
     assert holding(made) == []
 

@@ -24,18 +24,18 @@ def fits(**changed):
 
 def test_joints_that_are_alike_are_sound():
     assert judge(10, fits(), (1.1, 0.0)).kind == SOUND
-    assert judge(10, fits(stall_Nm=1.15), (1.1, 0.0)).sentence == "RL thigh: as its brothers"
+    assert judge(10, fits(stall_Nm=1.15), (1.1, 0.0)).sentence == "RL thigh: like the other joints"
 
 
 def test_more_friction_than_its_brothers():
     verdict = judge(10, fits(coulomb_Nm=2.0, stribeck_Nm=2.0), (1.1, 0.0))
-    assert (verdict.kind, verdict.sentence) == (STIFF, "RL thigh: 100 % more friction than its brothers")
+    assert (verdict.kind, verdict.sentence) == (STIFF, "RL thigh: 100 % more friction than the other joints")
     assert judge(4, fits(coulomb_Nm=2.0, stribeck_Nm=2.0), (1.1, 0.0)).kind == SOUND
 
 
 def test_less_torque_and_more_play():
     sentence = judge(10, fits(stall_Nm=0.7, backlash_rad=2.0), (1.1, 0.0)).sentence
-    assert sentence == "RL thigh: 30 % less torque, 100 % more play than its brothers"
+    assert sentence == "RL thigh: 30 % less torque, 100 % more play than the other joints"
 
 
 def test_sticking_says_where():

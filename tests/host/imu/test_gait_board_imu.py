@@ -182,7 +182,7 @@ def test_a_port_without_a_board_says_so():
     ours, theirs = pty.openpty()
     sensor = GaitBoardImu(os.ttyname(theirs))
     began_s = time.monotonic()
-    with pytest.raises(ImuError, match="no gait board answers: caramelo flash --role gait installs it"):
+    with pytest.raises(ImuError, match="no gait board answers: install its firmware with caramelo flash"):
         sensor.open()
     assert time.monotonic() - began_s < 10
     os.close(ours)

@@ -80,7 +80,7 @@ def test_mpu6050_takes_the_robots_ranges():
 @pytest.mark.parametrize(
     ("chip", "address", "words"),
     [
-        (Chip(identity=0x70), 0x68, "answers as 0x70, an MPU6050 does as 0x68"),
+        (Chip(identity=0x70), 0x68, "answers as 0x70, an MPU6050 answers as 0x68"),
         (Chip(), 0x69, "no MPU6050 answers (Remote I/O error)"),
         (Chip(fail=("open", FileNotFoundError(2, "No such file"))), 0x68, "raspi-config nonint do_i2c 0"),
         (Chip(fail=("open", ModuleNotFoundError("smbus2"))), 0x68, "no library for the I2C bus on this machine"),

@@ -317,10 +317,10 @@ def test_wrong_words_are_told_in_one_line(run):
     for arguments, told in (
         (("experiment", "table3"), "there are table1, table2"),
         (("experiment", "ramp", "--gait", "gallop"), "no such gait"),
-        (("experiment", "ramp", "--only", "flat"), "it is for goals"),
+        (("experiment", "ramp", "--only", "flat"), "only with experiment goals; ramp has no groups"),
         (("experiment", "goals", "--only", "flat,moon"), "there are flat, conditions"),
         (("experiment", "goals", "--set", "best"), "allowed chosen or held-out"),
-        (("export", "mjcf", "--terrain", "moon"), "no such ground"),
+        (("export", "mjcf", "--terrain", "moon"), "--terrain moon: allowed flat"),
         (("export", "urdf", "--voltage", "40"), "allowed 11.1 .. 14.8 V"),
         (("export", "urdf", "--json"), "--out FILE"),
     ):

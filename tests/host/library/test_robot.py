@@ -52,9 +52,9 @@ def test_every_exception_is_an_error(wrong):
         ({"gait": "gallop"}, "gait 'gallop': allowed "),
         ({"place": "can"}, "place 'can': the joints of caramelo are 'servos'"),
         ({"place": "servos", "robot": "parallel"}, "the joints of parallel are 'can'"),
-        ({"place": "servos", "robot": "pupper"}, "place 'servos': pupper is for sim and space only"),
-        ({"port": "/dev/ttyUSB0"}, "port, calibration and imu are for servos and can only"),
-        ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: of joints on CAN it is INTERFACE:CHANNEL"),
+        ({"place": "servos", "robot": "pupper"}, "place 'servos': pupper is only for sim and space"),
+        ({"port": "/dev/ttyUSB0"}, "port, calibration and imu are only for servos and can"),
+        ({"place": "can", "robot": "parallel", "port": "can0"}, "port can0: for joints on CAN give INTERFACE:CHANNEL"),
         ({"place": "can", "robot": "parallel", "port": "virtual:x", "imu": "usb"}, "imu usb: allowed: i2c"),
         ({"place": "servos", "calibration": "/none.toml"}, "/none.toml: no calibration yet"),
     ],
@@ -120,7 +120,7 @@ def test_what_needs_an_open_robot_says_so():
     for call in (robot.stand, robot.sit, robot.stop, lambda: robot.sensed, lambda: robot.walk(0.05, seconds=1)):
         with pytest.raises(Error, match="not open: write `with Robot"):
             call()
-    with robot, pytest.raises(Error, match="open already"):
+    with robot, pytest.raises(Error, match="already open"):
         robot.open()
 
 
@@ -154,7 +154,7 @@ def test_a_distance_that_is_not_walked_is_told(robot, monkeypatch):
     """Joints that do not follow: the feet stay where they are."""
     monkeypatch.setattr("host.library.robot.Robot._stands", lambda self, now: True)
     bus_of(robot).holds = False
-    with pytest.raises(NotAchieved, match=r"walk 0.1 m: not within 30 s: .*; -?0.0\d\d m were walked"):
+    with pytest.raises(NotAchieved, match=r"walk 0.1 m: not within 30 s: .*; the robot walked -?0.0\d\d m"):
         robot.walk(0.05, distance_m=0.1)
 
 

@@ -97,9 +97,9 @@ def test_only_what_is_wanted_is_kept(tmp_path):
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
-    (["export", "logs"], "logs is no format: allowed: caramelo log export csv FILE, such as caramelo log export csv l"),
-    (["export", "csv"], "no record is named: allowed: caramelo log export csv FILE, such as caramelo log export"),
-    (["plot", "x.mcap", "--out", "x.mcap"], "--out x.mcap: allowed: a name that ends in .png"),
+    (["export", "logs"], "logs is not a format: use caramelo log export csv FILE, such as caramelo log export csv l"),
+    (["export", "csv"], "names no record: use caramelo log export csv FILE, such as caramelo log export"),
+    (["plot", "x.mcap", "--out", "x.mcap"], "--out x.mcap: give a name that ends in .png"),
 ])  # fmt: skip
 def test_wrong_use_is_told_with_an_example(capsys, arguments, words):
     assert main(["log", *arguments]) == 2

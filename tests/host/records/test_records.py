@@ -123,7 +123,8 @@ def test_a_record_with_the_former_names_of_its_gaits_is_replayed(drive):
 
 
 def test_a_record_of_a_gait_that_is_gone_is_refused_in_one_line(drive):
-    with pytest.raises(UserError, match=r"drive.mcap: tick 0: the gait 'blind trot' is gone; there are paper-trot,"):
+    refusal = r"drive.mcap: tick 0: the gait 'blind trot' no longer exists; there are paper-trot,"
+    with pytest.raises(UserError, match=refusal):
         replay(by_former_names(drive, BEFORE.index("blind trot")))
 
 
@@ -151,7 +152,7 @@ def test_a_record_cut_anywhere_opens(drive, tmp_path):
 def test_what_is_no_record_is_refused(tmp_path, content):
     path = tmp_path / "x.mcap"
     path.write_bytes(content)
-    with pytest.raises(UserError, match="no record"):
+    with pytest.raises(UserError, match="not a record: allowed: an MCAP file"):
         read_record(path)
 
 
@@ -211,7 +212,7 @@ def test_a_disk_that_hangs_with_more_waiting_than_finds_room_holds_nobody_up(tmp
     closing.join(PATIENCE_S)
     assert not closing.is_alive()
     assert recorder.dropped == 30
-    assert recorder.trouble.endswith("the disk hangs: the end of the record is missing")
+    assert recorder.trouble.endswith("the disk hangs, so the end of the record is missing")
     goes_on.set()
     recorder._thread.join(PATIENCE_S)
     assert len(read_record(tmp_path / "x.mcap").of("/load")) == 20
@@ -292,7 +293,7 @@ def test_killed_at_any_moment_the_record_opens(tmp_path, seconds):
 
 
 def test_a_folder_stands_for_its_newest_record(drive, tmp_path):
-    with pytest.raises(UserError, match="holds no record: make one with caramelo teleop --log"):
+    with pytest.raises(UserError, match="contains no record: make one with caramelo teleop --log"):
         read_record(tmp_path)
     for age, name in ((2, "b.mcap"), (1, "a.mcap")):
         shutil.copy(drive, tmp_path / name)

@@ -116,7 +116,7 @@ def test_a_folder_that_can_not_be_kept_small_ends_the_record(tmp_path, monkeypat
 
 def test_only_the_first_part_is_replayed(tmp_path):
     part = Record(tmp_path / "x-2.mcap", about={"params": "", "part": "2"})
-    with pytest.raises(UserError, match="part 2 of a drive: only its first part can be replayed"):
+    with pytest.raises(UserError, match="part 2 of a drive: only the first part can be replayed"):
         replay(part)
 
 
@@ -134,9 +134,9 @@ def test_a_record_of_one_part_is_replayed(tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--keep", "1"], "only with --log and a folder"),
+        (["--keep", "1"], "only with --log FOLDER"),
         (["--keep", "0", "--log", "x"], "allowed 0.01 .. 100000"),
-        (["--keep", "1", "--log", "x.mcap"], "only with a folder for --log"),
+        (["--keep", "1", "--log", "x.mcap"], "only with --log FOLDER, not with the file"),
     ],
 )
 def test_wrong_use_is_one_line(options, words, tmp_path, monkeypatch, capsys):

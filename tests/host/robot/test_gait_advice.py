@@ -32,7 +32,7 @@ def test_advice_goes_up_to_a_speed():
     robot = load_robot("caramelo")
     assert why_not_advised(robot, "trot", 0.3) == ""
     assert why_not_advised(robot, "trot", -0.3) == ""
-    assert why_not_advised(robot, "trot", 0.4) == "tried up to 0.3 m/s only"
+    assert why_not_advised(robot, "trot", 0.4) == "tried only up to 0.3 m/s"
     assert "kept for comparison" in why_not_advised(robot, "paper-trot")
 
 

@@ -49,11 +49,12 @@ MISTAKES = [
     ("cycle_s = 0.64 ", "cycle_s = 0.0 ", "cycle_s: value 0.0: allowed: a number within 0.2 .. 20 s"),
     ("duty = 0.625 ", "duty = 1.5 ", "duty: value 1.5: allowed: a number within 0.5 .. 0.95"),
     ("duty = ", "dutty = ", "dutty: value 0.625: unknown key, did you mean duty?"),
-    ('name = "pace"', 'name = "trot"', "name: value 'trot': allowed: a name beside paper-trot"),
+    ('name = "pace"', 'name = "trot"', "name: value 'trot': allowed: any name except paper-trot"),
     ("RL = 0.5", "RL = 7", "lifts_at.RL: value 7: allowed: a number within 0 .. 0.999"),
-    (", RL = 0.5", "", "lifts_at.RL: value missing: allowed: any that docs/gaits.md names"),
+    (", RL = 0.5", "", "lifts_at.RL: value missing: it must be there; docs/gaits.md names what is allowed"),
     ("RR = 0.0, FL = 0.5, RL = 0.5", "RR = 0.3, FL = 0.6, RL = 0.9", "lifts_at: value (0.0, 0.6, 0.3, 0.9): allowed: "),
-    ("FL = 0.5, RL = 0.5", "FL = 0.0, RL = 0.0", "lifts_at: value (0.0, 0.0, 0.0, 0.0): allowed: feet of which one"),
+    ("FL = 0.5, RL = 0.5", "FL = 0.0, RL = 0.0",
+     "lifts_at: value (0.0, 0.0, 0.0, 0.0): allowed: feet of which at least one stands"),
     ("cycle_s = 0.64 ", "cycle_s = ", "allowed: TOML as in"),
 ]
 
@@ -70,7 +71,7 @@ def test_a_mistake_is_one_line_with_key_value_and_what_is_allowed(tmp_path, old,
 
 def test_what_is_not_there_is_one_line():
     robot = load_robot("caramelo")
-    with pytest.raises(UserError, match="no such file: gaits known by name are paper-trot"):
+    with pytest.raises(UserError, match="no such file; gaits known by name are paper-trot"):
         with_gait(robot, "nowhere.toml")
     with pytest.raises(UserError, match="no such gait; there are paper-trot"):
         with_gait(robot, "gallop")

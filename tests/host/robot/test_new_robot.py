@@ -178,7 +178,7 @@ def test_a_file_that_is_there_stays(run, tmp_path):
     path.write_text("mine\n")
     code, _, err = run("robots", "new", str(path), "--defaults")
     assert code == 2
-    assert line_of(err) == f"{path}: is there already: name another file, or add --force to write over it"
+    assert line_of(err) == f"{path}: the file exists: name another, or overwrite it with --force"
     assert path.read_text() == "mine\n"
     assert run("robots", "new", str(path), "--defaults", "--force")[0] == 0
     assert load_robot(str(path)).name == "mine"
@@ -187,7 +187,7 @@ def test_a_file_that_is_there_stays(run, tmp_path):
 def test_a_name_that_is_no_file_for_a_robot(run, tmp_path):
     code, _, err = run("robots", "new", str(tmp_path / "new.txt"), "--defaults")
     assert code == 2
-    assert line_of(err).endswith("new.txt: allowed: a file ending in .toml")
+    assert line_of(err).endswith("new.txt: give a file that ends in .toml")
 
 
 def test_a_model_that_would_break_the_file(run, tmp_path):

@@ -221,9 +221,9 @@ BAD_VALUES = [
     ("\npaper-trot = ", '\ngallop = "fast" #', 'gait.not_advised: value "gallop":', "one of paper-trot, trot, crawl"),
     ("\npaper-trot = ", '\npaper-trot = "two\\nlines" #', 'gait.not_advised.paper-trot: value "two', "one line"),
     ("\npaper-trot = ", '\npaper-trot = "\\u001b[31m" #', "gait.not_advised.paper-trot: value", "one line"),
-    ('default = "trot"', 'default = "adaptive"', "gait.default:", "gait 'adaptive' is called 'trot' now"),
-    ("crawl = 0.008", "climb = 0.008", "gait.advised_m_s:", "gait 'climb' is called 'crawl' now"),
-    ("\n[imu]", "\n[climb]\nmargin_m = 0.03\n[imu]", "table climb:", "gait 'climb' is called 'crawl' now"),
+    ('default = "trot"', 'default = "adaptive"', "gait.default:", "gait 'adaptive' is now called 'trot'"),
+    ("crawl = 0.008", "climb = 0.008", "gait.advised_m_s:", "gait 'climb' is now called 'crawl'"),
+    ("\n[imu]", "\n[climb]\nmargin_m = 0.03\n[imu]", "table climb:", "gait 'climb' is now called 'crawl'"),
     ("\n[imu]", "\n[crawl]\nmargn_m = 0.03\n[imu]", "crawl.margn_m: value 0.03:", "did you mean margin_m?"),
     ("\n[imu]", "\n[crawl]\nmargin_m = 0.3\n[imu]", "crawl.margin_m: value 0.3:", "0.007 .. 0.056"),
     ("\n[imu]", "\n[crawl]\nsettle_s = true\n[imu]", "crawl.settle_s: value true:", "a number within"),
@@ -325,7 +325,7 @@ def test_a_value_where_a_table_belongs(tmp_path, table, value):
 
 def test_a_file_that_is_not_there_lists_the_known_robots(tmp_path):
     path = tmp_path / "none.toml"
-    assert refusal(path) == f"{path}: no such file: robots known by name are {', '.join(robot_names())}"
+    assert refusal(path) == f"{path}: no such file; robots known by name are {', '.join(robot_names())}"
 
 
 def test_a_folder_is_not_a_file(tmp_path):

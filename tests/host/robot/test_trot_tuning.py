@@ -24,7 +24,7 @@ def test_the_robot_file_limits_it_and_what_the_legs_can(name):
 
 @pytest.mark.parametrize(("name", "wanted_m_s", "most_m_s", "key"), [
     ("caramelo", 0.2, 0.2, "speed_limits.vx_m_s"),
-    ("parallel", 0.7, 0.626, "0.4 sqrt(g h), beyond which nothing was tried"),
+    ("parallel", 0.7, 0.626, "0.4 sqrt(g h), the highest that was tried"),
 ])
 @pytest.mark.parametrize("gait", ["trot", "crawl"])
 def test_the_planner_is_limited_so_and_names_what_limits(gait, name, wanted_m_s, most_m_s, key):

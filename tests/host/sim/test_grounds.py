@@ -47,8 +47,8 @@ def test_the_plane_has_no_other_way_and_nobody_who_pushes():
 
 def test_grounds_are_refused_in_one_line():
     for make, told in (
-        (lambda: GroundSpec("moon"), "there are flat, stones"),
-        (lambda: GroundSpec("ramp", 0.02), "--height: ramp has none"),
+        (lambda: GroundSpec("moon"), "--terrain moon: allowed flat, stones"),
+        (lambda: GroundSpec("ramp", 0.02), "--height: ramp has no height"),
         (lambda: make_ground(GroundSpec("step", 0.9)), "height_m"),
         (lambda: make_terrain(GroundSpec("stairs-up", length_m=0.01)), "length_m"),
     ):

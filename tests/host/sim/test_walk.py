@@ -23,7 +23,7 @@ def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
     for former, name in (("adaptive", "trot"), ("climb", "crawl")):
         code, out, err = run("walk", "--gait", former)
         assert (code, out) == (2, "")
-        assert err.endswith(f"--gait {former}: gait '{former}' is called '{name}' now\n")
+        assert err.endswith(f"--gait {former}: gait '{former}' is now called '{name}'\n")
 
 
 def test_a_walk_that_ends_early_prints_its_table(run):

@@ -60,26 +60,26 @@ def test_all_parameters_of_the_chosen_joint_are_read_in_their_units(page):
 
 def test_a_parameter_is_written_within_its_limits_only(page):
     told = say(page, type="parameter", node=1, name="position_p", value=12.0)
-    assert told == "FR hip (node 1): position_p is 12 rate/rc until it loses power; Keep keeps it"
+    assert told == "FR hip (node 1): position_p is 12 rate/rc until it loses power; Keep saves it"
     assert page._values["position_p"] == 12.0
     told = say(page, type="parameter", node=1, name="position_p", value=900.0)
-    assert "position_p: 900 is not allowed; use 0.015625 to 63.98" in told
-    assert "read only" in say(page, type="parameter", node=1, name="uptime", value=1.0)
+    assert "position_p: 900: allowed 0.015625 to 63.98" in told
+    assert "can only be read" in say(page, type="parameter", node=1, name="uptime", value=1.0)
     assert "no such parameter" in say(page, type="parameter", node=1, name="nonsense", value=1.0)
-    assert "kept over a loss of power" in say(page, type="keep", node=1)
+    assert "its parameters are saved" in say(page, type="keep", node=1)
 
 
 def test_a_step_tells_its_rise_and_comes_back(page):
     assert say(page, type="step", node=2, deg=5.0, seconds=0.3) == "a step: arm the joints first"
-    assert say(page, type="arm", on=True) == "all joints hold where they are"
+    assert say(page, type="arm", on=True) == "all joints hold their present angles"
     before = page.bus.cycle.goals_brad
     say(page, type="step", node=2, deg=5.0, seconds=0.3)
-    assert "under way" in say(page, OTHER, type="step", node=3, deg=1.0, seconds=0.3)
+    assert "a step is running" in say(page, OTHER, type="step", node=3, deg=1.0, seconds=0.3)
     ticks_until(page, lambda: page._step is None)
     assert page._told.startswith("FR thigh (node 2): a step of 5 deg: 10 to 90 % in ")
     assert page.bus.cycle.goals_brad == pytest.approx(before, abs=0.01)
     assert "it is armed" in say(page, type="parameter", node=2, name="rate_max", value=1.0)
-    assert say(page, type="arm", on=False) == "the joints were let go"
+    assert say(page, type="arm", on=False) == "the joints are off"
     assert page.sim.torque_free
 
 
@@ -102,7 +102,7 @@ def test_a_stop_takes_the_torque_in_every_state(page, during):
     if during == "step":
         say(page, type="step", node=2, deg=5.0, seconds=1.0)
         page.tick()
-    assert say(page, OTHER, type="stop") == "emergency stop: all joints were let go"
+    assert say(page, OTHER, type="stop") == "emergency stop: all joints are off"
     ticks_until(page, lambda: page.sim.torque_free and not page.bus.cycle.letting_go)
     assert not page._status()["armed"]
     assert not page._status()["stepping"]
@@ -115,7 +115,7 @@ def test_the_torque_goes_with_the_page_that_armed_and_with_no_other(page):
     assert page._status()["armed"]
     page._drop(PAGE)
     assert page.sim.torque_free
-    assert page._told == "the page that armed the joints is gone: they were let go"
+    assert page._told == "the page that armed the joints is gone: they are off"
 
 
 def test_what_the_guard_sees_ends_a_step_and_is_told(page):
@@ -124,7 +124,7 @@ def test_what_the_guard_sees_ends_a_step_and_is_told(page):
     page.bus.link.emergency_stop()  # as another program on the bus would pull it
     ticks_until(page, lambda: page._armer is None)
     assert page._step is None
-    assert "FR thigh (node 2): emergency stop: an emergency stop was asked for" in page._told
+    assert "FR thigh (node 2): emergency stop: an emergency stop was commanded" in page._told
 
 
 def test_the_signals_are_the_joints(page):
@@ -165,4 +165,4 @@ def test_the_figures_of_a_step_are_those_of_its_answer():
     risen = "a step of 10 deg: 10 to 90 % in 100 ms, 0 % over, 0.00 deg left"
     assert told_of(lambda t: 1 - math.exp(-t / tau_s)) == risen
     assert told_of(lambda t: 1.25 if 0.1 < t < 0.2 else 0.95 if t > 0.2 else 0.0).endswith("25 % over, 0.50 deg left")
-    assert told_of(lambda t: 0.5) == "a step of 10 deg: it did not get there within 1 s"
+    assert told_of(lambda t: 0.5) == "a step of 10 deg: the joint did not get there within 1 s"

@@ -83,7 +83,7 @@ def test_a_process_that_stands_still_is_replaced(side):
     side.turn()
     side.time_s += SILENT_S + 0.5
     side.turn()
-    assert side.web.note.startswith("no page: the page's process has said nothing for ")
+    assert side.web.note.startswith("no page: the page's process has reported nothing for ")
     side.until(lambda: side.web.note.startswith("http"))
     assert served(side.port) == 200
 

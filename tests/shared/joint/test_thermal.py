@@ -72,7 +72,7 @@ def test_a_part_the_board_cannot_read_is_refused_with_what_it_can():
         joint_blocks(with_thermistor(thermistor_25C_ohm=100000), JointSetup(-1.0, 1.9))
     assert str(caught.value) == (
         "actuator.thermal.thermistor_25C_ohm 100000: use 220 .. 22000 ohm, "
-        "which the board's pull-up of 1000 ohm reads within a degree"
+        "which the board with its pull-up of 1000 ohm reads within a degree"
     )
 
 

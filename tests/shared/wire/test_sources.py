@@ -99,13 +99,13 @@ BAD_DBC = [
     ("SG_ tick : 32|30@1+", "SG_ tick : 32|31@1+", "31 bits"),
     ("SG_ tick : 32|30@1+", "SG_ tick : 40|30@1+", "leaves the frame"),
     ("[0|63.9375]", "[0|63.98]", "whole raw value"),
-    ("[0|63.9375]", "[0|64]", "cannot hold"),
+    ("[0|63.9375]", "[0|64]", "can't hold"),
     ('VAL_ 512 position -32768 "not_available"', 'VAL_ 512 position -32769 "not_available"', "outside its limits"),
     ("BO_ 512 reply: 6", "BO_ 512 reply: 9", "9 bytes"),
     ("BO_ 512 reply: 6", "BO_ 640 reply: 6", "given twice"),
     ('BA_ "Instances" BO_ 384 12', 'BA_ "Instances" BO_ 384 200', "already"),
     ("CM_ SG_ 128 counter", "CM_ SG_ 128 number", "no message or signal"),
-    ("BU_: host joint", "SURPRISE", "cannot read"),
+    ("BU_: host joint", "SURPRISE", "can't read"),
 ]
 
 
@@ -131,15 +131,15 @@ def test_docs_need_every_marker():
 
 BAD_PARAMETERS = [
     ('name = "unique_id_0"', 'name = "node_id"', "given twice"),
-    ("low = 0, high = 12, default = 0", "low = 0, high = 12, default = 13", "does not hold"),
-    ("low = 0, high = 12,", "low = 0, high = 1073741824,", "does not hold"),
+    ("low = 0, high = 12, default = 0", "low = 0, high = 12, default = 13", "allowed low <= default <= high"),
+    ("low = 0, high = 12,", "low = 0, high = 1073741824,", "allowed low <= default <= high"),
     ('access = "measured"', 'access = "sometimes"', "access one of"),
     ('access = "measured", ', "", "missing or unknown"),
     ('meaning = "', 'colour = "red", meaning = "', "missing or unknown"),
     ("raw_per_unit = 1000", "raw_per_unit = 0", "must be above 0"),
     ("low = 0, high = 12,", 'low = "0", high = 12,', "whole numbers"),
-    ("default = 1, ", "default = 0, ", "or default is 0"),
-    ("count = 32", "count = 200", "1..256 are allowed"),
+    ("default = 1, ", "default = 0, ", "a default other than 0"),
+    ("count = 32", "count = 200", "allowed 1..256, once"),
 ]
 
 
@@ -217,11 +217,11 @@ def test_the_robots_own_values_are_within_the_limits():
 def test_parameter_values_keep_their_unit():
     for p in parameters.load():
         if p.access == "measured":
-            with pytest.raises(parameters.ParameterError, match="read only"):
+            with pytest.raises(parameters.ParameterError, match="can only be read"):
                 p.to_raw(p.to_value(p.default))
             continue
         for raw in (p.low, p.default, p.high):
             assert p.to_raw(p.to_value(raw)) == raw
         for value in (p.to_value(p.high + 1), float("nan"), float("inf"), *(() if p.zero else (0.0,))):
-            with pytest.raises(parameters.ParameterError, match="is not allowed; use"):
+            with pytest.raises(parameters.ParameterError, match=": allowed "):
                 p.to_raw(value)

@@ -1,1 +1,1 @@
-"""Which servo is which joint, which way it turns and where its zero is: the data of one robot, and how to find it."""
+"""Which servo is which joint, which way it turns and where its zero is: one robot's data, and how to find them."""

@@ -1,4 +1,4 @@
-"""Moves single servos gently while nothing is known about them: little torque, small and slow steps, then lets go."""
+"""Moves single servos gently while nothing is known about them: little torque, small slow steps, then lets go."""
 
 from collections.abc import Callable
 from typing import Protocol
@@ -7,8 +7,8 @@ from .. import table as t
 from ..bus import WATCHDOG_S
 from ..link import Link, ServoError
 
-TORQUE = 0.2  # of the stall torque: lifts a leg that hangs, and a hand can hold it (chosen)
-NUDGE_COUNTS = 80  # 7 deg at the servo: seen easily, harmless (chosen)
+TORQUE = 0.2  # of the stall torque: lifts a hanging leg, and a hand can hold it (chosen)
+NUDGE_COUNTS = 80  # 7 deg at the servo: easy to see, harmless (chosen)
 STEP_COUNTS = 4
 STEP_S = 0.02  # with the steps above 18 deg/s
 SETTLE_S = 0.2
@@ -16,10 +16,10 @@ MOVED_COUNTS = NUDGE_COUNTS // 2
 
 
 class Hands(Protocol):
-    """Turns joints by hand where there is no one to do it: in the simulation."""
+    """Turns joints in place of a person's hand, in the simulation."""
 
     def place(self, servo: int, joint: int, angle_rad: float) -> None:
-        """Turn what the servo drives, which is said to be ``joint``, to an angle of that joint."""
+        """Turn the servo's link, which the person says is ``joint``, to an angle of that joint."""
 
 
 class Bench:
@@ -34,7 +34,7 @@ class Bench:
         return self.link.read(servo, t.PRESENT_POSITION)
 
     def prepare(self, servo: int) -> None:
-        """Let go, and set what moving needs."""
+        """Let go, and write the settings that moving needs."""
         self.link.set_up(servo, f"servo id {servo}", [(t.OPERATING_MODE, t.POSITION_CONTROL)])
 
     def release(self, servos: list[int]) -> None:
@@ -46,14 +46,14 @@ class Bench:
     def nudge(self, servo: int) -> int:
         """Move a servo a little and back; return +1 if it went to more counts, -1 if to fewer.
 
-        A joint at one end of its way goes the other way. ServoError if it goes neither way.
+A joint at one end of its range goes the other way. ServoError if it goes neither way.
         """
         start = self.position(servo)
         for direction in (1, -1):
             goal = start + direction * NUDGE_COUNTS
             if 0 <= goal < t.COUNTS_PER_TURN and self._try(servo, start, goal):
                 return direction
-        raise ServoError(f"servo id {servo} does not move: is its joint held or blocked?")
+        raise ServoError(f"servo id {servo} does not move: check that nothing holds or blocks its joint")
 
     def _try(self, servo: int, start: int, goal: int) -> bool:
         try:
@@ -82,7 +82,7 @@ class Bench:
         self.hold(SETTLE_S)
 
     def hold(self, seconds: float) -> None:
-        """Wait while the servos hold: goals sent again and again keep their watchdogs quiet."""
+        """Wait while the servos hold; sending the goals again and again keeps their watchdogs quiet."""
         for _ in range(round(seconds / STEP_S)):
             self.link.write_all(t.GOAL_POSITION, self._goals)
             self._wait(STEP_S)

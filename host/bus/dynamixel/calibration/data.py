@@ -3,7 +3,7 @@
     counts = zero + sign x round(angle / ratio x counts per turn / 2 pi)
 
 ``ratio`` is the robot file's joint angle per motor angle. ``zero`` is where the joint's angle would be 0; for a
-calf, which can't be stretched, that is a place it never reaches, and may lie outside of the servo's turn.
+calf, which can't be stretched, that is a place that it never reaches, possibly outside the servo's turn.
 """
 
 from collections import Counter
@@ -66,14 +66,14 @@ class Calibration:
 
 
 def servo_of(robot: Robot) -> Servo:
-    """Return the robot's servo, or say that it has none."""
+    """Return the robot's servo; UserError if it has none."""
     if not isinstance(robot.actuator, Servo):
-        raise UserError(f"{robot.name} has no servos: its joints are brushless; take --robot caramelo")
+        raise UserError(f"{robot.name} has no servos: its joints are brushless; use --robot caramelo")
     return robot.actuator
 
 
 def counts_per_rad(robot: Robot) -> tuple[float, ...]:
-    """Return the servo counts per rad of joint angle, per joint: the calf's rod turns it faster than its motor."""
+    """Return servo counts per rad of joint angle, per joint: the rod turns the calf further than its motor."""
     turn = servo_of(robot).counts_per_turn / tau
     return (turn, turn, turn / robot.calf_drive.ratio) * 4
 
@@ -84,14 +84,14 @@ def limits_rad(robot: Robot) -> list[tuple[float, float]]:
 
 
 def joint_from(robot: Robot, joint: int, servo: int, sign: int, zero: int) -> JointCalibration:
-    """Return a joint with the robot file's limits, cut to the servo's turn."""
+    """Return a joint with the robot file's limits, restricted to the servo's turn."""
     per_rad, top = counts_per_rad(robot)[joint], servo_of(robot).counts_per_turn - 1
     ends = sorted(zero + sign * round(limit * per_rad) for limit in limits_rad(robot)[joint])
     return JointCalibration(servo, sign, zero, max(0, ends[0]), min(top, ends[1]))
 
 
 def nominal(robot: Robot) -> Calibration:
-    """Return how the robot would be if built to plan: ids 1 .. 12, middle of the turn in the middle of each joint."""
+    """Return the calibration of a robot built to plan: ids 1 .. 12, each turn's middle at its joint's middle."""
     middle = servo_of(robot).counts_per_turn // 2
     joints = []
     for joint, ((low, high), per_rad) in enumerate(zip(limits_rad(robot), counts_per_rad(robot), strict=True)):
@@ -112,7 +112,7 @@ def complaints(calibration: Calibration, robot: Robot) -> Iterator[str]:
     for label, joint in zip(JOINT_LABELS, calibration.joints, strict=True):
         if used[joint.id] > 1:
             others = [name for name, j in zip(JOINT_LABELS, calibration.joints, strict=True) if j.id == joint.id]
-            yield f"{label}.id: value {joint.id}: allowed: an id of its own; {' and '.join(others)} share it"
+            yield f"{label}.id: value {joint.id}: allowed: an id for one joint only; {' and '.join(others)} share it"
             return
     top = servo_of(robot).counts_per_turn
     rows = zip(JOINT_LABELS, calibration.joints, rest_pose_rad(robot), counts_per_rad(robot), strict=True)
@@ -140,7 +140,7 @@ def _joint_complaints(label: str, joint: JointCalibration, rest_rad: float, per_
 
 
 def check(calibration: Calibration, robot: Robot, where: str) -> Calibration:
-    """Return the calibration, or raise CalibrationError with the first thing that is wrong."""
+    """Return the calibration; CalibrationError with the first thing that is wrong."""
     for sentence in complaints(calibration, robot):
         raise CalibrationError(f"{where}: {sentence}")
     return calibration
@@ -160,11 +160,11 @@ def read_tables(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise CalibrationError(f"{path}: can't be read: {error.strerror}") from None
     except ValueError as error:
-        raise CalibrationError(f"{path}: is no TOML: {' '.join(str(error).split())}; run: caramelo calibrate") from None
+        raise CalibrationError(f"{path}: not TOML: {' '.join(str(error).split())}; run: caramelo calibrate") from None
 
 
 def from_tables(tables: Mapping[str, Any], where: str) -> Calibration:
-    """Return a calibration from TOML tables; ids, ranges and the like are checked by ``check``."""
+    """Return a calibration from TOML tables; ``check`` checks ids, ranges and the like."""
     unknown = sorted(set(tables) - {"robot", *LEG_NAMES})
     if unknown:
         raise CalibrationError(f"{where}: {unknown[0]}: unknown key: allowed: robot, {', '.join(LEG_NAMES)}")
@@ -202,7 +202,7 @@ def to_text(calibration: Calibration) -> str:
 
 
 def save_calibration(path: Path, calibration: Calibration) -> Path | None:
-    """Write the file whole; return where the former one was kept, or None if there was none or it is the same."""
+    """Write the whole file; return the backup of the former one, or None if there was none or it is the same."""
     content, kept = to_text(calibration), None
     if path.exists():
         former = path.read_text(encoding="utf-8")

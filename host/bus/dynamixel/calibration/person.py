@@ -1,4 +1,4 @@
-"""Who answers the questions of a guided procedure: someone at the terminal, or a file of answers.
+"""Answers to the questions of a guided procedure: from a person at the terminal, or from a file.
 
 Every question has a key, such as ``servo 5 direction``; a file of answers is a TOML table from keys to texts.
 """
@@ -13,7 +13,7 @@ from ....util.files import read_toml, write_text
 
 
 class Person(Protocol):
-    """Asks and tells. ``there``: someone is at the robot, who can mend what is wrong and try once more."""
+    """Asks and informs. ``there``: a person is at the robot, who can correct what is wrong and try once more."""
 
     there: bool
 
@@ -21,14 +21,14 @@ class Person(Protocol):
         """Show something."""
 
     def ask(self, key: str, question: str, choices: Sequence[str]) -> str:
-        """Return one of ``choices``; none means: any key will do, "" is returned."""
+        """Return one of ``choices``; without choices any key will do, and "" is returned."""
 
     def refuse(self, key: str, reason: str) -> None:
-        """Say why an answer can't be taken; the question is asked again."""
+        """Say why an answer is refused; the question is asked again."""
 
 
 def matching(answer: str, choices: Sequence[str]) -> str | None:
-    """Return the choice that an answer means: whatever its case, or its beginning if that is clear."""
+    """Return the choice that an answer means, in any case; an unambiguous beginning is enough."""
     wanted = " ".join(answer.lower().split())
     exact = [choice for choice in choices if choice.lower() == wanted]
     close = exact or [choice for choice in choices if wanted and choice.lower().startswith(wanted)]
@@ -40,13 +40,13 @@ def enter(prompt: str) -> str:
     try:
         return input(plain(prompt))
     except EOFError:
-        raise UserError("the input ended; what is done so far is kept, start again to go on") from None
+        raise UserError("the input ended; what is done so far is kept: run the command again to go on") from None
 
 
 class AtTerminal:
-    """Someone at the keyboard. Each answer is written to the file ``record`` when it is given; older ones stay there.
+    """A person at the keyboard. Each answer goes into the file ``record`` at once; older answers stay there.
 
-    UserError if the file is none of answers.
+UserError if the file is not a file of answers.
     """
 
     there = True
@@ -80,16 +80,16 @@ class AtTerminal:
 
 
 class FromFile:
-    """Answers from a file. Anything missing or refused ends the procedure with the key in one line.
+    """Answers from a file. A missing or refused answer ends the procedure with its key in one line.
 
-    ``hands``: someone is at the robot to turn joints by hand, and presses Enter; without, the simulation does it.
+``hands``: a person turns joints by hand and presses Enter; without it the simulation turns them.
     """
 
     def __init__(self, answers: dict[str, str], where: str, hands: bool = False) -> None:
         self.answers, self._where, self.there = answers, where, hands
 
     def say(self, text: str) -> None:
-        """See Person; only where someone is."""
+        """See Person; only if a person is there."""
         if self.there:
             say(text)
 
@@ -118,7 +118,7 @@ def read_answers(path: Path) -> dict[str, str]:
     except OSError as error:
         raise UserError(f"{path}: can't be read: {error.strerror}") from None
     except ValueError as error:
-        raise UserError(f"{path}: is no TOML: {' '.join(str(error).split())}") from None
+        raise UserError(f"{path}: not TOML: {' '.join(str(error).split())}") from None
     for key, value in table.items():
         if not isinstance(value, str):
             raise UserError(f"{path}: {key}: value {value!r}: allowed: a text in quotes")

@@ -1,4 +1,4 @@
-"""What the person at the robot looks at: a leg as text, drawn from the robot's own geometry.
+"""A picture for the person at the robot: a leg as text, drawn from the robot's own geometry.
 
 ``#`` is the leg at rest, ``+`` the same leg with a larger angle of one joint. Thigh and calf are seen from the
 robot's left side, hips from behind. Signs as in the robot file: x forward, y left, z up.
@@ -30,7 +30,7 @@ def leg_points(robot: Robot, leg: int, pose_rad: Sequence[float], from_behind: b
 
 
 def picture(robot: Robot, joint: int) -> str:
-    """Return the drawing of a joint: where its leg goes when the angle grows."""
+    """Return the drawing of a joint, with the way its leg goes when the angle grows."""
     leg, kind = divmod(joint, 3)
     from_behind = kind == 0
     rest = rest_pose_rad(robot)[3 * leg : 3 * leg + 3]
@@ -69,10 +69,10 @@ def words(robot: Robot, joint: int) -> str:
 
 
 def reference_words(robot: Robot, joint: int) -> str:
-    """Return where to put a joint by hand so that its angle is the reference, in words."""
+    """Return in words where to put a joint by hand so that its angle is the reference."""
     leg, kind = divmod(joint, 3)
     if kind == 0:
-        return f"{LEG_NAMES[leg]}: seen from behind the leg hangs straight down, neither out nor in"
+        return f"{LEG_NAMES[leg]}: seen from behind, the leg hangs straight down, neither out nor in"
     if kind == 1:
         return f"{LEG_NAMES[leg]}: the thigh points straight down"
     side = "in front of" if robot.knee_sign(leg) < 0 else "behind"

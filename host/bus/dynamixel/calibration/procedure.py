@@ -1,8 +1,8 @@
-"""The guided calibration: one servo at a time; which joint is it, which way does it turn, where is its zero.
+"""The guided calibration, one servo at a time: which joint is it, which way does it turn, where is its zero.
 
     move a little -> which joint? -> which way? -> turn it to the reference by hand -> limits -> keep
 
-What is done is kept after every servo in a file beside the calibration, so that one can stop and go on later.
+After every servo a file beside the calibration keeps what is done, so that one can stop and go on later.
 """
 
 import difflib
@@ -33,7 +33,7 @@ def reference_rad(robot: Robot, joint: int) -> float:
 
 
 class Procedure:
-    """One calibration of one robot on a bench, with a person; ``keep`` is the file of what is done so far."""
+    """One calibration of one robot on a bench, with a person; the file ``keep`` has what is done so far."""
 
     def __init__(self, robot: Robot, bench: Bench, person: Person, keep: Path) -> None:
         self.robot, self.bench, self.person, self.keep = robot, bench, person, keep
@@ -41,7 +41,7 @@ class Procedure:
         self._per_rad = counts_per_rad(robot)
 
     def run(self) -> Calibration:
-        """Return a checked calibration; nothing of it is written yet."""
+        """Return a checked calibration; this writes nothing."""
         servos = self.find()
         self.resume(servos)
         for servo in servos:
@@ -53,23 +53,23 @@ class Procedure:
         return check(Calibration(self.robot.name, joints), self.robot, "calibration")
 
     def find(self) -> list[int]:
-        """Return the ids of the robot's servos, or say what is wrong with what is on the bus."""
+        """Return the ids of the robot's servos; ServoError if the bus has others."""
         found = find(self.bench.link)
         if len(found) != JOINTS:
             ids = ", ".join(str(servo.id) for servo in found) or "none"
             raise ServoError(
-                f"{len(found)} servos answer (ids {ids}), must be {JOINTS}: check cables and power; servos that share "
-                f"an id count as one: set them up with: caramelo servos setup"
+                f"{len(found)} servos answer (ids {ids}) instead of {JOINTS}: check cables and power; servos with one "
+                f"id count as one: set them up with caramelo servos setup"
             )
         for servo in found:
             if servo.model != MODEL_MX28_V2:
-                raise ServoError(f"servo id {servo.id} is a {servo.text}, must be MX-28(2.0)")
+                raise ServoError(f"servo id {servo.id} is not an MX-28(2.0) but {servo.text}")
         return [servo.id for servo in found]
 
     def one(self, servo: int) -> None:
         """Calibrate one servo."""
         person = self.person
-        person.say(f"\nServo {servo}. It moves a little now, with little force: watch the robot.")
+        person.say(f"\nServo {servo}. It now moves a little, with little force: watch the robot.")
         joint, direction = self.which_joint(servo)
         label = JOINT_LABELS[joint]
         person.say(f"\n{picture(self.robot, joint)}")
@@ -79,7 +79,7 @@ class Procedure:
         person.say(f"{label}: id {servo}, sign {sign:+d}, zero {zero}")
 
     def which_joint(self, servo: int) -> tuple[int, int]:
-        """Return the joint that the servo moves, and which way it went last."""
+        """Return the joint that the servo moves, and which way it moved last."""
         key = f"servo {servo} joint"
         direction = self.bench.nudge(servo)
         while True:
@@ -90,7 +90,7 @@ class Procedure:
             joint = JOINT_LABELS.index(answer)
             if joint not in self.done:
                 return joint, direction
-            self.person.refuse(key, f"{answer} is servo {self.done[joint].id} already")
+            self.person.refuse(key, f"{answer} already has servo {self.done[joint].id}")
 
     def which_way(self, servo: int, label: str, larger: str, direction: int) -> int:
         """Return the sign: +1 if more counts are a larger angle."""
@@ -102,14 +102,14 @@ class Procedure:
                 return direction if answer == "+" else -direction
 
     def where_is_zero(self, servo: int, joint: int, sign: int) -> int:
-        """Return the position at angle 0, from a reference that the joint is put to by hand."""
+        """Return the position at angle 0, from a reference to which a person turns the joint by hand."""
         angle = reference_rad(self.robot, joint)
         where = f"{reference_words(self.robot, joint)} ({degrees(angle):.0f} deg)"
         counts = self.placed(servo, joint, angle, "reference", f"The servo is loose. Turn the joint by hand: {where}")
         return counts - sign * round(angle * self._per_rad[joint])
 
     def placed(self, servo: int, joint: int, angle_rad: float, what: str, question: str) -> int:
-        """Have a joint turned by hand and return where the servo then is."""
+        """Ask for a joint to be turned by hand, and return the servo's position then."""
         if self.bench.hands is not None:
             self.bench.hands.place(servo, joint, angle_rad)
         self.person.ask(f"servo {servo} {what}", question, [])
@@ -120,7 +120,7 @@ class Procedure:
         planned = joint_from(self.robot, joint, servo, sign, zero)
         low, high = limits_rad(self.robot)[joint]
         span = f"{degrees(low):.0f} .. {degrees(high):.0f} deg"
-        question = f"Limits: the robot file's ({span}), or by hand, where cables or parts are in the way?"
+        question = f"Limits: from the robot file ({span}), or by hand because cables or parts are in the way?"
         while self.person.ask(f"servo {servo} limits", question, ["file", "hand"]) == "hand":
             lowest = self.placed(servo, joint, low, "lowest", "Turn it to its smallest angle")
             highest = self.placed(servo, joint, high, "highest", "Turn it to its largest angle")
@@ -134,7 +134,7 @@ class Procedure:
         return planned
 
     def check_legs(self, calibration: Calibration) -> list[str]:
-        """Put each leg into the rest stance with little torque, have it looked at; return the wrong ones."""
+        """Move each leg to the rest stance with little torque, ask how it stands, and return the wrong ones."""
         wrong = []
         for leg, name in enumerate(LEG_NAMES):
             while True:
@@ -170,23 +170,23 @@ class Procedure:
         write_kept(self.keep, self.robot.name, self.done)
 
     def resume(self, servos: list[int]) -> None:
-        """Take up an earlier, unfinished calibration if there is one and the person wants it."""
+        """Go on with an earlier, unfinished calibration if there is one and the person wants it."""
         if not self.keep.exists():
             return
         done = read_kept(self.keep, self.robot.name, JointCalibration)
         if len({joint.id for joint in done.values()}) != len(done):
-            raise UserError(f"{self.keep}: two joints share a servo; delete it to start anew")
+            raise UserError(f"{self.keep}: two joints have the same servo; delete the file to start again")
         if any(joint.id not in servos for joint in done.values()):
             raise UserError(
-                f"{self.keep}: begun with other servo ids than those on the bus now; delete it to start anew"
+                f"{self.keep}: begun with servo ids that are not on the bus now; delete the file to start again"
             )
-        question = f"{len(done)} of {JOINTS} servos are calibrated already. Go on with the others?"
+        question = f"{len(done)} of {JOINTS} servos are already calibrated. Go on with the others?"
         if self.person.ask("resume", question, ["yes", "no"]) == "yes":
             self.done = done
 
 
 def difference(path: Path, calibration: Calibration) -> str:
-    """Return what writing would change in the file, as a unified diff; "" for nothing."""
+    """Return as a unified diff what writing would change in the file; "" for nothing."""
     former = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     present = to_text(calibration).splitlines()
     lines = difflib.unified_diff(former, present, f"{path} (now)", f"{path} (new)", lineterm="")
@@ -197,6 +197,6 @@ def complain_about(legs: list[str], calibration: Calibration) -> UserError:
     """Return what to do about legs that did not stand as drawn."""
     ids = [str(calibration.joints[LEG_NAMES.index(leg) * 3 + k].id) for leg in legs for k in range(3)]
     return UserError(
-        f"{', '.join(legs)} did not stand as drawn: run caramelo calibrate again, mind servos {', '.join(ids)}",
+        f"{', '.join(legs)} did not stand as drawn: run caramelo calibrate again, and watch servos {', '.join(ids)}",
         NOT_ACHIEVED,
     )

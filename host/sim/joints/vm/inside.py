@@ -47,7 +47,7 @@ class Inside:
         self.pairs: list[tuple[int, int]] = []
 
     def boot(self, now_us, sensors, rotor, joint, node, stored):  # type: ignore[no-untyped-def]
-        """Start anew; a board on which nothing was saved yet gets this node and these parameters."""
+        """Restart; a board without saved parameters gets this node and these parameters."""
         self.board = JointBoard(self._unique_id)
         self.board.now_us = now_us
         self._set_sensors(sensors)

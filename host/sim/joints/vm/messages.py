@@ -1,4 +1,4 @@
-"""What host and VM say to each other over the pipe, little-endian; runs on both.
+"""The messages between host and VM over the pipe, little-endian; runs on both.
 
 A request is a kind, its length, and its body; every request gets one answer. ``boot`` is JSON, because it is rare.
 """

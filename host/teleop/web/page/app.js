@@ -108,7 +108,7 @@ function shares() {
   return sum;
 }
 
-// What the inputs say, in SI. A page that may not drive stays silent.
+// The inputs' command, in SI. A page that may not drive sends none.
 function changed(timeStamp) {
   if (!hello || !free()) return;
   const now = shares(), share = $("share").value / 100, [vx, vy, wz] = status.fastest; // of the gait
@@ -133,8 +133,8 @@ function show() {
   $("state").className = silent || status.stop || status.fault ? "halted" : status.reason ? "" : "moves";
   const paired = $("pairing").hidden;
   $("word").textContent = !silent ? status.state : paired ? "no connection" : "not paired";
-  $("reason").textContent = !silent ? status.reason || "moving as told" : paired
-    ? "the robot does not answer; it stops by itself" : "this page can't drive or stop the robot yet: type the code below";
+  $("reason").textContent = !silent ? status.reason || "moving as commanded" : paired
+    ? "the robot does not answer; it stops by itself" : "this page can't drive or stop the robot yet: enter the code below";
   $("stop").classList.toggle("dead", silent);
   for (const id of ACTING) {
     const why = whyNot(id, silent);
@@ -155,12 +155,12 @@ function show() {
   }
   facts();
   if (status.place && performance.now() - chosenMs > HOLD_MS && document.activeElement !== $("ground")) $("ground").value = status.ground;
-  // On a simulated ground the robot is drawn where it is, else where its legs say that it has walked to.
+  // On a simulated ground the robot is drawn where it is, else where odometry has it.
   if (status.view && status.place) view.draw(status.view, [status.place[0], status.place[1], status.place[3]], hello.grounds[status.ground], status.place[2]);
   else if (status.view) view.draw(status.view, status.odometry);
 }
 
-// Add up the way on the ground, but not the body's swaying.
+// Add up the way on the ground, without the body's swaying.
 function follow() {
   if (status.ground !== ground) {
     ground = status.ground; // the robot has been put down there
@@ -182,15 +182,15 @@ function whyNot(id, silent) {
   if (silent) return "no connection to the robot";
   if (!free()) return `${status.driver.filter(Boolean).join(" ")} drives`;
   if (id === "reset") return status.stop || status.fault ? "" : "nothing to reset";
-  if (id === "stand") return status.stop || status.fault ? "reset first" : UP.includes(status.state) ? "it stands already" : "";
-  if (id === "sit") return UP.includes(status.state) ? "" : "it does not stand";
-  if (id === "rest") return status.armed ? "" : "the joints are off already";
-  if (id === "ground") return status.armed ? "joints off first: the robot is put down there" : "";
+  if (id === "stand") return status.stop || status.fault ? "reset first" : UP.includes(status.state) ? "the robot already stands" : "";
+  if (id === "sit") return UP.includes(status.state) ? "" : "the robot does not stand";
+  if (id === "rest") return status.armed ? "" : "the joints are already off";
+  if (id === "ground") return status.armed ? "switch the joints off first: the robot is put down there" : "";
   if (id === "stick" || id === "level") return UP.includes(status.state) ? "" : "stand up first";
   return "";
 }
 
-// Speeds as told and as walked, and why they differ.
+// Commanded and walked speeds, and why they differ.
 function speeds(shown) {
   const [vx, vy, wz] = status.speed, now = evened;
   const said = (told, is) => `${shown(told, 2)} → ${shown(is, 2)}`;

@@ -1,4 +1,4 @@
-// Sticks, keys and gamepad as shares -1 .. 1 of forward, left, turn left and pitch. Each tells when it changes.
+// Sticks, keys and gamepad as shares -1 .. 1 of forward, left, turn left and pitch. Each reports its changes.
 const DEAD_ZONE = 0.08;
 const KEYS = {
   KeyW: ["forward", 1], KeyS: ["forward", -1], KeyA: ["turn", 1], KeyD: ["turn", -1], KeyQ: ["left", 1], KeyE: ["left", -1],
@@ -6,7 +6,7 @@ const KEYS = {
 export const still = () => ({ forward: 0, left: 0, turn: 0, pitch: 0 });
 
 export class Stick {
-  // ``axes``: which share grows to the right, and which upward, with their signs.
+  // ``axes``: the share that grows to the right and the one that grows upward, with their signs.
   constructor(element, axes, changed) {
     this.element = element;
     this.knob = element.firstElementChild;

@@ -69,7 +69,7 @@ function parameter(row, [name, , unit, meaning, low, high, access, stored]) {
   input.setAttribute("aria-label", name);
   input.addEventListener("change", () => send({ type: "parameter", node: status.node, name, value: Number(input.value) }));
   cell.append(input, ` ${unit}`, limits);
-  limits.textContent = access === "measured" ? "measured" : `${number(low)} to ${number(high)}${access === "disarmed" ? ", while disarmed" : ""}${stored ? "" : ", not kept"}`;
+  limits.textContent = access === "measured" ? "measured" : `${number(low)} to ${number(high)}${access === "disarmed" ? ", while disarmed" : ""}${stored ? "" : ", not saved"}`;
   rows.set(name, { row, input, access, text: `${name} ${meaning}`.toLowerCase() });
 }
 
@@ -80,7 +80,7 @@ function show() {
   const state = silent ? "" : status.joints[status.node - 1];
   $("state").className = silent ? "halted" : status.armed ? "moves" : "";
   $("word").textContent = silent ? (paired ? "no connection" : "not paired") : status.armed ? "armed" : "disarmed";
-  $("reason").textContent = silent ? (paired ? "the bus's program does not answer" : "type the code below") : `${status.joints.filter((one) => one !== "not there").length} of 12 joints are there`;
+  $("reason").textContent = silent ? (paired ? "the program on the bus does not answer" : "enter the code below") : `${status.joints.filter((one) => one !== "not there").length} of 12 joints answer`;
   $("stop").classList.toggle("dead", silent);
   for (const id of ["joint", "arm", "clear", "step", "keep"]) {
     const why = whyNot(id, silent);
@@ -103,9 +103,9 @@ function show() {
 // Why a control can't act now, "" if it can.
 function whyNot(id, silent) {
   if (silent) return "no connection to the bus";
-  if (id === "step") return !status.armed ? "arm first" : status.stepping ? "a step is under way" : "";
+  if (id === "step") return !status.armed ? "arm first" : status.stepping ? "a step is running" : "";
   if (id === "clear") return status.armed ? "let go first" : "";
-  if (id === "joint") return status.stepping ? "a step is under way" : "";
+  if (id === "joint") return status.stepping ? "a step is running" : "";
   return "";
 }
 

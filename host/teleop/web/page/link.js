@@ -1,4 +1,4 @@
-// The websocket to the program that serves the page, opened anew when it is lost; STOP by button and space bar.
+// The websocket to the program that serves the page, opened again when it is lost; STOP by button and space bar.
 const PING_MS = 1000, RECONNECT_MS = 700;
 let socket = null;
 

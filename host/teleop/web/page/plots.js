@@ -5,10 +5,10 @@ const DEGREES = 180 / Math.PI;
 
 // Name: the value of a status, and its unit.
 export const STATUS = new Map([
-  ["speed told", [(status) => status.speed[0], "m/s"]],
-  ["speed walked", [(status) => status.odometry[3], "m/s"]],
-  ["turning told", [(status) => status.speed[2], "rad/s"]],
-  ["turning walked", [(status) => status.odometry[5], "rad/s"]],
+  ["commanded speed", [(status) => status.speed[0], "m/s"]],
+  ["walked speed", [(status) => status.odometry[3], "m/s"]],
+  ["commanded turning", [(status) => status.speed[2], "rad/s"]],
+  ["walked turning", [(status) => status.odometry[5], "rad/s"]],
   ["roll", [(status) => status.attitude_rad && DEGREES * status.attitude_rad[0], "°"]],
   ["pitch", [(status) => status.attitude_rad && DEGREES * status.attitude_rad[1], "°"]],
   ["stability margin", [(status) => status.margin_m === null ? null : 1000 * status.margin_m, "mm"]],
@@ -21,7 +21,7 @@ LEGS.forEach((leg, i) => JOINTS.forEach((joint, j) => {
   STATUS.set(`${leg} ${joint} load`, [(status) => 100 * status.load[3 * i + j], "%"]);
 }));
 
-// ``choices``: name: [value of what is pushed, unit]; ``time``: its time, in s; ``seconds``: how long a plot is.
+// ``choices``: name: [value of a status, unit]; ``time``: its time, s; ``seconds``: the length of a plot.
 export class Plots {
   constructor(pick, clear, list, choices, time, seconds) {
     this.pick = pick;

@@ -1,4 +1,4 @@
-// Draws the robot on its ground in perspective, from wherever it is looked at: drag turns the camera. Metres in, pixels out.
+// Draws the robot on its ground in perspective; dragging turns the camera. Metres in, pixels out.
 const ORDER = [0, 1, 3, 2, 0]; // legs around the body: FR, FL, RL, RR
 const RIGHT = [0, 2];
 const THICK_M = 0.025; // half the height of the drawn body
@@ -20,7 +20,7 @@ export class View {
     for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (this.grabbed = null));
   }
 
-  // Look from one of the named places.
+  // Show one of the named views.
   look(name) {
     [this.azimuth, this.elevation] = CAMERAS[name];
     if (this.last) this.draw(...this.last);
@@ -67,7 +67,7 @@ export class View {
   }
 }
 
-// Return what a point is in pixels and how far away, m; null behind the camera.
+// Return a point in pixels and its distance, m; null behind the camera.
 function camera(azimuth, elevation, reach, middle, width, height) {
   const away = 6 * reach, scale = 0.36 * Math.min(width, 1.35 * height) / reach * away;
   const ca = Math.cos(azimuth), sa = Math.sin(azimuth), ce = Math.cos(elevation), se = Math.sin(elevation);
@@ -80,7 +80,7 @@ function camera(azimuth, elevation, reach, middle, width, height) {
 
 const depth = (pen, points) => points.reduce((sum, point) => sum + (pen.at(point) || [0, 0, 0])[2], 0) / points.length;
 
-// Return the height of a polyline at x; at a riser that of its farther end.
+// Return the height of a polyline at x; at a riser, that of its far end.
 function along(line, x) {
   const after = line.findIndex((point) => point[0] > x);
   if (after < 1) return line[after < 0 ? line.length - 1 : 0][1];
@@ -88,7 +88,7 @@ function along(line, x) {
   return z0 + ((z1 - z0) * (x - x0)) / (x1 - x0);
 }
 
-// The ground's squares stay where they are while the robot walks over them. Corners of the ground have lines of their own.
+// The ground's squares stay in place while the robot walks over them. Corners of the ground have lines of their own.
 function grid(pen, surface, line, [x, y, yaw], colour, edge) {
   const c = Math.cos(yaw), s = Math.sin(yaw), around = SQUARES * SQUARE_M;
   const seen = (wx, wy, z) => [c * (wx - x) + s * (wy - y), -s * (wx - x) + c * (wy - y), z];

@@ -147,7 +147,7 @@ def test_what_the_board_should_answer_is_taken(board):
 
 def test_the_place_and_what_is_wrong_are_told(board):
     board(lambda answer: json.dumps(answer | {"supply_mV": "much"}))
-    with pytest.raises(UserError, match=r"board: what the board answers can't be read: supply_mV: .*integer: reset it"):
+    with pytest.raises(UserError, match=r"board: the board's answer can't be read: supply_mV: .*integer: reset it"):
         inspect.describe("board")
 
 

@@ -48,7 +48,7 @@ def test_no_permission(run, images, tmp_path, monkeypatch):
     port = tmp_path / "ttyACM0"
     port.touch()
     monkeypatch.setattr(os, "access", lambda path, mode: path != str(port))
-    one_line(run("flash", images("1"), "--port", str(port)), 2, "no permission: sudo usermod -aG dialout $USER")
+    one_line(run("flash", images("1"), "--port", str(port)), 2, "no permission: run sudo usermod -aG dialout $USER")
 
 
 def test_the_system_refuses_permission(tmp_path, monkeypatch):
@@ -71,7 +71,7 @@ def test_something_else_on_the_port(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "PROMPT_TIMEOUT_S", 0.3)
     board, port = pty.openpty()
     answer = run("flash", images("1"), "--port", os.ttyname(port))
-    one_line(answer, 1, "does not answer as MicroPython does", "docs/flashing.md")
+    one_line(answer, 1, "does not answer like MicroPython", "docs/flashing.md")
     os.close(board)
     os.close(port)
 
@@ -118,7 +118,7 @@ def test_an_image_file_whose_half_is_not_what_it_says(run, images, tmp_path):
 
 def test_all_without_a_board(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "found_ports", list)
-    one_line(run("flash", images("1"), "--all"), 2, "no board is plugged in")
+    one_line(run("flash", images("1"), "--all"), 2, "no board with a USB serial port is plugged in")
 
 
 def test_several_boards_info_logs_and_reset(run, images, tmp_path):

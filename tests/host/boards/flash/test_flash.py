@@ -146,11 +146,11 @@ def test_an_armed_joint_is_not_updated(tmp_path):
 
 def test_an_image_for_another_board_or_of_another_protocol_is_refused(board):
     before = contents(board)
-    with pytest.raises(UserError, match="is a CARAMELO_GAIT; the image is for a CARAMELO_JOINT, the role joint"):
+    with pytest.raises(UserError, match="is a CARAMELO_GAIT, but the image is for a CARAMELO_JOINT, role joint"):
         put(board, make("2", role="joint", board="CARAMELO_JOINT"))
-    with pytest.raises(UserError, match=r"speaks protocol 0x1, this computer 0x[0-9a-f]+: build the image anew"):
+    with pytest.raises(UserError, match=r"speaks protocol 0x1, this computer 0x[0-9a-f]+: build the image again"):
         put(board, make("2", protocol=1))
-    with pytest.raises(UserError, match="--id 3: only joints have one"):
+    with pytest.raises(UserError, match="--id 3: only for joints"):
         put(board, make("2"), node=3)
     assert contents(board) == before
 

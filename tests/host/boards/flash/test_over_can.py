@@ -227,7 +227,7 @@ def test_a_joint_of_another_protocol_is_told_of_and_updated(monkeypatch):
     robot = Robot([1, 2], old=old)
     outcomes = robot.flash()
     assert [outcome.note for outcome in outcomes] == [
-        f"spoke protocol 0x1234, another than this computer's {w.PROTOCOL_HASH:#06x}"
+        f"spoke protocol 0x1234, unlike this computer's {w.PROTOCOL_HASH:#06x}"
     ] * 2
     assert all_run(robot, NEW)
 
@@ -274,7 +274,7 @@ def test_a_robot_that_stands_is_not_flashed(state):
     control = robot.joint(3).joint.control
     control.motion = lambda: setattr(control.state, "drive_state", state)
     for nodes in ([1, 2, 3], [1]):  # also when the one that stands is not to be flashed
-        with pytest.raises(UserError, match=r"FR calf \(node 3\) is armed: a robot that stands is not flashed"):
+        with pytest.raises(UserError, match=r"FR calf \(node 3\) is armed: let the robot sit down"):
             CanFlash(UpdateBus(robot.port, KEY), NEW, nodes).survey()
     answer = UpdateBus(robot.port, KEY).ask({3: Ask(w.UPDATE_BEGIN)})[3]  # and the joint by itself
     assert (answer.state, answer.reason) == (w.UPDATE_IS_RUNNING, w.UPDATE_WHY_ARMED)
@@ -284,7 +284,7 @@ def test_a_robot_that_stands_is_not_flashed(state):
 @pytest.mark.parametrize(
     ("image", "words"),
     [
-        (image_of(1, board="CARAMELO_GAIT"), "is a CARAMELO_JOINT; the image is for a CARAMELO_GAIT"),
+        (image_of(1, board="CARAMELO_GAIT"), "is a CARAMELO_JOINT, but the image is for a CARAMELO_GAIT"),
         (image_of(1, protocol=0x1234), "the image speaks protocol 0x1234"),
     ],
 )
@@ -348,7 +348,7 @@ def test_a_joint_that_falls_silent_while_it_erases_is_told_and_nothing_is_switch
     robot = Robot([1, 2])
     silent = robot.joint(2)
     silent.done, silent.cut_at = 0, 1
-    with pytest.raises(UserError, match=r"FR thigh \(node 2\) has not answered for 5 s while it erased its flash"):
+    with pytest.raises(UserError, match=r"FR thigh \(node 2\) has not answered for 5 s while erasing its flash"):
         robot.flash()
     robot.bench.settle(2.0)
     assert robot.joint(1).build == OLD.about.build

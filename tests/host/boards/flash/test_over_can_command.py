@@ -82,29 +82,29 @@ def test_a_joint_whose_firmware_knows_no_update_is_told(run, robot, image, monke
     monkeypatch.setattr(robot[0].joint.updating, "take", lambda frame: None)
     code, _, err = run("flash", image, "--can", "4", "5")
     assert code == 1
-    assert "FL hip (node 4) runs a firmware that knows no update over the bus: flash it once over USB" in err
+    assert "FL hip (node 4) runs firmware that can't be updated over the bus: flash it once over USB" in err
 
 
 def test_a_joint_without_a_flash_is_told(run, robot, image, monkeypatch):
     monkeypatch.setattr(robot[0].joint.updating, "_update", None)
     code, _, err = run("flash", image, "--can", "4", "5")
     assert code == 1
-    assert "FL hip (node 4) has no flash that could be written: it is a simulated joint" in err
+    assert "FL hip (node 4) is a simulated joint, whose flash can't be written" in err
 
 
 def test_another_way_of_updating_is_told(run, robot, image, monkeypatch):
     monkeypatch.setattr("firmware.can_update.VERSION", VERSION + 1)
     code, _, err = run("flash", image, "--can", "4", "5")
     assert code == 2
-    assert f"is updated in another way, {VERSION + 1}, than this host knows" in err
+    assert f"needs update version {VERSION + 1}, which this host does not know" in err
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("--can",), "name the joints by their numbers, 1 to 12, or all by --all"),
-        (("--can", "3", "--all"), "name the joints by their numbers, 1 to 12, or all by --all"),
-        (("--can", "13"), "flash --can 13: joints have the numbers 1 to 12"),
+        (("--can",), "name the joints by number, 1 to 12, or all with --all"),
+        (("--can", "3", "--all"), "name the joints by number, 1 to 12, or all with --all"),
+        (("--can", "13"), "flash --can 13: allowed 1 to 12, which is 1 + 3 x leg + joint"),
         (("--can", "3", "--port", "/dev/null"), "--port and --id are for boards on USB"),
         (("3",), "go with --can"),
         (("--can", "3", "--robot", "caramelo"), "caramelo has no joints on CAN"),
@@ -121,7 +121,7 @@ def test_wrong_use(run, image, arguments, words):
     ("wrong", "words"),
     [
         (image_of(1, protocol=0x1234), "the image speaks protocol 0x1234"),
-        (image_of(1, board="CARAMELO_GAIT"), "is a CARAMELO_JOINT; the image is for a CARAMELO_GAIT"),
+        (image_of(1, board="CARAMELO_GAIT"), "is a CARAMELO_JOINT, but the image is for a CARAMELO_GAIT"),
     ],
 )
 def test_a_foreign_image(run, robot, tmp_path, wrong, words):

@@ -136,7 +136,7 @@ def test_the_command_writes_the_files_and_fails_over_budget(capsys, tmp_path, mo
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
-    [(("--role", "cook"), "--role cook: not known; there are joint, gait"), ((), "no sources of MicroPython")],
+    [(("--role", "cook"), "--role cook: allowed joint, gait"), ((), "no sources of MicroPython")],
 )
 def test_wrong_use_is_one_line(capsys, tmp_path, arguments, words):
     assert main(["firmware", "image", "--micropython", str(tmp_path / "none"), *arguments]) == 2

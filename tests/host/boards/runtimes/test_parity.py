@@ -96,9 +96,9 @@ def test_a_module_that_does_not_even_load_is_a_failure_not_a_pass(few, tmp_path)
 
 
 def test_a_missing_runtime_says_why(few, tmp_path, monkeypatch):
-    monkeypatch.setattr(Unix, "missing", lambda self: "the unix VM comes for linux x86_64 only")
+    monkeypatch.setattr(Unix, "missing", lambda self: "the unix VM exists only for linux x86_64")
     reports = examine([CPython(), Unix("viper")], few, tmp_path, 8, lambda name: None)
-    assert reports[1].skipped == "the unix VM comes for linux x86_64 only"
+    assert reports[1].skipped == "the unix VM exists only for linux x86_64"
     assert list(failures(reports)) == []
 
 

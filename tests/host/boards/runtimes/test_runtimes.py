@@ -71,7 +71,7 @@ def test_what_is_missing_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("CARAMELO_MICROPYTHON_JS", str(tmp_path))
     assert "npm install" in str(Node().missing()) or "node is not installed" in str(Node().missing())
     monkeypatch.setattr("platform.machine", lambda: "aarch64")
-    assert Unix("viper").missing() == "the unix VM comes for linux x86_64 only, this is linux aarch64"
+    assert Unix("viper").missing() == "the unix VM exists only for linux x86_64, this is linux aarch64"
     monkeypatch.setattr("host.util.extras.find_spec", lambda name: None)
     assert Wasi().missing() == "wasmtime is not installed: run make setup EXTRAS=test in the project's folder"
 

@@ -52,7 +52,7 @@ def test_worst_lengths_of_the_literature():
 
 @pytest.mark.parametrize(("identifier", "data"), [(0x800, b""), (-1, b""), (1, bytes(9))])
 def test_frames_that_do_not_exist_are_refused(identifier, data):
-    with pytest.raises(ValueError, match="are allowed"):
+    with pytest.raises(ValueError, match=r"allowed 0..0x7ff with 0..8 bytes"):
         busload.frame_bits(identifier, data)
 
 
@@ -89,7 +89,7 @@ def test_samples_are_frames_of_the_protocol():
 
 def test_unknown_set_points_and_nodes_are_refused():
     for arguments in ({"setpoints": ("torque",)}, {"nodes": (13,)}, {"nodes": ()}):
-        with pytest.raises(ValueError, match="known: position"):
+        with pytest.raises(ValueError, match="allowed position"):
             busload.default_schedule(**arguments)
 
 

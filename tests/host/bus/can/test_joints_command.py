@@ -49,7 +49,7 @@ def test_parameters_are_read_and_refused_in_words(capsys):
     assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
     code, _, err = run(capsys, "params", "set", "5", "gear_q8", "900", "--sim")
     assert code == 2
-    assert "gear_q8: 900 is not allowed; use 1 to 63" in err
+    assert "gear_q8: 900: allowed 1 to 63" in err
     code, _, err = run(capsys, "params", "get", "5", "nonsense", "--sim")
     assert code == 2
     assert "no such parameter" in err
@@ -84,10 +84,10 @@ def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("{}", "is no file of params save --file"),
-        ('{"protocol": "0x0000", "parameters": {}}', "is of protocol 0x0000"),
+        ("{}", "not a file of params save --file"),
+        ('{"protocol": "0x0000", "parameters": {}}', "has protocol 0x0000"),
         ('{"protocol": "HASH", "parameters": {"melt": 3}}', "melt = 3"),
-        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625 is not allowed"),
+        ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625: allowed 1 to"),
     ],
 )
 def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):

@@ -118,7 +118,7 @@ def test_a_missing_joint_keeps_the_robot_from_being_armed(seated):
 
 def test_another_protocol_keeps_the_robot_from_being_armed(seated):
     forge_heartbeats(seated.sim, 4, "protocol_hash", 0x1234)
-    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: caramelo flash --can")
+    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: run caramelo flash --can")
 
 
 def test_mixed_firmware_keeps_the_robot_from_being_armed(seated):

@@ -40,7 +40,7 @@ def test_a_board_that_is_there_and_never_answers_is_named(seated):
     assert set(boards) == {*range(1, 13)} - {5}
     wrong = seated.bus.cycle.guard.before_arming(boards)
     assert [(notice.node, notice.what) for notice in wrong] == [(5, "mute")]
-    assert "FL thigh (node 5) is there but did not tell its board's number" in wrong[0].sentence
+    assert "FL thigh (node 5) is there but did not report its board's number" in wrong[0].sentence
 
 
 def test_a_joint_without_an_angle_says_why(run):

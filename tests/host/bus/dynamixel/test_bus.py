@@ -214,10 +214,10 @@ def _no_watchdog(rig):
     [
         (_missing, "no answer from FL thigh (id 5)"),
         (_all_missing, "no servo answers at 4000000 baud"),
-        (_misnumbered, "77; mis-numbered? caramelo servos set-id 77 NEW"),
+        (_misnumbered, "77; wrong id? caramelo servos set-id 77 NEW"),
         (_twins, "no answer from FL thigh (id 5): check its cable and power, and that no other servo has the same id"),
         (_tripped, "FL thigh (id 5) has tripped: overload; let it cool, then: caramelo servos reboot 5"),
-        (_old_firmware, "FL thigh (id 5) is model 29, must be 30, MX-28(2.0)"),
+        (_old_firmware, "FL thigh (id 5) is model 29, not 30, MX-28(2.0)"),
         (_no_watchdog, "FL thigh (id 5): firmware below 38 has no bus watchdog"),
     ],
 )

@@ -166,7 +166,7 @@ def test_wrong_rate_gets_no_answer(emulator):
 def test_a_port_in_use_is_told(emulator):
     first = ServoPort(emulator.port, BAUD)
     first.open()
-    with pytest.raises(UserError, match="in use by another program"):
+    with pytest.raises(UserError, match="another program uses it"):
         ServoPort(emulator.port, BAUD).open()
     first.closePort()
     ServoPort(emulator.port, BAUD).open()
@@ -181,8 +181,8 @@ def test_no_such_port_is_told():
     ("number", "words"),
     [
         (errno.EACCES, "usermod -aG dialout"),
-        (errno.EBUSY, "in use by another program"),
-        (errno.ENOTTY, "is it a serial port?"),
+        (errno.EBUSY, "another program uses it"),
+        (errno.ENOTTY, "check that it is a serial port"),
     ],
 )
 def test_other_reasons_are_told(number, words):
@@ -211,7 +211,7 @@ def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path):
     timer.parent.mkdir()
     timer.write_text("16\n")
     warning = latency_warning("/dev/ttyUSB0", pattern)
-    assert warning == f"/dev/ttyUSB0: the adapter holds answers back for 16 ms; run: echo 1 | sudo tee {timer}"
+    assert warning == f"/dev/ttyUSB0: the adapter delays answers by 16 ms; run: echo 1 | sudo tee {timer}"
     timer.write_text("1\n")
     assert latency_warning("/dev/ttyUSB0", pattern) is None
 

@@ -88,14 +88,14 @@ def test_a_servo_is_found_whatever_it_was_set_to(tray):
 @pytest.mark.parametrize(
     ("registers", "plugged", "words"),
     [
-        ({}, (), "no servo answers on emulated at any rate: are its power and its cable in?"),
-        ({}, (0, 1), "the answers of id 1 come damaged, as if two servos with that id talked at once: leave one"),
+        ({}, (), "no servo answers on emulated at any rate: check its power and its cable"),
+        ({}, (0, 1), "the answers of id 1 are damaged, as if two servos with that id talked at once: leave one"),
         ({"ID": 9}, (0, 1), r"2 servos answer \(id 1 at 57600 baud, id 9 at 57600 baud\): leave one plugged in"),
         ({"ID": 2, "BAUD": 6}, (0, 1), r"\(id 1 at 57600 baud, id 2 at 4000000 baud\): leave one plugged in"),
-        ({"MODEL_NUMBER": 12}, (1,), r"servo id 1 is a model 12, must be MX-28\(2.0\)$"),
-        ({"MODEL_NUMBER": 29}, (1,), r"is a MX-28 \(old firmware\), must be MX-28\(2.0\); update its firmware"),
-        ({"FIRMWARE": 37}, (1,), "servo id 1 has firmware 37, must be 38 or newer: update it with Dynamixel Wizard"),
-        ({"HARDWARE_ERROR": 32}, (1,), "servo id 1 has tripped: overload; take its power away and give it again"),
+        ({"MODEL_NUMBER": 12}, (1,), r"servo id 1 is not an MX-28\(2.0\) but model 12$"),
+        ({"MODEL_NUMBER": 29}, (1,), r"is not an MX-28\(2.0\) but MX-28 \(old firmware\); update its firmware"),
+        ({"FIRMWARE": 37}, (1,), "servo id 1 has firmware 37, but needs 38 or newer: update it with Dynamixel Wizard"),
+        ({"HARDWARE_ERROR": 32}, (1,), "servo id 1 has tripped: overload; switch its power off and on"),
     ],
 )
 def test_what_can_not_be_set_up_is_one_sentence_and_nothing_is_written(tray, registers, plugged, words):
@@ -112,7 +112,7 @@ def test_what_can_not_be_set_up_is_one_sentence_and_nothing_is_written(tray, reg
 def test_a_servo_that_talks_the_other_protocol_is_told():
     tray = Tray(CARAMELO, 1.0)
     run = Setup(CARAMELO, Link(tray.link.port, 2.0), FromFile({}, "answers"), IDS, BAUD, None, tray.plug)
-    with pytest.raises(ServoError, match=r"talks protocol 1.0, caramelo wants 2.0: set its Protocol Type to 2 with"):
+    with pytest.raises(ServoError, match=r"protocol 1.0, but caramelo needs 2.0: set its Protocol Type to 2 with"):
         run.run([0])
 
 
@@ -120,7 +120,7 @@ def test_a_servo_that_forgets_is_told(tray):
     servo = tray.bus.servos[0]
     keep = servo.put
     servo.put = lambda register, value: None if register is t.RETURN_DELAY else keep(register, value)
-    with pytest.raises(ServoError, match="servo id 1 did not keep RETURN_DELAY: plug it in again, or take another"):
+    with pytest.raises(ServoError, match="servo id 1 did not keep RETURN_DELAY: plug it in again, or use another"):
         setup(tray).run([0])
 
 
@@ -178,11 +178,11 @@ def _interrupt():
     ("content", "words"),
     [
         ('robot = "spot"', "begun for another robot"),
-        ("robot = ", "can't go on from it"),
-        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from it"),
+        ("robot = ", "can't go on from this file"),
+        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from this file"),
         ('robot = "caramelo"\n"FR hip" = { id = 1 }', "whole numbers only"),
         ('robot = "caramelo"\n"FR hip" = { id = 3, baud = 4000000, firmware = 45, found_id = 1, found_baud = 57600, '
-         "written = 1 }", "begun with other ids or another rate; delete it"),
+         "written = 1 }", "begun with other ids or another rate; delete the file"),
     ],
 )  # fmt: skip
 def test_a_spoilt_unfinished_file_is_refused(tray, tmp_path, content, words):
@@ -227,7 +227,7 @@ def test_questions_do_not_spoil_the_object_and_an_end_of_input_keeps_what_is_don
     monkeypatch.setattr("builtins.input", lambda prompt: lines.pop() if lines else _end())
     code, out, err = run("servos", "setup", "--sim", "--json")
     assert (code, out) == (2, "")
-    assert err.endswith("caramelo: the input ended; what is done so far is kept, start again to go on\n")
+    assert err.endswith("caramelo: the input ended; what is done so far is kept: run the command again to go on\n")
     (tmp_path / "answers.toml").write_text('resume = "yes"')
     monkeypatch.setattr("host.sim.servos.tray.unpack", lambda bus: plug(bus, ()))  # the five keep what they have
     code, out, _ = run("servos", "setup", "--sim", "--answers", "answers.toml", "--json")
@@ -247,7 +247,7 @@ def _end():
         (("--port", "/dev/ttyUSB97"), "no such port"),
         (("--calibration", "no.toml"), "no.toml: no calibration yet"),
         (("--answers", "no.toml"), "no.toml: can't be read"),
-        (("--answers", "a", "--record", "b"), "--record: allowed without --answers only"),
+        (("--answers", "a", "--record", "b"), "--record: not with --answers"),
     ],
 )
 def test_errors_are_one_line(run, arguments, words):

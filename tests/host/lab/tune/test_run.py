@@ -70,7 +70,7 @@ def test_ctrl_c_keeps_the_best_and_the_same_command_goes_on(short, run, tmp_path
     monkeypatch.setattr(tuning.Tuning, "scores", stopped)
     code, result, err = tuned(run, out)
     assert (code, result) == (130, None)
-    assert f"the best of 11 trials so far is in {out}, not compared on other grounds yet: the same command" in err
+    assert f"the best of 11 trials so far is in {out}, not compared on other grounds yet; the same command" in err
     assert err.splitlines()[-1] == "caramelo: stopped by Ctrl-C"
     assert sources(out.read_text())["trot.low_lift"] == "tuned"
     monkeypatch.setattr(tuning.Tuning, "scores", real)
@@ -117,7 +117,7 @@ def test_wrong_words_are_told_in_one_line(run, tmp_path):
         (("--in", "moon"), "--in moon: allowed plane, space"),
         (("--gait", "gallop"), "no such gait"),
         (("--robot", "nobody"), "unknown"),
-        (("--robot", ROBOT, "--out", str(mine)), "there is such a file, of no search that"),
+        (("--robot", ROBOT, "--out", str(mine)), "the file exists and comes from no search in"),
     ):
         code, out, err = run("tune", *arguments)
         assert (code, out, err.count("\n")) == (2, "", 1)

@@ -69,13 +69,13 @@ def test_ctrl_c_leaves_the_trials_that_are_done(tmp_path):
 def test_trials_of_another_search_are_refused(tmp_path):
     path = tmp_path / "trials.jsonl"
     searched(path, 12)
-    with pytest.raises(UserError, match=r"trials are of another search \(goal\): remove it"):
+    with pytest.raises(UserError, match=r"trials belong to another search \(goal\): remove it"):
         Store(path, {"goal": "another"})
     lines = path.read_text().splitlines()
     lines[3] = json.dumps({"values": TOP, "score": 1.0})
     path.write_text("\n".join([*lines, ""]))
-    with pytest.raises(UserError, match=r"trials from 2 on are not those that this numpy and cma would make"):
+    with pytest.raises(UserError, match=r"trials from 2 on differ from those that this numpy and cma would make"):
         searched(path, 12)
     path.write_text("no trials\n")
-    with pytest.raises(UserError, match="is no file of trials"):
+    with pytest.raises(UserError, match="not a file of trials"):
         Store(path, HEAD)

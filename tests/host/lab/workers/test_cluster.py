@@ -85,14 +85,15 @@ def test_a_cluster_that_can_not_be_used_is_told_in_one_line(tmp_path, run, monke
         return err
 
     monkeypatch.setattr("host.lab.workers.cluster._CONNECT_S", 0.5)
-    assert "allowed is the scheduler's address, as tcp://HOST:8786" in told("lab")
+    assert "allowed: the scheduler's address, such as tcp://HOST:8786" in told("lab")
     assert "no scheduler answers" in told(NOTHING_LISTENS)
     with standing(tmp_path) as cluster:
-        assert f"it has no worker: start some with dask worker {cluster.address}" in told(cluster.address)
+        assert f"no worker is there: start some with dask worker {cluster.address}" in told(cluster.address)
         cluster.worker()
         other = dict(versions.versions()) | {"mujoco": "3.3.0"}
         monkeypatch.setattr("host.lab.workers.cluster.versions", lambda: other)
-        assert "where this has 3.3.0: its figures could be others; install the same there" in told(cluster.address)
+        difference = "where this has 3.3.0: its figures could differ; install the same versions there"
+        assert difference in told(cluster.address)
         cluster.worker(threads=2)
         assert "runs 2 trials in one process: start it with --nthreads 1" in told(cluster.address)
 

@@ -180,7 +180,7 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
     [
         (["13"], "give 1 .. 12, or all"),
         (["5", "--out", "there/is/no.toml"], "give a new file"),
-        (["5", "--verify", "--out", "x.toml"], "leave --out out"),
+        (["5", "--verify", "--out", "x.toml"], "--out: not with --verify"),
     ],
 )
 def test_wrong_use_is_told_before_anything_moves(capsys, arguments, sentence):

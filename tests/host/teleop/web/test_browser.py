@@ -89,7 +89,7 @@ def test_drive_by_keyboard_and_stop(teleop, open_page):
     status = teleop.wait(walks)
     assert status["speed"][0] > 0
     assert status["driver"] == ["web", status["driver"][1]]
-    playwright.expect(page.locator("#reason")).to_have_text("moving as told")
+    playwright.expect(page.locator("#reason")).to_have_text("moving as commanded")
     page.keyboard.press("Space")
     status = teleop.wait(lambda status: status["stop"])
     assert status["stop"] == f"web {status['driver'][1]}"
@@ -351,7 +351,7 @@ def test_full_stick_is_the_gaits_own_limit_and_what_is_beyond_is_told(teleop, op
 
 def test_buttons_that_can_do_nothing_now_look_so_and_say_why(teleop, open_page):
     page = open_page()
-    for name, why in (("stand", "it stands already"), ("reset", "nothing to reset")):
+    for name, why in (("stand", "the robot already stands"), ("reset", "nothing to reset")):
         playwright.expect(page.locator(f"#{name}")).to_be_disabled()
         assert page.locator(f"#{name}").get_attribute("title") == why
     playwright.expect(page.locator("#sit")).to_be_enabled()

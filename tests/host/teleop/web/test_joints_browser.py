@@ -47,12 +47,12 @@ def test_a_joint_is_tuned_from_the_page(page):
     playwright.expect(gain).to_have_value("12.875")
     gain.fill("900")
     gain.press("Enter")
-    playwright.expect(page.locator("#told")).to_contain_text("position_p: 900 is not allowed")
+    playwright.expect(page.locator("#told")).to_contain_text("position_p: 900: allowed ")
     gain.fill("12")
     gain.press("Enter")
     playwright.expect(page.locator("#told")).to_contain_text("position_p is 12 rate/rc")
     page.locator("#keep").click()
-    playwright.expect(page.locator("#told")).to_contain_text("kept over a loss of power")
+    playwright.expect(page.locator("#told")).to_contain_text("its parameters are saved")
     assert page.locator("#step").is_disabled()
     assert page.locator("#step").get_attribute("title") == "arm first"
     page.locator("#arm").click()
@@ -63,7 +63,7 @@ def test_a_joint_is_tuned_from_the_page(page):
     assert page.locator("#plot-list figure").count() == 3
     page.keyboard.press("Space")
     says(page, "#word", "disarmed")
-    says(page, "#told", "emergency stop: all joints were let go")
+    says(page, "#told", "emergency stop: all joints are off")
     page.set_viewport_size(PHONE)
     stop = page.locator("#stop").bounding_box()
     assert stop["x"] >= 0

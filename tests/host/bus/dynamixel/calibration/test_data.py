@@ -70,7 +70,7 @@ REST = PLAN.joints[1].counts(rest_pose_rad(CARAMELO)[1], counts_per_rad(CARAMELO
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"id": 3}, "FR thigh.id: value 3: allowed: an id of its own; FR thigh and FR calf share it"),
+        ({"id": 3}, "FR thigh.id: value 3: allowed: an id for one joint only; FR thigh and FR calf share it"),
         ({"id": 253}, "FR thigh.id: value 253: allowed: 0 .. 252"),
         ({"id": -1}, "allowed: 0 .. 252"),
         ({"sign": 0}, "FR thigh.sign: value 0: allowed: 1 (more counts, larger angle) or -1"),
@@ -126,7 +126,7 @@ def test_files_come_back_as_they_were(tmp_path):
         ("[FL]", "[LF]", "LF: unknown key"),
         ("[FL]\nhip", "[FL]\nhop", "FL.hip: missing"),
         ('robot = "caramelo"', "", "robot: value"),
-        ('robot = "caramelo"', 'robot = "caramelo', "is no TOML"),
+        ('robot = "caramelo"', 'robot = "caramelo', "not TOML"),
     ],
 )
 def test_files_that_are_wrong_are_refused(tmp_path, was, now, words):

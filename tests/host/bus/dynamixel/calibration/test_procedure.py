@@ -93,7 +93,7 @@ def test_a_joint_named_twice_is_refused(tmp_path):
     answers = answers_of(bench)
     ids = sorted(bench.truth.ids)
     answers[f"servo {ids[1]} joint"] = answers[f"servo {ids[0]} joint"]
-    with pytest.raises(UserError, match=rf"servo {ids[1]} joint: .* is servo {ids[0]} already"):
+    with pytest.raises(UserError, match=rf"servo {ids[1]} joint: .* already has servo {ids[0]}"):
         procedure(bench, answers, tmp_path).run()
 
 
@@ -113,9 +113,10 @@ def test_goes_on_where_it_stopped(tmp_path):
     ("content", "words"),
     [
         ('robot = "spot"', "begun for another robot"),
-        ("robot = ", "can't go on from it"),
-        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from it"),
-        ('robot = "caramelo"\n"FR hip" = { id = 250, sign = 1, zero = 0, min = 0, max = 9 }', "other servo ids"),
+        ("robot = ", "can't go on from this file"),
+        ('robot = "caramelo"\n"FR nose" = { id = 1 }', "can't go on from this file"),
+        ('robot = "caramelo"\n"FR hip" = { id = 250, sign = 1, zero = 0, min = 0, max = 9 }',
+         "begun with servo ids that are not on the bus now"),
     ],
 )
 def test_a_spoilt_unfinished_file_is_refused(tmp_path, content, words):
@@ -225,7 +226,7 @@ def test_at_the_terminal_until_the_answer_is_clear(monkeypatch, capsys):
         raise EOFError
 
     monkeypatch.setattr("builtins.input", ended)
-    with pytest.raises(UserError, match="start again to go on"):
+    with pytest.raises(UserError, match="run the command again to go on"):
         person.ask("x", "?", [])
 
 
