@@ -20,6 +20,8 @@ from .swings import asked_speeds, most, poses_rad, within_limits
 GAIT = "trot"  # whose figures these are
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and after a foot met something
 HIGHEST_LIFT = 0.45  # of the leg: for a foot that was held up in its last swing
+FREE_FROM, FREE_TO = 0.2, 0.9  # of such a swing: the foot goes ahead in between, until then it rises
+DRAW_BACK = 0.04  # of the leg: how far such a foot is drawn back while it rises
 LAGS_IN_SWING = 2.0  # times the drives' lag, added to sqrt(h/g): the duration of a swing
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: then a foot's motion along the ground ends, so that it is over at touchdown despite lag
@@ -230,6 +232,8 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.stance_q20 = round(2**20 * f.own["stance_share"])
     setup.swing_rate_q13 = round(2**13 / (1 - f.own["stance_share"]))
     setup.ahead_rate_q13 = round(2**13 / AHEAD_SHARE)
+    setup.free_from_q15, setup.free_rate_q13 = round(32768 * FREE_FROM), round(2**13 / (FREE_TO - FREE_FROM))
+    setup.draw_back = round(DRAW_BACK * f.leg_m * unit)
     setup.swing_q8 = round(f.swing_s * rate * 256)
     setup.height = round(f.height_m * unit)
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))

@@ -13,6 +13,7 @@ from .state import Trot
 _PER_TURN_Q15 = const(5215)  # 1 / (2 pi)
 _FAR = const(32767)
 _WIDE = const(65535)
+_HALF_Q15 = const(16384)
 _PUSHED_Q10 = const(123)  # 0.12 of the leg: how far below itself a standing foot is sent at most
 
 
@@ -111,8 +112,34 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
     low = -setup.height - pose[2]
     for leg in range(LEGS):
         if walk.stands[leg] == 0:
-            swing_foot(params, walk, leg, pose, share, way)
+            if walk.frees[leg]:
+                swing_foot(params, walk, leg, pose, share, free_way_q15(params, share))
+                draw_back(params, walk, leg, share)
+            else:
+                swing_foot(params, walk, leg, pose, share, way)
             settle_foot(walk, leg, mul_q15(walk.tops[leg], up), low, down)
+
+
+@hot
+def free_way_q15(params: Params, share_q15: int) -> int:
+    """Return the share of its way that a foot which was held up has made after a share of its swing, both 0 .. 32767.
+
+    It rises before it goes ahead. Pressed against a riser it would be held down by its friction, and pull the body
+    down on that corner instead of rising. Intermediates: 2^15 * 2^14.
+    """
+    setup = params.trot
+    return cycloid_way_q15(saturate((share_q15 - setup.free_from_q15) * setup.free_rate_q13 >> 13, 0, 32767))
+
+
+@hot
+def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
+    """Draw a foot that was held up back from what held it, in the first half of its swing. Part of swing_feet."""
+    if share_q15 >= _HALF_Q15:
+        return
+    back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
+    if walk.state.foot_speed[0] < 0:
+        back = -back
+    walk.feet[leg * 3] -= back << LF_BITS
 
 
 @hot

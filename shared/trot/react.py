@@ -134,6 +134,9 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     if state.high_left and (held[leg] or seen * 3 < speed):
         count += 3
     walk.tops[leg] = swing_top(params, walk, leg)
+    walk.frees[leg] = 0
+    if state.high_left and on_stairs(params, walk) == 0:
+        walk.frees[leg] = held[leg]
     if held[leg] == 0:
         usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
         walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)

@@ -74,6 +74,7 @@ class Trot:
         self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
         self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
         self.usual = zeros(LEGS)  # lu, the mean of that over swings that were not held up, at most 0.04 of the leg
+        self.frees = zeros(LEGS)  # 1: the foot was held up in the swing before, and first gets free of that in this one
         self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
@@ -115,6 +116,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
         walk.early[leg] = 0
         walk.load_q12[leg] = 0
         walk.held[leg] = 0
+        walk.frees[leg] = 0
         walk.short[leg] = 0
         walk.peak[leg] = 0
         walk.usual[leg] = 0

@@ -73,6 +73,7 @@ class FloatTrot:
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
         self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
         self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.frees = [False] * 4
         self.known, self.measured, self.before, self.free = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
@@ -261,15 +262,18 @@ class FloatTrot:
 
     def begin_swing(self, leg):
         self.tops[leg] = self.swing_top(leg)
+        self.frees[leg] = bool(self.held[leg] and self.high_left and not self.on_stairs())
         if not self.held[leg]:
             self.usual[leg] = min(0.75 * self.usual[leg] + 0.25 * self.peak[leg], 41 / 1024 * self.leg_m)
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
 
+    def on_stairs(self):
+        return self.high_gone >= tuning.EDGE_LENGTHS * self.f.length_m and self.climbs()
+
     def swing_top(self, leg):
-        slowly = self.high_gone >= tuning.EDGE_LENGTHS * self.f.length_m and self.climbs()
         behind = self.peak[leg] > self.usual[leg] + 26 / 1024 * self.leg_m
-        return self.highest if self.high_left and (self.held[leg] or (slowly and behind)) else self.lift
+        return self.highest if self.high_left and (self.held[leg] or (self.on_stairs() and behind)) else self.lift
 
     def hold_up(self, leg):
         high = self.tops[leg] >= self.high
@@ -318,6 +322,7 @@ class FloatTrot:
     def swing_feet(self, pose):
         u = self.u
         along, down, up = way(min(1.0, u / tuning.AHEAD_SHARE)), way(u), (1 - math.cos(2 * math.pi * u)) / 2
+        rising = min(1.0, max(0.0, (u - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
         for leg in range(4):
             if self.stands[leg] == 0:
                 rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
@@ -327,9 +332,12 @@ class FloatTrot:
                     target = rest[i] + self.capture[i] + (self.foot_speed[i] + turning[i]) * self.f.neutral_s
                     back = (self.drive[i] + turning[i]) * self.f.swing_s
                     start = self.starts[leg][i]
-                    place.append(start + (target - start + back) * along - back * u)
+                    place.append(start + (target - start + back) * (way(rising) if self.frees[leg] else along) - back * u)
                 start = self.starts[leg][2]
                 place[0] -= self.short[leg]
+                if self.frees[leg] and u < 0.5:
+                    back = tuning.DRAW_BACK * self.leg_m * (1 - math.cos(4 * math.pi * u)) / 2
+                    place[0] -= math.copysign(back, self.foot_speed[0])
                 low = self.ground_z(*place) - self.h - pose[2]
                 z = start + (low - start) * down + self.tops[leg] * up
                 self.feet[leg] = to_body((*place, z), *self.then)

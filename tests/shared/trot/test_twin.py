@@ -6,15 +6,16 @@ from collections import deque
 
 import pytest
 
+from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.sensed import Sensed
-from shared.trot.feet import spare
+from shared.trot.feet import free_way_q15, spare
 from shared.trot.state import Trot
 from shared.trot.trot import trot_start, trot_tick
 
-from .reference import FloatTrot, Senses
+from .reference import FloatTrot, Senses, way
 
 # Worst seen over 12 s: 28 brad (0.15 deg) and 0.34 mm, at 200 Hz, where a brad of a step is led by seven ticks of lag.
 MOST_BRAD, MOST_M = 40, 0.0005
@@ -132,6 +133,23 @@ def test_a_foot_that_meets_something_is_the_same_in_both():
     assert pair.twin.high_left > 0
     assert max(pair.walk.tops) == pair.params.trot.highest_lift
     assert pair.worst_m < MOST_M
+
+
+def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
+    """Over all shares of a swing within 4 LSB of the float; the foot itself goes back first, ahead once it is high."""
+    pair = Pair("caramelo", 50)
+    for share in range(32768):
+        part = min(1.0, max(0.0, (share / 32768 - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
+        assert free_way_q15(pair.params, share) == pytest.approx(32768 * way(part), abs=4)
+    walk, way_m = pair.walk, []
+    for _ in pair.walk_with_a_held_foot():
+        for at in range(0, 12, 3):
+            if walk.frees[at // 3] and not walk.stands[at // 3]:
+                x, z = (pair.scale.metres(feet / 256) for feet in walk.feet[at : at + 3 : 2])
+                way_m.append((x - pair.scale.metres(walk.starts[at]), z + pair.twin.h))
+    leg_m = pair.twin.leg_m
+    assert min(x for x, _ in way_m) < -0.9 * tuning.DRAW_BACK * leg_m
+    assert next(z for x, z in way_m if x > 0.02 * leg_m) > 0.3 * leg_m
 
 
 def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():

@@ -29,7 +29,7 @@ SENSING = Sensing()
 WALK = state.Trot(FEET)
 ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
-HELD = (WALK.held, WALK.jams, WALK.peak, WALK.usual, WALK.short)
+HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
 ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
 
@@ -92,6 +92,7 @@ def _moving(values, dice):
     WALK.early[leg] = 0
     WALK.state.known = 100
     WALK.state.swing_q15 = SHARE.any(dice)
+    WALK.frees[leg] = dice.bits(1)
     for at in range(8):
         WALK.residual[at] = dice.bits(13) - 4096
 
@@ -150,6 +151,8 @@ PROBES = (
     _probe("spare", feet, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
     Probe("cycloid_way_q15", feet.cycloid_way_q15, (SHARE,)),
+    Probe("free_way_q15", feet.free_way_q15, (ROBOT, SHARE)),
+    _probe("draw_back", feet, (ROBOT, WALK, LEG, SHARE), (WALK.feet,), fit=_moving),
     _probe("swing_feet", feet, (ROBOT, WALK, POSE), fit=_moving_first),
     _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
     _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),

@@ -101,10 +101,10 @@ def test_level_ground_otherwise(name, speed, more):
     assert max(tilts) < 5.0
 
 
-def crosses(name, speed, height_m, offset_m, friction):
+def crosses(name, speed, height_m, offset_m, friction, ground="step-up"):
     """Return the seconds from 0.3 m before to 0.3 m behind a step up; None if it fell or got stuck."""
     edge_m = 0.4 + offset_m
-    walk = Walk(name, ground=GroundSpec("step-up", height_m, start_m=edge_m), friction=friction)
+    walk = Walk(name, ground=GroundSpec(ground, height_m, start_m=edge_m), friction=friction)
     walk.command(speed)
     x = walk.go(20.0, edge_m + 0.3)[:, 0]
     if walk.trunk or x[-1] <= edge_m + 0.3:
@@ -118,6 +118,14 @@ def test_a_step_is_trotted_over(name, speed, height_m):
     seconds = crosses(name, speed, height_m, 0.017, 0.9)
     assert seconds is not None
     assert seconds < 8.0
+
+
+@pytest.mark.parametrize("ground", ["angled", "left"])
+def test_a_step_askew_or_under_the_left_legs_alone_is_trotted_over(ground):
+    """A foot that an edge holds up gets free of it first: pressed against it, it would pull its corner down."""
+    seconds = [crosses("caramelo", 0.15, 0.05, offset_m, 0.6, ground) for offset_m in (0.0, 0.033, 0.066)]
+    assert None not in seconds
+    assert sorted(seconds)[1] < 7.0
 
 
 @pytest.mark.slow
