@@ -327,12 +327,12 @@ class FloatTrot:
             if self.stands[leg] == 0:
                 rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
                 turning = -self.turn * rest[1], self.turn * rest[0]
-                place = []
+                place, gone = [], way(rising) if self.frees[leg] else along
                 for i in range(2):
                     target = rest[i] + self.capture[i] + (self.foot_speed[i] + turning[i]) * self.f.neutral_s
                     back = (self.drive[i] + turning[i]) * self.f.swing_s
                     start = self.starts[leg][i]
-                    place.append(start + (target - start + back) * (way(rising) if self.frees[leg] else along) - back * u)
+                    place.append(start + (target - start + back) * gone - back * u)
                 start = self.starts[leg][2]
                 place[0] -= self.short[leg]
                 if self.frees[leg] and u < 0.5:
