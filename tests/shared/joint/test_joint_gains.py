@@ -60,7 +60,7 @@ def test_the_current_step_cannot_overflow_with_what_is_accepted(limit_A, bandwid
         ({"drive": {"current_limit_A": 6.0}}, "current_limit_A 6: at most 60 %"),
         ({"gear": {"ratio": 80.0}}, "gear.ratio 80"),
         ({"drive": {"over_voltage_V": 60.0}}, "over_voltage_V 60: the board reads up to 42.9 V"),
-        ({"drive": {"pwm_hz": 8000}}, "pwm_hz 8000: 12000 .. 168000"),
+        ({"drive": {"pwm_hz": 8000}}, "pwm_hz 8000: allowed 12000 .. 168000"),
         ({"drive": {"speed_limit_rad_s": 40.0}}, "speed_limit_rad_s: gives"),
         ({"motor": {"inductance_H": 20e-3}}, "kp = L w does not fit"),
     ],
