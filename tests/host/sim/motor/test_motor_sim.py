@@ -193,4 +193,4 @@ def test_json_has_the_keys_that_are_promised(capsys):
 
 def test_a_robot_with_servos_is_refused(capsys):
     assert main(["motor", "sim", "--robot", "caramelo"]) == 2
-    assert "servos" in capsys.readouterr().err
+    assert "its joints are not brushless" in capsys.readouterr().err

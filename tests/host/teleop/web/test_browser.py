@@ -506,7 +506,7 @@ def test_in_space_a_ground_is_chosen_and_goes_by(browser, tmp_path):
         assert lies["place"][0] == pytest.approx(0.0, abs=0.02)
         press_until(teleop, page, "t", lambda status: status["state"] == "standing")
         playwright.expect(page.locator("#ground")).to_be_disabled()
-        assert page.locator("#ground").get_attribute("title").startswith("joints off first")
+        assert page.locator("#ground").get_attribute("title").startswith("switch the joints off first")
         before = drawn(page, "#view")
         page.keyboard.down("d")
         teleop.wait(lambda status: status["place"][3] < -0.1)  # in the plane it could not turn
