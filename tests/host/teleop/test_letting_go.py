@@ -20,7 +20,7 @@ BUSY = 5  # a machine with other work is given so much more
 def let_go(drive):
     """Ctrl-C twice; return how long the second one took to the servos."""
     drive.process.send_signal(signal.SIGINT)
-    drive.wait(lambda status: "leaving" in status["reason"])
+    drive.wait(lambda status: "the program ends" in status["reason"])
     assert drive.holds()
     drive.process.send_signal(signal.SIGINT)
     return drive.until_off()
