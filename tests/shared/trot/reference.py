@@ -262,7 +262,8 @@ class FloatTrot:
 
     def begin_swing(self, leg):
         self.tops[leg] = self.swing_top(leg)
-        self.frees[leg] = bool(self.held[leg] and self.high_left and not self.on_stairs())
+        alone = self.tops[leg ^ 1] < self.highest and not self.climbs()
+        self.frees[leg] = bool(self.held[leg] and self.high_left and alone)
         if not self.held[leg]:
             self.usual[leg] = min(0.75 * self.usual[leg] + 0.25 * self.peak[leg], 41 / 1024 * self.leg_m)
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0

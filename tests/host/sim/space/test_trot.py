@@ -120,10 +120,9 @@ def test_a_step_is_trotted_over(name, speed, height_m):
     assert seconds < 8.0
 
 
-@pytest.mark.parametrize("ground", ["angled", "left"])
-def test_a_step_askew_or_under_the_left_legs_alone_is_trotted_over(ground):
+def test_a_step_under_the_left_legs_alone_is_trotted_over():
     """A foot that an edge holds up gets free of it first: pressed against it, it would pull its corner down."""
-    seconds = [crosses("caramelo", 0.15, 0.05, offset_m, 0.6, ground) for offset_m in (0.0, 0.033, 0.066)]
+    seconds = [crosses("caramelo", 0.15, 0.05, offset_m, 0.6, "left") for offset_m in (0.0, 0.033, 0.066)]
     assert None not in seconds
     assert sorted(seconds)[1] < 7.0
 
