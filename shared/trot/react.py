@@ -121,7 +121,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
     with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
     on. What is usual has a limit: before a wall to be held up would be. A foot that was held up gets free first, but
-    not where the foot beside it was held up as well, as before a wall, and not where the ground climbs.
+    not where the foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
     """
     state = walk.state
     held = walk.held
@@ -136,8 +136,10 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
         count += 3
     walk.tops[leg] = swing_top(params, walk, leg)
     walk.frees[leg] = 0
-    if state.high_left and walk.tops[leg ^ 1] < params.trot.highest_lift and climbs(params, walk) == 0:
+    if state.high_left and params.lateral_q12 and climbs(params, walk) == 0:
         walk.frees[leg] = held[leg]
+    if walk.tops[leg ^ 1] >= params.trot.highest_lift:
+        walk.frees[leg] = 0
     if held[leg] == 0:
         usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
         walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
