@@ -139,6 +139,7 @@ class PlanarRobot:
     payload_height_m: float = 0.05
     payload_half_length_m: float = 0.06
     end_stop_Nm_rad: float = 60.0
+    end_stop_Nms_rad: float = 1.2  # 20 ms of the stiffness, as the stops in space have (chosen)
     sensors: SensorModel = field(default_factory=SensorModel)
 
     def __post_init__(self) -> None:

@@ -6,7 +6,8 @@ written, with one pymunk.batch call each. Settings, with what each is for:
 * SI units, y up, ``collision_slop`` 0.1 mm (the default of 0.1 m would never correct a penetration here);
 * ``damping`` 1.0: no air drag; 30 iterations; pins close 20 % of their error per sub-step at any dt;
 * servo torques are explicit, end stops are springs on the position one sub-step ahead: pymunk moves with the
-  old speed before it applies a torque, and a spring on the old position would gain energy.
+  old speed before it applies a torque, and a spring on the old position would gain energy. They brake too, and
+  never more than stops the links: a robot that lies limp on its stops comes to rest.
 """
 
 import itertools
@@ -88,7 +89,7 @@ class World:
         _add_ground(self.space, terrain)
         self.servos = servos_of(robot, voltage_V)
         self._actuator = self.servos if actuator is None else actuator
-        self._stops = _end_stops(robot)
+        self._stops = _end_stops(robot, self.parts.bodies, dt_s)
         self._moving = ROBOT_BODIES + len(terrain.loose)
         self.position_rad = [0.0] * PLANAR_JOINTS
         self.speed_rad_s = [0.0] * PLANAR_JOINTS
@@ -151,12 +152,12 @@ class World:
         """Joint torques and end stops on both bodies of every joint (a joint torque is about +y)."""
         t = self.torque_Nm.copy()
         dt_s = self.dt_s
-        for i, low, high, stiffness in self._stops:
+        for i, low, high, stiffness, braking in self._stops:
             ahead = self.position_rad[i] + self.speed_rad_s[i] * dt_s
             if ahead < low:
-                t[i] += stiffness * (low - ahead)
+                t[i] += max(0.0, stiffness * (low - ahead) - braking * self.speed_rad_s[i])
             elif ahead > high:
-                t[i] += stiffness * (high - ahead)
+                t[i] += min(0.0, stiffness * (high - ahead) - braking * self.speed_rad_s[i])
         t0, t1, t2, t3, t4, t5, t6, t7 = t
         self._torques.pack_into(
             self._torque_mem, 0, t0 + t2 + t4 + t6, t1 - t0, -t1, t3 - t2, -t3, t5 - t4, -t5, t7 - t6, -t7
@@ -235,10 +236,18 @@ def _check_stable(robot: PlanarRobot, supply_voltage_V: float, dt_s: float) -> N
             )
 
 
-def _end_stops(robot: PlanarRobot) -> list[tuple[int, float, float, float]]:
-    """Rows (planar joint, low, high, stiffness)."""
+def _end_stops(
+    robot: PlanarRobot, bodies: Sequence[pymunk.Body], dt_s: float
+) -> list[tuple[int, float, float, float, float]]:
+    """Rows (planar joint, low, high, stiffness, braking), the braking such that a sub-step stops at most both links."""
     limits = (robot.thigh_limits_rad, robot.calf_limits_rad)
-    return [(i, *limits[i % 2], robot.end_stop_Nm_rad) for i in range(PLANAR_JOINTS)]
+    stiffness, braking = robot.end_stop_Nm_rad, robot.end_stop_Nms_rad
+    rows = []
+    for i in range(PLANAR_JOINTS):
+        parent, child = bodies[i if i % 2 else 0], bodies[i + 1]
+        gives_1_kgm2 = 1 / parent.moment + 1 / child.moment
+        rows.append((i, *limits[i % 2], stiffness, braking / (1 + braking * dt_s * gives_1_kgm2)))
+    return rows
 
 
 def _add_ground(space: pymunk.Space, terrain: Terrain) -> None:

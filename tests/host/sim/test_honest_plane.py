@@ -103,6 +103,23 @@ def test_it_walks_as_commanded_and_twice_alike():
     assert run_walk(replace(walk, robot=ROBOT.simulated(False))).digest() != first.digest()
 
 
+@pytest.mark.parametrize(("braking_Nms_rad", "rests"), [(None, True), (0.0, False)])
+def test_limp_on_its_end_stops_it_comes_to_rest_but_not_where_they_only_spring(braking_Nms_rad, rests):
+    """The rear thighs are at their stops; play parts the links from the friction of their drives."""
+    plane, servos = honest_servos(ROBOT, planar_robot(ROBOT), None)
+    if braking_Nms_rad is not None:
+        plane = replace(plane, end_stop_Nms_rad=braking_Nms_rad)
+    world = World(plane, terrain.flat(), actuator=coupled(plane, servos))
+    servos.most[:] = [None] * 8
+    world.place((0.0, 0.0, -2.03, 0.0, 0.0, -1.29, 0.0, -0.02, -1.29, 0.0, -0.02, -1.29))
+    world.advance([0.0] * 8, 4000)
+    fastest_rad_s = 0.0
+    for _ in range(200):
+        world.advance([0.0] * 8, 1)
+        fastest_rad_s = max(fastest_rad_s, abs(world.parts.bodies[0].angular_velocity))
+    assert (fastest_rad_s < 1e-4) == rests
+
+
 def test_standing_it_does_not_creep_and_off_it_sinks():
     plant = PlanePlant(ROBOT, seated_pose_rad(ROBOT))
 
