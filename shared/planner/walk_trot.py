@@ -9,7 +9,6 @@ from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.sensed import Sensed
 from ..trot.lead import solve
-from ..trot.react import top_speed
 from ..trot.state import trot_reset
 from ..trot.trot import trot_done, trot_tick
 from .command import Command
@@ -70,7 +69,7 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
     wanted = wanted_gait(planner, command)
     limit_to_both(planner, wanted)
     if planner.trot.state.high_left:
-        most = top_speed(planner.params, planner.trot)
+        most = planner.params.trot.high_speed
         for axis in range(2):
             planner.top[axis] = saturate(planner.top[axis], 0, most)
     halves = 0

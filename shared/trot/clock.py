@@ -3,7 +3,7 @@
 from ..body.params import LEGS, Params
 from ..runtime import const, hot
 from .feet import lift_off
-from .react import count_held, react
+from .react import count_held, land, react
 from .state import CYCLE_Q20, Trot
 
 _DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
@@ -38,14 +38,14 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
             part = part + (CYCLE_Q20 >> 1) & CYCLE_Q20 - 1
         part -= setup.stance_q20
         if part < 0:
-            walk.early[leg] = 0
             stands[leg] = 1
+            land(params, walk, leg, part + setup.stance_q20)
         else:
             share = (part >> 5) * setup.swing_rate_q13 >> 13
             if share > 32767:
                 share = 32767
             state.swing_q15 = share
-            if walk.early[leg] == 0:
+            if walk.met[leg] == 0:
                 if stands[leg]:
                     count_held(params, walk, leg)
                     lift_off(walk, leg)
@@ -61,6 +61,6 @@ def stand_all(walk: Trot) -> None:
     """All legs stand."""
     for leg in range(LEGS):
         walk.stands[leg] = 1
-        walk.early[leg] = 0
+        walk.met[leg] = 0
     walk.state.swinging = 0
     walk.state.standing = LEGS

@@ -61,8 +61,8 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag
-        if walk.early[leg] == MET_NOW:
-            walk.early[leg] = MET
+        if walk.met[leg] == MET_NOW:
+            walk.met[leg] = MET
             led = 0
         elif walk.stands[leg] == 0:
             led = lag >> 1

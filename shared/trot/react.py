@@ -1,4 +1,4 @@
-"""What a foot in the air may meet, the ground too early or something in its way, and high swings after it."""
+"""What a foot may meet, ground higher than planned or something in its way, and high swings after it."""
 
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
@@ -13,12 +13,13 @@ _QUARTER_Q12 = const(1024)  # of the own weight
 # Of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
 _HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
 _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
+_LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.12 in high swings
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
 _USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
 _SWINGS_MAX = const(100)
-MET = const(1)  # of ``early``: it has met something in this swing
+MET = const(1)  # of ``met``: it has met ground higher than planned
 MET_NOW = const(2)  # in this tick, whose goals are not led
 
 
@@ -36,7 +37,9 @@ def react(params: Params, walk: Trot, leg: int) -> int:
     else:
         slack = saturate(ascent[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
         if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
-            return touch_early(params, walk, leg)
+            state.high_left = params.trot.high_way
+            meet_ground(params, walk, leg, 1)
+            return 1
     if state.swing_q15 > _RISEN:
         held_up(params, walk, leg)
     give_way(walk, leg)
@@ -157,42 +160,34 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
 
 @hot
 def swing_top(params: Params, walk: Trot, leg: int) -> int:
-    """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high.
-
-    Where it goes at the speed of stairs a foot that was but farther behind than usual is, too: what holds it holds it
-    softly, and it would come down where it came from.
-    """
-    state = walk.state
-    if state.high_left:
-        if walk.held[leg]:
-            return params.trot.highest_lift
-        most = walk.usual[leg] + (params.leg_length * _BEHIND_Q10 >> 10)
-        if walk.peak[leg] > most and on_stairs(params, walk):
-            return params.trot.highest_lift
-    return state.lift
+    """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high."""
+    if walk.state.high_left and walk.held[leg]:
+        return params.trot.highest_lift
+    return walk.state.lift
 
 
 @hot
-def on_stairs(params: Params, walk: Trot) -> int:
-    """Return 1 where it still climbs after the way with high swings that one edge takes, else 0."""
-    if walk.state.high_gone == params.trot.edge_way:
-        return climbs(params, walk)
-    return 0
+def land(params: Params, walk: Trot, leg: int, stood_q20: int) -> None:
+    """Look at a foot that stands by plan for ``stood_q20`` of a cycle: where it climbs, did it land too high?
+
+    It would push its corner of the body up by as much, and tip it over. Only while the joints still tell of the
+    landing, and once: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
+    """
+    if stood_q20 > params.trot.landing_q20:
+        walk.met[leg] = 0
+    elif walk.met[leg] == 0 and walk.state.known > params.sent_ticks:
+        if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
+            meet_ground(params, walk, leg, 2)
 
 
 @hot
-def touch_early(params: Params, walk: Trot, leg: int) -> int:
-    """The foot stands from now on, where it was measured, but gives way by a quarter of what it met; return 1.
-
-    The next swings are high.
-    """
-    setup = params.trot
+def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
+    """The foot stands from now on, where it was measured, but gives way by so many ``quarters`` of what it met."""
     measured = walk.measured
     feet = walk.feet
     at = leg * 3
-    met = level_z(walk, leg) + setup.height - ground_z(walk, measured[at], measured[at + 1])
-    walk.state.high_left = setup.high_way
-    given = met - (met >> 2)
+    met = level_z(walk, leg) + params.trot.height - ground_z(walk, measured[at], measured[at + 1])
+    given = met - (met * quarters >> 2)
     small = params.leg_length * _SMALL_Q10 >> 10
     if met < small and met > -small:
         given = met
@@ -200,20 +195,8 @@ def touch_early(params: Params, walk: Trot, leg: int) -> int:
     feet[at + 1] = measured[at + 1] << LF_BITS
     feet[at + 2] = measured[at + 2] - given << LF_BITS
     walk.load_q12[leg] = _QUARTER_Q12
-    walk.early[leg] = MET_NOW
+    walk.met[leg] = MET_NOW
     walk.state.touched += 1
-    return 1
-
-
-@hot
-def top_speed(params: Params, walk: Trot) -> int:
-    """Return the fastest along x and y while swings are high, lf / tick: less where it climbs more than one edge.
-
-    Faster than that on stairs a foot soon stands on a tread's edge, slips, and the body falls ahead over it.
-    """
-    if on_stairs(params, walk):
-        return params.trot.stairs_speed
-    return params.trot.high_speed
 
 
 @hot
@@ -227,9 +210,7 @@ def lift_on(params: Params, walk: Trot) -> None:
     state.lift = setup.low_lift
     if walk.wish.height > 0:
         state.lift = saturate(walk.wish.height, 0, setup.highest_lift)
-    if state.high_left == 0:
-        state.high_gone = 0
-    else:
+    if state.high_left:
         if state.lift < setup.high_lift:
             state.lift = setup.high_lift
         gone = 0
@@ -240,7 +221,6 @@ def lift_on(params: Params, walk: Trot) -> None:
             gone += speed
         if gone < setup.high_slowest:
             gone = setup.high_slowest
-        state.high_gone = saturate(state.high_gone + gone, 0, setup.edge_way)
         if climbs(params, walk):
             gone = 0
         state.high_left = saturate(state.high_left - gone, 0, setup.high_way)

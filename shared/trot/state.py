@@ -35,13 +35,12 @@ class TrotState:
     swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
     lift: int = field("lu", "top of the next swings")
     high_left: int = field("lf", "way still to go with high swings")
-    high_gone: int = field("lf", "way gone with high swings, up to what one edge takes")
     swinging: int = field("", "legs in the air, bits")
     standing: int = field("", "how many legs stand")
     still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
     ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
     blocked: int = field("", "swings held up since the start")
-    touched: int = field("", "feet that touched early since the start")
+    touched: int = field("", "feet that met ground higher than planned since the start")
     held_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
 
 
@@ -69,7 +68,7 @@ class Trot:
         self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
         self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
         self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
-        self.early = zeros(LEGS)  # react.MET...: it met something in this swing
+        self.met = zeros(LEGS)  # react.MET...: it met ground higher than planned in this swing, or landing from it
         self.tops = zeros(LEGS)  # lu, of the present swings
         self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
         self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
@@ -96,7 +95,6 @@ def trot_reset(params: Params, walk: Trot) -> None:
     state.heading_18 = 0
     state.lift = setup.low_lift
     state.high_left = 0
-    state.high_gone = 0
     state.uneven_q4 = 0
     state.swinging = 0
     state.standing = LEGS
@@ -113,7 +111,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
     for leg in range(LEGS):
         limb = params.legs[leg]
         walk.stands[leg] = 1
-        walk.early[leg] = 0
+        walk.met[leg] = 0
         walk.load_q12[leg] = 0
         walk.held[leg] = 0
         walk.frees[leg] = 0

@@ -58,12 +58,13 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
 
 @hot
 def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
-    """While swings are high the body waits for feet that stay behind.
+    """While swings are high the body waits for feet that stay behind; for feet that are ahead it does not hurry.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
-    too far from rest is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
+    too far behind is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
     """
-    if walk.state.high_left == 0:
+    state = walk.state
+    if state.high_left == 0:
         return
     total = 0
     for leg in range(LEGS):
@@ -72,7 +73,9 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
-    walk.state.drive[0] -= slow
+    if (state.foot_speed[0] > 0 and slow < 0) or (state.foot_speed[0] < 0 and slow > 0):
+        slow = 0
+    state.drive[0] -= slow
 
 
 @hot

@@ -67,8 +67,8 @@ class FloatTrot:
         self.starts = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
         self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
-        self.heading = self.high_left = self.high_gone = self.u = 0.0
-        self.load, self.stands, self.early = [0.0] * 4, [1] * 4, [0] * 4
+        self.heading = self.high_left = self.u = 0.0
+        self.load, self.stands, self.met = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
         self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
@@ -187,7 +187,8 @@ class FloatTrot:
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
-            self.drive[0] += (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
+            wait = (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
+            self.drive[0] += 0.0 if wait * self.foot_speed[0] > 0 else wait
         turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
         if moving:
             self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)
@@ -215,10 +216,7 @@ class FloatTrot:
         if self.high_left:
             self.lift = self.high
             gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
-            self.high_gone = min(tuning.EDGE_LENGTHS * self.f.length_m, self.high_gone + gone)
             self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
-        else:
-            self.high_gone = 0.0
 
     def climbs(self):
         steep = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
@@ -228,16 +226,17 @@ class FloatTrot:
 
     def go_on(self, moving):
         if not moving:
-            self.phase, self.stands, self.early = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
+            self.phase, self.stands, self.met = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
         self.phase = (self.phase + self.dt / self.f.cycle_s) % 1.0
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
             if part < 0:
-                self.early[leg], self.stands[leg] = 0, 1
+                self.stands[leg] = 1
+                self.land(leg, part + tuning.STANCE_SHARE)
                 continue
             self.u = part / (1 - tuning.STANCE_SHARE)
-            if self.early[leg] == 0:
+            if self.met[leg] == 0:
                 if self.stands[leg]:
                     self.starts[leg] = to_level(self.feet[leg], *self.then)
                     self.begin_swing(leg)
@@ -252,7 +251,8 @@ class FloatTrot:
             if self.u > 0.1:
                 self.ascent[leg] = max(self.ascent[leg], -up)
         elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent[leg] - 15 / 1024 * self.leg_m):
-            self.touch_early(leg)
+            self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
+            self.meet_ground(leg, 0.25)
             return 1
         if self.u > 0.1:
             self.hold_up(leg)
@@ -269,12 +269,8 @@ class FloatTrot:
         self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
 
-    def on_stairs(self):
-        return self.high_gone >= tuning.EDGE_LENGTHS * self.f.length_m and self.climbs()
-
     def swing_top(self, leg):
-        behind = self.peak[leg] > self.usual[leg] + 26 / 1024 * self.leg_m
-        return self.highest if self.high_left and (self.held[leg] or (self.on_stairs() and behind)) else self.lift
+        return self.highest if self.high_left and self.held[leg] else self.lift
 
     def hold_up(self, leg):
         high = self.tops[leg] >= self.high
@@ -296,13 +292,20 @@ class FloatTrot:
             gone, mate_gone = -gone, -mate_gone
         return gone > abs(self.foot_speed[0]) * self.dt or (mate_gone <= 0 and self.u > 0.4)
 
-    def touch_early(self, leg):
+    def land(self, leg, stood):
+        """Look at a foot that stands by plan for a share of a cycle: where it climbs, did it land too high?"""
+        high = self.known > self.delay and self.residual[leg][1] > 51 / 1024 * self.leg_m
+        if stood > tuning.LANDING_SHARE + self.delay * self.dt / self.f.cycle_s:
+            self.met[leg] = 0
+        elif self.met[leg] == 0 and high and self.climbs():
+            self.meet_ground(leg, 0.5)
+
+    def meet_ground(self, leg, share):
         x, y, z = self.measured[leg]
         met = z + y * self.tilt[0] - x * self.tilt[1] + self.h - self.ground_z(x, y)
-        given = met if abs(met) < 36 / 1024 * self.leg_m else 0.75 * met
+        given = met if abs(met) < 36 / 1024 * self.leg_m else met - share * met
         self.feet[leg] = [x, y, z - given]
-        self.load[leg], self.early[leg] = 0.25, 2
-        self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
+        self.load[leg], self.met[leg] = 0.25, 2
 
     # --- where the feet go
 
@@ -376,8 +379,8 @@ class FloatTrot:
             joints = self.joints[3 * leg : 3 * leg + 3]
             give, steps = self.sag(leg, joints, self.feet[leg]), [q - before[3 * leg + i] for i, q in enumerate(joints)]
             slides = (0.0, 0.0, 0.0)
-            if self.early[leg] == 2:
-                self.early[leg], led = 1, 0.0
+            if self.met[leg] == 2:
+                self.met[leg], led = 1, 0.0
             elif self.stands[leg] and not self.high_left:
                 slides = self.slide(steps, give)
             for i, q in enumerate(joints):

@@ -88,12 +88,12 @@ def test_only_legs_that_stand_and_move_are_led_and_none_once_something_was_met()
     rest, goal = list(walk.joints), [0] * 12
     lead(params, walk, goal)
     assert goal == rest
-    for leg, (stands, early, share) in enumerate(((1, 0, 1.0), (0, 0, 0.5), (1, MET_NOW, 0.0), (1, 0, 1.0))):
-        walk.stands[leg], walk.early[leg] = stands, early
+    for leg, (stands, met, share) in enumerate(((1, 0, 1.0), (0, 0, 0.5), (1, MET_NOW, 0.0), (1, 0, 1.0))):
+        walk.stands[leg], walk.met[leg] = stands, met
         walk.joints_before[3 * leg + 1] = rest[3 * leg + 1] - 400
         lead(params, walk, goal)
         lag = share * 400 * params.trot.lag_q8 / 256
-        friction = dry if stands and early == 0 else 0.0
+        friction = dry if stands and met == 0 else 0.0
         assert goal[3 * leg + 1] - rest[3 * leg + 1] == pytest.approx(lag + friction, abs=2)
     walk.state.high_left = 1
     lead(params, walk, goal)

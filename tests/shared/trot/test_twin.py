@@ -19,6 +19,7 @@ from .reference import FloatTrot, Senses, way
 
 # Worst seen over 12 s: 28 brad (0.15 deg) and 0.34 mm, at 200 Hz, where a brad of a step is led by seven ticks of lag.
 MOST_BRAD, MOST_M = 40, 0.0005
+UNEVEN_Q4 = 1024 << 4  # lu: stairs
 
 
 class Plant:
@@ -68,14 +69,14 @@ class Pair:
         self.plant.sent.append(goals)
         self._compare(goals)
 
-    def walk_with_a_held_foot(self):
-        """Do 160 ticks, yield each one's number behind it; in 100 .. 106 a leg's thigh and calf stay as they were."""
+    def walk_with_a_held_foot(self, first=100, ticks=7):
+        """Do 160 ticks, yield each one's number behind it; from the first on a leg's thigh and calf stay as they were."""
         seen, free = [], self.plant.joints_brad
 
         def held():
             joints = free()
-            if 100 <= len(seen) < 107:
-                joints[1:3] = seen[99][1:3]
+            if first <= len(seen) < first + ticks:
+                joints[1:3] = seen[first - 1][1:3]
             seen.append(joints)
             return joints
 
@@ -132,6 +133,16 @@ def test_a_foot_that_meets_something_is_the_same_in_both():
     assert pair.walk.state.high_left > 0
     assert pair.twin.high_left > 0
     assert max(pair.walk.tops) == pair.params.trot.highest_lift
+    assert pair.worst_m < MOST_M
+
+
+def test_a_foot_that_lands_on_higher_ground_where_it_climbs_is_the_same_in_both():
+    """A leg stays folded at its touchdown."""
+    pair = Pair("caramelo", 50)
+    for _ in pair.walk_with_a_held_foot(first=113, ticks=5):
+        pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+        pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
+    assert pair.walk.state.touched == 1
     assert pair.worst_m < MOST_M
 
 

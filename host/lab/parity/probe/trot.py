@@ -17,6 +17,7 @@ PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "
 FLAG = Range(0, 1)
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
 SHARE = Range(0, 32767)
+LANDING = Range(0, 1 << 18)  # up to a quarter of a cycle after touchdown
 PLACE = Range(-32767, 32767)
 SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
 POSE = Block(zeros(POSE_SIZE), (3, Range(-8191, 8191)), (3, BRAD))
@@ -28,7 +29,7 @@ FEET = MeasuredFeet()
 SENSING = Sensing()
 WALK = state.Trot(FEET)
 ROBOT = Pick(*PARAMS)
-LEGS_OF = (WALK.stands, WALK.early, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
+LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
 ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
@@ -89,12 +90,18 @@ def _moving(values, dice):
     _live(values, dice)
     leg = values[2]
     WALK.stands[leg] = 0
-    WALK.early[leg] = 0
+    WALK.met[leg] = 0
     WALK.state.known = 100
     WALK.state.swing_q15 = SHARE.any(dice)
     WALK.frees[leg] = dice.bits(1)
     for at in range(8):
         WALK.residual[at] = dice.bits(13) - 4096
+
+
+def _landing(values, dice):
+    """The same, but the foot stands."""
+    _moving(values, dice)
+    WALK.stands[values[2]] = 1
 
 
 def _leg_moving(values, dice):
@@ -134,10 +141,10 @@ PROBES = (
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("may_be_late", react, (WALK, LEG), fit=_leg_moving),
     _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("on_stairs", react, (ROBOT, WALK), ()),
     _probe("swing_top", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
-    _probe("touch_early", react, (ROBOT, WALK, LEG), fit=_moving),
+    _probe("land", react, (ROBOT, WALK, LEG, LANDING), fit=_landing),
+    _probe("meet_ground", react, (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
     _probe("feel_slope", ground, (ROBOT, WALK)),
     _probe("follow_feet", ground, (ROBOT, WALK, Range(1, 4), PLACE, PLACE, PLACE)),
     _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
@@ -146,7 +153,6 @@ PROBES = (
     _probe("follow_uneven", ground, (ROBOT, WALK, SHARE), (WALK.state,)),
     _probe("climbs", ground, (ROBOT, WALK), ()),
     _probe("lift_on", react, (ROBOT, WALK)),
-    _probe("top_speed", react, (ROBOT, WALK), ()),
     _probe("stand_feet", feet, (ROBOT, WALK)),
     _probe("spare", feet, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
@@ -158,7 +164,7 @@ PROBES = (
     _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
     _probe("share_load", lead, (ROBOT, WALK)),
     _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
-    _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.early)),
+    _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.met)),
     _probe("slide", lead, (ROBOT, WALK, LEG, GOAL), (GOAL,)),
     _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
     _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL,), vectors=4),
