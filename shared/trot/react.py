@@ -175,9 +175,11 @@ def land(params: Params, walk: Trot, leg: int, stood_q20: int) -> None:
     """
     if stood_q20 > params.trot.landing_q20:
         walk.met[leg] = 0
-    elif walk.met[leg] == 0 and walk.state.known > params.sent_ticks:
-        if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
-            meet_ground(params, walk, leg, 2)
+        return
+    if walk.met[leg] or walk.state.known <= params.sent_ticks:
+        return
+    if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
+        meet_ground(params, walk, leg, 2)
 
 
 @hot

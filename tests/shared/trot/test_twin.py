@@ -70,7 +70,7 @@ class Pair:
         self._compare(goals)
 
     def walk_with_a_held_foot(self, first=100, ticks=7):
-        """Do 160 ticks, yield each one's number behind it; from the first on a leg's thigh and calf stay as they were."""
+        """Do 160 ticks, yield each one's number behind it; from ``first`` on a leg's thigh and calf do not move."""
         seen, free = [], self.plant.joints_brad
 
         def held():

@@ -153,18 +153,20 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
 
 
 def watched(height_m, seconds):
-    """Return where Caramelo is after a walk at a step up, and who walked."""
+    """Return where Caramelo is after a walk at a step up, who walked, and where it was while it backed off."""
     walk = Walk("caramelo", ground=GroundSpec("step-up", height_m, start_m=0.5))
-    watch, tick = GaitWatch(walk.driver), walk.walker.tick
+    watch, tick, backing_m = GaitWatch(walk.driver), walk.walker.tick, []
 
     def looked():
         tick()
         watch.look()
+        if walk.driver.planner.status.backs:
+            backing_m.append(walk.walker.world.position_m()[0])
 
     walk.walker.tick = looked
     walk.command(0.1)
     walk.go(seconds, 0.85)
-    return walk.rows[-1][0], walk.trunk, [note.what for note in watch.notes]
+    return walk.rows[-1][0], walk.trunk, [note.what for note in watch.notes], backing_m
 
 
 def test_from_a_wall_it_backs_off_and_crawls_and_does_not_fall():
@@ -172,10 +174,11 @@ def test_from_a_wall_it_backs_off_and_crawls_and_does_not_fall():
 
     Of walls of 80 and 100 mm, met at 0.1 and 0.15 m/s from four places, its trunk touches 2 of 16; of 120 mm, 4 of 8.
     """
-    x_m, fell, walked = watched(0.10, 30.0)
+    x_m, fell, walked, backing_m = watched(0.10, 30.0)
     assert x_m < 0.5
     assert not fell
     assert walked[:2] == ["backing off", "crawl"]
+    assert backing_m[0] - backing_m[-1] > 0.3 * 0.24  # of the leg
 
 
 @pytest.mark.parametrize(("name", "speed", "angle_deg"), [("caramelo", 0.15, 10.0), ("parallel", 0.2, 10.0)])
