@@ -13,7 +13,7 @@ _QUARTER_Q12 = const(1024)  # of the own weight
 # Of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
 _HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
 _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
-_LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.12 in high swings
+_LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.13 in high swings
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
 _USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings

@@ -3,6 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
+from .ground import climbs
 from .state import Trot
 
 _TURN_MAX = const(16383)  # 2^-18 rad / tick
@@ -61,7 +62,8 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
     """While swings are high the body waits for feet that stay behind; for feet that are ahead it does not hurry.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
-    too far behind is taken back in an eighth of a cycle. Intermediates: 2^16 * 2^13.
+    too far behind is taken back in an eighth of a cycle, but the body goes back only where the ground climbs: on the
+    level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
     if state.high_left == 0:
@@ -73,9 +75,13 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
-    if (state.foot_speed[0] > 0 and slow < 0) or (state.foot_speed[0] < 0 and slow > 0):
-        slow = 0
-    state.drive[0] -= slow
+    ahead = state.foot_speed[0]
+    drive = state.drive[0] - slow
+    if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
+        return
+    if climbs(params, walk) == 0 and ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)):
+        drive = 0
+    state.drive[0] = drive
 
 
 @hot

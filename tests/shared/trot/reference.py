@@ -189,6 +189,8 @@ class FloatTrot:
             off = sum(foot[0] for foot in self.feet) / 4 - rest
             wait = (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
             self.drive[0] += 0.0 if wait * self.foot_speed[0] > 0 else wait
+            if self.drive[0] * self.foot_speed[0] < 0 and not self.climbs():
+                self.drive[0] = 0.0
         turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
         if moving:
             self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)

@@ -152,6 +152,24 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
     assert max(held_s) > 1.0
 
 
+@pytest.mark.parametrize(("name", "speed"), [("caramelo", 0.1), ("parallel", 0.2)])
+def test_while_swings_are_high_it_goes_about_as_fast_as_it_is_told(name, speed):
+    """It waits for feet that stay behind; when it hurried after others too, it went half as fast again."""
+    walk = Walk(name)
+    planner, tick = walk.driver.planner, walk.walker.tick
+
+    def after_something_was_met():
+        planner.trot.state.high_left = planner.params.trot.high_way
+        tick()
+
+    walk.walker.tick = after_something_was_met
+    walk.command(speed)
+    walk.go(4.0)
+    began_m = walk.rows[-1][0]
+    walk.go(4.0)
+    assert (walk.rows[-1][0] - began_m) / 4.0 == pytest.approx(speed, rel=0.25)
+
+
 def watched(height_m, seconds):
     """Return where Caramelo is after a walk at a step up, who walked, and where it was while it backed off."""
     walk = Walk("caramelo", ground=GroundSpec("step-up", height_m, start_m=0.5))
