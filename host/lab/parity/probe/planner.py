@@ -51,7 +51,7 @@ def restart(robot: Planner):
     own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_past, robot.tilt_past)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (trot.state, trot.measured, trot.before, trot.residual, trot.free_q4, trot.joints)
-    own += (trot.past_feet, trot.early, trot.stands, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.past_feet, trot.met, trot.stands, trot.load_q12, trot.feet, trot.wish)
     own += (trot.starts, trot.ascent, trot.tops, trot.joints_before, trot.past_stands, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
