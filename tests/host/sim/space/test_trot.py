@@ -190,7 +190,7 @@ def watched(height_m, seconds):
 def test_from_a_wall_it_backs_off_and_crawls_and_does_not_fall():
     """What the crawl gets over behind that is tried in the plane: tests/shared/test_crawl.py.
 
-    Of walls of 80 and 100 mm, met at 0.1 and 0.15 m/s from four places, its trunk touches 2 of 16; of 120 mm, 4 of 8.
+    Of walls of 80 and 100 mm, met at 0.1 and 0.15 m/s from four places, its trunk touches 1 of 16; of 120 mm, 3 of 8.
     """
     x_m, fell, walked, backing_m = watched(0.10, 30.0)
     assert x_m < 0.5
