@@ -229,7 +229,9 @@ def fill_trot(params: Params, robot: Robot) -> None:
     fine = unit << LF_BITS
     setup.phase_step_q20 = round(2**20 / f.cycle_s / rate)
     setup.stance_q20 = round(2**20 * f.own["stance_share"])
-    setup.landing_q20 = round(2**20 * LANDING_SHARE) + params.sent_ticks * setup.phase_step_q20
+    landing_q20 = round(2**20 * LANDING_SHARE) + params.sent_ticks * setup.phase_step_q20
+    # over before the last tick of a stance: what a foot met must be forgotten when it swings again
+    setup.landing_q20 = min(landing_q20, setup.stance_q20 - setup.phase_step_q20 - 1)
     setup.swing_rate_q13 = round(2**13 / (1 - f.own["stance_share"]))
     setup.ahead_rate_q13 = round(2**13 / AHEAD_SHARE)
     setup.free_from_q15, setup.free_rate_q13 = round(32768 * FREE_FROM), round(2**13 / (FREE_TO - FREE_FROM))

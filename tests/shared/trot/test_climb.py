@@ -5,8 +5,12 @@ import pytest
 from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import core_params
+from shared.sense.legs import MeasuredFeet
+from shared.trot.clock import go_on
 from shared.trot.ground import climbs
 from shared.trot.react import MET, MET_NOW, count_held, land, lift_on, swing_top
+from shared.trot.state import Trot
+from shared.trot.trot import trot_start
 
 from .test_twin import UNEVEN_Q4, Pair
 
@@ -89,6 +93,19 @@ def test_the_time_in_which_a_landing_is_told_is_an_eighth_of_a_cycle_after_the_b
         assert told == pytest.approx(pair.twin.f.cycle_s / 8 + params.sent_ticks / 100, abs=0.001)
 
 
+@pytest.mark.parametrize("rate_hz", [50, 500])
+def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate_hz):
+    robot = load_robot("caramelo")
+    robot = robot.model_copy(update={"bus": robot.bus.model_copy(update={"delay_s": 0.5})})
+    params, walk = core_params(robot, rate_hz), Trot(MeasuredFeet())
+    trot_start(params, walk)
+    walk.wish.moving, walk.met[:], swung = 1, [MET] * 4, 0
+    for _ in range(2 * (1 << 20) // params.trot.phase_step_q20):
+        go_on(params, walk, 0)
+        swung |= walk.state.swinging
+    assert swung == 0b1111
+
+
 def test_to_be_held_up_never_becomes_usual(pair):
     for _ in range(100):
         pair.walk.peak[2] = pair.params.leg_length >> 2
@@ -113,3 +130,4 @@ def test_drives_that_are_too_slow_for_high_swings_walk_them_slowly(name, slow):
     figures = tuning.trot_figures(robot)
     froude = tuning.high_speed_m_s(robot) / (9.81 * figures.height_m) ** 0.5
     assert froude == pytest.approx(tuning.LATE_FROUDE, rel=0.001) if slow else froude > 1.2 * tuning.LATE_FROUDE
+    assert slow or tuning.high_speed_m_s(robot) == figures.climbing_m_s
