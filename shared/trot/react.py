@@ -18,6 +18,10 @@ _BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not
 _BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
 _USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
+# Quarters of what a foot met by which it gives way; with two in the air, or one at a landing, fewer stairs
+# were climbed in walks of Caramelo
+_MET_QUARTERS = const(1)
+_LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
 MET = const(1)  # of ``met``: it has met ground higher than planned
 MET_NOW = const(2)  # in this tick, whose goals are not led
@@ -38,7 +42,7 @@ def react(params: Params, walk: Trot, leg: int) -> int:
         slack = saturate(ascent[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
         if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
             state.high_left = params.trot.high_way
-            meet_ground(params, walk, leg, 1)
+            meet_ground(params, walk, leg, _MET_QUARTERS)
             return 1
     if state.swing_q15 > _RISEN:
         held_up(params, walk, leg)
@@ -179,7 +183,7 @@ def land(params: Params, walk: Trot, leg: int, stood_q20: int) -> None:
     if walk.met[leg] or walk.state.known <= params.sent_ticks:
         return
     if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
-        meet_ground(params, walk, leg, 2)
+        meet_ground(params, walk, leg, _LANDED_QUARTERS)
 
 
 @hot

@@ -76,10 +76,10 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
     off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
     ahead = state.foot_speed[0]
-    drive = state.drive[0] - slow
     if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
         return
-    if climbs(params, walk) == 0 and ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)):
+    drive = state.drive[0] - slow
+    if ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)) and climbs(params, walk) == 0:
         drive = 0
     state.drive[0] = drive
 
