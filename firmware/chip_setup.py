@@ -279,7 +279,7 @@ def set_filters(chip, pairs, count):
 
 
 def start_watchdog(chip):
-    """Start the watchdog: 200 ms, 136 .. 376 by the spread of its clock. Nothing stops it but a reset."""
+    """Start the watchdog: 201 ms, 136 .. 378 by the spread of its clock. Nothing stops it but a reset."""
     poke(chip, IWDG_KR_32, _IWDG_START)
     poke(chip, IWDG_KR_32, _IWDG_UNLOCK)
     poke(chip, IWDG_PR_32, _IWDG_BY_32)

@@ -152,6 +152,8 @@ class PlanarRobot:
         for name in ("thigh_length_m", "calf_length_m", "foot_radius_m", "shank_radius_m", "end_stop_Nm_rad"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{self.name}: {name} = {getattr(self, name)} must be above 0")
+        if not self.end_stop_Nms_rad >= 0:
+            raise ValueError(f"{self.name}: end_stop_Nms_rad = {self.end_stop_Nms_rad} must be 0 or more")
 
     @property
     def mass_kg(self) -> float:

@@ -107,11 +107,10 @@ class World:
         return self.steps * self.dt_s
 
     def place(self, pose_rad: Sequence[float], x_m: float = 0.0, pitch_rad: float = 0.0, lift_m: float = 0.0) -> None:
-        """Put the robot at rest in a pose of twelve angles, its lowest foot on the ground (``lift_m`` above)."""
+        """Put the robot at rest in a pose of twelve angles, its lowest part on the ground (``lift_m`` above)."""
         body.place(self.parts, self.robot, pose_rad, x_m, 0.0, pitch_rad)
-        radius = self.robot.foot_radius_m
-        feet = [self.parts.bodies[2 + 2 * leg].local_to_world(self.parts.calf_foot_m) for leg in range(4)]
-        z_m = max(self.terrain.highest_m(x - radius, x + radius) + radius - z for x, z in feet)
+        boxes = [shape.cache_bb() for part in self.parts.bodies for shape in part.shapes]
+        z_m = max(self.terrain.highest_m(box.left, box.right) - box.bottom for box in boxes)
         body.place(self.parts, self.robot, pose_rad, x_m, z_m + lift_m, pitch_rad)
         for part in self.parts.bodies:
             self.space.reindex_shapes_for_body(part)

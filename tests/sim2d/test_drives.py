@@ -137,6 +137,7 @@ def test_goals_beyond_the_limits_are_clamped_as_the_servo_would(robot):
         ({"stand_pose_rad": (0.0,) * 11}, "11 angles, must be 12"),
         ({"calf_limits_rad": (1.0, -1.0)}, "must rise"),
         ({"thigh_length_m": 0.0}, "thigh_length_m = 0.0 must be above 0"),
+        ({"end_stop_Nms_rad": -0.1}, "end_stop_Nms_rad = -0.1 must be 0 or more"),
     ],
 )
 def test_bad_robot_numbers_are_refused(changes, message):

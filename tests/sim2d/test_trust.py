@@ -225,6 +225,14 @@ def test_a_dropped_robot_comes_up_again_but_not_with_pymunks_default_slop(robot,
     assert (world.contacts().penetration_m > 1e-3) == sinks
 
 
+def test_a_folded_robot_is_placed_on_its_knees_not_into_the_ground(robot):
+    folded = (0.0, 0.0, robot.calf_limits_rad[0]) * 4
+    world = World(robot, terrain.flat())
+    world.place(folded)
+    world.advance(planar(folded), 1)
+    assert world.contacts().penetration_m < 1e-3
+
+
 def test_loaded_feet_do_not_skate(walk):
     """A foot that carries half of its equal share of the weight, in metres per cycle of 2 s."""
     half_share_N = caramelo().mass_kg * GRAVITY_M_S2 / 8

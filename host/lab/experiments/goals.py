@@ -47,6 +47,7 @@ class Wanted:
     step_m: float
     high_m: float
     stair_m: float
+    pushed_m_s: tuple[float, ...]
     payloads_kg: tuple[float, ...]
     load_kg: float
     table: dict[str, Any]
@@ -70,6 +71,7 @@ def wanted(robot: Robot, gait: str) -> Wanted:
         either("climb_m_s", froude_m_s, "climb_of_froude"), either("stones_m_s", froude_m_s, "stones_of_froude"),
         either("step_m", leg_m, "step_of_leg"), either("high_m", leg_m, "high_of_leg"),
         either("stair_m", leg_m, "stair_of_leg"),
+        tuple(table.get("pushed_m_s", [part * flat_m_s for part in table["pushed_of_flat"]])),
         tuple(table.get("payloads_kg", [part * robot.mass_kg for part in table["payloads_of_mass"]])),
         either("load_kg", robot.mass_kg, "load_of_mass"), table,
     )
@@ -114,7 +116,10 @@ def flat(options: Options, want: Wanted) -> list[Case]:
 
 
 def conditions(options: Options, want: Wanted) -> list[Case]:
-    """Return level ground under everyday variations; the robot file has the bus's delay only where that is said."""
+    """Return level ground under everyday variations.
+
+    A delay of the bus that the robot file does not have is only reported: `caramelo identify` finds it.
+    """
     speed, least = want.flat_m_s, want.table["conditions_least"]
     judge = within(least, bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
                    pitch_range_deg=(0, TILT_DEG))
@@ -196,7 +201,7 @@ def pushes(options: Options, want: Wanted) -> list[Case]:
     """Return pushes from all sides, at all instants of a stride, of a robot that walks slowly and fast."""
     least, newton = want.table["push_least"] or None, want.table["push_m_s"] * options.robot.mass_kg / 0.1
     found = []
-    for speed in (want.flat_m_s / 6, want.flat_m_s * 2 / 3):
+    for speed in want.pushed_m_s:
         spec, specs, count = WalkSpec(options.robot, options.gait, speed, distance_m=20.0), [], len(options.seeds(20))
         for offset_m, _, seed in options.starts(20)[:count]:
             turn = math.tau * offset_m / STRIDE_M
