@@ -1,15 +1,17 @@
 """Where the robot has walked to, by its legs: a foot that carries stays where it is, so the body moves against it.
 
-In the body's level axes a foot's contact was at b a tick ago and is at n now. With the body's turn t about z meanwhile,
-this foot tells the shift, in axes turned by half of t (J turns by a quarter):
+In the body's level axes a foot's contact is at n now, and this point of the foot was at b a tick ago: b - n is how far
+the foot's centre went, less what it rolled. With the body's turn t about z meanwhile, this foot tells the shift, in
+axes turned by half of t (J turns by a quarter):
 
     d = b - n - t J (b + n) / 2,    t = (wz cos(pitch) - wx sin(pitch)) / cos(roll)
 
 The body's is the mean of d over the feet, weighted by the square of what each carries at both ends of the tick: a foot
 that lands within it has still come some of its way through the air. Of a foot about to land or to leave, the joints'
 errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane, and while the
-robot stands: a gyroscope would drift. Slips stay in it, and so does what the gyroscope's bias is off:
-``odometry_spread`` tells how much that is.
+robot stands: a gyroscope would drift. Then t in the shift is their turn over 0.2 s: with that of the tick alone two
+feet that differ would count alike, whatever they carry. Slips stay in it, and so does what the gyroscope's bias is
+off: ``odometry_spread`` tells how much that is.
 """
 
 from ..body.params import LEGS, Params
@@ -34,9 +36,9 @@ class Odometry:
     heading_rest: int = field("2^-35 turn", "what of it is less than a unit")
     speed: Ints = vector(2, "lf / tick", "of the body, forward and left, over 0.2 s")
     turning: int = field("2^-24 rad / tick", "about z, over 0.2 s")
-    known: int = field("", "1: ``contact`` is of the tick before")
+    known: int = field("", "1: ``rolled`` is of the tick before")
     gyro: int = field("", "1: the gyroscope told the turn, 0: the feet")
-    contact: Ints = vector(2 * LEGS, "lu", "x, y of each foot's contact, level")
+    rolled: Ints = vector(2 * LEGS, "lu", "``Sensing.rolled`` of the tick before")
     gone: Ints = vector(2 * LEGS, "lu", "b - n of each foot")
     arm: Ints = vector(2 * LEGS, "2 lu", "(b + n) / 2 of each foot")
     gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
@@ -181,11 +183,12 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
         gone = 0
         arm = 0
         for at in range(axis, 2 * LEGS, 2):
-            before = odometry.contact[at]
             now = sensing.rolled[at]
-            odometry.contact[at] = now
-            odometry.gone[at] = saturate(before - now, -_GONE_MAX, _GONE_MAX)
-            odometry.arm[at] = saturate(before + now >> 2, -_ARM_MAX, _ARM_MAX)
+            gone_here = saturate(odometry.rolled[at] - now, -_GONE_MAX, _GONE_MAX)
+            place = sensing.level[(at >> 1) * 3 + axis]
+            odometry.rolled[at] = now
+            odometry.gone[at] = gone_here
+            odometry.arm[at] = saturate((place << 1) + gone_here >> 2, -_ARM_MAX, _ARM_MAX)
             gone += odometry.weight[at >> 1] * odometry.gone[at]
             arm += odometry.weight[at >> 1] * odometry.arm[at]
         if total:
@@ -239,16 +242,21 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
     turn: 2^-18 rad, total: sum of the weights. Differing is along x and y together, the feet's mean, lu Q2.
     Intermediates: 2^15 * 2^14; 256 * 2^18; speeds 2^22 * 205 at the lowest rate, 20 Hz.
     """
+    share_q10 = params.evened_q10
+    odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10
+    evened = turn
+    if odometry.gyro == 0:
+        evened = odometry.turning + 32 >> 6
     ahead = odometry.speed[0] >> 6
     aside = odometry.speed[1] >> 6
     slip = 0
     if total:
-        ahead = saturate(odometry.gone_mean[0] + (turn * odometry.arm_mean[1] + 0x4000 >> 15), -32767, 32767)
-        aside = saturate(odometry.gone_mean[1] - (turn * odometry.arm_mean[0] + 0x4000 >> 15), -32767, 32767)
+        ahead = saturate(odometry.gone_mean[0] + (evened * odometry.arm_mean[1] + 0x4000 >> 15), -32767, 32767)
+        aside = saturate(odometry.gone_mean[1] - (evened * odometry.arm_mean[0] + 0x4000 >> 15), -32767, 32767)
         for leg in range(LEGS):
             at = leg * 2
-            x = (odometry.gone[at] << 2) + (turn * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
-            y = (odometry.gone[at + 1] << 2) - (turn * odometry.arm[at] + 0x4000 >> 15) - aside
+            x = (odometry.gone[at] << 2) + (evened * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
+            y = (odometry.gone[at + 1] << 2) - (evened * odometry.arm[at] + 0x4000 >> 15) - aside
             if x < 0:
                 x = -x
             if y < 0:
@@ -257,10 +265,8 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
         slip >>= 8
     if walks:
         count_way(params, ahead, aside, slip, odometry)
-    share_q10 = params.evened_q10
     odometry.speed[0] += ((ahead << 6) - odometry.speed[0]) * share_q10 + 512 >> 10
     odometry.speed[1] += ((aside << 6) - odometry.speed[1]) * share_q10 + 512 >> 10
-    odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10
     place_body(ahead, aside, turn, walks, odometry)
 
 

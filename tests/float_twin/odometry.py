@@ -1,6 +1,7 @@
 """The way over the feet in floats: least squares where the core has its integers, with exact rotations.
 
-A foot is (x, y) of its contact in the body's level axes, m; forces are parts of the robot's own weight.
+A foot is at (x, y) in the body's level axes, m, and has rolled by (x, y) since whenever; forces are parts of the
+robot's own weight.
 """
 
 import math
@@ -16,17 +17,20 @@ class Odometry:
 
     def __init__(self, rate_hz, leg_m, sent_ticks):
         self.rate_hz, self.leg_m, self.sent_ticks = rate_hz, leg_m, sent_ticks
+        self.share = 1 / (1 + SMOOTH_S * rate_hz)
         self.x = self.y = self.yaw = self.way = self.slip = self.doubt = 0.0
         self.vx = self.vy = self.wz = 0.0
         self.astray = [0.0, 0.0]
-        self.feet, self.stands, self.borne = None, [0] * 4, [0.0] * 4
+        self.before, self.stands, self.borne = None, [0] * 4, [0.0] * 4
 
-    def step(self, feet, forces, swinging, turned, tilt, walks):
+    def step(self, feet, rolled, forces, swinging, turned, tilt, walks):
         """Take a tick; ``turned``: (x, y, z) in rad, None without a gyroscope."""
         weights = self.weights(forces, swinging)
-        before, self.feet = self.feet, feet
-        if before is None:
+        was, self.before = self.before, (feet, rolled)
+        if was is None:
             return
+        before = [(there[0] - there_rolled[0] + is_rolled[0], there[1] - there_rolled[1] + is_rolled[1])
+                  for there, there_rolled, is_rolled in zip(*was, rolled)]
         total = sum(weights)
         if walks and turned is not None:
             by_gyro, turn = True, body_turn(turned, tilt)
@@ -34,7 +38,8 @@ class Odometry:
             by_gyro, turn = False, feet_turn(before, feet, weights) if total else self.wz / self.rate_hz
         shift, slip = (self.vx / self.rate_hz, self.vy / self.rate_hz), 0.0
         if total:
-            told = [shift_of(b, n, turn) for b, n in zip(before, feet)]
+            evened = turn if by_gyro else self.wz / self.rate_hz + self.share * (turn - self.wz / self.rate_hz)
+            told = [shift_of(b, n, evened) for b, n in zip(before, feet)]
             shift = [sum([w * d[axis] for w, d in zip(weights, told)]) / total for axis in range(2)]
             slip = sum([w * (abs(d[0] - shift[0]) + abs(d[1] - shift[1])) for w, d in zip(weights, told)]) / total
         self.move(shift, turn, slip, walks, by_gyro)
@@ -61,7 +66,7 @@ class Odometry:
             self.doubt += slip / self.leg_m / (256 if by_gyro else 16)
             if by_gyro:
                 self.doubt += BIAS_RAD_S / self.rate_hz
-        share = 1 / (1 + SMOOTH_S * self.rate_hz)
+        share = self.share
         self.vx += share * (shift[0] * self.rate_hz - self.vx)
         self.vy += share * (shift[1] * self.rate_hz - self.vy)
         self.wz += share * (turn * self.rate_hz - self.wz)
