@@ -121,19 +121,21 @@ def conditions(options: Options, want: Wanted) -> list[Case]:
     A delay of the bus that the robot file does not have is only reported: `caramelo identify` finds it.
     """
     speed, least = want.flat_m_s, want.table["conditions_least"]
-    judge = within(least, bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
-                   pitch_range_deg=(0, TILT_DEG))
-    found: list[tuple[str, dict[str, Any]]] = [
-        (f"{1000 * delay_s:.0f} ms of bus delay, {'known' if known else 'unknown'}",
-         {"bus_delay_s": delay_s, "robot": with_delay(options.robot, delay_s) if known else options.robot})
-        for delay_s, known in DELAYS_S]
-    found += [(f"{volts:g} V", {"voltage_V": volts}) for volts in want.table["voltages_V"]]
-    found += [(f"{load_kg:.2g} kg of payload", {"payload_kg": load_kg}) for load_kg in want.payloads_kg]
-    limits = f"within 5 %, tilt {TILT_DEG:g} deg"
+
+    def case(name: str, known: bool = True, **more: Any) -> Case:
+        judge = within(least, known and bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
+                       pitch_range_deg=(0, TILT_DEG))
+        limits = f"within 5 %, tilt {TILT_DEG:g} deg" if known else ""
+        return _space(f"flat at {speed:.3g} m/s, {name}", _level(options, speed, **more), limits, judge)
+
     low = _level(options, speed / 6, voltage_V=options.robot.actuator.least_V, bus_delay_s=0.06)
-    return [_space(f"flat at {speed:.3g} m/s, {name}", _level(options, speed, **more), limits, judge)
-            for name, more in found] + [
-        _space(f"flat at {speed / 6:.3g} m/s, lowest voltage and 60 ms", low, "no fall", share(1.0))]
+    return [
+        *(case(f"{1000 * delay_s:.0f} ms of bus delay, {'known' if known else 'unknown'}", known, bus_delay_s=delay_s,
+               robot=with_delay(options.robot, delay_s) if known else options.robot) for delay_s, known in DELAYS_S),
+        *(case(f"{volts:g} V", voltage_V=volts) for volts in want.table["voltages_V"]),
+        *(case(f"{load_kg:.2g} kg of payload", payload_kg=load_kg) for load_kg in want.payloads_kg),
+        _space(f"flat at {speed / 6:.3g} m/s, lowest voltage and 60 ms", low, "no fall", share(1.0)),
+    ]
 
 
 def ways(options: Options, want: Wanted) -> list[Case]:
