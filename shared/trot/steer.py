@@ -53,8 +53,8 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
 def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
     """Move what is added to the commanded speed, lf / tick along one axis, by what the odometry misses of it.
 
-    Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high nothing
-    is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
+    Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
+    nothing is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
     """
     state = walk.state
     setup = params.trot
