@@ -53,8 +53,8 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
 def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
     """Move what is added to the commanded speed, lf / tick along one axis, by what the odometry misses of it.
 
-    Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
-    nothing is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
+    While swings are high nothing is added: what held the body up would make it lunge once it is over.
+    Intermediates: 2^18 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -64,10 +64,8 @@ def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
     missed = saturate(told - walk.odometry.speed[axis], -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
         told = -told
-    most = (told * _MORE_Q8 >> 8) + setup.drift_least
-    if missed <= most and missed >= -most:
-        drift = state.drift_q8[axis] + (missed * setup.drift_q15 >> 7)
-        state.drift_q8[axis] = saturate(drift, -most << 8, most << 8)
+    most = (told * _MORE_Q8 >> 8) + setup.drift_least << 8
+    state.drift_q8[axis] = saturate(state.drift_q8[axis] + (missed * setup.drift_q15 >> 7), -most, most)
 
 
 @hot

@@ -183,8 +183,7 @@ class FloatTrot:
             foot = self.foot_speed[i] = speed[i] * self.rolling
             missed = speed[i] - went[i]
             most = 0.3 * abs(speed[i]) + tuning.DRIFT_LEAST_M_S
-            if abs(missed) <= most:
-                self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
+            self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
             if self.high_left or not self.known:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
