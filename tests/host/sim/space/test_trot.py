@@ -190,8 +190,8 @@ def watched(height_m, start_m, seconds):
 def test_from_a_wall_it_backs_off_and_crawls_and_seldom_touches_it():
     """What the crawl gets over behind that is tried in the plane: tests/shared/test_crawl.py.
 
-    Of walls of 80 and 100 mm, met at 0.1 and 0.15 m/s from these four places, its trunk touches 1 of 16: this height and
-    speed from 0.5 m; of 120 mm, 3 of 8.
+    Of walls of 80 and 100 mm, met at 0.1 and 0.15 m/s from these four places, its trunk touches 1 of 16: this height
+    and speed from 0.5 m; of 120 mm, 3 of 8.
     """
     touched = 0
     for start_m in (0.40, 0.45, 0.50, 0.55):
