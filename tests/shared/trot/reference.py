@@ -40,16 +40,12 @@ def way(share):
 
 @dataclass
 class Senses:
-    """What is measured in a tick: 12 joints, roll and pitch, rates about x, y and z; ``known`` if all of them are.
-
-    went: the body's speed by the odometry, m/s, forward and left.
-    """
+    """What is measured in a tick: 12 joints, roll and pitch, rates about x, y and z; ``known`` if all of them are."""
 
     joints: list = field(default_factory=lambda: [0.0] * 12)
     tilt: tuple = (0.0, 0.0)
     rates: tuple = (0.0, 0.0, 0.0)
     known: bool = True
-    went: tuple = (0.0, 0.0)
 
 
 class FloatTrot:
@@ -121,7 +117,7 @@ class FloatTrot:
 
     def feel(self, senses):
         if not senses.known:
-            self.known, self.seen = 0, list(self.foot_speed)
+            self.known, self.seen, self.drift = 0, list(self.foot_speed), [0.0, 0.0]
             return
         feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
         if self.known:
@@ -176,18 +172,18 @@ class FloatTrot:
 
     # --- what is wanted
 
-    def steer(self, speed, rates, pose, moving, went):
+    def steer(self, speed, rates, pose, moving):
         """Write the speeds of the feet, the turn and the further footholds."""
         self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
         for i in range(2):
             foot = self.foot_speed[i] = speed[i] * self.rolling
-            missed = speed[i] - went[i]
+            missed = foot - self.seen[i]
             most = 0.3 * abs(speed[i]) + tuning.DRIFT_LEAST_M_S
             self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
-            if self.high_left or not self.known:
+            if self.high_left:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
-            self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
+            self.capture[i] = limit(-missed * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
@@ -358,7 +354,7 @@ class FloatTrot:
         """Return twelve goals. speed: m/s, m/s, rad/s, slewed; pose: m, rad, slewed."""
         self.tilt = senses.tilt
         self.feel(senses)
-        self.steer(speed, senses.rates, pose, moving, senses.went)
+        self.steer(speed, senses.rates, pose, moving)
         self.lean(senses.tilt, senses.rates, pose, balance)
         if self.known:
             self.feel_slope()
