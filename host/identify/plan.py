@@ -13,6 +13,7 @@ REACH_RAD = 0.5  # to either side of the centre: 29 deg (chosen)
 MOST = 0.5  # of the stall torque: limit for moving joints on the stand (chosen)
 STEPS_MOST = 0.5  # limit for small steps and chirps, which move only a few degrees (chosen)
 RUNS = (0.07, 0.09, 0.11, 0.14, 0.18, 0.24, 0.32, 0.42)  # duties of single runs; friction takes 2 .. 8 %
+HARD = 0.25  # duty from which a turning joint bounces within its play (seen)
 COASTS = (0.5, 0.45, 0.35, 0.25)  # duties before the torque is taken away
 
 
@@ -67,7 +68,8 @@ def _ramp(centre: float, way: int) -> Sweep:
 def _back_and_forth(centre: float, reach: float, way: int, duty: float, turn_s: float) -> Sweep:
     ends = (centre + way * reach, centre - way * reach)
     moves = tuple(Move(k * turn_s if k == 0 else (k - 0.5) * turn_s, ends[k % 2], duty) for k in range(7))
-    return Sweep(f"back and forth {way * duty:+.2f}", centre, 7 * turn_s, moves)
+    name = "hard turns" if duty >= HARD else "back and forth"
+    return Sweep(f"{name} {way * duty:+.2f}", centre, 7 * turn_s, moves)
 
 
 def _steps(centre: float) -> Sweep:

@@ -21,7 +21,7 @@ GROUND_TICK_S = 0.02
 GOLDEN = 0.618034  # shares of a tick at which joints are asked: multiples of it spread evenly, however many one takes
 STRAIGHT = 0.97  # of a sway's wave: 0 is a sine, 1 a triangle, whose corners would shake the robot (chosen)
 SHAKE_S, SHAKE_RAD = 2.0, 0.12
-SHAKES = (0.1, 0.2, 0.3, 0.4)  # duties for shaking all joints, to draw current
+SHAKES = (0.1, 0.17, 0.24, 0.3)  # duties for shaking all joints, to draw current: turning back, 3 A at 1.4 A each
 
 Done = Callable[[float], None]  # takes the completed share
 
