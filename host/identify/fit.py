@@ -34,6 +34,7 @@ LITTLE_PLAY = ("run", "ramp", "slow", "steps", "coast")  # sweeps that play hard
 HARD = "hard"  # turns so hard that the link bounces on its flanks: the cost has steps there, and small hollows
 BY_P_LAW = ("steps", "chirp", "slow")  # sweeps whose load shows the P law; elsewhere the duty is the commanded one
 ROUGH_COUNTS, OFFSET_COUNTS, ROUGH_LOAD, ROUGH_BALANCE = 0.35, 0.3, 0.01, 0.002
+ROUGH_SAG = 0.5  # how far the supply's sag may be from the file's, as a logarithm: a factor of 1.6 (chosen)
 SIDES = 25  # places within the play at which the rotor may begin: a third of a step of the position from each other
 LAID_NM = 0.015  # a weight that presses the play to one side while the joint is held (chosen)
 SOFT = 2.0  # a difference beyond this many standard deviations counts only linearly
@@ -100,13 +101,6 @@ class JointFit:
         answers = [b - a for trace in self.traces for a, b in zip(trace.asked_s, trace.answered_s, strict=True)]
         misfit = least / self._size
         return Fitted(values, self._spread(best), misfit, median(answers), misfit < GOOD)
-
-    def glance(self) -> float:
-        """Return how well one round of least squares explains the sweeps that play hardly touches."""
-        x = self._of({**self.base, **STARTS[0]})
-        self._settle(x)
-        with self._only(lambda kind: kind in ("run", "slow", "ramp")):
-            return self._squares(x, 5)[1]
 
     def _descend(self, x: Array) -> tuple[Array, float]:
         """Return the best unknowns from a start, and their cost: little play first, hard turns last."""
@@ -246,6 +240,7 @@ class JointFit:
         found = [self._off(*seen) for seen in self.seen(p)]
         if self.ground is not None:
             found.append(balance(p, self.servo, self.ground) / ROUGH_BALANCE)
+        found.append(tries[:, len(NAMES) :] / ROUGH_SAG)
         return np.concatenate(found, axis=1)
 
     def _off(self, trace: Trace, places: Array, duties: Array) -> Array:

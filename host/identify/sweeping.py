@@ -15,7 +15,7 @@ from .plan import MOST, REACH_RAD, TICK_S, Sweep, plan
 from .rig import Reading, Rig
 
 GO_RAD_S = 0.6  # how fast a joint goes to where a sweep begins (chosen)
-SETTLE_S = 0.15
+SETTLE_S = 0.3  # a joint that friction does not stop creeps to its goal with the lag, 0.04 s: 7 of these (chosen)
 ARRIVED_RAD = 0.08  # further from its goal it is blocked: friction alone leaves 0.03 rad at the P gain in use (chosen)
 GROUND_TICK_S = 0.02
 GOLDEN = 0.618034  # shares of a tick at which joints are asked: multiples of it spread evenly, however many one takes
