@@ -33,7 +33,7 @@ SHIFTS = {"backlash_rad": 0.01, "act_s": 0.01}  # these are moved by this unit, 
 LITTLE_PLAY = ("run", "ramp", "slow", "steps", "coast")  # sweeps that play hardly touches
 HARD = "hard"  # turns so hard that the link bounces on its flanks: the cost has steps there, and small hollows
 BY_P_LAW = ("steps", "chirp", "slow")  # sweeps whose load shows the P law; elsewhere the duty is the commanded one
-ROUGH_COUNTS, OFFSET_COUNTS, ROUGH_LOAD, ROUGH_BALANCE = 0.35, 0.3, 0.01, 0.002
+ROUGH_COUNTS, OFFSET_COUNTS, ROUGH_LOAD, ROUGH_BALANCE = 0.35, 0.1, 0.01, 0.002
 ROUGH_SAG = 0.5  # how far the supply's sag may be from the file's, as a logarithm: a factor of 1.6 (chosen)
 SIDES = 25  # places within the play at which the rotor may begin: a third of a step of the position from each other
 LAID_NM = 0.015  # a weight that presses the play to one side while the joint is held (chosen)
@@ -246,8 +246,9 @@ class JointFit:
     def _off(self, trace: Trace, places: Array, duties: Array) -> Array:
         """Return one sweep's differences."""
         off = (places - np.array(trace.position_rad)) / self.servo.step_rad
-        mean = off.mean(axis=1, keepdims=True)  # where the joint began within its step of position is unknown
-        found = [(off - mean) / ROUGH_COUNTS, mean / OFFSET_COUNTS]
+        mean = off.mean(axis=1, keepdims=True)
+        beyond = mean - np.clip(mean, -0.5, 0.5)  # where the joint began within its step of position is unknown
+        found = [(off - mean) / ROUGH_COUNTS, beyond / OFFSET_COUNTS]
         if by_p_law(trace):
             found.append((duties - np.array(trace.load)) / ROUGH_LOAD)
         return np.concatenate(found, axis=1)
