@@ -118,7 +118,8 @@ def test_swaying_reads_all_joints_and_lets_go(monkeypatch):
     made.put_on_ground()
     rows = sweeping.stand_and_sway(made.rig)
     assert len(rows) == 9
-    assert sum(abs(load) for load in rows[-1].load[2::3]) > 0.1  # the knees carry what friction leaves
+    # The knees carry what friction leaves; each row shows another part of the duty's sawtooth.
+    assert max(sum(abs(load) for load in row.load[2::3]) for row in rows) > 0.1
     assert holding(made) == []
 
 
