@@ -10,7 +10,7 @@ from ..bus.dynamixel.link import ServoError
 from ..robot.model import Robot
 from ..robot.poses import leg_to_rad, rest_pose_rad, seated_pose_rad
 from ..util.errors import UserError
-from .carried import joint_per_shaft
+from .carried import in_the_air, joint_per_shaft
 from .plan import MOST, REACH_RAD, TICK_S, Sweep, plan
 from .rig import Reading, Rig
 
@@ -78,7 +78,7 @@ def sweeps_of(robot: Robot, joint: int) -> list[Sweep]:
         raise UserError(
             f"{JOINT_LABELS[joint]}: {degrees(reach * ratio):.0f} deg from rest to its limits, at least 15 needed"
         )
-    return plan(centre, reach)
+    return plan(centre, reach, in_the_air(robot, joint))
 
 
 def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[Trace]:
