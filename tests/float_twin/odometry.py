@@ -36,9 +36,10 @@ class Odometry:
             by_gyro, turn = True, body_turn(turned, tilt)
         else:
             by_gyro, turn = False, feet_turn(before, feet, weights) if total else self.wz / self.rate_hz
+        self.wz += self.share * (turn * self.rate_hz - self.wz)
         shift, slip = (self.vx / self.rate_hz, self.vy / self.rate_hz), 0.0
         if total:
-            evened = turn if by_gyro else self.wz / self.rate_hz + self.share * (turn - self.wz / self.rate_hz)
+            evened = turn if by_gyro else self.wz / self.rate_hz
             told = [shift_of(b, n, evened) for b, n in zip(before, feet)]
             shift = [sum([w * d[axis] for w, d in zip(weights, told)]) / total for axis in range(2)]
             slip = sum([w * (abs(d[0] - shift[0]) + abs(d[1] - shift[1])) for w, d in zip(weights, told)]) / total
@@ -66,10 +67,8 @@ class Odometry:
             self.doubt += slip / self.leg_m / (256 if by_gyro else 16)
             if by_gyro:
                 self.doubt += BIAS_RAD_S / self.rate_hz
-        share = self.share
-        self.vx += share * (shift[0] * self.rate_hz - self.vx)
-        self.vy += share * (shift[1] * self.rate_hz - self.vy)
-        self.wz += share * (turn * self.rate_hz - self.wz)
+        self.vx += self.share * (shift[0] * self.rate_hz - self.vx)
+        self.vy += self.share * (shift[1] * self.rate_hz - self.vy)
         half = self.yaw + turn / 2
         dx = shift[0] * math.cos(half) - shift[1] * math.sin(half)
         dy = shift[0] * math.sin(half) + shift[1] * math.cos(half)

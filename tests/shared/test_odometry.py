@@ -46,10 +46,10 @@ class Pair:
         sensed.valid.turned = sensed.valid.tilt = int(turned is not None)
         sensed.turned[:] = [round(angle * 2**18) for angle in turned or (0, 0, 0)]
         o.odometry_step(self.params, sensing, sensed, swinging, int(walks), self.core)
-        whole, gone = ([(x * self.unit_m, y * self.unit_m) for x, y in each] for each in (feet, off))
+        at_m, off_m = ([(x * self.unit_m, y * self.unit_m) for x, y in each] for each in (feet, off))
         gyro = None if turned is None else [value / 2**18 for value in sensed.turned]
         weights = [(force >> 6) / 64 for force in sensing.force_q12]
-        self.twin.step(whole, gone, weights, swinging, gyro, (rad(roll), rad(pitch)), walks)
+        self.twin.step(at_m, off_m, weights, swinging, gyro, (rad(roll), rad(pitch)), walks)
 
     @property
     def place_m(self):
