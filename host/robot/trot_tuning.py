@@ -25,7 +25,7 @@ DRAW_BACK = 0.04  # of the leg: how far such a foot is drawn back while it rises
 LAGS_IN_SWING = 2.0  # times the drives' lag, added to sqrt(h/g): the duration of a swing
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: then a foot's motion along the ground ends, so that it is over at touchdown despite lag
-CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
+CAPTURE_SHARE = 0.3  # of the dead-beat gain of the linear inverted pendulum; with 0.5 narrow robots fell at edges
 CAPTURE_MOST = 0.3  # of the height: the furthest such step
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs correct a tilt
 HEADING_HZ = 2.0  # rad/s of turn per rad of heading error
@@ -36,6 +36,9 @@ FREE_LAG_SHARE = 0.3  # of the drives' lag remains for an unhindered foot when h
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is fed forward in full
 LANDING_SHARE = 1 / 8  # of a cycle, and the bus delay: while a foot lands, it may stand on ground higher than planned
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight shifts onto the foot
+BEHIND_EARLY = 0.06  # of the leg: farther behind its mate a foot is held up, while one may still be on the ground
+BEHIND = 0.025  # of the leg: the same once both are off it; on level ground 0.02 and 0.05 were seen
+BEHIND_PUSH = 0.185  # of the weight: the most that a foot behind its way may push; stiff legs push hard before they lag
 TURN_LATE_S = 0.05  # that a foot in the air may be late in a turn, where the two feet of a diagonal go different ways
 LATE_PER_S = 25.0  # growth of a foot's allowed lag per second of bus delay, as a share, while the foot moves ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after a foot met something
@@ -90,6 +93,7 @@ class TrotFigures:
     length_m: float
     rests_m: tuple[tuple[float, float], ...]
     lag_s: float
+    gives_m: float  # a foot, along the ground, under the robot's weight
     own: Mapping[str, float]  # NUMBERS
 
     @property
@@ -122,6 +126,10 @@ class TrotFigures:
         """Foothold further ahead per excess speed."""
         return self.own["capture_share"] * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
 
+    def behind_m(self, of_leg: float) -> float:
+        """Return how far behind its mate a foot in the air may be: a share of the leg, less for stiff legs."""
+        return min(of_leg * self.leg_m, BEHIND_PUSH * self.gives_m)
+
     @property
     def climbing_m_s(self) -> float:
         """Top speed while swings are high."""
@@ -144,13 +152,14 @@ class TrotFigures:
 def trot_figures(robot: Robot) -> TrotFigures:
     """Return the figures of a robot."""
     geometry, height_m, com_m, rests = robot.geometry, robot.stance.rest_height_m, com_at_rest_m(robot), []
-    calf, usual = joint_drives(robot)[2], {key: number.usual for key, number in NUMBERS.items()}
+    (_, thigh, calf), usual = joint_drives(robot), {key: number.usual for key, number in NUMBERS.items()}
     for leg in range(4):
         hip, foot = robot.hip_m(leg), robot.foot_m(leg, height_m)
         rests.append((hip[0] + foot[0] + com_m[0], hip[1] + foot[1] + com_m[1]))
     return TrotFigures(
         geometry.thigh_m + geometry.calf_m, height_m, robot.hip_m(0)[0] - robot.hip_m(2)[0], tuple(rests),
-        calf.damping_Nms_rad / calf.stiffness_Nm_rad, usual | robot.trot,
+        calf.damping_Nms_rad / calf.stiffness_Nm_rad,
+        robot.mass_kg * GRAVITY_M_S2 * height_m**2 / thigh.stiffness_Nm_rad, usual | robot.trot,
     )
 
 
@@ -241,6 +250,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
+    setup.behind_early, setup.behind = (round(f.behind_m(share) * unit) for share in (BEHIND_EARLY, BEHIND))
     setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)

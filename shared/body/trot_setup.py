@@ -23,6 +23,8 @@ class TrotSetup:
     high_lift: int = field("lu", "the same once something was met")
     highest_lift: int = field("lu", "the same of a foot that was held up in its last swing")
     turn_side: int = field("256 lu ticks", "how much farther behind than its mate a foot may be, per turn, up to 2^15")
+    behind_early: int = field("lu", "farther behind than its mate, a foot that may not be off the ground yet is held up")
+    behind: int = field("lu", "the same once both are off the ground for sure")
     late_q8: int = field("Q8", "share by which a foot that goes ahead may be farther behind than its mate, up to 2^12")
     high_way: int = field("lf", "way for which swings stay high")
     high_speed: int = field("lf / tick", "the fastest along x and y meanwhile")
