@@ -37,9 +37,7 @@ FREE_LAG_SHARE = 0.3  # of the drives' lag remains for an unhindered foot when h
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is fed forward in full
 LANDING_SHARE = 1 / 8  # of a cycle, and the bus delay: while a foot lands, it may stand on ground higher than planned
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight shifts onto the foot
-BEHIND_EARLY = 0.06  # of the leg: farther behind its mate a foot is held up, while one may still be on the ground
-BEHIND = 0.025  # of the leg: the same once both are off it; on level ground 0.02 and 0.05 were seen
-BEHIND_PUSH = 0.285  # of the weight: with that push it is held up, too; stiff legs push hard before they lag
+HELD_PUSH = 0.285  # of the weight: a foot in the air that pushes so hard is held up; stiff legs push before they lag
 TURN_LATE_S = 0.05  # that a foot in the air may be late in a turn, where the two feet of a diagonal go different ways
 LATE_PER_S = 25.0  # growth of a foot's allowed lag per second of bus delay, as a share, while the foot moves ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after a foot met something
@@ -128,10 +126,6 @@ class TrotFigures:
         """Foothold further ahead, and further aside, per excess speed."""
         whole_s = self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
         return self.own["capture_share"] * whole_s, self.own["capture_aside"] * whole_s
-
-    def behind_m(self, of_leg: float) -> float:
-        """Return how far behind its mate a foot in the air may be: a share of the leg, less for stiff legs."""
-        return min(of_leg * self.leg_m, BEHIND_PUSH * self.gives_m)
 
     @property
     def climbing_m_s(self) -> float:
@@ -253,7 +247,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
-    setup.behind_early, setup.behind = (round(f.behind_m(share) * unit) for share in (BEHIND_EARLY, BEHIND))
+    setup.pushes = min(round(HELD_PUSH * f.gives_m * unit), params.leg_length)
     setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)

@@ -280,7 +280,7 @@ class FloatTrot:
         if self.foot_speed[0] < 0:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
-        most = self.f.behind_m(tuning.BEHIND_EARLY if self.u <= 0.4 or high else tuning.BEHIND)
+        most = min((61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m, tuning.HELD_PUSH * self.f.gives_m)
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
