@@ -25,7 +25,8 @@ DRAW_BACK = 0.04  # of the leg: how far such a foot is drawn back while it rises
 LAGS_IN_SWING = 2.0  # times the drives' lag, added to sqrt(h/g): the duration of a swing
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: then a foot's motion along the ground ends, so that it is over at touchdown despite lag
-CAPTURE_SHARE = 0.3  # of the dead-beat gain of the linear inverted pendulum; with 0.5 narrow robots fell at edges
+CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
+CAPTURE_ASIDE = 0.3  # the same sideways, where two feet carry less: with 0.5 light robots with stiff legs fell at edges
 CAPTURE_MOST = 0.3  # of the height: the furthest such step
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs correct a tilt
 HEADING_HZ = 2.0  # rad/s of turn per rad of heading error
@@ -36,9 +37,7 @@ FREE_LAG_SHARE = 0.3  # of the drives' lag remains for an unhindered foot when h
 SLIDES_SHARE = 1 / 8  # of a drive's no-load speed: from here on its friction is fed forward in full
 LANDING_SHARE = 1 / 8  # of a cycle, and the bus delay: while a foot lands, it may stand on ground higher than planned
 LOAD_SHARE = 0.15  # of a stance, in which half of the weight shifts onto the foot
-BEHIND_EARLY = 0.06  # of the leg: farther behind its mate a foot is held up, while one may still be on the ground
-BEHIND = 0.025  # of the leg: the same once both are off it; on level ground 0.02 and 0.05 were seen
-BEHIND_PUSH = 0.185  # of the weight: the most that a foot behind its way may push; stiff legs push hard before they lag
+HELD_PUSH = 0.285  # of the weight: a foot in the air that pushes so hard is held up; stiff legs push before they lag
 TURN_LATE_S = 0.05  # that a foot in the air may be late in a turn, where the two feet of a diagonal go different ways
 LATE_PER_S = 25.0  # growth of a foot's allowed lag per second of bus delay, as a share, while the foot moves ahead
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after a foot met something
@@ -68,6 +67,7 @@ NUMBERS = {
     "lags_in_swing": Number(LAGS_IN_SWING, 0.0, 6.0, "[-] drives' lags, added to sqrt(h/g): duration of a swing"),
     "stance_share": Number(STANCE_SHARE, 0.51, 0.70, "[-] of a cycle, in which a foot is in stance"),
     "capture_share": Number(CAPTURE_SHARE, 0.0, 1.0, "[-] of the gain with which one step corrects a wrong speed"),
+    "capture_aside": Number(CAPTURE_ASIDE, 0.0, 1.0, "[-] the same sideways"),
     "level_share": Number(LEVEL_SHARE, 0.3, 2.0, "[-] of sqrt(g/h): how fast the legs correct a tilt"),
     "drift_share": Number(DRIFT_SHARE, 0.0, 1.0, "[-] of the speed's error, corrected per cycle"),
 }
@@ -122,13 +122,10 @@ class TrotFigures:
         return self.tipping_s * tanh(self.cycle_s / 4 / self.tipping_s)
 
     @property
-    def capture_s(self) -> float:
-        """Foothold further ahead per excess speed."""
-        return self.own["capture_share"] * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
-
-    def behind_m(self, of_leg: float) -> float:
-        """Return how far behind its mate a foot in the air may be: a share of the leg, less for stiff legs."""
-        return min(of_leg * self.leg_m, BEHIND_PUSH * self.gives_m)
+    def captures_s(self) -> tuple[float, float]:
+        """Foothold further ahead, and further aside, per excess speed."""
+        whole_s = self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
+        return self.own["capture_share"] * whole_s, self.own["capture_aside"] * whole_s
 
     @property
     def climbing_m_s(self) -> float:
@@ -250,12 +247,14 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
-    setup.behind_early, setup.behind = (round(f.behind_m(share) * unit) for share in (BEHIND_EARLY, BEHIND))
+    setup.pushes = min(round(HELD_PUSH * f.gives_m * unit), params.leg_length)
     setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
-    setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
+    setup.neutral_q8 = round(f.neutral_s * rate * 256)
+    for axis, capture_s in enumerate(f.captures_s):
+        setup.capture_q8[axis] = round(capture_s * rate * 256)
     setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)
     setup.level_q12 = round(f.own["level_share"] / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096)
     setup.raise_q16 = round(65536 / 2 / f.cycle_s / rate)

@@ -14,6 +14,8 @@ _QUARTER_Q12 = const(1024)  # of the own weight
 _HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
 _LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
 _LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.13 in high swings
+_BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
+_BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
 _USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
 # Quarters of what a foot met by which it gives way; with two in the air, or one at a landing, fewer stairs
@@ -67,9 +69,11 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
     turn = state.turn_18
     if turn < 0:
         turn = -turn
-    most = setup.behind_early
+    most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE and high == 0:
-        most = setup.behind
+        most = params.leg_length * _BEHIND_Q10 >> 10
+    if most > setup.pushes:
+        most = setup.pushes
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)

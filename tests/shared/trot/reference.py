@@ -188,7 +188,7 @@ class FloatTrot:
             if self.high_left or not self.known:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
-            self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, tuning.CAPTURE_MOST * self.h)
+            self.capture[i] = limit((self.seen[i] - foot) * self.f.captures_s[i], tuning.CAPTURE_MOST * self.h)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
@@ -285,7 +285,7 @@ class FloatTrot:
         if self.foot_speed[0] < 0:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
-        most = self.f.behind_m(tuning.BEHIND_EARLY if self.u <= 0.4 or high else tuning.BEHIND)
+        most = min((61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m, tuning.HELD_PUSH * self.f.gives_m)
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
