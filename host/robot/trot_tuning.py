@@ -26,8 +26,7 @@ LAGS_IN_SWING = 2.0  # times the drives' lag, added to sqrt(h/g): the duration o
 STANCE_SHARE = 0.55  # of a cycle; above 1/2, so that the diagonals overlap
 AHEAD_SHARE = 0.8  # of a swing: then a foot's motion along the ground ends, so that it is over at touchdown despite lag
 CAPTURE_SHARE = 0.5  # of the dead-beat gain of the linear inverted pendulum
-CAPTURE_ASIDE = 0.3  # the same sideways, where two feet carry less: with 0.5 light robots with stiff legs fell at edges
-CAPTURE_MOST = 0.3  # of the height: the furthest such step
+CAPTURE_MOST = 0.3  # of the height: the furthest such step; no further than legs give, whose push throws the body aside
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs correct a tilt
 HEADING_HZ = 2.0  # rad/s of turn per rad of heading error
 SLOPE_CYCLES = 1.0  # over which the ground's slope is averaged
@@ -67,7 +66,6 @@ NUMBERS = {
     "lags_in_swing": Number(LAGS_IN_SWING, 0.0, 6.0, "[-] drives' lags, added to sqrt(h/g): duration of a swing"),
     "stance_share": Number(STANCE_SHARE, 0.51, 0.70, "[-] of a cycle, in which a foot is in stance"),
     "capture_share": Number(CAPTURE_SHARE, 0.0, 1.0, "[-] of the gain with which one step corrects a wrong speed"),
-    "capture_aside": Number(CAPTURE_ASIDE, 0.0, 1.0, "[-] the same sideways"),
     "level_share": Number(LEVEL_SHARE, 0.3, 2.0, "[-] of sqrt(g/h): how fast the legs correct a tilt"),
     "drift_share": Number(DRIFT_SHARE, 0.0, 1.0, "[-] of the speed's error, corrected per cycle"),
 }
@@ -122,10 +120,14 @@ class TrotFigures:
         return self.tipping_s * tanh(self.cycle_s / 4 / self.tipping_s)
 
     @property
-    def captures_s(self) -> tuple[float, float]:
-        """Foothold further ahead, and further aside, per excess speed."""
-        whole_s = self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
-        return self.own["capture_share"] * whole_s, self.own["capture_aside"] * whole_s
+    def capture_s(self) -> float:
+        """Foothold further ahead per excess speed."""
+        return self.own["capture_share"] * self.tipping_s / tanh(self.cycle_s / 2 / self.tipping_s)
+
+    @property
+    def capture_most_m(self) -> float:
+        """The furthest such step."""
+        return min(CAPTURE_MOST * self.height_m, self.gives_m)
 
     @property
     def climbing_m_s(self) -> float:
@@ -252,10 +254,8 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
-    setup.neutral_q8 = round(f.neutral_s * rate * 256)
-    for axis, capture_s in enumerate(f.captures_s):
-        setup.capture_q8[axis] = round(capture_s * rate * 256)
-    setup.capture_max = round(CAPTURE_MOST * f.height_m * unit)
+    setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
+    setup.capture_max = round(f.capture_most_m * unit)
     setup.level_q12 = round(f.own["level_share"] / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096)
     setup.raise_q16 = round(65536 / 2 / f.cycle_s / rate)
     setup.odometry_q10 = round(1024 / (1 + f.stance_s / 4 * rate))

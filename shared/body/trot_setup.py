@@ -29,7 +29,7 @@ class TrotSetup:
     high_speed: int = field("lf / tick", "the fastest along x and y meanwhile")
     high_slowest: int = field("lf / tick", "slower counts as this for that way")
     neutral_q8: int = field("ticks Q8", "foothold ahead of rest, per speed")
-    capture_q8: Ints = vector(2, "ticks Q8", "foothold further ahead and to the left, per speed that is too much")
+    capture_q8: int = field("ticks Q8", "foothold further ahead, per speed that is too much")
     capture_max: int = field("lu", "of that")
     level_q12: int = field("2^-18 rad / brad Q12", "turn of the body per tick and tilt")
     raise_q16: int = field("Q16 / tick", "share of a wrong height taken back")

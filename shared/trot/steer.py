@@ -33,7 +33,7 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         reach_speed(params, walk, axis, told)
         state.drive[axis] = foot + (state.drift_q8[axis] >> 8)
         more = saturate(state.seen[axis] - foot, -_SPEED_MAX, _SPEED_MAX)
-        further = (more >> 6) * setup.capture_q8[axis] >> 10
+        further = (more >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
     wait_for_feet(params, walk, pose)
     turn = speed[2] + ((pose[5] - walk.posed[5]) * _BRAD_18 >> 10)

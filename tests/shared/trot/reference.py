@@ -188,7 +188,7 @@ class FloatTrot:
             if self.high_left or not self.known:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
-            self.capture[i] = limit((self.seen[i] - foot) * self.f.captures_s[i], tuning.CAPTURE_MOST * self.h)
+            self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest

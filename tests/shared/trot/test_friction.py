@@ -13,7 +13,7 @@ from shared.body.params import LF_BITS
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.lead import lead, slide
-from shared.trot.react import MET_NOW, may_be_late
+from shared.trot.react import MET_NOW, held_up, may_be_late
 from shared.trot.state import Trot
 from shared.trot.trot import trot_start
 
@@ -119,6 +119,23 @@ def test_a_foot_that_comes_may_be_late_and_one_that_stays_is_held(way, gone, mat
         walk.measured[3 * leg] = 1000 + round(way * tick * gone)
         walk.measured[9 - 3 * leg] = 1000 + round(way * tick * mate)
         assert may_be_late(walk, leg) == late
+
+
+@pytest.mark.parametrize(("name", "pushes", "held"), [
+    ("pupper", 0.25, 0), ("pupper", 0.32, 1), ("parallel", 0.25, 0), ("parallel", 0.32, 1),
+    ("solo12", 0.15, 0), ("solo12", 0.20, 1),  # soft legs are behind by 0.06 of their length before that
+])
+def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes, held):
+    """pushes: with which share of the weight, by the thigh's spring and the height of the hips."""
+    robot = load_robot(name)
+    _, params, walk = stood(name)
+    gives_m = pushes * robot.mass_kg * 9.81 * robot.stance.rest_height_m**2 / joint_drives(robot)[1].stiffness_Nm_rad
+    walk.state.foot_speed[0], walk.state.swing_q15 = 400 << LF_BITS, 10000
+    for leg in range(4):
+        walk.residual[:], walk.before[:], walk.measured[:] = [0] * 8, [0] * 12, [100] * 12
+        walk.residual[2 * leg] = -round(gives_m * (1 << params.length_shift))
+        held_up(params, walk, leg)
+        assert walk.held[leg] == held
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
