@@ -55,7 +55,7 @@ class PlannerState:
         self.sensing = Sensing()
         self.odometry = Odometry()
         self.crawl = Crawl(params)
-        self.trot = Trot(self.measured_feet)
+        self.trot = Trot(self.measured_feet, self.odometry)
         self.fade = Fade()
         self.retreat = Retreat()
         self.back = Command()  # what the trot is told while it backs off

@@ -25,7 +25,6 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> None:
         state.known = 0
         for axis in range(2):
             state.seen[axis] = state.foot_speed[axis]
-            state.drift_q8[axis] = 0
         return
     if state.known:
         see_speed(params, walk, turned)

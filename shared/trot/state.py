@@ -6,6 +6,7 @@ from ..body.pose import POSE_SIZE
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot, zeros
 from ..sense.legs import MeasuredFeet
+from ..sense.odometry import Odometry
 
 CYCLE_Q20 = const(0x100000)
 DELAY_TICKS = const(16)  # what is kept of the past; params.sent_ticks is at most 15
@@ -56,7 +57,7 @@ class Wish:
 class Trot:
     """The trot of one robot. Feet are in the body, from the middle of the hips; sense_legs measures them."""
 
-    def __init__(self, feet: MeasuredFeet) -> None:
+    def __init__(self, feet: MeasuredFeet, odometry: Odometry) -> None:
         self.state = TrotState()
         self.wish = Wish()
         self.work = LegsWork()
@@ -64,6 +65,7 @@ class Trot:
         self.starts = zeros(JOINTS)  # lu, level: where each swing began
         self.measured = feet.now  # lu
         self.before = feet.before  # lu, the same a tick ago
+        self.odometry = odometry  # how fast the body goes, as of the tick before: late, but no landing counts
         self.free_q4 = zeros(2 * LEGS)  # lu Q4: x and z where the foot would be if nothing hindered it
         self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
         self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose

@@ -21,10 +21,8 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
-    A round foot's centre goes slower than the body. Speed: the command, an integral of what was missed of it. Heading:
-    turned back by what was turned wrong; the pose's yaw is turned to. While swings are high nothing is integrated: what
-    held the body up would make it lunge once it is over. The feet of one that is not to move stay.
-    Intermediates: 2^18 * 2^10, 2^17 * 2^12.
+    A round foot's centre goes slower than the body. Heading: turned back by what was turned wrong; the pose's yaw is
+    turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
     """
     state = walk.state
     setup = params.trot
@@ -32,16 +30,10 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         told = saturate(speed[axis], -_SPEED_MAX, _SPEED_MAX)
         foot = (told >> 5) * setup.rolling_q15 >> 10
         state.foot_speed[axis] = foot
-        missed = saturate(foot - state.seen[axis], -_SPEED_MAX, _SPEED_MAX)
-        if told < 0:
-            told = -told
-        most = (told * _MORE_Q8 >> 8) + setup.drift_least << 8
-        drift = saturate(state.drift_q8[axis] + (missed * setup.drift_q15 >> 7), -most, most)
-        if state.high_left:
-            drift = 0
-        state.drift_q8[axis] = drift
+        reach_speed(params, walk, axis, told)
         state.drive[axis] = foot + (state.drift_q8[axis] >> 8)
-        further = (-missed >> 6) * setup.capture_q8 >> 10
+        more = saturate(state.seen[axis] - foot, -_SPEED_MAX, _SPEED_MAX)
+        further = (more >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
     wait_for_feet(params, walk, pose)
     turn = speed[2] + ((pose[5] - walk.posed[5]) * _BRAD_18 >> 10)
@@ -55,6 +47,27 @@ def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> 
         for axis in range(2):
             state.drive[axis] = 0
             state.drift_q8[axis] = 0
+
+
+@hot
+def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
+    """Move what is added to the commanded speed, lf / tick along one axis, by what the odometry misses of it.
+
+    Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
+    nothing is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
+    """
+    state = walk.state
+    setup = params.trot
+    if state.known == 0 or state.high_left:
+        state.drift_q8[axis] = 0
+        return
+    missed = saturate(told - walk.odometry.speed[axis], -_SPEED_MAX, _SPEED_MAX)
+    if told < 0:
+        told = -told
+    most = (told * _MORE_Q8 >> 8) + setup.drift_least
+    if missed <= most and missed >= -most:
+        drift = state.drift_q8[axis] + (missed * setup.drift_q15 >> 7)
+        state.drift_q8[axis] = saturate(drift, -most << 8, most << 8)
 
 
 @hot

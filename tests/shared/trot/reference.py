@@ -40,12 +40,16 @@ def way(share):
 
 @dataclass
 class Senses:
-    """What is measured in a tick: 12 joints, roll and pitch, rates about x, y and z; ``known`` if all of them are."""
+    """What is measured in a tick: 12 joints, roll and pitch, rates about x, y and z; ``known`` if all of them are.
+
+    went: the body's speed by the odometry, m/s, forward and left.
+    """
 
     joints: list = field(default_factory=lambda: [0.0] * 12)
     tilt: tuple = (0.0, 0.0)
     rates: tuple = (0.0, 0.0, 0.0)
     known: bool = True
+    went: tuple = (0.0, 0.0)
 
 
 class FloatTrot:
@@ -117,7 +121,7 @@ class FloatTrot:
 
     def feel(self, senses):
         if not senses.known:
-            self.known, self.seen, self.drift = 0, list(self.foot_speed), [0.0, 0.0]
+            self.known, self.seen = 0, list(self.foot_speed)
             return
         feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
         if self.known:
@@ -172,18 +176,19 @@ class FloatTrot:
 
     # --- what is wanted
 
-    def steer(self, speed, rates, pose, moving):
+    def steer(self, speed, rates, pose, moving, went):
         """Write the speeds of the feet, the turn and the further footholds."""
         self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
         for i in range(2):
             foot = self.foot_speed[i] = speed[i] * self.rolling
-            missed = foot - self.seen[i]
+            missed = speed[i] - went[i]
             most = 0.3 * abs(speed[i]) + tuning.DRIFT_LEAST_M_S
-            self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
-            if self.high_left:
+            if abs(missed) <= most:
+                self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
+            if self.high_left or not self.known:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
-            self.capture[i] = limit(-missed * self.f.capture_s, self.f.capture_most_m)
+            self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
@@ -354,7 +359,7 @@ class FloatTrot:
         """Return twelve goals. speed: m/s, m/s, rad/s, slewed; pose: m, rad, slewed."""
         self.tilt = senses.tilt
         self.feel(senses)
-        self.steer(speed, senses.rates, pose, moving)
+        self.steer(speed, senses.rates, pose, moving, senses.went)
         self.lean(senses.tilt, senses.rates, pose, balance)
         if self.known:
             self.feel_slope()

@@ -6,6 +6,7 @@ from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import core_params
 from shared.sense.legs import MeasuredFeet
+from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
 from shared.trot.ground import climbs
 from shared.trot.react import MET, MET_NOW, count_held, land, lift_on, swing_top
@@ -97,7 +98,7 @@ def test_the_time_in_which_a_landing_is_told_is_an_eighth_of_a_cycle_after_the_b
 def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate_hz):
     robot = load_robot("caramelo")
     robot = robot.model_copy(update={"bus": robot.bus.model_copy(update={"delay_s": 0.5})})
-    params, walk = core_params(robot, rate_hz), Trot(MeasuredFeet())
+    params, walk = core_params(robot, rate_hz), Trot(MeasuredFeet(), Odometry())
     trot_start(params, walk)
     walk.wish.moving, walk.met[:], swung = 1, [MET] * 4, 0
     for _ in range(2 * (1 << 20) // params.trot.phase_step_q20):

@@ -11,6 +11,7 @@ from host.robot.scale import BRAD_PER_RAD, core_params
 from host.sim.servos.law import figures_of, friction_law
 from shared.body.params import LF_BITS
 from shared.sense.legs import MeasuredFeet
+from shared.sense.odometry import Odometry
 from shared.trot.lead import lead, slide
 from shared.trot.react import MET_NOW, held_up, may_be_late
 from shared.trot.state import Trot
@@ -54,7 +55,7 @@ def test_joints_of_which_nothing_is_known_have_their_dry_friction_only():
 
 def stood(name, rate_hz=50):
     """Return what a robot's trot at rest is made of."""
-    robot, walk, params = load_robot(name), Trot(MeasuredFeet()), core_params(load_robot(name), rate_hz)
+    robot, walk, params = load_robot(name), Trot(MeasuredFeet(), Odometry()), core_params(load_robot(name), rate_hz)
     trot_start(params, walk)
     walk.joints_before[:] = walk.joints
     return FloatTrot(robot, rate_hz), params, walk

@@ -10,6 +10,7 @@ from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
+from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 from shared.trot.feet import free_way_q15, spare
 from shared.trot.state import Trot
@@ -42,7 +43,8 @@ class Pair:
     def __init__(self, name, rate_hz):
         robot, self.feet, self.sensing = load_robot(name), MeasuredFeet(), Sensing()
         self.params, self.scale, self.rate_hz = core_params(robot, rate_hz), scale_of(robot, rate_hz), rate_hz
-        self.twin, self.walk, self.goal = FloatTrot(robot, rate_hz), Trot(self.feet), [0] * 12
+        self.odometry = Odometry()
+        self.twin, self.walk, self.goal = FloatTrot(robot, rate_hz), Trot(self.feet, self.odometry), [0] * 12
         trot_start(self.params, self.walk)
         self.plant, self.sensed = Plant(self.twin, rate_hz), Sensed()
         self.worst_brad = self.worst_m = 0.0
@@ -53,12 +55,14 @@ class Pair:
         told = [scale.lf_per_tick(speed[0]), scale.lf_per_tick(speed[1]), scale.yaw18_per_tick(speed[2])]
         sensed.joints[:], sensed.tilt[:], sensed.turned[:] = self.plant.joints_brad(), tilt, turned
         sensed.valid.joints, sensed.valid.tilt, sensed.valid.turned = int(known), 1, 1
+        went = self.odometry.speed[:] = [told[0] * 15 >> 4, told[1] * 15 >> 4]  # always a bit too slow
         self.twin.phase = self.walk.state.phase_q20 / 2**20  # what a tick of it is rounded to adds up
         senses = Senses(
             [q / BRAD_PER_RAD for q in sensed.joints],
             tuple(t / BRAD_PER_RAD * known for t in tilt),
             tuple(t * self.rate_hz / 2**18 * known for t in turned),
             known,
+            tuple(map(scale.metres_per_second, went)),
         )
         speed_si = scale.metres_per_second(told[0]), scale.metres_per_second(told[1]), told[2] * self.rate_hz / 2**18
         pose_si = [scale.metres(p) for p in pose[:3]] + [p / BRAD_PER_RAD for p in pose[3:]]

@@ -4,6 +4,7 @@ from shared.body.pose import POSE_SIZE
 from shared.gait.steps import SPEED_SIZE
 from shared.runtime import zeros
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
+from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 from shared.trot import clock, feel, feet, ground, lead, react, state, steer, trot
 
@@ -27,7 +28,8 @@ GOAL = zeros(12)
 SENSED = Sensed()
 FEET = MeasuredFeet()
 SENSING = Sensing()
-WALK = state.Trot(FEET)
+ODOMETRY = Odometry()
+WALK = state.Trot(FEET, ODOMETRY)
 ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
@@ -37,7 +39,7 @@ ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joint
 
 def _begin():
     sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
-    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING) + sensed:
+    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING, ODOMETRY) + sensed:
         _clear(block)
     state.trot_reset(PARAMS[0], WALK)
 
@@ -73,6 +75,8 @@ def _live(values, dice):
     for _ in range(2):
         _sense(dice)
         _wish(dice)
+        for axis in range(2):
+            ODOMETRY.speed[axis] = dice.bits(23) - (1 << 22) if dice.below(8) == 0 else dice.bits(17) - (1 << 16)
         sense_legs(params, SENSED.joints, SENSED.tilt[0], SENSED.tilt[1], FEET, SENSING)
         trot.trot_tick(params, WALK, SENSED, SPEED.array, POSE.array, GOAL)
 
@@ -132,6 +136,7 @@ PROBES = (
     _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
     _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
     _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
+    _probe("reach_speed", steer, (ROBOT, WALK, FLAG, Range(-(1 << 18), 1 << 18)), (WALK.state,)),
     _probe("wait_for_feet", steer, (ROBOT, WALK, POSE)),
     _probe("lean", steer, (ROBOT, WALK, TILT, TURNED, POSE)),
     _probe("rise", steer, (ROBOT, WALK, POSE)),

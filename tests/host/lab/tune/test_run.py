@@ -16,7 +16,7 @@ from host.lab.workers.work import Here
 from host.robot.file import load_robot
 from host.robot.rewrite import sources
 
-ROBOT = "solo12"
+ROBOT = "caramelo"
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def test_a_copy_is_written_with_what_was_found_and_its_score(short, run, tmp_pat
     assert (code, result["ok"], result["file"], result["trials"]) == (0, True, str(out), 12)
     assert result["searched"]["after"] > result["searched"]["before"]
     assert result["other_grounds"]["after"] > result["other_grounds"]["before"]
-    assert err.splitlines()[-3].startswith("tuning solo12 for quiet: 12 of 12: best ")
+    assert err.splitlines()[-3].startswith("tuning caramelo for quiet: 12 of 12: best ")
     robot, text = load_robot(str(out)), out.read_text()
     assert robot.trot["low_lift"] == result["values"]["trot.low_lift"]["after"]
     assert sources(text)["trot.low_lift"] == "tuned"
@@ -63,14 +63,14 @@ def test_ctrl_c_keeps_the_best_and_the_same_command_goes_on(short, run, tmp_path
     out, real = tmp_path / "new.toml", tuning.Tuning.scores
 
     def stopped(self, candidates, seeds, told):
-        if len(self.store.trials) >= 11:
+        if len(self.store.trials) >= 10:
             raise KeyboardInterrupt
         return real(self, candidates, seeds, told)
 
     monkeypatch.setattr(tuning.Tuning, "scores", stopped)
     code, result, err = tuned(run, out)
     assert (code, result) == (130, None)
-    assert f"the best of 11 trials so far is in {out}, not compared on other grounds yet; the same command" in err
+    assert f"the best of 10 trials so far is in {out}, not compared on other grounds yet; the same command" in err
     assert err.splitlines()[-1] == "caramelo: stopped by Ctrl-C"
     assert sources(out.read_text())["trot.low_lift"] == "tuned"
     monkeypatch.setattr(tuning.Tuning, "scores", real)
