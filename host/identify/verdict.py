@@ -9,12 +9,13 @@ import numpy as np
 
 from ..bus.base import JOINT_LABELS
 from ..robot.actuators import Servo
-from .fit import Fitted, JointFit
+from .fit import Fitted, kind_of
 from .model import Array, Load, friction_Nm, motor_stall_Nm
 from .sweeping import Trace
 
 APART = 0.25  # a number that differs this much from the others' median is reported (chosen)
 PLAIN_BETTER = 1.25  # how much better another weight must explain the sweeps for the joint to count as broken (chosen)
+AWAY_RAD, TURNS_RAD_S, LEAST_TURNING = 0.05, 0.2, 100  # play is taken up, friction no longer that at rest (chosen)
 STICKS = 1.7  # friction at one place, times the usual friction (chosen)
 BIN_RAD, LEAST_SEEN = 0.04, 12
 SOUND, LOOSE, REVERSED, STICKING, BLOCKED, STIFF = "sound", "loose horn", "reversed", "sticking", "blocked", "friction"
@@ -35,12 +36,41 @@ class Verdict:
 
 
 def weight_is(servo: Servo, load: Load, traces: Sequence[Trace], mirror_rad: float) -> str:
-    """Return whether a joint feels its leg's weight (sound), none (loose horn), or its mirror image (reversed)."""
+    """Return whether a joint feels its leg's weight (sound), none (loose horn), or its mirror image (reversed).
+
+    The duty of a run goes into speed, friction, acceleration and weight. The weights are known, and the torque by the
+    robot file; a linear fit of the rest shows which of the weights leaves least of the duty unexplained.
+    """
+    runs = [_turning(servo, trace) for trace in traces if kind_of(trace) == "run"]
+    at, speed, speeding, duty = (np.concatenate(columns) for columns in zip(*runs, strict=True))
+    if len(at) < LEAST_TURNING:
+        return SOUND  # it hardly turns: its fit will tell
+    way = np.sign(speed)
+    fades = np.exp(-np.abs(speed) / servo.friction.stribeck_rad_s)
+    rest = np.column_stack([speed, way, way * fades, speeding])
     costs = {}
     for kind, other in ((SOUND, load), (LOOSE, load.gone()), (REVERSED, load.mirrored(mirror_rad * load.ratio))):
-        costs[kind] = JointFit(servo, other, traces).glance()
+        driving = duty + other.at(at) / servo.nominal.stall_Nm
+        costs[kind] = float(np.sum((driving - rest @ np.linalg.lstsq(rest, driving, rcond=None)[0]) ** 2))
     best = min(costs, key=lambda kind: costs[kind])
     return best if costs[SOUND] > PLAIN_BETTER * costs[best] else SOUND
+
+
+def _turning(servo: Servo, trace: Trace) -> tuple[Array, Array, Array, Array]:
+    """Return angles, speeds, accelerations and duties of 12 V where a run's joint turns at its limit of the duty."""
+    at, speed, speeding, duty = _motion(servo, trace)
+    most = np.array(trace.most)
+    far = np.abs(np.array(trace.goal_rad) - at) * servo.duty_per_rad > most * 1.5  # it does not brake yet
+    use = far & (np.abs(at - at[0]) > AWAY_RAD) & (np.abs(speed) > TURNS_RAD_S) & (np.arange(len(at)) < len(at) - 8)
+    return at[use], speed[use], speeding[use], duty[use]
+
+
+def _motion(servo: Servo, trace: Trace) -> tuple[Array, Array, Array, Array]:
+    """Return a sweep's angles, speeds, accelerations, and duties of the nominal voltage."""
+    times, at = np.array(trace.asked_s), np.array(trace.position_rad)
+    speed = np.gradient(np.convolve(at, np.ones(7) / 7, mode="same"), times)
+    speeding = np.gradient(np.convolve(speed, np.ones(5) / 5, mode="same"), times)
+    return at, speed, speeding, np.array(trace.load) * np.array(trace.voltage_V) / servo.nominal_voltage_V
 
 
 def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[str, float]) -> tuple[float, float]:
@@ -51,7 +81,7 @@ pushed has at least the friction of the push.
     """
     places, ratios = [], []
     for trace in traces:
-        if trace.name.split()[0] == "run":
+        if kind_of(trace) == "run":
             at, ratio = _resistance(servo, load, trace, values)
             places.append(at)
             ratios.append(ratio)
@@ -67,12 +97,9 @@ pushed has at least the friction of the push.
 def _resistance(servo: Servo, load: Load, trace: Trace, values: Mapping[str, float]) -> tuple[Array, Array]:
     """Return the joint's angles along a run, and its friction there as a share of the expected friction."""
     p = {name: np.array([value]) for name, value in values.items()}
-    times, at = np.array(trace.asked_s), np.array(trace.position_rad)
-    smooth = np.convolve(at, np.ones(7) / 7, mode="same")
-    speed = np.gradient(smooth, times)
-    speeding = np.gradient(np.convolve(speed, np.ones(5) / 5, mode="same"), times)
-    volts = np.array(trace.voltage_V) / servo.nominal_voltage_V
-    motor = motor_stall_Nm(p, servo.friction) * (np.array(trace.load) * volts - speed / p["no_load_rad_s"])
+    times = np.array(trace.asked_s)
+    at, speed, speeding, duty = _motion(servo, trace)
+    motor = motor_stall_Nm(p, servo.friction) * (duty - speed / p["no_load_rad_s"])
     weight = load.at(at)
     drives = motor + weight - (p["armature_kg_m2"] + load.inertia_kg_m2) * speeding
     expected = friction_Nm(p, servo.friction, motor, -weight, np.abs(speed))
