@@ -102,7 +102,7 @@ def _resistance(servo: Servo, load: Load, trace: Trace, values: Mapping[str, flo
     motor = motor_stall_Nm(p, servo.friction) * (duty - speed / p["no_load_rad_s"])
     weight = load.at(at)
     drives = motor + weight - (p["armature_kg_m2"] + load.inertia_kg_m2) * speeding
-    expected = friction_Nm(p, servo.friction, motor, -weight, np.abs(speed))
+    expected = friction_Nm(p, servo.friction, motor, weight, np.abs(speed))
     settled = (times > values["act_s"] + 0.06) & (np.arange(len(at)) < len(at) - 8)
     far = np.abs(np.array(trace.goal_rad) - at) * values["duty_per_rad"] > np.array(trace.most) * 1.1
     use = settled & far & (np.abs(speeding) < 4.0)
