@@ -17,7 +17,7 @@ APART = 0.25  # a number that differs this much from the others' median is repor
 PLAIN_BETTER = 1.25  # how much better another weight must explain the sweeps for the joint to count as broken (chosen)
 AWAY_RAD, TURNS_RAD_S, LEAST_TURNING = 0.05, 0.2, 100  # play is taken up, friction no longer that at rest (chosen)
 STICKS = 1.7  # friction at one place, times the usual friction (chosen)
-BIN_RAD, LEAST_SEEN = 0.04, 12
+BIN_RAD, LEAST_SEEN = 0.04, 3  # places, and runs that must have seen one (chosen)
 SOUND, LOOSE, REVERSED, STICKING, BLOCKED, STIFF = "sound", "loose horn", "reversed", "sticking", "blocked", "friction"
 UNSAFE = (LOOSE, REVERSED, BLOCKED)  # with these the robot must not stand up
 TOLD = {
@@ -76,22 +76,25 @@ def _motion(servo: Servo, trace: Trace) -> tuple[Array, Array, Array, Array]:
 def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[str, float]) -> tuple[float, float]:
     """Return how many times the usual friction a joint has at its worst place, and where, rad at the shaft.
 
-The usual friction is that of ``values``, scaled to the joint's own median. A joint that stands still although it is
-pushed has at least the friction of the push.
+    The usual friction is that of ``values``, the other joints' numbers. This joint's torque and speed differ a little,
+    which looks like friction that changes with the duty: so a place is compared with the rest of the same run. A joint
+    that stands still although it is pushed has at least the friction of the push.
     """
-    places, ratios = [], []
-    for trace in traces:
-        if kind_of(trace) == "run":
-            at, ratio = _resistance(servo, load, trace, values)
-            places.append(at)
-            ratios.append(ratio)
-    at, ratio = np.concatenate(places), np.concatenate(ratios)
-    cells = np.round(at / BIN_RAD).astype(int)
-    found = {int(cell): float(np.median(ratio[cells == cell])) for cell in np.unique(cells)
-             if np.sum(cells == cell) >= LEAST_SEEN}  # fmt: skip
-    usual = median(found.values())
-    worst = max(found, key=lambda cell: found[cell])
-    return found[worst] / max(usual, 0.05), worst * BIN_RAD
+    beyond: dict[int, list[float]] = {}
+    runs = (_by_place(*_resistance(servo, load, trace, values)) for trace in traces if kind_of(trace) == "run")
+    for run in filter(None, runs):
+        usual = median(run.values())
+        for place, ratio in run.items():
+            beyond.setdefault(place, []).append(ratio - usual)
+    found = {place: median(seen) for place, seen in beyond.items() if len(seen) >= LEAST_SEEN}
+    worst = max(found, key=lambda place: found[place])
+    return 1.0 + found[worst], worst * BIN_RAD
+
+
+def _by_place(at: Array, ratio: Array) -> dict[int, float]:
+    """Return the median at each place of a run."""
+    places = np.round(at / BIN_RAD).astype(int)
+    return {int(place): float(np.median(ratio[places == place])) for place in np.unique(places)}
 
 
 def _resistance(servo: Servo, load: Load, trace: Trace, values: Mapping[str, float]) -> tuple[Array, Array]:

@@ -81,7 +81,7 @@ def test_a_joint_that_sticks_at_one_place_is_found_by_its_runs(few_runs, fault):
         assert times > STICKS
         assert where == pytest.approx(sweeping.rest_shafts_rad(ROBOT)[1] + 0.15, abs=0.1)
     else:
-        assert times < 1.4
+        assert times < 1.1
 
 
 def test_the_middle_of_the_joints_and_how_far_they_spread():
