@@ -120,14 +120,13 @@ def test_a_robot_without_room_for_sweeps_is_refused():
 
 
 def test_swaying_reads_all_joints_and_lets_go(monkeypatch):
-    poses = [sweeping._shifted(ROBOT, (0, 0, -0.001 * k)) for k in range(9)]
+    poses = [sweeping._shifted(ROBOT, (0, 0, 0.001 * k)) for k in range(9)]
     monkeypatch.setattr(sweeping, "_sway", lambda robot: poses)
     made = stand(3)
     made.put_on_ground()
     rows = sweeping.stand_and_sway(made.rig)
     assert len(rows) == 9
-    # The knees carry what friction leaves; each row shows another part of the duty's sawtooth.
-    assert max(sum(abs(load) for load in row.load[2::3]) for row in rows) > 0.1
+    assert all(min(row.load[2::3]) > 0.25 for row in rows)  # every knee pushes; on the way down friction holds
     assert holding(made) == []
 
 
