@@ -40,8 +40,10 @@ LAID_NM = 0.015  # a weight that presses the play to one side while the joint is
 SOFT = 2.0  # a difference beyond this many standard deviations counts only linearly
 NUDGE = 0.01  # of differences that replace derivatives: as wide as the local minima
 FAST_RAD_S = 2.0  # friction at this speed is one of the unknowns, because runs show it well
+VALLEYS = 10  # most steps along the flattest directions; the last ones still gain some percent of a number (seen)
+STILL = 8  # samples without a step of the position, 0.04 s, before and after which a joint stands (chosen)
 LEAST_VISCOUS = 0.003  # N m s/rad, below which viscous friction bends to 0 (chosen)
-ENOUGH = 0.29  # mean cost that noise alone explains: 0.24 .. 0.28 with emulated joints
+ENOUGH = 0.3  # mean cost that noise alone explains: 0.26 .. 0.296 with emulated joints
 GOOD = 0.36  # mean cost of a fit that can be trusted (chosen)
 # Gears pass on |load_external x load - load_motor x motor|: a hollow with either share as the greater one.
 STARTS = (
@@ -81,6 +83,7 @@ class JointFit:
     def __init__(self, servo: Servo, load: Load, traces: Sequence[Trace], ground: Ground | None = None) -> None:
         self.servo, self.load, self.ground = servo, load, ground
         self.traces = [trace for trace in traces if len(trace.position_rad) > 10]
+        self._moves = {trace.name: moves(trace) for trace in self.traces}
         self.base = from_file(servo)
         self._free = [*NAMES, *[SAG] * (self.base[SAG] > 0)]
         self.told, self._columns = told_of(self.traces, servo, load), list(range(len(self.traces)))
@@ -127,7 +130,7 @@ class JointFit:
         return self._best_of(self._grid(x, play, late, heavier))
 
     def _down_the_valley(self, x: Array) -> tuple[Array, float]:
-        for _ in range(3):
+        for _ in range(VALLEYS):
             self._settle(x)
             before = float(self._costs(x[None])[0])
             found, cost = self._best_of(self._along_the_valley(x))
@@ -178,10 +181,10 @@ class JointFit:
 
     @property
     def _size(self) -> int:
-        """The number of differences."""
+        """The number of differences, without those of joints that stand."""
         extra = 0 if self.ground is None else len(self.ground.duty)
         by_p = sum(len(trace.load) for trace in self.traces if by_p_law(trace))
-        return sum(len(trace.load) + 1 for trace in self.traces) + by_p + extra
+        return int(sum(np.sum(moving) + 1 for moving in self._moves.values())) + by_p + extra
 
     def _grid(self, x: Array, play: float, late: float, heavier: Sequence[float]) -> Array:
         at_play, at_late, at_rotor = (self._free.index(name) for name in ("backlash_rad", "act_s", "armature_kg_m2"))
@@ -244,11 +247,15 @@ class JointFit:
         return np.concatenate(found, axis=1)
 
     def _off(self, trace: Trace, places: Array, duties: Array) -> Array:
-        """Return one sweep's differences."""
-        off = (places - np.array(trace.position_rad)) / self.servo.step_rad
-        mean = off.mean(axis=1, keepdims=True)
-        beyond = mean - np.clip(mean, -0.5, 0.5)  # where the joint began within its step of position is unknown
-        found = [(off - mean) / ROUGH_COUNTS, beyond / OFFSET_COUNTS]
+        """Return one sweep's differences.
+
+        Where the joint began within its step of the position is unknown: its motion tells, as the differences' mean.
+        While it stands, its samples are alike, not noise: they only tell that it is within that step.
+        """
+        off, moves = (places - np.array(trace.position_rad)) / self.servo.step_rad, self._moves[trace.name]
+        mean = off @ (moves / max(1, np.sum(moves)))[:, None]
+        off = off - mean
+        found = [np.where(moves, off, beyond_step(off)) / ROUGH_COUNTS, beyond_step(mean) / OFFSET_COUNTS]
         if by_p_law(trace):
             found.append((duties - np.array(trace.load)) / ROUGH_LOAD)
         return np.concatenate(found, axis=1)
@@ -282,6 +289,20 @@ def soft(off: Array) -> Array:
     """Return the cost of each row of differences: half their squares, but large ones count only linearly."""
     costs: Array = SOFT**2 * np.sum(np.sqrt(1 + (off / SOFT) ** 2) - 1, axis=1)
     return costs
+
+
+def beyond_step(off: Array) -> Array:
+    """Return by how much differences, in steps of the position, are more than rounding explains."""
+    beyond: Array = off - np.clip(off, -0.5, 0.5)
+    return beyond
+
+
+def moves(trace: Trace) -> Array:
+    """Return at which samples a joint moves: its position has just changed, or is about to."""
+    steps = np.cumsum(np.diff(trace.position_rad, prepend=trace.position_rad[0]) != 0)
+    at = np.arange(len(steps))
+    moving: Array = steps[np.minimum(at + STILL, len(at) - 1)] > steps[np.maximum(at - STILL, 0)]
+    return moving
 
 
 def by_p_law(trace: Trace) -> bool:
