@@ -21,7 +21,8 @@ GROUND_TICK_S = 0.02
 GOLDEN = 0.618034  # shares of a tick at which joints are asked: multiples of it spread evenly, however many one takes
 STRAIGHT = 0.97  # of a sway's wave: 0 is a sine, 1 a triangle, whose corners would shake the robot (chosen)
 SHAKE_S, SHAKE_RAD = 2.0, 0.12
-SHAKES = (0.1, 0.17, 0.24, 0.3)  # duties for shaking all joints, to draw current: turning back, 3 A at 1.4 A each
+SHAKES = (0.1, 0.22, 0.34, 0.46)  # duties for shaking all joints, to draw current: out of step up to 3 A (seen)
+SHAKE_TICKS = 5  # until a joint turns back
 
 Done = Callable[[float], None]  # takes the completed share
 
@@ -170,7 +171,11 @@ def _note(trace: Trace, sent_s: float, began_s: float, goal_rad: float, most: fl
 
 
 def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
-    """Shake all joints in the air, harder and harder; the current drawn shows how the supply sags."""
+    """Shake all joints in the air, harder and harder; the current drawn shows how the supply sags.
+
+    Each joint turns back a tick after the one before: together they draw an even current, whose voltage is seen in many
+    steps of 0.1 V. In step they draw a short peak, and most of the time less than a step.
+    """
     rest = rest_shafts_rad(rig.robot)
     rows: list[Stance] = []
     _allow_limits(rig)
@@ -183,8 +188,9 @@ def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
                 rig.limit(joint, duty)
             ticks = round(SHAKE_S / TICK_S / 2)
             for tick in range(ticks):
-                side = 1 if tick // 5 % 2 else -1
-                _tick(rig, "shake", [at + side * SHAKE_RAD for at in rest], rows, 2 * TICK_S)
+                sides = ((tick + joint) // SHAKE_TICKS % 2 * 2 - 1 for joint in range(JOINTS))
+                goals = [at + side * SHAKE_RAD for at, side in zip(rest, sides, strict=True)]
+                _tick(rig, "shake", goals, rows, 2 * TICK_S)
             done((number + 1) / len(SHAKES))
     finally:
         rig.release()
