@@ -11,9 +11,9 @@ The unknowns are the numbers of model.NAMES. What makes each visible:
     delay                          all sweeps; the clock measures the time that answers take
 
 Play, sticking and the P law make local minima in the sum of squares. So the fit begins with the sweeps that play hardly
-touches; then a grid over play, delay and armature finds where to go on, and steps along the flattest directions come
-between the rounds of least squares. Hard turns, where the link bounces, join in last. If that ends too high, the fit
-tries another start.
+touches; then a grid over play, delay and armature finds where to go on, and tries along ways that the measurements
+hardly notice come between the rounds of least squares. Hard turns, where the link bounces, join in last. If that ends
+too high, the fit tries another start.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -39,11 +39,14 @@ SIDES = 25  # places within the play at which the rotor may begin: a third of a 
 LAID_NM = 0.015  # a weight that presses the play to one side while the joint is held (chosen)
 SOFT = 2.0  # a difference beyond this many standard deviations counts only linearly
 NUDGE = 0.01  # of differences that replace derivatives: as wide as the local minima
+LONGEST = 0.2  # a way that the measurements do not notice is no longer than that: 20 % (chosen)
+FAR = (-8, -4, -2, -1, 1, 2, 4, 8)  # times a way: where to try
+ROUNDS = 8  # of least squares, before it looks around again
 FAST_RAD_S = 2.0  # friction at this speed is one of the unknowns, because runs show it well
-VALLEYS = 10  # most steps along the flattest directions; the last ones still gain some percent of a number (seen)
+VALLEYS = 10  # most times that a fit looks around in its valley (chosen)
 STILL = 8  # samples without a step of the position, 0.04 s, before and after which a joint stands (chosen)
 LEAST_VISCOUS = 0.003  # N m s/rad, below which viscous friction bends to 0 (chosen)
-ENOUGH = 0.3  # mean cost that noise alone explains: 0.26 .. 0.296 with emulated joints
+ENOUGH = 0.3  # mean cost at which no other start is tried: noise alone explains 0.26 .. 0.31 with emulated joints
 GOOD = 0.36  # mean cost of a fit that can be trusted (chosen)
 # Gears pass on |load_external x load - load_motor x motor|: a hollow with either share as the greater one.
 STARTS = (
@@ -133,11 +136,13 @@ class JointFit:
         for _ in range(VALLEYS):
             self._settle(x)
             before = float(self._costs(x[None])[0])
-            found, cost = self._best_of(self._along_the_valley(x))
+            ways = self._ways(x)
+            tries = np.array([x] + [x + far * way for way in ways for far in FAR])
+            found, cost = self._best_of(tries, ways)
             if cost >= before:
                 return x, before
             x = found
-            if before - cost < 2:
+            if before - cost < 1:
                 break
         return x, cost
 
@@ -156,25 +161,40 @@ class JointFit:
         best = np.argmin(np.array(costs), axis=1)
         self.told = replace(self.told, side=sides[best, np.arange(len(self.traces))])
 
-    def _best_of(self, tries: Array) -> tuple[Array, float]:
+    def _best_of(self, tries: Array, ways: Array | None = None) -> tuple[Array, float]:
         """Start again from the best of some tries."""
-        return self._squares(tries[int(np.argmin(self._costs(tries)))])
+        return self._squares(tries[int(np.argmin(self._costs(tries)))], ways)
 
-    def _squares(self, x: Array, rounds: int = 8) -> tuple[Array, float]:
+    def _squares(self, x: Array, ways: Array | None = None) -> tuple[Array, float]:
+        """Return better unknowns, and their cost: least squares along some ways, or of each unknown by itself."""
         from scipy.optimize import least_squares
 
+        ways, nudge = (np.eye(len(x)), NUDGE) if ways is None else (ways, 1.0)
         found = least_squares(
-            lambda at: self.residuals(at[None])[0], x, self._slopes, loss="soft_l1", f_scale=SOFT, max_nfev=rounds,
-            xtol=1e-4, ftol=1e-5, gtol=1e-8,
+            lambda far: self.residuals((x + far @ ways)[None])[0], np.zeros(len(ways)),
+            lambda far: self._slopes(x + far @ ways, nudge * ways) / nudge, loss="soft_l1", f_scale=SOFT,
+            max_nfev=ROUNDS, xtol=1e-4, ftol=1e-5, gtol=1e-8,
         )  # fmt: skip
-        return np.asarray(found.x), float(found.cost)
+        return x + found.x @ ways, float(found.cost)
 
-    def _slopes(self, x: Array) -> Array:
-        """Return the residuals' derivatives by each unknown, all in one simulation."""
-        steps = NUDGE * np.eye(len(x))
-        found = self.residuals(np.concatenate([x + steps, x - steps]))
-        slopes: Array = ((found[: len(x)] - found[len(x) :]) / (2 * NUDGE)).T
+    def _slopes(self, x: Array, ways: Array) -> Array:
+        """Return the residuals' slopes along ways, a column for each, all in one simulation."""
+        found = self.residuals(np.concatenate([x + ways, x - ways]))
+        slopes: Array = ((found[: len(ways)] - found[len(ways) :]) / 2).T
         return slopes
+
+    def _ways(self, x: Array) -> Array:
+        """Return independent ways, each as long as the measurements just notice it, if that is not too long.
+
+        The cost is rough: nudges of one size are too long for a steep way, and show nothing of a flat one. So the ways
+        that they show are looked at once more.
+        """
+        ways = NUDGE * np.eye(len(x))
+        for _ in range(2):
+            _, noticed, turned = np.linalg.svd(self._slopes(x, ways), full_matrices=False)
+            ways = turned @ ways / np.maximum(noticed, NUDGE / LONGEST)[:, None]
+            ways *= np.minimum(1.0, LONGEST / np.linalg.norm(ways, axis=1))[:, None]
+        return ways
 
     def _costs(self, tries: Array) -> Array:
         return soft(self.residuals(tries))
@@ -197,11 +217,6 @@ class JointFit:
             y[at_rotor] += log(w)
             tries.append(y)
         return np.array(tries)
-
-    def _along_the_valley(self, x: Array) -> Array:
-        directions = np.linalg.svd(self._slopes(x), full_matrices=False)[2][-6:]
-        ways = (-0.4, -0.2, -0.1, -0.05, -0.025, 0.025, 0.05, 0.1, 0.2, 0.4)
-        return np.array([x] + [x + way * direction for direction in directions for way in ways])
 
     def _values(self, tries: Array) -> dict[str, Array]:
         """Return numbers from unknowns, a row per try; friction at rest and at speed stand for dry and viscous."""
@@ -280,7 +295,7 @@ class JointFit:
 
     def _spread(self, x: Array) -> dict[str, float]:
         """Return the standard deviations from the curvature, as shares; optimistic, because local minima look steep."""
-        slopes = self._slopes(x)
+        slopes = self._slopes(x, NUDGE * np.eye(len(x))) / NUDGE
         deviations = np.sqrt(np.maximum(np.diag(np.linalg.pinv(slopes.T @ slopes)), 0.0))
         return {name: float(deviation) for name, deviation in zip(self._free, deviations, strict=True)}
 
