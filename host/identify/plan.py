@@ -8,12 +8,17 @@ would be known only to a step of the position, 0.75 %.
 from dataclasses import dataclass
 from math import pi, sin
 
+from .model import Load
+
 TICK_S = 0.005  # a request every 5 ms: one answer of 32 bytes and the adapter's 1 ms fit in four times (chosen)
 REACH_RAD = 0.5  # to either side of the centre: 29 deg (chosen)
 MOST = 0.5  # of the stall torque: limit for moving joints on the stand (chosen)
 STEPS_MOST = 0.5  # limit for small steps and chirps, which move only a few degrees (chosen)
 RUNS = (0.07, 0.09, 0.11, 0.14, 0.18, 0.24, 0.32, 0.42)  # duties of single runs; friction takes 2 .. 8 %
+HARD = 0.25  # duty from which a turning joint bounces within its play (seen)
+FALLS_RAD_S2 = 5.0  # with this a link falls through 1.5 deg of play in 0.1 s, and settles before its sweep (chosen)
 COASTS = (0.5, 0.45, 0.35, 0.25)  # duties before the torque is taken away
+NO_LOAD = Load(1e-3, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -35,10 +40,11 @@ class Sweep:
     moves: tuple[Move, ...]
 
 
-def plan(centre_rad: float, reach_rad: float = REACH_RAD) -> list[Sweep]:
+def plan(centre_rad: float, reach_rad: float = REACH_RAD, load: Load = NO_LOAD) -> list[Sweep]:
     """Return the sweeps of one joint in the air, within ``reach_rad`` of the centre."""
-    sweeps = [_run(centre_rad, reach_rad, way, duty) for duty in RUNS for way in (1, -1)]
-    sweeps += [_coast(centre_rad, reach_rad, way, duty) for duty in COASTS for way in (1, -1)]
+    ends = {way: _settled_rad(centre_rad, centre_rad - way * reach_rad * 0.95, load) for way in (1, -1)}
+    sweeps = [_run(ends[way], centre_rad + way * reach_rad, way, duty) for duty in RUNS for way in (1, -1)]
+    sweeps += [_coast(ends[way], centre_rad + way * reach_rad, way, duty) for duty in COASTS for way in (1, -1)]
     sweeps += [_ramp(centre_rad, way) for way in (1, -1)]
     for duty, turn_s in ((0.4, 0.1), (0.3, 0.12), (0.2, 0.12), (0.12, 0.15)):
         sweeps += [_back_and_forth(centre_rad, reach_rad, way, duty, turn_s) for way in (1, -1)]
@@ -46,13 +52,18 @@ def plan(centre_rad: float, reach_rad: float = REACH_RAD) -> list[Sweep]:
     return sweeps
 
 
-def _run(centre: float, reach: float, way: int, duty: float) -> Sweep:
-    start, end = centre - way * reach * 0.95, centre + way * reach
+def _settled_rad(centre: float, far: float, load: Load) -> float:
+    """Return the farthest place where the weight lays the link on a flank; near its balance it rattles in its play."""
+    places = [far + part / 20 * (centre - far) for part in range(20)]
+    laid = [at for at in places if abs(load.at_scalar(at)) > FALLS_RAD_S2 * load.inertia_kg_m2]
+    return laid[0] if laid else far
+
+
+def _run(start: float, end: float, way: int, duty: float) -> Sweep:
     return Sweep(f"run {way * duty:+.2f}", start, 0.9 if duty < 0.3 else 0.5, (Move(0.0, end, duty),))
 
 
-def _coast(centre: float, reach: float, way: int, duty: float) -> Sweep:
-    start, end = centre - way * reach * 0.95, centre + way * reach
+def _coast(start: float, end: float, way: int, duty: float) -> Sweep:
     free_s = 0.055 / duty + 0.03  # after about 0.3 rad
     moves = (Move(0.0, end, duty), Move(free_s, end, None), Move(free_s + 0.3, start, 0.1))
     return Sweep(f"coast {way * duty:+.2f}", start, free_s + 0.3, moves)
@@ -67,7 +78,8 @@ def _ramp(centre: float, way: int) -> Sweep:
 def _back_and_forth(centre: float, reach: float, way: int, duty: float, turn_s: float) -> Sweep:
     ends = (centre + way * reach, centre - way * reach)
     moves = tuple(Move(k * turn_s if k == 0 else (k - 0.5) * turn_s, ends[k % 2], duty) for k in range(7))
-    return Sweep(f"back and forth {way * duty:+.2f}", centre, 7 * turn_s, moves)
+    name = "hard turns" if duty >= HARD else "back and forth"
+    return Sweep(f"{name} {way * duty:+.2f}", centre, 7 * turn_s, moves)
 
 
 def _steps(centre: float) -> Sweep:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from math import cos, degrees, pi, sin
+from math import asin, cos, degrees, pi, sin
 
 from ..bus.base import JOINT_LABELS, JOINTS
 from ..bus.dynamixel.calibration.data import limits_rad
@@ -10,17 +10,19 @@ from ..bus.dynamixel.link import ServoError
 from ..robot.model import Robot
 from ..robot.poses import leg_to_rad, rest_pose_rad, seated_pose_rad
 from ..util.errors import UserError
-from .carried import joint_per_shaft
+from .carried import in_the_air, joint_per_shaft
 from .plan import MOST, REACH_RAD, TICK_S, Sweep, plan
 from .rig import Reading, Rig
 
 GO_RAD_S = 0.6  # how fast a joint goes to where a sweep begins (chosen)
-SETTLE_S = 0.15
+SETTLE_S = 0.3  # a joint that friction does not stop creeps to its goal with the lag, 0.04 s: 7 of these (chosen)
 ARRIVED_RAD = 0.08  # further from its goal it is blocked: friction alone leaves 0.03 rad at the P gain in use (chosen)
 GROUND_TICK_S = 0.02
-PHASES = 4  # of a tick at which joints are asked in turn
+GOLDEN = 0.618034  # shares of a tick at which joints are asked: multiples of it spread evenly, however many one takes
+STRAIGHT = 0.97  # of a sway's wave: 0 is a sine, 1 a triangle, whose corners would shake the robot (chosen)
 SHAKE_S, SHAKE_RAD = 2.0, 0.12
-SHAKES = (0.1, 0.2, 0.3, 0.4)  # duties for shaking all joints, to draw current
+SHAKES = (0.1, 0.22, 0.34, 0.46)  # duties for shaking all joints, to draw current: out of step up to 3 A (seen)
+SHAKE_TICKS = 5  # until a joint turns back
 
 Done = Callable[[float], None]  # takes the completed share
 
@@ -77,7 +79,7 @@ def sweeps_of(robot: Robot, joint: int) -> list[Sweep]:
         raise UserError(
             f"{JOINT_LABELS[joint]}: {degrees(reach * ratio):.0f} deg from rest to its limits, at least 15 needed"
         )
-    return plan(centre, reach)
+    return plan(centre, reach, in_the_air(robot, joint))
 
 
 def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[Trace]:
@@ -169,7 +171,11 @@ def _note(trace: Trace, sent_s: float, began_s: float, goal_rad: float, most: fl
 
 
 def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
-    """Shake all joints in the air, harder and harder; the current drawn shows how the supply sags."""
+    """Shake all joints in the air, harder and harder; the current drawn shows how the supply sags.
+
+    Each joint turns back a tick after the one before: together they draw an even current, whose voltage is seen in many
+    steps of 0.1 V. In step they draw a short peak, and most of the time less than a step.
+    """
     rest = rest_shafts_rad(rig.robot)
     rows: list[Stance] = []
     _allow_limits(rig)
@@ -182,8 +188,9 @@ def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
                 rig.limit(joint, duty)
             ticks = round(SHAKE_S / TICK_S / 2)
             for tick in range(ticks):
-                side = 1 if tick // 5 % 2 else -1
-                _tick(rig, "shake", [at + side * SHAKE_RAD for at in rest], rows, 2 * TICK_S)
+                sides = ((tick + joint) // SHAKE_TICKS % 2 * 2 - 1 for joint in range(JOINTS))
+                goals = [at + side * SHAKE_RAD for at, side in zip(rest, sides, strict=True)]
+                _tick(rig, "shake", goals, rows, 2 * TICK_S)
             done((number + 1) / len(SHAKES))
     finally:
         rig.release()
@@ -231,10 +238,13 @@ def _glide(rig: Rig, start: Sequence[float], end: Sequence[float], seconds: floa
 
 
 def _tick(rig: Rig, what: str, goals: Sequence[float], rows: list[Stance], tick_s: float) -> None:
-    """Command all joints, and ask them a little later each time: at a fixed phase, the duties' ripple would mislead."""
+    """Command all joints, and ask them at another share of each tick: goals in steps make the duty a sawtooth.
+
+    An answer may end after the tick: then the next goals go out later, so that no part of the sawtooth is left out.
+    """
     due_s = rig.clock()
     rig.tell(dict(enumerate(goals)))
-    rig.wait_until(due_s + tick_s * (len(rows) % PHASES) / (PHASES + 1))
+    rig.wait_until(due_s + tick_s * (len(rows) * GOLDEN % 1.0))
     read = rig.ask(range(JOINTS))
     if len(read) == JOINTS:
         rows.append(
@@ -255,9 +265,14 @@ def _sway(robot: Robot) -> list[list[float]]:
         for tick in range(round(seconds / GROUND_TICK_S)):
             turn = 2 * pi * tick * GROUND_TICK_S / seconds * 2
             shift = [0.0, 0.0, 0.0]
-            shift[axis] = far[axis] * sin(turn) if axis < 2 else -far[axis] * (0.5 - 0.5 * cos(turn))
+            shift[axis] = far[axis] * _wave(turn) if axis < 2 else -far[axis] * (0.5 - 0.5 * _wave(turn + pi / 2))
             poses.append(_shifted(robot, shift))
     return poses
+
+
+def _wave(turn_rad: float) -> float:
+    """Return a sine with straight flanks: what accelerates seems to weigh more or less, and so do joints that turn."""
+    return asin(STRAIGHT * sin(turn_rad)) / asin(STRAIGHT)
 
 
 def _shifted(robot: Robot, shift_m: Sequence[float]) -> list[float]:

@@ -12,7 +12,7 @@ from .fit import Ground
 from .model import Array
 from .sweeping import Stance
 
-WINDOW = 8  # ticks over which means and speeds are taken: each of the phases twice
+WINDOW = 8  # ticks over which means and speeds are taken: a Fibonacci number spreads the phases of the ticks best
 SLOW_RAD_S = 0.03  # below this a joint may stick
 KEEP = 400  # samples of a joint on the ground: more do not help, because they are not independent
 

@@ -9,14 +9,15 @@ import numpy as np
 
 from ..bus.base import JOINT_LABELS
 from ..robot.actuators import Servo
-from .fit import Fitted, JointFit
+from .fit import Fitted, kind_of
 from .model import Array, Load, friction_Nm, motor_stall_Nm
 from .sweeping import Trace
 
 APART = 0.25  # a number that differs this much from the others' median is reported (chosen)
 PLAIN_BETTER = 1.25  # how much better another weight must explain the sweeps for the joint to count as broken (chosen)
-STICKS = 1.7  # friction at one place, times the usual friction (chosen)
-BIN_RAD, LEAST_SEEN = 0.04, 12
+AWAY_RAD, TURNS_RAD_S, LEAST_TURNING = 0.05, 0.2, 100  # play is taken up, friction no longer that at rest (chosen)
+STICKS = 1.4  # friction at one place, times the usual one: sound joints show up to 1.1, sticking ones from 1.6 (seen)
+BIN_RAD, LEAST_SEEN = 0.04, 3  # places, and runs that must have seen one (chosen)
 SOUND, LOOSE, REVERSED, STICKING, BLOCKED, STIFF = "sound", "loose horn", "reversed", "sticking", "blocked", "friction"
 UNSAFE = (LOOSE, REVERSED, BLOCKED)  # with these the robot must not stand up
 TOLD = {
@@ -35,47 +36,76 @@ class Verdict:
 
 
 def weight_is(servo: Servo, load: Load, traces: Sequence[Trace], mirror_rad: float) -> str:
-    """Return whether a joint feels its leg's weight (sound), none (loose horn), or its mirror image (reversed)."""
+    """Return whether a joint feels its leg's weight (sound), none (loose horn), or its mirror image (reversed).
+
+    The duty of a run goes into speed, friction, acceleration and weight. The weights are known, and the torque by the
+    robot file; a linear fit of the rest shows which of the weights leaves least of the duty unexplained.
+    """
+    runs = [_turning(servo, trace) for trace in traces if kind_of(trace) == "run"]
+    at, speed, speeding, duty = (np.concatenate(columns) for columns in zip(*runs, strict=True))
+    if len(at) < LEAST_TURNING:
+        return SOUND  # it hardly turns: its fit will tell
+    way = np.sign(speed)
+    fades = np.exp(-np.abs(speed) / servo.friction.stribeck_rad_s)
+    rest = np.column_stack([speed, way, way * fades, speeding])
     costs = {}
     for kind, other in ((SOUND, load), (LOOSE, load.gone()), (REVERSED, load.mirrored(mirror_rad * load.ratio))):
-        costs[kind] = JointFit(servo, other, traces).glance()
+        driving = duty + other.at(at) / servo.nominal.stall_Nm
+        costs[kind] = float(np.sum((driving - rest @ np.linalg.lstsq(rest, driving, rcond=None)[0]) ** 2))
     best = min(costs, key=lambda kind: costs[kind])
     return best if costs[SOUND] > PLAIN_BETTER * costs[best] else SOUND
+
+
+def _turning(servo: Servo, trace: Trace) -> tuple[Array, Array, Array, Array]:
+    """Return angles, speeds, accelerations and duties of 12 V where a run's joint turns at its limit of the duty."""
+    at, speed, speeding, duty = _motion(servo, trace)
+    most = np.array(trace.most)
+    far = np.abs(np.array(trace.goal_rad) - at) * servo.duty_per_rad > most * 1.5  # it does not brake yet
+    use = far & (np.abs(at - at[0]) > AWAY_RAD) & (np.abs(speed) > TURNS_RAD_S) & (np.arange(len(at)) < len(at) - 8)
+    return at[use], speed[use], speeding[use], duty[use]
+
+
+def _motion(servo: Servo, trace: Trace) -> tuple[Array, Array, Array, Array]:
+    """Return a sweep's angles, speeds, accelerations, and duties of the nominal voltage."""
+    times, at = np.array(trace.asked_s), np.array(trace.position_rad)
+    speed = np.gradient(np.convolve(at, np.ones(7) / 7, mode="same"), times)
+    speeding = np.gradient(np.convolve(speed, np.ones(5) / 5, mode="same"), times)
+    return at, speed, speeding, np.array(trace.load) * np.array(trace.voltage_V) / servo.nominal_voltage_V
 
 
 def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[str, float]) -> tuple[float, float]:
     """Return how many times the usual friction a joint has at its worst place, and where, rad at the shaft.
 
-The usual friction is that of ``values``, scaled to the joint's own median. A joint that stands still although it is
-pushed has at least the friction of the push.
+    The usual friction is that of ``values``, the other joints' numbers. This joint's torque and speed differ a little,
+    which looks like friction that changes with the duty: so a place is compared with the rest of the same run. A joint
+    that stands still although it is pushed has at least the friction of the push.
     """
-    places, ratios = [], []
-    for trace in traces:
-        if trace.name.split()[0] == "run":
-            at, ratio = _resistance(servo, load, trace, values)
-            places.append(at)
-            ratios.append(ratio)
-    at, ratio = np.concatenate(places), np.concatenate(ratios)
-    cells = np.round(at / BIN_RAD).astype(int)
-    found = {int(cell): float(np.median(ratio[cells == cell])) for cell in np.unique(cells)
-             if np.sum(cells == cell) >= LEAST_SEEN}  # fmt: skip
-    usual = median(found.values())
-    worst = max(found, key=lambda cell: found[cell])
-    return found[worst] / max(usual, 0.05), worst * BIN_RAD
+    beyond: dict[int, list[float]] = {}
+    runs = (_by_place(*_resistance(servo, load, trace, values)) for trace in traces if kind_of(trace) == "run")
+    for run in filter(None, runs):
+        usual = median(run.values())
+        for place, ratio in run.items():
+            beyond.setdefault(place, []).append(ratio - usual)
+    found = {place: median(seen) for place, seen in beyond.items() if len(seen) >= LEAST_SEEN}
+    worst = max(found, key=lambda place: found[place])
+    return 1.0 + found[worst], worst * BIN_RAD
+
+
+def _by_place(at: Array, ratio: Array) -> dict[int, float]:
+    """Return the median at each place of a run."""
+    places = np.round(at / BIN_RAD).astype(int)
+    return {int(place): float(np.median(ratio[places == place])) for place in np.unique(places)}
 
 
 def _resistance(servo: Servo, load: Load, trace: Trace, values: Mapping[str, float]) -> tuple[Array, Array]:
     """Return the joint's angles along a run, and its friction there as a share of the expected friction."""
     p = {name: np.array([value]) for name, value in values.items()}
-    times, at = np.array(trace.asked_s), np.array(trace.position_rad)
-    smooth = np.convolve(at, np.ones(7) / 7, mode="same")
-    speed = np.gradient(smooth, times)
-    speeding = np.gradient(np.convolve(speed, np.ones(5) / 5, mode="same"), times)
-    volts = np.array(trace.voltage_V) / servo.nominal_voltage_V
-    motor = motor_stall_Nm(p, servo.friction) * (np.array(trace.load) * volts - speed / p["no_load_rad_s"])
+    times = np.array(trace.asked_s)
+    at, speed, speeding, duty = _motion(servo, trace)
+    motor = motor_stall_Nm(p, servo.friction) * (duty - speed / p["no_load_rad_s"])
     weight = load.at(at)
     drives = motor + weight - (p["armature_kg_m2"] + load.inertia_kg_m2) * speeding
-    expected = friction_Nm(p, servo.friction, motor, -weight, np.abs(speed))
+    expected = friction_Nm(p, servo.friction, motor, weight, np.abs(speed))
     settled = (times > values["act_s"] + 0.06) & (np.arange(len(at)) < len(at) - 8)
     far = np.abs(np.array(trace.goal_rad) - at) * values["duty_per_rad"] > np.array(trace.most) * 1.1
     use = settled & far & (np.abs(speeding) < 4.0)

@@ -8,7 +8,19 @@ from host.identify import sweeping
 from host.identify.carried import in_the_air
 from host.identify.fit import Fitted
 from host.identify.plan import plan
-from host.identify.verdict import SOUND, STICKING, STICKS, STIFF, judge, sticking, with_middle
+from host.identify.verdict import (
+    LOOSE,
+    REVERSED,
+    SOUND,
+    STICKING,
+    STICKS,
+    STIFF,
+    judge,
+    sticking,
+    weight_is,
+    with_middle,
+)
+from host.sim.servos.honest import reference_shaft_rad
 
 from .robots import ROBOT, SERVO, stand, truth
 
@@ -45,10 +57,22 @@ def test_sticking_says_where():
     assert "3.0 times" in verdict.sentence
 
 
-@pytest.mark.parametrize("fault", ["sticking", ""])
-def test_a_joint_that_sticks_at_one_place_is_found_by_its_runs(monkeypatch, fault):
+@pytest.fixture
+def few_runs(monkeypatch):
     runs = ("run +0.11", "run -0.11", "run +0.18", "run -0.18", "run +0.24", "run -0.24")
     monkeypatch.setattr(sweeping, "plan", lambda *args: [sweep for sweep in plan(*args) if sweep.name in runs])
+
+
+@pytest.mark.parametrize(("fault", "kind"), [("", SOUND), ("loose horn", LOOSE), ("reversed", REVERSED)])
+@pytest.mark.parametrize("joint", [0, 2])
+def test_runs_show_which_weight_a_joint_feels(few_runs, joint, fault, kind):
+    made = stand(216, fault, joint)
+    traces = sweeping.sweep_joint(made.rig, joint)
+    assert weight_is(SERVO, in_the_air(ROBOT, joint), traces, reference_shaft_rad(ROBOT, joint)) == kind
+
+
+@pytest.mark.parametrize("fault", ["sticking", ""])
+def test_a_joint_that_sticks_at_one_place_is_found_by_its_runs(few_runs, fault):
     made = stand(8, fault, 1)
     traces = sweeping.sweep_joint(made.rig, 1)
     values = {**truth(made, 1), "act_s": made.plant.made.figures[1].delay_s}
@@ -57,7 +81,7 @@ def test_a_joint_that_sticks_at_one_place_is_found_by_its_runs(monkeypatch, faul
         assert times > STICKS
         assert where == pytest.approx(sweeping.rest_shafts_rad(ROBOT)[1] + 0.15, abs=0.1)
     else:
-        assert times < 1.4
+        assert times < 1.1
 
 
 def test_the_middle_of_the_joints_and_how_far_they_spread():
