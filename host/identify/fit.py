@@ -125,8 +125,10 @@ class JointFit:
         """Look at some kinds of sweeps for a while."""
         everything = self._columns
         self._columns = [at for at, trace in enumerate(self.traces) if wanted(kind_of(trace))]
-        yield
-        self._columns = everything
+        try:
+            yield
+        finally:
+            self._columns = everything
 
     def _from_grid(self, x: Array, play: float, late: float, heavier: Sequence[float]) -> tuple[Array, float]:
         self._settle(x)

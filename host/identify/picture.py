@@ -8,7 +8,7 @@ import numpy as np
 from ..bus.base import JOINT_LABELS
 from ..robot.actuators import Servo
 from ..util.files import atomic_path
-from .fit import Fitted, JointFit
+from .fit import Fitted, JointFit, kind_of
 from .model import Array, Load, friction_Nm
 from .sweeping import Trace
 
@@ -30,7 +30,7 @@ def draw(path: Path, joint: int, servo: Servo, load: Load, traces: list[Trace], 
     figure, axes = pyplot.subplots(2, 3, figsize=(15, 8.5), layout="constrained")
     figure.suptitle(f"{JOINT_LABELS[joint]}: {words}\n{_numbers(fitted)}", fontsize=10)
     for (title, names), place in zip(SHOWN, axes.flat, strict=False):
-        some = [row for row in seen if row[0].name.split()[0] in names.split()]
+        some = [row for row in seen if kind_of(row[0]) in names.split()]
         _curves(place, title, some, "slow" in names)
     _friction(axes.flat[5], servo, p)
     axes.flat[0].plot([], [], "k.", ms=3, label="measured")
