@@ -52,6 +52,8 @@ demo:
 
 # Hundreds of processes start, and each would compile its modules again where the environment says to keep no bytecode.
 test check: export PYTHONDONTWRITEBYTECODE =
+# As the command has it (host/__main__.py).
+test check: export OPENBLAS_NUM_THREADS = 1
 
 # All run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
 test: setup
