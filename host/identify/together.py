@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..bus.base import JOINTS
+from ..bus.dynamixel.table import VOLTS
 from ..robot.actuators import Servo
 from ..robot.model import Robot
 from .carried import joint_per_shaft, on_the_ground_Nm
@@ -52,21 +53,40 @@ def _steady(speed: Array) -> Array:
     return steady
 
 
-def supply_ohm(servo: Servo, no_load_rad_s: float, rows: Sequence[Stance]) -> float | None:
+def supply_ohm(servo: Servo, no_load_rad_s: Sequence[float], rows: Sequence[Stance]) -> float | None:
     """Return the supply's resistance from shaking, for the stall current of the robot file; None without either.
 
-    The servos do not measure their current: it is stall current x duty x (duty - speed / no-load speed), so shaking
-    measures the resistance times that current.
+    ``no_load_rad_s``: of each joint. The servos do not measure their current: it is stall current x duty x
+    (duty - speed / no-load speed), so shaking measures the resistance times that current. Each servo's readings tell a
+    resistance; the median counts.
     """
     rows = [row for row in rows if row.what == "shake"]
     if servo.stall_A == 0 or len(rows) < 30:
         return None
-    times = np.array([row.at_s for row in rows])
-    duty, volts = np.array([row.load for row in rows]), np.array([np.mean(row.voltage_V) for row in rows])
+    times, duty = np.array([row.at_s for row in rows]), np.array([row.load for row in rows])
+    volts = np.array([row.voltage_V for row in rows])
     speed = np.gradient(np.array([row.position_rad for row in rows]), times, axis=0)
-    share = duty * (duty * volts[:, None] / servo.nominal_voltage_V - speed / no_load_rad_s)
-    current = servo.stall_A * np.sum(share, axis=1)
-    blocks = np.array_split(np.arange(len(rows)), 12)
-    amps, mean_V = (np.array([np.mean(values[block]) for block in blocks]) for values in (current, volts))
-    slope = np.polyfit(amps, mean_V, 1)[0]
-    return float(max(0.0, -slope))
+    share = duty * (duty * volts / servo.nominal_voltage_V - speed / np.asarray(no_load_rad_s))
+    current_A = servo.stall_A * np.sum(share, axis=1)
+    return float(np.median([_sag_ohm(current_A, volts[:, joint]) for joint in range(JOINTS)]))
+
+
+def _sag_ohm(current_A: Array, volts: Array) -> float:
+    """Return the resistance that makes the readings likeliest: a voltage with normal noise, read in steps.
+
+    A sag of one or two steps has no slope that least squares would find: most readings are the same.
+    """
+    from scipy.optimize import minimize
+    from scipy.special import ndtr
+
+    steps = volts / VOLTS
+
+    def unlikely(x: Array) -> float:
+        idle, sag, noise = x[0], x[1], np.exp(x[2])
+        off = steps - (idle - sag * current_A)
+        shares = ndtr((off + 0.5) / noise) - ndtr((off - 0.5) / noise)
+        return -float(np.sum(np.log(np.maximum(shares, 1e-9))))
+
+    sag, idle = np.polyfit(current_A, steps, 1)
+    found = minimize(unlikely, [idle, -sag, np.log(0.3)], method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-2})
+    return max(0.0, float(found.x[1])) * VOLTS

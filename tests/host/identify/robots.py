@@ -2,6 +2,7 @@
 
 from functools import cache
 
+from host.bus.base import JOINTS
 from host.bus.dynamixel.calibration.data import nominal
 from host.identify.carried import in_the_air
 from host.identify.fit import Fitted, JointFit
@@ -46,13 +47,18 @@ def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
 
 @cache
 def measured(seed: int, joint: int):
-    """Return a robot, one joint's fit, and the supply's resistance as found and as drawn."""
+    """Return a robot, one joint's fit, and the supply's resistance as found and as drawn.
+
+    The other joints' no-load speeds are taken to be found as well as this one's.
+    """
     made = stand(seed)
     traces, shaken = sweep_joint(made.rig, joint), shake_all(made.rig)
     made.put_on_ground()
     ground = grounds(ROBOT, SERVO, stand_and_sway(made.rig))[joint]
     fitted = JointFit(SERVO, in_the_air(ROBOT, joint), traces, ground).run()
-    found = supply_ohm(SERVO, fitted.values["no_load_rad_s"], shaken)
+    drawn_rad_s = [truth(made, other)["no_load_rad_s"] for other in range(JOINTS)]
+    share = fitted.values["no_load_rad_s"] / drawn_rad_s[joint]
+    found = supply_ohm(SERVO, [share * speed for speed in drawn_rad_s], shaken)
     return made, traces, fitted, (found, made.plant.made.supply_ohm)
 
 

@@ -15,8 +15,8 @@ from host.sim.servos.honest import FAULTS, reference_shaft_rad
 from .robots import COMPARED, ROBOT, SERVO, errors, measured, stand
 
 WITHIN, WITHIN_MS = 0.10, 2.0
-# Thighs bear little on the ground: 5 % of a load of 0.1 N m is 5 mN m, a fifth of a step of the position in duty.
-WITHIN_OF = {"load_external": 0.15}
+SAG = pytest.mark.xfail(reason="its supply's resistance is found 18 % too low, all else within 2 %", strict=True)
+ROBOTS = [pytest.param(seed, marks=SAG) if seed == 117 else seed for seed in range(100, 140)]
 ONE = (104, 8)  # a calf: the least weight on it, so the hardest
 
 
@@ -24,11 +24,10 @@ def wrong(seed, joint):
     """Return what is farther off than allowed."""
     made, _, fitted, (found, real) = measured(seed, joint)
     off = errors(made, joint, fitted)
-    bad = {name: f"{100 * off[name]:+.0f} %" for name in COMPARED if abs(off[name]) > WITHIN_OF.get(name, WITHIN)}
+    bad = {name: f"{100 * off[name]:+.0f} %" for name in COMPARED if abs(off[name]) > WITHIN}
     if abs(off["delay_ms"]) > WITHIN_MS:
         bad["delay"] = f"{off['delay_ms']:+.1f} ms"
-    # One joint's no-load speed stands for all twelve here, which differ; the voltage comes in steps of 0.1 V.
-    if abs(found / real - 1) > 0.2:
+    if abs(found / real - 1) > WITHIN:
         bad["supply"] = f"{100 * (found / real - 1):+.0f} %"
     return bad
 
@@ -38,7 +37,7 @@ def test_one_joint_is_found_again():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(100, 140))
+@pytest.mark.parametrize("seed", ROBOTS)
 def test_forty_robots_are_found_again(seed):
     assert wrong(seed, seed % 12) == {}
     measured.cache_clear()
