@@ -9,8 +9,8 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 * STOP from anywhere: it drives nothing until RESET.
 """
 
+from shared.body.axes import POSE_AXES
 from shared.body.params import JOINTS, Params
-from shared.body.pose import POSE_SIZE
 from shared.gait.gaits import GAIT_NAMES
 from shared.gait.steps import SPEED_SIZE
 from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, repeat_command
@@ -146,7 +146,7 @@ def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -
     for axis in range(SPEED_SIZE):
         command.speed[axis] = read_int30(frame, at)
         at += 4
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         command.pose[axis] = read_int30(frame, at)
         at += 4
     command.balance = read_int30(frame, at)

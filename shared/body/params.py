@@ -7,6 +7,7 @@
 
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
+from .axes import Pose
 from .crawl_setup import CrawlSetup
 from .trot_setup import TrotSetup
 
@@ -57,8 +58,8 @@ class Params:
     length_shift: int = field("", "lu = 2^-shift m")
     speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "largest speeds along x and y, and of turning")
     speed_slew: Ints = vector(3, "lf / tick^2, yaw18 / tick^2", "how fast these change")
-    pose_max: Ints = vector(6, "lu, brad", "largest body pose: x, y, z; roll, pitch, yaw")
-    pose_slew: Ints = vector(6, "lu / tick, brad / tick", "how fast it changes")
+    pose_max: Pose = part(Pose, "largest body pose")
+    pose_slew: Pose = part(Pose, "how fast it changes, lu / tick, brad / tick")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")
     sit_z: int = field("lu", "foot below the hip when seated (negative)")
     gains: Gains = part(Gains, "of the balance over a gait's table")

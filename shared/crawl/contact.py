@@ -5,7 +5,6 @@ weight and its friction; that tare is taken before it goes down and followed whi
 """
 
 from ..body.params import LF_BITS, RR, Params
-from ..body.pose import POSE_PITCH, POSE_ROLL
 from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import const, hot
@@ -73,8 +72,8 @@ def corner_lift(crawl: Crawl, leg: int) -> int:
     params = crawl.params
     map = crawl.map
     path = crawl.path
-    nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
-    left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
+    nose_up = saturate(path.wanted.pitch - map.body_pose.pitch >> LF_BITS, -4096, 4096)
+    left_up = saturate(map.body_pose.roll - path.wanted.roll >> LF_BITS, -4096, 4096)
     lift = nose_up * params.crawl.half_length
     if leg >= RR:
         lift = -lift

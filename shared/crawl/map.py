@@ -7,7 +7,6 @@ foot rolls when its shank turns and that a foot which has slipped is followed sl
 """
 
 from ..body.params import LEGS, LF_BITS
-from ..body.pose import POSE_PITCH, POSE_YAW
 from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
@@ -28,8 +27,8 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
     """
     map = crawl.map
     roll_q8 = crawl.params.foot_radius * 710 // 113
-    pitch = map.body_pose[POSE_PITCH] >> LF_BITS
-    yaw = map.body_pose[POSE_YAW] >> LF_BITS
+    pitch = map.body_pose.pitch >> LF_BITS
+    yaw = map.body_pose.yaw >> LF_BITS
     for leg in range(LEGS):
         shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
         turn = saturate(shank - map.shank[leg], -840, 840)
@@ -71,8 +70,8 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
         total += w
         mx += w * sensing.level[at]
         my += w * sensing.level[at + 1]
-        fx += w * (map.feet[at] - map.body_pose[0] >> LF_BITS)
-        fy += w * (map.feet[at + 1] - map.body_pose[1] >> LF_BITS)
+        fx += w * (map.feet[at] - map.body_pose.x >> LF_BITS)
+        fy += w * (map.feet[at + 1] - map.body_pose.y >> LF_BITS)
     if total == 0:
         return 0
     mx = mx // total
@@ -86,8 +85,8 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
         at = leg * 3
         ax = saturate(sensing.level[at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
         ay = saturate(sensing.level[at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
-        bx = saturate((map.feet[at] - map.body_pose[0] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
-        by = saturate((map.feet[at + 1] - map.body_pose[1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((map.feet[at] - map.body_pose.x >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((map.feet[at + 1] - map.body_pose.y >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
         along += w * (ax * bx + ay * by >> 10)
     return atan2_brad18(across, along) << 6
@@ -99,8 +98,8 @@ def turn_feet(sensing: Sensing, map: Map) -> None:
 
     Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
     """
-    cosine = cos_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
-    sine = sin_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
+    cosine = cos_q15(map.body_pose.yaw >> LF_BITS) >> 1
+    sine = sin_q15(map.body_pose.yaw >> LF_BITS) >> 1
     for leg in range(LEGS):
         at = leg * 3
         x = sensing.level[at]
@@ -118,9 +117,9 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
     map = crawl.map
-    map.body_pose[POSE_YAW] = 0
+    map.body_pose.yaw = 0
     if crawl.params.lateral_q12:
-        map.body_pose[POSE_YAW] = fit_heading(crawl, sensing)
+        map.body_pose.yaw = fit_heading(crawl, sensing)
     turn_feet(sensing, map)
     for axis in range(3):
         total = 0

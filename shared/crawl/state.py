@@ -1,9 +1,9 @@
 """All that the crawl of one robot remembers, made beforehand: a tick allocates nothing."""
 
+from ..body.axes import Pose
 from ..body.load import Load
 from ..body.params import JOINTS, LEGS, Params
-from ..body.pose import POSE_SIZE
-from ..record import field, record, vector
+from ..record import field, part, record, vector
 from ..runtime import Ints, const, zeros
 
 # The stages of a step
@@ -37,7 +37,7 @@ class Map:
 
     feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
     seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
-    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
+    body_pose: Pose = part(Pose, "where the body is, lf, bf")
     shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
 
 
@@ -68,17 +68,17 @@ class Footholds:
 
 @record
 class BodyPath:
-    """The body's path: poses x y z in lf, roll pitch yaw in bf."""
+    """The body's path, in lf and bf."""
 
-    wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
-    from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
-    to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
+    wanted: Pose = part(Pose, "where it should be in this tick")
+    from_pose: Pose = part(Pose, "where its move began")
+    to_pose: Pose = part(Pose, "where its move ends")
     move_tick: int = field("ticks", "of the move so far")
     move_ticks: int = field("ticks", "of the whole move")
-    lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
-    integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
-    commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
-    sag: Ints = vector(POSE_SIZE, "lf, bf", "measured less wanted pose, smoothed")
+    lagged: Pose = part(Pose, "the wanted pose, as late as servos and bus are")
+    integral: Pose = part(Pose, "of the pose loop")
+    commanded: Pose = part(Pose, "pose that the stance legs are told")
+    sag: Pose = part(Pose, "measured less wanted pose, smoothed")
 
 
 @record
@@ -159,8 +159,8 @@ class Crawl:
         self.load = Load()
         self.weights = zeros(LEGS)
         self.point = zeros(2)
-        self.pose = zeros(POSE_SIZE)
-        self.level = zeros(POSE_SIZE)
+        self.pose = Pose()
+        self.level = Pose()
         self.rotation = zeros(9)
         self.feet = zeros(JOINTS)
         self.hip_feet = zeros(JOINTS)

@@ -6,7 +6,6 @@ and slow again shortly above it.
 """
 
 from ..body.params import LF_BITS, Params
-from ..body.pose import POSE_Z
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import const, hot
@@ -104,8 +103,8 @@ def lower_foot(crawl: Crawl) -> None:
     if speed > most:
         speed = most
     swing.speed = speed
-    lowest = crawl.map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
-    if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
-        path.wanted[POSE_Z] -= params.crawl.body_speed
+    lowest = crawl.map.body_pose.z - (params.crawl.position_limit << LF_BITS)
+    if swing.leg_length > params.crawl.swing_reach and path.wanted.z > lowest:
+        path.wanted.z -= params.crawl.body_speed
     else:
         swing.place[2] -= speed

@@ -4,11 +4,11 @@ A command is one block. Speeds are slewed to what was asked for within the gait'
 limits, the body pose likewise, so a step of the stick is a ramp of the robot.
 """
 
+from ..body.axes import POSE_AXES, Pose
 from ..body.params import Params
-from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE
 from ..num.fixed import saturate
-from ..record import field, record, vector
+from ..record import field, part, record, vector
 from ..runtime import Ints, const, hot
 
 
@@ -19,7 +19,7 @@ class Command:
     mode: int = field("", "MODE_...")
     gait: int = field("", "index into gaits.GAITS")
     speed: Ints = vector(SPEED_SIZE, "lf / tick", "forward, left; turning in yaw18 / tick")
-    pose: Ints = vector(POSE_SIZE, "lu, brad", "x, y, z; roll, pitch, yaw")
+    pose: Pose = part(Pose, "of the body over its feet")
     balance: int = field("", "1: keep the body level by the measured attitude")
     height: int = field("lu", "swing height; 0: the gait's own")
 
@@ -42,7 +42,7 @@ def repeat_command(command: Command, told: Command) -> None:
     told.height = command.height
     for axis in range(SPEED_SIZE):
         told.speed[axis] = command.speed[axis]
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         told.pose[axis] = command.pose[axis]
 
 
@@ -78,10 +78,10 @@ def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed:
 
 
 @hot
-def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> int:
-    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 1 if so."""
+def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
+    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so."""
     moves = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         wanted = 0
         if standing:
             top = params.pose_max[axis]

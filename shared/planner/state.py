@@ -1,8 +1,8 @@
 """All that the planner of one robot remembers, made beforehand: a tick allocates nothing."""
 
+from ..body.axes import Pose
 from ..body.balance import Balance, balance_setup
 from ..body.params import JOINTS, LEGS, Params
-from ..body.pose import POSE_SIZE
 from ..crawl.crawl import Crawl
 from ..gait.gaits import GAITS, gait_for
 from ..gait.steps import SPEED_SIZE, Steps
@@ -34,8 +34,8 @@ class PlannerState:
         self.status = Status()
         self.clock = Clock()
         self.speed = zeros(SPEED_SIZE)
-        self.pose = zeros(POSE_SIZE)
-        self.posed = zeros(POSE_SIZE)
+        self.pose = Pose()
+        self.posed = Pose()
         self.rotation = zeros(9)
         self.steps = Steps()
         self.move = Move()

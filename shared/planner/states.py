@@ -7,9 +7,9 @@ A move between stand and seat goes from the joints' present goals to the next st
 its belly, the legs anywhere, folds them at its sides, where they lift nothing, and then puts its feet under it.
 """
 
+from ..body.axes import POSE_AXES
 from ..body.balance import balance_reset
 from ..body.params import JOINTS, LEGS
-from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
@@ -140,7 +140,7 @@ def settle(planner: PlannerState) -> None:
     """Forget all motion: feet at rest under a level body, speed 0."""
     for axis in range(SPEED_SIZE):
         planner.speed[axis] = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         planner.pose[axis] = 0
         planner.posed[axis] = 0
     planner.fade.left = 0

@@ -3,7 +3,7 @@
     command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
 
-from ..body.pose import POSE_SIZE
+from ..body.axes import POSE_AXES
 from ..gait.steps import SPEED_SIZE, body_advance, move_feet, place_feet, steps_at_rest
 from ..gait.table import gait_clock
 from ..num.fixed import saturate
@@ -59,14 +59,14 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     status = planner.status
     posed = 0
     other = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         if planner.pose[axis]:
             posed = 1
         if status.held[axis] != command.pose[axis]:
             other = 1
     if status.beyond and posed:
         if status.holds == 0:
-            for axis in range(POSE_SIZE):
+            for axis in range(POSE_AXES):
                 status.held[axis] = command.pose[axis]
         status.holds = 1
         status.shifts = slew_pose(planner.params, command, 0, planner.pose)

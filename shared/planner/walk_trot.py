@@ -1,8 +1,8 @@
 """The trot's mover: command and senses go to the trot (shared/trot), its goals and feet to the planner."""
 
+from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, LF_BITS
-from ..body.pose import POSE_SIZE
 from ..gait.steps import SPEED_SIZE, steps_reset
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
@@ -25,7 +25,7 @@ def start_trot(planner: PlannerState) -> None:
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
     for at in range(JOINTS):
         planner.trot.feet[at] = planner.feet[at] << LF_BITS
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
 

@@ -4,9 +4,10 @@ The body does not follow a pose over its feet: standing feet go back at the spee
 turn, and sink as it rises. What went wrong in a stance is gone with the next swing.
 """
 
+from ..body.axes import Pose
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
 from .ground import ground_z
 from .state import Trot
 
@@ -94,7 +95,7 @@ def cycloid_way_q15(share_q15: int) -> int:
 
 
 @hot
-def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
+def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
     """Move the feet in the air by one tick along their swings.
 
     Along the ground a foot ends at rest over it, ahead of its coming down; up it is a cosine. Footholds: rest, on by
@@ -109,7 +110,7 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
     way = cycloid_way_q15(ahead)
     down = cycloid_way_q15(share)
     up = 32767 - cos_q15(share << 1) >> 1
-    low = -setup.height - pose[2]
+    low = -setup.height - pose.z
     for leg in range(LEGS):
         if walk.stands[leg] == 0:
             if walk.frees[leg]:
@@ -143,7 +144,7 @@ def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
 
 
 @hot
-def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int, way_q15: int) -> None:
+def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int, way_q15: int) -> None:
     """Write x and y of a foot in the air, level, lf, into ``feet``. Part of swing_feet.
 
     Intermediates: 2^13 * 2^15 of a speed and a time.
@@ -153,8 +154,8 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int,
     starts = walk.starts
     rest = params.legs[leg].rest
     at = leg * 3
-    x = rest[0] + params.com_x - pose[0]
-    y = rest[1] + params.com_y - pose[1]
+    x = rest[0] + params.com_x - pose.x
+    y = rest[1] + params.com_y - pose.y
     turn_x = state.turn_18 * (y >> 1) >> 9
     turn_y = state.turn_18 * (x >> 1) >> 9
     x += state.capture[0] + ((state.foot_speed[0] - turn_x >> 6) * setup.neutral_q8 >> 10)

@@ -1,8 +1,8 @@
 """All that the trot remembers, made beforehand."""
 
+from ..body.axes import POSE_AXES, Pose
 from ..body.legs import LegsWork
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..body.pose import POSE_SIZE
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot, zeros
 from ..sense.legs import MeasuredFeet
@@ -82,7 +82,7 @@ class Trot:
         self.hip_feet = zeros(JOINTS)  # lu from the hips
         self.joints = zeros(JOINTS)  # brad that reach them
         self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
-        self.posed = zeros(POSE_SIZE)  # lu, brad: the pose of the tick before
+        self.posed = Pose()  # the pose of the tick before
         self.past_feet = zeros(DELAY_TICKS * 2 * LEGS)  # lu: ring of planned x and z
         self.past_stands = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
 
@@ -108,7 +108,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
         state.slope_q20[axis] = 0
         state.seen[axis] = 0
         state.drift_q8[axis] = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         walk.posed[axis] = 0
     for leg in range(LEGS):
         limb = params.legs[leg]

@@ -15,6 +15,7 @@ from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
 from shared.crawl.crawl import move_origin, rebase
 from shared.crawl.state import PAST_SIZE, Crawl
+from shared.record import pack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
 
@@ -68,7 +69,7 @@ class Pair:
             foot = shape.rest[0], shape.rest[1], self.ground(shape.rest[0])
             for axis in range(3):
                 c.map.feet[leg * 3 + axis] = self.fine(foot[axis])
-        c.path.wanted[2] = self.fine(self.k.height)
+        c.path.wanted.z = self.fine(self.k.height)
         c.support.heavy_q12 = round(self.trouble.heavy * 4096)
         footholds.footholds_start(c)
         crawl_steps.start_stages(self.crawl)
@@ -94,6 +95,7 @@ class Pair:
 
     def pose(self, values):
         """Return a pose of the core's state in m and rad."""
+        values = pack(values)
         return self.metres(values[:3]) + [value * FINE_RAD for value in values[3:]]
 
     def ground(self, x):
@@ -180,7 +182,7 @@ class Pair:
             self.pushed = self.dice.uniform(0.05, 0.15)
         elif c.stage.stage != at.LOWER:
             self.pushed = 0.0
-        c.map.body_pose[4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+        c.map.body_pose.pitch += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
 
     # --- any point
 
@@ -335,7 +337,7 @@ class Pair:
 
     def move_origin(self):
         """Both keep their maps under the body: what is measured last is where it is."""
-        body = self.metres(self.crawl.map.body_pose[:3])
+        body = self.pose(self.crawl.map.body_pose)[:3]
         way = self.twin.move_origin(body)
         assert rebase(self.crawl) == int(way is not None)
         if way:
@@ -388,7 +390,7 @@ class Pair:
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
             ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
             ("warp", [c.support.warp * self.fine_m], [other.warp]),
-            ("body", self.metres(c.path.wanted[:3]), other.body.wanted[:3]),
+            ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
             ("tilt", self.pose(self.crawl.path.wanted)[3:], other.body.wanted[3:]),
         ]
         for side, prints in enumerate(other.prints):

@@ -5,11 +5,11 @@ from array import array
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body.pose import POSE_SIZE
+from shared.body.axes import Pose
 from shared.gait.gaits import PAPER_TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
-from shared.record import pack
+from shared.record import pack, unpack
 from tests.float_twin.fixed import towards
 
 from .bars import integers, repeatable
@@ -49,12 +49,12 @@ def test_speed_is_slewed_within_its_limits(asked, halves, share):
 @repeatable(200)
 @given(st.lists(WORD, min_size=6, max_size=6), st.integers(0, 1))
 def test_pose_is_slewed_within_its_limits(asked, standing):
-    command, pose = c.Command(), array("i", [0] * POSE_SIZE)
-    command.pose[:] = asked
+    command, pose = c.Command(), Pose()
+    unpack(command.pose, asked)
     for _ in range(200):
-        before = list(pose)
+        before = pack(pose)
         c.slew_pose(PARAMS, command, standing, pose)
         assert all(abs(pose[axis] - before[axis]) <= PARAMS.pose_slew[axis] for axis in range(6))
     tops = PARAMS.pose_max
-    limited = [max(-top, min(top, value)) for top, value in zip(tops, asked, strict=True)]
-    assert list(pose) == (limited if standing else [0] * 6)
+    limited = [max(-top, min(top, value)) for top, value in zip(pack(tops), asked, strict=True)]
+    assert pack(pose) == (limited if standing else [0] * 6)

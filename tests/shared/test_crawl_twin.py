@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body import pose as body
 from shared.body.leg import LIMIT_CALF, LIMIT_HIP, LIMIT_THIGH
 from shared.crawl import contact, footholds
 from shared.crawl import crawl as core_crawl
@@ -20,6 +19,7 @@ from shared.crawl import swing as swing_leg
 from shared.crawl.state import PAST_SIZE, SHIFT, Crawl
 from shared.planner import retreat
 from shared.planner.command import Command
+from shared.record import pack
 from shared.sense.legs import Sensing
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
@@ -96,7 +96,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
             sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
     crawl_map.fit_body(crawl, sensing)
     best = twin.heading(seen, feet, shares)
-    assert abs(crawl.map.body_pose[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
+    assert abs(crawl.map.body_pose.yaw / (1 << 24) * 2 * math.pi - best) < 0.5e-3
     exact = twin.body_place(seen, feet, shares, best)
     found = [crawl.map.body_pose[axis] * FINE_M for axis in range(3)]
     assert math.dist(found, exact) < 0.15 * MM
@@ -323,7 +323,7 @@ def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
 def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     crawl = Crawl(PARAMS)
     c = crawl
-    c.map.body_pose[body.POSE_PITCH], c.map.body_pose[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
+    c.map.body_pose.pitch, c.map.body_pose.roll = bf(-nose_up), bf(left_up)
     exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
     assert abs(contact.corner_lift(c, leg) * UNIT_M - exact) < 0.1 * MM
 
@@ -447,8 +447,8 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     for leg in range(4):
         assert math.dist([v * FINE_M for v in c.map.feet[leg * 3 :][:3]], feet[leg]) < 0.02 * MM
     for found in (c.map.body_pose, c.path.wanted, c.path.commanded, c.path.lagged, c.path.from_pose):
-        assert math.dist([v * FINE_M for v in found[:3]], pose[:3]) < 0.02 * MM
-        assert math.dist([v / (1 << 24) * 2 * math.pi for v in found[3:]], pose[3:]) < 0.2e-3
+        assert math.dist([v * FINE_M for v in pack(found)[:3]], pose[:3]) < 0.02 * MM
+        assert math.dist([v / (1 << 24) * 2 * math.pi for v in pack(found)[3:]], pose[3:]) < 0.2e-3
     assert abs(c.support.weight_q12 / 4096 - weight) < 1e-3
     assert (c.stage.stage, c.stage.leg, list(c.support.stance[:4])) == (SHIFT, 3, [1, 1, 1, 1])
     goals = [0] * 12

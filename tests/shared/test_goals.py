@@ -13,6 +13,7 @@ from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.goals import READ_SURE, Past, believe, follow_goals, joints_near
+from shared.record import pack
 from tests.float_twin import goals as twin
 
 from .bars import any_word, integers, repeatable
@@ -324,7 +325,7 @@ def held_short(name, ends):
     pose_at(walker, ends)
     _, still = standing_still(walker, 150)
     assert still
-    flags, arrived = walker.tick(), list(walker.planner.pose) == list(walker.command.pose)
+    flags, arrived = walker.tick(), pack(walker.planner.pose) == pack(walker.command.pose)
     assert bool(flags & n.POSE_HELD) == (not arrived)
     assert flags & 0x3F == 0  # nothing out of reach, no joint at its limit
     return not arrived
@@ -345,14 +346,14 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name, corn
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command.pose[2], walker.command.pose[4] = 5000, walker.params.pose_max[4]
+    walker.command.pose.z, walker.command.pose.pitch = 5000, walker.params.pose_max.pitch
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
-    assert 0 < walker.planner.pose[4] < walker.command.pose[4]
-    walker.command.pose[4] = 500
+    assert 0 < walker.planner.pose.pitch < walker.command.pose.pitch
+    walker.command.pose.pitch = 500
     walker.ticks(150)
     assert walker.tick() == 0
-    assert list(walker.planner.pose[2:5]) == [5000, 0, 500]
+    assert pack(walker.planner.pose)[2:5] == [5000, 0, 500]
 
 
 @pytest.mark.parametrize("after", range(4))
@@ -370,7 +371,7 @@ def test_a_pose_that_is_given_up_at_once_is_left(after):
     walker.command.balance = 0
     walker.ticks(150)
     assert walker.tick() == 0
-    assert list(walker.planner.pose) == [0] * 6
+    assert pack(walker.planner.pose) == [0] * 6
 
 
 def largest_step(walker, ticks):

@@ -261,7 +261,7 @@ def restless_feet(walker, ticks, seed):
     for tick in range(ticks):
         if tick % 23 == 0:
             for wish in (command.speed, command.pose):
-                wish[:] = [any_word(dice) for _ in wish]
+                unpack(wish, [any_word(dice) for _ in pack(wish)])
             command.balance, command.height = any_word(dice), any_word(dice)
             command.mode = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
             command.gait = dice.choice((-1, *NO_CRAWL, len(NAMES)))
@@ -370,32 +370,32 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
-    assert walker.planner.posed[3] < -100
+    assert walker.planner.posed.roll < -100
     walker.sensed.valid.tilt = 0
-    before = walker.planner.posed[3]
+    before = walker.planner.posed.roll
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.posed[3] - before <= walker.params.pose_slew[3]
+    assert 0 < walker.planner.posed.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
-    assert walker.planner.posed[3] == 0
+    assert walker.planner.posed.roll == 0
 
 
 def test_the_body_pose_is_limited_and_slewed():
     walker = in_state(n.STANDING)
-    walker.command.pose[:] = (1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77
-    last = list(walker.planner.pose)
+    unpack(walker.command.pose, ((1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77))
+    last = pack(walker.planner.pose)
     for _ in range(300):
         walker.tick()
         for axis in range(6):
             assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params.pose_slew[axis]
-        last = list(walker.planner.pose)
+        last = pack(walker.planner.pose)
     top = walker.params.pose_max
-    assert last == [top[0], -top[1], 3, top[3], -9, 77]
+    assert last == [top.x, -top.y, 3, top.roll, -9, 77]
 
 
 def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
     walker = in_state(n.STANDING)
-    walker.params.pose_max[2] = walker.params.pose_slew[2] = 20000
-    walker.command.pose[2] = 20000
+    walker.params.pose_max.z = walker.params.pose_slew.z = 20000
+    walker.command.pose.z = 20000
     assert walker.tick() & (TOO_FAR | TOO_NEAR | INSIDE_HIP)
     assert any(walker.planner.leg_flags)
 

@@ -8,6 +8,7 @@ import pytest
 
 from shared.planner import command as c
 from shared.planner import status as n
+from shared.record import pack
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
 
@@ -29,7 +30,7 @@ class Pair:
         """Return the command in SI, as the float planner takes it."""
         block, unit = self.walker.command, self.robot.unit_m
         speed = [v * s for v, s in zip(block.speed, (unit / 256, unit / 256, 2**-18), strict=True)]
-        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block.pose)]
+        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(pack(block.pose))]
         height = block.height * unit
         return SimpleNamespace(
             mode=block.mode,

@@ -128,7 +128,7 @@ def test_a_pose_is_taken_standing():
     walker = Lagging()
     walker.stand()
     walker.gait("trot")
-    walker.command.pose[:] = [0, 0, round(0.02 / walker.unit_m), 0, 0, 0]
+    walker.command.pose.z = round(0.02 / walker.unit_m)
     walker.ticks(200)
     assert [foot[2] for foot in walker.feet_m()] == pytest.approx([-0.19] * 4, abs=0.001)
 
@@ -162,7 +162,7 @@ def test_without_levelling_a_commanded_roll_is_what_the_legs_make(known):
     walker.stand()
     walker.gait("trot")
     walker.command.balance, walker.sensed.valid.tilt = 1 - known, known
-    walker.command.pose[3] = 910  # 5 deg
+    walker.command.pose.roll = 910  # 5 deg
     walker.ticks(100)
     left, right = walker.feet_m()[1], walker.feet_m()[0]
     slope = (right[2] - left[2]) / (left[1] - right[1])

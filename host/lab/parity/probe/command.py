@@ -1,7 +1,7 @@
 """shared/planner/command.py: any command block, limited and slewed."""
 
 
-from shared.body.pose import POSE_SIZE
+from shared.body.axes import Pose
 from shared.gait.steps import SPEED_SIZE
 from shared.gait.table import Gait
 from shared.planner import command
@@ -11,12 +11,13 @@ from shared.runtime import zeros
 from .draw import Range
 from .draws import HALF30, INT30, ROBOT, TABLE, gait_of
 from .probe import Block, Probe
+from .row import clear
 
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
 MOST = zeros(SPEED_SIZE)
 SPEED = zeros(SPEED_SIZE)
-POSE = zeros(POSE_SIZE)
+POSE = Pose()
 
 
 def _use_gait(values, dice):
@@ -29,8 +30,7 @@ def _use_gait(values, dice):
 def _begin():
     for at in range(SPEED_SIZE):
         SPEED[at] = 0
-    for at in range(POSE_SIZE):
-        POSE[at] = 0
+    clear(POSE)
 
 
 PROBES = (
