@@ -4,6 +4,7 @@ from ..record import Axes, field, record
 from ..runtime import const
 
 POSE_AXES = const(6)
+TWIST_AXES = const(3)
 
 
 @record
@@ -16,3 +17,12 @@ class Pose(Axes):
     roll: int = field("brad", "about x")
     pitch: int = field("brad", "about y: nose down")
     yaw: int = field("brad", "about z: to the left")
+
+
+@record
+class Twist(Axes):
+    """How fast a body goes over the ground, in its own frame."""
+
+    vx: int = field("lf / tick", "forward")
+    vy: int = field("lf / tick", "left")
+    wz: int = field("yaw18 / tick", "turning to the left")

@@ -7,7 +7,7 @@
 
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
-from .axes import Pose
+from .axes import Pose, Twist
 from .crawl_setup import CrawlSetup
 from .trot_setup import TrotSetup
 
@@ -51,13 +51,13 @@ class Leg:
 
 @record
 class Params:
-    """One robot at one rate of its planner. Three values are x, y and turning, or hip, thigh and calf."""
+    """One robot at one rate of its planner. Three values are hip, thigh and calf."""
 
     rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
     evened_q10: int = field("Q10 / tick", "share of a new value in what is evened over 0.2 s")
     length_shift: int = field("", "lu = 2^-shift m")
-    speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "largest speeds along x and y, and of turning")
-    speed_slew: Ints = vector(3, "lf / tick^2, yaw18 / tick^2", "how fast these change")
+    speed_max: Twist = part(Twist, "largest speeds")
+    speed_slew: Twist = part(Twist, "how fast these change, lf / tick^2, yaw18 / tick^2")
     pose_max: Pose = part(Pose, "largest body pose")
     pose_slew: Pose = part(Pose, "how fast it changes, lu / tick, brad / tick")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")

@@ -10,7 +10,7 @@ its belly, the legs anywhere, folds them at its sides, where they lift nothing, 
 from ..body.axes import POSE_AXES
 from ..body.balance import balance_reset
 from ..body.params import JOINTS, LEGS
-from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
+from ..gait.steps import place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
 from ..sense.legs import sensing_reset
@@ -138,8 +138,9 @@ def lie_folded(planner: PlannerState) -> None:
 @hot
 def settle(planner: PlannerState) -> None:
     """Forget all motion: feet at rest under a level body, speed 0."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
     for axis in range(POSE_AXES):
         planner.pose[axis] = 0
         planner.posed[axis] = 0

@@ -3,8 +3,8 @@
     command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
 
-from ..body.axes import POSE_AXES
-from ..gait.steps import SPEED_SIZE, body_advance, move_feet, place_feet, steps_at_rest
+from ..body.axes import POSE_AXES, TWIST_AXES
+from ..gait.steps import body_advance, move_feet, place_feet, steps_at_rest
 from ..gait.table import gait_clock
 from ..num.fixed import saturate
 from ..runtime import hot
@@ -117,7 +117,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
     gait = planner.gait
     other = planner.gaits[wanted]
     fits = 1
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         most = other.speed_max[axis]
         if planner.speed[axis] > most or planner.speed[axis] < -most:
             fits = 0

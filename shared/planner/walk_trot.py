@@ -3,7 +3,7 @@
 from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, LF_BITS
-from ..gait.steps import SPEED_SIZE, steps_reset
+from ..gait.steps import steps_reset
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
@@ -96,8 +96,9 @@ def tell_trot(planner: PlannerState) -> None:
 @hot
 def stop_trot(planner: PlannerState) -> None:
     """End the trot, which stands: another goes on from its goals."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
     steps_reset(planner.params, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     planner.status.cycles = 0

@@ -1,6 +1,6 @@
 """From command and measured motion to how the standing feet go back, how the body turns, and where feet are to land."""
 
-from ..body.axes import Pose
+from ..body.axes import Pose, Twist
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
@@ -19,7 +19,7 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
 @hot
-def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Pose) -> None:
+def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
     A round foot's centre goes slower than the body. Heading: turned back by what was turned wrong; the pose's yaw is

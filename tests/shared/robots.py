@@ -97,7 +97,7 @@ def planner_si(params):
     unit_m = 2.0 ** -params.length_shift
     fine_m, yaw = unit_m / 256, 2.0**-18
     rate = params.rate_hz
-    speeds = [*params.speed_max, *params.speed_slew]
+    speeds = pack(params.speed_max) + pack(params.speed_slew)
     poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(pack(params.pose_max) + pack(params.pose_slew))]
     of = params.gains
     gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate

@@ -1,11 +1,10 @@
 """shared/planner/command.py: speeds and poses move towards any command by at most their slew, within limits."""
 
-from array import array
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body.axes import Pose
+from shared.body.axes import Pose, Twist
 from shared.gait.gaits import PAPER_TROT
 from shared.gait.table import compile_gait
 from shared.planner import command as c
@@ -34,16 +33,16 @@ def test_slew_goes_towards(now, wanted, step):
 @repeatable(200)
 @given(st.lists(WORD, min_size=3, max_size=3), st.integers(0, 2), st.lists(st.integers(-9, 9), min_size=3, max_size=3))
 def test_speed_is_slewed_within_its_limits(asked, halves, share):
-    command, tops = c.Command(), GAIT.speed_max
-    command.speed[:] = asked
-    speed = array("i", [top * part // 9 for top, part in zip(tops, share, strict=True)])
-    before = list(speed)
-    still = c.slew_speed(PARAMS, tops, command, halves, speed)
+    command, tops = c.Command(), pack(GAIT.speed_max)
+    unpack(command.speed, asked)
+    speed = unpack(Twist(), [top * part // 9 for top, part in zip(tops, share, strict=True)])
+    before = pack(speed)
+    still = c.slew_speed(PARAMS, GAIT.speed_max, command, halves, speed)
     for axis in range(3):
         limited = max(-tops[axis], min(tops[axis], asked[axis]))
         assert abs(speed[axis] - towards(before[axis], limited * halves / 2, PARAMS.speed_slew[axis])) <= 0.5
         assert abs(speed[axis]) <= tops[axis]
-    assert still == (not any(speed))
+    assert still == (not any(pack(speed)))
 
 
 @repeatable(200)

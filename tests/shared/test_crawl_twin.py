@@ -398,7 +398,7 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
     ticks = 0
     while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state, told):
         ticks += 1
-        assert told.speed[0] <= 0
+        assert told.speed.vx <= 0
         assert ticks < 8 * rate_hz
     by_way = math.ceil(0.3 * 0.24 / back_m) if back_m > 1e-5 else math.inf
     assert abs(ticks - min(by_way, 6 * rate_hz) - rate_hz / 2) <= 3 + 0.001 * ticks

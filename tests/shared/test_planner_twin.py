@@ -29,7 +29,7 @@ class Pair:
     def command_si(self):
         """Return the command in SI, as the float planner takes it."""
         block, unit = self.walker.command, self.robot.unit_m
-        speed = [v * s for v, s in zip(block.speed, (unit / 256, unit / 256, 2**-18), strict=True)]
+        speed = [v * s for v, s in zip(pack(block.speed), (unit / 256, unit / 256, 2**-18), strict=True)]
         pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(pack(block.pose))]
         height = block.height * unit
         return SimpleNamespace(

@@ -121,7 +121,7 @@ def test_without_a_sense_it_goes_on_blind(missing):
 
 def test_the_fastest_command_is_its_own():
     walker = walking(speed=3.0, seconds=6.0)
-    assert walker.planner.speed[0] == walker.params.trot.speed_max[0]
+    assert walker.planner.speed.vx == walker.params.trot.speed_max.vx
 
 
 def test_a_pose_is_taken_standing():

@@ -9,7 +9,7 @@ import pytest
 from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
-from shared.body.axes import Pose
+from shared.body.axes import Pose, Twist
 from shared.record import unpack
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
@@ -71,7 +71,7 @@ class Pair:
         goals = self.twin.tick(senses, speed_si, pose_si, moving, balance)
         self.walk.wish.moving, self.walk.wish.balance = int(moving), int(balance)
         sense_legs(self.params, sensed.joints, 0, 0, self.feet, self.sensing)
-        trot_tick(self.params, self.walk, sensed, told, unpack(Pose(), pose), self.goal)
+        trot_tick(self.params, self.walk, sensed, unpack(Twist(), told), unpack(Pose(), pose), self.goal)
         self.plant.sent.append(goals)
         self._compare(goals)
 

@@ -1,7 +1,6 @@
 """shared/trot: its parts in states that some ticks of anything bring about, for every robot and rate."""
 
-from shared.body.axes import POSE_AXES, Pose
-from shared.gait.steps import SPEED_SIZE
+from shared.body.axes import POSE_AXES, Pose, Twist
 from shared.runtime import zeros
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
@@ -20,7 +19,7 @@ INT30 = Range(-(1 << 30), (1 << 30) - 1)
 SHARE = Range(0, 32767)
 LANDING = Range(0, 1 << 18)  # up to a quarter of a cycle after touchdown
 PLACE = Range(-32767, 32767)
-SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
+SPEED = Block(Twist(), (3, Range(-(1 << 18), 1 << 18)))
 POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
 TURNED = Block(zeros(3), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
