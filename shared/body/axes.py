@@ -8,6 +8,23 @@ TWIST_AXES = const(3)
 
 
 @record
+class Spot(Axes):
+    """A place on the ground, or a way along it."""
+
+    x: int = field("lu", "forward")
+    y: int = field("lu", "left")
+
+
+@record
+class Point(Axes):
+    """A place, or a way."""
+
+    x: int = field("lu", "forward")
+    y: int = field("lu", "left")
+    z: int = field("lu", "up")
+
+
+@record
 class Pose(Axes):
     """Where a body is in a frame, in the core's units or, where it is said so, in others. It turns as pose.py says."""
 

@@ -109,7 +109,7 @@ def feel_riser(crawl: Crawl, seen_x_lf: int) -> int:
     if at < 0:
         at += PAST_SIZE
     behind = contact.past[at] - seen_x_lf >> LF_BITS
-    way = swing.target[0] - swing.departure[0] >> LF_BITS
+    way = swing.target.x - swing.departure.x >> LF_BITS
     if way < 0:
         way = -way
     if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.way_ticks + 1):

@@ -75,10 +75,12 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     roll_feet(crawl, joints)
-    for at in range(JOINTS):
-        map.feet[at] = sensing.level[at] << LF_BITS
-        if at % 3 == 2:
-            map.feet[at] -= level << LF_BITS
+    for leg in range(LEGS):
+        foot = map.feet[leg]
+        at = leg * 3
+        foot.x = sensing.level[at] << LF_BITS
+        foot.y = sensing.level[at + 1] << LF_BITS
+        foot.z = sensing.level[at + 2] - level << LF_BITS
     map.body_pose.z = -level << LF_BITS
     for axis in range(POSE_AXES):
         path.wanted[axis] = map.body_pose[axis]
@@ -187,11 +189,13 @@ def move_origin(crawl: Crawl, axis: int, by: int) -> None:
     path = crawl.path
     swing = crawl.swing
     map.body_pose[axis] -= by
-    for at in range(axis, JOINTS, 3):
-        map.feet[at] -= by
-        map.seen[at] -= by
-    for at in range(axis, JOINTS * 2, 3):
-        crawl.footholds.places[at] -= by
+    for leg in range(LEGS):
+        map.feet[leg][axis] -= by
+        map.seen[leg][axis] -= by
+    for side in range(2):
+        queue = crawl.footholds.sides[side]
+        for place in range(queue.waiting):
+            queue.places[place][axis] -= by
     path.wanted[axis] -= by
     path.from_pose[axis] -= by
     path.to_pose[axis] -= by

@@ -47,7 +47,7 @@ def plan_loads(crawl: Crawl) -> int:
         if support.stance[leg]:
             weights[leg] = support.share_q12[leg] >> 4
         for axis in range(3):
-            away = crawl.map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
+            away = crawl.map.feet[leg][axis] - path.wanted[axis] >> LF_BITS
             feet[leg * 3 + axis] = saturate(away, -32767, 32767)
     load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
     for leg in range(LEGS):
@@ -100,14 +100,12 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
 
     Under the pose taken last. A swing leg's length is kept.
     """
-    map = crawl.map
     swing = crawl.swing
-    at = leg * 3
     if swings:
-        foot_in_body(crawl, leg, swing.place[0], swing.place[1], swing.place[2])
+        foot_in_body(crawl, leg, swing.place.x, swing.place.y, swing.place.z)
     else:
-        z = map.feet[at + 2] + foot_warp(crawl.support, leg)
-        foot_in_body(crawl, leg, map.feet[at], map.feet[at + 1], z)
+        foot = crawl.map.feet[leg]
+        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_warp(crawl.support, leg))
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)

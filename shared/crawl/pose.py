@@ -7,7 +7,7 @@ takes out what the joints still give after the sag is fed forward.
 
 from ..body.axes import POSE_AXES
 from ..body.leg import plane_length
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import LEGS, LF_BITS, Params
 from ..body.pose import body_rotation, body_to_hip
 from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
@@ -44,6 +44,19 @@ def mass_ahead(params: Params, pitch: int) -> int:
 
 
 @hot
+def take_feet(crawl: Crawl) -> None:
+    """Write the map's feet into ``crawl.feet``, lu."""
+    feet = crawl.feet
+    at = 0
+    for leg in range(LEGS):
+        foot = crawl.map.feet[leg]
+        feet[at] = foot.x >> LF_BITS
+        feet[at + 1] = foot.y >> LF_BITS
+        feet[at + 2] = foot.z >> LF_BITS
+        at += 3
+
+
+@hot
 def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     """Write into ``crawl.point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
@@ -57,10 +70,9 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     point = crawl.point
     low = 0x1FFFF
     high = -0x1FFFF
+    take_feet(crawl)
     for other in range(LEGS):
         weights[other] = 1
-        for axis in range(3):
-            feet[other * 3 + axis] = map.feet[other * 3 + axis] >> LF_BITS
         x = feet[other * 3]
         if other == leg:
             weights[other] = 0
@@ -70,11 +82,11 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
             if x > high:
                 high = x
     margin = params.crawl.margin
-    point[0] = saturate(wanted_x, -32767, 32767)
-    point[1] = mean_foot(map, 1) >> LF_BITS
+    point.x = saturate(wanted_x, -32767, 32767)
+    point.y = mean_foot(map, 1) >> LF_BITS
     if params.lateral_q12 == 0:
-        point[0] = saturate(wanted_x, low + margin, high - margin)
-        point[1] = 0
+        point.x = saturate(wanted_x, low + margin, high - margin)
+        point.y = 0
     else:
         point_inside(feet, weights, margin, point)
 
@@ -115,15 +127,14 @@ def plan_body(crawl: Crawl, skip: int) -> int:
     path = crawl.path
     pose = crawl.pose
     pitch = feet_pitch(params, map)
-    pose.x = crawl.point[0] - mass_ahead(params, pitch)
-    pose.y = crawl.point[1]
+    pose.x = crawl.point.x - mass_ahead(params, pitch)
+    pose.y = crawl.point.y
     height = params.crawl.height + (params.crawl.heavy_height * crawl.support.heavy_q12 >> 12)
     pose.z = (mean_foot(map, 2) >> LF_BITS) + height
     pose.roll = 0
     pose.pitch = pitch
     pose.yaw = 0
-    for at in range(JOINTS):
-        crawl.feet[at] = map.feet[at] >> LF_BITS
+    take_feet(crawl)
     for _ in range(8):
         excess = longest_leg(crawl, skip) - params.crawl.reach
         if excess > 0:

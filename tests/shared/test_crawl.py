@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from host.control.planner import Driver
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot
+from shared.body.params import FL
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
 from shared.crawl.even import LEGS_EVEN
@@ -78,7 +79,7 @@ def standing(x_lu, y_lu, heading_rad):
             dice.randint(-500, 500),
         ]
         for axis in range(3):
-            crawl.map.feet[leg * 3 + axis] = foot[axis] << 8
+            crawl.map.feet[leg][axis] = foot[axis] << 8
         dx, dy = foot[0] - x_lu, foot[1] - y_lu
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
@@ -114,9 +115,10 @@ def test_a_foot_in_the_air_does_not_move_the_body():
 def places(crawl):
     """Return the places of a crawl as seen from its body."""
     body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
-    found = [*crawl.map.feet, *crawl.map.seen, *crawl.footholds.places]
+    points = crawl.map.feet + crawl.map.seen + crawl.footholds.sides[0].places + crawl.footholds.sides[1].places
+    found = [value for point in points for value in pack(point)]
     found += [pose[axis] for pose in (path.wanted, path.from_pose, path.to_pose) for axis in range(3)]
-    found += [*swing.place, *swing.target]
+    found += [*pack(swing.place), *pack(swing.target)]
     found = [value - body[at % 3] for at, value in enumerate(found)]
     found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.top - body.z]
     return found + [x - body.x for x in crawl.contact.past]
@@ -125,11 +127,14 @@ def places(crawl):
 def test_the_map_is_moved_exactly():
     """After it nothing has changed but the origin: every place lies where it did from the body."""
     crawl, dice = Crawl(block("caramelo")), random.Random(7)
-    for values in (crawl.map.feet, crawl.map.seen, crawl.footholds.places, crawl.path.wanted, crawl.path.to_pose,
+    queues = [place for queue in crawl.footholds.sides for place in queue.places]
+    for queue in crawl.footholds.sides:
+        queue.waiting = MOST_FOOTHOLDS
+    for values in (*crawl.map.feet, *crawl.map.seen, *queues, crawl.path.wanted, crawl.path.to_pose,
                    crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past):
         unpack(values, [dice.randint(-(1 << 22), 1 << 22) for _ in pack(values)])
     crawl.map.body_pose.x = (crawl.params.leg_length << 7) + 12345
-    crawl.swing.ground = crawl.swing.place[2] - 777
+    crawl.swing.ground = crawl.swing.place.z - 777
     away = places(crawl)
     assert rebase(crawl) == 1
     assert places(crawl) == away
@@ -140,12 +145,12 @@ def test_the_map_is_moved_exactly():
 def test_footholds_come_out_in_the_order_they_went_in():
     map, footholds = Map(), Footholds()
     for step in range(MOST_FOOTHOLDS + 2):
-        map.feet[3] = step
+        map.feet[FL].x = step
         assert foothold_add(map, footholds, 1) == min(step + 1, MOST_FOOTHOLDS)
     for step in range(2, MOST_FOOTHOLDS + 2):
-        assert footholds.places[12] == step
+        assert footholds.sides[1].places[0].x == step
         foothold_drop(footholds, 1)
-    assert footholds.waiting[1] == 0
+    assert footholds.sides[1].waiting == 0
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():

@@ -356,6 +356,9 @@ def _sum(left: str, right: str) -> str:
     head, _, tail = left.rpartition(" + ")
     if head and tail.isdigit() and right.isdigit():
         return f"{head} + {int(tail) + int(right)}"
+    head, _, tail = left.partition(" + ")
+    if head.isdigit() and tail and right.isdigit():
+        return f"{int(head) + int(right)} + {tail}"
     head, _, tail = right.rpartition(" + ")
     if head and tail.isdigit() and left.isdigit():
         return f"{head} + {int(tail) + int(left)}"
