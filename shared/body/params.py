@@ -7,7 +7,7 @@
 
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const
-from .axes import Pose, Twist
+from .axes import Point, Pose, Twist
 from .crawl_setup import CrawlSetup
 from .trot_setup import TrotSetup
 
@@ -43,8 +43,8 @@ class Leg:
     half_diff: int = field("lu^2", "(L2^2 - L3^2) / 2")
     lowest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
     highest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
-    hip: Ints = vector(3, "lu", "the hip in the body")
-    rest: Ints = vector(3, "lu", "the foot in the body at rest")
+    hip: Point = part(Point, "the hip in the body")
+    rest: Point = part(Point, "the foot in the body at rest")
     lies: Ints = vector(3, "brad", "joints of the leg folded beside a robot that lies on its belly")
     clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
 

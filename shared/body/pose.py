@@ -68,8 +68,8 @@ def body_to_hip(params: Params, leg: int, pose: Pose, rotation: Ints, feet: Ints
         y = saturate(y, -65535, 65535)
         z = saturate(z, -65535, 65535)
     turned = (x * rotation[0] + 0x2000 >> 14) + (y * rotation[3] + 0x2000 >> 14) + (z * rotation[6] + 0x2000 >> 14)
-    hip_feet[at] = turned - hip[0]
+    hip_feet[at] = turned - hip.x
     turned = (x * rotation[1] + 0x2000 >> 14) + (y * rotation[4] + 0x2000 >> 14) + (z * rotation[7] + 0x2000 >> 14)
-    hip_feet[at + 1] = turned - hip[1]
+    hip_feet[at + 1] = turned - hip.y
     turned = (x * rotation[2] + 0x2000 >> 14) + (y * rotation[5] + 0x2000 >> 14) + (z * rotation[8] + 0x2000 >> 14)
-    hip_feet[at + 2] = turned - hip[2]
+    hip_feet[at + 2] = turned - hip.z

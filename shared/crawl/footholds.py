@@ -39,7 +39,7 @@ def footholds_start(crawl: Crawl) -> None:
 @hot
 def foothold_line(params: Params, side: int) -> int:
     """Return y in lf of a side's footholds (0 right, 1 left): its feet at rest, from the map's x axis."""
-    return params.legs[RR + side].rest[1] << LF_BITS
+    return params.legs[RR + side].rest.y << LF_BITS
 
 
 @hot

@@ -120,7 +120,7 @@ def plan_shift(crawl: Crawl) -> None:
 @hot
 def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
-    return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip[0] + crawl.params.com_x
+    return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip.x + crawl.params.com_x
 
 
 @hot

@@ -45,10 +45,10 @@ def steps_reset(params: Params, steps: Steps) -> None:
     for leg in range(LEGS):
         step = steps.legs[leg]
         rest = params.legs[leg].rest
-        step.x = rest[0] << LF_BITS
-        step.y = rest[1] << LF_BITS
-        step.z = rest[2]
-        step.to_z = rest[2]
+        step.x = rest.x << LF_BITS
+        step.y = rest.y << LF_BITS
+        step.z = rest.z
+        step.to_z = rest.z
         step.ticks = 0
         step.tick = 0
 
@@ -61,8 +61,8 @@ def steps_at_rest(params: Params, steps: Steps) -> int:
         rest = params.legs[leg].rest
         if step.ticks:
             return 0
-        away_x = step.x - (rest[0] << LF_BITS)
-        away_y = step.y - (rest[1] << LF_BITS)
+        away_x = step.x - (rest.x << LF_BITS)
+        away_y = step.y - (rest.y << LF_BITS)
         if away_x > 16 or away_x < -16 or away_y > 16 or away_y < -16:
             return 0
     return 1
@@ -224,13 +224,13 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 def foothold_x(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
     """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_travel(speed.wz, rest[1] << LF_BITS, ahead_q10)
-    return (rest[0] << LF_BITS) + travel(speed.vx, ahead_q10) - turned
+    turned = turned_travel(speed.wz, rest.y << LF_BITS, ahead_q10)
+    return (rest.x << LF_BITS) + travel(speed.vx, ahead_q10) - turned
 
 
 @hot
 def foothold_y(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
     """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_travel(speed.wz, rest[0] << LF_BITS, ahead_q10)
-    return (rest[1] << LF_BITS) + travel(speed.vy, ahead_q10) + turned
+    turned = turned_travel(speed.wz, rest.x << LF_BITS, ahead_q10)
+    return (rest.y << LF_BITS) + travel(speed.vy, ahead_q10) + turned

@@ -122,7 +122,7 @@ def limit_speeds(gait: Gait, params: Params) -> None:
     radius = 1
     for leg in range(4):
         rest = params.legs[leg].rest
-        radius = max(radius, int(hypot(rest[0], rest[1])))
+        radius = max(radius, int(hypot(rest.x, rest.y)))
     stride = params.stride_max
     gait.speed_max.vx = min(params.speed_max.vx, (stride << LF_BITS) // stance_ticks)
     gait.speed_max.vy = min(params.speed_max.vy, (stride << LF_BITS) // stance_ticks)

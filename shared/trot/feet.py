@@ -41,9 +41,9 @@ def stand_feet(params: Params, walk: Trot) -> None:
             x_lf = feet[at] - state.drive[0] - (about_y * z - about_z * y >> 9)
             y_lf = feet[at + 1] - state.drive[1] - (about_z * x - about_x * z >> 9)
             z_lf = feet[at + 2] - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
-            off_x = x_lf - (rest[0] << LF_BITS)
-            off_y = y_lf - (rest[1] << LF_BITS)
-            off_z = z_lf - (rest[2] << LF_BITS) << 1
+            off_x = x_lf - (rest.x << LF_BITS)
+            off_y = y_lf - (rest.y << LF_BITS)
+            off_z = z_lf - (rest.z << LF_BITS) << 1
             if off_x > half or off_x < -half or off_y > half or off_y < -half or off_z > half or off_z < -half:
                 x_lf += saturate(off_x, -half, half) - off_x
                 y_lf += saturate(off_y, -half, half) - off_y
@@ -154,8 +154,8 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     starts = walk.starts
     rest = params.legs[leg].rest
     at = leg * 3
-    x = rest[0] + params.com_x - pose.x
-    y = rest[1] + params.com_y - pose.y
+    x = rest.x + params.com_x - pose.x
+    y = rest.y + params.com_y - pose.y
     turn_x = state.turn_18 * (y >> 1) >> 9
     turn_y = state.turn_18 * (x >> 1) >> 9
     x += state.capture[0] + ((state.foot_speed[0] - turn_x >> 6) * setup.neutral_q8 >> 10)

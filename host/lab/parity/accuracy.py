@@ -127,7 +127,7 @@ def _body_errors(name: str, samples: int) -> list[float]:
             feet[number * 3 + axis] = limb.rest[axis] + dice.randint(-3000, 3000)
         body.body_rotation(pose, rotation)
         body.body_to_hip(params, number, pose, rotation, feet, hip_feet)
-        exact = _to_hip(pack(pose), list(feet[number * 3 : number * 3 + 3]), list(limb.hip))
+        exact = _to_hip(pack(pose), list(feet[number * 3 : number * 3 + 3]), pack(limb.hip))
         errors.append(math.dist(exact, hip_feet[number * 3 : number * 3 + 3]) * unit_mm)
     return errors
 

@@ -107,7 +107,7 @@ def _ahead(values, dice):
 
 def _near_line(values, dice):
     params: Params = ROBOT.choices[0]
-    rest = params.legs[dice.bits(2)].rest[0] << LF_BITS
+    rest = params.legs[dice.bits(2)].rest.x << LF_BITS
     values[0] = rest + (values[0] >> 4)
     values[1] = rest + (values[1] >> 4)
 
