@@ -9,7 +9,7 @@ TWIST_AXES = const(3)
 
 @record
 class Spot(Axes):
-    """A place on the ground, or a way along it."""
+    """A place on the ground, a way along it, or a speed."""
 
     x: int = field("lu", "forward")
     y: int = field("lu", "left")
@@ -17,11 +17,19 @@ class Spot(Axes):
 
 @record
 class Point(Axes):
-    """A place, or a way."""
+    """A place, a way to one, or a direction."""
 
     x: int = field("lu", "forward")
     y: int = field("lu", "left")
     z: int = field("lu", "up")
+
+
+@record
+class Tilt(Axes):
+    """How a body leans."""
+
+    roll: int = field("brad", "about x")
+    pitch: int = field("brad", "about y: nose down")
 
 
 @record

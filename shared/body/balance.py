@@ -6,27 +6,18 @@ integral term and the sum of both outputs' sizes.
 
 from ..num.fixed import mul_q15, saturate
 from ..num.pid import Pid, pid_reset, pid_step
-from ..record import field, record
 from ..runtime import hot
-from .axes import Pose
+from .axes import Pose, Tilt
 from .params import Params
 
 
-@record
-class Correction:
-    """What the balance adds to the commanded pose."""
-
-    roll: int = field("brad", "about x")
-    pitch: int = field("brad", "about y")
-
-
 class Balance:
-    """Both controllers of one robot, and what they ask for."""
+    """Both controllers of one robot, and what they add to the commanded pose."""
 
     def __init__(self) -> None:
         self.roll = Pid()
         self.pitch = Pid()
-        self.correction = Correction()
+        self.correction = Tilt()
 
 
 @hot

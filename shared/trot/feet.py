@@ -38,8 +38,8 @@ def stand_feet(params: Params, walk: Trot) -> None:
             x = feet[at] >> LF_BITS + 1
             y = feet[at + 1] >> LF_BITS + 1
             z = feet[at + 2] >> LF_BITS + 1
-            x_lf = feet[at] - state.drive[0] - (about_y * z - about_z * y >> 9)
-            y_lf = feet[at + 1] - state.drive[1] - (about_z * x - about_x * z >> 9)
+            x_lf = feet[at] - state.drive.x - (about_y * z - about_z * y >> 9)
+            y_lf = feet[at + 1] - state.drive.y - (about_z * x - about_x * z >> 9)
             z_lf = feet[at + 2] - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
             off_x = x_lf - (rest.x << LF_BITS)
             off_y = y_lf - (rest.y << LF_BITS)
@@ -138,7 +138,7 @@ def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
     if share_q15 >= _HALF_Q15:
         return
     back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
-    if walk.state.foot_speed[0] < 0:
+    if walk.state.foot_speed.x < 0:
         back = -back
     walk.feet[leg * 3] -= back << LF_BITS
 
@@ -158,13 +158,13 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     y = rest.y + params.com_y - pose.y
     turn_x = state.turn_18 * (y >> 1) >> 9
     turn_y = state.turn_18 * (x >> 1) >> 9
-    x += state.capture[0] + ((state.foot_speed[0] - turn_x >> 6) * setup.neutral_q8 >> 10)
-    y += state.capture[1] + ((state.foot_speed[1] + turn_y >> 6) * setup.neutral_q8 >> 10)
-    back = saturate((state.drive[0] - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    x += state.capture.x + ((state.foot_speed.x - turn_x >> 6) * setup.neutral_q8 >> 10)
+    y += state.capture.y + ((state.foot_speed.y + turn_y >> 6) * setup.neutral_q8 >> 10)
+    back = saturate((state.drive.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - starts[at] + back, -_FAR, _FAR)
     x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
     walk.feet[at] = x - walk.short[leg] << LF_BITS
-    back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    back = saturate((state.drive.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
     walk.feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
 

@@ -70,7 +70,7 @@ class Pair:
             standing=numbers.state == n.STANDING,
             walked=numbers.gait,
             held=numbers.mover == MOVER_TROT and robot.trot.state.held_ticks > PATIENCE_S * self.robot.rate_hz,
-            moved=robot.trot.state.seen[0] * self.robot.unit_m / 256,
+            moved=robot.trot.state.seen.x * self.robot.unit_m / 256,
             known=robot.sensing.known,
         )
 

@@ -146,7 +146,7 @@ def test_a_foot_that_lands_on_higher_ground_where_it_climbs_is_the_same_in_both(
     """A leg stays folded at its touchdown."""
     pair = Pair("caramelo", 50)
     for _ in pair.walk_with_a_held_foot(first=113, ticks=5):
-        pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+        pair.walk.state.slope_q20.x, pair.twin.slope[0] = 1 << 18, 0.25
         pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
     assert pair.walk.state.touched == 1
     assert pair.worst_m < MOST_M
