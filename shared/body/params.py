@@ -5,7 +5,7 @@
 2^-18 rad. Speeds are per tick of the planner, so the record belongs to one rate.
 """
 
-from ..record import field, part, parts, record, vector
+from ..record import Axes, field, part, parts, record, vector
 from ..runtime import Ints, const
 from .axes import Point, Pose, Twist
 from .crawl_setup import CrawlSetup
@@ -26,6 +26,15 @@ class Gains:
     kp_q12: int = field("Q12", "proportional gain")
     ki_q16: int = field("Q16", "integral gain times the tick")
     kd_q10: int = field("Q10", "derivative gain over the tick")
+
+
+@record
+class LegJoints(Axes):
+    """A value for each joint of a leg."""
+
+    hip: int = field("", "of the hip")
+    thigh: int = field("", "of the thigh")
+    calf: int = field("", "of the calf")
 
 
 @record
@@ -51,7 +60,7 @@ class Leg:
 
 @record
 class Params:
-    """One robot at one rate of its planner. Three values are hip, thigh and calf."""
+    """One robot at one rate of its planner."""
 
     rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
     evened_q10: int = field("Q10 / tick", "share of a new value in what is evened over 0.2 s")
@@ -66,11 +75,11 @@ class Params:
     integral_max: int = field("brad", "limit of the balance's integral term")
     balance_max: int = field("brad", "limit of the roll and of the pitch correction as a whole")
     stride_max: int = field("lu", "longest travel of a foot along the ground in one stance")
-    joint_top: Ints = vector(3, "brad / tick", "the fastest the motor turns its joint")
+    joint_top: LegJoints = part(LegJoints, "the fastest the motor turns its joint, brad / tick")
     legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
-    sag_q16: Ints = vector(3, "brad / lu Q16", "sag that is fed forward, per lever at own weight")
-    stiff_q8: Ints = vector(3, "own weight lu / brad Q8", "stiffness: torque per joint error")
-    damp_q8: Ints = vector(3, "own weight lu tick / brad Q8", "damping: torque per joint speed")
+    sag_q16: LegJoints = part(LegJoints, "sag that is fed forward, per lever at own weight, brad / lu Q16")
+    stiff_q8: LegJoints = part(LegJoints, "stiffness: torque per joint error, own weight lu / brad Q8")
+    damp_q8: LegJoints = part(LegJoints, "damping: torque per joint speed, own weight lu tick / brad Q8")
     coupled: int = field("", "1: the calf's motor is on the body and sets thigh + calf (paper B)")
     com_x: int = field("lu", "centre of mass in the body at rest, forward")
     com_y: int = field("lu", "centre of mass in the body at rest, left")

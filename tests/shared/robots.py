@@ -110,7 +110,7 @@ def planner_si(params):
         pose_max=poses[:6],
         pose_slew=poses[6:],
         joint_step=rad(params.joint_step),
-        joint_top=[rad(v) for v in params.joint_top],
+        joint_top=[rad(v) for v in pack(params.joint_top)],
         coupled=params.coupled,
         sit_z=params.sit_z * unit_m,
         stride=params.stride_max * unit_m,

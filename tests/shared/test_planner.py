@@ -318,7 +318,7 @@ def drive(walker, ticks, seed):
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
 def test_any_words_in_command_and_senses_are_survived(name):
     walker = Walker(name)
-    walker.params.joint_step = walker.params.joint_top[0] // 2  # fast, so that more of the time is walked
+    walker.params.joint_step = walker.params.joint_top.hip // 2  # fast, so that more of the time is walked
     states = drive(walker, 6000, 11)
     assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
 

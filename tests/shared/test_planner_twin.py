@@ -8,7 +8,7 @@ import pytest
 
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.record import pack
+from shared.record import pack, unpack
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
 
@@ -21,7 +21,7 @@ class Pair:
 
     def __init__(self, name, rate_hz):
         self.walker = Walker(name, rate_hz)
-        self.walker.params.sag_q16[:] = 0, 0, 0  # the float planner has no compensation
+        unpack(self.walker.params.sag_q16, (0, 0, 0))  # the float planner has no compensation
         self.walker.params.lateral_q12 = 0
         self.robot = planner_si(self.walker.params)
         self.twin = twin.Planner(self.robot, [Gait(table, rate_hz) for table in TABLES])

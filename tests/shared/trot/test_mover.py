@@ -7,6 +7,7 @@ import pytest
 from shared.gait.table import MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import status as n
+from shared.record import pack, unpack
 
 from ..walker import Walker
 
@@ -17,7 +18,7 @@ class Lagging(Walker):
     def __init__(self, name="caramelo", rate_hz=50):
         super().__init__(name, rate_hz)
         self.sensed.valid.turned = 1
-        self.params.sag_q16[:] = [0, 0, 0]
+        unpack(self.params.sag_q16, (0, 0, 0))
         self.share, self.at = 1 / (1 + self.params.trot.lag_q8 / 256), None
 
     def tick(self):
@@ -79,7 +80,7 @@ def test_a_gait_of_a_table_takes_over_once_it_stands():
     for _ in range(8 * 50):
         walker.tick()
         step = max(abs(a - b) for a, b in zip(walker.planner.joints, before, strict=True))
-        assert step <= max(walker.params.joint_top)
+        assert step <= max(pack(walker.params.joint_top))
         before = list(walker.planner.joints)
     assert walker.planner.status.mover != MOVER_TROT
     assert walker.state == n.WALKING
