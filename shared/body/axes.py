@@ -1,4 +1,4 @@
-"""What has axes: x forward, y left, z up, and turns about them (ROS REP 103)."""
+"""What has axes: x forward, y left, z up, turns about them (ROS REP 103). In lu and brad if no other unit is named."""
 
 from ..record import Axes, field, record
 from ..runtime import const
@@ -34,7 +34,7 @@ class Tilt(Axes):
 
 @record
 class Pose(Axes):
-    """Where a body is in a frame, in the core's units or, where it is said so, in others. It turns as pose.py says."""
+    """Where a body is in a frame. It turns as pose.py says."""
 
     x: int = field("lu", "forward")
     y: int = field("lu", "left")
