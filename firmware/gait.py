@@ -9,10 +9,9 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 * STOP from anywhere: it drives nothing until RESET.
 """
 
+from shared.body.axes import POSE_AXES, TWIST_AXES
 from shared.body.params import JOINTS, Params
-from shared.body.pose import POSE_SIZE
 from shared.gait.gaits import GAIT_NAMES
-from shared.gait.steps import SPEED_SIZE
 from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, repeat_command
 from shared.planner.planner import Planner, plan
 from shared.planner.status import Status
@@ -143,10 +142,10 @@ def take_command(reader: Reader, frame, status: BoardStatus, command: Command) -
     command.mode = read_int30(frame, TAKEN)
     command.gait = read_int30(frame, TAKEN + 4)
     at = TAKEN + 8
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         command.speed[axis] = read_int30(frame, at)
         at += 4
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         command.pose[axis] = read_int30(frame, at)
         at += 4
     command.balance = read_int30(frame, at)
@@ -222,7 +221,7 @@ def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> 
         obeyed.mode = MODE_STAND
     if fault:
         obeyed.balance = 0
-        for axis in range(3):
+        for axis in range(TWIST_AXES):
             obeyed.speed[axis] = command.speed[axis] >> 1
 
 

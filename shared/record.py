@@ -7,7 +7,8 @@
 
 ``Sway()`` has every value at its default. Here it is an object with an attribute a field; for viper, native code and C
 the build (host/boards/build/records.py) makes one array of it and an index of each name. A record may hold others:
-``part`` one, ``parts`` a list of them. What crosses a border as integers goes through ``pack`` and ``unpack``.
+``part`` one, ``parts`` a list of them. Where loops treat all fields alike, as a filter does the axes of a pose, it is
+an ``Axes``. What crosses a border as integers goes through ``pack`` and ``unpack``.
 """
 
 from array import array
@@ -56,6 +57,22 @@ def parts(count, of, meaning):
     return Field("", meaning, 0, count, of)
 
 
+class Axes:
+    """What a record of single integers is derived from whose fields are also read and written by number, in loops.
+
+    ``pose[axis]`` is the field that stands at place ``axis`` of its declaration, the first at 0.
+    """
+
+    __slots__ = ()
+    FIELDS: tuple = ()
+
+    def __getitem__(self, axis: int) -> int:
+        return getattr(self, self.FIELDS[axis][0])
+
+    def __setitem__(self, axis: int, value: int) -> None:
+        setattr(self, self.FIELDS[axis][0], value)
+
+
 def record(declared):
     """Return the class whose objects have the fields that the class ``declared`` declares."""
     found = [(name, place) for name, place in declared.__dict__.items() if isinstance(place, Field)]
@@ -68,7 +85,7 @@ def record(declared):
     if CPYTHON:  # with slots an attribute is read as fast as a list's element
         names = [name for name, _ in found]
         body = {"__slots__": names, "__doc__": declared.__doc__, "__module__": declared.__module__}
-        declared = type(declared.__name__, (), body)
+        declared = type(declared.__name__, declared.__bases__, body)
     declared.__init__ = begin
     declared.FIELDS = tuple(found)
     return declared

@@ -94,18 +94,17 @@ class Driver:
 The crawl has its own speed; its figure is that of the trot that takes over from it.
         """
         walked = self.planner.gaits[gait_index(self.robot, gait)]
-        most, key = walked.speed_max[0], "speed_limits.stride_m"
+        most, key = walked.speed_max.vx, "speed_limits.stride_m"
         if walked.mover != MOVER_TABLE:
             key = limit(self.robot)
-        elif most == self.planner.params.speed_max[0]:
+        elif most == self.planner.params.speed_max.vx:
             key = "speed_limits.vx_m_s"
         return self.scale.metres_per_second(most), key
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
         """Return a gait's top commands: forward and sideways, m/s, and turning, rad/s."""
-        ahead, aside, turning = self.planner.gaits[gait_index(self.robot, gait)].speed_max
-        scale = self.scale
-        return scale.metres_per_second(ahead), scale.metres_per_second(aside), scale.rad_per_second(turning)
+        most, scale = self.planner.gaits[gait_index(self.robot, gait)].speed_max, self.scale
+        return scale.metres_per_second(most.vx), scale.metres_per_second(most.vy), scale.rad_per_second(most.wz)
 
     def set_command(self, **wish: object) -> None:
         """Change some of the command's fields for the ticks to come."""
@@ -141,9 +140,9 @@ The crawl has its own speed; its figure is that of the trot that takes over from
         wish, scale, block = self.command, self.scale, self._command
         block.mode = MODES[wish.mode]
         block.gait = gait_index(self.robot, wish.gait)
-        block.speed[0] = scale.lf_per_tick(wish.vx_m_s)
-        block.speed[1] = scale.lf_per_tick(wish.vy_m_s)
-        block.speed[2] = scale.yaw18_per_tick(wish.wz_rad_s)
+        block.speed.vx = scale.lf_per_tick(wish.vx_m_s)
+        block.speed.vy = scale.lf_per_tick(wish.vy_m_s)
+        block.speed.wz = scale.yaw18_per_tick(wish.wz_rad_s)
         for axis in range(3):
             block.pose[axis] = scale.lu(wish.pose[axis])
             block.pose[3 + axis] = brad(wish.pose[axis + 3])

@@ -89,10 +89,10 @@ def _shape(params: Params) -> None:
     than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
     """
     crawl, front = params.crawl, params.legs[FR]
-    length = front.hip[0] - params.legs[RR].hip[0]
+    length = front.hip.x - params.legs[RR].hip.x
     crawl.stride = min(length // 3, params.leg_length * _STRIDE_MM // _LEG_MM)
     crawl.half_length = length // 2
-    crawl.half_width = abs(front.hip[1] + front.hip_length)
+    crawl.half_width = abs(front.hip.y + front.hip_length)
     bends = [_bend(params.legs[leg]) for leg in range(LEGS)]
     straight = min(32767, *(far for far, _ in bends))
     crawl.height = straight * 173 // 200

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from math import ceil, degrees, floor, isqrt, pi, sqrt
 
 from shared.body.params import LEGS, LF_BITS, Params
+from shared.record import pack
 from shared.sense.attitude import Attitude, attitude_reset
 from sim2d.model import GRAVITY_M_S2
 
@@ -161,7 +162,7 @@ def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
     motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
     for joint, times in enumerate((1.0, 1.0, ratio)):
         params.joint_top[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
-    params.joint_near = min(params.joint_top) >> int(robot.calf_drive.coupled)
+    params.joint_near = min(pack(params.joint_top)) >> int(robot.calf_drive.coupled)
     calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
     params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, robot.bus.delay_s))
     params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, robot.bus.delay_s))

@@ -270,7 +270,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     for joint, band_rad in enumerate(dry_rad):
         setup.friction[joint] = min(4095, round(band_rad * 65536 / 2 / pi))
     setup.friction_q12 = round(of_sag * 4096)
-    setup.slides_q16 = min(16383, round(65536 / (SLIDES_SHARE * params.joint_top[0])))
+    setup.slides_q16 = min(16383, round(65536 / (SLIDES_SHARE * params.joint_top.hip)))
     setup.free_lag_q12 = round(4096 / (1 + FREE_LAG_SHARE * f.lag_s * rate))
     setup.load_step_q12 = max(1, round(2048 / max(1.0, LOAD_SHARE * f.stance_s * rate)))
     for axis, value in enumerate(fastest(robot)):

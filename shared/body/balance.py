@@ -6,27 +6,18 @@ integral term and the sum of both outputs' sizes.
 
 from ..num.fixed import mul_q15, saturate
 from ..num.pid import Pid, pid_reset, pid_step
-from ..record import field, record
-from ..runtime import Ints, hot
+from ..runtime import hot
+from .axes import Pose, Tilt
 from .params import Params
-from .pose import POSE_PITCH, POSE_ROLL
-
-
-@record
-class Correction:
-    """What the balance adds to the commanded pose."""
-
-    roll: int = field("brad", "about x")
-    pitch: int = field("brad", "about y")
 
 
 class Balance:
-    """Both controllers of one robot, and what they ask for."""
+    """Both controllers of one robot, and what they add to the commanded pose."""
 
     def __init__(self) -> None:
         self.roll = Pid()
         self.pitch = Pid()
-        self.correction = Correction()
+        self.correction = Tilt()
 
 
 @hot
@@ -71,15 +62,15 @@ def balance_release(balance: Balance, step: int) -> None:
 
 
 @hot
-def balance_step(balance: Balance, pose: Ints, roll_brad: int, pitch_brad: int) -> None:
+def balance_step(balance: Balance, pose: Pose, roll_brad: int, pitch_brad: int) -> None:
     """Update the correction from the commanded ``pose`` and the measured angles.
 
-    pose: POSE_SIZE values, brad angles; roll_brad, pitch_brad: within +-32768. The corrections'
+    roll_brad, pitch_brad: within +-32768. The corrections'
     sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
     Intermediates: 16383 * 32768 < 2^30.
     """
-    roll = pid_step(balance.roll, pose[POSE_ROLL], roll_brad)
-    pitch = pid_step(balance.pitch, pose[POSE_PITCH], pitch_brad)
+    roll = pid_step(balance.roll, pose.roll, roll_brad)
+    pitch = pid_step(balance.pitch, pose.pitch, pitch_brad)
     size = roll
     if size < 0:
         size = -size

@@ -70,11 +70,11 @@ def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q
         along = saturate(mul_q15(fz, cosine) - mul_q15(fy, sine), -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         above = torque(knee_x, along) + torque(knee_drop, fx)
         below = torque(x - knee_x, along) + torque(drop - knee_drop, fx)
-    joints[at] -= sag(around, params.sag_q16[0])
+    joints[at] -= sag(around, params.sag_q16.hip)
     if params.coupled:
-        give = sag(above, params.sag_q16[1])
+        give = sag(above, params.sag_q16.thigh)
         joints[at + 1] += give
-        joints[at + 2] += sag(below, params.sag_q16[2]) - give
+        joints[at + 2] += sag(below, params.sag_q16.calf) - give
     else:
-        joints[at + 1] += sag(above + below, params.sag_q16[1])
-        joints[at + 2] += sag(below, params.sag_q16[2])
+        joints[at + 1] += sag(above + below, params.sag_q16.thigh)
+        joints[at + 2] += sag(below, params.sag_q16.calf)

@@ -78,9 +78,9 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> None:
         cosine = waves[at + JOINTS]
         drop = (upper * waves[at + JOINTS + 1] + 0x4000 >> 15) + (lower * waves[at + JOINTS + 2] + 0x4000 >> 15)
         ahead = (upper * waves[at + 1] + 0x4000 >> 15) + (lower * waves[at + 2] + 0x4000 >> 15)
-        feet[at] = limb.hip[0] - ahead
-        feet[at + 1] = limb.hip[1] + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
-        feet[at + 2] = limb.hip[2] + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+        feet[at] = limb.hip.x - ahead
+        feet[at + 1] = limb.hip.y + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+        feet[at + 2] = limb.hip.z + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
         at += 3
 
 

@@ -7,8 +7,9 @@ Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
 """
 
 from ..num.fixed import saturate
-from ..record import field, record, vector
+from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const, hot
+from .axes import Spot
 from .params import LEGS
 
 
@@ -17,11 +18,13 @@ class Load:
     """How the weight is shared out, and what it was found from."""
 
     wanted_q12: Ints = vector(LEGS, "own weight Q12", "the share of each foot")
-    middle: Ints = vector(2, "lu", "the weighted middle of the feet, x and y")
-    moment: Ints = vector(3, "(32 lu)^2", "second moments xx, xy, yy about it, shortened")
+    middle: Spot = part(Spot, "the weighted middle of the feet, lu")
+    xx: int = field("(32 lu)^2", "second moment about it of x with x, shortened")
+    xy: int = field("(32 lu)^2", "of x with y")
+    yy: int = field("(32 lu)^2", "of y with y")
     shift: int = field("bits", "by which the moments were shortened")
-    along: Ints = vector(2, "Q18 / 32 lu", "how the share grows along x and y, shortened likewise")
-    arm: Ints = vector(2 * LEGS, "32 lu", "x, y of each foot that stands, from the middle")
+    slope: Spot = part(Spot, "how the share grows along x and y, shortened likewise, Q18 / 32 lu")
+    arms: list[Spot] = parts(LEGS, Spot, "each foot that stands, from the middle, 32 lu")
 
 
 _UNIT_BITS = const(5)  # moments are taken in 32 lu: 10 bits for a leg's length
@@ -48,12 +51,13 @@ def load_share(
     load_slope(com_x, com_y, planar, block)
     even = 0x100000 // total
     shift = block.shift + 6
-    along_x = block.along[0]
-    along_y = block.along[1]
+    slope_x = block.slope.x
+    slope_y = block.slope.y
     for leg in range(LEGS):
         share = 0
         if weights[leg] > 0:
-            share = even + (along_x * block.arm[2 * leg] + along_y * block.arm[2 * leg + 1] >> shift)
+            arm = block.arms[leg]
+            share = even + (slope_x * arm.x + slope_y * arm.y >> shift)
             if share < 0:
                 share = 0
             elif share > 0x200000:
@@ -93,8 +97,9 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
                 y = feet[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
                 if y > 1023 or y < -1023:
                     y = saturate(y, -1023, 1023)
-            block.arm[2 * leg] = x
-            block.arm[2 * leg + 1] = y
+            arm = block.arms[leg]
+            arm.x = x
+            arm.y = y
             xx += x * x * weight >> 8
             xy += x * y * weight >> 8
             yy += y * y * weight >> 8
@@ -105,11 +110,11 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
         xy >>= 1
         yy >>= 1
         shift += 1
-    block.middle[0] = middle_x
-    block.middle[1] = middle_y
-    block.moment[0] = xx
-    block.moment[1] = xy
-    block.moment[2] = yy
+    block.middle.x = middle_x
+    block.middle.y = middle_y
+    block.xx = xx
+    block.xy = xy
+    block.yy = yy
     block.shift = shift
     return total
 
@@ -122,13 +127,13 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> None:
     take the part along the line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF.
     Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
     """
-    off_x = saturate(com_x - block.middle[0] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    off_x = saturate(com_x - block.middle.x + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
     off_y = 0
     if planar == 0:
-        off_y = saturate(com_y - block.middle[1] + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
-    xx = block.moment[0]
-    xy = block.moment[1]
-    yy = block.moment[2]
+        off_y = saturate(com_y - block.middle.y + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
+    xx = block.xx
+    xy = block.xy
+    yy = block.yy
     square = (xx + yy) * (xx + yy)
     det = xx * yy - xy * xy
     if det > square >> 6:
@@ -139,5 +144,5 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> None:
         along_y = xy * off_x + yy * off_y
         det = square
     det = (det >> 14) + 1
-    block.along[0] = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
-    block.along[1] = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)
+    block.slope.x = saturate((along_x << 4) // det, -0x3FFFF, 0x3FFFF)
+    block.slope.y = saturate((along_y << 4) // det, -0x3FFFF, 0x3FFFF)

@@ -5,8 +5,9 @@
 2^-18 rad. Speeds are per tick of the planner, so the record belongs to one rate.
 """
 
-from ..record import field, part, parts, record, vector
+from ..record import Axes, field, part, parts, record, vector
 from ..runtime import Ints, const
+from .axes import Point, Pose, Twist
 from .crawl_setup import CrawlSetup
 from .trot_setup import TrotSetup
 
@@ -28,6 +29,15 @@ class Gains:
 
 
 @record
+class LegJoints(Axes):
+    """A value for each joint of a leg."""
+
+    hip: int = field("", "of the hip")
+    thigh: int = field("", "of the thigh")
+    calf: int = field("", "of the calf")
+
+
+@record
 class Leg:
     """One leg; in the frame of its hip where no other is named."""
 
@@ -42,34 +52,34 @@ class Leg:
     half_diff: int = field("lu^2", "(L2^2 - L3^2) / 2")
     lowest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
     highest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
-    hip: Ints = vector(3, "lu", "the hip in the body")
-    rest: Ints = vector(3, "lu", "the foot in the body at rest")
+    hip: Point = part(Point, "the hip in the body")
+    rest: Point = part(Point, "the foot in the body at rest")
     lies: Ints = vector(3, "brad", "joints of the leg folded beside a robot that lies on its belly")
     clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
 
 
 @record
 class Params:
-    """One robot at one rate of its planner. Three values are x, y and turning, or hip, thigh and calf."""
+    """One robot at one rate of its planner."""
 
     rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
     evened_q10: int = field("Q10 / tick", "share of a new value in what is evened over 0.2 s")
     length_shift: int = field("", "lu = 2^-shift m")
-    speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "largest speeds along x and y, and of turning")
-    speed_slew: Ints = vector(3, "lf / tick^2, yaw18 / tick^2", "how fast these change")
-    pose_max: Ints = vector(6, "lu, brad", "largest body pose: x, y, z; roll, pitch, yaw")
-    pose_slew: Ints = vector(6, "lu / tick, brad / tick", "how fast it changes")
+    speed_max: Twist = part(Twist, "largest speeds")
+    speed_slew: Twist = part(Twist, "how fast these change, lf / tick^2, yaw18 / tick^2")
+    pose_max: Pose = part(Pose, "largest body pose")
+    pose_slew: Pose = part(Pose, "how fast it changes, lu / tick, brad / tick")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")
     sit_z: int = field("lu", "foot below the hip when seated (negative)")
     gains: Gains = part(Gains, "of the balance over a gait's table")
     integral_max: int = field("brad", "limit of the balance's integral term")
     balance_max: int = field("brad", "limit of the roll and of the pitch correction as a whole")
     stride_max: int = field("lu", "longest travel of a foot along the ground in one stance")
-    joint_top: Ints = vector(3, "brad / tick", "the fastest the motor turns its joint")
+    joint_top: LegJoints = part(LegJoints, "the fastest the motor turns its joint, brad / tick")
     legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
-    sag_q16: Ints = vector(3, "brad / lu Q16", "sag that is fed forward, per lever at own weight")
-    stiff_q8: Ints = vector(3, "own weight lu / brad Q8", "stiffness: torque per joint error")
-    damp_q8: Ints = vector(3, "own weight lu tick / brad Q8", "damping: torque per joint speed")
+    sag_q16: LegJoints = part(LegJoints, "sag that is fed forward, per lever at own weight, brad / lu Q16")
+    stiff_q8: LegJoints = part(LegJoints, "stiffness: torque per joint error, own weight lu / brad Q8")
+    damp_q8: LegJoints = part(LegJoints, "damping: torque per joint speed, own weight lu tick / brad Q8")
     coupled: int = field("", "1: the calf's motor is on the body and sets thigh + calf (paper B)")
     com_x: int = field("lu", "centre of mass in the body at rest, forward")
     com_y: int = field("lu", "centre of mass in the body at rest, left")

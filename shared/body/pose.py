@@ -6,16 +6,9 @@ R^T (p - c) - h from a hip at h, with c the commanded translation (its eqs 9 and
 """
 
 from ..num.fixed import cos_q15, saturate, sin_q15
-from ..runtime import Ints, const, hot
+from ..runtime import Ints, hot
+from .axes import Pose
 from .params import Params
-
-POSE_X = const(0)  # lu
-POSE_Y = const(1)
-POSE_Z = const(2)
-POSE_ROLL = const(3)  # brad
-POSE_PITCH = const(4)
-POSE_YAW = const(5)
-POSE_SIZE = const(6)
 
 
 @hot
@@ -32,18 +25,18 @@ def mul_unit(a_q15: int, b_q15: int) -> int:
 
 
 @hot
-def body_rotation(pose: Ints, rotation: Ints) -> None:
+def body_rotation(pose: Pose, rotation: Ints) -> None:
     """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``.
 
-    pose: POSE_SIZE values, angles in brad, any value. Each entry is within 2.5 LSB of Q14
+    The angles may have any value. Each entry is within 2.5 LSB of Q14
     (1.5e-4). Intermediates below 2^30.
     """
-    sa = sin_q15(pose[POSE_ROLL])
-    ca = cos_q15(pose[POSE_ROLL])
-    sb = sin_q15(pose[POSE_PITCH])
-    cb = cos_q15(pose[POSE_PITCH])
-    sg = sin_q15(pose[POSE_YAW])
-    cg = cos_q15(pose[POSE_YAW])
+    sa = sin_q15(pose.roll)
+    ca = cos_q15(pose.roll)
+    sb = sin_q15(pose.pitch)
+    cb = cos_q15(pose.pitch)
+    sg = sin_q15(pose.yaw)
+    cg = cos_q15(pose.yaw)
     rotation[0] = (mul_unit(cb, cg) + 1) >> 1
     rotation[1] = (1 - mul_unit(cb, sg)) >> 1
     rotation[2] = (sb + 1) >> 1
@@ -58,7 +51,7 @@ def body_rotation(pose: Ints, rotation: Ints) -> None:
 
 
 @hot
-def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints, hip_feet: Ints) -> None:
+def body_to_hip(params: Params, leg: int, pose: Pose, rotation: Ints, feet: Ints, hip_feet: Ints) -> None:
     """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9).
 
     feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
@@ -67,16 +60,16 @@ def body_to_hip(params: Params, leg: int, pose: Ints, rotation: Ints, feet: Ints
     """
     hip = params.legs[leg].hip
     at = leg * 3
-    x = feet[at] - pose[POSE_X]
-    y = feet[at + 1] - pose[POSE_Y]
-    z = feet[at + 2] - pose[POSE_Z]
+    x = feet[at] - pose.x
+    y = feet[at + 1] - pose.y
+    z = feet[at + 2] - pose.z
     if x > 65535 or x < -65535 or y > 65535 or y < -65535 or z > 65535 or z < -65535:
         x = saturate(x, -65535, 65535)
         y = saturate(y, -65535, 65535)
         z = saturate(z, -65535, 65535)
     turned = (x * rotation[0] + 0x2000 >> 14) + (y * rotation[3] + 0x2000 >> 14) + (z * rotation[6] + 0x2000 >> 14)
-    hip_feet[at] = turned - hip[0]
+    hip_feet[at] = turned - hip.x
     turned = (x * rotation[1] + 0x2000 >> 14) + (y * rotation[4] + 0x2000 >> 14) + (z * rotation[7] + 0x2000 >> 14)
-    hip_feet[at + 1] = turned - hip[1]
+    hip_feet[at + 1] = turned - hip.y
     turned = (x * rotation[2] + 0x2000 >> 14) + (y * rotation[5] + 0x2000 >> 14) + (z * rotation[8] + 0x2000 >> 14)
-    hip_feet[at + 2] = turned - hip[2]
+    hip_feet[at + 2] = turned - hip.z

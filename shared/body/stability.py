@@ -6,6 +6,7 @@ margin is never above 0; four, three or two go through the same few lines.
 
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import Ints, const, hot
+from .axes import Spot
 from .params import LEGS
 
 NO_SUPPORT = const(-32768)  # no foot stands
@@ -74,8 +75,8 @@ def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
 
 
 @hot
-def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> None:
-    """Move ``point`` (x, y in lu) until it is ``margin`` inside every edge of the support.
+def point_inside(feet: Ints, weights: Ints, margin: int, point: Spot) -> None:
+    """Move ``point`` (lu) until it is ``margin`` inside every edge of the support.
 
     Moves square to the most violated edge, at most 8 times: near the closest such point, or, where the
     polygon has no room for the margin, near its middle. Feet and point within +-32767 lu, margin 0 .. 32767.
@@ -89,7 +90,7 @@ def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> None:
             leg = around(place)
             if weights[leg] > 0:
                 then = around(next_standing(weights, place))
-                along = edge_margin(feet, leg, then, point[0], point[1])
+                along = edge_margin(feet, leg, then, point.x, point.y)
                 if along < least:
                     least = along
                     one = leg
@@ -100,5 +101,5 @@ def point_inside(feet: Ints, weights: Ints, margin: int, point: Ints) -> None:
         along_y = feet[other * 3 + 1] - feet[one * 3 + 1] >> 3
         length = hypot(along_x, along_y) + 1
         short = saturate(margin - least + 3, 0, 32767)
-        point[0] = saturate(point[0] - along_y * short // length, -32767, 32767)
-        point[1] = saturate(point[1] + along_x * short // length, -32767, 32767)
+        point.x = saturate(point.x - along_y * short // length, -32767, 32767)
+        point.y = saturate(point.y + along_x * short // length, -32767, 32767)

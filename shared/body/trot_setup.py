@@ -1,14 +1,15 @@
 """The trot's numbers of one robot at one rate: a part of the robot's parameters."""
 
-from ..record import field, record, vector
+from ..record import field, part, record, vector
 from ..runtime import Ints
+from .axes import Twist
 
 
 @record
 class TrotSetup:
     """Times in ticks, lengths in lu, gains per tick. host/robot/trot_tuning.py fills it in, and says why."""
 
-    speed_max: Ints = vector(3, "lf / tick, yaw18 / tick", "fastest command along x and y, and of turning")
+    speed_max: Twist = part(Twist, "fastest command")
     phase_step_q20: int = field("Q20 of a cycle / tick", "how fast the phase goes on, up to 2^17")
     stance_q20: int = field("Q20 of a cycle", "share of a cycle in which a foot stands, 1/2 .. 3/4")
     landing_q20: int = field("Q20 of a cycle", "after touchdown, in which the joints still tell of a landing")

@@ -5,7 +5,6 @@ weight and its friction; that tare is taken before it goes down and followed whi
 """
 
 from ..body.params import LF_BITS, RR, Params
-from ..body.pose import POSE_PITCH, POSE_ROLL
 from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import const, hot
@@ -73,8 +72,8 @@ def corner_lift(crawl: Crawl, leg: int) -> int:
     params = crawl.params
     map = crawl.map
     path = crawl.path
-    nose_up = saturate(path.wanted[POSE_PITCH] - map.body_pose[POSE_PITCH] >> LF_BITS, -4096, 4096)
-    left_up = saturate(map.body_pose[POSE_ROLL] - path.wanted[POSE_ROLL] >> LF_BITS, -4096, 4096)
+    nose_up = saturate(path.wanted.pitch - map.body_pose.pitch >> LF_BITS, -4096, 4096)
+    left_up = saturate(map.body_pose.roll - path.wanted.roll >> LF_BITS, -4096, 4096)
     lift = nose_up * params.crawl.half_length
     if leg >= RR:
         lift = -lift
@@ -110,7 +109,7 @@ def feel_riser(crawl: Crawl, seen_x_lf: int) -> int:
     if at < 0:
         at += PAST_SIZE
     behind = contact.past[at] - seen_x_lf >> LF_BITS
-    way = swing.target[0] - swing.departure[0] >> LF_BITS
+    way = swing.target.x - swing.departure.x >> LF_BITS
     if way < 0:
         way = -way
     if behind > params.crawl.riser_lag + way * params.crawl.swing_lag_ticks // (swing.way_ticks + 1):

@@ -6,8 +6,8 @@ It needs measured joints and attitude. It walks straight ahead along the line it
 stage follows a stage is in steps.py.
 """
 
+from ..body.axes import POSE_AXES
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE, POSE_Z
 from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
@@ -55,7 +55,7 @@ def forget(crawl: Crawl) -> None:
         support.force_q12[leg] = 0
     support.heavy_q12 = 0
     support.warp = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         crawl.path.integral[axis] = 0
         crawl.path.sag[axis] = 0
     crawl.even.landed = 0
@@ -71,16 +71,18 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
     map = crawl.map
     path = crawl.path
     level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     roll_feet(crawl, joints)
-    for at in range(JOINTS):
-        map.feet[at] = sensing.level[at] << LF_BITS
-        if at % 3 == 2:
-            map.feet[at] -= level << LF_BITS
-    map.body_pose[POSE_Z] = -level << LF_BITS
-    for axis in range(POSE_SIZE):
+    for leg in range(LEGS):
+        foot = map.feet[leg]
+        at = leg * 3
+        foot.x = sensing.level[at] << LF_BITS
+        foot.y = sensing.level[at + 1] << LF_BITS
+        foot.z = sensing.level[at + 2] - level << LF_BITS
+    map.body_pose.z = -level << LF_BITS
+    for axis in range(POSE_AXES):
         path.wanted[axis] = map.body_pose[axis]
         path.lagged[axis] = map.body_pose[axis]
         path.commanded[axis] = map.body_pose[axis]
@@ -101,10 +103,10 @@ def start_support(sensing: Sensing, support: Support) -> None:
 @hot
 def take_tilt(params: Params, map: Map, roll_brad: int, pitch_brad: int) -> None:
     """Take the body's measured tilt; in the plane it does not roll."""
-    map.body_pose[POSE_PITCH] = pitch_brad << LF_BITS
-    map.body_pose[POSE_ROLL] = 0
+    map.body_pose.pitch = pitch_brad << LF_BITS
+    map.body_pose.roll = 0
     if params.lateral_q12:
-        map.body_pose[POSE_ROLL] = roll_brad << LF_BITS
+        map.body_pose.roll = roll_brad << LF_BITS
 
 
 @hot
@@ -166,9 +168,9 @@ def rebase(crawl: Crawl) -> int:
     map = crawl.map
     far = crawl.params.leg_length << LF_BITS - 1
     aside = far * 3 >> 1
-    x = map.body_pose[0]
-    y = map.body_pose[1]
-    z = map.body_pose[2]
+    x = map.body_pose.x
+    y = map.body_pose.y
+    z = map.body_pose.z
     if y <= aside and y >= -aside:
         y = 0
         if x <= far and x >= -far and z <= far and z >= -far:
@@ -187,11 +189,13 @@ def move_origin(crawl: Crawl, axis: int, by: int) -> None:
     path = crawl.path
     swing = crawl.swing
     map.body_pose[axis] -= by
-    for at in range(axis, JOINTS, 3):
-        map.feet[at] -= by
-        map.seen[at] -= by
-    for at in range(axis, JOINTS * 2, 3):
-        crawl.footholds.places[at] -= by
+    for leg in range(LEGS):
+        map.feet[leg][axis] -= by
+        map.seen[leg][axis] -= by
+    for side in range(2):
+        queue = crawl.footholds.sides[side]
+        for place in range(queue.waiting):
+            queue.places[place][axis] -= by
     path.wanted[axis] -= by
     path.from_pose[axis] -= by
     path.to_pose[axis] -= by

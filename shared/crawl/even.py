@@ -3,7 +3,7 @@
 On such ground the crawl gives way to the trot, and meanwhile expects its next step on that slope.
 """
 
-from ..body.params import LEGS, LF_BITS, RR
+from ..body.params import FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .map import front_to_hind
@@ -41,14 +41,15 @@ def off_even(crawl: Crawl, leg: int) -> int:
     low = 0x1FFFF
     high = -0x1FFFF
     for other in range(LEGS):
-        off = off_slope(map.feet[other * 3] - map.feet[0], map.feet[other * 3 + 2] - map.feet[2], dx, dz)
+        foot = map.feet[other]
+        off = off_slope(foot.x - map.feet[FR].x, foot.z - map.feet[FR].z, dx, dz)
         if off < low:
             low = off
         if off > high:
             high = off
     uneven = high - low
     if leg < RR:
-        off = off_slope(map.feet[leg * 3] - swing.departure[0], map.feet[leg * 3 + 2] - swing.target[2], dx, dz)
+        off = off_slope(map.feet[leg].x - swing.departure.x, map.feet[leg].z - swing.target.z, dx, dz)
         if off < 0:
             off = -off
         if off > uneven:

@@ -6,12 +6,9 @@ of at most four. A front foot goes half a stride beyond the other front foot.
 
 from ..body.params import FL, FR, LF_BITS, RR, Params
 from ..num.fixed import saturate
-from ..runtime import const, hot
+from ..runtime import hot
 from .even import expected_rise
-from .state import Crawl, Footholds, Map
-
-MOST_FOOTHOLDS = const(4)
-_SIDE = const(12)  # values of a side's queue
+from .state import MOST_FOOTHOLDS, Crawl, Footholds, Map
 
 
 @hot
@@ -22,27 +19,27 @@ def footholds_start(crawl: Crawl) -> None:
     Their heights lie on the line between the two feet.
     """
     map = crawl.map
-    footholds = crawl.footholds
     for side in range(2):
-        front = side * 3
-        hind = front + RR * 3
-        gap_x = map.feet[front] - map.feet[hind]
-        gap_z = map.feet[front + 2] - map.feet[hind + 2]
+        queue = crawl.footholds.sides[side]
+        front = map.feet[side]
+        hind = map.feet[RR + side]
+        gap_x = front.x - hind.x
+        gap_z = front.z - hind.z
         for place in range(3):
             sixths = 2 * place + 2 - side
-            at = side * _SIDE + place * 3
-            footholds.places[at] = map.feet[hind] + gap_x * sixths // 6
-            footholds.places[at + 1] = foothold_line(crawl.params, side)
-            footholds.places[at + 2] = map.feet[hind + 2] + gap_z * sixths // 6
-        footholds.waiting[side] = 3
-        footholds.guessed[side] = 2 + side
-        footholds.taken[side] = 1 - side
+            foothold = queue.places[place]
+            foothold.x = hind.x + gap_x * sixths // 6
+            foothold.y = foothold_line(crawl.params, side)
+            foothold.z = hind.z + gap_z * sixths // 6
+        queue.waiting = 3
+        queue.guessed = 2 + side
+        queue.taken = 1 - side
 
 
 @hot
 def foothold_line(params: Params, side: int) -> int:
     """Return y in lf of a side's footholds (0 right, 1 left): its feet at rest, from the map's x axis."""
-    return params.legs[RR + side].rest[1] << LF_BITS
+    return params.legs[RR + side].rest.y << LF_BITS
 
 
 @hot
@@ -51,39 +48,48 @@ def foothold_add(map: Map, footholds: Footholds, side: int) -> int:
 
     A full queue loses its oldest: the hind foot is then more than a stride behind, and would never use it.
     """
-    if footholds.waiting[side] >= MOST_FOOTHOLDS:
+    queue = footholds.sides[side]
+    if queue.waiting >= MOST_FOOTHOLDS:
         foothold_drop(footholds, side)
-    footholds.waiting[side] += 1
+    queue.waiting += 1
     return foothold_keep(map, footholds, side)
 
 
 @hot
 def foothold_keep(map: Map, footholds: Footholds, side: int) -> int:
     """Put the last foothold of a side, which has one, under its front foot; return how many there are."""
-    last = side * _SIDE + (footholds.waiting[side] - 1) * 3
+    queue = footholds.sides[side]
+    last = queue.places[queue.waiting - 1]
+    foot = map.feet[side]
     for axis in range(3):
-        footholds.places[last + axis] = map.feet[side * 3 + axis]
-    return footholds.waiting[side]
+        last[axis] = foot[axis]
+    return queue.waiting
 
 
 @hot
 def follow_front_feet(crawl: Crawl) -> None:
     """Let the footholds on which front feet stand follow them in the map."""
-    footholds = crawl.footholds
     for side in range(2):
-        if crawl.support.stance[side] and footholds.taken[side] and footholds.waiting[side]:
-            foothold_keep(crawl.map, footholds, side)
+        queue = crawl.footholds.sides[side]
+        if crawl.support.stance[side] and queue.taken and queue.waiting:
+            foothold_keep(crawl.map, crawl.footholds, side)
 
 
 @hot
 def foothold_drop(footholds: Footholds, side: int) -> None:
     """Forget the oldest foothold of a side."""
-    for at in range(side * _SIDE, side * _SIDE + _SIDE - 3):
-        footholds.places[at] = footholds.places[at + 3]
-    if footholds.waiting[side] > 0:
-        footholds.waiting[side] -= 1
-    if footholds.guessed[side] > 0:
-        footholds.guessed[side] -= 1
+    queue = footholds.sides[side]
+    older = queue.places[0]
+    for place in range(1, queue.waiting):
+        newer = queue.places[place]
+        older.x = newer.x
+        older.y = newer.y
+        older.z = newer.z
+        older = newer
+    if queue.waiting > 0:
+        queue.waiting -= 1
+    if queue.guessed > 0:
+        queue.guessed -= 1
 
 
 @hot
@@ -105,19 +111,18 @@ def aim_front(crawl: Crawl, leg: int) -> None:
     params = crawl.params
     map = crawl.map
     swing = crawl.swing
-    own = leg * 3
-    other = (FR + FL - leg) * 3
+    other = map.feet[FR + FL - leg]
     stride = params.crawl.stride << LF_BITS
-    x = map.feet[own]
-    z = map.feet[own + 2]
-    target = saturate(map.feet[other] + (stride >> 1), x + (stride >> 1), x + stride * 7 // 5)
-    swing.target[0] = target
-    swing.target[1] = foothold_line(params, leg)
-    swing.target[2] = z
+    x = map.feet[leg].x
+    z = map.feet[leg].z
+    target = saturate(other.x + (stride >> 1), x + (stride >> 1), x + stride * 7 // 5)
+    swing.target.x = target
+    swing.target.y = foothold_line(params, leg)
+    swing.target.z = z
     swing.known = 0
     swing.ground = z + expected_rise(crawl, target - x)
-    if map.feet[other + 2] > z and map.feet[other] <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
-        z = map.feet[other + 2]
+    if other.z > z and other.x <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
+        z = other.z
     swing.top = z + (params.crawl.front_lift << LF_BITS)
 
 
@@ -125,23 +130,24 @@ def aim_front(crawl: Crawl, leg: int) -> None:
 def aim_hind(crawl: Crawl, leg: int) -> None:
     """Aim at the oldest foothold of the side and take it off the queue; without one, a stride ahead."""
     params = crawl.params
-    map = crawl.map
-    footholds = crawl.footholds
     swing = crawl.swing
+    foot = crawl.map.feet[leg]
     side = leg - RR
-    top = map.feet[leg * 3 + 2]
+    queue = crawl.footholds.sides[side]
+    top = foot.z
     swing.known = 0
-    if footholds.waiting[side] > 0:
-        if footholds.guessed[side] == 0:
+    if queue.waiting > 0:
+        if queue.guessed == 0:
             swing.known = 1
+        oldest = queue.places[0]
         for axis in range(3):
-            swing.target[axis] = footholds.places[side * _SIDE + axis]
-        foothold_drop(footholds, side)
+            swing.target[axis] = oldest[axis]
+        foothold_drop(crawl.footholds, side)
     else:
-        swing.target[0] = map.feet[leg * 3] + (params.crawl.stride << LF_BITS)
-        swing.target[1] = foothold_line(params, side)
-        swing.target[2] = top
-    swing.ground = swing.target[2]
+        swing.target.x = foot.x + (params.crawl.stride << LF_BITS)
+        swing.target.y = foothold_line(params, side)
+        swing.target.z = top
+    swing.ground = swing.target.z
     if swing.ground > top:
         top = swing.ground
     swing.top = top + (params.crawl.hind_lift << LF_BITS)
@@ -150,10 +156,11 @@ def aim_hind(crawl: Crawl, leg: int) -> None:
 @hot
 def steps_down(crawl: Crawl, leg: int) -> int:
     """Return 1 if the next foothold of hind ``leg`` lies more than an edge's height below it, else 0."""
-    if leg < RR or crawl.footholds.waiting[leg - RR] < 1:
+    if leg < RR:
         return 0
-    down = crawl.map.feet[leg * 3 + 2] - crawl.footholds.places[(leg - RR) * _SIDE + 2]
-    if down > crawl.params.crawl.edge_height << LF_BITS:
+    queue = crawl.footholds.sides[leg - RR]
+    edge = crawl.params.crawl.edge_height << LF_BITS
+    if queue.waiting and crawl.map.feet[leg].z - queue.places[0].z > edge:
         return 1
     return 0
 
@@ -161,4 +168,4 @@ def steps_down(crawl: Crawl, leg: int) -> int:
 @hot
 def next_foothold_x(footholds: Footholds, leg: int) -> int:
     """Return x in lf of the next foothold of hind ``leg``."""
-    return footholds.places[(leg - RR) * _SIDE]
+    return footholds.sides[leg - RR].places[0].x

@@ -5,11 +5,12 @@ wanted pose, corrected by what the measured one was off it lately. Where a leg c
 other, and at the start, the goal's jump is taken into an offset that fades.
 """
 
+from ..body.axes import POSE_AXES
 from ..body.compliance import sag_leg
 from ..body.leg import leg_inverse, limit_joints, plane_length
 from ..body.load import load_share
 from ..body.params import JOINTS, LEGS, LF_BITS
-from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_YAW, body_rotation, body_to_hip
+from ..body.pose import body_rotation, body_to_hip
 from ..body.reach import reach_foot
 from ..body.stability import support_margin
 from ..num.filters import fraction
@@ -37,7 +38,7 @@ def plan_loads(crawl: Crawl) -> int:
     support = crawl.support
     feet = crawl.feet
     weights = crawl.weights
-    ahead = mass_ahead(params, path.wanted[POSE_PITCH] >> LF_BITS)
+    ahead = mass_ahead(params, path.wanted.pitch >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
@@ -46,7 +47,7 @@ def plan_loads(crawl: Crawl) -> int:
         if support.stance[leg]:
             weights[leg] = support.share_q12[leg] >> 4
         for axis in range(3):
-            away = crawl.map.feet[leg * 3 + axis] - path.wanted[axis] >> LF_BITS
+            away = crawl.map.feet[leg][axis] - path.wanted[axis] >> LF_BITS
             feet[leg * 3 + axis] = saturate(away, -32767, 32767)
     load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
     for leg in range(LEGS):
@@ -60,19 +61,19 @@ def plan_loads(crawl: Crawl) -> int:
 def take_pose(crawl: Crawl, swings: int) -> None:
     """Write the pose of stance (0) or swing (1) legs: place in ``crawl.pose`` x y z as lu, tilt in ``crawl.rotation``.
 
-    The heading is left for foot_in_body; it is kept in pose[5], brad. pose[3 .. 4] hold the tilt.
+    The heading is left for foot_in_body; it is kept in the pose, whose roll and pitch are the tilt.
     """
     path = crawl.path
     pose = crawl.pose
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         value = path.commanded[axis]
         if swings:
             value = path.wanted[axis] + path.sag[axis]
         pose[axis] = value + 128 >> LF_BITS
-    heading = pose[POSE_YAW]
-    pose[POSE_YAW] = 0
+    heading = pose.yaw
+    pose.yaw = 0
     body_rotation(pose, crawl.rotation)
-    pose[POSE_YAW] = heading
+    pose.yaw = heading
 
 
 @hot
@@ -84,13 +85,13 @@ def foot_in_body(crawl: Crawl, leg: int, x_lf: int, y_lf: int, z_lf: int) -> Non
     pose = crawl.pose
     feet = crawl.feet
     at = leg * 3
-    x = saturate((x_lf + 128 >> LF_BITS) - pose[0], -32767, 32767)
-    y = saturate((y_lf + 128 >> LF_BITS) - pose[1], -32767, 32767)
-    cosine = cos_q15(pose[POSE_YAW]) + 1 >> 1
-    sine = sin_q15(pose[POSE_YAW]) + 1 >> 1
+    x = saturate((x_lf + 128 >> LF_BITS) - pose.x, -32767, 32767)
+    y = saturate((y_lf + 128 >> LF_BITS) - pose.y, -32767, 32767)
+    cosine = cos_q15(pose.yaw) + 1 >> 1
+    sine = sin_q15(pose.yaw) + 1 >> 1
     feet[at] = x * cosine + y * sine >> 14
     feet[at + 1] = y * cosine - x * sine >> 14
-    feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose[2], -32767, 32767)
+    feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose.z, -32767, 32767)
 
 
 @hot
@@ -99,14 +100,12 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
 
     Under the pose taken last. A swing leg's length is kept.
     """
-    map = crawl.map
     swing = crawl.swing
-    at = leg * 3
     if swings:
-        foot_in_body(crawl, leg, swing.place[0], swing.place[1], swing.place[2])
+        foot_in_body(crawl, leg, swing.place.x, swing.place.y, swing.place.z)
     else:
-        z = map.feet[at + 2] + foot_warp(crawl.support, leg)
-        foot_in_body(crawl, leg, map.feet[at], map.feet[at + 1], z)
+        foot = crawl.map.feet[leg]
+        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_warp(crawl.support, leg))
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)

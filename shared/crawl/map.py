@@ -6,8 +6,7 @@ is the ROS order but for roll times pitch. Stance feet stay where they are in th
 foot rolls when its shank turns and that a foot which has slipped is followed slowly.
 """
 
-from ..body.params import LEGS, LF_BITS
-from ..body.pose import POSE_PITCH, POSE_YAW
+from ..body.params import FL, FR, LEGS, LF_BITS, RL, RR
 from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
@@ -28,16 +27,16 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
     """
     map = crawl.map
     roll_q8 = crawl.params.foot_radius * 710 // 113
-    pitch = map.body_pose[POSE_PITCH] >> LF_BITS
-    yaw = map.body_pose[POSE_YAW] >> LF_BITS
+    pitch = map.body_pose.pitch >> LF_BITS
+    yaw = map.body_pose.yaw >> LF_BITS
     for leg in range(LEGS):
         shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
         turn = saturate(shank - map.shank[leg], -840, 840)
         map.shank[leg] = shank
         if crawl.support.stance[leg]:
             rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
-            map.feet[leg * 3] += rolled * cos_q15(yaw) >> 15
-            map.feet[leg * 3 + 1] += rolled * sin_q15(yaw) >> 15
+            map.feet[leg].x += rolled * cos_q15(yaw) >> 15
+            map.feet[leg].y += rolled * sin_q15(yaw) >> 15
 
 
 @hot
@@ -68,11 +67,12 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     for leg in range(LEGS):
         w = foot_weight_q8(support, leg)
         at = leg * 3
+        foot = map.feet[leg]
         total += w
         mx += w * sensing.level[at]
         my += w * sensing.level[at + 1]
-        fx += w * (map.feet[at] - map.body_pose[0] >> LF_BITS)
-        fy += w * (map.feet[at + 1] - map.body_pose[1] >> LF_BITS)
+        fx += w * (foot.x - map.body_pose.x >> LF_BITS)
+        fy += w * (foot.y - map.body_pose.y >> LF_BITS)
     if total == 0:
         return 0
     mx = mx // total
@@ -84,10 +84,11 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     for leg in range(LEGS):
         w = foot_weight_q8(support, leg)
         at = leg * 3
+        foot = map.feet[leg]
         ax = saturate(sensing.level[at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
         ay = saturate(sensing.level[at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
-        bx = saturate((map.feet[at] - map.body_pose[0] >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
-        by = saturate((map.feet[at + 1] - map.body_pose[1] >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
+        bx = saturate((foot.x - map.body_pose.x >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
+        by = saturate((foot.y - map.body_pose.y >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
         along += w * (ax * bx + ay * by >> 10)
     return atan2_brad18(across, along) << 6
@@ -99,15 +100,16 @@ def turn_feet(sensing: Sensing, map: Map) -> None:
 
     Intermediates: 45000 * 16383 * sqrt 2 < 2^30.
     """
-    cosine = cos_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
-    sine = sin_q15(map.body_pose[POSE_YAW] >> LF_BITS) >> 1
+    cosine = cos_q15(map.body_pose.yaw >> LF_BITS) >> 1
+    sine = sin_q15(map.body_pose.yaw >> LF_BITS) >> 1
     for leg in range(LEGS):
         at = leg * 3
+        seen = map.seen[leg]
         x = sensing.level[at]
         y = sensing.level[at + 1]
-        map.seen[at] = x * cosine - y * sine + 32 >> 6
-        map.seen[at + 1] = x * sine + y * cosine + 32 >> 6
-        map.seen[at + 2] = sensing.level[at + 2] << LF_BITS
+        seen.x = x * cosine - y * sine + 32 >> 6
+        seen.y = x * sine + y * cosine + 32 >> 6
+        seen.z = sensing.level[at + 2] << LF_BITS
 
 
 @hot
@@ -118,23 +120,24 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
     map = crawl.map
-    map.body_pose[POSE_YAW] = 0
+    map.body_pose.yaw = 0
     if crawl.params.lateral_q12:
-        map.body_pose[POSE_YAW] = fit_heading(crawl, sensing)
+        map.body_pose.yaw = fit_heading(crawl, sensing)
     turn_feet(sensing, map)
+    weights = crawl.weights
+    total = 0
+    for leg in range(LEGS):
+        weights[leg] = foot_weight_q8(crawl.support, leg)
+        total += weights[leg]
     for axis in range(3):
-        total = 0
         gaps = 0
         for leg in range(LEGS):
-            at = leg * 3 + axis
-            w = foot_weight_q8(crawl.support, leg)
-            total += w
-            gap = map.feet[at] - map.body_pose[axis] - map.seen[at] + 8 >> 4
-            gaps += w * saturate(gap, -0x7FFFF, 0x7FFFF)
+            gap = map.feet[leg][axis] - map.body_pose[axis] - map.seen[leg][axis] + 8 >> 4
+            gaps += weights[leg] * saturate(gap, -0x7FFFF, 0x7FFFF)
         if total:
             map.body_pose[axis] += gaps // total << 4
         for leg in range(LEGS):
-            map.seen[leg * 3 + axis] += map.body_pose[axis]
+            map.seen[leg][axis] += map.body_pose[axis]
 
 
 @hot
@@ -154,23 +157,25 @@ def follow_slips(crawl: Crawl) -> None:
     far = params.crawl.slip_far << LF_BITS
     for leg in range(LEGS):
         if support.stance[leg] and support.share_q12[leg] > _HALF_SHARE_Q12 and support.force_q12[leg] > least:
-            for at in range(leg * 3, leg * 3 + 3):
-                gap = saturate(map.seen[at] - map.feet[at], -0xFFFFFF, 0xFFFFFF)
+            foot = map.feet[leg]
+            seen = map.seen[leg]
+            for axis in range(3):
+                gap = saturate(seen[axis] - foot[axis], -0xFFFFFF, 0xFFFFFF)
                 gain = params.crawl.slip_level_q15
-                if at == leg * 3 + 2:
+                if axis == 2:
                     gain = params.crawl.slip_height_q15
                     if gap > far or gap < -far:
                         gain = params.crawl.slip_far_q15
-                map.feet[at] += fraction(gap, gain)
+                foot[axis] += fraction(gap, gain)
 
 
 @hot
 def mean_foot(map: Map, axis: int) -> int:
     """Return the mean of all four footholds along ``axis`` (0 x, 1 y, 2 z), lf. Exact but for the floor."""
-    return (map.feet[axis] + map.feet[axis + 3] + map.feet[axis + 6] + map.feet[axis + 9]) >> 2
+    return map.feet[FR][axis] + map.feet[FL][axis] + map.feet[RR][axis] + map.feet[RL][axis] >> 2
 
 
 @hot
 def front_to_hind(map: Map, axis: int) -> int:
     """Return how far the two front footholds together are before (axis 0) or above (2) both hind ones, lf. Exact."""
-    return map.feet[axis] + map.feet[axis + 3] - map.feet[axis + 6] - map.feet[axis + 9]
+    return map.feet[FR][axis] + map.feet[FL][axis] - map.feet[RR][axis] - map.feet[RL][axis]

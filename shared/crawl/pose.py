@@ -5,9 +5,10 @@ the support (acceleration times z / g). A slow outer loop brings the measured po
 takes out what the joints still give after the sag is fed forward.
 """
 
+from ..body.axes import POSE_AXES
 from ..body.leg import plane_length
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..body.pose import POSE_PITCH, POSE_SIZE, POSE_Z, body_rotation, body_to_hip
+from ..body.params import LEGS, LF_BITS, Params
+from ..body.pose import body_rotation, body_to_hip
 from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
@@ -43,6 +44,19 @@ def mass_ahead(params: Params, pitch: int) -> int:
 
 
 @hot
+def take_feet(crawl: Crawl) -> None:
+    """Write the map's feet into ``crawl.feet``, lu."""
+    feet = crawl.feet
+    at = 0
+    for leg in range(LEGS):
+        foot = crawl.map.feet[leg]
+        feet[at] = foot.x >> LF_BITS
+        feet[at + 1] = foot.y >> LF_BITS
+        feet[at + 2] = foot.z >> LF_BITS
+        at += 3
+
+
+@hot
 def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     """Write into ``crawl.point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
@@ -56,10 +70,9 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     point = crawl.point
     low = 0x1FFFF
     high = -0x1FFFF
+    take_feet(crawl)
     for other in range(LEGS):
         weights[other] = 1
-        for axis in range(3):
-            feet[other * 3 + axis] = map.feet[other * 3 + axis] >> LF_BITS
         x = feet[other * 3]
         if other == leg:
             weights[other] = 0
@@ -69,11 +82,11 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
             if x > high:
                 high = x
     margin = params.crawl.margin
-    point[0] = saturate(wanted_x, -32767, 32767)
-    point[1] = mean_foot(map, 1) >> LF_BITS
+    point.x = saturate(wanted_x, -32767, 32767)
+    point.y = mean_foot(map, 1) >> LF_BITS
     if params.lateral_q12 == 0:
-        point[0] = saturate(wanted_x, low + margin, high - margin)
-        point[1] = 0
+        point.x = saturate(wanted_x, low + margin, high - margin)
+        point.y = 0
     else:
         point_inside(feet, weights, margin, point)
 
@@ -114,21 +127,20 @@ def plan_body(crawl: Crawl, skip: int) -> int:
     path = crawl.path
     pose = crawl.pose
     pitch = feet_pitch(params, map)
-    pose[0] = crawl.point[0] - mass_ahead(params, pitch)
-    pose[1] = crawl.point[1]
+    pose.x = crawl.point.x - mass_ahead(params, pitch)
+    pose.y = crawl.point.y
     height = params.crawl.height + (params.crawl.heavy_height * crawl.support.heavy_q12 >> 12)
-    pose[POSE_Z] = (mean_foot(map, 2) >> LF_BITS) + height
-    pose[3] = 0
-    pose[POSE_PITCH] = pitch
-    pose[5] = 0
-    for at in range(JOINTS):
-        crawl.feet[at] = map.feet[at] >> LF_BITS
+    pose.z = (mean_foot(map, 2) >> LF_BITS) + height
+    pose.roll = 0
+    pose.pitch = pitch
+    pose.yaw = 0
+    take_feet(crawl)
     for _ in range(8):
         excess = longest_leg(crawl, skip) - params.crawl.reach
         if excess > 0:
-            pose[POSE_Z] -= excess + 4
-    if skip >= 0 and pose[POSE_Z] > path.wanted[POSE_Z] >> LF_BITS:
-        pose[POSE_Z] = path.wanted[POSE_Z] >> LF_BITS
+            pose.z -= excess + 4
+    if skip >= 0 and pose.z > path.wanted.z >> LF_BITS:
+        pose.z = path.wanted.z >> LF_BITS
     return start_body(crawl)
 
 
@@ -140,7 +152,7 @@ def start_body(crawl: Crawl) -> int:
     acceleration. Ways within +-32767 lu. Intermediates: 6 * 32767 * 2^12 < 2^30; 2^16 * 2^14 = 2^30 - limited before.
     """
     path = crawl.path
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         path.from_pose[axis] = path.wanted[axis]
         path.to_pose[axis] = crawl.pose[axis] << LF_BITS
     path.move_tick = 0
@@ -151,15 +163,15 @@ def start_body(crawl: Crawl) -> int:
 @hot
 def move_ticks(params: Params, path: BodyPath) -> int:
     """Return how many ticks the body's planned move takes, as start_body says."""
-    dx = path.to_pose[0] - path.from_pose[0] >> LF_BITS
-    dy = path.to_pose[1] - path.from_pose[1] >> LF_BITS
+    dx = path.to_pose.x - path.from_pose.x >> LF_BITS
+    dy = path.to_pose.y - path.from_pose.y >> LF_BITS
     way = saturate(hypot(dx, dy), 0, 32767)
     square_q12 = saturate((6 * way << 12) // (params.crawl.body_acceleration + 1), 0, 65535)
     ticks = isqrt(square_q12 << 14) * params.rate_hz >> 13
-    rise = path.to_pose[POSE_Z] - path.from_pose[POSE_Z]
+    rise = path.to_pose.z - path.from_pose.z
     if rise < 0:
         rise = -rise
-    turn = path.to_pose[POSE_PITCH] - path.from_pose[POSE_PITCH] >> LF_BITS
+    turn = path.to_pose.pitch - path.from_pose.pitch >> LF_BITS
     if turn < 0:
         turn = -turn
     nod = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
@@ -179,7 +191,7 @@ def move_body(path: BodyPath) -> int:
         return 0
     path.move_tick += 1
     share = quintic_q15(path.move_tick, path.move_ticks)
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         path.wanted[axis] = path.from_pose[axis] + fraction(path.to_pose[axis] - path.from_pose[axis], share)
     return 1
 
@@ -198,7 +210,7 @@ def hold_pose(crawl: Crawl) -> None:
     load = saturate(crawl.support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
     gain = params.crawl.integral_q15 * 4096 // load
     limit = params.crawl.position_limit << LF_BITS
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         if axis > 2:
             limit = params.crawl.angle_limit << LF_BITS
         wanted = path.wanted[axis]
@@ -210,6 +222,6 @@ def hold_pose(crawl: Crawl) -> None:
         away = saturate(map.body_pose[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
         path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
     if params.lateral_q12 == 0:
-        path.commanded[1] = 0
-        path.commanded[3] = 0
-        path.commanded[5] = 0
+        path.commanded.y = 0
+        path.commanded.roll = 0
+        path.commanded.yaw = 0

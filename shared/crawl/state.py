@@ -1,9 +1,9 @@
 """All that the crawl of one robot remembers, made beforehand: a tick allocates nothing."""
 
+from ..body.axes import Point, Pose, Spot
 from ..body.load import Load
 from ..body.params import JOINTS, LEGS, Params
-from ..body.pose import POSE_SIZE
-from ..record import field, record, vector
+from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const, zeros
 
 # The stages of a step
@@ -26,6 +26,7 @@ EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
 
 PAST_SIZE = const(32)  # ticks
+MOST_FOOTHOLDS = const(4)  # of a side
 
 
 @record
@@ -35,9 +36,9 @@ class Map:
     ``lf`` is lu/256, ``bf`` brad/256 (2^-24 turn): fine units, so that one filter serves all axes of a pose.
     """
 
-    feet: Ints = vector(JOINTS, "lf", "where the feet stand, x y z of FR, FL, RR, RL")
-    seen: Ints = vector(JOINTS, "lf", "where the measured joints say that they are")
-    body_pose: Ints = vector(POSE_SIZE, "lf, bf", "where the body is: x y z, roll pitch yaw")
+    feet: list[Point] = parts(LEGS, Point, "where FR, FL, RR, RL stand, lf")
+    seen: list[Point] = parts(LEGS, Point, "where the measured joints say that they are, lf")
+    body_pose: Pose = part(Pose, "where the body is, lf, bf")
     shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
 
 
@@ -57,37 +58,44 @@ class Support:
 
 
 @record
-class Footholds:
-    """Footholds to come of the hind feet, of the right side and of the left."""
+class Queue:
+    """Footholds to come of a hind foot."""
 
-    places: Ints = vector(24, "lf", "x y z of at most four of each side, the oldest first")
-    waiting: Ints = vector(2, "", "how many there are")
-    guessed: Ints = vector(2, "", "how many of the oldest no front foot has stood on")
-    taken: Ints = vector(2, "", "1: the front foot of the side still stands on the last")
+    places: list[Point] = parts(MOST_FOOTHOLDS, Point, "where they are, the oldest first, lf")
+    waiting: int = field("", "how many there are")
+    guessed: int = field("", "how many of the oldest no front foot has stood on")
+    taken: int = field("", "1: the front foot of the side still stands on the last")
+
+
+@record
+class Footholds:
+    """Footholds to come of the hind feet."""
+
+    sides: list[Queue] = parts(2, Queue, "right, left")
 
 
 @record
 class BodyPath:
-    """The body's path: poses x y z in lf, roll pitch yaw in bf."""
+    """The body's path, in lf and bf."""
 
-    wanted: Ints = vector(POSE_SIZE, "lf, bf", "where it should be in this tick")
-    from_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move began")
-    to_pose: Ints = vector(POSE_SIZE, "lf, bf", "where its move ends")
+    wanted: Pose = part(Pose, "where it should be in this tick")
+    from_pose: Pose = part(Pose, "where its move began")
+    to_pose: Pose = part(Pose, "where its move ends")
     move_tick: int = field("ticks", "of the move so far")
     move_ticks: int = field("ticks", "of the whole move")
-    lagged: Ints = vector(POSE_SIZE, "lf, bf", "the wanted pose, as late as servos and bus are")
-    integral: Ints = vector(POSE_SIZE, "lf, bf", "of the pose loop")
-    commanded: Ints = vector(POSE_SIZE, "lf, bf", "pose that the stance legs are told")
-    sag: Ints = vector(POSE_SIZE, "lf, bf", "measured less wanted pose, smoothed")
+    lagged: Pose = part(Pose, "the wanted pose, as late as servos and bus are")
+    integral: Pose = part(Pose, "of the pose loop")
+    commanded: Pose = part(Pose, "pose that the stance legs are told")
+    sag: Pose = part(Pose, "measured less wanted pose, smoothed")
 
 
 @record
 class Swing:
     """The foot in the air."""
 
-    place: Ints = vector(3, "lf", "where the foot is wanted")
-    departure: Ints = vector(2, "lf", "where its way across began, x y")
-    target: Ints = vector(3, "lf", "the foothold aimed at")
+    place: Point = part(Point, "where the foot is wanted, lf")
+    departure: Spot = part(Spot, "where its way across began, lf")
+    target: Point = part(Point, "the foothold aimed at, lf")
     ground: int = field("lf", "expected height of the ground there")
     known: int = field("", "1: a front foot has stood there")
     top: int = field("lf", "height up to which it is lifted")
@@ -158,9 +166,9 @@ class Crawl:
         self.jumps = zeros(JOINTS)  # bf, what is left of the jumps where stance and swing meet
         self.load = Load()
         self.weights = zeros(LEGS)
-        self.point = zeros(2)
-        self.pose = zeros(POSE_SIZE)
-        self.level = zeros(POSE_SIZE)
+        self.point = Spot()  # lu
+        self.pose = Pose()
+        self.level = Pose()
         self.rotation = zeros(9)
         self.feet = zeros(JOINTS)
         self.hip_feet = zeros(JOINTS)

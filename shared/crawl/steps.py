@@ -88,7 +88,7 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> None:
 def swing_stage(crawl: Crawl, leg: int) -> None:
     """Take one tick of the stages in which ``leg`` is in the air."""
     stage = crawl.stage
-    keep_past(crawl.contact, crawl.swing.place[0])
+    keep_past(crawl.contact, crawl.swing.place.x)
     if stage.stage == LIFT:
         if lift_foot(crawl.params, crawl.swing):
             start_swing(crawl.params, crawl.swing)
@@ -120,7 +120,7 @@ def plan_shift(crawl: Crawl) -> None:
 @hot
 def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
-    return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip[0] + crawl.params.com_x
+    return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip.x + crawl.params.com_x
 
 
 @hot
@@ -184,7 +184,7 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     """Let the leg go: choose its foothold, start its swing where it stands."""
     swing = crawl.swing
     for axis in range(3):
-        swing.place[axis] = crawl.map.feet[leg * 3 + axis]
+        swing.place[axis] = crawl.map.feet[leg][axis]
     aim(crawl, leg)
     crawl.support.stance[leg] = 0
     crawl.support.share_q12[leg] = 0
@@ -192,9 +192,9 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     swing.risers = 0
     swing.dropped = 0
     if leg < RR:
-        crawl.footholds.taken[leg] = 0
+        crawl.footholds.sides[leg].taken = 0
     for at in range(PAST_SIZE):
-        crawl.contact.past[at] = swing.place[0]
+        crawl.contact.past[at] = swing.place.x
     enter(crawl, LIFT)
     bridge(crawl, leg, 1)
 
@@ -204,12 +204,12 @@ def swing_tick(crawl: Crawl, leg: int) -> None:
     """Take one tick across: into a riser go back and over, at the end hang."""
     swing = crawl.swing
     there = swing_foot(crawl)
-    x = crawl.map.seen[leg * 3]
+    x = crawl.map.seen[leg].x
     if feel_riser(crawl, x):
         swing.risers += 1
-        tell(crawl, EVENT_RISER, crawl.map.seen[leg * 3 + 2] - swing.ground)
-        swing.place[0] = x - (crawl.params.crawl.riser_retreat << LF_BITS)
-        swing.top = swing.place[2] + (crawl.params.crawl.clear_contact << LF_BITS)
+        tell(crawl, EVENT_RISER, crawl.map.seen[leg].z - swing.ground)
+        swing.place.x = x - (crawl.params.crawl.riser_retreat << LF_BITS)
+        swing.top = swing.place.z + (crawl.params.crawl.clear_contact << LF_BITS)
         enter(crawl, LIFT)
     elif there:
         enter(crawl, HANG)
@@ -219,7 +219,7 @@ def swing_tick(crawl: Crawl, leg: int) -> None:
 def hang_tick(crawl: Crawl, leg: int) -> None:
     """Take one tick of creeping down while the tare is taken."""
     params = crawl.params
-    crawl.swing.place[2] -= params.crawl.hang_speed
+    crawl.swing.place.z -= params.crawl.hang_speed
     take_tare(crawl.params, crawl.contact, crawl.support.force_q12[leg], crawl.stage.stage_tick)
     if crawl.stage.stage_tick >= params.crawl.hang_ticks:
         enter(crawl, LOWER)
@@ -234,8 +234,8 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
     swing = crawl.swing
     lower_foot(crawl)
     touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
-    z = crawl.map.seen[leg * 3 + 2]
-    below = swing.ground - swing.place[2] >> LF_BITS
+    z = crawl.map.seen[leg].z
+    below = swing.ground - swing.place.z >> LF_BITS
     if swing.tries < _TRIES and corner_lift(crawl, leg) > params.crawl.shin_lift:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
@@ -254,7 +254,7 @@ def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> None:
     """Lift the foot once more, to ``top``, and come down at ``x``."""
     enter(crawl, LIFT)
     crawl.swing.tries += 1
-    crawl.swing.target[0] = x_lf
+    crawl.swing.target.x = x_lf
     crawl.swing.top = top_lf
 
 
@@ -263,13 +263,13 @@ def free_shin(crawl: Crawl, leg: int) -> None:
     """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place."""
     params = crawl.params
     swing = crawl.swing
-    z = crawl.map.seen[leg * 3 + 2]
+    z = crawl.map.seen[leg].z
     tell(crawl, EVENT_SHIN, z - swing.ground)
     top = z + (params.crawl.shin_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
     if top < least:
         top = least
-    x = swing.place[0] + (params.crawl.edge_advance << LF_BITS)
+    x = swing.place.x + (params.crawl.edge_advance << LF_BITS)
     lift_again(crawl, x, top)
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
 
@@ -291,9 +291,9 @@ def touch(crawl: Crawl, leg: int, z: int) -> None:
     further = params.crawl.edge_advance
     if swing.known == 0:
         swing.ground = z
-    elif swing.ground >= crawl.map.feet[leg * 3 + 2] - edge:
+    elif swing.ground >= crawl.map.feet[leg].z - edge:
         further = -params.crawl.edge_retreat
-    lift_again(crawl, swing.place[0] + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
+    lift_again(crawl, swing.place.x + (further << LF_BITS), z + (params.crawl.clear_contact << LF_BITS))
 
 
 @hot
@@ -310,14 +310,14 @@ def drop_front(crawl: Crawl, leg: int) -> None:
     """No ground under a front foot: step further out, unless the other already stands down there behind."""
     params = crawl.params
     swing = crawl.swing
-    other = (FR + FL - leg) * 3
+    other = crawl.map.feet[FR + FL - leg]
     swing.dropped = 1
     low = swing.ground - (params.crawl.edge_height * 2 // 3 << LF_BITS)
-    behind = swing.place[0] - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
-    if crawl.map.feet[other + 2] < low and crawl.map.feet[other] < behind:
+    behind = swing.place.x - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
+    if other.z < low and other.x < behind:
         return
-    tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
-    x = swing.place[0] + (params.crawl.drop_advance << LF_BITS)
+    tell(crawl, EVENT_DROP, swing.place.z - swing.ground)
+    x = swing.place.x + (params.crawl.drop_advance << LF_BITS)
     lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
 
@@ -328,26 +328,27 @@ def drop_hind(crawl: Crawl, leg: int) -> None:
     params = crawl.params
     swing = crawl.swing
     further = -params.crawl.edge_advance
-    if swing.target[2] > crawl.map.feet[leg * 3 + 2] + (params.crawl.edge_height << LF_BITS):
+    if swing.target.z > crawl.map.feet[leg].z + (params.crawl.edge_height << LF_BITS):
         further = params.crawl.edge_advance
-    tell(crawl, EVENT_DROP, swing.place[2] - swing.ground)
+    tell(crawl, EVENT_DROP, swing.place.z - swing.ground)
     top = swing.ground + (params.crawl.clear_contact << LF_BITS)
-    lift_again(crawl, swing.place[0] + (further << LF_BITS), top)
+    lift_again(crawl, swing.place.x + (further << LF_BITS), top)
 
 
 @hot
 def land(crawl: Crawl, leg: int) -> None:
     """The foot stands where it is seen: keep that, go to the next leg, rest for the command."""
-    map = crawl.map
     stage = crawl.stage
-    for axis in range(leg * 3, leg * 3 + 3):
-        map.feet[axis] = map.seen[axis]
+    foot = crawl.map.feet[leg]
+    seen = crawl.map.seen[leg]
+    for axis in range(3):
+        foot[axis] = seen[axis]
     crawl.support.stance[leg] = 1
     crawl.support.share_q12[leg] = 0
-    tell(crawl, EVENT_LANDED, map.feet[leg * 3 + 2] - crawl.swing.ground)
+    tell(crawl, EVENT_LANDED, foot.z - crawl.swing.ground)
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
-        crawl.footholds.taken[leg] = 1
+        crawl.footholds.sides[leg].taken = 1
     note_landing(crawl, leg)
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3

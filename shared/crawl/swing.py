@@ -6,7 +6,6 @@ and slow again shortly above it.
 """
 
 from ..body.params import LF_BITS, Params
-from ..body.pose import POSE_Z
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import const, hot
@@ -29,20 +28,20 @@ def brake_speed(brake: int, way_lu: int) -> int:
 def lift_foot(params: Params, swing: Swing) -> int:
     """Take one tick upwards; return 1 at the top. A leg that is folded already has its top where it is."""
     speed = swing.speed + params.crawl.lift_acceleration
-    way = swing.top - swing.place[2] >> LF_BITS
+    way = swing.top - swing.place.z >> LF_BITS
     top_speed = brake_speed(params.crawl.lift_brake, way) + params.crawl.top_speed
     if speed > top_speed:
         speed = top_speed
     if speed > params.crawl.lift_speed:
         speed = params.crawl.lift_speed
     swing.speed = speed
-    z = swing.place[2] + speed
+    z = swing.place.z + speed
     if z > swing.top:
         z = swing.top
     if swing.leg_length < params.crawl.folded:
         swing.top = z
-    if swing.place[2] < z:
-        swing.place[2] = z
+    if swing.place.z < z:
+        swing.place.z = z
     if z < swing.top:
         return 0
     return 1
@@ -51,9 +50,9 @@ def lift_foot(params: Params, swing: Swing) -> int:
 @hot
 def start_swing(params: Params, swing: Swing) -> None:
     """Begin the way across to the target from where the foot is. Ways within +-65535 lu."""
-    swing.departure[0] = swing.place[0]
-    swing.departure[1] = swing.place[1]
-    way = hypot(swing.target[0] - swing.place[0] >> LF_BITS, swing.target[1] - swing.place[1] >> LF_BITS)
+    swing.departure.x = swing.place.x
+    swing.departure.y = swing.place.y
+    way = hypot(swing.target.x - swing.place.x >> LF_BITS, swing.target.y - swing.place.y >> LF_BITS)
     ticks = (way << LF_BITS) // params.crawl.swing_speed
     if ticks < params.crawl.swing_ticks:
         ticks = params.crawl.swing_ticks
@@ -83,7 +82,7 @@ def lower_speed(params: Params, swing: Swing) -> int:
     """
     if swing.known == 0:
         return params.crawl.unknown_lower_speed
-    above = (swing.place[2] - swing.ground >> LF_BITS) - params.crawl.near_foothold
+    above = (swing.place.z - swing.ground >> LF_BITS) - params.crawl.near_foothold
     if above < 0:
         speed = params.crawl.near_speed
     else:
@@ -104,8 +103,8 @@ def lower_foot(crawl: Crawl) -> None:
     if speed > most:
         speed = most
     swing.speed = speed
-    lowest = crawl.map.body_pose[POSE_Z] - (params.crawl.position_limit << LF_BITS)
-    if swing.leg_length > params.crawl.swing_reach and path.wanted[POSE_Z] > lowest:
-        path.wanted[POSE_Z] -= params.crawl.body_speed
+    lowest = crawl.map.body_pose.z - (params.crawl.position_limit << LF_BITS)
+    if swing.leg_length > params.crawl.swing_reach and path.wanted.z > lowest:
+        path.wanted.z -= params.crawl.body_speed
     else:
-        swing.place[2] -= speed
+        swing.place.z -= speed

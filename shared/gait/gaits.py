@@ -11,6 +11,7 @@ A leg swings for as long as its bit stays set in consecutive segments; shares ar
 segment that moves the body while legs swing needs the even profile.
 """
 
+from ..body.axes import TWIST_AXES
 from ..body.params import Params
 from ..runtime import const
 from .table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT, Gait, compile_gait
@@ -47,7 +48,7 @@ def gait_for(entry: tuple, params: Params) -> Gait:
     else:
         gait = Gait()
         gait.height_mm = (params.trot.low_lift * 1000 >> params.length_shift) + 1
-        for axis in range(3):
+        for axis in range(TWIST_AXES):
             gait.speed_max[axis] = params.trot.speed_max[axis]
     gait.mover = mover
     return gait

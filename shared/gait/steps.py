@@ -6,6 +6,7 @@ Each next foothold is the rest position plus half of what the body will do durin
 stance (the symmetric point of Raibert's foot placement), so nothing accumulates.
 """
 
+from ..body.axes import Twist
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..record import field, parts, record
@@ -35,11 +36,6 @@ class Steps:
     legs: list[Step] = parts(LEGS, Step, "FR, FL, RR, RL")
 
 
-SPEED_X = const(0)  # lf / tick
-SPEED_Y = const(1)
-SPEED_WZ = const(2)  # yaw18 / tick
-SPEED_SIZE = const(3)
-
 _TURN_MAX = const(0xFFFFF)  # 2^-22 rad: a quarter of a radian in a tick
 
 
@@ -49,10 +45,10 @@ def steps_reset(params: Params, steps: Steps) -> None:
     for leg in range(LEGS):
         step = steps.legs[leg]
         rest = params.legs[leg].rest
-        step.x = rest[0] << LF_BITS
-        step.y = rest[1] << LF_BITS
-        step.z = rest[2]
-        step.to_z = rest[2]
+        step.x = rest.x << LF_BITS
+        step.y = rest.y << LF_BITS
+        step.z = rest.z
+        step.to_z = rest.z
         step.ticks = 0
         step.tick = 0
 
@@ -65,8 +61,8 @@ def steps_at_rest(params: Params, steps: Steps) -> int:
         rest = params.legs[leg].rest
         if step.ticks:
             return 0
-        away_x = step.x - (rest[0] << LF_BITS)
-        away_y = step.y - (rest[1] << LF_BITS)
+        away_x = step.x - (rest.x << LF_BITS)
+        away_y = step.y - (rest.y << LF_BITS)
         if away_x > 16 or away_x < -16 or away_y > 16 or away_y < -16:
             return 0
     return 1
@@ -131,16 +127,16 @@ def turned_travel(turn_yaw18: int, arm_lf: int, ticks_q10: int) -> int:
 
 
 @hot
-def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> None:
+def move_feet(steps: Steps, speed: Twist, ticks_q10: int) -> None:
     """Move all footholds against the body by ``ticks_q10`` of its speed.
 
     A turn is made in three shears, half of one axis, the other, the other half: they keep areas, so feet
     neither creep out nor in. It is taken in 2^-22 rad, or as fine as leaves it 14 bits; at most 1/4 rad a tick.
     Range: feet within 65535 lu. Largest intermediate 65535 * 16384 + 2^14 < 2^30.
     """
-    dx = travel(speed[SPEED_X], ticks_q10)
-    dy = travel(speed[SPEED_Y], ticks_q10)
-    turn = saturate(travel(speed[SPEED_WZ], ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
+    dx = travel(speed.vx, ticks_q10)
+    dy = travel(speed.vy, ticks_q10)
+    turn = saturate(travel(speed.wz, ticks_q10 << 4), -_TURN_MAX, _TURN_MAX)
     shift = 22 - LF_BITS
     while turn > 16383 or turn < -16383:
         turn >>= 1
@@ -161,7 +157,7 @@ def move_feet(steps: Steps, speed: Ints, ticks_q10: int) -> None:
 
 
 @hot
-def place_feet(params: Params, gait: Gait, steps: Steps, speed: Ints, height_lu: int, feet: Ints) -> int:
+def place_feet(params: Params, gait: Gait, steps: Steps, speed: Twist, height_lu: int, feet: Ints) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
     feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
@@ -181,7 +177,7 @@ def place_feet(params: Params, gait: Gait, steps: Steps, speed: Ints, height_lu:
 
 @hot
 def swing_foot(
-    params: Params, gait: Gait, steps: Steps, speed: Ints, leg: int, height_lu: int, feet: Ints
+    params: Params, gait: Gait, steps: Steps, speed: Twist, leg: int, height_lu: int, feet: Ints
 ) -> None:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample.
 
@@ -225,16 +221,16 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 
 
 @hot
-def foothold_x(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
+def foothold_x(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
     """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_travel(speed[SPEED_WZ], rest[1] << LF_BITS, ahead_q10)
-    return (rest[0] << LF_BITS) + travel(speed[SPEED_X], ahead_q10) - turned
+    turned = turned_travel(speed.wz, rest.y << LF_BITS, ahead_q10)
+    return (rest.x << LF_BITS) + travel(speed.vx, ahead_q10) - turned
 
 
 @hot
-def foothold_y(params: Params, leg: int, speed: Ints, ahead_q10: int) -> int:
+def foothold_y(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
     """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
     rest = params.legs[leg].rest
-    turned = turned_travel(speed[SPEED_WZ], rest[0] << LF_BITS, ahead_q10)
-    return (rest[1] << LF_BITS) + travel(speed[SPEED_Y], ahead_q10) + turned
+    turned = turned_travel(speed.wz, rest.x << LF_BITS, ahead_q10)
+    return (rest.y << LF_BITS) + travel(speed.vy, ahead_q10) + turned

@@ -5,9 +5,10 @@ advance is shared out so that one cycle moves it by exactly the commanded speed 
 whatever the rate. Nothing here runs per tick but ``gait_clock``.
 """
 
+from ..body.axes import Twist
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import hypot
-from ..record import field, parts, record, vector
+from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const, hot
 
 MAX_SEGMENTS = const(8)
@@ -41,7 +42,7 @@ class Gait:
     p_n_q16: int = field("Q16", "P_N of the swing's re-timing")
     cycloid: int = field("", "1: the body moves along a cycloid in each moving segment")
     stance_q10: Ints = vector(LEGS, "ticks Q10", "the body's advance while the leg stands")
-    speed_max: Ints = vector(3, "lf / tick", "what the robot and the longest stride allow; turning in yaw18 / tick")
+    speed_max: Twist = part(Twist, "what the robot and the longest stride allow")
     rows: list[Segment] = parts(MAX_SEGMENTS, Segment, "its segments")
 
 
@@ -121,11 +122,11 @@ def limit_speeds(gait: Gait, params: Params) -> None:
     radius = 1
     for leg in range(4):
         rest = params.legs[leg].rest
-        radius = max(radius, int(hypot(rest[0], rest[1])))
+        radius = max(radius, int(hypot(rest.x, rest.y)))
     stride = params.stride_max
-    gait.speed_max[0] = min(params.speed_max[0], (stride << LF_BITS) // stance_ticks)
-    gait.speed_max[1] = min(params.speed_max[1], (stride << LF_BITS) // stance_ticks)
-    gait.speed_max[2] = min(params.speed_max[2], ((stride << 13) // radius << 5) // stance_ticks)
+    gait.speed_max.vx = min(params.speed_max.vx, (stride << LF_BITS) // stance_ticks)
+    gait.speed_max.vy = min(params.speed_max.vy, (stride << LF_BITS) // stance_ticks)
+    gait.speed_max.wz = min(params.speed_max.wz, ((stride << 13) // radius << 5) // stance_ticks)
 
 
 def share_out_swing(gait: Gait, leg: int) -> None:

@@ -4,12 +4,11 @@ A command is one block. Speeds are slewed to what was asked for within the gait'
 limits, the body pose likewise, so a step of the stick is a ramp of the robot.
 """
 
+from ..body.axes import POSE_AXES, TWIST_AXES, Pose, Twist
 from ..body.params import Params
-from ..body.pose import POSE_SIZE
-from ..gait.steps import SPEED_SIZE
 from ..num.fixed import saturate
-from ..record import field, record, vector
-from ..runtime import Ints, const, hot
+from ..record import field, part, record
+from ..runtime import const, hot
 
 
 @record
@@ -18,8 +17,8 @@ class Command:
 
     mode: int = field("", "MODE_...")
     gait: int = field("", "index into gaits.GAITS")
-    speed: Ints = vector(SPEED_SIZE, "lf / tick", "forward, left; turning in yaw18 / tick")
-    pose: Ints = vector(POSE_SIZE, "lu, brad", "x, y, z; roll, pitch, yaw")
+    speed: Twist = part(Twist, "to walk at")
+    pose: Pose = part(Pose, "of the body over its feet")
     balance: int = field("", "1: keep the body level by the measured attitude")
     height: int = field("lu", "swing height; 0: the gait's own")
 
@@ -40,9 +39,9 @@ def repeat_command(command: Command, told: Command) -> None:
     told.gait = command.gait
     told.balance = command.balance
     told.height = command.height
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         told.speed[axis] = command.speed[axis]
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         told.pose[axis] = command.pose[axis]
 
 
@@ -53,14 +52,14 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed: Ints) -> int:
-    """Move ``speed`` (3 values) one tick towards the command times halves/2; return 1 if it is all 0.
+def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed: Twist) -> int:
+    """Move ``speed`` one tick towards the command times halves/2; return 1 if it is all 0.
 
-    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most`` (3 values).
+    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most``.
     Half an odd speed is rounded towards 0, so that left and right mirror.
     """
     still = 1
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         top = most[axis]
         wanted = command.speed[axis]
         if wanted > top or wanted < -top:
@@ -78,10 +77,10 @@ def slew_speed(params: Params, most: Ints, command: Command, halves: int, speed:
 
 
 @hot
-def slew_pose(params: Params, command: Command, standing: int, pose: Ints) -> int:
-    """Move ``pose`` (POSE_SIZE values) one tick towards the command's, level unless ``standing``; return 1 if so."""
+def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
+    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so."""
     moves = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         wanted = 0
         if standing:
             top = params.pose_max[axis]

@@ -110,7 +110,7 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, planner.trot.state.seen[0], standing, planner.retreat, planner.back):
+    if retreat_step(planner.params, command, planner.trot.state.seen.x, standing, planner.retreat, planner.back):
         status.backs = 0
         return 1
     return 0

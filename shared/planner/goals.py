@@ -57,11 +57,11 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
     calf = wanted[at + 2] - joints[at + 2]
     if params.coupled:
         calf += thigh
-    thigh = saturate(thigh, -params.joint_top[1], params.joint_top[1])
-    calf = saturate(calf, -params.joint_top[2], params.joint_top[2])
+    thigh = saturate(thigh, -params.joint_top.thigh, params.joint_top.thigh)
+    calf = saturate(calf, -params.joint_top.calf, params.joint_top.calf)
     if params.coupled:
         calf -= thigh
-    joints[at] += saturate(wanted[at] - joints[at], -params.joint_top[0], params.joint_top[0])
+    joints[at] += saturate(wanted[at] - joints[at], -params.joint_top.hip, params.joint_top.hip)
     joints[at + 1] += thigh
     joints[at + 2] += calf
 

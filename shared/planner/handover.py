@@ -40,12 +40,12 @@ def exchanges(mover: int) -> int:
 @hot
 def straight_on(params: Params, command: Command) -> int:
     """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
-    ahead = command.speed[0]
-    aside = command.speed[1]
-    turn = saturate(command.speed[2], -0xFFFFF, 0xFFFFF) * _STRAIGHT
+    ahead = command.speed.vx
+    aside = command.speed.vy
+    turn = saturate(command.speed.wz, -0xFFFFF, 0xFFFFF) * _STRAIGHT
     if ahead <= 0 or aside > ahead or aside < -ahead:
         return 0
-    if turn > params.speed_max[2] or turn < -params.speed_max[2]:
+    if turn > params.speed_max.wz or turn < -params.speed_max.wz:
         return 0
     return 1
 

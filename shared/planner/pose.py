@@ -1,9 +1,10 @@
 """The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
 
+from ..body.axes import POSE_AXES
 from ..body.balance import balance_release, balance_step
 from ..body.leg import leg_inverse, limit_joints
 from ..body.params import LEGS
-from ..body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE, body_rotation, body_to_hip
+from ..body.pose import body_rotation, body_to_hip
 from ..body.reach import TOO_NEAR, reach_foot
 from ..body.stability import support_margin
 from ..num.fixed import saturate
@@ -37,13 +38,13 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
         pitch = saturate(sensed.tilt[1], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
-        balance_release(planner.balance, planner.params.pose_slew[POSE_ROLL])
+        balance_release(planner.balance, planner.params.pose_slew.roll)
         if command.balance:
             planner.status.flags |= NO_ATTITUDE
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         posed[axis] = planner.pose[axis]
-    posed[POSE_ROLL] += planner.balance.correction.roll
-    posed[POSE_PITCH] += planner.balance.correction.pitch
+    posed.roll += planner.balance.correction.roll
+    posed.pitch += planner.balance.correction.pitch
 
 
 @hot

@@ -51,11 +51,11 @@ def retreat_step(
     retreat.ticks = saturate(retreat.ticks + 1, 0, 0xFFFF)
     if retreat.moved >= (params.leg_length * 3 << LF_BITS) // 10 or retreat.ticks > params.rate_hz * _LONGEST_S:
         retreat.ends = 1
-    told.speed[0] = -(params.speed_max[0] // 10)
-    told.speed[1] = 0
-    told.speed[2] = 0
+    told.speed.vx = -(params.speed_max.vx // 10)
+    told.speed.vy = 0
+    told.speed.wz = 0
     if retreat.ends:
-        told.speed[0] = 0
+        told.speed.vx = 0
     retreat.stood = saturate(retreat.stood + 1, 0, 0xFFFF)
     if retreat.ends == 0 or standing == 0:
         retreat.stood = 0

@@ -1,11 +1,11 @@
 """All that the planner of one robot remembers, made beforehand: a tick allocates nothing."""
 
+from ..body.axes import Pose, Twist
 from ..body.balance import Balance, balance_setup
 from ..body.params import JOINTS, LEGS, Params
-from ..body.pose import POSE_SIZE
 from ..crawl.crawl import Crawl
 from ..gait.gaits import GAITS, gait_for
-from ..gait.steps import SPEED_SIZE, Steps
+from ..gait.steps import Steps
 from ..gait.table import Clock
 from ..runtime import zeros
 from ..sense.legs import MeasuredFeet, Sensing
@@ -30,12 +30,12 @@ class PlannerState:
         self.params = params
         self.gaits = [gait_for(entry, params) for entry in GAITS + more]
         self.gait = self.gaits[0]
-        self.top = zeros(SPEED_SIZE)  # the fastest command
+        self.top = Twist()  # the fastest command
         self.status = Status()
         self.clock = Clock()
-        self.speed = zeros(SPEED_SIZE)
-        self.pose = zeros(POSE_SIZE)
-        self.posed = zeros(POSE_SIZE)
+        self.speed = Twist()
+        self.pose = Pose()
+        self.posed = Pose()
         self.rotation = zeros(9)
         self.steps = Steps()
         self.move = Move()

@@ -7,10 +7,10 @@ A move between stand and seat goes from the joints' present goals to the next st
 its belly, the legs anywhere, folds them at its sides, where they lift nothing, and then puts its feet under it.
 """
 
+from ..body.axes import POSE_AXES
 from ..body.balance import balance_reset
 from ..body.params import JOINTS, LEGS
-from ..body.pose import POSE_SIZE
-from ..gait.steps import SPEED_SIZE, place_feet, steps_reset
+from ..gait.steps import place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
 from ..sense.legs import sensing_reset
@@ -138,9 +138,10 @@ def lie_folded(planner: PlannerState) -> None:
 @hot
 def settle(planner: PlannerState) -> None:
     """Forget all motion: feet at rest under a level body, speed 0."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
-    for axis in range(POSE_SIZE):
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
+    for axis in range(POSE_AXES):
         planner.pose[axis] = 0
         planner.posed[axis] = 0
     planner.fade.left = 0
@@ -163,7 +164,7 @@ def settle(planner: PlannerState) -> None:
 def fold_legs(planner: PlannerState) -> None:
     """Raise all planned feet to the seat's height under the hips."""
     for leg in range(LEGS):
-        planner.feet[leg * 3 + 2] = planner.params.legs[leg].hip[2] + planner.params.sit_z
+        planner.feet[leg * 3 + 2] = planner.params.legs[leg].hip.z + planner.params.sit_z
 
 
 @hot

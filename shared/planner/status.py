@@ -1,8 +1,8 @@
 """What the planner tells: its states, the flags of a tick, its status."""
 
-from ..body.pose import POSE_SIZE
-from ..record import field, record, vector
-from ..runtime import Ints, const
+from ..body.axes import Pose
+from ..record import field, part, record
+from ..runtime import const
 
 LIMP = const(0)
 RISING = const(1)
@@ -44,7 +44,7 @@ class Status:
     backs: int = field("", "1: a held-up trot backs off before it gives way to the crawl")
     reason: int = field("", "why trot and crawl were last exchanged, handover.REASON_...")
     met: int = field("", "1: the joints have been known")
-    held: Ints = vector(POSE_SIZE, "lu, brad", "the commanded pose that was out of reach")
+    held: Pose = part(Pose, "the commanded pose that was out of reach")
     holds: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
     shifts: int = field("", "1: the commanded pose moves the body in this tick")

@@ -3,8 +3,8 @@
     command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
 
-from ..body.pose import POSE_SIZE
-from ..gait.steps import SPEED_SIZE, body_advance, move_feet, place_feet, steps_at_rest
+from ..body.axes import POSE_AXES, TWIST_AXES
+from ..gait.steps import body_advance, move_feet, place_feet, steps_at_rest
 from ..gait.table import gait_clock
 from ..num.fixed import saturate
 from ..runtime import hot
@@ -59,14 +59,14 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     status = planner.status
     posed = 0
     other = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         if planner.pose[axis]:
             posed = 1
         if status.held[axis] != command.pose[axis]:
             other = 1
     if status.beyond and posed:
         if status.holds == 0:
-            for axis in range(POSE_SIZE):
+            for axis in range(POSE_AXES):
                 status.held[axis] = command.pose[axis]
         status.holds = 1
         status.shifts = slew_pose(planner.params, command, 0, planner.pose)
@@ -117,7 +117,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> int:
     gait = planner.gait
     other = planner.gaits[wanted]
     fits = 1
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         most = other.speed_max[axis]
         if planner.speed[axis] > most or planner.speed[axis] < -most:
             fits = 0

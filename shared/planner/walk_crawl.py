@@ -3,7 +3,6 @@
 from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
-from ..gait.steps import SPEED_SIZE
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
@@ -18,8 +17,9 @@ from .steps import use_gait, wanted_gait
 @hot
 def start_crawl(planner: PlannerState) -> None:
     """Stand as the feet are; the crawl begins once the joints' loads are known."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
     planner.crawl.stage.stage = STILL
 
 
@@ -47,7 +47,7 @@ def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int,
     status = planner.status
     stage = planner.crawl.stage
     reason = gives_way(planner, command)
-    ahead = command.speed[0]
+    ahead = command.speed.vx
     if reason or command.mode != MODE_WALK or status.fallen:
         ahead = 0
     status.flags |= crawl_tick(planner.crawl, planner.sensing, sensed.joints, roll, pitch, ahead, planner.goal)
@@ -76,7 +76,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
         return REASON_NONE
     if exchanges(gait.mover) == 0:
         return REASON_COMMAND
-    if command.speed[0] == 0 and command.speed[1] == 0 and command.speed[2] == 0:
+    if command.speed.vx == 0 and command.speed.vy == 0 and command.speed.wz == 0:
         return REASON_NONE
     if straight_on(planner.params, command) == 0:
         return REASON_COMMAND
@@ -91,6 +91,7 @@ def gives_way(planner: PlannerState, command: Command) -> int:
 @hot
 def stop_crawl(planner: PlannerState) -> None:
     """End the crawl, which rests: the trot walks on from the goals sent last."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
     planner.status.state = WALKING

@@ -1,9 +1,9 @@
 """The trot's mover: command and senses go to the trot (shared/trot), its goals and feet to the planner."""
 
+from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, LF_BITS
-from ..body.pose import POSE_SIZE
-from ..gait.steps import SPEED_SIZE, steps_reset
+from ..gait.steps import steps_reset
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
@@ -25,7 +25,7 @@ def start_trot(planner: PlannerState) -> None:
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
     for at in range(JOINTS):
         planner.trot.feet[at] = planner.feet[at] << LF_BITS
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
 
@@ -96,8 +96,9 @@ def tell_trot(planner: PlannerState) -> None:
 @hot
 def stop_trot(planner: PlannerState) -> None:
     """End the trot, which stands: another goes on from its goals."""
-    for axis in range(SPEED_SIZE):
-        planner.speed[axis] = 0
+    planner.speed.vx = 0
+    planner.speed.vy = 0
+    planner.speed.wz = 0
     steps_reset(planner.params, planner.steps)
     fade_start(planner.params, planner.fade, planner.joints)
     planner.status.cycles = 0

@@ -12,8 +12,9 @@ MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
 +-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.
 """
 
+from ..body.axes import Point
 from ..num.fixed import atan2_brad, hypot, isqrt, saturate
-from ..record import field, record, vector
+from ..record import field, part, record, vector
 from ..runtime import Ints, const, hot
 
 
@@ -28,7 +29,7 @@ class Attitude:
     tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not believed")
     align_ticks: int = field("ticks", "at rest, that start-up averages, 1 .. 1024")
     bias: Ints = vector(3, "counts Q16", "the gyroscope's bias, within 2^29")
-    gravity: Ints = vector(3, "Q22", "direction of 'up' in the body")
+    gravity: Point = part(Point, "direction of 'up' in the body, Q22")
     gathered: int = field("ticks", "of start-up gathered so far")
     sum: Ints = vector(3, "counts", "the accelerometer's sum of start-up")
     gyro_sum: Ints = vector(3, "counts", "the gyroscope's sum of start-up")
@@ -64,7 +65,7 @@ def attitude_reset(attitude: Attitude) -> None:
         attitude.gravity[axis] = 0
         attitude.rest_q27[axis] = 0
         attitude.turned[axis] = 0
-    attitude.gravity[2] = _ONE_Q22
+    attitude.gravity.z = _ONE_Q22
     attitude.rejected = 0
     attitude.still = 0
     attitude.roll = 0
@@ -155,15 +156,15 @@ def turn(attitude: Attitude, gyro_accel: Ints) -> None:
     attitude.turned[0] = wx
     attitude.turned[1] = wy
     attitude.turned[2] = wz
-    x = attitude.gravity[0]
-    y = attitude.gravity[1]
-    z = attitude.gravity[2]
+    x = attitude.gravity.x
+    y = attitude.gravity.y
+    z = attitude.gravity.z
     mx = x + (cross(y, z, wy, wz) >> 1)
     my = y + (cross(z, x, wz, wx) >> 1)
     mz = z + (cross(x, y, wx, wy) >> 1)
-    attitude.gravity[0] = x + cross(my, mz, wy, wz)
-    attitude.gravity[1] = y + cross(mz, mx, wz, wx)
-    attitude.gravity[2] = z + cross(mx, my, wx, wy)
+    attitude.gravity.x = x + cross(my, mz, wy, wz)
+    attitude.gravity.y = y + cross(mz, mx, wz, wx)
+    attitude.gravity.z = z + cross(mx, my, wx, wy)
 
 
 @hot
@@ -234,9 +235,9 @@ def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
 
     A turn about the vertical leaves both as they are: that bias stays as it was at rest. Intermediates: 2^29.
     """
-    x = attitude.gravity[0] >> 8
-    y = attitude.gravity[1] >> 8
-    z = attitude.gravity[2] >> 8
+    x = attitude.gravity.x >> 8
+    y = attitude.gravity.y >> 8
+    z = attitude.gravity.z >> 8
     learn_axis(attitude, 0, y_q14 * z - z_q14 * y)
     learn_axis(attitude, 1, z_q14 * x - x_q14 * z)
     learn_axis(attitude, 2, x_q14 * y - y_q14 * x)
@@ -262,9 +263,9 @@ def normalise(attitude: Attitude) -> None:
 
     Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
     """
-    x = attitude.gravity[0] >> 8
-    y = attitude.gravity[1] >> 8
-    z = attitude.gravity[2] >> 8
+    x = attitude.gravity.x >> 8
+    y = attitude.gravity.y >> 8
+    z = attitude.gravity.z >> 8
     size_sq = x * x + y * y + z * z
     if size_sq < 0x100000:
         return
@@ -283,8 +284,8 @@ def angles(attitude: Attitude) -> None:
 
     Roll lies within +-90 deg, pitch within +-180 deg: a robot on its back reads as pitched over.
     """
-    x = attitude.gravity[0] >> 7
-    y = attitude.gravity[1] >> 7
-    z = attitude.gravity[2] >> 7
+    x = attitude.gravity.x >> 7
+    y = attitude.gravity.y >> 7
+    z = attitude.gravity.z >> 7
     attitude.pitch = atan2_brad(-x, z)
     attitude.roll = atan2_brad(y, hypot(x, z))

@@ -148,15 +148,15 @@ def leg_force(params: Params, leg: int, joints: Ints, waves: Ints, sensing: Sens
     calf = joints[at + 1]
     error = sensing.sent[sent] - thigh
     turned = thigh - sensing.joints[at]
-    above = joint_torque(params.stiff_q8[1], params.damp_q8[1], error, turned)
+    above = joint_torque(params.stiff_q8.thigh, params.damp_q8.thigh, error, turned)
     if params.coupled:
         error += sensing.sent[sent + 1] - calf
         turned += calf - sensing.joints[at + 1]
-        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
+        below = joint_torque(params.stiff_q8.calf, params.damp_q8.calf, error, turned)
     else:
         error = sensing.sent[sent + 1] - calf
         turned = calf - sensing.joints[at + 1]
-        below = joint_torque(params.stiff_q8[2], params.damp_q8[2], error, turned)
+        below = joint_torque(params.stiff_q8.calf, params.damp_q8.calf, error, turned)
         above = saturate(above - below, -32767, 32767)
     base = params.legs[leg]
     arms = -((base.thigh_length * base.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)

@@ -4,9 +4,10 @@ The body does not follow a pose over its feet: standing feet go back at the spee
 turn, and sink as it rises. What went wrong in a stance is gone with the next swing.
 """
 
+from ..body.axes import Pose
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
 from .ground import ground_z
 from .state import Trot
 
@@ -37,12 +38,12 @@ def stand_feet(params: Params, walk: Trot) -> None:
             x = feet[at] >> LF_BITS + 1
             y = feet[at + 1] >> LF_BITS + 1
             z = feet[at + 2] >> LF_BITS + 1
-            x_lf = feet[at] - state.drive[0] - (about_y * z - about_z * y >> 9)
-            y_lf = feet[at + 1] - state.drive[1] - (about_z * x - about_x * z >> 9)
+            x_lf = feet[at] - state.drive.x - (about_y * z - about_z * y >> 9)
+            y_lf = feet[at + 1] - state.drive.y - (about_z * x - about_x * z >> 9)
             z_lf = feet[at + 2] - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
-            off_x = x_lf - (rest[0] << LF_BITS)
-            off_y = y_lf - (rest[1] << LF_BITS)
-            off_z = z_lf - (rest[2] << LF_BITS) << 1
+            off_x = x_lf - (rest.x << LF_BITS)
+            off_y = y_lf - (rest.y << LF_BITS)
+            off_z = z_lf - (rest.z << LF_BITS) << 1
             if off_x > half or off_x < -half or off_y > half or off_y < -half or off_z > half or off_z < -half:
                 x_lf += saturate(off_x, -half, half) - off_x
                 y_lf += saturate(off_y, -half, half) - off_y
@@ -94,7 +95,7 @@ def cycloid_way_q15(share_q15: int) -> int:
 
 
 @hot
-def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
+def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
     """Move the feet in the air by one tick along their swings.
 
     Along the ground a foot ends at rest over it, ahead of its coming down; up it is a cosine. Footholds: rest, on by
@@ -109,7 +110,7 @@ def swing_feet(params: Params, walk: Trot, pose: Ints) -> None:
     way = cycloid_way_q15(ahead)
     down = cycloid_way_q15(share)
     up = 32767 - cos_q15(share << 1) >> 1
-    low = -setup.height - pose[2]
+    low = -setup.height - pose.z
     for leg in range(LEGS):
         if walk.stands[leg] == 0:
             if walk.frees[leg]:
@@ -137,13 +138,13 @@ def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
     if share_q15 >= _HALF_Q15:
         return
     back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
-    if walk.state.foot_speed[0] < 0:
+    if walk.state.foot_speed.x < 0:
         back = -back
     walk.feet[leg * 3] -= back << LF_BITS
 
 
 @hot
-def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int, way_q15: int) -> None:
+def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int, way_q15: int) -> None:
     """Write x and y of a foot in the air, level, lf, into ``feet``. Part of swing_feet.
 
     Intermediates: 2^13 * 2^15 of a speed and a time.
@@ -153,17 +154,17 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Ints, share_q15: int,
     starts = walk.starts
     rest = params.legs[leg].rest
     at = leg * 3
-    x = rest[0] + params.com_x - pose[0]
-    y = rest[1] + params.com_y - pose[1]
+    x = rest.x + params.com_x - pose.x
+    y = rest.y + params.com_y - pose.y
     turn_x = state.turn_18 * (y >> 1) >> 9
     turn_y = state.turn_18 * (x >> 1) >> 9
-    x += state.capture[0] + ((state.foot_speed[0] - turn_x >> 6) * setup.neutral_q8 >> 10)
-    y += state.capture[1] + ((state.foot_speed[1] + turn_y >> 6) * setup.neutral_q8 >> 10)
-    back = saturate((state.drive[0] - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    x += state.capture.x + ((state.foot_speed.x - turn_x >> 6) * setup.neutral_q8 >> 10)
+    y += state.capture.y + ((state.foot_speed.y + turn_y >> 6) * setup.neutral_q8 >> 10)
+    back = saturate((state.drive.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - starts[at] + back, -_FAR, _FAR)
     x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
     walk.feet[at] = x - walk.short[leg] << LF_BITS
-    back = saturate((state.drive[1] + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    back = saturate((state.drive.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
     walk.feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
 

@@ -90,8 +90,8 @@ def climbs(params: Params, walk: Trot) -> int:
 
     Of late the feet stood off their plane: on a slope they stand in it.
     """
-    rise = walk.state.slope_q20[0]
-    if walk.state.foot_speed[0] < 0:
+    rise = walk.state.slope_q20.x
+    if walk.state.foot_speed.x < 0:
         rise = -rise
     if rise > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
@@ -104,10 +104,11 @@ def level_z(walk: Trot, leg: int) -> int:
     state = walk.state
     measured = walk.measured
     at = leg * 3
-    return measured[at + 2] + (measured[at + 1] * state.tilt_q14[0] >> 14) - (measured[at] * state.tilt_q14[1] >> 14)
+    return (measured[at + 2] + (measured[at + 1] * state.tilt_q14.roll >> 14)
+            - (measured[at] * state.tilt_q14.pitch >> 14))
 
 
 @hot
 def ground_z(walk: Trot, x: int, y: int) -> int:
     """Return how much higher than below the body the ground is expected at a place, lu; x, y within +-65535."""
-    return (x * (walk.state.slope_q20[0] >> 6) >> 14) + (y * (walk.state.slope_q20[1] >> 6) >> 14)
+    return (x * (walk.state.slope_q20.x >> 6) >> 14) + (y * (walk.state.slope_q20.y >> 6) >> 14)

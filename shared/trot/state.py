@@ -1,10 +1,10 @@
 """All that the trot remembers, made beforehand."""
 
+from ..body.axes import POSE_AXES, Pose, Spot, Tilt
 from ..body.legs import LegsWork
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
-from ..body.pose import POSE_SIZE
-from ..record import field, record, vector
-from ..runtime import Ints, const, hot, zeros
+from ..record import field, part, record
+from ..runtime import const, hot, zeros
 from ..sense.legs import MeasuredFeet
 from ..sense.odometry import Odometry
 
@@ -18,20 +18,20 @@ class TrotState:
 
     phase_q20: int = field("Q20 of a cycle", "of the diagonal FR RL; the other is half a cycle on")
     known: int = field("ticks", "joints, tilt and rates measured in a row, up to 100")
-    seen: Ints = vector(2, "lf / tick", "measured speed of the feet against the body, forward and left")
-    drift_q8: Ints = vector(2, "lf / tick Q8", "what is added to the commanded speed to reach it")
+    seen: Spot = part(Spot, "measured speed of the feet against the body, lf / tick")
+    drift_q8: Spot = part(Spot, "what is added to the commanded speed to reach it, lf / tick Q8")
     heading_18: int = field("2^-18 rad", "turned less than commanded")
-    foot_speed: Ints = vector(2, "lf / tick", "commanded speed of the feet's centres")
-    drive: Ints = vector(2, "lf / tick", "speed at which the standing feet go back")
+    foot_speed: Spot = part(Spot, "commanded speed of the feet's centres, lf / tick")
+    drive: Spot = part(Spot, "speed at which the standing feet go back, lf / tick")
     turn_18: int = field("2^-18 rad / tick", "turn of the body about z")
     roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
     pitch_18: int = field("2^-18 rad / tick", "turn about y")
     rise: int = field("lf / tick", "of the body")
-    capture: Ints = vector(2, "lu", "foothold further on for a speed that is too much")
+    capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
     pitch_q14: int = field("rad Q14", "the same about y")
-    tilt_q14: Ints = vector(2, "rad Q14", "roll and pitch as measured")
-    slope_q20: Ints = vector(2, "Q20", "rise of the ground per way forward and left, of late")
+    tilt_q14: Tilt = part(Tilt, "as measured, rad Q14")
+    slope_q20: Spot = part(Spot, "rise of the ground per way, of late, Q20")
     uneven_q4: int = field("lu Q4", "how far the feet stood off the ground's plane, over four times as long")
     swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
     lift: int = field("lu", "top of the next swings")
@@ -82,7 +82,7 @@ class Trot:
         self.hip_feet = zeros(JOINTS)  # lu from the hips
         self.joints = zeros(JOINTS)  # brad that reach them
         self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
-        self.posed = zeros(POSE_SIZE)  # lu, brad: the pose of the tick before
+        self.posed = Pose()  # the pose of the tick before
         self.past_feet = zeros(DELAY_TICKS * 2 * LEGS)  # lu: ring of planned x and z
         self.past_stands = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
 
@@ -108,7 +108,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
         state.slope_q20[axis] = 0
         state.seen[axis] = 0
         state.drift_q8[axis] = 0
-    for axis in range(POSE_SIZE):
+    for axis in range(POSE_AXES):
         walk.posed[axis] = 0
     for leg in range(LEGS):
         limb = params.legs[leg]

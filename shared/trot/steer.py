@@ -1,5 +1,6 @@
 """From command and measured motion to how the standing feet go back, how the body turns, and where feet are to land."""
 
+from ..body.axes import Pose, Twist
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
@@ -18,7 +19,7 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
 @hot
-def steer(params: Params, walk: Trot, speed: Ints, turned: Ints, pose: Ints) -> None:
+def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
     A round foot's centre goes slower than the body. Heading: turned back by what was turned wrong; the pose's yaw is
@@ -71,7 +72,7 @@ def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
 
 
 @hot
-def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
+def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     """While swings are high the body waits for feet that stay behind; for feet that are ahead it does not hurry.
 
     It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
@@ -98,7 +99,7 @@ def wait_for_feet(params: Params, walk: Trot, pose: Ints) -> None:
 
 
 @hot
-def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> None:
+def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Pose) -> None:
     """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it.
 
     Tilts are limited to 45 deg. A changing pose moves the standing feet along, and turns the body where nothing levels
@@ -132,7 +133,7 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Ints) -> No
 
 
 @hot
-def rise(params: Params, walk: Trot, pose: Ints) -> None:
+def rise(params: Params, walk: Trot, pose: Pose) -> None:
     """Write how fast the body rises, with its pose and to its height above the standing feet."""
     state = walk.state
     total = 0

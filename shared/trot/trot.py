@@ -6,6 +6,7 @@ Raibert's footholds and the linear pendulum's capture point, from the legs' own 
 of speeds, so that there is no pose to be behind of; whatever goes wrong is gone with the next swing.
 """
 
+from ..body.axes import Pose, Twist
 from ..body.leg import limit_joints
 from ..body.params import LEGS, LF_BITS, Params
 from ..runtime import Ints, const, hot
@@ -30,17 +31,17 @@ def trot_start(params: Params, walk: Trot) -> None:
 
 
 @hot
-def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Ints, pose: Ints, goal: Ints) -> int:
+def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Twist, pose: Pose, goal: Ints) -> int:
     """Plan one tick into ``goal`` (12 brad); return flags of legs out of reach or at their limits (reach.py, leg.py).
 
-    sensed: its joints have been told to sense_legs, so that their feet are in walk.measured. speed: lf / tick and
-    yaw18 / tick, slewed, within 2^18; pose: POSE_SIZE, slewed, lengths within 32767; what else is wanted of it is in
-    ``walk.wish``. Without measured joints, tilt or rates ``known`` is 0 in the state, and it goes by its commands.
+    sensed: its joints have been told to sense_legs, so that their feet are in walk.measured. speed and pose: slewed,
+    speeds within 2^18, lengths within 32767; what else is wanted of it is in ``walk.wish``. Without measured joints,
+    tilt or rates ``known`` is 0 in the state, and it goes by its commands.
     """
     valid = sensed.valid
     known = valid.joints & valid.tilt & valid.turned
     still = 0
-    if speed[0] == 0 and speed[1] == 0 and speed[2] == 0:
+    if speed.vx == 0 and speed.vy == 0 and speed.wz == 0:
         still = 1
     if known == 0:
         forget(sensed)

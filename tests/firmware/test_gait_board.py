@@ -33,7 +33,7 @@ LEVEL = [0, 0, 0, 0, 0, 16384]
 def walk_command():
     command = Command()
     command.mode, command.balance = MODE_WALK, 1
-    command.speed[0] = scale_of(ROBOT).lf_per_tick(0.05)
+    command.speed.vx = scale_of(ROBOT).lf_per_tick(0.05)
     return command
 
 
@@ -94,15 +94,15 @@ def test_it_walks_on_command_and_stands_when_commands_stop(loop):
 
 def test_without_a_sensor_it_walks_at_half_speed_and_says_so(loop):
     loop.run(300)
-    full = loop.board.planner.speed[0]
+    full = loop.board.planner.speed.vx
     answer = loop.run(100, counts=None)
     assert answer.flags & application.SENSOR_FAULT
     assert answer.flags >> 20 & 0xF == MISSING
-    assert loop.board.planner.speed[0] == full >> 1
+    assert loop.board.planner.speed.vx == full >> 1
     assert answer.state == "walking"
     assert answer.remarks == ["inertial sensor missing: walking without balance at half speed"]
     loop.run(100)
-    assert loop.board.planner.speed[0] == full
+    assert loop.board.planner.speed.vx == full
 
 
 def test_a_stuck_sensor_is_a_fault_too(loop):

@@ -15,6 +15,7 @@ from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
 from shared.crawl.crawl import move_origin, rebase
 from shared.crawl.state import PAST_SIZE, Crawl
+from shared.record import pack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
 
@@ -67,8 +68,8 @@ class Pair:
             c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
             foot = shape.rest[0], shape.rest[1], self.ground(shape.rest[0])
             for axis in range(3):
-                c.map.feet[leg * 3 + axis] = self.fine(foot[axis])
-        c.path.wanted[2] = self.fine(self.k.height)
+                c.map.feet[leg][axis] = self.fine(foot[axis])
+        c.path.wanted.z = self.fine(self.k.height)
         c.support.heavy_q12 = round(self.trouble.heavy * 4096)
         footholds.footholds_start(c)
         crawl_steps.start_stages(self.crawl)
@@ -82,11 +83,11 @@ class Pair:
 
     def feet(self, values):
         """Return four places of the core's state in m."""
-        return [self.metres(values[leg * 3 : leg * 3 + 3]) for leg in range(4)]
+        return [self.metres(pack(value)) for value in values]
 
     def prints(self, side, count):
         """Return the first footholds of a side in m."""
-        return self.feet(self.crawl.footholds.places[side * 12 : side * 12 + 12])[:count]
+        return self.feet(self.crawl.footholds.sides[side].places[:count])
 
     def metres(self, values):
         """Return values of the core's state in m."""
@@ -94,6 +95,7 @@ class Pair:
 
     def pose(self, values):
         """Return a pose of the core's state in m and rad."""
+        values = pack(values)
         return self.metres(values[:3]) + [value * FINE_RAD for value in values[3:]]
 
     def ground(self, x):
@@ -144,18 +146,18 @@ class Pair:
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
         c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
         for axis in range(3):
-            c.map.seen[leg * 3 + axis] = c.map.feet[leg * 3 + axis]
+            c.map.seen[leg][axis] = c.map.feet[leg][axis]
 
     def sense_swing(self, leg):
         """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
         c, trouble = self.crawl, self.trouble
-        x, y, z = self.metres(c.swing.place)
+        x, y, z = self.metres(pack(c.swing.place))
         seen_x = self.stopped(x, z)
         ground = self.ground(seen_x)
         load = max(0.0, ground - z) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
         seen = seen_x, y, max(z, ground)
         for axis in range(3):
-            c.map.seen[leg * 3 + axis] = self.fine(seen[axis])
+            c.map.seen[leg][axis] = self.fine(seen[axis])
         c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
         hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
@@ -180,7 +182,7 @@ class Pair:
             self.pushed = self.dice.uniform(0.05, 0.15)
         elif c.stage.stage != at.LOWER:
             self.pushed = 0.0
-        c.map.body_pose[4] += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+        c.map.body_pose.pitch += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
 
     # --- any point
 
@@ -216,16 +218,18 @@ class Pair:
         along = dice.choice((30, 90)) if c.stage.stage == at.SHIFT else 30  # no plan is made there
         for other, shape in enumerate(self.legs):
             for axis, rest, way in ((0, shape.rest[0], along), (1, shape.rest[1], 10), (2, 0.0, 40)):
-                c.map.feet[other * 3 + axis] = self.fine(rest) + self.spread(way)
-                c.map.seen[other * 3 + axis] = c.map.feet[other * 3 + axis]
+                c.map.feet[other][axis] = self.fine(rest) + self.spread(way)
+                c.map.seen[other][axis] = c.map.feet[other][axis]
             c.support.stance[other] = int(other != leg or c.stage.stage in (at.SHIFT, at.REST))
             c.support.share_q12[other] = dice.choice((0, 100, 2000, 4096))
             c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
         for side in range(2):
-            c.footholds.waiting[side], c.footholds.taken[side] = dice.randrange(5), dice.randrange(2)
-            c.footholds.guessed[side] = min(c.footholds.waiting[side], dice.choice((0, 0, 1, 3)))
-            for value in range(12):
-                c.footholds.places[side * 12 + value] = c.map.feet[6 + side * 3 + value % 3] + self.spread(60)
+            queue = c.footholds.sides[side]
+            queue.waiting, queue.taken = dice.randrange(5), dice.randrange(2)
+            queue.guessed = min(queue.waiting, dice.choice((0, 0, 1, 3)))
+            for place in queue.places:
+                for axis in range(3):
+                    place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
         c.support.warp, c.even.even_steps = self.spread(39), dice.randrange(6)
         way, pace = c_way(self.crawl), self.fine(self.k.pace)
         c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
@@ -256,13 +260,13 @@ class Pair:
 
     def jump_swing(self, leg):
         """Draw where a foot in the air is and is to go, what it has met, and what it feels."""
-        c, dice, k, foot = self.crawl, self.dice, self.crawl.params.crawl, self.crawl.stage.leg * 3
+        c, dice, k, foot = self.crawl, self.dice, self.crawl.params.crawl, self.crawl.map.feet[self.crawl.stage.leg]
         for axis in range(3):
-            c.swing.target[axis] = c.map.feet[foot + axis] + self.spread(60)
-            c.swing.place[axis] = c.map.feet[foot + axis] + self.spread(60)
-        c.swing.departure[:] = c.map.feet[foot : foot + 2]
-        c.swing.ground = c.swing.place[2] + self.spread(dice.choice((30, 100)))
-        c.swing.top = c.swing.place[2] + self.spread(60)
+            c.swing.target[axis] = foot[axis] + self.spread(60)
+            c.swing.place[axis] = foot[axis] + self.spread(60)
+        c.swing.departure.x, c.swing.departure.y = foot.x, foot.y
+        c.swing.ground = c.swing.place.z + self.spread(dice.choice((30, 100)))
+        c.swing.top = c.swing.place.z + self.spread(60)
         c.swing.speed = dice.randrange(k.known_lower_speed)
         c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
         times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
@@ -272,10 +276,10 @@ class Pair:
         c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
         c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
-        c.contact.past[:PAST_SIZE] = [c.swing.place[0]] * PAST_SIZE
+        c.contact.past[:PAST_SIZE] = [c.swing.place.x] * PAST_SIZE
         c.contact.past_at = dice.randrange(PAST_SIZE)
-        c.map.seen[leg * 3] = c.swing.place[0] - self.fine(dice.uniform(0.0, 0.03) * self.size)
-        c.map.seen[leg * 3 + 2] = c.swing.ground + self.spread(80)
+        c.map.seen[leg].x = c.swing.place.x - self.fine(dice.uniform(0.0, 0.03) * self.size)
+        c.map.seen[leg].z = c.swing.ground + self.spread(80)
         c.swing.leg_length = round(dice.choice((self.k.folded, self.k.swing_reach)) / self.unit_m) + dice.randint(-9, 9)
 
     def adopt(self):
@@ -285,9 +289,9 @@ class Pair:
         other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
-            other.prints[side] = self.prints(side, c.footholds.waiting[side])
-        other.guessed = list(c.footholds.guessed[:2])
-        other.on_print = [bool(value) for value in c.footholds.taken[:2]]
+            other.prints[side] = self.prints(side, c.footholds.sides[side].waiting)
+        other.guessed = [queue.guessed for queue in c.footholds.sides]
+        other.on_print = [bool(queue.taken) for queue in c.footholds.sides]
         other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
         other.steps_even, other.landed = c.even.even_steps, c.even.landed
         body = other.body
@@ -301,8 +305,8 @@ class Pair:
     def adopted_swing(self):
         """Return the core's swing as the twin has it."""
         c = self.crawl
-        s = twin.Swing(c.stage.leg, self.metres(c.swing.place), PAST_SIZE)
-        s.source, s.target = self.metres(c.swing.departure), self.metres(c.swing.target)
+        s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), PAST_SIZE)
+        s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
         s.expect, s.top, s.speed = self.metres((c.swing.ground, c.swing.top, c.swing.speed))
         s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
         s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
@@ -335,7 +339,7 @@ class Pair:
 
     def move_origin(self):
         """Both keep their maps under the body: what is measured last is where it is."""
-        body = self.metres(self.crawl.map.body_pose[:3])
+        body = self.pose(self.crawl.map.body_pose)[:3]
         way = self.twin.move_origin(body)
         assert rebase(self.crawl) == int(way is not None)
         if way:
@@ -359,9 +363,9 @@ class Pair:
             "leg": (c.stage.leg, other.leg),
             "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
-            "on print": (c.footholds.taken[:2], [int(s) for s in other.on_print]),
-            "guessed": (c.footholds.guessed[:2], other.guessed),
-            "prints": (c.footholds.waiting[:2], [len(side) for side in other.prints]),
+            "on print": ([queue.taken for queue in c.footholds.sides], [int(s) for s in other.on_print]),
+            "guessed": ([queue.guessed for queue in c.footholds.sides], other.guessed),
+            "prints": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.prints]),
             "even": (c.even.even_steps, other.steps_even),
             "landed": (c.even.landed, other.landed),
             "planned": (c.path.move_tick == 0, other.body.planned),
@@ -388,7 +392,7 @@ class Pair:
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
             ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
             ("warp", [c.support.warp * self.fine_m], [other.warp]),
-            ("body", self.metres(c.path.wanted[:3]), other.body.wanted[:3]),
+            ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
             ("tilt", self.pose(self.crawl.path.wanted)[3:], other.body.wanted[3:]),
         ]
         for side, prints in enumerate(other.prints):
@@ -396,8 +400,8 @@ class Pair:
         if other.swing:
             s = other.swing
             pairs += [
-                ("foot", self.metres(c.swing.place), s.place),
-                ("target", self.metres(c.swing.target), s.target),
+                ("foot", self.metres(pack(c.swing.place)), s.place),
+                ("target", self.metres(pack(c.swing.target)), s.target),
                 ("expected", self.metres([c.swing.ground]), [s.expect]),
                 ("top", self.metres([c.swing.top]), [s.top]),
                 ("speed", self.metres([c.swing.speed]), [s.speed]),

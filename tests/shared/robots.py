@@ -12,6 +12,7 @@ from host.robot.file import find, read_toml
 from host.robot.model import Robot
 from host.robot.scale import BRAD_PER_RAD, core_params
 from shared.body.crawl_setup import CrawlSetup
+from shared.record import pack
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 
@@ -96,8 +97,8 @@ def planner_si(params):
     unit_m = 2.0 ** -params.length_shift
     fine_m, yaw = unit_m / 256, 2.0**-18
     rate = params.rate_hz
-    speeds = [*params.speed_max, *params.speed_slew]
-    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate([*params.pose_max, *params.pose_slew])]
+    speeds = pack(params.speed_max) + pack(params.speed_slew)
+    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(pack(params.pose_max) + pack(params.pose_slew))]
     of = params.gains
     gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
     return SimpleNamespace(
@@ -109,7 +110,7 @@ def planner_si(params):
         pose_max=poses[:6],
         pose_slew=poses[6:],
         joint_step=rad(params.joint_step),
-        joint_top=[rad(v) for v in params.joint_top],
+        joint_top=[rad(v) for v in pack(params.joint_top)],
         coupled=params.coupled,
         sit_z=params.sit_z * unit_m,
         stride=params.stride_max * unit_m,

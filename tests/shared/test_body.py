@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from shared.body.axes import POSE_AXES, Pose
 from shared.body.leg import leg_inverse, limit_joints
-from shared.body.pose import POSE_SIZE, body_rotation, body_to_hip, mul_unit
+from shared.body.pose import body_rotation, body_to_hip, mul_unit
 from shared.body.reach import reach_foot
+from shared.record import pack, unpack
 from tests.float_twin import body as twin
 from tests.float_twin import leg as twin_leg
 
@@ -29,7 +31,7 @@ def pose_si(pose, unit_m):
 def rotated(pose):
     """Return the nine Q14 numbers of a pose."""
     rotation = array("i", [0] * 9)
-    body_rotation(array("i", pose), rotation)
+    body_rotation(unpack(Pose(), pose), rotation)
     return rotation
 
 
@@ -52,7 +54,7 @@ def test_rotation_order_is_the_papers_and_not_that_of_ros():
 
 
 def test_no_rotation_is_exactly_none():
-    assert list(rotated([0] * POSE_SIZE)) == [16384, 0, 0, 0, 16384, 0, 0, 0, 16384]
+    assert list(rotated([0] * POSE_AXES)) == [16384, 0, 0, 0, 16384, 0, 0, 0, 16384]
 
 
 def unit(value_q15):
@@ -71,8 +73,8 @@ def test_mul_unit_reads_32767_as_one(a, b):
 def poses(params, count, seed):
     """Return poses over the whole range of a robot's body limits, every corner of it first."""
     dice = random.Random(seed)
-    top = params.pose_max
-    corners = [[top[i] if k >> i & 1 else -top[i] for i in range(POSE_SIZE)] for k in range(1 << POSE_SIZE)]
+    top = pack(params.pose_max)
+    corners = [[top[i] if k >> i & 1 else -top[i] for i in range(POSE_AXES)] for k in range(1 << POSE_AXES)]
     return corners + [[dice.randint(-v, v) for v in top] for _ in range(count)]
 
 
@@ -86,7 +88,7 @@ def body_errors_m(name, count):
             si = leg_si(params, leg)
             foot = [round(v / si.unit_m) + dice.randint(-6000, 6000) for v in si.rest]
             feet[leg * 3 : leg * 3 + 3] = array("i", foot)
-            body_to_hip(params, leg, array("i", pose), rotation, feet, hip_feet)
+            body_to_hip(params, leg, unpack(Pose(), pose), rotation, feet, hip_feet)
             exact = twin.from_base(pose_si(pose, si.unit_m), [v * si.unit_m for v in foot], si.hip)
             errors.append(math.dist([v * si.unit_m for v in hip_feet[leg * 3 : leg * 3 + 3]], exact))
     return errors
@@ -108,7 +110,7 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
         feet[leg * 3 : leg * 3 + 3] = array("i", params.legs[leg].rest)
     stayed = 0
     for pose in poses(params, 1500, 9):
-        rotation, packed = rotated(pose), array("i", pose)
+        rotation, packed = rotated(pose), unpack(Pose(), pose)
         for leg in range(4):
             body_to_hip(params, leg, packed, rotation, feet, hip_feet)
             flags = reach_foot(params, leg, hip_feet, reached)
@@ -127,7 +129,7 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
 def test_far_away_feet_are_limited_not_wrapped(name, place, angles, leg):
     params, hip_feet = BLOCKS[name], array("i", [0] * 12)
     feet = array("i", list(place) * 4)
-    body_to_hip(params, leg, array("i", (0, 0, 0, *angles)), rotated((0, 0, 0, *angles)), feet, hip_feet)
+    body_to_hip(params, leg, unpack(Pose(), (0, 0, 0, *angles)), rotated((0, 0, 0, *angles)), feet, hip_feet)
     assert max(abs(v) for v in hip_feet) <= 3 * 65535 + LARGEST // 30000
 
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from host.control.planner import Driver
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot
+from shared.body.params import FL
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
 from shared.crawl.even import LEGS_EVEN
@@ -22,6 +23,7 @@ from shared.num.filters import fraction, quintic_q15
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.handover import REASON_COMMAND, REASON_EVEN, REASON_HELD
+from shared.record import pack, unpack
 from shared.sense.legs import Sensing
 from sim2d import terrain
 from sim2d.run import simulate
@@ -77,7 +79,7 @@ def standing(x_lu, y_lu, heading_rad):
             dice.randint(-500, 500),
         ]
         for axis in range(3):
-            crawl.map.feet[leg * 3 + axis] = foot[axis] << 8
+            crawl.map.feet[leg][axis] = foot[axis] << 8
         dx, dy = foot[0] - x_lu, foot[1] - y_lu
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
@@ -93,7 +95,7 @@ def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
     crawl, sensing = standing(x_lu, y_lu, heading_rad)
     for _ in range(2):
         fit_body(crawl, sensing)
-    x, y, z, _, _, yaw = crawl.map.body_pose[:6]
+    x, y, z, _, _, yaw = pack(crawl.map.body_pose)
     assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
     assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
 
@@ -101,49 +103,54 @@ def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
 def test_a_foot_in_the_air_does_not_move_the_body():
     crawl, sensing = standing(100, -50, 0.05)
     fit_body(crawl, sensing)
-    before = list(crawl.map.body_pose[:6])
+    before = pack(crawl.map.body_pose)
     crawl.support.stance[0] = 0
     for axis in range(3):
         sensing.level[axis] += 3000
     fit_body(crawl, sensing)
-    moved = [abs(a - b) for a, b in zip(before, crawl.map.body_pose[:6], strict=True)]
+    moved = [abs(a - b) for a, b in zip(before, pack(crawl.map.body_pose), strict=True)]
     assert max(moved[:3]) <= 8 * 256
 
 
 def places(crawl):
     """Return the places of a crawl as seen from its body."""
     body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
-    found = [*crawl.map.feet, *crawl.map.seen, *crawl.footholds.places]
-    found += [*path.wanted[:3], *path.from_pose[:3], *path.to_pose[:3], *swing.place, *swing.target]
+    points = crawl.map.feet + crawl.map.seen + crawl.footholds.sides[0].places + crawl.footholds.sides[1].places
+    found = [value for point in points for value in pack(point)]
+    found += [pose[axis] for pose in (path.wanted, path.from_pose, path.to_pose) for axis in range(3)]
+    found += [*pack(swing.place), *pack(swing.target)]
     found = [value - body[at % 3] for at, value in enumerate(found)]
-    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body[2], swing.top - body[2]]
-    return found + [x - body[0] for x in crawl.contact.past]
+    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.top - body.z]
+    return found + [x - body.x for x in crawl.contact.past]
 
 
 def test_the_map_is_moved_exactly():
     """After it nothing has changed but the origin: every place lies where it did from the body."""
     crawl, dice = Crawl(block("caramelo")), random.Random(7)
-    for values in (crawl.map.feet, crawl.map.seen, crawl.footholds.places, crawl.path.wanted, crawl.path.to_pose,
+    queues = [place for queue in crawl.footholds.sides for place in queue.places]
+    for queue in crawl.footholds.sides:
+        queue.waiting = MOST_FOOTHOLDS
+    for values in (*crawl.map.feet, *crawl.map.seen, *queues, crawl.path.wanted, crawl.path.to_pose,
                    crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past):
-        values[:] = [dice.randint(-(1 << 22), 1 << 22) for _ in values]
-    crawl.map.body_pose[0] = (crawl.params.leg_length << 7) + 12345
-    crawl.swing.ground = crawl.swing.place[2] - 777
+        unpack(values, [dice.randint(-(1 << 22), 1 << 22) for _ in pack(values)])
+    crawl.map.body_pose.x = (crawl.params.leg_length << 7) + 12345
+    crawl.swing.ground = crawl.swing.place.z - 777
     away = places(crawl)
     assert rebase(crawl) == 1
     assert places(crawl) == away
-    assert crawl.map.body_pose[0] == 0
+    assert crawl.map.body_pose.x == 0
     assert rebase(crawl) == 0
 
 
 def test_footholds_come_out_in_the_order_they_went_in():
     map, footholds = Map(), Footholds()
     for step in range(MOST_FOOTHOLDS + 2):
-        map.feet[3] = step
+        map.feet[FL].x = step
         assert foothold_add(map, footholds, 1) == min(step + 1, MOST_FOOTHOLDS)
     for step in range(2, MOST_FOOTHOLDS + 2):
-        assert footholds.places[12] == step
+        assert footholds.sides[1].places[0].x == step
         foothold_drop(footholds, 1)
-    assert footholds.waiting[1] == 0
+    assert footholds.sides[1].waiting == 0
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():

@@ -33,8 +33,8 @@ def robot_si(params):
     return SimpleNamespace(
         unit_m=unit_m,
         leg_m=params.leg_length * unit_m,
-        vx_max=params.speed_max[0] * unit_m / 256,
-        wz_max=params.speed_max[2] * YAW_RAD,
+        vx_max=params.speed_max.vx * unit_m / 256,
+        wz_max=params.speed_max.wz * YAW_RAD,
         rate_hz=params.rate_hz,
         sent_ticks=params.sent_ticks,
         gaits=len(NAMES),
@@ -57,7 +57,7 @@ class Pair:
     def command(self, block: Command):
         """Return a command for the twin."""
         fine_m = self.robot.unit_m / 256
-        speed = [value * unit for value, unit in zip(block.speed, (fine_m, fine_m, YAW_RAD), strict=True)]
+        speed = [value * unit for value, unit in zip(pack(block.speed), (fine_m, fine_m, YAW_RAD), strict=True)]
         return SimpleNamespace(walk=block.mode == c.MODE_WALK, gait=block.gait, speed=speed)
 
     def known(self, sensed):
@@ -70,7 +70,7 @@ class Pair:
             standing=numbers.state == n.STANDING,
             walked=numbers.gait,
             held=numbers.mover == MOVER_TROT and robot.trot.state.held_ticks > PATIENCE_S * self.robot.rate_hz,
-            moved=robot.trot.state.seen[0] * self.robot.unit_m / 256,
+            moved=robot.trot.state.seen.x * self.robot.unit_m / 256,
             known=robot.sensing.known,
         )
 
@@ -124,7 +124,7 @@ class Pair:
     def handed_over(self):
         """The trot begins from rest, with nothing held against it."""
         robot = self.walker.planner
-        assert list(robot.speed) == [0, 0, 0]
+        assert pack(robot.speed) == [0, 0, 0]
         assert (self.status.mover, self.status.state) == (MOVER_TROT, n.WALKING)
         assert robot.trot.state.held_ticks == 0
 
@@ -210,7 +210,7 @@ def near(value):
 
 
 PARAMS = block("caramelo")
-TURN = PARAMS.speed_max[2] // 12
+TURN = PARAMS.speed_max.wz // 12
 SPEEDS = st.tuples(
     st.one_of(st.integers(-2, 2), st.just(30000)), st.one_of(near(30000), near(1), st.just(0)), st.one_of(near(TURN))
 )
@@ -236,7 +236,7 @@ def put(drawn, speed, command):
     robot.status.mover = MOVER_TROT if drawn["gait"] else MOVER_TABLE
     robot.status.reason, robot.status.flags, pair.twin.stage = 0, 0, BACK if drawn["backs"] else OFF
     block.mode, block.gait = command
-    block.speed[:] = speed
+    unpack(block.speed, speed)
     return pair, robot, block
 
 
@@ -248,10 +248,10 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command
     sensed.valid.joints, sensed.valid.tilt = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.trot.state.held_ticks, robot.speed[0] = held, 99
+    robot.trot.state.held_ticks, robot.speed.vx = held, 99
     pair.choose(robot, block, sensed)
     ended = before == MOVER_TROT and robot.status.mover != MOVER_TROT
-    assert robot.speed[0] == (0 if ended or robot.status.mover == MOVER_CRAWL else 99)
+    assert robot.speed.vx == (0 if ended or robot.status.mover == MOVER_CRAWL else 99)
 
 
 @repeatable(600)
@@ -277,7 +277,7 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     command = Command()
     unpack(command, [dice.randint(-9999, 9999) for _ in pack(command)])
     for tick in range(9 * rate_hz):
-        most = params.speed_max[0]
+        most = params.speed_max.vx
         moved = dice.randint(-most // 3, most // 3 if stuck else most // 9)
         steady = tick > 6 * rate_hz or dice.random() < 0.999  # the last time it stands it stands long enough
         standing = int(tick % (2 * rate_hz) > rate_hz and steady)
@@ -286,8 +286,8 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
         assert retreat.retreat_step(params, command, moved, standing, state, told) == int(done)
         if doubt.count:
             back.ends = bool(state.ends)
-        assert told.speed[0] * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
-        assert told.speed[1:] == [0, 0]
+        assert told.speed.vx * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
+        assert (told.speed.vy, told.speed.wz) == (0, 0)
         assert told.gait == command.gait
         assert pack(told)[5:] == pack(command)[5:]  # pose, balance, height
         if done:

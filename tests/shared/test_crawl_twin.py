@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.body import pose as body
 from shared.body.leg import LIMIT_CALF, LIMIT_HIP, LIMIT_THIGH
 from shared.crawl import contact, footholds
 from shared.crawl import crawl as core_crawl
@@ -20,6 +19,7 @@ from shared.crawl import swing as swing_leg
 from shared.crawl.state import PAST_SIZE, SHIFT, Crawl
 from shared.planner import retreat
 from shared.planner.command import Command
+from shared.record import pack, unpack
 from shared.sense.legs import Sensing
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
@@ -71,7 +71,7 @@ def put(crawl, feet, body_m=(0.0, 0.0, 0.18), angles=(0.0, 0.0, 0.0)):
     for leg, foot in enumerate(feet):
         c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
         for axis in range(3):
-            c.map.feet[leg * 3 + axis] = fine(foot[axis])
+            c.map.feet[leg][axis] = fine(foot[axis])
     for axis in range(3):
         for pose in (c.map.body_pose, c.path.wanted, c.path.commanded):
             pose[axis] = fine(body_m[axis])
@@ -96,7 +96,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
             sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
     crawl_map.fit_body(crawl, sensing)
     best = twin.heading(seen, feet, shares)
-    assert abs(crawl.map.body_pose[5] / (1 << 24) * 2 * math.pi - best) < 0.5e-3
+    assert abs(crawl.map.body_pose.yaw / (1 << 24) * 2 * math.pi - best) < 0.5e-3
     exact = twin.body_place(seen, feet, shares, best)
     found = [crawl.map.body_pose[axis] * FINE_M for axis in range(3)]
     assert math.dist(found, exact) < 0.15 * MM
@@ -107,12 +107,12 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
 def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
     crawl = Crawl(PARAMS)
     put(crawl, standing(random.Random(1)), angles=(0.0, 0.0, yaw_rad))
-    before = list(crawl.map.feet)
+    before = [pack(foot) for foot in crawl.map.feet]
     joints = array("i", [0, round(turned_rad / (2 * math.pi) * 65536), 0] * 4)
     crawl_map.roll_feet(crawl, joints)
     exact = twin.rolled(PARAMS.foot_radius * UNIT_M, 0.0, rad(joints[1]), yaw_rad)
     for leg in range(4):
-        moved = [(crawl.map.feet[leg * 3 + i] - before[leg * 3 + i]) * FINE_M for i in range(2)]
+        moved = [(crawl.map.feet[leg][i] - before[leg][i]) * FINE_M for i in range(2)]
         assert math.dist(moved, exact) < 0.02 * MM
 
 
@@ -122,11 +122,11 @@ def test_only_a_foot_that_carries_is_followed_when_it_slips(crawl):
     c.support.force_q12[:4] = array("i", [1000, 0, 1000, 1000])
     for leg in range(4):
         for axis in range(3):
-            c.map.seen[leg * 3 + axis] = c.map.feet[leg * 3 + axis]
-        c.map.seen[leg * 3 + 2] += fine(0.02)
-    before = [c.map.feet[leg * 3 + 2] for leg in range(4)]
+            c.map.seen[leg][axis] = c.map.feet[leg][axis]
+        c.map.seen[leg].z += fine(0.02)
+    before = [c.map.feet[leg].z for leg in range(4)]
     crawl_map.follow_slips(crawl)
-    moved = [(c.map.feet[leg * 3 + 2] - before[leg]) * FINE_M for leg in range(4)]
+    moved = [(c.map.feet[leg].z - before[leg]) * FINE_M for leg in range(4)]
     assert moved[1] == 0
     assert all(moved[leg] == pytest.approx(0.02 / 0.2 / RATE, rel=0.06) for leg in (0, 2, 3))
 
@@ -140,7 +140,7 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     feet, leg = standing(dice, dice.uniform(-0.2, 0.2), dice.choice((0.0, 0.003, 0.01))), seed % 4
     put(crawl, feet)
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
-    crawl.swing.departure[0], crawl.swing.target[2] = fine(came_from[0]), fine(came_from[1])
+    crawl.swing.departure.x, crawl.swing.target.z = fine(came_from[0]), fine(came_from[1])
     crawl.even.even_steps = 5
     count = crawl_even.note_landing(crawl, leg)
     exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl, leg) * UNIT_M
@@ -153,9 +153,9 @@ def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     """Front feet on a step of 40 mm, hind feet below, all on one slope: the last step along it did not rise."""
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
-    crawl.swing.departure[0], crawl.swing.target[2] = fine(0.125 - 0.076), fine(0.04)
+    crawl.swing.departure.x, crawl.swing.target.z = fine(0.125 - 0.076), fine(0.04)
     assert crawl_even.note_landing(crawl, 0) == 0
-    crawl.swing.target[2] = fine(0.04 - 0.04 * 76 / 230)
+    crawl.swing.target.z = fine(0.04 - 0.04 * 76 / 230)
     assert crawl_even.note_landing(crawl, 0) == 1
 
 
@@ -189,7 +189,7 @@ def test_the_body_goes_over_the_point_as_high_as_its_legs_reach_and_takes_its_ti
     feet = standing(dice, dice.uniform(-0.2, 0.2))
     put(crawl, feet)
     wanted = [dice.uniform(-0.04, 0.04), dice.uniform(-0.03, 0.03)]
-    crawl.point[0], crawl.point[1] = (round(value / UNIT_M) for value in wanted)
+    crawl.point.x, crawl.point.y = (round(value / UNIT_M) for value in wanted)
     ticks = crawl_pose.plan_body(crawl, -1)
     to = [crawl.path.to_pose[axis] for axis in range(6)]
     pitch = twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)
@@ -215,7 +215,7 @@ def test_the_mass_goes_to_the_nearest_point_inside_the_support(seed, leg, wanted
     wanted = round(wanted_m / UNIT_M)
     crawl_pose.mass_target(crawl, leg, wanted)
     exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting(crawl, "margin"), planar)
-    assert math.dist([value * UNIT_M for value in crawl.point], exact) < 0.2 * MM
+    assert math.dist([value * UNIT_M for value in pack(crawl.point)], exact) < 0.2 * MM
 
 
 def test_a_bodys_move_is_the_quintic(crawl):
@@ -265,8 +265,8 @@ def test_the_first_prints_lie_between_hind_and_front_foot(crawl, side):
     footholds.footholds_start(crawl)
     hind, front = feet[2 + side], feet[side]
     for place, exact in enumerate(swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)):
-        at = side * 12 + place * 3
-        found = crawl.footholds.places[at] * FINE_M, crawl.footholds.places[at + 2] * FINE_M
+        foothold = crawl.footholds.sides[side].places[place]
+        found = foothold.x * FINE_M, foothold.z * FINE_M
         assert math.dist(found, exact) < 0.01 * MM
 
 
@@ -278,8 +278,8 @@ def test_a_front_foot_aims_half_a_stride_beyond_the_other(crawl, seed):
     footholds.aim(crawl, leg)
     own, other, stride = feet[leg], feet[1 - leg], setting(crawl, "stride")
     target = swing.front_target(own[0], other[0], stride)
-    assert abs(crawl.swing.target[0] * FINE_M - target) < 0.05 * MM
-    assert crawl.swing.ground == crawl.map.feet[leg * 3 + 2]
+    assert abs(crawl.swing.target.x * FINE_M - target) < 0.05 * MM
+    assert crawl.swing.ground == crawl.map.feet[leg].z
     hit = setting(crawl, "riser_lag")
     if abs(other[0] - target - hit * 5 / 3) > 0.1 * MM:
         top = swing.front_top(own[2], other[2], other[0], target, setting(crawl, "front_lift"), hit)
@@ -298,9 +298,9 @@ def test_a_foot_goes_up_as_its_twin_and_stops_at_the_top(lift_m):
     there = 0
     for height in exact:
         there = there or swing_leg.lift_foot(c.params, c.swing)
-        assert abs(c.swing.place[2] * FINE_M - height) < 0.6 * MM
+        assert abs(c.swing.place.z * FINE_M - height) < 0.6 * MM
     assert there == 1
-    assert c.swing.place[2] == c.swing.top
+    assert c.swing.place.z == c.swing.top
 
 
 @repeatable(100)
@@ -309,7 +309,7 @@ def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
     crawl = Crawl(PARAMS)
     c, k = crawl, crawl.params.crawl
     c.swing.known = 1
-    c.swing.place[2] = fine(above_m) + (k.near_foothold << 8)
+    c.swing.place.z = fine(above_m) + (k.near_foothold << 8)
     found = swing_leg.lower_speed(c.params, c.swing) * FINE_M * RATE
     brake = k.lower_acceleration * FINE_M * RATE * RATE
     exact = swing.fall_speed(above_m, k.near_speed * FINE_M * RATE, k.known_lower_speed * FINE_M * RATE, brake)
@@ -323,7 +323,7 @@ def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
 def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     crawl = Crawl(PARAMS)
     c = crawl
-    c.map.body_pose[body.POSE_PITCH], c.map.body_pose[body.POSE_ROLL] = bf(-nose_up), bf(left_up)
+    c.map.body_pose.pitch, c.map.body_pose.roll = bf(-nose_up), bf(left_up)
     exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
     assert abs(contact.corner_lift(c, leg) * UNIT_M - exact) < 0.1 * MM
 
@@ -334,13 +334,13 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     crawl = Crawl(PARAMS)
     c, k = crawl, crawl.params.crawl
     ticks = 24
-    c.stage.stage_tick, c.swing.way_ticks, c.swing.target[0], c.swing.departure[0] = 20, ticks, fine(way_m), 0
+    c.stage.stage_tick, c.swing.way_ticks, c.swing.target.x, c.swing.departure.x = 20, ticks, fine(way_m), 0
     for place in range(PAST_SIZE):
         c.contact.past[place] = fine(behind_m)
     late = swing.held_up(behind_m, setting(crawl, "riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
     margin = behind_m - setting(crawl, "riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
-        assert bool(contact.feel_riser(c, c.map.seen[leg * 3])) == late
+        assert bool(contact.feel_riser(c, c.map.seen[leg].x)) == late
 
 
 @pytest.mark.parametrize("tare", [-569, 0, 569])  # as far as it goes, and none
@@ -385,7 +385,7 @@ def test_hind_feet_do_not_know_the_ground_that_no_front_foot_has_stood_on():
             footholds.aim_hind(c, side + 2)
             known.append(c.swing.known)
         assert known == [0] * guessed + [1] * (5 - guessed)
-        c.footholds.waiting[side] = 0
+        c.footholds.sides[side].waiting = 0
         footholds.aim_hind(c, side + 2)
         assert c.swing.known == 0
 
@@ -398,7 +398,7 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
     ticks = 0
     while not retreat.retreat_step(params, command, -fine(back_m), int(ticks > 0), state, told):
         ticks += 1
-        assert told.speed[0] <= 0
+        assert told.speed.vx <= 0
         assert ticks < 8 * rate_hz
     by_way = math.ceil(0.3 * 0.24 / back_m) if back_m > 1e-5 else math.inf
     assert abs(ticks - min(by_way, 6 * rate_hz) - rate_hz / 2) <= 3 + 0.001 * ticks
@@ -445,10 +445,10 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     c = crawl
     feet, pose, weight = carry.start(level, felt, tilt[1], tilt[0])
     for leg in range(4):
-        assert math.dist([v * FINE_M for v in c.map.feet[leg * 3 :][:3]], feet[leg]) < 0.02 * MM
+        assert math.dist([v * FINE_M for v in pack(c.map.feet[leg])], feet[leg]) < 0.02 * MM
     for found in (c.map.body_pose, c.path.wanted, c.path.commanded, c.path.lagged, c.path.from_pose):
-        assert math.dist([v * FINE_M for v in found[:3]], pose[:3]) < 0.02 * MM
-        assert math.dist([v / (1 << 24) * 2 * math.pi for v in found[3:]], pose[3:]) < 0.2e-3
+        assert math.dist([v * FINE_M for v in pack(found)[:3]], pose[:3]) < 0.02 * MM
+        assert math.dist([v / (1 << 24) * 2 * math.pi for v in pack(found)[3:]], pose[3:]) < 0.2e-3
     assert abs(c.support.weight_q12 / 4096 - weight) < 1e-3
     assert (c.stage.stage, c.stage.leg, list(c.support.stance[:4])) == (SHIFT, 3, [1, 1, 1, 1])
     goals = [0] * 12
@@ -497,7 +497,7 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed, lifts):
         unit = fine if axis < 3 else bf
         c.path.wanted[axis], c.path.sag[axis] = unit(wanted[axis]), unit(low[axis])
     air, warp = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
-    c.swing.place[:3] = [fine(value) for value in air]
+    unpack(c.swing.place, [fine(value) for value in air])
     c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 1 - lifts, leg
     stands = [other != leg or not lifts for other in range(4)]
     exact = carry.goals(feet, stands, air, wanted, low, commanded, warp, LEGS)

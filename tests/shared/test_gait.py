@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from shared.gait import steps as s
 from shared.gait import table as g
 from shared.planner import status as n
+from shared.record import unpack
 from tests.float_twin.gait import Gait
 from tests.float_twin.swing import lift
 
@@ -201,7 +202,7 @@ def mirror_error(gait, spoil=None):
     pair[1].planner.gaits = [g.compile_gait(mirrored_table(table), pair[1].params) for table in TABLES]
     for walker, sign in zip(pair, (1, -1), strict=True):
         walker.walk(gait, 0.04, sign * 0.02, sign * 0.2)
-        walker.command.pose[:] = 900, sign * 700, 400, sign * 500, 300, sign * 400
+        unpack(walker.command.pose, (900, sign * 700, 400, sign * 500, 300, sign * 400))
     feet, joints = 0, 0
     for _ in range(400):
         for walker in pair:

@@ -13,6 +13,7 @@ from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.goals import READ_SURE, Past, believe, follow_goals, joints_near
+from shared.record import pack
 from tests.float_twin import goals as twin
 
 from .bars import any_word, integers, repeatable
@@ -36,7 +37,7 @@ def motors(params, joints):
 
 def tops(params):
     """Return how far each motor turns in a tick, brad."""
-    return list(params.joint_top) * 4
+    return pack(params.joint_top) * 4
 
 
 def too_fast(params, before, now):
@@ -54,7 +55,7 @@ def too_fast(params, before, now):
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
-    exact = twin.follow(wanted, start, params.joint_top, params.coupled)
+    exact = twin.follow(wanted, start, pack(params.joint_top), params.coupled)
     follow_goals(params, wanted, joints)
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
@@ -68,7 +69,7 @@ def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
 def test_a_motor_on_the_body_is_what_the_limit_is_for():
     """Thigh forward and calf back as far: its motor stands still, so only the thigh's speed counts."""
     params = block("parallel")
-    top = params.joint_top[1]
+    top = params.joint_top.thigh
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, -9 * top] * 4, joints)
     assert list(joints) == [0, top, -top] * 4
@@ -89,9 +90,9 @@ def test_near_is_within_a_tick_of_every_joint():
 def test_the_joints_speed_is_that_of_the_robot_file():
     """55 rpm at 12 V, through Caramelo's rod for the calf; 10 rad/s of Parallel's boards."""
     caramelo, parallel = block("caramelo"), block("parallel")
-    assert caramelo.joint_top == [1201, 1201, 1349]
-    assert parallel.joint_top == [2086, 2086, 2086]
-    assert block("caramelo", 500).joint_top[0] == 120
+    assert pack(caramelo.joint_top) == [1201, 1201, 1349]
+    assert pack(parallel.joint_top) == [2086, 2086, 2086]
+    assert block("caramelo", 500).joint_top.hip == 120
     assert block("caramelo", 500).read_step == 2 * block("caramelo", 50).read_step // 2
 
 
@@ -203,7 +204,7 @@ def wild_senses(walker, dice):
 def lived(name, rate_hz, ticks, seed):
     """Let a planner live with anything; return the states it was in, and (tick, state, motors) that were too fast."""
     walker, dice = Walker(name, rate_hz), random.Random(seed)
-    walker.params.joint_step = walker.params.joint_top[0] // 2  # up fast: more of the time is walked
+    walker.params.joint_step = walker.params.joint_top.hip // 2  # up fast: more of the time is walked
     walker.stand()
     states, wrong, before = set(), [], list(walker.planner.joints)
     for tick in range(ticks):
@@ -324,7 +325,7 @@ def held_short(name, ends):
     pose_at(walker, ends)
     _, still = standing_still(walker, 150)
     assert still
-    flags, arrived = walker.tick(), list(walker.planner.pose) == list(walker.command.pose)
+    flags, arrived = walker.tick(), pack(walker.planner.pose) == pack(walker.command.pose)
     assert bool(flags & n.POSE_HELD) == (not arrived)
     assert flags & 0x3F == 0  # nothing out of reach, no joint at its limit
     return not arrived
@@ -345,14 +346,14 @@ def test_a_pose_out_of_reach_is_approached_as_far_as_it_goes_and_told(name, corn
 def test_a_held_pose_follows_the_next_command():
     walker = Walker()
     walker.stand()
-    walker.command.pose[2], walker.command.pose[4] = 5000, walker.params.pose_max[4]
+    walker.command.pose.z, walker.command.pose.pitch = 5000, walker.params.pose_max.pitch
     walker.ticks(150)
     assert walker.tick() & n.POSE_HELD
-    assert 0 < walker.planner.pose[4] < walker.command.pose[4]
-    walker.command.pose[4] = 500
+    assert 0 < walker.planner.pose.pitch < walker.command.pose.pitch
+    walker.command.pose.pitch = 500
     walker.ticks(150)
     assert walker.tick() == 0
-    assert list(walker.planner.pose[2:5]) == [5000, 0, 500]
+    assert pack(walker.planner.pose)[2:5] == [5000, 0, 500]
 
 
 @pytest.mark.parametrize("after", range(4))
@@ -370,7 +371,7 @@ def test_a_pose_that_is_given_up_at_once_is_left(after):
     walker.command.balance = 0
     walker.ticks(150)
     assert walker.tick() == 0
-    assert list(walker.planner.pose) == [0] * 6
+    assert pack(walker.planner.pose) == [0] * 6
 
 
 def largest_step(walker, ticks):

@@ -8,6 +8,7 @@ from array import array
 import pytest
 
 from shared.body import compliance, load, stability
+from shared.body.axes import Spot
 from shared.body.params import Params
 from shared.record import copy, pack, unpack
 from shared.sense import legs as sensing
@@ -192,10 +193,10 @@ def test_a_point_is_moved_inside_by_the_margin_and_not_much_farther_than_needed(
         for _ in range(60):
             feet = feet_near_rest(params, dice)
             start = [dice.randint(-6000, 6000) for _ in range(2)]
-            point = array("i", start)
+            point = unpack(Spot(), start)
             stability.point_inside(feet, weights, 2600, point)
             corners = [(feet[3 * leg], feet[3 * leg + 1]) for leg in order]
-            assert twin.margin(corners, point) >= 2600 - 60
+            assert twin.margin(corners, pack(point)) >= 2600 - 60
             best = min(
                 math.dist(start, (x, y))
                 for x in range(-12000, 12001, 400)

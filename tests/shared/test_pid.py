@@ -2,14 +2,13 @@
 
 import math
 import random
-from array import array
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.body import balance as b
-from shared.body.pose import POSE_PITCH, POSE_ROLL, POSE_SIZE
+from shared.body.axes import Pose
 from shared.num import pid
 from shared.record import pack, unpack
 from tests.float_twin.balance import ERROR_MAX_RAD, Balance
@@ -93,8 +92,8 @@ def balance_pair(name="caramelo"):
 
 
 def pose(roll, pitch):
-    made = array("i", [0] * POSE_SIZE)
-    made[POSE_ROLL], made[POSE_PITCH] = roll, pitch
+    made = Pose()
+    made.roll, made.pitch = roll, pitch
     return made
 
 

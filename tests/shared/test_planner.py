@@ -229,7 +229,7 @@ def test_a_gait_changes_only_when_all_feet_stand_and_the_robot_is_slow_enough():
             changes.add((before, after))
             assert not any(step.ticks for step in walker.planner.steps.legs)
             tops = walker.planner.gaits[after].speed_max
-            assert all(abs(v) <= top for v, top in zip(walker.planner.speed, tops, strict=True))
+            assert all(abs(v) <= top for v, top in zip(pack(walker.planner.speed), pack(tops), strict=True))
     assert len(changes) == len(NO_CRAWL) * (len(NO_CRAWL) - 1)
 
 
@@ -261,7 +261,7 @@ def restless_feet(walker, ticks, seed):
     for tick in range(ticks):
         if tick % 23 == 0:
             for wish in (command.speed, command.pose):
-                wish[:] = [any_word(dice) for _ in wish]
+                unpack(wish, [any_word(dice) for _ in pack(wish)])
             command.balance, command.height = any_word(dice), any_word(dice)
             command.mode = dice.choice((c.MODE_WALK, c.MODE_WALK, c.MODE_WALK, c.MODE_STAND))
             command.gait = dice.choice((-1, *NO_CRAWL, len(NAMES)))
@@ -318,7 +318,7 @@ def drive(walker, ticks, seed):
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
 def test_any_words_in_command_and_senses_are_survived(name):
     walker = Walker(name)
-    walker.params.joint_step = walker.params.joint_top[0] // 2  # fast, so that more of the time is walked
+    walker.params.joint_step = walker.params.joint_top.hip // 2  # fast, so that more of the time is walked
     states = drive(walker, 6000, 11)
     assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
 
@@ -370,32 +370,32 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
-    assert walker.planner.posed[3] < -100
+    assert walker.planner.posed.roll < -100
     walker.sensed.valid.tilt = 0
-    before = walker.planner.posed[3]
+    before = walker.planner.posed.roll
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.posed[3] - before <= walker.params.pose_slew[3]
+    assert 0 < walker.planner.posed.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
-    assert walker.planner.posed[3] == 0
+    assert walker.planner.posed.roll == 0
 
 
 def test_the_body_pose_is_limited_and_slewed():
     walker = in_state(n.STANDING)
-    walker.command.pose[:] = (1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77
-    last = list(walker.planner.pose)
+    unpack(walker.command.pose, ((1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77))
+    last = pack(walker.planner.pose)
     for _ in range(300):
         walker.tick()
         for axis in range(6):
             assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params.pose_slew[axis]
-        last = list(walker.planner.pose)
+        last = pack(walker.planner.pose)
     top = walker.params.pose_max
-    assert last == [top[0], -top[1], 3, top[3], -9, 77]
+    assert last == [top.x, -top.y, 3, top.roll, -9, 77]
 
 
 def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
     walker = in_state(n.STANDING)
-    walker.params.pose_max[2] = walker.params.pose_slew[2] = 20000
-    walker.command.pose[2] = 20000
+    walker.params.pose_max.z = walker.params.pose_slew.z = 20000
+    walker.command.pose.z = 20000
     assert walker.tick() & (TOO_FAR | TOO_NEAR | INSIDE_HIP)
     assert any(walker.planner.leg_flags)
 
@@ -407,7 +407,7 @@ def test_commands_are_limited_to_the_longest_stride():
     walker.speed(5.0)
     walker.mode(c.MODE_WALK)
     walker.ticks(600)
-    assert walker.planner.speed[0] == walker.planner.gaits[0].speed_max[0]
+    assert walker.planner.speed.vx == walker.planner.gaits[0].speed_max.vx
     xs = []
     for _ in range(200):
         walker.tick()

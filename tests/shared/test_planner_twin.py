@@ -8,6 +8,7 @@ import pytest
 
 from shared.planner import command as c
 from shared.planner import status as n
+from shared.record import pack, unpack
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
 
@@ -20,7 +21,7 @@ class Pair:
 
     def __init__(self, name, rate_hz):
         self.walker = Walker(name, rate_hz)
-        self.walker.params.sag_q16[:] = 0, 0, 0  # the float planner has no compensation
+        unpack(self.walker.params.sag_q16, (0, 0, 0))  # the float planner has no compensation
         self.walker.params.lateral_q12 = 0
         self.robot = planner_si(self.walker.params)
         self.twin = twin.Planner(self.robot, [Gait(table, rate_hz) for table in TABLES])
@@ -28,8 +29,8 @@ class Pair:
     def command_si(self):
         """Return the command in SI, as the float planner takes it."""
         block, unit = self.walker.command, self.robot.unit_m
-        speed = [v * s for v, s in zip(block.speed, (unit / 256, unit / 256, 2**-18), strict=True)]
-        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(block.pose)]
+        speed = [v * s for v, s in zip(pack(block.speed), (unit / 256, unit / 256, 2**-18), strict=True)]
+        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(pack(block.pose))]
         height = block.height * unit
         return SimpleNamespace(
             mode=block.mode,

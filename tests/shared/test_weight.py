@@ -86,7 +86,7 @@ def loaded(walker, weight):
     walker.tick()
     limb = walker.params.legs[0]
     drop = limb.thigh_length  # thigh and calf in the rest pose: each about 45 degrees to the ground
-    sag = 256 * 4096 // 4 * drop // (4096 * walker.params.stiff_q8[1]) * weight
+    sag = 256 * 4096 // 4 * drop // (4096 * walker.params.stiff_q8.thigh) * weight
     for leg in range(4):
         walker.sensed.joints[3 * leg + 1] = planner.joints[3 * leg + 1]
         walker.sensed.joints[3 * leg + 2] = round(planner.joints[3 * leg + 2] - limb.knee * -1 * sag)

@@ -7,6 +7,7 @@ from shared.gait.table import MOVER_CRAWL, compile_gait
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.planner import Planner
+from shared.record import unpack
 from shared.sense.sensed import Sensed
 
 from .robots import block
@@ -61,7 +62,7 @@ class Walker:
         """Command a speed; return what the integers make of it, per tick, in m and rad."""
         per_tick = 256 / self.unit_m / self.rate_hz
         values = round(vx_m_s * per_tick), round(vy_m_s * per_tick), round(wz_rad_s * 262144 / self.rate_hz)
-        self.command.speed[:] = values
+        unpack(self.command.speed, values)
         return values[0] * self.unit_m / 256, values[1] * self.unit_m / 256, values[2] / 262144
 
     def tick(self):

@@ -86,12 +86,12 @@ def _constructor(module: Module, node: ast.ClassDef, layout: Layout, place: Plac
 
 
 def _imports(module: Module, declares: bool, place: Places) -> list[Edit]:
-    """What only declares records is not imported: ``Ints`` and the kinds of fields."""
+    """What only declares records is not imported: ``Axes``, ``Ints`` and the kinds of fields."""
     edits = []
     for node in module.tree.body:
         if not isinstance(node, ast.ImportFrom) or (node.module or "").split(".")[-1] not in ("record", "runtime"):
             continue
-        gone = ("Ints", "field", "vector", "part", "parts", "record")
+        gone = ("Axes", "Ints", "field", "vector", "part", "parts", "record")
         names = [name.name for name in node.names if name.name not in gone]
         if (node.module or "").endswith("record") and declares:
             names.append("block")
@@ -240,6 +240,8 @@ class Lowering:
             size = base.layout.size if base.layout else 1
             at = _sum(base.at, self._times(node.slice, size))
             return Value("within" if base.layout else "number", base.text, base.layout, at, raw=base.raw)
+        if base.kind in ("record", "within") and base.layout is not None and base.layout.numbered:
+            return Value("number", self._root(base, node), at=_sum(base.at, self._times(node.slice, 1)))
         if base.kind in ("array", "table"):
             if not self.hot:
                 return None  # an array's element needs no change
@@ -354,6 +356,9 @@ def _sum(left: str, right: str) -> str:
     head, _, tail = left.rpartition(" + ")
     if head and tail.isdigit() and right.isdigit():
         return f"{head} + {int(tail) + int(right)}"
+    head, _, tail = left.partition(" + ")
+    if head.isdigit() and tail and right.isdigit():
+        return f"{int(head) + int(right)} + {tail}"
     head, _, tail = right.rpartition(" + ")
     if head and tail.isdigit() and left.isdigit():
         return f"{head} + {int(tail) + int(left)}"

@@ -34,6 +34,7 @@ class Layout:
     module: str
     places: dict[str, Place] = field(default_factory=dict)
     size: int = 0
+    numbered: bool = False  # an Axes: its fields are read by number, too
 
     def defaults(self) -> list[int]:
         """Return the integers of a new one."""
@@ -71,11 +72,13 @@ class Layouts:
                 if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name)}
 
     def _read(self, module: Module, declared: ast.ClassDef) -> Layout:
-        made = Layout(declared.name, module.name)
+        made = Layout(declared.name, module.name, numbered=bool(declared.bases))
         for statement in declared.body:
             if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
                 continue  # its docstring
             name, place = self._place(module, statement, made.size)
+            if made.numbered and (place.of or place.count is not None):
+                raise module.error(statement, f"{made.name} is an Axes: it has single integers only")
             made.places[name] = place
             made.size += place.size
         return made

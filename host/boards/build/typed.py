@@ -73,8 +73,19 @@ def _type_record(module: Module, declared: ast.ClassDef, layout: Layout, place: 
     lines = [f"class {declared.name}:",
              f"    FIELDS: ClassVar[Any] = ({''.join(f'{one}, ' for one in fields)}); {'; '.join(names)}",
              f"    def __init__(self) -> None: {'; '.join(makes)}"]
+    if layout.numbered:
+        lines += _numbered(list(layout.places))
     text = "\n".join(lines)
-    return Edit(start, end - start, text + "\n" * (module.text[start:end].count(b"\n") - 2))
+    return Edit(start, end - start, text + "\n" * (module.text[start:end].count(b"\n") + 1 - len(lines)))
+
+
+def _numbered(names: list[str]) -> list[str]:
+    """Return the methods that read and write fields by number: a chain of comparisons, which is fast in C."""
+    last = len(names) - 1
+    chain = "".join(f"self.{name} if axis == {at} else " for at, name in enumerate(names[:-1]))
+    return [f"    def __getitem__(self, axis: {NUMBER}) -> int: return {chain}[self.{names[-1]}][axis - {last}]",
+            f"    def __setitem__(self, axis: {NUMBER}, value: int) -> None: "
+            + "; ".join(f"self.{name} = value if axis == {at} else self.{name}" for at, name in enumerate(names))]
 
 
 def _unmark(function: ast.FunctionDef, place: Places) -> list[Edit]:

@@ -9,8 +9,10 @@ from typing import Any
 
 from shared.body import leg
 from shared.body import pose as body
+from shared.body.axes import POSE_AXES, Pose
 from shared.body.params import Params
 from shared.num import fixed
+from shared.record import pack
 from shared.runtime import zeros
 
 from ...robot.file import driven_names, load_robot
@@ -113,19 +115,19 @@ def _body_errors(name: str, samples: int) -> list[float]:
     params = core_params(load_robot(name))
     unit_mm = 1000 * 2.0 ** -params.length_shift
     dice = random.Random(4)
-    pose, rotation = zeros(body.POSE_SIZE), zeros(9)
+    pose, rotation = Pose(), zeros(9)
     feet, hip_feet = zeros(12), zeros(12)
     errors = []
     for at in range(samples // 4):
         number = at % 4
         limb = params.legs[number]
-        for axis in range(6):
+        for axis in range(POSE_AXES):
             pose[axis] = dice.randint(-params.pose_max[axis], params.pose_max[axis])
         for axis in range(3):
             feet[number * 3 + axis] = limb.rest[axis] + dice.randint(-3000, 3000)
         body.body_rotation(pose, rotation)
         body.body_to_hip(params, number, pose, rotation, feet, hip_feet)
-        exact = _to_hip(list(pose), list(feet[number * 3 : number * 3 + 3]), list(limb.hip))
+        exact = _to_hip(pack(pose), list(feet[number * 3 : number * 3 + 3]), pack(limb.hip))
         errors.append(math.dist(exact, hip_feet[number * 3 : number * 3 + 3]) * unit_mm)
     return errors
 

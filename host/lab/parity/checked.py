@@ -136,6 +136,11 @@ def _next(left: list[int]) -> Checked:
     return check(left.pop())
 
 
+def _set(values: object, name: str, value: object) -> None:
+    """Write a field of a record by its number, checked."""
+    setattr(values, name, check(value) if type(value) is int else value)
+
+
 def _range(*bounds: int) -> Iterator[Checked]:
     return (_small(index) for index in builtins.range(*bounds))
 
@@ -196,7 +201,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         if module.__name__ == "shared.runtime":
             module.__dict__.update(zeros=_zeros, table=_table)
         if module.__name__ == "shared.record":
-            module.__dict__.update(_next=_next)
+            module.__dict__.update(_next=_next, setattr=_set)
             module.__dict__["Field"].make = _make
 
 

@@ -36,7 +36,7 @@ _G_M_S2, _ACCEL_PER_G, _GYRO_PER_DEG_S, _INT16 = 9.80665, 16384, 131, 32767
 def _command(robot: Robot, mode: int) -> Command:
     block = Command()
     block.mode, block.gait, block.balance = mode, GAIT_NAMES.index("crawl"), 1
-    block.speed[0] = scale_of(robot).lf_per_tick(SPEED_M_S)
+    block.speed.vx = scale_of(robot).lf_per_tick(SPEED_M_S)
     return block
 
 

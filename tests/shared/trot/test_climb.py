@@ -27,26 +27,26 @@ def pair():
 def test_it_climbs_where_the_ground_rises_along_the_way(pair, way):
     """Over all slopes that the trot can believe, ahead and back."""
     state = pair.walk.state
-    state.foot_speed[0], state.uneven_q4 = way * 1000, UNEVEN_Q4
+    state.foot_speed.x, state.uneven_q4 = way * 1000, UNEVEN_Q4
     for slope_q20 in range(-314573, 314574, 997):
-        state.slope_q20[0] = slope_q20
+        state.slope_q20.x = slope_q20
         assert climbs(pair.params, pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.005, 0.007, 0.1])
 def test_a_slope_on_which_the_feet_stand_in_their_plane_is_no_climb(pair, share):
     state = pair.walk.state
-    state.slope_q20[0], state.uneven_q4 = 1 << 18, round(share * pair.params.leg_length * 16)
+    state.slope_q20.x, state.uneven_q4 = 1 << 18, round(share * pair.params.leg_length * 16)
     assert climbs(pair.params, pair.walk) == (share > 0.006)
 
 
 def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
     state, setup = pair.walk.state, pair.params.trot
-    state.slope_q20[0], state.uneven_q4 = 1 << 18, UNEVEN_Q4
+    state.slope_q20.x, state.uneven_q4 = 1 << 18, UNEVEN_Q4
     for _ in range(1000):
         lift_on(pair.params, pair.walk)
     assert state.high_left == setup.high_way
-    state.slope_q20[0] = 0
+    state.slope_q20.x = 0
     for _ in range(setup.high_way // setup.high_slowest + 2):
         lift_on(pair.params, pair.walk)
     assert state.high_left == 0
@@ -72,7 +72,7 @@ def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_h
 def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope, stood, met_before, known, taken):
     """``high``: of the leg above where it was sent; ``stood``: of the time in which it may tell."""
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
-    state.slope_q20[0], state.uneven_q4, state.known = round(slope * 2**20), UNEVEN_Q4, known
+    state.slope_q20.x, state.uneven_q4, state.known = round(slope * 2**20), UNEVEN_Q4, known
     walk.measured[3:6] = rest = list(pair.params.legs[1].rest)
     walk.measured[5] += round(high * pair.params.leg_length)
     walk.residual[3], walk.met[1] = round(high * pair.params.leg_length), met_before
@@ -120,7 +120,7 @@ def test_the_way_with_high_swings_is_as_the_floats_say(pair):
     for n in pair.walk_with_a_held_foot():
         assert pair.scale.metres(pair.walk.state.high_left / 256) == pytest.approx(pair.twin.high_left, abs=0.001), n
         if n == 111:
-            pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+            pair.walk.state.slope_q20.x, pair.twin.slope[0] = 1 << 18, 0.25
             pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
     assert pair.twin.high_left > 0.05
 

@@ -113,7 +113,7 @@ def test_a_foot_that_comes_may_be_late_and_one_that_stays_is_held(way, gone, mat
     """gone, mate: of the speed that the body is to have."""
     _, _, walk = stood("caramelo")
     tick = 400
-    walk.state.foot_speed[0], walk.state.swing_q15 = way * tick << LF_BITS, swing_q15
+    walk.state.foot_speed.x, walk.state.swing_q15 = way * tick << LF_BITS, swing_q15
     walk.before[:] = [1000] * 12
     for leg in range(4):
         walk.measured[3 * leg] = 1000 + round(way * tick * gone)
@@ -130,7 +130,7 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
     robot = load_robot(name)
     _, params, walk = stood(name)
     gives_m = pushes * robot.mass_kg * 9.81 * robot.stance.rest_height_m**2 / joint_drives(robot)[1].stiffness_Nm_rad
-    walk.state.foot_speed[0], walk.state.swing_q15 = 400 << LF_BITS, 10000
+    walk.state.foot_speed.x, walk.state.swing_q15 = 400 << LF_BITS, 10000
     for leg in range(4):
         walk.residual[:], walk.before[:], walk.measured[:] = [0] * 8, [0] * 12, [100] * 12
         walk.residual[2 * leg] = -round(gives_m * (1 << params.length_shift))
@@ -146,7 +146,7 @@ def test_late_is_the_same_in_floats(name):
     for _ in range(3000):
         speed, swing = rng.randint(-600, 600), rng.randint(0, 32767)
         moved = [rng.randint(-1500, 1500) for _ in range(4)]
-        walk.state.foot_speed[0], walk.state.swing_q15 = speed << LF_BITS, swing
+        walk.state.foot_speed.x, walk.state.swing_q15 = speed << LF_BITS, swing
         twin.foot_speed[0], twin.u = speed / metre / twin.dt, swing / 32768
         for leg in range(4):
             walk.before[3 * leg], walk.measured[3 * leg] = 0, moved[leg]

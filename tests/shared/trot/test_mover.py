@@ -7,6 +7,7 @@ import pytest
 from shared.gait.table import MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import status as n
+from shared.record import pack, unpack
 
 from ..walker import Walker
 
@@ -17,7 +18,7 @@ class Lagging(Walker):
     def __init__(self, name="caramelo", rate_hz=50):
         super().__init__(name, rate_hz)
         self.sensed.valid.turned = 1
-        self.params.sag_q16[:] = [0, 0, 0]
+        unpack(self.params.sag_q16, (0, 0, 0))
         self.share, self.at = 1 / (1 + self.params.trot.lag_q8 / 256), None
 
     def tick(self):
@@ -79,7 +80,7 @@ def test_a_gait_of_a_table_takes_over_once_it_stands():
     for _ in range(8 * 50):
         walker.tick()
         step = max(abs(a - b) for a, b in zip(walker.planner.joints, before, strict=True))
-        assert step <= max(walker.params.joint_top)
+        assert step <= max(pack(walker.params.joint_top))
         before = list(walker.planner.joints)
     assert walker.planner.status.mover != MOVER_TROT
     assert walker.state == n.WALKING
@@ -121,14 +122,14 @@ def test_without_a_sense_it_goes_on_blind(missing):
 
 def test_the_fastest_command_is_its_own():
     walker = walking(speed=3.0, seconds=6.0)
-    assert walker.planner.speed[0] == walker.params.trot.speed_max[0]
+    assert walker.planner.speed.vx == walker.params.trot.speed_max.vx
 
 
 def test_a_pose_is_taken_standing():
     walker = Lagging()
     walker.stand()
     walker.gait("trot")
-    walker.command.pose[:] = [0, 0, round(0.02 / walker.unit_m), 0, 0, 0]
+    walker.command.pose.z = round(0.02 / walker.unit_m)
     walker.ticks(200)
     assert [foot[2] for foot in walker.feet_m()] == pytest.approx([-0.19] * 4, abs=0.001)
 
@@ -162,7 +163,7 @@ def test_without_levelling_a_commanded_roll_is_what_the_legs_make(known):
     walker.stand()
     walker.gait("trot")
     walker.command.balance, walker.sensed.valid.tilt = 1 - known, known
-    walker.command.pose[3] = 910  # 5 deg
+    walker.command.pose.roll = 910  # 5 deg
     walker.ticks(100)
     left, right = walker.feet_m()[1], walker.feet_m()[0]
     slope = (right[2] - left[2]) / (left[1] - right[1])

@@ -9,6 +9,8 @@ import pytest
 from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
+from shared.body.axes import Pose, Twist
+from shared.record import unpack
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
@@ -69,7 +71,7 @@ class Pair:
         goals = self.twin.tick(senses, speed_si, pose_si, moving, balance)
         self.walk.wish.moving, self.walk.wish.balance = int(moving), int(balance)
         sense_legs(self.params, sensed.joints, 0, 0, self.feet, self.sensing)
-        trot_tick(self.params, self.walk, sensed, told, list(pose), self.goal)
+        trot_tick(self.params, self.walk, sensed, unpack(Twist(), told), unpack(Pose(), pose), self.goal)
         self.plant.sent.append(goals)
         self._compare(goals)
 
@@ -144,7 +146,7 @@ def test_a_foot_that_lands_on_higher_ground_where_it_climbs_is_the_same_in_both(
     """A leg stays folded at its touchdown."""
     pair = Pair("caramelo", 50)
     for _ in pair.walk_with_a_held_foot(first=113, ticks=5):
-        pair.walk.state.slope_q20[0], pair.twin.slope[0] = 1 << 18, 0.25
+        pair.walk.state.slope_q20.x, pair.twin.slope[0] = 1 << 18, 0.25
         pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
     assert pair.walk.state.touched == 1
     assert pair.worst_m < MOST_M

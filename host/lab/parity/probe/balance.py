@@ -2,10 +2,9 @@
 
 
 from shared.body import balance
+from shared.body.axes import POSE_AXES, Pose
 from shared.body.balance import Balance
-from shared.body.pose import POSE_SIZE
 from shared.num.pid import Pid
-from shared.runtime import zeros
 
 from .draw import Range
 from .draws import BRAD, ROBOT
@@ -14,7 +13,7 @@ from .robots import PARAMS
 
 BALANCE = Balance()
 STATE = (BALANCE.roll, BALANCE.pitch, BALANCE.correction)
-POSE = Block(zeros(POSE_SIZE), (POSE_SIZE, BRAD))
+POSE = Block(Pose(), (POSE_AXES, BRAD))
 TILT = Range(-32768, 32768)
 
 

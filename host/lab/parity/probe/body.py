@@ -2,6 +2,7 @@
 
 
 from shared.body import pose as body
+from shared.body.axes import Pose
 from shared.runtime import zeros
 
 from .draw import Range
@@ -10,9 +11,9 @@ from .probe import Block, Probe
 
 UNIT = Range(-32767, 32767)
 LENGTH = Range(-(1 << 28), 1 << 28)
-POSE = Block(zeros(body.POSE_SIZE), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
+POSE = Block(Pose(), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
 FEET = Block(zeros(12), (12, LENGTH))
-NEAR_POSE = Block(zeros(body.POSE_SIZE), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
+NEAR_POSE = Block(Pose(), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
 NEAR_FEET = Block(zeros(12), (12, Range(-32767, 32767)))
 ROTATION = zeros(9)
 HIP_FEET = zeros(12)

@@ -1,36 +1,33 @@
 """shared/planner/command.py: any command block, limited and slewed."""
 
 
-from shared.body.pose import POSE_SIZE
-from shared.gait.steps import SPEED_SIZE
+from shared.body.axes import TWIST_AXES, Pose, Twist
 from shared.gait.table import Gait
 from shared.planner import command
 from shared.planner.command import Command
-from shared.runtime import zeros
 
 from .draw import Range
 from .draws import HALF30, INT30, ROBOT, TABLE, gait_of
 from .probe import Block, Probe
+from .row import clear
 
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
-MOST = zeros(SPEED_SIZE)
-SPEED = zeros(SPEED_SIZE)
-POSE = zeros(POSE_SIZE)
+MOST = Twist()
+SPEED = Twist()
+POSE = Pose()
 
 
 def _use_gait(values, dice):
     gait: Gait = gait_of(values[0], values[1])
-    for axis in range(SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         MOST[axis] = gait.speed_max[axis]
     values[1] = MOST
 
 
 def _begin():
-    for at in range(SPEED_SIZE):
-        SPEED[at] = 0
-    for at in range(POSE_SIZE):
-        POSE[at] = 0
+    clear(SPEED)
+    clear(POSE)
 
 
 PROBES = (

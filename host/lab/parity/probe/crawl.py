@@ -9,7 +9,7 @@ from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import steps as crawl_steps
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import HANG, LIFT, PAST_SIZE, SWING
+from shared.crawl.state import HANG, LIFT, MOST_FOOTHOLDS, PAST_SIZE, SWING
 from shared.gait.steps import Steps
 from shared.num.filters import fraction, quintic_q15
 from shared.planner import handover, retreat
@@ -65,9 +65,10 @@ def _near(dice, bits):
 
 
 def _soil_map(dice, bits):
-    for at in range(12):
-        MAP.feet[at] = _near(dice, bits)
-        MAP.seen[at] = _near(dice, bits)
+    for leg in range(4):
+        for axis in range(3):
+            MAP.feet[leg][axis] = _near(dice, bits)
+            MAP.seen[leg][axis] = _near(dice, bits)
     for axis in range(6):
         MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
     for leg in range(4):
@@ -94,22 +95,25 @@ def _soil_path(dice, bits):
         PATH.sag[axis] = _near(dice, bits)
     PATH.move_tick = dice.below(61)
     PATH.move_ticks = dice.below(61)
-    for at in range(24):
-        FOOTHOLDS.places[at] = _near(dice, bits)
     for side in range(2):
-        FOOTHOLDS.waiting[side] = dice.below(5)
-        FOOTHOLDS.taken[side] = dice.bits(1)
-        FOOTHOLDS.guessed[side] = dice.bits(2)
+        for place in range(MOST_FOOTHOLDS):
+            for axis in range(3):
+                FOOTHOLDS.sides[side].places[place][axis] = _near(dice, bits)
+    for side in range(2):
+        queue = FOOTHOLDS.sides[side]
+        queue.waiting = dice.below(5)
+        queue.taken = dice.bits(1)
+        queue.guessed = dice.bits(2)
 
 
 def _soil_swing(dice, bits):
     for axis in range(3):
         FOOT.place[axis] = _near(dice, bits)
         FOOT.target[axis] = _near(dice, bits)
-    FOOT.departure[0] = _near(dice, bits)
-    FOOT.departure[1] = _near(dice, bits)
+    FOOT.departure.x = _near(dice, bits)
+    FOOT.departure.y = _near(dice, bits)
     FOOT.ground = _near(dice, bits)
-    FOOT.place[2] = FOOT.ground - dice.bits(22)
+    FOOT.place.z = FOOT.ground - dice.bits(22)
     FOOT.top = _near(dice, bits)
     FOOT.speed = SPEED.any(dice)
     FOOT.way_ticks = 1 + dice.below(60)
@@ -157,8 +161,8 @@ def _soil(values, dice):
         CRAWL.hip_feet[at] = dice.bits(15) - 16384
     for leg in range(4):
         SENSING.force_q12[leg] = dice.bits(14) - 8192
-    CRAWL.point[0] = dice.bits(15) - 16384
-    CRAWL.point[1] = dice.bits(15) - 16384
+    CRAWL.point.x = dice.bits(15) - 16384
+    CRAWL.point.y = dice.bits(15) - 16384
     copy(PARAMS[dice.below(len(PARAMS))], OWN)
     if dice.bits(1):
         OWN.lateral_q12 = 0
@@ -216,7 +220,7 @@ FADE_ROW = Row(FADE)
 
 def _with_foothold(values, dice):
     _soil(values, dice)
-    FOOTHOLDS.waiting[values[2]] = 1 + dice.bits(1)
+    FOOTHOLDS.sides[values[2]].waiting = 1 + dice.bits(1)
 
 
 def _any_speed(values, dice):
@@ -276,6 +280,7 @@ PROBES = (
     _stateful(crawl_map, "front_to_hind", MAP, Range(0, 2)),
     _stateful(crawl_pose, "feet_pitch", ROBOT, MAP),
     Probe("mass_ahead", crawl_pose.mass_ahead, (ROBOT, BRAD)),
+    Probe("take_feet", crawl_pose.take_feet, (CRAWL,), watch=(CRAWL.feet,), fit=_soil),
     _stateful(crawl_pose, "mass_target", CRAWL, LEG, LU),
     _stateful(crawl_pose, "resting_x", CRAWL),
     _stateful(crawl_pose, "longest_leg", CRAWL, Range(-1, 3)),

@@ -205,9 +205,9 @@ def _backing_off(values, dice):
     _live(values, dice)
     robot: Planner = values[0]
     exchange.back_off(robot)
-    COMMAND.speed[0] = dice.bits(12)
-    COMMAND.speed[1] = 0
-    COMMAND.speed[2] = 0
+    COMMAND.speed.vx = dice.bits(12)
+    COMMAND.speed.vy = 0
+    COMMAND.speed.wz = 0
     COMMAND.mode = MODE_WALK
     COMMAND.gait = TROT_GAIT if dice.bits(2) else CRAWL_GAIT
     if dice.bits(1):

@@ -2,6 +2,7 @@
 
 
 from shared.body import stability
+from shared.body.axes import Spot
 from shared.runtime import zeros
 
 from .draw import Range
@@ -11,7 +12,7 @@ from .probe import Block, Probe
 PLACE = Range(-32767, 32767)
 FEET = Block(zeros(12), (12, PLACE))
 WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
-POINT = Block(zeros(2), (2, PLACE))
+POINT = Block(Spot(), (2, PLACE))
 
 PROBES = (
     Probe("around", stability.around, (Range(-8, 8),)),

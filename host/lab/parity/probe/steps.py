@@ -1,6 +1,7 @@
 """shared/gait/steps.py: feet anywhere in their stride, in every gait, at every speed the gait allows."""
 
 
+from shared.body.axes import TWIST_AXES, Twist
 from shared.body.params import LF_BITS, Params
 from shared.gait import steps
 from shared.gait.table import Clock, Gait
@@ -14,7 +15,7 @@ from .row import Row
 
 STEPS = steps.Steps()
 ROW = Row(STEPS)
-SPEED = zeros(steps.SPEED_SIZE)
+SPEED = Twist()
 CLOCK = Clock()
 FEET = zeros(12)
 HEIGHT = Range(0, 6000)
@@ -26,7 +27,7 @@ PEAK = Range(0, 8191)
 
 
 def _draw_speed(gait: Gait, dice):
-    for axis in range(steps.SPEED_SIZE):
+    for axis in range(TWIST_AXES):
         top = gait.speed_max[axis]
         SPEED[axis] = dice.below(2 * top + 1) - top
 
@@ -106,7 +107,7 @@ def _ahead(values, dice):
 
 def _near_line(values, dice):
     params: Params = ROBOT.choices[0]
-    rest = params.legs[dice.bits(2)].rest[0] << LF_BITS
+    rest = params.legs[dice.bits(2)].rest.x << LF_BITS
     values[0] = rest + (values[0] >> 4)
     values[1] = rest + (values[1] >> 4)
 

@@ -1,7 +1,6 @@
 """shared/trot: its parts in states that some ticks of anything bring about, for every robot and rate."""
 
-from shared.body.pose import POSE_SIZE
-from shared.gait.steps import SPEED_SIZE
+from shared.body.axes import POSE_AXES, Pose, Twist
 from shared.runtime import zeros
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
@@ -20,8 +19,8 @@ INT30 = Range(-(1 << 30), (1 << 30) - 1)
 SHARE = Range(0, 32767)
 LANDING = Range(0, 1 << 18)  # up to a quarter of a cycle after touchdown
 PLACE = Range(-32767, 32767)
-SPEED = Block(zeros(SPEED_SIZE), (3, Range(-(1 << 18), 1 << 18)))
-POSE = Block(zeros(POSE_SIZE), (3, Range(-8191, 8191)), (3, BRAD))
+SPEED = Block(Twist(), (3, Range(-(1 << 18), 1 << 18)))
+POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
 TURNED = Block(zeros(3), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
 GOAL = zeros(12)
@@ -70,8 +69,8 @@ def _live(values, dice):
         state.trot_reset(params, WALK)
     SPEED.fill(dice)
     POSE.fill(dice)
-    for axis in range(POSE_SIZE):
-        POSE.array[axis] >>= 3
+    for axis in range(POSE_AXES):
+        POSE.row[axis] >>= 3
     for _ in range(2):
         _sense(dice)
         _wish(dice)

@@ -10,6 +10,7 @@ from host.boards.build.lower import lower
 from host.boards.build.rewrite import rewrite
 from host.boards.build.source import BuildError, read_modules
 from host.boards.build.typed import typed_modules
+from shared.body.axes import POSE_AXES, Pose
 from shared.body.params import LEGS, Params
 from shared.num.pid import Pid
 from shared.record import copy, pack, unpack
@@ -17,7 +18,7 @@ from shared.sense.sensed import Sensed
 
 HEAD = '''"""One."""
 
-from .record import field, part, parts, record, vector
+from .record import Axes, field, part, parts, record, vector
 from .runtime import Ints, const, hot, zeros
 
 LEGS = const(4)
@@ -38,6 +39,24 @@ class Robot:
     rate_hz: int = field("Hz", "ticks a second")
     legs: list[Leg] = parts(LEGS, Leg, "FR, FL, RR, RL")
     arm: Leg = part(Leg, "in front")
+
+
+@record
+class Point(Axes):
+    """A point."""
+
+    x: int = field("lu", "forward")
+    y: int = field("lu", "left")
+    z: int = field("lu", "up")
+
+
+@record
+class Path:
+    """Two points."""
+
+    ticks: int = field("ticks", "of the way")
+    start: Point = part(Point, "where it begins")
+    end: Point = part(Point, "where it ends")
 
 
 class Holder:
@@ -117,6 +136,18 @@ LOWERINGS = {  # beside HOT: what is written, and what becomes of it
     "nor has one in an ordinary function": (
         "def g(feet: Ints, leg: int):\n    return feet[leg]\n", "def g(feet, leg: int):\n    return feet[leg]\n",
     ),
+    "axes are read by name or by number": (
+        "@hot\ndef g(path: Path, point: Point, axis: int) -> int:\n"
+        "    end = path.end\n    end[axis] -= point[axis]\n"
+        "    point.z = path.start[axis] + path.start[2]\n    return end.y\n",
+        "@hot\ndef g(path, point, axis: int) -> int:\n    _path = ptr32(path); _point = ptr32(point); end = 4\n"
+        "    _path[end + axis] -= _point[axis]\n    _point[2] = _path[1 + axis] + _path[3]\n"
+        "    return _path[end + 1]\n",
+    ),
+    "also outside of hot functions": (
+        "def g(path: Path, axis: int):\n    return path.end[axis]\n",
+        "def g(path, axis: int):\n    return path[4 + axis]\n",
+    ),
     "a method named like a field is no field": (
         "def g(stick, robot: Robot):\n    return stick.length(robot.rate_hz) + robot.arm.length\n",
         "def g(stick, robot):\n    return stick.length(robot[0]) + robot[17]\n",
@@ -153,6 +184,8 @@ def test_mypyc_gets_a_class(tmp_path):
     assert "length: int; rest: list[int]" in found
     assert "self.legs = [Leg() for _ in range(4)]; self.arm = Leg()" in found
     assert "def f(holder: Holder, robot: Robot, feet: list[int], leg: i64) -> i64:" in found
+    assert "return self.x if axis == 0 else self.y if axis == 1 else [self.z][axis - 2]\n" in found
+    assert "self.x = value if axis == 0 else self.x; self.y = value if axis == 1 else self.y; " in found
     assert found.count("\n") == (HEAD + HOT).count("\n")
 
 
@@ -163,12 +196,12 @@ EXCHANGED = "holder.feet = holder.feet\n    holder.feet[leg] +="
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("robot.arm.length", "robot.arm.lenght", r"shared/one.py:40: Leg has no field lenght"),
+        ("robot.arm.length", "robot.arm.lenght", r"shared/one.py:58: Leg has no field lenght"),
         ("robot: Robot, feet", "robot, feet", r"what is robot\? .legs is a field of a record: annotate robot"),
-        ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:42: limb is a part of a block"),
+        ("f(holder, mine, feet, leg)", "f(holder, limb, feet, leg)", r"shared/one.py:60: limb is a part of a block"),
         ("feet: Ints, leg: int) -> int:\n", ROBOTS, r"feet\[leg\] is read through a name"),
-        ("limb.length +=", EXCHANGED, r"41: holder.feet may be another one later"),
-        ('    """Do."""\n', "    if leg:\n        leg = 1\n", "36: a hot function that begins with a block"),
+        ("limb.length +=", EXCHANGED, r"59: holder.feet may be another one later"),
+        ('    """Do."""\n', "    if leg:\n        leg = 1\n", "54: a hot function that begins with a block"),
         ("    mine = holder.robot\n", "    mine = holder.robot\n    mine = robot\n", r"one name for one record"),
     ],
 )
@@ -185,6 +218,12 @@ def test_what_cannot_be_built_is_named_with_its_line(tmp_path, old, new, complai
 def test_a_record_declares_fields_and_nothing_else(tmp_path, given, complaint):
     text = f'\n\n@record\nclass Odd:\n    """Odd."""\n\n    size: int = {given}\n'
     with pytest.raises(BuildError, match=rf"shared/one.py:\d+: {complaint}"):
+        lower(modules(tmp_path, HOT + text))
+
+
+def test_axes_are_single_integers(tmp_path):
+    text = '\n\n@record\nclass Odd(Axes):\n    """Odd."""\n\n    feet: Ints = vector(3, "lu", "each")\n'
+    with pytest.raises(BuildError, match=r"shared/one.py:\d+: Odd is an Axes: it has single integers only"):
         lower(modules(tmp_path, HOT + text))
 
 
@@ -214,6 +253,17 @@ def test_what_is_sensed_goes_in_and_out_in_the_order_of_a_recording():
     assert sensed.pack() == integers
     assert (sensed.tilt, sensed.joints, sensed.turned) == ([0, 1], integers[3:15], [16, 17, 18])
     assert (sensed.valid.tilt, sensed.valid.joints, sensed.valid.turned) == (2, 15, 19)
+
+
+def test_axes_are_one_thing_by_name_and_by_number():
+    pose = Pose()
+    for axis in range(POSE_AXES):
+        pose[axis] = 10 * axis
+    pose.pitch += 1
+    assert pack(pose) == list(pose) == [0, 10, 20, 30, 41, 50]
+    assert pose[4] == pose.pitch == 41
+    with pytest.raises(IndexError):
+        pose[POSE_AXES] = 0
 
 
 def test_a_wrong_number_of_integers_is_refused():
