@@ -56,7 +56,8 @@ def allocation(module, count):
 
 
 def locked(module, name, count):
-    """Answer with how many consecutive ticks of a walk ran while the heap was locked, and mem_total's move."""
+    """Answer with how many consecutive ticks of a walk ran while the heap was locked, mem_total's move, and how many
+    of the ticks walked."""
     import micropython
 
     gc.disable()
@@ -64,13 +65,14 @@ def locked(module, name, count):
         if probe.name == name:
             plain, _ = _caller(len(probe.values), [], "CALL", [])
             probe.start()
-            ran = moved = 0
+            ran = moved = walked = 0
             for index in range(count):
                 probe.draw(index, count)
                 before = micropython.mem_total()
                 ran += _runs_locked(micropython, plain, probe)
                 moved += micropython.mem_total() - before
-            _say({"ticks": ran, "bytes": moved, "state": probe.robot.status[0]})
+                walked += probe.walks()
+            _say({"ticks": ran, "bytes": moved, "walked": walked})
 
 
 def _runs_locked(micropython, caller, probe):

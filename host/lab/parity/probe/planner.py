@@ -1,6 +1,8 @@
 """shared/planner*.py: their parts in any state a command can bring about, and long walks of every gait."""
 
 from shared.body.balance import balance_setup
+from shared.body.compliance import sag_leg
+from shared.body.legs import legs_forward
 from shared.body.params import Params
 from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
@@ -37,6 +39,7 @@ SENSED_ROW = row_of(SENSED)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
+ANSWERED, HIP_FEET, WAVES = zeros(12), zeros(12), zeros(24)
 ANY_MODE = Range(-1, 5)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
 ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
@@ -126,8 +129,31 @@ def _live_about_to_lift(values, dice):
     status.lifted = dice.bits(1)
 
 
+def answer(robot: Planner, joints):
+    """Write the joints, 12 brad, as they answer the goals of a while ago: legs that stand give under the weight."""
+    params: Params = robot.params
+    sensing = robot.sensing
+    sent = (sensing.sent_at - params.sent_ticks & 15) * 12
+    for joint in range(12):
+        joints[joint] = sensing.sent[sent + joint] if sensing.known > params.sent_ticks else robot.joints[joint]
+        ANSWERED[joint] = joints[joint]
+    legs_forward(params, ANSWERED, WAVES, HIP_FEET)
+    stand = sum([1 - (robot.status.swinging >> leg & 1) for leg in range(4)])
+    for leg in range(4):
+        for axis in range(3):
+            HIP_FEET[leg * 3 + axis] -= params.legs[leg].hip[axis]
+        if robot.status.swinging >> leg & 1 == 0:
+            sag_leg(params, leg, HIP_FEET, 0, 0, 4096 // stand, ANSWERED)
+    for joint in range(12):
+        joints[joint] += joints[joint] - ANSWERED[joint]
+
+
 class Walk(Probe):
-    """A long walk: stand up, then walk with commands that change, a noisy attitude, feet out of reach."""
+    """A long walk: stand up, then walk with commands that change, a noisy attitude, feet out of reach.
+
+    A robot that feels its legs carries its weight, or it would take itself for lifted and stand. Where it still does,
+    its driver tells it to stand, and it goes on.
+    """
 
     def __init__(self, name, robot: Planner, gait, length) -> None:
         self.robot = robot
@@ -152,7 +178,7 @@ class Walk(Probe):
             SENSED.joints[joint] = 0
 
     def draw(self, index, count):
-        COMMAND.mode = MODE_STAND if index % 1000 > 800 else MODE_WALK
+        COMMAND.mode = MODE_STAND if index % 1000 > 800 or self.robot.status.lifted else MODE_WALK
         if index % 150 == 0:
             self.new_wish(index)
         for axis in range(2):
@@ -160,8 +186,14 @@ class Walk(Probe):
         if GAITS[self.gait][1] != MOVER_TABLE:
             for axis in range(3):
                 SENSED.turned[axis] = self.dice.bits(9) - 256
+            answer(self.robot, SENSED.joints)
             for joint in range(12):
-                SENSED.joints[joint] = self.robot.joints[joint] + self.dice.bits(6) - 32
+                SENSED.joints[joint] += self.dice.bits(4) - 8
+
+    def walks(self):
+        """Return 1 if the robot walked in this tick, moved by its gait's own mover; else 0."""
+        status = self.robot.status
+        return 1 if status.state == n.WALKING and status.mover == GAITS[self.gait][1] else 0
 
     def new_wish(self, index):
         """Another speed and pose, mostly in reach; every fifth time far outside what the legs reach."""
@@ -175,6 +207,10 @@ class Walk(Probe):
             top = top * 4 if wild else top // 6
             COMMAND.pose[axis] = self.dice.below(2 * top + 1) - top
         COMMAND.height = 12000 if wild else 0
+        if self.gait == CRAWL_GAIT and index % 300 < 150:  # straight on, or it would not crawl
+            COMMAND.speed.vx = params.speed_max.vx >> 1
+            COMMAND.speed.vy = 0
+            COMMAND.speed.wz = 0
 
 
 ROBOT = Pick(*ROBOTS)

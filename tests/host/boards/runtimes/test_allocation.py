@@ -48,7 +48,7 @@ def test_2000_ticks_in_a_row_run_while_the_heap_is_locked(sources, tmp_path, gai
     tree = runtime.prepare(sources, tmp_path)
     answer = runtime.ask(tree, f"from probe import measure\nmeasure.locked('planner', 'tick:{gait}', 2200)\n")
     assert answer["ticks"] == 2200
-    assert answer["state"] in (2, 3)  # standing or walking, so 2000 of them were no standing up
+    assert answer["walked"] > 1000  # the others stand up, stand, or come from another gait
 
 
 @pytest.mark.parametrize(
