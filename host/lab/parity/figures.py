@@ -67,12 +67,12 @@ def fuel(sources: Path, work: Path) -> dict[str, int]:
     for module in modules_of(runtime, tree):
         rows = runtime.ask(tree, _measure("fuel", module, VECTORS))["rows"]
         marks = iter(runtime.marks)
-        for name, vectors in rows:
+        for name, vectors, turns in rows:
             burnt = 0
             for _ in range(vectors):
                 start, empty, full = next(marks), next(marks), next(marks)
                 burnt += (full - empty) - (empty - start)
-            found[f"{module}.{name}"] = round(burnt / 4 / vectors)
+            found[f"{module}.{name}"] = round(burnt / turns / vectors)
     return found
 
 

@@ -11,6 +11,7 @@ from . import probes
 
 LOOP_US = 500  # a timed loop is to last about so long at most
 WARM_UP = 300  # ticks of a walk before it is measured: the robot has stood up
+TURNS = 4  # calls of one vector that are counted together; a walk's joints have to follow each of its calls
 
 
 def _caller(count, head, body, foot):
@@ -99,23 +100,24 @@ def _prepare(probe, count):
 
 
 def fuel(module, count):
-    """Answer with names and, between marks, four turns of an empty loop and four calls, for ``count`` vectors."""
+    """Answer with names, vectors and turns; for each vector marks round an empty loop and calls of so many turns."""
     import host
 
     rows = []
     for probe in probes(module):
         empty, _ = _caller(len(probe.values), ["for _ in range(n):"], "    pass", [])
         caller, _ = _caller(len(probe.values), ["for _ in range(n):"], "    CALL", [])
+        turns = 1 if hasattr(probe, "length") else TURNS
         vectors = 0
         for index in _prepare(probe, count):
             probe.draw(index, 0)
             host.call("", "")
-            empty(probe.function, probe.values, 4)
+            empty(probe.function, probe.values, turns)
             host.call("", "")
-            caller(probe.function, probe.values, 4)
+            caller(probe.function, probe.values, turns)
             host.call("", "")
             vectors += 1
-        rows.append([probe.name, vectors])
+        rows.append([probe.name, vectors, turns])
     _say({"rows": rows})
 
 
@@ -180,7 +182,10 @@ def loop(turns):
 
 
 def timing(module, count, repeats):
-    """Answer with microseconds a call of what runs in ticks: the median over ``count`` vectors of the best loop."""
+    """Answer with microseconds a call of what runs in ticks: the median over vectors, each of them the best loop's.
+
+    A walk goes on with every call: its ticks are timed one by one.
+    """
     now = clock()
     rows = []
     for probe in probes(module):
@@ -190,7 +195,12 @@ def timing(module, count, repeats):
         found = []
         for index in _prepare(probe, count):
             probe.draw(index, 0)
-            found.append(_best(now, caller, probe.function, probe.values, repeats))
+            if hasattr(probe, "length"):
+                start = now()
+                caller(probe.function, probe.values, 1)
+                found.append(now() - start)
+            else:
+                found.append(_best(now, caller, probe.function, probe.values, repeats))
         found.sort()
         rows.append([probe.name, found[len(found) // 2]])
     _say({"rows": rows})
