@@ -65,10 +65,10 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
         at += 3
     if count:
         share_q10 = params.trot.odometry_q10
-        ahead = saturate(ahead // count - state.seen[0], -_SPEED_MAX, _SPEED_MAX)
-        aside = saturate(aside // count - state.seen[1], -_SPEED_MAX, _SPEED_MAX)
-        state.seen[0] += ahead * share_q10 + 512 >> 10
-        state.seen[1] += aside * share_q10 + 512 >> 10
+        ahead = saturate(ahead // count - state.seen.x, -_SPEED_MAX, _SPEED_MAX)
+        aside = saturate(aside // count - state.seen.y, -_SPEED_MAX, _SPEED_MAX)
+        state.seen.x += ahead * share_q10 + 512 >> 10
+        state.seen.y += aside * share_q10 + 512 >> 10
 
 
 @hot

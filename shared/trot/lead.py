@@ -37,13 +37,15 @@ def share_load(params: Params, walk: Trot) -> None:
 @hot
 def solve(params: Params, walk: Trot) -> int:
     """Write the joints that reach the planned feet; return why some were brought into reach, or 0."""
+    for joint in range(JOINTS):
+        walk.joints_before[joint] = walk.joints[joint]
     at = 0
     for leg in range(LEGS):
         hip = params.legs[leg].hip
-        for axis in range(3):
-            walk.joints_before[at] = walk.joints[at]
-            walk.hip_feet[at] = (walk.feet[at] >> LF_BITS) - hip[axis]
-            at += 1
+        walk.hip_feet[at] = (walk.feet[at] >> LF_BITS) - hip.x
+        walk.hip_feet[at + 1] = (walk.feet[at + 1] >> LF_BITS) - hip.y
+        walk.hip_feet[at + 2] = (walk.feet[at + 2] >> LF_BITS) - hip.z
+        at += 3
     return legs_inverse(params, walk.hip_feet, walk.work, walk.joints)
 
 

@@ -64,7 +64,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
     if walk.tops[leg] >= setup.high_lift:
         high = 1
     behind = walk.residual[6 - leg * 2] - walk.residual[leg * 2]
-    if state.foot_speed[0] < 0:
+    if state.foot_speed.x < 0:
         behind = -behind
     turn = state.turn_18
     if turn < 0:
@@ -96,7 +96,7 @@ def may_be_late(walk: Trot, leg: int) -> int:
     measured = walk.measured
     before = walk.before
     mate = 9 - leg * 3
-    speed = walk.state.foot_speed[0]
+    speed = walk.state.foot_speed.x
     gone = measured[leg * 3] - before[leg * 3] << LF_BITS
     mate_gone = measured[mate] - before[mate]
     if speed < 0:
@@ -119,7 +119,7 @@ def give_way(walk: Trot, leg: int) -> None:
     short[leg] = 0
     if walk.held[leg]:
         short[leg] = -walk.residual[leg * 2]
-        if walk.state.foot_speed[0]:
+        if walk.state.foot_speed.x:
             short[leg] = -(walk.residual[leg * 2] >> 1)
 
 
@@ -135,8 +135,8 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     state = walk.state
     held = walk.held
     jams = walk.jams
-    speed = state.foot_speed[0]
-    seen = state.seen[0]
+    speed = state.foot_speed.x
+    seen = state.seen.x
     if speed < 0:
         speed = -speed
         seen = -seen

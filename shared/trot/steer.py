@@ -37,8 +37,8 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         further = (more >> 6) * setup.capture_q8 >> 10
         state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
     wait_for_feet(params, walk, pose)
-    turn = speed[2] + ((pose[5] - walk.posed[5]) * _BRAD_18 >> 10)
-    walk.posed[5] = pose[5]
+    turn = speed.wz + ((pose.yaw - walk.posed.yaw) * _BRAD_18 >> 10)
+    walk.posed.yaw = pose.yaw
     if walk.wish.moving:
         missed = turn - saturate(turned[2], -_HEADING_MAX, _HEADING_MAX)
         state.heading_18 = saturate(state.heading_18 + missed, -_HEADING_MAX, _HEADING_MAX)
@@ -85,17 +85,17 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest
-        total += (walk.feet[leg * 3] >> LF_BITS) - rest[0]
+        total += (walk.feet[leg * 3] >> LF_BITS) - rest.x
     most = params.leg_length * _LATE_Q10 >> 10
-    off = saturate((total >> 2) + pose[0] - params.com_x, -_OFF_MAX, _OFF_MAX)
+    off = saturate((total >> 2) + pose.x - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
-    ahead = state.foot_speed[0]
+    ahead = state.foot_speed.x
     if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
         return
-    drive = state.drive[0] - slow
+    drive = state.drive.x - slow
     if ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)) and climbs(params, walk) == 0:
         drive = 0
-    state.drive[0] = drive
+    state.drive.x = drive
 
 
 @hot
@@ -142,6 +142,6 @@ def rise(params: Params, walk: Trot, pose: Pose) -> None:
             total += walk.feet[leg * 3 + 2] >> LF_BITS
     state.rise = 0
     if state.standing:
-        low = saturate(params.trot.height + pose[2] + total // state.standing, -16383, 16383)
-        state.rise = (low * params.trot.raise_q16 >> 8) + (pose[2] - walk.posed[2] << LF_BITS)
-    walk.posed[2] = pose[2]
+        low = saturate(params.trot.height + pose.z + total // state.standing, -16383, 16383)
+        state.rise = (low * params.trot.raise_q16 >> 8) + (pose.z - walk.posed.z << LF_BITS)
+    walk.posed.z = pose.z
