@@ -17,7 +17,7 @@ from .robots import COMPARED, ROBOT, SERVO, errors, measured, stand
 WITHIN, WITHIN_MS = 0.10, 2.0
 SAG = pytest.mark.xfail(reason="its supply's resistance is found 18 % too low, all else within 2 %", strict=True)
 ROBOTS = [pytest.param(seed, marks=SAG) if seed == 117 else seed for seed in range(100, 140)]
-ONE = (104, 8)  # a calf: the least weight on it, so the hardest
+ONE = (116, 8)  # a calf: the least weight on it, so the hardest; quickly fitted
 
 
 def wrong(seed, joint):
