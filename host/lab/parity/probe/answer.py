@@ -38,7 +38,7 @@ def parts() -> None:
     found = []
     for module in MODULES:
         found.append([module, ""])
-        found.extend([[module, probe.name] for probe in probes(module) if hasattr(probe, "length")])
+        found.extend([[module, probe.name] for probe in probes(module) if probe.is_walk])
     _say({"parts": found})
 
 
@@ -57,7 +57,7 @@ def parity(module, count, walk="") -> None:
     """
     digests = []
     for probe in probes(module):
-        if (probe.name if hasattr(probe, "length") else "") != walk:
+        if (probe.name if probe.is_walk else "") != walk:
             continue
         digest = Digest()
         probe.run(probe.count(count), digest)

@@ -96,11 +96,10 @@ def _soil_path(dice, bits):
     PATH.move_tick = dice.below(61)
     PATH.move_ticks = dice.below(61)
     for side in range(2):
+        queue = FOOTHOLDS.sides[side]
         for place in range(MOST_FOOTHOLDS):
             for axis in range(3):
-                FOOTHOLDS.sides[side].places[place][axis] = _near(dice, bits)
-    for side in range(2):
-        queue = FOOTHOLDS.sides[side]
+                queue.places[place][axis] = _near(dice, bits)
         queue.waiting = dice.below(5)
         queue.taken = dice.bits(1)
         queue.guessed = dice.bits(2)

@@ -43,7 +43,7 @@ def allocation(module, count):
         plain, _ = _caller(arity, [], "CALL", [])
         row = [probe.name, probe.ticks, 0, 0, True]
         probe.start()
-        turns = count + (WARM_UP if hasattr(probe, "length") else 0)
+        turns = count + (WARM_UP if probe.is_walk else 0)
         for index in range(turns):
             probe.draw(index, turns)
             taken = total(probe.function, probe.values, 1)
@@ -57,8 +57,7 @@ def allocation(module, count):
 
 
 def locked(module, name, count):
-    """Answer with how many consecutive ticks of a walk ran while the heap was locked, mem_total's move, and how many
-    of the ticks walked."""
+    """Answer with the ticks of a walk that ran while the heap was locked, mem_total's move, and how many walked."""
     import micropython
 
     gc.disable()
@@ -91,7 +90,7 @@ def _runs_locked(micropython, caller, probe):
 def _prepare(probe, count):
     """Start a probe and return the indexes to draw: random vectors, of walks some after standing up."""
     probe.start()
-    if hasattr(probe, "length"):
+    if probe.is_walk:
         for index in range(WARM_UP):
             probe.draw(index, 0)
             probe.call()
@@ -107,7 +106,7 @@ def fuel(module, count):
     for probe in probes(module):
         empty, _ = _caller(len(probe.values), ["for _ in range(n):"], "    pass", [])
         caller, _ = _caller(len(probe.values), ["for _ in range(n):"], "    CALL", [])
-        turns = 1 if hasattr(probe, "length") else TURNS
+        turns = 1 if probe.is_walk else TURNS
         vectors = 0
         for index in _prepare(probe, count):
             probe.draw(index, 0)
@@ -195,7 +194,7 @@ def timing(module, count, repeats):
         found = []
         for index in _prepare(probe, count):
             probe.draw(index, 0)
-            if hasattr(probe, "length"):
+            if probe.is_walk:
                 start = now()
                 caller(probe.function, probe.values, 1)
                 found.append(now() - start)

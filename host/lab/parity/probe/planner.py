@@ -155,6 +155,8 @@ class Walk(Probe):
     its driver tells it to stand, and it goes on.
     """
 
+    is_walk = True
+
     def __init__(self, name, robot: Planner, gait, length) -> None:
         self.robot = robot
         self.length = length

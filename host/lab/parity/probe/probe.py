@@ -66,6 +66,8 @@ class Probe:
     number of vectors it gets.
     """
 
+    is_walk = False  # True: each call goes on from the one before, and what it is given answers that one
+
     def __init__(
         self,
         name,

@@ -25,6 +25,6 @@ def lines(count):
 
     for module in MODULES:
         for probe in probes(module):
-            probe.run(probe.count(24 if hasattr(probe, "length") else count), Digest())
+            probe.run(probe.count(24 if probe.is_walk else count), Digest())
     sys.settrace(None)
     print("@@" + json.dumps({"lines": {name: sorted(numbers) for name, numbers in LINES.items()}}))
