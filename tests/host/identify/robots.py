@@ -37,6 +37,11 @@ def truth(made: HonestStand, joint: int) -> dict[str, float]:
     )}  # fmt: skip
 
 
+def no_loads_rad_s(made: HonestStand) -> list[float]:
+    """Return every joint's no-load speed as drawn."""
+    return [truth(made, joint)["no_load_rad_s"] for joint in range(JOINTS)]
+
+
 def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
     """Return by which share each number is off, and the delay by how many ms."""
     true = truth(made, joint)
@@ -56,10 +61,10 @@ def measured(seed: int, joint: int):
     made.put_on_ground()
     ground = grounds(ROBOT, SERVO, stand_and_sway(made.rig))[joint]
     fitted = JointFit(SERVO, in_the_air(ROBOT, joint), traces, ground).run()
-    drawn_rad_s = [truth(made, other)["no_load_rad_s"] for other in range(JOINTS)]
+    drawn_rad_s = no_loads_rad_s(made)
     share = fitted.values["no_load_rad_s"] / drawn_rad_s[joint]
     found = supply_ohm(SERVO, [share * speed for speed in drawn_rad_s], shaken)
     return made, traces, fitted, (found, made.plant.made.supply_ohm)
 
 
-__all__ = ["COMPARED", "ROBOT", "SERVO", "errors", "measured", "stand", "truth"]
+__all__ = ["COMPARED", "ROBOT", "SERVO", "errors", "measured", "no_loads_rad_s", "stand", "truth"]
