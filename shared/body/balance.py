@@ -65,9 +65,8 @@ def balance_release(balance: Balance, step: int) -> None:
 def balance_step(balance: Balance, pose: Pose, roll_brad: int, pitch_brad: int) -> None:
     """Update the correction from the commanded ``pose`` and the measured angles.
 
-    roll_brad, pitch_brad: within +-32768. The corrections'
-    sizes add up to at most the limit: beyond it both shrink alike. Error at most 3 brad.
-    Intermediates: 16383 * 32768 < 2^30.
+    roll_brad, pitch_brad: within +-32768. The corrections' sizes add up to at most the limit: beyond it both shrink
+    alike. Error at most 3 brad. Intermediates: 16383 * 32768 < 2^30.
     """
     roll = pid_step(balance.roll, pose.roll, roll_brad)
     pitch = pid_step(balance.pitch, pose.pitch, pitch_brad)

@@ -28,8 +28,7 @@ def mul_unit(a_q15: int, b_q15: int) -> int:
 def body_rotation(pose: Pose, rotation: Ints) -> None:
     """Write R of paper A eq 8 as nine Q14 numbers, row by row, into ``rotation``.
 
-    The angles may have any value. Each entry is within 2.5 LSB of Q14
-    (1.5e-4). Intermediates below 2^30.
+    The angles may have any value. Each entry is within 2.5 LSB of Q14 (1.5e-4). Intermediates below 2^30.
     """
     sa = sin_q15(pose.roll)
     ca = cos_q15(pose.roll)
