@@ -48,7 +48,29 @@ def repeat_command(command: Command, told: Command) -> None:
 @hot
 def slew(now: int, wanted: int, step: int) -> int:
     """Return ``now`` moved towards ``wanted`` by at most ``step`` (>= 0). Exact, any unit within +-2^29."""
-    return now + saturate(wanted - now, -step, step)
+    if wanted > now + step:
+        return now + step
+    if wanted < now - step:
+        return now - step
+    return wanted
+
+
+@hot
+def slew_speed_axis(now: int, told: int, most: int, halves: int, step: int) -> int:
+    """Return a speed one tick on towards halves/2 of ``told``, which is first limited to ``most``.
+
+    Half an odd speed is rounded towards 0, so that left and right mirror.
+    """
+    if told > most or told < -most:
+        told = saturate(told, -most, most)
+    told *= halves
+    if told < 0:
+        told = -(-told >> 1)
+    else:
+        told >>= 1
+    if now == told:
+        return now
+    return slew(now, told, step)
 
 
 @hot
@@ -56,35 +78,33 @@ def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed
     """Move ``speed`` one tick towards the command times halves/2; return 1 if it is all 0.
 
     halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most``.
-    Half an odd speed is rounded towards 0, so that left and right mirror.
     """
-    still = 1
-    for axis in range(TWIST_AXES):
-        top = most[axis]
-        wanted = command.speed[axis]
-        if wanted > top or wanted < -top:
-            wanted = saturate(wanted, -top, top)
-        wanted *= halves
-        if wanted < 0:
-            wanted = -(-wanted >> 1)
-        else:
-            wanted >>= 1
-        if speed[axis] != wanted:
-            speed[axis] = slew(speed[axis], wanted, params.speed_slew[axis])
-        if speed[axis]:
-            still = 0
-    return still
+    told = command.speed
+    step = params.speed_slew
+    speed.vx = slew_speed_axis(speed.vx, told.vx, most.vx, halves, step.vx)
+    speed.vy = slew_speed_axis(speed.vy, told.vy, most.vy, halves, step.vy)
+    speed.wz = slew_speed_axis(speed.wz, told.wz, most.wz, halves, step.wz)
+    if speed.vx or speed.vy or speed.wz:
+        return 0
+    return 1
 
 
 @hot
 def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
-    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so."""
+    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so.
+
+    Most ticks it is there already.
+    """
+    told = command.pose
+    if standing and pose.x == told.x and pose.y == told.y and pose.z == told.z:
+        if pose.roll == told.roll and pose.pitch == told.pitch and pose.yaw == told.yaw:
+            return 0
     moves = 0
     for axis in range(POSE_AXES):
         wanted = 0
         if standing:
             top = params.pose_max[axis]
-            wanted = command.pose[axis]
+            wanted = told[axis]
             if wanted > top or wanted < -top:
                 wanted = saturate(wanted, -top, top)
         if pose[axis] != wanted:

@@ -109,22 +109,31 @@ def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> Non
 
 
 @hot
-def limit_to_both(planner: PlannerState, wanted: int) -> int:
-    """Take as the fastest command what the present gait and the ``wanted`` one both allow.
-
-    Returns 1 if the present speed is within that of the wanted gait: a faster walk would step too far in it.
-    """
+def limit_to_both(planner: PlannerState, wanted: int) -> None:
+    """Take as the fastest command what the present gait and the ``wanted`` one both allow."""
     gait = planner.gait
     other = planner.gaits[wanted]
-    fits = 1
+    top = planner.top
+    top.vx = gait.speed_max.vx
+    top.vy = gait.speed_max.vy
+    top.wz = gait.speed_max.wz
+    if other.speed_max.vx < top.vx:
+        top.vx = other.speed_max.vx
+    if other.speed_max.vy < top.vy:
+        top.vy = other.speed_max.vy
+    if other.speed_max.wz < top.wz:
+        top.wz = other.speed_max.wz
+
+
+@hot
+def within_speed(planner: PlannerState, wanted: int) -> int:
+    """Return 1 if the present speed is within that of the ``wanted`` gait: a faster walk would step too far in it."""
+    speed = planner.speed
+    other = planner.gaits[wanted]
     for axis in range(TWIST_AXES):
-        most = other.speed_max[axis]
-        if planner.speed[axis] > most or planner.speed[axis] < -most:
-            fits = 0
-        if gait.speed_max[axis] < most:
-            most = gait.speed_max[axis]
-        planner.top[axis] = most
-    return fits
+        if speed[axis] > other.speed_max[axis] or speed[axis] < -other.speed_max[axis]:
+            return 0
+    return 1
 
 
 @hot

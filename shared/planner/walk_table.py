@@ -9,7 +9,16 @@ from ..sense.sensed import Sensed
 from .command import Command
 from .pose import pose_legs
 from .state import PlannerState
-from .steps import follow_command, lift_height, limit_to_both, next_cycle, stands, step_feet, wanted_gait
+from .steps import (
+    follow_command,
+    lift_height,
+    limit_to_both,
+    next_cycle,
+    stands,
+    step_feet,
+    wanted_gait,
+    within_speed,
+)
 
 
 @hot
@@ -20,7 +29,8 @@ def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     swing would else be left a whole stride behind.
     """
     wanted = wanted_gait(planner, command)
-    fits = limit_to_both(planner, wanted)
+    limit_to_both(planner, wanted)
+    fits = within_speed(planner, wanted)
     still = follow_command(planner, command, 1 + planner.status.cycles)
     if stands(planner, still) == 0:
         if planner.clock.tick == 0:

@@ -70,8 +70,8 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
     limit_to_both(planner, wanted)
     if planner.trot.state.high_left:
         most = planner.params.trot.high_speed
-        for axis in range(2):
-            planner.top[axis] = saturate(planner.top[axis], 0, most)
+        planner.top.vx = saturate(planner.top.vx, 0, most)
+        planner.top.vy = saturate(planner.top.vy, 0, most)
     halves = 0
     gait = planner.gaits[wanted]
     if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and straight_on(planner.params, command) == 0):

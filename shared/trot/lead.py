@@ -57,6 +57,7 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
     carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
+    near = params.joint_near
     for at in range(JOINTS):
         goal[at] = walk.joints[at]
     for leg in range(LEGS):
@@ -72,10 +73,9 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
             slide(params, walk, leg, goal)
         at = leg * 3
         for joint in range(3):
-            top = params.joint_top[joint]
             step = walk.joints[at] - walk.joints_before[at]
-            if step > top or step < -top:
-                step = saturate(step, -top, top)
+            if step > near or step < -near:
+                step = saturate(step, -params.joint_top[joint], params.joint_top[joint])
             goal[at] += step * led >> 8
             at += 1
 
@@ -90,6 +90,7 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
     """
     setup = params.trot
     friction = setup.friction
+    slides_q16 = setup.slides_q16
     joints = walk.joints
     before = walk.joints_before
     at = leg * 3
@@ -107,6 +108,9 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
         if held < 0:
             held = -held
         held = friction[joint] + (held * setup.friction_q12 >> 12)
-        ahead = (saturate(step * setup.slides_q16 >> 4, -_ONE_Q12, _ONE_Q12) * held >> 12) - ahead
+        slides_q12 = step * slides_q16 >> 4
+        if slides_q12 > _ONE_Q12 or slides_q12 < -_ONE_Q12:
+            slides_q12 = saturate(slides_q12, -_ONE_Q12, _ONE_Q12)
+        ahead = (slides_q12 * held >> 12) - ahead
         goal[at] += ahead
         at += 1

@@ -27,15 +27,16 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
     """
     state = walk.state
     setup = params.trot
-    for axis in range(2):
-        told = saturate(speed[axis], -_SPEED_MAX, _SPEED_MAX)
-        foot = (told >> 5) * setup.rolling_q15 >> 10
-        state.foot_speed[axis] = foot
-        reach_speed(params, walk, axis, told)
-        state.drive[axis] = foot + (state.drift_q8[axis] >> 8)
-        more = saturate(state.seen[axis] - foot, -_SPEED_MAX, _SPEED_MAX)
-        further = (more >> 6) * setup.capture_q8 >> 10
-        state.capture[axis] = saturate(further, -setup.capture_max, setup.capture_max)
+    told_x = saturate(speed.vx, -_SPEED_MAX, _SPEED_MAX)
+    told_y = saturate(speed.vy, -_SPEED_MAX, _SPEED_MAX)
+    state.foot_speed.x = (told_x >> 5) * setup.rolling_q15 >> 10
+    state.foot_speed.y = (told_y >> 5) * setup.rolling_q15 >> 10
+    state.drift_q8.x = reach_speed(params, walk, told_x, walk.odometry.speed[0], state.drift_q8.x)
+    state.drift_q8.y = reach_speed(params, walk, told_y, walk.odometry.speed[1], state.drift_q8.y)
+    state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
+    state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
+    state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
+    state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
     wait_for_feet(params, walk, pose)
     turn = speed.wz + ((pose.yaw - walk.posed.yaw) * _BRAD_18 >> 10)
     walk.posed.yaw = pose.yaw
@@ -45,30 +46,41 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         turn += state.heading_18 * setup.heading_q16 >> 16
     state.turn_18 = saturate(turn, -_TURN_MAX, _TURN_MAX)
     if walk.wish.moving == 0:
-        for axis in range(2):
-            state.drive[axis] = 0
-            state.drift_q8[axis] = 0
+        state.drive.x = 0
+        state.drive.y = 0
+        state.drift_q8.x = 0
+        state.drift_q8.y = 0
 
 
 @hot
-def reach_speed(params: Params, walk: Trot, axis: int, told: int) -> None:
-    """Move what is added to the commanded speed, lf / tick along one axis, by what the odometry misses of it.
+def capture_point(params: Params, more: int) -> int:
+    """Return by how much further on a foot is to land for a speed that is too much, lu for lf / tick.
 
-    Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
+    Intermediates: 2^12 * 2^15.
+    """
+    setup = params.trot
+    further = (saturate(more, -_SPEED_MAX, _SPEED_MAX) >> 6) * setup.capture_q8 >> 10
+    return saturate(further, -setup.capture_max, setup.capture_max)
+
+
+@hot
+def reach_speed(params: Params, walk: Trot, told: int, gone: int, drift_q8: int) -> int:
+    """Return what is added to the commanded speed along one axis, moved by what the odometry misses of it.
+
+    told: commanded, gone: of the odometry, lf / tick; drift: what is added, lf / tick Q8. Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
     nothing is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
     """
     state = walk.state
     setup = params.trot
     if state.known == 0 or state.high_left:
-        state.drift_q8[axis] = 0
-        return
-    missed = saturate(told - walk.odometry.speed[axis], -_SPEED_MAX, _SPEED_MAX)
+        return 0
+    missed = saturate(told - gone, -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
         told = -told
     most = (told * _MORE_Q8 >> 8) + setup.drift_least
     if missed <= most and missed >= -most:
-        drift = state.drift_q8[axis] + (missed * setup.drift_q15 >> 7)
-        state.drift_q8[axis] = saturate(drift, -most << 8, most << 8)
+        return saturate(drift_q8 + (missed * setup.drift_q15 >> 7), -most << 8, most << 8)
+    return drift_q8
 
 
 @hot
@@ -106,30 +118,48 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Pose) -> No
     it. Intermediates: 2^13 * 2^15.3.
     """
     state = walk.state
-    setup = params.trot
     posed = walk.posed
-    for axis in range(2):
-        angle = saturate(tilt[axis], -_TILT_MAX, _TILT_MAX)
-        rate = saturate(turned[axis], -_TURN_MAX, _TURN_MAX)
-        now_18 = angle * _BRAD_18 >> 10
-        state.tilt_q14[axis] = saturate(now_18 >> 4, -_LEAN_MAX, _LEAN_MAX)
-        then_q14 = saturate(now_18 + (rate * setup.tilt_lead_q8 >> 8) >> 4, -_LEAN_MAX, _LEAN_MAX)
-        further = pose[axis + 3] - posed[axis + 3]
-        posed[axis + 3] = pose[axis + 3]
-        if walk.wish.balance and state.known:
-            wrong = saturate(angle - pose[axis + 3], -_TILT_MAX, _TILT_MAX)
-            turn = -(wrong * setup.level_q12 >> 12)
-        else:
-            turn = saturate(further, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10
-        turn = saturate(turn, -_TURN_MAX, _TURN_MAX)
-        if axis:
-            state.pitch_q14 = then_q14
-            state.pitch_18 = turn
-        else:
-            state.roll_q14 = then_q14
-            state.roll_18 = turn
-        state.drive[axis] += pose[axis] - posed[axis] << LF_BITS
-        posed[axis] = pose[axis]
+    roll = saturate(tilt[0], -_TILT_MAX, _TILT_MAX)
+    pitch = saturate(tilt[1], -_TILT_MAX, _TILT_MAX)
+    state.tilt_q14.roll = tilt_to_come(params, roll, 0)
+    state.tilt_q14.pitch = tilt_to_come(params, pitch, 0)
+    state.roll_q14 = tilt_to_come(params, roll, turned[0])
+    state.pitch_q14 = tilt_to_come(params, pitch, turned[1])
+    state.roll_18 = turn_level(params, walk, roll, pose.roll, posed.roll)
+    state.pitch_18 = turn_level(params, walk, pitch, pose.pitch, posed.pitch)
+    state.drive.x += pose.x - posed.x << LF_BITS
+    state.drive.y += pose.y - posed.y << LF_BITS
+    posed.x = pose.x
+    posed.y = pose.y
+    posed.roll = pose.roll
+    posed.pitch = pose.pitch
+
+
+@hot
+def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
+    """Return roll or pitch, rad Q14, that a body has when this tick's goals act: now ``tilt`` brad, and turning on.
+
+    turned: 2^-18 rad in a tick, 0 for the tilt as it is.
+    """
+    if turned > _TURN_MAX or turned < -_TURN_MAX:
+        turned = saturate(turned, -_TURN_MAX, _TURN_MAX)
+    then_q14 = (tilt * _BRAD_18 >> 10) + (turned * params.trot.tilt_lead_q8 >> 8) >> 4
+    if then_q14 > _LEAN_MAX or then_q14 < -_LEAN_MAX:
+        return saturate(then_q14, -_LEAN_MAX, _LEAN_MAX)
+    return then_q14
+
+
+@hot
+def turn_level(params: Params, walk: Trot, tilt: int, wanted: int, before: int) -> int:
+    """Return the turn of this tick, 2^-18 rad about x or y, that levels the body, or follows its pose where none does.
+
+    tilt: measured, wanted: of the pose, before: of the pose a tick ago, all brad.
+    """
+    if walk.wish.balance and walk.state.known:
+        turn = -(saturate(tilt - wanted, -_TILT_MAX, _TILT_MAX) * params.trot.level_q12 >> 12)
+    else:
+        turn = saturate(wanted - before, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10
+    return saturate(turn, -_TURN_MAX, _TURN_MAX)
 
 
 @hot
