@@ -12,7 +12,7 @@ in other axes. All four knee configurations differ only in the k of each leg.
 
 from ..num.fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
 from ..runtime import Ints, const, hot
-from .params import Params
+from .params import LEGS, Params
 
 LIMIT_HIP = const(8)
 LIMIT_THIGH = const(16)
@@ -97,22 +97,21 @@ def plane_length(params: Params, leg: int, hip_feet: Ints) -> int:
 
 
 @hot
-def limit_joints(params: Params, leg: int, joints: Ints) -> int:
-    """Limit the three angles of ``leg`` in ``joints`` to the robot's joint limits; return what acted.
+def limit_legs(params: Params, joints: Ints, flags: Ints) -> int:
+    """Limit 12 ``joints`` to the robot's joint limits; add what acted to the ``flags`` of its leg, return it together.
 
-    joints: 12 brad within -32768 .. 32767, changed in place. Returns 0 or LIMIT_HIP, LIMIT_THIGH,
-    LIMIT_CALF or several. Exact.
+    joints: brad within -32768 .. 32767, changed in place. flags: 4, each gets LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF or
+    several. Exact.
     """
-    limb = params.legs[leg]
-    at = leg * 3
-    flags = 0
-    for joint in range(3):
-        angle = joints[at]
-        if angle < limb.lowest[joint]:
-            joints[at] = limb.lowest[joint]
-            flags |= LIMIT_HIP << joint
-        elif angle > limb.highest[joint]:
-            joints[at] = limb.highest[joint]
-            flags |= LIMIT_HIP << joint
-        at += 1
-    return flags
+    together = 0
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        for joint in range(3):
+            angle = joints[at]
+            if angle < limb.lowest[joint] or angle > limb.highest[joint]:
+                joints[at] = saturate(angle, limb.lowest[joint], limb.highest[joint])
+                flags[leg] |= LIMIT_HIP << joint
+                together |= LIMIT_HIP << joint
+            at += 1
+    return together

@@ -91,15 +91,12 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
     A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
     """
     squares = work.squares
-    flags = 0
+    flags = reach_feet(params, hip_feet)
     at = 0
     for leg in range(LEGS):
-        limb = params.legs[leg]
-        if in_shell(params, leg, hip_feet) == 0:
-            flags |= reach_foot(params, leg, hip_feet, hip_feet)
         y = hip_feet[at + 1]
         z = hip_feet[at + 2]
-        side = limb.hip_length
+        side = params.legs[leg].hip_length
         squares[leg] = y * y + z * z - side * side
         at += 3
     round_roots(work.squares, work.drops, LEGS)
@@ -121,22 +118,27 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
 
 
 @hot
-def in_shell(params: Params, leg: int, hip_feet: Ints) -> int:
-    """Return 1 if the foot of ``leg``, lu from its hip, is surely within the leg's reach; else 0."""
-    at = leg * 3
-    limb = params.legs[leg]
-    x = hip_feet[at]
-    y = hip_feet[at + 1]
-    z = hip_feet[at + 2]
-    if x > 32767 or x < -32767 or y > 32767 or y < -32767 or z > 32767 or z < -32767:
-        return 0
-    across = (y * y >> 2) + (z * z >> 2)
-    quarter = across + (x * x >> 2)
-    if quarter > limb.longest * limb.longest >> 2 or quarter < (limb.shortest * limb.shortest >> 2) + 2:
-        return 0
-    if across < (limb.hip_length * limb.hip_length >> 2) + 2:
-        return 0
-    return 1
+def reach_feet(params: Params, hip_feet: Ints) -> int:
+    """Bring the feet of ``hip_feet``, 12 lu from the hips, into reach (reach.py); return why some were moved, or 0.
+
+    Those that are surely within it are not looked at twice.
+    """
+    flags = 0
+    at = 0
+    for leg in range(LEGS):
+        limb = params.legs[leg]
+        x = hip_feet[at]
+        y = hip_feet[at + 1]
+        z = hip_feet[at + 2]
+        at += 3
+        if x <= 32767 and x >= -32767 and y <= 32767 and y >= -32767 and z <= 32767 and z >= -32767:
+            across = (y * y >> 2) + (z * z >> 2)
+            quarter = across + (x * x >> 2)
+            if quarter <= limb.longest * limb.longest >> 2 and quarter >= (limb.shortest * limb.shortest >> 2) + 2:
+                if across >= (limb.hip_length * limb.hip_length >> 2) + 2:
+                    continue
+        flags |= reach_foot(params, leg, hip_feet, hip_feet)
+    return flags
 
 
 @hot

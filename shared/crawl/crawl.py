@@ -117,7 +117,7 @@ def crawl_tick(
 
     sensing: the block of sense_legs after this tick's reading. ahead_lf: how far the command wants to go in
     this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
-    limit_joints.
+    limit_legs.
     """
     estimate(crawl, sensing, measured, roll_brad, pitch_brad)
     take_stage(crawl, ahead_lf)

@@ -7,7 +7,7 @@ other, and at the start, the goal's jump is taken into an offset that fades.
 
 from ..body.axes import POSE_AXES
 from ..body.compliance import sag_leg
-from ..body.leg import leg_inverse, limit_joints, plane_length
+from ..body.leg import leg_inverse, limit_legs, plane_length
 from ..body.load import load_share
 from ..body.params import JOINTS, LEGS, LF_BITS
 from ..body.pose import body_rotation, body_to_hip
@@ -164,10 +164,10 @@ def legs_goals(crawl: Crawl, joints: Ints) -> int:
             gain = crawl.params.crawl.land_jump_q15
         crawl.jumps[joint] = jump - fraction(jump, gain)
     for leg in range(LEGS):
-        limited = limit_joints(crawl.params, leg, joints)
-        if limited and leg == crawl.stage.leg:
-            crawl.swing.limited = 1
-        together |= limited
+        crawl.flags[leg] = 0
+    together |= limit_legs(crawl.params, joints, crawl.flags)
+    if crawl.flags[crawl.stage.leg]:
+        crawl.swing.limited = 1
     for joint in range(JOINTS):
         crawl.goals[joint] = joints[joint]
     return together

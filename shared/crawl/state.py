@@ -165,6 +165,7 @@ class Crawl:
         self.goals = zeros(JOINTS)  # brad, of the tick before
         self.jumps = zeros(JOINTS)  # bf, what is left of the jumps where stance and swing meet
         self.load = Load()
+        self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
         self.weights = zeros(LEGS)
         self.point = Spot()  # lu
         self.pose = Pose()

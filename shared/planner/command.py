@@ -79,11 +79,9 @@ def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed
 
     halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most``.
     """
-    told = command.speed
-    step = params.speed_slew
-    speed.vx = slew_speed_axis(speed.vx, told.vx, most.vx, halves, step.vx)
-    speed.vy = slew_speed_axis(speed.vy, told.vy, most.vy, halves, step.vy)
-    speed.wz = slew_speed_axis(speed.wz, told.wz, most.wz, halves, step.wz)
+    speed.vx = slew_speed_axis(speed.vx, command.speed.vx, most.vx, halves, params.speed_slew.vx)
+    speed.vy = slew_speed_axis(speed.vy, command.speed.vy, most.vy, halves, params.speed_slew.vy)
+    speed.wz = slew_speed_axis(speed.wz, command.speed.wz, most.wz, halves, params.speed_slew.wz)
     if speed.vx or speed.vy or speed.wz:
         return 0
     return 1

@@ -2,7 +2,7 @@
 
 from ..body.axes import POSE_AXES
 from ..body.balance import balance_release, balance_step
-from ..body.leg import leg_inverse, limit_joints
+from ..body.leg import leg_inverse, limit_legs
 from ..body.params import LEGS
 from ..body.pose import body_rotation, body_to_hip
 from ..body.reach import TOO_NEAR, reach_foot
@@ -25,8 +25,7 @@ def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     tell_margin(planner)
     if planner.fade.left:
         fade_out(planner.fade, planner.goal)
-        for leg in range(LEGS):
-            limit_joints(planner.params, leg, planner.goal)
+        limit_legs(planner.params, planner.goal, planner.leg_flags)
 
 
 @hot
@@ -67,10 +66,11 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
             flags = TOO_NEAR
         flags |= reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
         leg_inverse(planner.params, leg, planner.reached, joints)
-        flags |= limit_joints(planner.params, leg, joints)
         planner.leg_flags[leg] = flags
         together |= flags
-        if flags and status.swinging >> leg & 1 == 0:
+    together |= limit_legs(planner.params, joints, planner.leg_flags)
+    for leg in range(LEGS):
+        if planner.leg_flags[leg] and status.swinging >> leg & 1 == 0:
             status.beyond = 1
     return together
 

@@ -1,7 +1,6 @@
 """What is believed of the senses: joints and tilt, what the legs tell, and where the robot has walked to."""
 
 from ..body.params import JOINTS
-from ..num.fixed import saturate
 from ..runtime import Ints, hot
 from ..sense.legs import sense_legs, sensing_reset
 from ..sense.odometry import odometry_lost, odometry_step, weigh_feet
@@ -69,8 +68,8 @@ def feel_legs(planner: PlannerState) -> None:
     roll = 0
     pitch = 0
     if planner.sensed.valid.tilt:
-        roll = saturate(planner.sensed.tilt[0], -32768, 32767)
-        pitch = saturate(planner.sensed.tilt[1], -32768, 32767)
+        roll = planner.sensed.tilt[0]
+        pitch = planner.sensed.tilt[1]
     sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 

@@ -2,7 +2,7 @@
 
 from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
-from ..body.params import JOINTS, LEGS, LF_BITS
+from ..body.params import JOINTS, LF_BITS
 from ..gait.steps import steps_reset
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
@@ -57,7 +57,8 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
         status.flags |= BLIND
         if command.balance:
             status.flags |= NO_ATTITUDE
-    tell_trot(planner)
+    status.swinging = planner.trot.state.swinging
+    status.margin = 0
 
 
 @hot
@@ -79,18 +80,6 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
         if planner.status.gait != wanted:
             use_gait(planner, wanted)
     return follow_command(planner, command, halves)
-
-
-@hot
-def tell_trot(planner: PlannerState) -> None:
-    """Write the feet, in the body, and the legs in swing to where the planner tells them."""
-    for at in range(JOINTS):
-        planner.feet[at] = planner.trot.feet[at] >> LF_BITS
-        planner.reached[at] = planner.trot.hip_feet[at]
-    for leg in range(LEGS):
-        planner.leg_flags[leg] = 0
-    planner.status.swinging = planner.trot.state.swinging
-    planner.status.margin = 0
 
 
 @hot

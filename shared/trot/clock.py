@@ -39,7 +39,10 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
         part -= setup.stance_q20
         if part < 0:
             stands[leg] = 1
-            land(params, walk, leg, part + setup.stance_q20)
+            if part + setup.stance_q20 > setup.landing_q20:
+                walk.met[leg] = 0
+            else:
+                land(params, walk, leg)
         else:
             share = (part >> 5) * setup.swing_rate_q13 >> 13
             if share > 32767:

@@ -173,15 +173,12 @@ def swing_top(params: Params, walk: Trot, leg: int) -> int:
 
 
 @hot
-def land(params: Params, walk: Trot, leg: int, stood_q20: int) -> None:
-    """Look at a foot that stands by plan for ``stood_q20`` of a cycle: where it climbs, did it land too high?
+def land(params: Params, walk: Trot, leg: int) -> None:
+    """Look at a foot that just stands by plan: where it climbs, did it land too high?
 
     It would push its corner of the body up by as much, and tip it over. Only while the joints still tell of the
     landing, and once: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
     """
-    if stood_q20 > params.trot.landing_q20:
-        walk.met[leg] = 0
-        return
     if walk.met[leg] or walk.state.known <= params.sent_ticks:
         return
     if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):

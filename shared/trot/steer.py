@@ -22,8 +22,9 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
-    A round foot's centre goes slower than the body. Heading: turned back by what was turned wrong; the pose's yaw is
-    turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
+    A round foot's centre goes slower than the body. What is missed of the speed is added, but not while swings are high:
+    what held the body up would make it lunge once it is over. Heading: turned back by what was turned wrong; the pose's
+    yaw is turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
     """
     state = walk.state
     setup = params.trot
@@ -31,8 +32,12 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
     told_y = saturate(speed.vy, -_SPEED_MAX, _SPEED_MAX)
     state.foot_speed.x = (told_x >> 5) * setup.rolling_q15 >> 10
     state.foot_speed.y = (told_y >> 5) * setup.rolling_q15 >> 10
-    state.drift_q8.x = reach_speed(params, walk, told_x, walk.odometry.speed[0], state.drift_q8.x)
-    state.drift_q8.y = reach_speed(params, walk, told_y, walk.odometry.speed[1], state.drift_q8.y)
+    if state.known == 0 or state.high_left:
+        state.drift_q8.x = 0
+        state.drift_q8.y = 0
+    else:
+        state.drift_q8.x = reach_speed(params, told_x, walk.odometry.speed[0], state.drift_q8.x)
+        state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed[1], state.drift_q8.y)
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
@@ -64,23 +69,22 @@ def capture_point(params: Params, more: int) -> int:
 
 
 @hot
-def reach_speed(params: Params, walk: Trot, told: int, gone: int, drift_q8: int) -> int:
+def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
     """Return what is added to the commanded speed along one axis, moved by what the odometry misses of it.
 
-    told: commanded, gone: of the odometry, lf / tick; drift: what is added, lf / tick Q8. Who misses more than may be added is pushed or held: then what is added stays as it is. While swings are high
-    nothing is added: what held the body up would make it lunge once it is over. Intermediates: 2^18 * 2^12.
+    told: commanded, gone: of the odometry, lf / tick; drift: what is added, lf / tick Q8. Who misses more than may be
+    added is pushed or held: then what is added stays as it is. Intermediates: 2^18 * 2^12.
     """
-    state = walk.state
     setup = params.trot
-    if state.known == 0 or state.high_left:
-        return 0
     missed = saturate(told - gone, -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
         told = -told
     most = (told * _MORE_Q8 >> 8) + setup.drift_least
-    if missed <= most and missed >= -most:
-        return saturate(drift_q8 + (missed * setup.drift_q15 >> 7), -most << 8, most << 8)
-    return drift_q8
+    if missed > most or missed < -most:
+        return drift_q8
+    drift_q8 += missed * setup.drift_q15 >> 7
+    most <<= 8
+    return saturate(drift_q8, -most, most)
 
 
 @hot
@@ -156,10 +160,9 @@ def turn_level(params: Params, walk: Trot, tilt: int, wanted: int, before: int) 
     tilt: measured, wanted: of the pose, before: of the pose a tick ago, all brad.
     """
     if walk.wish.balance and walk.state.known:
-        turn = -(saturate(tilt - wanted, -_TILT_MAX, _TILT_MAX) * params.trot.level_q12 >> 12)
-    else:
-        turn = saturate(wanted - before, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10
-    return saturate(turn, -_TURN_MAX, _TURN_MAX)
+        wrong = saturate(tilt - wanted, -_TILT_MAX, _TILT_MAX)
+        return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
+    return saturate(saturate(wanted - before, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10, -_TURN_MAX, _TURN_MAX)
 
 
 @hot

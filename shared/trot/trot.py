@@ -7,7 +7,7 @@ of speeds, so that there is no pose to be behind of; whatever goes wrong is gone
 """
 
 from ..body.axes import Pose, Twist
-from ..body.leg import limit_joints
+from ..body.leg import limit_legs
 from ..body.params import LEGS, LF_BITS, Params
 from ..runtime import Ints, const, hot
 from ..sense.sensed import Sensed
@@ -61,8 +61,8 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Twist, pose: Po
     share_load(params, walk)
     lead(params, walk, goal)
     for leg in range(LEGS):
-        flags |= limit_joints(params, leg, goal)
-    return flags
+        walk.flags[leg] = 0
+    return flags | limit_legs(params, goal, walk.flags)
 
 
 @hot

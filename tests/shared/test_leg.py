@@ -14,7 +14,7 @@ from shared.body.leg import (
     LIMIT_THIGH,
     leg_forward,
     leg_inverse,
-    limit_joints,
+    limit_legs,
 )
 from shared.body.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR, reach_foot, scale_down
 from tests.float_twin import leg as twin
@@ -227,7 +227,9 @@ def test_joint_limits_act_and_are_reported(name, leg, angles):
     params, joints = BLOCKS[name], zeros()
     base = params.legs[leg]
     joints[leg * 3 : leg * 3 + 3] = array("i", angles)
-    flags = limit_joints(params, leg, joints)
+    acted = array("i", [0] * 4)
+    limit_legs(params, joints, acted)
+    flags = acted[leg]
     for joint, bit in enumerate((LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF)):
         low, high = base.lowest[joint], base.highest[joint]
         assert joints[leg * 3 + joint] == min(max(angles[joint], low), high)

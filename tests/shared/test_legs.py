@@ -5,7 +5,7 @@ import random
 import pytest
 
 from shared.body.leg import leg_forward, leg_inverse
-from shared.body.legs import LegsWork, in_shell, legs_forward, legs_inverse
+from shared.body.legs import LegsWork, legs_forward, legs_inverse, reach_feet
 from shared.body.reach import reach_foot
 from shared.num.fixed import arctans_brad18, atan2_brad18, round_roots, round_sqrt
 
@@ -43,16 +43,17 @@ def test_inverse_is_that_of_each_leg_within_a_brad(name, knees):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_foot_in_the_shell_needs_no_reach(name):
+def test_feet_are_brought_into_reach_as_each(name):
     params, rng, inside = block(name), random.Random(3), 0
     most = params.legs[0].longest * 9 // 8
     for _ in range(2000):
         feet = [rng.randrange(-most, most) for _ in range(12)]
-        before = list(feet)
-        if in_shell(params, 0, feet):
-            inside += 1
-            assert reach_foot(params, 0, feet, feet) == 0
-            assert feet == before
+        reached, flags = list(feet), 0
+        for leg in range(4):
+            flags |= reach_foot(params, leg, reached, reached)
+        inside += feet[:3] == reached[:3]
+        assert reach_feet(params, feet) == flags
+        assert feet == reached
     assert inside > 100
 
 

@@ -14,6 +14,7 @@ from .row import clear
 COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
 MOST = Twist()
+SPEED22, MOST22 = Range(-(1 << 22), 1 << 22), Range(0, 1 << 22)
 SPEED = Twist()
 POSE = Pose()
 
@@ -33,6 +34,7 @@ def _begin():
 PROBES = (
     Probe("repeat_command", command.repeat_command, (COMMAND, TOLD), watch=(TOLD,)),
     Probe("slew", command.slew, (HALF30, HALF30, Range(0, (1 << 29) - 1))),
+    Probe("slew_speed_axis", command.slew_speed_axis, (SPEED22, INT30, MOST22, Range(0, 2), MOST22)),
     Probe(
         "slew_speed",
         command.slew_speed,

@@ -14,10 +14,16 @@ ANGLES = Block(zeros(12), (12, BRAD))
 ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))
 FEET = zeros(12)
 JOINTS = zeros(12)
+FLAGS = zeros(4)
 
 
 def _bring_into_reach(values, dice):
     reach_foot(values[0], values[1], values[2], values[2])
+
+
+def _begin():
+    for leg in range(4):
+        FLAGS[leg] = 0
 
 
 PROBES = (
@@ -31,5 +37,5 @@ PROBES = (
         vectors=4,
     ),
     Probe("plane_length", leg.plane_length, (ROBOT, LEG, ANY_FEET)),
-    Probe("limit_joints", leg.limit_joints, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
+    Probe("limit_legs", leg.limit_legs, (ROBOT, ANGLES, FLAGS), watch=(ANGLES.array, FLAGS), begin=_begin),
 )

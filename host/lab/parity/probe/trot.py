@@ -17,9 +17,9 @@ PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "
 FLAG = Range(0, 1)
 INT30 = Range(-(1 << 30), (1 << 30) - 1)
 SHARE = Range(0, 32767)
-LANDING = Range(0, 1 << 18)  # up to a quarter of a cycle after touchdown
 PLACE = Range(-32767, 32767)
-SPEED = Block(Twist(), (3, Range(-(1 << 18), 1 << 18)))
+SPEED18 = Range(-(1 << 18), 1 << 18)
+SPEED = Block(Twist(), (3, SPEED18))
 POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
 TURNED = Block(zeros(3), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
@@ -135,9 +135,12 @@ PROBES = (
     _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
     _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
     _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
-    _probe("reach_speed", steer, (ROBOT, WALK, FLAG, Range(-(1 << 18), 1 << 18)), (WALK.state,)),
+    Probe("capture_point", steer.capture_point, (ROBOT, INT30)),
+    Probe("reach_speed", steer.reach_speed, (ROBOT, SPEED18, Range(-(1 << 22), 1 << 22), Range(-(1 << 26), 1 << 26))),
     _probe("wait_for_feet", steer, (ROBOT, WALK, POSE)),
     _probe("lean", steer, (ROBOT, WALK, TILT, TURNED, POSE)),
+    Probe("tilt_to_come", steer.tilt_to_come, (ROBOT, Range(-8191, 8191), INT30)),
+    _probe("turn_level", steer, (ROBOT, WALK, Range(-8191, 8191), BRAD, BRAD), ()),
     _probe("rise", steer, (ROBOT, WALK, POSE)),
     _probe("go_on", clock, (ROBOT, WALK, FLAG)),
     _probe("stand_all", clock, (WALK,), fit=_done),
@@ -147,7 +150,7 @@ PROBES = (
     _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("swing_top", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
-    _probe("land", react, (ROBOT, WALK, LEG, LANDING), fit=_landing),
+    _probe("land", react, (ROBOT, WALK, LEG), fit=_landing),
     _probe("meet_ground", react, (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
     _probe("feel_slope", ground, (ROBOT, WALK)),
     _probe("follow_feet", ground, (ROBOT, WALK, Range(1, 4), PLACE, PLACE, PLACE)),
@@ -167,11 +170,11 @@ PROBES = (
     _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
     _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
     _probe("share_load", lead, (ROBOT, WALK)),
-    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
+    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet, WALK.planned)),
     _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.met)),
     _probe("slide", lead, (ROBOT, WALK, LEG, GOAL), (GOAL,)),
     _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
-    _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL,), vectors=4),
+    _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL, WALK.flags), vectors=4),
     _probe("forget", trot, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
     _probe("keep_past", trot, (WALK,), (WALK.past_feet, WALK.past_stands), fit=_done),
     _probe("trot_done", trot, (WALK,), fit=_done),
