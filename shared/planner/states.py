@@ -69,13 +69,12 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
 
     Roll and pitch are looked at while it stands or walks and the attitude is known.
     """
-    tilt = sensed.tilt
     status = planner.status
     if mode == MODE_LIMP or mode == MODE_SIT:
         status.fallen = 0
     most = planner.params.tilt_max
     tilted = 0
-    if tilt[0] > most or tilt[0] < -most or tilt[1] > most or tilt[1] < -most:
+    if sensed.tilt[0] > most or sensed.tilt[0] < -most or sensed.tilt[1] > most or sensed.tilt[1] < -most:
         tilted = status.tilted + 1
     if sensed.valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
         tilted = 0

@@ -23,12 +23,11 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
     if command.mode != MODE_WALK or status.fallen:
         halves = 0
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
-    held = 0
     status.shifts = 0
     if status.beyond or status.holds:
-        held = hold_back(planner, command)
-    if held == 0:
-        status.shifts = slew_pose(planner.params, command, 1, planner.pose)
+        if hold_back(planner, command):
+            return still
+    status.shifts = slew_pose(planner.params, command, 1, planner.pose)
     return still
 
 

@@ -99,10 +99,11 @@ def sense_legs(
         feet.before[at] = feet.now[at]
     legs_forward(params, joints, feet.waves, feet.now)
     keep_feet(joints, feet.now, sensing)
-    for leg in range(LEGS):
-        sensing.force_q12[leg] = 0
-        if sensing.answered >= 0:
-            sensing.force_q12[leg] = leg_force(params, leg, joints, feet.waves, sensing)
+    if sensing.answered >= 0:
+        feel_forces(params, joints, feet.waves, sensing)
+    else:
+        for leg in range(LEGS):
+            sensing.force_q12[leg] = 0
     for joint in range(JOINTS):
         sensing.joints[joint] = joints[joint]
     if sensing.known < 100:
@@ -116,18 +117,18 @@ def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
     feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
     rolled + 1 lu. Used by sense_legs. Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
+    sine = sensing.pitch_sine_q13
+    cosine = sensing.pitch_cosine_q13
+    roll_sine = sensing.roll_sine_q13
+    roll_cosine = sensing.roll_cosine_q13
     to = 0
     for at in range(0, JOINTS, 3):
-        sine = sensing.pitch_sine_q13
-        cosine = sensing.pitch_cosine_q13
         ahead = feet[at] * cosine + feet[at + 2] * sine + 0x1000 >> 13
         z = feet[at + 2] * cosine - feet[at] * sine + 0x1000 >> 13
-        sine = sensing.roll_sine_q13
-        cosine = sensing.roll_cosine_q13
-        aside = feet[at + 1] * cosine - z * sine + 0x1000 >> 13
+        aside = feet[at + 1] * roll_cosine - z * roll_sine + 0x1000 >> 13
         sensing.level[at] = ahead
         sensing.level[at + 1] = aside
-        sensing.level[at + 2] = feet[at + 1] * sine + z * cosine + 0x1000 >> 13
+        sensing.level[at + 2] = feet[at + 1] * roll_sine + z * roll_cosine + 0x1000 >> 13
         shank = (joints[at + 1] + joints[at + 2] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
         sensing.rolled[to] = ahead - (sensing.rolls_q12 * shank >> 12)
@@ -136,36 +137,37 @@ def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
 
 
 @hot
-def leg_force(params: Params, leg: int, joints: Ints, waves: Ints, sensing: Sensing) -> int:
-    """Return the force of one foot along its leg from the errors of thigh and calf, Q12, +-16383.
+def feel_forces(params: Params, joints: Ints, waves: Ints, sensing: Sensing) -> None:
+    """Write the force of each foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
     A calf motor on the body answers the errors of thigh and calf together. A leg within about 2 deg of straight gives
     0. Intermediates: two halves of 32767 * 32767.
     """
-    at = leg * 3 + 1
-    sent = sensing.answered + at
-    thigh = joints[at]
-    calf = joints[at + 1]
-    error = sensing.sent[sent] - thigh
-    turned = thigh - sensing.joints[at]
-    above = joint_torque(params.stiff_q8.thigh, params.damp_q8.thigh, error, turned)
-    if params.coupled:
+    at = 1
+    for leg in range(LEGS):
+        sent = sensing.answered + at
+        thigh = joints[at]
+        calf = joints[at + 1]
+        error = sensing.sent[sent] - thigh
+        turned = thigh - sensing.joints[at]
+        above = joint_torque(params.stiff_q8.thigh, params.damp_q8.thigh, error, turned)
+        if params.coupled == 0:
+            error = 0
+            turned = 0
         error += sensing.sent[sent + 1] - calf
         turned += calf - sensing.joints[at + 1]
         below = joint_torque(params.stiff_q8.calf, params.damp_q8.calf, error, turned)
-    else:
-        error = sensing.sent[sent + 1] - calf
-        turned = calf - sensing.joints[at + 1]
-        below = joint_torque(params.stiff_q8.calf, params.damp_q8.calf, error, turned)
-        above = saturate(above - below, -32767, 32767)
-    base = params.legs[leg]
-    arms = -((base.thigh_length * base.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
-    if arms < _STRAIGHT and arms > -_STRAIGHT:
-        return 0
-    knee_drop = base.thigh_length * waves[at + JOINTS] + 0x4000 >> 15
-    calf_drop = base.calf_length * waves[at + JOINTS + 1] + 0x4000 >> 15
-    force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
-    return saturate(force, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
+        if params.coupled == 0:
+            above = saturate(above - below, -32767, 32767)
+        limb = params.legs[leg]
+        arms = -((limb.thigh_length * limb.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
+        force = 0
+        if arms >= _STRAIGHT or arms <= -_STRAIGHT:
+            knee_drop = limb.thigh_length * waves[at + JOINTS] + 0x4000 >> 15
+            calf_drop = limb.calf_length * waves[at + JOINTS + 1] + 0x4000 >> 15
+            force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
+        sensing.force_q12[leg] = saturate(force, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
+        at += 3
 
 
 @hot

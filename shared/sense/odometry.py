@@ -175,22 +175,24 @@ def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
 
 @hot
 def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
-    """Write how far each foot has gone, where about it was, and their means by the weights, of sum ``total``.
+    """Write how far each foot that counts has gone, where about it was, and the means by the weights, of sum ``total``.
 
     Intermediates: 256 * 4 * 2^14.
     """
     for axis in range(2):
         gone = 0
         arm = 0
-        for at in range(axis, 2 * LEGS, 2):
-            now = sensing.rolled[at]
-            gone_here = saturate(odometry.rolled[at] - now, -_GONE_MAX, _GONE_MAX)
-            place = sensing.level[(at >> 1) * 3 + axis]
-            odometry.rolled[at] = now
-            odometry.gone[at] = gone_here
-            odometry.arm[at] = saturate((place << 1) + gone_here >> 2, -_ARM_MAX, _ARM_MAX)
-            gone += odometry.weight[at >> 1] * odometry.gone[at]
-            arm += odometry.weight[at >> 1] * odometry.arm[at]
+        for leg in range(LEGS):
+            at = leg * 2 + axis
+            weight = odometry.weight[leg]
+            if weight:
+                gone_here = saturate(odometry.rolled[at] - sensing.rolled[at], -_GONE_MAX, _GONE_MAX)
+                about = saturate((sensing.level[leg * 3 + axis] << 1) + gone_here >> 2, -_ARM_MAX, _ARM_MAX)
+                odometry.gone[at] = gone_here
+                odometry.arm[at] = about
+                gone += weight * gone_here
+                arm += weight * about
+            odometry.rolled[at] = sensing.rolled[at]
         if total:
             odometry.gone_mean[axis] = ((gone << 2) + (total >> 1)) // total
             odometry.arm_mean[axis] = arm // total
@@ -219,13 +221,14 @@ def turn_of_feet(odometry: Odometry) -> int:
     along = 0
     for leg in range(LEGS):
         weight = odometry.weight[leg]
-        at = leg * 2
-        x = saturate(odometry.arm[at] - odometry.arm_mean[0], -_ARM_MAX, _ARM_MAX)
-        y = saturate(odometry.arm[at + 1] - odometry.arm_mean[1], -_ARM_MAX, _ARM_MAX)
-        ahead = saturate(odometry.gone[at] - (odometry.gone_mean[0] >> 2), -_GONE_MAX, _GONE_MAX)
-        aside = saturate(odometry.gone[at + 1] - (odometry.gone_mean[1] >> 2), -_GONE_MAX, _GONE_MAX)
-        across += weight * (x * aside - y * ahead + 512 >> 10)
-        along += weight * (x * x + y * y >> 10)
+        if weight:
+            at = leg * 2
+            x = saturate(odometry.arm[at] - odometry.arm_mean[0], -_ARM_MAX, _ARM_MAX)
+            y = saturate(odometry.arm[at + 1] - odometry.arm_mean[1], -_ARM_MAX, _ARM_MAX)
+            ahead = saturate(odometry.gone[at] - (odometry.gone_mean[0] >> 2), -_GONE_MAX, _GONE_MAX)
+            aside = saturate(odometry.gone[at + 1] - (odometry.gone_mean[1] >> 2), -_GONE_MAX, _GONE_MAX)
+            across += weight * (x * aside - y * ahead + 512 >> 10)
+            along += weight * (x * x + y * y >> 10)
     if along <= 0:
         return 0
     across = saturate(across, -(along >> 2) - 1, (along >> 2) + 1)
@@ -254,14 +257,15 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
         ahead = saturate(odometry.gone_mean[0] + (evened * odometry.arm_mean[1] + 0x4000 >> 15), -32767, 32767)
         aside = saturate(odometry.gone_mean[1] - (evened * odometry.arm_mean[0] + 0x4000 >> 15), -32767, 32767)
         for leg in range(LEGS):
-            at = leg * 2
-            x = (odometry.gone[at] << 2) + (evened * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
-            y = (odometry.gone[at + 1] << 2) - (evened * odometry.arm[at] + 0x4000 >> 15) - aside
-            if x < 0:
-                x = -x
-            if y < 0:
-                y = -y
-            slip += odometry.weight[leg] * (x + y)
+            if odometry.weight[leg]:
+                at = leg * 2
+                x = (odometry.gone[at] << 2) + (evened * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
+                y = (odometry.gone[at + 1] << 2) - (evened * odometry.arm[at] + 0x4000 >> 15) - aside
+                if x < 0:
+                    x = -x
+                if y < 0:
+                    y = -y
+                slip += odometry.weight[leg] * (x + y)
         slip >>= 8
     if walks:
         count_way(params, ahead, aside, slip, odometry)

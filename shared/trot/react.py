@@ -218,14 +218,12 @@ def lift_on(params: Params, walk: Trot) -> None:
     if state.high_left:
         if state.lift < setup.high_lift:
             state.lift = setup.high_lift
-        gone = 0
-        for axis in range(2):
-            speed = state.seen[axis]
-            if speed < 0:
-                speed = -speed
-            gone += speed
-        if gone < setup.high_slowest:
-            gone = setup.high_slowest
-        if climbs(params, walk):
-            gone = 0
-        state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
+        ahead = state.seen.x
+        aside = state.seen.y
+        if ahead < 0:
+            ahead = -ahead
+        if aside < 0:
+            aside = -aside
+        if climbs(params, walk) == 0:
+            gone = saturate(ahead + aside, setup.high_slowest, setup.high_way)
+            state.high_left = saturate(state.high_left - gone, 0, setup.high_way)

@@ -129,8 +129,12 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Pose) -> No
     state.tilt_q14.pitch = tilt_to_come(params, pitch, 0)
     state.roll_q14 = tilt_to_come(params, roll, turned[0])
     state.pitch_q14 = tilt_to_come(params, pitch, turned[1])
-    state.roll_18 = turn_level(params, walk, roll, pose.roll, posed.roll)
-    state.pitch_18 = turn_level(params, walk, pitch, pose.pitch, posed.pitch)
+    if walk.wish.balance and state.known:
+        state.roll_18 = turn_level(params, roll - pose.roll)
+        state.pitch_18 = turn_level(params, pitch - pose.pitch)
+    else:
+        state.roll_18 = turn_along(pose.roll - posed.roll)
+        state.pitch_18 = turn_along(pose.pitch - posed.pitch)
     state.drive.x += pose.x - posed.x << LF_BITS
     state.drive.y += pose.y - posed.y << LF_BITS
     posed.x = pose.x
@@ -154,15 +158,16 @@ def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
 
 
 @hot
-def turn_level(params: Params, walk: Trot, tilt: int, wanted: int, before: int) -> int:
-    """Return the turn of this tick, 2^-18 rad about x or y, that levels the body, or follows its pose where none does.
+def turn_level(params: Params, wrong: int) -> int:
+    """Return the turn of this tick, 2^-18 rad about x or y, that levels a body which is tilted ``wrong`` brad too far."""
+    wrong = saturate(wrong, -_TILT_MAX, _TILT_MAX)
+    return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
 
-    tilt: measured, wanted: of the pose, before: of the pose a tick ago, all brad.
-    """
-    if walk.wish.balance and walk.state.known:
-        wrong = saturate(tilt - wanted, -_TILT_MAX, _TILT_MAX)
-        return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
-    return saturate(saturate(wanted - before, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10, -_TURN_MAX, _TURN_MAX)
+
+@hot
+def turn_along(further: int) -> int:
+    """Return the turn of this tick, 2^-18 rad, of a body that nothing levels: its pose was turned ``further``, brad."""
+    return saturate(saturate(further, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10, -_TURN_MAX, _TURN_MAX)
 
 
 @hot

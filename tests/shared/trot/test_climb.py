@@ -9,8 +9,8 @@ from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
 from shared.trot.ground import climbs
-from shared.trot.react import MET, MET_NOW, count_held, land, lift_on, swing_top
-from shared.trot.state import Trot
+from shared.trot.react import MET, MET_NOW, count_held, lift_on, swing_top
+from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
 from .test_twin import UNEVEN_Q4, Pair
@@ -77,7 +77,9 @@ def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope
     walk.measured[5] += round(high * pair.params.leg_length)
     walk.residual[3], walk.met[1] = round(high * pair.params.leg_length), met_before
     before, after_landing = list(walk.feet), stood > 1
-    land(pair.params, walk, 1, round(stood * setup.landing_q20))
+    walk.wish.moving = 1
+    state.phase_q20 = (CYCLE_Q20 >> 1) + round(stood * setup.landing_q20) - setup.phase_step_q20
+    go_on(pair.params, walk, 0)
     assert (walk.feet[3:6] != before[3:6]) == taken
     assert walk.feet[:3] + walk.feet[6:] == before[:3] + before[6:]
     assert walk.met[1] == (MET_NOW if taken else 0 if after_landing else met_before)

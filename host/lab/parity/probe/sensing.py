@@ -7,7 +7,7 @@ from shared.sense import legs as sensing
 from shared.sense.legs import MeasuredFeet, Sensing
 
 from .draw import Range
-from .draws import BRAD, LEG, ROBOT
+from .draws import BRAD, ROBOT
 from .probe import Block, Probe
 from .robots import PARAMS
 from .row import Row
@@ -58,7 +58,14 @@ PROBES = (
         begin=_begin,
         vectors=2,
     ),
-    Probe("leg_force", sensing.leg_force, (ROBOT, LEG, ANGLES, FEET.waves, BLOCK), fit=_forward, begin=_begin),
+    Probe(
+        "feel_forces",
+        sensing.feel_forces,
+        (ROBOT, ANGLES, FEET.waves, BLOCK),
+        watch=(BLOCK,),
+        fit=_forward,
+        begin=_begin,
+    ),
     Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
     Probe("keep_feet", sensing.keep_feet, (ANGLES, PLACES, BLOCK), watch=(BLOCK,), begin=_begin),
 )
