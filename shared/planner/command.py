@@ -88,21 +88,25 @@ def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed
 
 
 @hot
-def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
-    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so.
-
-    Most ticks it is there already.
-    """
+def is_posed(command: Command, pose: Pose) -> int:
+    """Return 1 if ``pose`` is the command's, as it is in most ticks; else 0."""
     told = command.pose
-    if standing and pose.x == told.x and pose.y == told.y and pose.z == told.z:
-        if pose.roll == told.roll and pose.pitch == told.pitch and pose.yaw == told.yaw:
-            return 0
+    if pose.x != told.x or pose.y != told.y or pose.z != told.z:
+        return 0
+    if pose.roll != told.roll or pose.pitch != told.pitch or pose.yaw != told.yaw:
+        return 0
+    return 1
+
+
+@hot
+def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
+    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so."""
     moves = 0
     for axis in range(POSE_AXES):
         wanted = 0
         if standing:
             top = params.pose_max[axis]
-            wanted = told[axis]
+            wanted = command.pose[axis]
             if wanted > top or wanted < -top:
                 wanted = saturate(wanted, -top, top)
         if pose[axis] != wanted:

@@ -8,7 +8,7 @@ from ..gait.steps import body_advance, move_feet, place_feet, steps_at_rest
 from ..gait.table import gait_clock
 from ..num.fixed import saturate
 from ..runtime import hot
-from .command import MODE_WALK, Command, slew_pose, slew_speed
+from .command import MODE_WALK, Command, is_posed, slew_pose, slew_speed
 from .state import PlannerState
 from .status import BAD_COMMAND, POSE_HELD, STANDING, WALKING
 
@@ -27,7 +27,8 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
     if status.beyond or status.holds:
         if hold_back(planner, command):
             return still
-    status.shifts = slew_pose(planner.params, command, 1, planner.pose)
+    if is_posed(command, planner.pose) == 0:
+        status.shifts = slew_pose(planner.params, command, 1, planner.pose)
     return still
 
 

@@ -42,7 +42,8 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
     state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
-    wait_for_feet(params, walk, pose)
+    if state.high_left:
+        wait_for_feet(params, walk, pose)
     turn = speed.wz + ((pose.yaw - walk.posed.yaw) * _BRAD_18 >> 10)
     walk.posed.yaw = pose.yaw
     if walk.wish.moving:
@@ -96,8 +97,6 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
-    if state.high_left == 0:
-        return
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest

@@ -1,7 +1,7 @@
 """shared/planner/command.py: any command block, limited and slewed."""
 
 
-from shared.body.axes import TWIST_AXES, Pose, Twist
+from shared.body.axes import POSE_AXES, TWIST_AXES, Pose, Twist
 from shared.gait.table import Gait
 from shared.planner import command
 from shared.planner.command import Command
@@ -26,6 +26,15 @@ def _use_gait(values, dice):
     values[1] = MOST
 
 
+def _posed(values, dice):
+    """Now and then the pose is what is commanded, or nearly."""
+    told: Command = values[0]
+    for axis in range(POSE_AXES):
+        POSE[axis] = told.pose[axis]
+    if dice.bits(1):
+        POSE[dice.below(POSE_AXES)] += 1
+
+
 def _begin():
     clear(SPEED)
     clear(POSE)
@@ -43,6 +52,7 @@ PROBES = (
         fit=_use_gait,
         begin=_begin,
     ),
+    Probe("is_posed", command.is_posed, (COMMAND, POSE), begin=_begin, fit=_posed),
     Probe(
         "slew_pose",
         command.slew_pose,
