@@ -73,13 +73,13 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
     if mode == MODE_LIMP or mode == MODE_SIT:
         status.fallen = 0
     most = planner.params.tilt_max
-    tilted = 0
-    if sensed.tilt[0] > most or sensed.tilt[0] < -most or sensed.tilt[1] > most or sensed.tilt[1] < -most:
-        tilted = status.tilted + 1
     if sensed.valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
-        tilted = 0
-    status.tilted = tilted
-    if tilted > planner.params.tilt_ticks:
+        status.tilted = 0
+    elif sensed.tilt[0] > most or sensed.tilt[0] < -most or sensed.tilt[1] > most or sensed.tilt[1] < -most:
+        status.tilted += 1
+    else:
+        status.tilted = 0
+    if status.tilted > planner.params.tilt_ticks:
         status.fallen = 1
         status.tilted = 0
     return status.fallen

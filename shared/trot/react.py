@@ -206,24 +206,31 @@ def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
 
 @hot
 def lift_on(params: Params, walk: Trot) -> None:
+    """Write the top of the next swings: as wished, the robot's own, or high after something was met."""
+    state = walk.state
+    state.lift = params.trot.low_lift
+    if walk.wish.height > 0:
+        state.lift = saturate(walk.wish.height, 0, params.trot.highest_lift)
+    if state.high_left:
+        if state.lift < params.trot.high_lift:
+            state.lift = params.trot.high_lift
+        if climbs(params, walk) == 0:
+            count_high(params, walk)
+
+
+@hot
+def count_high(params: Params, walk: Trot) -> None:
     """Count down the way to go with high swings.
 
-    Where it climbs it does not get less: on stairs the feet land where their plane has them, and meet nothing.
+    Not where it climbs: on stairs the feet land where their plane has them, and meet nothing.
     """
     state = walk.state
     setup = params.trot
-    state.lift = setup.low_lift
-    if walk.wish.height > 0:
-        state.lift = saturate(walk.wish.height, 0, setup.highest_lift)
-    if state.high_left:
-        if state.lift < setup.high_lift:
-            state.lift = setup.high_lift
-        ahead = state.seen.x
-        aside = state.seen.y
-        if ahead < 0:
-            ahead = -ahead
-        if aside < 0:
-            aside = -aside
-        if climbs(params, walk) == 0:
-            gone = saturate(ahead + aside, setup.high_slowest, setup.high_way)
-            state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
+    ahead = state.seen.x
+    aside = state.seen.y
+    if ahead < 0:
+        ahead = -ahead
+    if aside < 0:
+        aside = -aside
+    gone = saturate(ahead + aside, setup.high_slowest, setup.high_way)
+    state.high_left = saturate(state.high_left - gone, 0, setup.high_way)

@@ -76,14 +76,13 @@ def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
     told: commanded, gone: of the odometry, lf / tick; drift: what is added, lf / tick Q8. Who misses more than may be
     added is pushed or held: then what is added stays as it is. Intermediates: 2^18 * 2^12.
     """
-    setup = params.trot
     missed = saturate(told - gone, -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
         told = -told
-    most = (told * _MORE_Q8 >> 8) + setup.drift_least
+    most = (told * _MORE_Q8 >> 8) + params.trot.drift_least
     if missed > most or missed < -most:
         return drift_q8
-    drift_q8 += missed * setup.drift_q15 >> 7
+    drift_q8 += missed * params.trot.drift_q15 >> 7
     most <<= 8
     return saturate(drift_q8, -most, most)
 

@@ -161,6 +161,7 @@ PROBES = (
     _probe("follow_uneven", ground, (ROBOT, WALK, SHARE), (WALK.state,)),
     _probe("climbs", ground, (ROBOT, WALK), ()),
     _probe("lift_on", react, (ROBOT, WALK)),
+    _probe("count_high", react, (ROBOT, WALK)),
     _probe("stand_feet", feet, (ROBOT, WALK)),
     _probe("spare", feet, (ROBOT, WALK, LEG), fit=_moving),
     _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
