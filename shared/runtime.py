@@ -1,6 +1,6 @@
 """The only file that knows which Python runs it.
 
-The core is plain Python. Ten names carry what a MicroPython build needs to know about it:
+The core is plain Python. Eleven names carry what a MicroPython build needs to know about it:
 
 ``const``  marks a private module constant, which MicroPython folds at compile time.
 ``hot``    marks a function of the inner loops. It is the identity here; the firmware build
@@ -9,7 +9,7 @@ The core is plain Python. Ten names carry what a MicroPython build needs to know
            the identity here and raw pointers in viper: ptr8 and ptr16 read unsigned, ptr32 signed.
 ``reg16``  and ``reg32`` alias a chip's registers likewise: what is read may change by itself. Here the chip is a model.
 ``bound``  makes a function of one that wants more, so that an interrupt finds its blocks.
-``zeros``  makes the array that state lives in, and ``table`` one of numbers that never change.
+``zeros``  makes the array that state lives in, ``table`` and ``words`` make one of numbers that never change.
 """
 
 from array import array
@@ -85,3 +85,10 @@ def table(values):
     if CPYTHON:
         return values
     return array("H", values)
+
+
+def words(values):
+    """Return ``values``, each of 32 bits, to be read through ptr32: as ``table``."""
+    if CPYTHON:
+        return values
+    return array("i", values)

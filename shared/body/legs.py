@@ -5,7 +5,7 @@ call costs as much as three of them.
 """
 
 from ..num.fixed import arctans_brad18, round_roots
-from ..num.tables import SIN_Q16
+from ..num.tables import SINE_SLOPE, SINE_START
 from ..runtime import Ints, const, hot, zeros
 from .params import JOINTS, LEGS, Params
 from .reach import reach_foot
@@ -25,7 +25,7 @@ class LegsWork:
         self.turns = zeros(4 * LEGS)  # the arctangents, 2^-18 turn
 
 
-_QUARTER = const(0x4000)
+_QUARTER = const(256)  # of a turn, in steps of the sine
 _HALF = const(0x8000)
 
 
@@ -33,32 +33,21 @@ _HALF = const(0x8000)
 def legs_waves(joints: Ints, waves: Ints) -> None:
     """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad.
 
-    Each as sin_q15 and cos_q15, the same lines twice: in an inner loop they take a third longer on CPython.
+    Each as sin_q15 and cos_q15.
     """
-    table = SIN_Q16
+    starts = SINE_START
+    slopes = SINE_SLOPE
     calf = 2
     for joint in range(JOINTS):
         angle = joints[joint]
         if joint == calf:
             angle += joints[joint - 1]
             calf += 3
-        index = angle >> 6 & 511
-        value = table[index]
-        value = value * 64 + (table[index + 1] - value) * (angle & 63) + 96 >> 7
-        if value > 32767:
-            value = 32767
-        if angle & _HALF:
-            value = -value
-        waves[joint] = value
-        angle += _QUARTER
-        index = angle >> 6 & 511
-        value = table[index]
-        value = value * 64 + (table[index + 1] - value) * (angle & 63) + 96 >> 7
-        if value > 32767:
-            value = 32767
-        if angle & _HALF:
-            value = -value
-        waves[joint + JOINTS] = value
+        rest = angle & 63
+        at = angle >> 6 & 1023
+        waves[joint] = starts[at] + slopes[at] * rest >> 7
+        at = (angle >> 6) + _QUARTER & 1023
+        waves[joint + JOINTS] = starts[at] + slopes[at] * rest >> 7
 
 
 @hot

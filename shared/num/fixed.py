@@ -7,10 +7,9 @@ MicroPython. The errors in the docstrings are worst cases, checked in tests/shar
 """
 
 from ..runtime import Ints, const, hot
-from .tables import ATAN_BRAD18, SIN_Q16, SQRT_SEED
+from .tables import ATAN_SLOPE, ATAN_START, SINE_SLOPE, SINE_START, SQRT_SEED
 
-_HALF_TURN_BRAD = const(0x8000)
-_QUARTER_BRAD = const(0x4000)
+_QUARTER = const(256)  # of a turn, in steps of the sine
 _EIGHTH_BRAD18 = const(0x8000)
 _QUARTER_BRAD18 = const(0x10000)
 _HALF_BRAD18 = const(0x20000)
@@ -41,36 +40,25 @@ def mul_q15(a: int, b_q15: int) -> int:
 def sin_q15(angle_brad: int) -> int:
     """Return the sine in Q15, -32767 .. 32767, of any angle in 1/65536 turn.
 
-    One half-turn table in Q16 with 512 intervals and linear interpolation.
-    Error at most 1 LSB of Q15. Largest intermediate 64 * 65535 + 96 < 2^23.
+    A line in each of 1024 steps of the turn (host/boards/build/tables.py). Error at most 1 LSB of Q15. Largest
+    intermediate 2^22.
     """
-    table = SIN_Q16
-    index = angle_brad >> 6 & 511
-    value = table[index]
-    value = value * 64 + (table[index + 1] - value) * (angle_brad & 63) + 96 >> 7
-    if value > 32767:
-        value = 32767
-    if angle_brad & _HALF_TURN_BRAD:
-        return -value
-    return value
+    starts = SINE_START
+    slopes = SINE_SLOPE
+    at = angle_brad >> 6 & 1023
+    return starts[at] + slopes[at] * (angle_brad & 63) >> 7
 
 
 @hot
 def cos_q15(angle_brad: int) -> int:
     """Return the cosine in Q15, -32767 .. 32767, of any angle in 1/65536 turn. Error as sin_q15.
 
-    It is sin_q15 a quarter turn on, without its call: nearly half of a tick's sines are cosines.
+    It is sin_q15 a quarter turn on.
     """
-    table = SIN_Q16
-    angle_brad += _QUARTER_BRAD
-    index = angle_brad >> 6 & 511
-    value = table[index]
-    value = value * 64 + (table[index + 1] - value) * (angle_brad & 63) + 96 >> 7
-    if value > 32767:
-        value = 32767
-    if angle_brad & _HALF_TURN_BRAD:
-        return -value
-    return value
+    starts = SINE_START
+    slopes = SINE_SLOPE
+    at = (angle_brad >> 6) + _QUARTER & 1023
+    return starts[at] + slopes[at] * (angle_brad & 63) >> 7
 
 
 @hot
@@ -81,7 +69,8 @@ def atan2_brad18(y: int, x: int) -> int:
     The ratio of the smaller to the larger side is formed in 18 bits by two divisions, so that the larger may keep 18
     to 21 bits; then arctan by a table, linear between. Largest: the smaller side, below 2^21, times 2^9: below 2^30.
     """
-    table = ATAN_BRAD18
+    starts = ATAN_START
+    slopes = ATAN_SLOPE
     far = x
     if far < 0:
         far = -far
@@ -108,9 +97,7 @@ def atan2_brad18(y: int, x: int) -> int:
         near *= 512
         high = near // far
         ratio = high * 512 + (near - high * far) * 512 // far
-        index = ratio >> 10
-        angle = table[index]
-        angle += ((table[index + 1] - angle) * (ratio & 1023) + 512) >> 10
+        angle = starts[ratio >> 10] + slopes[ratio >> 10] * (ratio & 1023) >> 10
     if steep:
         angle = _QUARTER_BRAD18 - angle
     if x < 0:
@@ -271,7 +258,8 @@ def round_roots(squares: Ints, roots: Ints, count: int) -> None:
 @hot
 def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
     """Write the angles of ``count`` points (x, y) in 1/2^18 turn. Each as atan2_brad18."""
-    table = ATAN_BRAD18
+    starts = ATAN_START
+    slopes = ATAN_SLOPE
     for at in range(count):
         far = xs[at]
         near = ys[at]
@@ -298,8 +286,7 @@ def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
             near <<= 9
             high = near // far
             ratio = (high << 9) + ((near - high * far) << 9) // far
-            angle = table[ratio >> 10]
-            angle += ((table[(ratio >> 10) + 1] - angle) * (ratio & 1023) + 512) >> 10
+            angle = starts[ratio >> 10] + slopes[ratio >> 10] * (ratio & 1023) >> 10
         if turned & 4:
             angle = _QUARTER_BRAD18 - angle
         if turned & 1:

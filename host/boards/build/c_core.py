@@ -20,6 +20,7 @@ from .source import BuildError, Module, closure, constant_value, find_imports, h
 MODULE = "_core"
 _HEADS = {"micropython": "c_micropython.h", "cpython": "c_cpython.h"}
 _ARRAYS = {"H": "uint16_t", "i": "int32_t", "B": "uint8_t"}
+_TABLES = {"table": "H", "words": "i", "array": ""}  # what makes a constant array, and the kind of its numbers
 _ARITHMETIC = """
 static inline int32_t core_floor(int32_t a, int32_t b) {
     if (b == 0) return 0;
@@ -105,12 +106,12 @@ def _module(exposed: list[tuple[Module, ast.FunctionDef]]) -> str:
 
 
 def _table(name: str, module: Module, original: str) -> str:
-    """Return a constant array: ``NAME = table((...))`` or ``NAME = array("i", (...))``."""
+    """Return a constant array: ``NAME = table((...))``, ``words((...))`` or ``array("i", (...))``."""
     call = next((node.value for node in module.tree.body if isinstance(node, ast.Assign)
                  and isinstance(node.targets[0], ast.Name) and node.targets[0].id == original), None)
-    if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in ("table", "array"):
+    if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in _TABLES:
         raise BuildError(f"{module.path}: {original} is read by a hot function, but is no table of numbers")
-    code = "H" if call.func.id == "table" else ast.literal_eval(call.args[0])
+    code = _TABLES[call.func.id] or ast.literal_eval(call.args[0])
     elements = call.args[-1]
     assert isinstance(elements, ast.Tuple | ast.List)
     values = [constant_value(element, module.constants) for element in elements.elts]
@@ -175,7 +176,7 @@ def _drop_unused(module: Module, wanted: set[tuple[str, str]], place: Places) ->
 def _is_data(node: ast.stmt) -> bool:
     """Return whether a statement names a constant or a table, which nothing happens by."""
     return (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and isinstance(node.value, ast.Call)
-            and isinstance(node.value.func, ast.Name) and node.value.func.id in ("const", "table", "array"))
+            and isinstance(node.value.func, ast.Name) and node.value.func.id in ("const", *_TABLES))
 
 
 def _names_in_use(chosen: list[Module], modules: dict[str, Module]) -> set[tuple[str, str]]:

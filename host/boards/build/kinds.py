@@ -7,14 +7,14 @@ from dataclasses import dataclass, replace
 from .records import Layout, Layouts
 from .source import Module, resolve
 
-WHOLE = ("array", "table", "record", "object", "list")  # kinds that have a name of their own
+WHOLE = ("array", "table", "words", "record", "object", "list")  # kinds that have a name of their own
 
 
 @dataclass(frozen=True)
 class Value:
     """``text`` names it in the lowered source; a field is in the array ``text`` at ``at``, an expression.
 
-    kind: "number", "array", "table" (of halfwords), "record" (a whole one), "within" (a record in another), "run" (a
+    kind: "number", "array", "table" (of halfwords), "words" (a table of them), "record" (a whole one), "within" (a record in another), "run" (a
     vector or a list of records within one), "object" (of ``owner``, a class), "list" (of ``inner``).
     """
 
@@ -85,8 +85,8 @@ class Kinds:
         if at is None:
             return None
         origin, name = at
-        if name in ("zeros", "table"):
-            return Value("array" if name == "zeros" else "table", text, raw=text)
+        if name in ("zeros", "table", "words"):
+            return Value("array" if name == "zeros" else name, text, raw=text)
         found = self.annotated(origin, ast.Name(name), text)
         if found is not None:
             return found

@@ -14,7 +14,7 @@ from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
 from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
 
-_POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16"}  # what reads each in a hot function
+_POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16", "words": "ptr32"}  # what reads each in a hot function
 
 
 def lowered_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, Module]:
@@ -242,7 +242,7 @@ class Lowering:
             return Value("within" if base.layout else "number", base.text, base.layout, at, raw=base.raw)
         if base.kind in ("record", "within") and base.layout is not None and base.layout.numbered:
             return Value("number", self._root(base, node), at=_sum(base.at, self._times(node.slice, 1)))
-        if base.kind in ("array", "table"):
+        if base.kind in ("array", "table", "words"):
             if not self.hot:
                 return None  # an array's element needs no change
             return Value("number", self._root(base, node), at=self._text(node.slice))

@@ -14,7 +14,7 @@ from .rules import aliases, check_hot
 from .source import Module, has_no_result, hot_functions
 
 NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64 would raise OverflowError
-_TABLE = "tuple[int, ...]"  # what table() leaves
+_TABLE = "tuple[int, ...]"  # what table() and words() leave
 _ARRAY = "list[int]"  # what zeros() makes, read without asking what it is
 _ANY = "Any"
 _IMPORTS = f"from typing import Any; from mypy_extensions import {NUMBER}"
@@ -49,7 +49,7 @@ def _typed(module: Module, kinds: Kinds, package: str) -> bytes:
         edits += _type_signature(function, place)
         known = Lowering(module, kinds, set(), place).known(function)
         local = _locals(function)
-        local |= {name: _TABLE for name in local if name in known and known[name].kind == "table"}
+        local |= {name: _TABLE for name in local if name in known and known[name].kind in ("table", "words")}
         names = "; ".join(f"{name}: {kind}" for name, kind in local.items() if name not in known or kind == _TABLE)
         if names:
             edits.append(beside(module, function, names, place))
