@@ -80,14 +80,7 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
     A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
     """
     squares = work.squares
-    flags = reach_feet(params, hip_feet)
-    at = 0
-    for leg in range(LEGS):
-        y = hip_feet[at + 1]
-        z = hip_feet[at + 2]
-        side = params.legs[leg].hip_length
-        squares[leg] = y * y + z * z - side * side
-        at += 3
+    flags = reach_feet(params, hip_feet, work.squares)
     round_roots(work.squares, work.drops, LEGS)
     at = 0
     for leg in range(LEGS):
@@ -107,10 +100,11 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
 
 
 @hot
-def reach_feet(params: Params, hip_feet: Ints) -> int:
+def reach_feet(params: Params, hip_feet: Ints, squares: Ints) -> int:
     """Bring the feet of ``hip_feet``, 12 lu from the hips, into reach (reach.py); return why some were moved, or 0.
 
-    Those that are surely within it are not looked at twice.
+    Those that are surely within it are not looked at twice. Writes the squares of how far the feet are from the hips'
+    axes across the legs' planes, lu^2. Part of legs_inverse.
     """
     flags = 0
     at = 0
@@ -119,14 +113,20 @@ def reach_feet(params: Params, hip_feet: Ints) -> int:
         x = hip_feet[at]
         y = hip_feet[at + 1]
         z = hip_feet[at + 2]
-        at += 3
+        side = limb.hip_length
+        sure = 0
         if x <= 32767 and x >= -32767 and y <= 32767 and y >= -32767 and z <= 32767 and z >= -32767:
             across = (y * y >> 2) + (z * z >> 2)
             quarter = across + (x * x >> 2)
             if quarter <= limb.longest * limb.longest >> 2 and quarter >= (limb.shortest * limb.shortest >> 2) + 2:
-                if across >= (limb.hip_length * limb.hip_length >> 2) + 2:
-                    continue
-        flags |= reach_foot(params, leg, hip_feet, hip_feet)
+                if across >= (side * side >> 2) + 2:
+                    sure = 1
+        if sure == 0:
+            flags |= reach_foot(params, leg, hip_feet, hip_feet)
+            y = hip_feet[at + 1]
+            z = hip_feet[at + 2]
+        squares[leg] = y * y + z * z - side * side
+        at += 3
     return flags
 
 

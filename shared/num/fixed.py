@@ -273,6 +273,9 @@ def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
         if near > far:
             far, near = near, far
             turned += 4
+        if far >= 0x4000000:  # three of the turns below at once
+            far = (far >> 1) + 21 >> 5
+            near = (near >> 1) + 21 >> 5
         while far >= 0x200000:
             far = (far >> 1) + 1 >> 1
             near = (near >> 1) + 1 >> 1

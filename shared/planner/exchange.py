@@ -59,12 +59,12 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
     """
     status = planner.status
     gait = planner.gait
-    if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
-        return 0
     crawls = 0
     if gait.mover == MOVER_CRAWL and status.state == STANDING:
         crawls = 1
     elif held_up_for_good(planner) == 0:
+        return 0
+    if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
         return 0
     if sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         status.flags |= BLIND

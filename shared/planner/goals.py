@@ -37,12 +37,13 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
     Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
     Exact. Intermediates: two sums of two angles, below 2^18.
     """
-    near = params.joint_near
+    most = params.joint_near
+    least = -most
     for at in range(0, JOINTS, 3):
         hip = wanted[at] - joints[at]
         thigh = wanted[at + 1] - joints[at + 1]
         calf = wanted[at + 2] - joints[at + 2]
-        if hip > near or hip < -near or thigh > near or thigh < -near or calf > near or calf < -near:
+        if hip > most or hip < least or thigh > most or thigh < least or calf > most or calf < least:
             follow_leg(params, wanted, joints, at)
         else:
             joints[at] = wanted[at]

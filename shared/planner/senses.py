@@ -31,8 +31,9 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> None:
         known.joints = note_odd(planner, odd)
         planner.status.met |= known.joints
     known.turned = valid.turned
-    for axis in range(3):
-        believed.turned[axis] = sensed.turned[axis]
+    believed.turned[0] = sensed.turned[0]
+    believed.turned[1] = sensed.turned[1]
+    believed.turned[2] = sensed.turned[2]
 
 
 @hot

@@ -125,9 +125,10 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     for leg in range(LEGS):
         force = lag_plan(params, swinging >> leg & 1, leg, sensing.force_q12[leg], odometry)
         weight = bear_on(force, leg, odometry)
+        weight *= weight
         carried += odometry.borne_q6[leg]
-        odometry.weight[leg] = weight * weight
-        total += weight * weight
+        odometry.weight[leg] = weight
+        total += weight
     if carried < _FELT:
         total = 0
         for leg in range(LEGS):
@@ -136,8 +137,9 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     whole = 0
     if total:
         for leg in range(LEGS):
-            odometry.weight[leg] = (odometry.weight[leg] << 8) // total
-            whole += odometry.weight[leg]
+            weight = (odometry.weight[leg] << 8) // total
+            odometry.weight[leg] = weight
+            whole += weight
     return whole
 
 

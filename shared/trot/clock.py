@@ -30,8 +30,8 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     elif state.still_q20 < _STILL_MAX:
         state.still_q20 += step
     stands = walk.stands
-    state.swinging = 0
-    state.standing = 0
+    swinging = 0
+    standing = 0
     for leg in range(LEGS):
         part = state.phase_q20
         if _DIAGONALS >> leg & 1:
@@ -54,9 +54,12 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
                     lift_off(walk, leg)
                     stands[leg] = 0
                 stands[leg] = react(params, walk, leg)
-        state.standing += stands[leg]
-        if stands[leg] == 0:
-            state.swinging |= 1 << leg
+        if stands[leg]:
+            standing += 1
+        else:
+            swinging |= 1 << leg
+    state.swinging = swinging
+    state.standing = standing
 
 
 @hot

@@ -91,13 +91,17 @@ def see_residual(params: Params, walk: Trot) -> None:
     sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
     foot = 0
     for at in range(0, 2 * LEGS, 2):
-        gap = (walk.past_feet[sent + at] << 4) - free_q4[at]
-        rise = (walk.past_feet[sent + at + 1] << 4) - free_q4[at + 1]
+        ahead = free_q4[at]
+        up = free_q4[at + 1]
+        gap = (walk.past_feet[sent + at] << 4) - ahead
+        rise = (walk.past_feet[sent + at + 1] << 4) - up
         if gap > _GAP_MAX or gap < -_GAP_MAX or rise > _GAP_MAX or rise < -_GAP_MAX:
             gap = saturate(gap, -_GAP_MAX, _GAP_MAX)
             rise = saturate(rise, -_GAP_MAX, _GAP_MAX)
-        free_q4[at] += gap * share_q12 + 2048 >> 12
-        free_q4[at + 1] += rise * share_q12 + 2048 >> 12
-        walk.residual[at] = walk.measured[foot] - (free_q4[at] >> 4)
-        walk.residual[at + 1] = walk.measured[foot + 2] - (free_q4[at + 1] >> 4)
+        ahead += gap * share_q12 + 2048 >> 12
+        up += rise * share_q12 + 2048 >> 12
+        free_q4[at] = ahead
+        free_q4[at + 1] = up
+        walk.residual[at] = walk.measured[foot] - (ahead >> 4)
+        walk.residual[at + 1] = walk.measured[foot + 2] - (up >> 4)
         foot += 3

@@ -24,12 +24,16 @@ def feel_slope(params: Params, walk: Trot) -> None:
     middle_y = 0
     middle_z = 0
     count = 0
+    at = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
-            middle_x += measured[leg * 3]
-            middle_y += measured[leg * 3 + 1]
-            middle_z += level_z(walk, leg)
+            z = level_z(walk, leg)
+            middle_x += measured[at]
+            middle_y += measured[at + 1]
+            middle_z += z
+            walk.heights[leg] = z
             count += 1
+        at += 3
     if count < 2:
         return
     follow_feet(params, walk, count, middle_x // count, middle_y // count, middle_z // count)
@@ -47,11 +51,12 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
     along_y = 0
     square = 0
     uneven = 0
+    at = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
-            x = saturate(measured[leg * 3] - middle_x, -_FAR, _FAR)
-            y = saturate(measured[leg * 3 + 1] - middle_y, -_FAR, _FAR)
-            off = level_z(walk, leg) - middle_z - ground_z(walk, x, y)
+            x = saturate(measured[at] - middle_x, -_FAR, _FAR)
+            y = saturate(measured[at + 1] - middle_y, -_FAR, _FAR)
+            off = walk.heights[leg] - middle_z - ground_z(walk, x, y)
             off = saturate(off, -_FAR, _FAR)
             if off < 0:
                 uneven -= off
@@ -62,6 +67,7 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
             along_x += off * x
             along_y += off * y
             square += x * x + y * y
+        at += 3
     square = (square >> 9) + 1
     follow_slope(params, walk, 0, along_x // square)
     follow_slope(params, walk, 1, along_y // square)

@@ -63,10 +63,13 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
     carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
-    near = params.joint_near
-    for at in range(JOINTS):
-        goal[at] = walk.joints[at]
+    most = params.joint_near
+    least = -most
     for leg in range(LEGS):
+        at = leg * 3
+        goal[at] = walk.joints[at]
+        goal[at + 1] = walk.joints[at + 1]
+        goal[at + 2] = walk.joints[at + 2]
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag
@@ -77,10 +80,9 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
             led = lag >> 1
         elif walk.state.high_left == 0:
             slide(params, walk, leg, goal)
-        at = leg * 3
         for joint in range(3):
             step = walk.joints[at] - walk.joints_before[at]
-            if step > near or step < -near:
+            if step > most or step < least:
                 step = saturate(step, -params.joint_top[joint], params.joint_top[joint])
             goal[at] += step * led >> 8
             at += 1

@@ -65,6 +65,7 @@ class Trot:
         self.starts = zeros(JOINTS)  # lu, level: where each swing began
         self.measured = feet.now  # lu
         self.before = feet.before  # lu, the same a tick ago
+        self.heights = zeros(LEGS)  # lu, of the measured feet that stand, in level axes
         self.odometry = odometry  # how fast the body goes, as of the tick before: late, but no landing counts
         self.free_q4 = zeros(2 * LEGS)  # lu Q4: x and z where the foot would be if nothing hindered it
         self.residual = zeros(2 * LEGS)  # lu: x and z measured less those

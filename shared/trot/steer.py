@@ -173,9 +173,11 @@ def rise(params: Params, walk: Trot, pose: Pose) -> None:
     """Write how fast the body rises, with its pose and to its height above the standing feet."""
     state = walk.state
     total = 0
+    at = 2
     for leg in range(LEGS):
         if walk.stands[leg]:
-            total += walk.feet[leg * 3 + 2] >> LF_BITS
+            total += walk.feet[at] >> LF_BITS
+        at += 3
     state.rise = 0
     if state.standing:
         low = saturate(params.trot.height + pose.z + total // state.standing, -16383, 16383)

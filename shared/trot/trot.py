@@ -82,9 +82,10 @@ def keep_past(walk: Trot) -> None:
     to = state.ring_at * 2 * LEGS
     at = 0
     for leg in range(LEGS):
-        past_feet[to] = walk.feet[at] >> LF_BITS
+        ahead = walk.feet[at] >> LF_BITS
         if walk.stands[leg] == 0:
-            past_feet[to] += walk.short[leg]
+            ahead += walk.short[leg]
+        past_feet[to] = ahead
         past_feet[to + 1] = walk.feet[at + 2] >> LF_BITS
         to += 2
         at += 3

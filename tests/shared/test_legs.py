@@ -52,7 +52,7 @@ def test_feet_are_brought_into_reach_as_each(name):
         for leg in range(4):
             flags |= reach_foot(params, leg, reached, reached)
         inside += feet[:3] == reached[:3]
-        assert reach_feet(params, feet) == flags
+        assert reach_feet(params, feet, [0] * 8) == flags
         assert feet == reached
     assert inside > 100
 

@@ -6,6 +6,7 @@ argument tuples would allocate in the caller.
 
 import gc
 import json
+import sys
 
 from . import probes
 
@@ -26,7 +27,10 @@ def _caller(count, head, body, foot):
 
 
 def _say(answer):
-    print("@@" + json.dumps(answer))
+    """Print an answer, bit by bit: in a full memory there is no room for the whole text."""
+    sys.stdout.write("@@")
+    json.dump(answer, sys.stdout)
+    print()
 
 
 def allocation(module, count):

@@ -33,7 +33,7 @@ ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
-ALL = STATE + (WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
+ALL = STATE + (WALK.heights, WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
 
 
 def _begin():
@@ -153,7 +153,7 @@ PROBES = (
     _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
     _probe("land", react, (ROBOT, WALK, LEG), fit=_landing),
     _probe("meet_ground", react, (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
-    _probe("feel_slope", ground, (ROBOT, WALK)),
+    _probe("feel_slope", ground, (ROBOT, WALK), STATE + (WALK.heights,)),
     _probe("follow_feet", ground, (ROBOT, WALK, Range(1, 4), PLACE, PLACE, PLACE)),
     _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
     _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),

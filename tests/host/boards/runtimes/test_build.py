@@ -127,11 +127,11 @@ GOOD = hot(
 
 REWRITTEN = {
     ("bytecode", "any"): (
-        "@hot", "table = TAB", "p = b", "p[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)", "h(a)", "return p[a] - x",
+        "@hot", "table = TAB", "pass", "b[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)", "h(a)", "return b[a] - x",
     ),
     ("native", "armv7emsp"): (
-        "@micropython.native", "table = TAB", "p = b", "p[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)",
-        "h(a)", "return p[a] - x",
+        "@micropython.native", "table = TAB", "pass", "b[0] >>= 1", "x = g(a) + table[1] * 2", "g(a)",
+        "h(a)", "return b[a] - x",
     ),
     ("viper", "armv7emsp"): (
         "@micropython.viper", "table = ptr16(TAB)", "p = ptr32(b)", "p[0] >>= 1", "x = int(g(a)) + table[1] * 2",

@@ -71,9 +71,9 @@ def report_of(runtime: Runtime, sources: Path, work: Path) -> Report:
 
 def test_a_planted_difference_is_found_with_its_vector(few, tmp_path):
     reference = report_of(CPython(), few, tmp_path / "reference")
-    end = "    return value\n\n\n@hot\ndef cos_q15("
-    wrong = "    if value > 32000:\n        return 32767\n"
-    copy = plant(few, tmp_path / "wrong", "shared/num/fixed.py", end, wrong + end)
+    line = "    at = angle_brad >> 6 & 1023\n"
+    wrong = "    if starts[at] > 32000 << 7:\n        return 32767\n"
+    copy = plant(few, tmp_path / "wrong", "shared/num/fixed.py", line, line + wrong)
     other = report_of(Wasi("source"), copy, tmp_path / "other")
     assert other.failure is None
     difference = first_difference(reference, other)
