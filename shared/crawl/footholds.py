@@ -61,8 +61,9 @@ def foothold_keep(map: Map, footholds: Footholds, side: int) -> int:
     queue = footholds.sides[side]
     last = queue.places[queue.waiting - 1]
     foot = map.feet[side]
-    for axis in range(3):
-        last[axis] = foot[axis]
+    last.x = foot.x
+    last.y = foot.y
+    last.z = foot.z
     return queue.waiting
 
 

@@ -42,13 +42,16 @@ def plan_loads(crawl: Crawl) -> int:
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
+    at = 0
     for leg in range(LEGS):
         weights[leg] = 0
         if support.stance[leg]:
             weights[leg] = support.share_q12[leg] >> 4
-        for axis in range(3):
-            away = crawl.map.feet[leg][axis] - path.wanted[axis] >> LF_BITS
-            feet[leg * 3 + axis] = saturate(away, -32767, 32767)
+        foot = crawl.map.feet[leg]
+        feet[at] = saturate(foot.x - path.wanted.x >> LF_BITS, -32767, 32767)
+        feet[at + 1] = saturate(foot.y - path.wanted.y >> LF_BITS, -32767, 32767)
+        feet[at + 2] = saturate(foot.z - path.wanted.z >> LF_BITS, -32767, 32767)
+        at += 3
     load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
     for leg in range(LEGS):
         support.load_q12[leg] = crawl.load.wanted_q12[leg]

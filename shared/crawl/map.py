@@ -129,15 +129,24 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
     for leg in range(LEGS):
         weights[leg] = foot_weight_q8(crawl.support, leg)
         total += weights[leg]
-    for axis in range(3):
-        gaps = 0
-        for leg in range(LEGS):
-            gap = map.feet[leg][axis] - map.body_pose[axis] - map.seen[leg][axis] + 8 >> 4
-            gaps += weights[leg] * saturate(gap, -0x7FFFF, 0x7FFFF)
-        if total:
-            map.body_pose[axis] += gaps // total << 4
-        for leg in range(LEGS):
-            map.seen[leg][axis] += map.body_pose[axis]
+    x = 0
+    y = 0
+    z = 0
+    for leg in range(LEGS):
+        foot = map.feet[leg]
+        seen = map.seen[leg]
+        x += weights[leg] * saturate(foot.x - map.body_pose.x - seen.x + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        y += weights[leg] * saturate(foot.y - map.body_pose.y - seen.y + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        z += weights[leg] * saturate(foot.z - map.body_pose.z - seen.z + 8 >> 4, -0x7FFFF, 0x7FFFF)
+    if total:
+        map.body_pose.x += x // total << 4
+        map.body_pose.y += y // total << 4
+        map.body_pose.z += z // total << 4
+    for leg in range(LEGS):
+        seen = map.seen[leg]
+        seen.x += map.body_pose.x
+        seen.y += map.body_pose.y
+        seen.z += map.body_pose.z
 
 
 @hot
@@ -159,14 +168,13 @@ def follow_slips(crawl: Crawl) -> None:
         if support.stance[leg] and support.share_q12[leg] > _HALF_SHARE_Q12 and support.force_q12[leg] > least:
             foot = map.feet[leg]
             seen = map.seen[leg]
-            for axis in range(3):
-                gap = saturate(seen[axis] - foot[axis], -0xFFFFFF, 0xFFFFFF)
-                gain = params.crawl.slip_level_q15
-                if axis == 2:
-                    gain = params.crawl.slip_height_q15
-                    if gap > far or gap < -far:
-                        gain = params.crawl.slip_far_q15
-                foot[axis] += fraction(gap, gain)
+            foot.x += fraction(saturate(seen.x - foot.x, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            foot.y += fraction(saturate(seen.y - foot.y, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            gap = saturate(seen.z - foot.z, -0xFFFFFF, 0xFFFFFF)
+            gain = params.crawl.slip_height_q15
+            if gap > far or gap < -far:
+                gain = params.crawl.slip_far_q15
+            foot.z += fraction(gap, gain)
 
 
 @hot

@@ -214,12 +214,13 @@ def hold_pose(crawl: Crawl) -> None:
         if axis > 2:
             limit = params.crawl.angle_limit << LF_BITS
         wanted = path.wanted[axis]
+        measured = map.body_pose[axis]
         path.lagged[axis] += fraction(wanted - path.lagged[axis], params.crawl.lag_q15)
-        error = saturate(path.lagged[axis] - map.body_pose[axis], -0xFFFFFF, 0xFFFFFF)
+        error = saturate(path.lagged[axis] - measured, -0xFFFFFF, 0xFFFFFF)
         integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
         path.integral[axis] = integral
         path.commanded[axis] = wanted + saturate(fraction(error, params.crawl.error_q15) + integral, -limit, limit)
-        away = saturate(map.body_pose[axis] - wanted, -0xFFFFFF, 0xFFFFFF)
+        away = saturate(measured - wanted, -0xFFFFFF, 0xFFFFFF)
         path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
     if params.lateral_q12 == 0:
         path.commanded.y = 0

@@ -1,6 +1,6 @@
 """All that the crawl of one robot remembers, made beforehand: a tick allocates nothing."""
 
-from ..body.axes import Point, Pose, Spot
+from ..body.axes import POSE_AXES, Point, Pose, Spot
 from ..body.load import Load
 from ..body.params import JOINTS, LEGS, Params
 from ..record import field, part, parts, record, vector
@@ -83,10 +83,10 @@ class BodyPath:
     to_pose: Pose = part(Pose, "where its move ends")
     move_tick: int = field("ticks", "of the move so far")
     move_ticks: int = field("ticks", "of the whole move")
-    lagged: Pose = part(Pose, "the wanted pose, as late as servos and bus are")
-    integral: Pose = part(Pose, "of the pose loop")
+    lagged: Ints = vector(POSE_AXES, "lf, bf", "the wanted pose, as late as servos and bus are")
+    integral: Ints = vector(POSE_AXES, "lf, bf", "of the pose loop")
     commanded: Pose = part(Pose, "pose that the stance legs are told")
-    sag: Pose = part(Pose, "measured less wanted pose, smoothed")
+    sag: Ints = vector(POSE_AXES, "lf, bf", "measured less wanted pose, smoothed")
 
 
 @record
