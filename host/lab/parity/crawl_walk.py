@@ -25,7 +25,7 @@ from ...robot.scale import attitude_block, brad, core_params, joints_rad, scale_
 SPEED_M_S = 0.05
 LONGEST_S = 300.0
 STAND_TICKS = 150  # first: the attitude is aligned while the robot stands still
-STEP_M, STEP_AT_M, STEP_LONG_M, WAY_M = 0.03, 0.25, 0.3, 1.0
+STEP_M, STEP_AT_M, STEP_LONG_M, WAY_M = 0.03, 0.35, 0.3, 1.0
 COMMAND_BYTES, SENSED_BYTES, RAW_BYTES = 58, 30, 14  # frames, and what the inertial sensor's registers hold
 ANSWER_BYTES = 24  # twelve joint angles of a SETPOINTS frame
 ANGLES_AT = PAYLOAD + 10  # where they lie in it
