@@ -122,6 +122,10 @@ def _table(values: tuple[int, ...]) -> CheckedArray:
     return CheckedArray("H", values)
 
 
+def _words(values: tuple[int, ...]) -> CheckedArray:
+    return CheckedArray("i", values)
+
+
 def _make(field: Any) -> Any:
     """Return what a record holds under a name at first (shared/record.py), checked."""
     if field.of:
@@ -199,7 +203,7 @@ class _Loader(importlib.machinery.SourceFileLoader):
         module.__dict__.update(_checked=_small, range=_range, int=_integer)
         super().exec_module(module)
         if module.__name__ == "shared.runtime":
-            module.__dict__.update(zeros=_zeros, table=_table)
+            module.__dict__.update(zeros=_zeros, table=_table, words=_words)
         if module.__name__ == "shared.record":
             module.__dict__.update(_next=_next, setattr=_set)
             module.__dict__["Field"].make = _make
