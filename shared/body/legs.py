@@ -118,9 +118,10 @@ def reach_feet(params: Params, hip_feet: Ints, squares: Ints) -> int:
         if x <= 32767 and x >= -32767 and y <= 32767 and y >= -32767 and z <= 32767 and z >= -32767:
             across = (y * y >> 2) + (z * z >> 2)
             quarter = across + (x * x >> 2)
-            if quarter <= limb.longest * limb.longest >> 2 and quarter >= (limb.shortest * limb.shortest >> 2) + 2:
-                if across >= (side * side >> 2) + 2:
-                    sure = 1
+            if across >= (side * side >> 2) + 2 and quarter <= limb.longest * limb.longest >> 2 and (
+                quarter >= (limb.shortest * limb.shortest >> 2) + 2
+            ):
+                sure = 1
         if sure == 0:
             flags |= reach_foot(params, leg, hip_feet, hip_feet)
             y = hip_feet[at + 1]

@@ -24,9 +24,8 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
         halves = 0
     still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
     status.shifts = 0
-    if status.beyond or status.holds:
-        if hold_back(planner, command):
-            return still
+    if (status.beyond or status.holds) and hold_back(planner, command):
+        return still
     if is_posed(command, planner.pose) == 0:
         status.shifts = slew_pose(planner.params, command, 1, planner.pose)
     return still

@@ -22,9 +22,9 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
-    A round foot's centre goes slower than the body. What is missed of the speed is added, but not while swings are high:
-    what held the body up would make it lunge once it is over. Heading: turned back by what was turned wrong; the pose's
-    yaw is turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
+    A round foot's centre goes slower than the body. What is missed of the speed is added, but not while swings are
+    high: what held the body up would make it lunge once it is over. Heading: turned back by what was turned wrong; the
+    pose's yaw is turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
     """
     state = walk.state
     setup = params.trot
@@ -157,7 +157,7 @@ def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
 
 @hot
 def turn_level(params: Params, wrong: int) -> int:
-    """Return the turn of this tick, 2^-18 rad about x or y, that levels a body which is tilted ``wrong`` brad too far."""
+    """Return the turn of this tick, 2^-18 rad about x or y, that levels a body tilted ``wrong`` brad too far."""
     wrong = saturate(wrong, -_TILT_MAX, _TILT_MAX)
     return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
 

@@ -14,8 +14,9 @@ WHOLE = ("array", "table", "words", "record", "object", "list")  # kinds that ha
 class Value:
     """``text`` names it in the lowered source; a field is in the array ``text`` at ``at``, an expression.
 
-    kind: "number", "array", "table" (of halfwords), "words" (a table of them), "record" (a whole one), "within" (a record in another), "run" (a
-    vector or a list of records within one), "object" (of ``owner``, a class), "list" (of ``inner``).
+    kind: "number", "array", "table" (of halfwords), "words" (a table of them), "record" (a whole one), "within" (a
+    record in another), "run" (a vector or a list of records within one), "object" (of ``owner``, a class), "list" (of
+    ``inner``).
     """
 
     kind: str

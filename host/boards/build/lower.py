@@ -14,7 +14,8 @@ from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
 from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
 
-_POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16", "words": "ptr32"}  # what reads each in a hot function
+# What reads each in a hot function
+_POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16", "words": "ptr32"}
 
 
 def lowered_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, Module]:

@@ -116,7 +116,7 @@ def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """``ptr16(x)`` is x outside viper; without the call it costs nothing. Registers are of a model there, and stay."""
     edits = []
     for node in ast.walk(function):
-        if _is_pointer(node):
+        if isinstance(node, ast.Call) and _is_pointer(node):
             edits.append(Edit(place.start(node), place.start(node.args[0]) - place.start(node), ""))
             edits.append(Edit(place.end(node.args[0]), place.end(node) - place.end(node.args[0]), ""))
     return edits
@@ -125,31 +125,37 @@ def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
 def strip_aliases(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """As strip_pointers; where a parameter's alias was, the parameter is used, and its frame gets smaller.
 
-    A frame of more than eleven words is taken from MicroPython's heap, which costs as much as a hundred operations.
+    A frame of more than eleven words is taken from MicroPython's heap, which costs more than the call itself.
     """
-    given = {argument.arg for argument in function.args.args} - _stored(function)
     edits = strip_pointers(function, place)
-    renamed = {}
-    for node in function.body:
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Call) and isinstance(node.targets[0], ast.Name):
-            call = node.value
-            if _is_pointer(call) and isinstance(call.args[0], ast.Name) and call.args[0].id in given:
-                renamed[node.targets[0].id] = call.args[0].id
-                start, end = place.start(node), place.end(node)
-                edits = [edit for edit in edits if not start <= edit.offset < end]
-                edits.append(Edit(start, end - start, "pass"))
+    renamed = _renamed(function)
+    for statement in function.body:
+        made = statement.targets[0] if isinstance(statement, ast.Assign) else None
+        if isinstance(made, ast.Name) and made.id in renamed:
+            start, end = place.start(statement), place.end(statement)
+            edits = [edit for edit in edits if not start <= edit.offset < end]
+            edits.append(Edit(start, end - start, "pass"))
     for node in ast.walk(function):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in renamed:
             edits.append(Edit(place.start(node), len(node.id), renamed[node.id]))
     return edits
 
 
-def _stored(function: ast.FunctionDef) -> set[str]:
-    return {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+def _renamed(function: ast.FunctionDef) -> dict[str, str]:
+    """Return the parameter behind each alias of a parameter that is never set anew."""
+    stored = {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    given = {argument.arg for argument in function.args.args} - stored
+    found = {}
+    for node in function.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and isinstance(node.value, ast.Call):
+            behind = node.value.args[0] if _is_pointer(node.value) else None
+            if isinstance(behind, ast.Name) and behind.id in given:
+                found[node.targets[0].id] = behind.id
+    return found
 
 
-def _is_pointer(node: ast.expr) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in POINTERS
+def _is_pointer(call: ast.Call) -> bool:
+    return isinstance(call.func, ast.Name) and call.func.id in POINTERS
 
 
 def _name_registers(function: ast.FunctionDef, place: Places) -> list[Edit]:

@@ -4,6 +4,7 @@ A function that is linear between the entries is kept as lines: where each begin
 rounding adds, and how fast it rises. So a value is a product, a sum and a shift.
 """
 
+from itertools import pairwise
 from math import atan, isqrt, pi, sin
 
 from ... import ROOT
@@ -22,7 +23,7 @@ def sine_q16(step: int) -> int:
 
 
 def sine_lines() -> list[Line]:
-    """The line of each 1/1024 turn: sine in Q15 = start + slope * rest >> 7, rest 0 .. 63. It is odd, and within 32767."""
+    """The line of each 1/1024 turn: sine in Q15 = start + slope * rest >> 7, rest 0 .. 63. Odd, and within 32767."""
     return [_line(*_sines_q15(step)) for step in range(4 * INTERVALS)]
 
 
@@ -46,7 +47,7 @@ def _line(slope: int, sines: list[int]) -> Line:
 def arctan_lines() -> list[Line]:
     """The line of each 1/256 of the ratio: arctan in 1/2^18 turn = start + slope * rest >> 10, rest 0 .. 1023."""
     angles = [round((1 << 18) / (2 * pi) * atan(i / INTERVALS)) for i in range(INTERVALS + 1)]
-    return [((here << 10) + 512, there - here) for here, there in zip(angles, angles[1:], strict=False)]
+    return [((here << 10) + 512, there - here) for here, there in pairwise(angles)]
 
 
 def root_seed() -> list[int]:
@@ -55,7 +56,8 @@ def root_seed() -> list[int]:
 
 
 def listing(name: str, kind: str, values: list[int], comment: str) -> str:
-    rows = [", ".join(map(str, values[i : i + 12])) + "," for i in range(0, len(values), 12)]
+    width = 12 if kind == "table" else 10
+    rows = [", ".join(map(str, values[i : i + width])) + "," for i in range(0, len(values), width)]
     body = "\n".join("        " + row for row in rows)
     return f"# {comment}\n{name} = {kind}(\n    (\n{body}\n    )\n)\n"
 

@@ -22,8 +22,8 @@ def _bring_into_reach(values, dice):
 
 
 def _begin():
-    for leg in range(4):
-        FLAGS[leg] = 0
+    for at in range(4):
+        FLAGS[at] = 0
 
 
 PROBES = (

@@ -14,6 +14,7 @@ WAVES = zeros(24)
 FEET = zeros(12)
 JOINTS = zeros(12)
 FEET_LEFT = ANY_FEET.array
+SQUARES = WORK.squares
 HALF_WORK = (WORK.squares, WORK.drops, WORK.lengths, WORK.roots, WORK.rises, WORK.runs, WORK.turns)
 
 
@@ -32,7 +33,7 @@ PROBES = (
     Probe("legs_waves", legs.legs_waves, (ANY_ANGLES, WAVES), watch=(WAVES,)),
     Probe("legs_forward", legs.legs_forward, (ROBOT, ANY_ANGLES, WAVES, FEET), watch=(FEET, WAVES)),
     Probe("legs_inverse", legs.legs_inverse, (ROBOT, ANY_FEET, WORK, JOINTS), watch=(JOINTS, FEET_LEFT), vectors=4),
-    Probe("reach_feet", legs.reach_feet, (ROBOT, ANY_FEET, WORK.squares), watch=(FEET_LEFT, WORK.squares), begin=_begin),
+    Probe("reach_feet", legs.reach_feet, (ROBOT, ANY_FEET, SQUARES), watch=(FEET_LEFT, SQUARES), begin=_begin),
     Probe("fill_turns", legs.fill_turns, (ROBOT, ANY_FEET, WORK), watch=(WORK.turns,), fit=_solved, begin=_begin),
     Probe("finish_turns", legs.finish_turns, (ROBOT, WORK, JOINTS), watch=(JOINTS,), fit=_solved, begin=_begin),
 )

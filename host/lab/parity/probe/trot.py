@@ -33,7 +33,8 @@ ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
-ALL = STATE + (WALK.heights, WALK.measured, WALK.before, WALK.free_q4, WALK.joints, WALK.joints_before, WALK.posed, WALK.past_feet)
+PAST = (WALK.before, WALK.joints_before, WALK.posed, WALK.past_feet)
+ALL = STATE + (WALK.heights, WALK.measured, WALK.free_q4, WALK.joints) + PAST
 
 
 def _begin():
