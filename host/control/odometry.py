@@ -41,17 +41,17 @@ def read_odometry(params: Params, block: core.Odometry) -> Odometry:
     core.odometry_spread(params, block)
     unit_m, hertz = 1 / (1 << params.length_shift), params.rate_hz
     fine_m = unit_m / (1 << LF_BITS)
-    x, y = block.place
-    ahead, aside = block.speed
     yaw_rad = 2 * pi * (block.turns + block.heading / TURN)
-    speeds = ahead * fine_m * hertz, aside * fine_m * hertz, block.turning / FINE_RAD * hertz
-    return Odometry(x * unit_m, y * unit_m, yaw_rad, *speeds, _covariance(block, unit_m, fine_m))
+    ahead, aside = block.speed.x * fine_m * hertz, block.speed.y * fine_m * hertz
+    turning = block.turning / FINE_RAD * hertz
+    place_m = block.place.x * unit_m, block.place.y * unit_m
+    return Odometry(*place_m, yaw_rad, ahead, aside, turning, _covariance(block, unit_m, fine_m))
 
 
 def _covariance(block: core.Odometry, unit_m: float, fine_m: float) -> tuple[float, ...]:
     """Return s s' + g g' and a^2 for x and y, as shared/sense/odometry.py has it, by rows."""
-    scaled = [each * unit_m for each in block.scaled] + [0.0]
-    astray = [each * fine_m for each in block.astray] + [block.doubt_q26 / DOUBT_RAD]
+    scaled = block.scaled.x * unit_m, block.scaled.y * unit_m, 0.0
+    astray = block.astray.x * fine_m, block.astray.y * fine_m, block.doubt_q26 / DOUBT_RAD
     apart = [(block.apart * unit_m) ** 2] * 2 + [0.0]
     return tuple(
         scaled[i] * scaled[j] + astray[i] * astray[j] + (apart[i] if i == j else 0.0)

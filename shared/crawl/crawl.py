@@ -7,7 +7,7 @@ stage follows a stage is in steps.py.
 """
 
 from ..body.axes import POSE_AXES
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import FL, FR, JOINTS, LEGS, LF_BITS, RL, RR, Params
 from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
@@ -70,17 +70,16 @@ def start_map(crawl: Crawl, sensing: Sensing, joints: Ints, roll_brad: int, pitc
     """Begin the map under the body, and the body's path where it is. Arguments as crawl_start."""
     map = crawl.map
     path = crawl.path
-    level = sensing.level[2] + sensing.level[5] + sensing.level[8] + sensing.level[11] >> 2
+    level = sensing.level[FR].z + sensing.level[FL].z + sensing.level[RR].z + sensing.level[RL].z >> 2
     for axis in range(POSE_AXES):
         map.body_pose[axis] = 0
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
     roll_feet(crawl, joints)
     for leg in range(LEGS):
         foot = map.feet[leg]
-        at = leg * 3
-        foot.x = sensing.level[at] << LF_BITS
-        foot.y = sensing.level[at + 1] << LF_BITS
-        foot.z = sensing.level[at + 2] - level << LF_BITS
+        foot.x = sensing.level[leg].x << LF_BITS
+        foot.y = sensing.level[leg].y << LF_BITS
+        foot.z = sensing.level[leg].z - level << LF_BITS
     map.body_pose.z = -level << LF_BITS
     for axis in range(POSE_AXES):
         path.wanted[axis] = map.body_pose[axis]

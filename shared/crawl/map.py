@@ -66,11 +66,10 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     fy = 0
     for leg in range(LEGS):
         w = foot_weight_q8(support, leg)
-        at = leg * 3
         foot = map.feet[leg]
         total += w
-        mx += w * sensing.level[at]
-        my += w * sensing.level[at + 1]
+        mx += w * sensing.level[leg].x
+        my += w * sensing.level[leg].y
         fx += w * (foot.x - map.body_pose.x >> LF_BITS)
         fy += w * (foot.y - map.body_pose.y >> LF_BITS)
     if total == 0:
@@ -83,10 +82,9 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     along = 0
     for leg in range(LEGS):
         w = foot_weight_q8(support, leg)
-        at = leg * 3
         foot = map.feet[leg]
-        ax = saturate(sensing.level[at] - mx >> 1, -_NEAR_LU, _NEAR_LU)
-        ay = saturate(sensing.level[at + 1] - my >> 1, -_NEAR_LU, _NEAR_LU)
+        ax = saturate(sensing.level[leg].x - mx >> 1, -_NEAR_LU, _NEAR_LU)
+        ay = saturate(sensing.level[leg].y - my >> 1, -_NEAR_LU, _NEAR_LU)
         bx = saturate((foot.x - map.body_pose.x >> LF_BITS) - fx >> 1, -_NEAR_LU, _NEAR_LU)
         by = saturate((foot.y - map.body_pose.y >> LF_BITS) - fy >> 1, -_NEAR_LU, _NEAR_LU)
         across += w * (ax * by - ay * bx >> 10)
@@ -103,13 +101,13 @@ def turn_feet(sensing: Sensing, map: Map) -> None:
     cosine = cos_q15(map.body_pose.yaw >> LF_BITS) >> 1
     sine = sin_q15(map.body_pose.yaw >> LF_BITS) >> 1
     for leg in range(LEGS):
-        at = leg * 3
         seen = map.seen[leg]
-        x = sensing.level[at]
-        y = sensing.level[at + 1]
+        level = sensing.level[leg]
+        x = level.x
+        y = level.y
         seen.x = x * cosine - y * sine + 32 >> 6
         seen.y = x * sine + y * cosine + 32 >> 6
-        seen.z = sensing.level[at + 2] << LF_BITS
+        seen.z = level.z << LF_BITS
 
 
 @hot

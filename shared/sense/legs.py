@@ -10,10 +10,11 @@ two torques are the foot's force along the leg:
 with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
+from ..body.axes import Point, Spot
 from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
-from ..record import field, record, vector
+from ..record import field, parts, record, vector
 from ..runtime import Ints, const, hot, zeros
 
 
@@ -30,9 +31,9 @@ class MeasuredFeet:
 class Sensing:
     """What the legs tell of feet, forces and motion."""
 
-    level: Ints = vector(JOINTS, "lu", "the feet from the middle of the hips, in level axes that turn with the body")
+    level: list[Point] = parts(LEGS, Point, "each foot from the middle of the hips, in level axes that turn with the body")
     force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
-    rolled: Ints = vector(2 * LEGS, "lu", "x, y of each foot less what it rolled")
+    rolled: list[Spot] = parts(LEGS, Spot, "where each foot is, less what it rolled")
     joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")
     known: int = field("ticks", "measured in a row, up to 100")
     sent_at: int = field("", "where in the ring the next goals go, 0 .. 15")
@@ -62,8 +63,9 @@ def sensing_reset(sensing: Sensing) -> None:
     sensing.answered = -1
     for leg in range(LEGS):
         sensing.force_q12[leg] = 0
-    for at in range(JOINTS):
-        sensing.level[at] = 0
+        sensing.level[leg].x = 0
+        sensing.level[leg].y = 0
+        sensing.level[leg].z = 0
 
 
 @hot
@@ -121,19 +123,21 @@ def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
     cosine = sensing.pitch_cosine_q13
     roll_sine = sensing.roll_sine_q13
     roll_cosine = sensing.roll_cosine_q13
-    to = 0
-    for at in range(0, JOINTS, 3):
+    at = 0
+    for leg in range(LEGS):
+        level = sensing.level[leg]
+        rolled = sensing.rolled[leg]
         ahead = feet[at] * cosine + feet[at + 2] * sine + 0x1000 >> 13
         z = feet[at + 2] * cosine - feet[at] * sine + 0x1000 >> 13
         aside = feet[at + 1] * roll_cosine - z * roll_sine + 0x1000 >> 13
-        sensing.level[at] = ahead
-        sensing.level[at + 1] = aside
-        sensing.level[at + 2] = feet[at + 1] * roll_sine + z * roll_cosine + 0x1000 >> 13
+        level.x = ahead
+        level.y = aside
+        level.z = feet[at + 1] * roll_sine + z * roll_cosine + 0x1000 >> 13
         shank = (joints[at + 1] + joints[at + 2] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
-        sensing.rolled[to] = ahead - (sensing.rolls_q12 * shank >> 12)
-        sensing.rolled[to + 1] = aside + (sensing.rolls_q12 * hip >> 12)
-        to += 2
+        rolled.x = ahead - (sensing.rolls_q12 * shank >> 12)
+        rolled.y = aside + (sensing.rolls_q12 * hip >> 12)
+        at += 3
 
 
 @hot

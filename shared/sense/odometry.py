@@ -14,9 +14,10 @@ feet that differ would count alike, whatever they carry. Slips stay in it, and s
 off: ``odometry_spread`` tells how much that is.
 """
 
+from ..body.axes import Spot
 from ..body.params import LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
-from ..record import field, record, vector
+from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const, hot
 from .legs import Sensing
 from .sensed import Sensed
@@ -29,20 +30,20 @@ class Odometry:
     The place stays at +-2^30 lu (8 km where a lu is 2^-17 m), so does the way; the heading goes on for 2^30 turns.
     """
 
-    place: Ints = vector(2, "lu", "of the middle of the hips")
-    place_rest: Ints = vector(2, "lu Q16", "what of it is less than a lu")
+    place: Spot = part(Spot, "of the middle of the hips")
+    place_rest: Spot = part(Spot, "what of it is less than a lu, lu Q16")
     turns: int = field("turns", "whole ones, to the left")
     heading: int = field("2^-24 turn", "beyond those, -2^23 .. 2^23 - 1")
     heading_rest: int = field("2^-35 turn", "what of it is less than a unit")
-    speed: Ints = vector(2, "lf / tick", "of the body, forward and left, over 0.2 s")
+    speed: Spot = part(Spot, "of the body over 0.2 s, lf / tick")
     turning: int = field("2^-24 rad / tick", "about z, over 0.2 s")
     known: int = field("", "1: ``rolled`` is of the tick before")
     gyro: int = field("", "1: the gyroscope told the turn, 0: the feet")
-    rolled: Ints = vector(2 * LEGS, "lu", "``Sensing.rolled`` of the tick before")
-    gone: Ints = vector(2 * LEGS, "lu", "b - n of each foot")
-    arm: Ints = vector(2 * LEGS, "2 lu", "(b + n) / 2 of each foot")
-    gone_mean: Ints = vector(2, "lu Q2", "the feet's mean")
-    arm_mean: Ints = vector(2, "2 lu", "the feet's mean")
+    rolled: list[Spot] = parts(LEGS, Spot, "``Sensing.rolled`` of the tick before")
+    gone: list[Spot] = parts(LEGS, Spot, "b - n of each foot that counts")
+    arm: list[Spot] = parts(LEGS, Spot, "(b + n) / 2 of each foot that counts, 2 lu")
+    gone_mean: Spot = part(Spot, "the feet's mean, lu Q2")
+    arm_mean: Spot = part(Spot, "the feet's mean, 2 lu")
     stands: Ints = vector(LEGS, "ticks", "0: the foot swings .. sent_ticks + 2: it stands, a tick at a time")
     carried_q12: int = field("own weight Q12", "sum of the feet's forces; of one that lands what it presses")
     borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
@@ -50,8 +51,8 @@ class Odometry:
     way: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
     doubt_q26: int = field("rad Q26", "how far off the heading may be (one sigma) for what was walked")
-    astray: Ints = vector(2, "lf", "how far off the place is if the heading is off by that")
-    scaled: Ints = vector(2, "lu", "how far off it may be for a way told too long or too short (one sigma)")
+    astray: Spot = part(Spot, "how far off the place is if the heading is off by that, lf")
+    scaled: Spot = part(Spot, "how far off it may be for a way told too long or too short (one sigma)")
     apart: int = field("lu", "how far off it may be in any direction, beside these (one sigma)")
 
 
@@ -71,8 +72,8 @@ def odometry_lost(odometry: Odometry) -> None:
     """The legs do not stand, or their joints are not known: what follows goes on from here, at rest."""
     odometry.known = 0
     odometry.turning = 0
-    for axis in range(2):
-        odometry.speed[axis] = 0
+    odometry.speed.x = 0
+    odometry.speed.y = 0
 
 
 @hot
@@ -84,9 +85,10 @@ def odometry_restart(odometry: Odometry) -> None:
     odometry.way = 0
     odometry.slip = 0
     odometry.doubt_q26 = 0
-    for axis in range(2):
-        odometry.place[axis] = 0
-        odometry.astray[axis] = 0
+    odometry.place.x = 0
+    odometry.place.y = 0
+    odometry.astray.x = 0
+    odometry.astray.y = 0
 
 
 @hot
@@ -181,23 +183,32 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
 
     Intermediates: 256 * 4 * 2^14.
     """
-    for axis in range(2):
-        gone = 0
-        arm = 0
-        for leg in range(LEGS):
-            at = leg * 2 + axis
-            weight = odometry.weight[leg]
-            if weight:
-                gone_here = saturate(odometry.rolled[at] - sensing.rolled[at], -_GONE_MAX, _GONE_MAX)
-                about = saturate((sensing.level[leg * 3 + axis] << 1) + gone_here >> 2, -_ARM_MAX, _ARM_MAX)
-                odometry.gone[at] = gone_here
-                odometry.arm[at] = about
-                gone += weight * gone_here
-                arm += weight * about
-            odometry.rolled[at] = sensing.rolled[at]
-        if total:
-            odometry.gone_mean[axis] = ((gone << 2) + (total >> 1)) // total
-            odometry.arm_mean[axis] = arm // total
+    gone_x = 0
+    gone_y = 0
+    arm_x = 0
+    arm_y = 0
+    for leg in range(LEGS):
+        was = odometry.rolled[leg]
+        now = sensing.rolled[leg]
+        weight = odometry.weight[leg]
+        if weight:
+            gone = odometry.gone[leg]
+            arm = odometry.arm[leg]
+            gone.x = saturate(was.x - now.x, -_GONE_MAX, _GONE_MAX)
+            gone.y = saturate(was.y - now.y, -_GONE_MAX, _GONE_MAX)
+            arm.x = saturate((sensing.level[leg].x << 1) + gone.x >> 2, -_ARM_MAX, _ARM_MAX)
+            arm.y = saturate((sensing.level[leg].y << 1) + gone.y >> 2, -_ARM_MAX, _ARM_MAX)
+            gone_x += weight * gone.x
+            gone_y += weight * gone.y
+            arm_x += weight * arm.x
+            arm_y += weight * arm.y
+        was.x = now.x
+        was.y = now.y
+    if total:
+        odometry.gone_mean.x = ((gone_x << 2) + (total >> 1)) // total
+        odometry.gone_mean.y = ((gone_y << 2) + (total >> 1)) // total
+        odometry.arm_mean.x = arm_x // total
+        odometry.arm_mean.y = arm_y // total
 
 
 @hot
@@ -224,11 +235,12 @@ def turn_of_feet(odometry: Odometry) -> int:
     for leg in range(LEGS):
         weight = odometry.weight[leg]
         if weight:
-            at = leg * 2
-            x = saturate(odometry.arm[at] - odometry.arm_mean[0], -_ARM_MAX, _ARM_MAX)
-            y = saturate(odometry.arm[at + 1] - odometry.arm_mean[1], -_ARM_MAX, _ARM_MAX)
-            ahead = saturate(odometry.gone[at] - (odometry.gone_mean[0] >> 2), -_GONE_MAX, _GONE_MAX)
-            aside = saturate(odometry.gone[at + 1] - (odometry.gone_mean[1] >> 2), -_GONE_MAX, _GONE_MAX)
+            gone = odometry.gone[leg]
+            arm = odometry.arm[leg]
+            x = saturate(arm.x - odometry.arm_mean.x, -_ARM_MAX, _ARM_MAX)
+            y = saturate(arm.y - odometry.arm_mean.y, -_ARM_MAX, _ARM_MAX)
+            ahead = saturate(gone.x - (odometry.gone_mean.x >> 2), -_GONE_MAX, _GONE_MAX)
+            aside = saturate(gone.y - (odometry.gone_mean.y >> 2), -_GONE_MAX, _GONE_MAX)
             across += weight * (x * aside - y * ahead + 512 >> 10)
             along += weight * (x * x + y * y >> 10)
     if along <= 0:
@@ -252,17 +264,18 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
     evened = turn
     if odometry.gyro == 0:
         evened = odometry.turning + 32 >> 6
-    ahead = odometry.speed[0] >> 6
-    aside = odometry.speed[1] >> 6
+    ahead = odometry.speed.x >> 6
+    aside = odometry.speed.y >> 6
     slip = 0
     if total:
-        ahead = saturate(odometry.gone_mean[0] + (evened * odometry.arm_mean[1] + 0x4000 >> 15), -32767, 32767)
-        aside = saturate(odometry.gone_mean[1] - (evened * odometry.arm_mean[0] + 0x4000 >> 15), -32767, 32767)
+        ahead = saturate(odometry.gone_mean.x + (evened * odometry.arm_mean.y + 0x4000 >> 15), -32767, 32767)
+        aside = saturate(odometry.gone_mean.y - (evened * odometry.arm_mean.x + 0x4000 >> 15), -32767, 32767)
         for leg in range(LEGS):
             if odometry.weight[leg]:
-                at = leg * 2
-                x = (odometry.gone[at] << 2) + (evened * odometry.arm[at + 1] + 0x4000 >> 15) - ahead
-                y = (odometry.gone[at + 1] << 2) - (evened * odometry.arm[at] + 0x4000 >> 15) - aside
+                gone = odometry.gone[leg]
+                arm = odometry.arm[leg]
+                x = (gone.x << 2) + (evened * arm.y + 0x4000 >> 15) - ahead
+                y = (gone.y << 2) - (evened * arm.x + 0x4000 >> 15) - aside
                 if x < 0:
                     x = -x
                 if y < 0:
@@ -271,8 +284,8 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
         slip >>= 8
     if walks:
         count_way(params, ahead, aside, slip, odometry)
-    odometry.speed[0] += ((ahead << 6) - odometry.speed[0]) * share_q10 + 512 >> 10
-    odometry.speed[1] += ((aside << 6) - odometry.speed[1]) * share_q10 + 512 >> 10
+    odometry.speed.x += ((ahead << 6) - odometry.speed.x) * share_q10 + 512 >> 10
+    odometry.speed.y += ((aside << 6) - odometry.speed.y) * share_q10 + 512 >> 10
     place_body(ahead, aside, turn, walks, odometry)
 
 
@@ -293,16 +306,17 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
     odometry.heading = (turned & 0xFFFFFF) - _HALF_TURN
     x = ahead * cosine - aside * sine
     y = ahead * sine + aside * cosine
-    odometry.place_rest[0] += x
-    odometry.place_rest[1] += y
-    for axis in range(2):
-        whole = odometry.place_rest[axis] >> 16
-        odometry.place_rest[axis] &= 0xFFFF
-        odometry.place[axis] = saturate(odometry.place[axis] + whole, -_FAR, _FAR)
+    rest = odometry.place_rest
+    rest.x += x
+    rest.y += y
+    odometry.place.x = saturate(odometry.place.x + (rest.x >> 16), -_FAR, _FAR)
+    odometry.place.y = saturate(odometry.place.y + (rest.y >> 16), -_FAR, _FAR)
+    rest.x &= 0xFFFF
+    rest.y &= 0xFFFF
     if walks:
         doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
-        odometry.astray[0] = saturate(odometry.astray[0] - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
-        odometry.astray[1] = saturate(odometry.astray[1] + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
+        odometry.astray.x = saturate(odometry.astray.x - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
+        odometry.astray.y = saturate(odometry.astray.y + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
 
 
 @hot
@@ -344,7 +358,7 @@ def odometry_spread(params: Params, odometry: Odometry) -> None:
     share_q12 = 16
     if way:
         share_q12 = saturate(16 + slip * 512 // way, 0, 4096)
-    for axis in range(2):
-        place = odometry.place[axis]
-        odometry.scaled[axis] = (place >> 12) * share_q12 + ((place & 4095) * share_q12 >> 12)
+    place = odometry.place
+    odometry.scaled.x = (place.x >> 12) * share_q12 + ((place.x & 4095) * share_q12 >> 12)
+    odometry.scaled.y = (place.y >> 12) * share_q12 + ((place.y & 4095) * share_q12 >> 12)
     odometry.apart = (1 << params.length_shift) // 1000 + (odometry.way >> 8) + (odometry.slip >> 5)

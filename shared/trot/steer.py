@@ -36,8 +36,8 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         state.drift_q8.x = 0
         state.drift_q8.y = 0
     else:
-        state.drift_q8.x = reach_speed(params, told_x, walk.odometry.speed[0], state.drift_q8.x)
-        state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed[1], state.drift_q8.y)
+        state.drift_q8.x = reach_speed(params, told_x, walk.odometry.speed.x, state.drift_q8.x)
+        state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.drift_q8.y)
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)

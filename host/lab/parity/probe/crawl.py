@@ -151,7 +151,7 @@ def _soil(values, dice):
     _soil_swing(dice, bits)
     _soil_stage(dice)
     for at in range(12):
-        SENSING.level[at] = dice.bits(16) - 32768
+        SENSING.level[at // 3][at % 3] = dice.bits(16) - 32768
         JOINTS[at] = dice.bits(14) - 8192
         CRAWL.goals[at] = dice.bits(16) - 32768
         CRAWL.jumps[at] = _near(dice, bits)
